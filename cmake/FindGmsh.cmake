@@ -1,0 +1,14 @@
+# Debian's libgmsh-dev has neither a CMake config nor a pkg-config file.
+find_path(Gmsh_INCLUDE_DIR gmsh.h)
+find_library(Gmsh_LIBRARY gmsh)
+if(Gmsh_INCLUDE_DIR)
+  file(STRINGS "${Gmsh_INCLUDE_DIR}/gmsh.h" _gmsh_version_line REGEX "^#define GMSH_API_VERSION \"")
+  string(REGEX REPLACE ".*\"([0-9.]+)\".*" "\\1" Gmsh_VERSION "${_gmsh_version_line}")
+endif()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(Gmsh REQUIRED_VARS Gmsh_LIBRARY Gmsh_INCLUDE_DIR VERSION_VAR Gmsh_VERSION)
+if(Gmsh_FOUND AND NOT TARGET Gmsh::Gmsh)
+  add_library(Gmsh::Gmsh UNKNOWN IMPORTED GLOBAL)
+  set_target_properties(Gmsh::Gmsh PROPERTIES
+    IMPORTED_LOCATION "${Gmsh_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${Gmsh_INCLUDE_DIR}")
+endif()

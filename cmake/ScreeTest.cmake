@@ -1,0 +1,29 @@
+# Environment of every MPI test: runs as root in containers, oversubscribes, does not bind to one core.
+set(SCREE_MPI_ENVIRONMENT
+  "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1"
+  "OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none;OMPI_MCA_btl=self,vader,tcp")
+
+# scree_unit_test(NAME name SOURCES ... LIBRARIES ... [LABEL fast|mpi|slow] [RANKS 1 2 4])
+#
+# A GoogleTest executable. Without RANKS its tests are registered one by one; with RANKS the whole
+# executable runs once for each number of ranks (its main must start MPI).
+function(scree_unit_test)
+  cmake_parse_arguments(arg "" "NAME;LABEL" "SOURCES;LIBRARIES;RANKS" ${ARGN})
+  if(NOT arg_LABEL)
+    set(arg_LABEL fast)
+  endif()
+  add_executable(${arg_NAME} ${arg_SOURCES})
+  target_link_libraries(${arg_NAME} PRIVATE scree_flags ${arg_LIBRARIES} GTest::gtest)
+  if(arg_RANKS)
+    foreach(ranks IN LISTS arg_RANKS)
+      add_test(NAME ${arg_NAME}.ranks_${ranks}
+        COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} $<TARGET_FILE:${arg_NAME}>)
+      set_tests_properties(${arg_NAME}.ranks_${ranks} PROPERTIES
+        PROCESSORS ${ranks} TIMEOUT 300 LABELS "mpi" ENVIRONMENT "${SCREE_MPI_ENVIRONMENT};OMP_NUM_THREADS=1")
+    endforeach()
+  else()
+    target_link_libraries(${arg_NAME} PRIVATE GTest::gtest_main)
+    gtest_discover_tests(${arg_NAME} DISCOVERY_TIMEOUT 60
+      PROPERTIES LABELS ${arg_LABEL} TIMEOUT 300 ENVIRONMENT "${SCREE_MPI_ENVIRONMENT}")
+  endif()
+endfunction()

@@ -1,0 +1,63 @@
+// Distances between two placed meshes, by simultaneous descent of their hierarchies in the first one's frame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/distance/triangle_distance.hpp"
+#include "core/geometry/bvh.hpp"
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace scree {
+
+/// A mesh and its tree, both of a shape; not owned.
+struct MeshView {
+  const TriangleMesh* mesh = nullptr;
+  const Bvh* bvh = nullptr;
+};
+
+/// Places shape B in the frame of shape A: x_A = scale * rotation * x_B + translation, all in units of A's
+/// shape (divide by A's own scale first). See relative_placement.
+struct Placement {
+  Mat3 rotation = identity3();
+  Vec3 translation;
+  double scale = 1;
+};
+
+/// Placement of B in A's unscaled frame from world poses. Lengths found with it are in units of A's shape:
+/// multiply by scale_a for metres.
+Placement relative_placement(const Vec3& x_a, const Quat& q_a, double scale_a, const Vec3& x_b, const Quat& q_b,
+                             double scale_b);
+
+struct TrianglePair {
+  std::int32_t a, b;
+  bool operator==(const TrianglePair&) const = default;
+};
+
+/// Reusable scratch memory of the queries; one per thread.
+struct MeshDistanceScratch;
+struct MeshDistanceScratchDeleter { void operator()(MeshDistanceScratch*) const; };
+using MeshDistanceScratchPtr = std::unique_ptr<MeshDistanceScratch, MeshDistanceScratchDeleter>;
+MeshDistanceScratchPtr make_mesh_distance_scratch();
+
+/// All triangle pairs whose distance is below `reach` (units of A's shape), sorted by (a, b). No pair is
+/// missed; a pair may be reported up to 1e-6 of the mesh size beyond reach (single-precision filter).
+/// Returns true when some pair intersects.
+bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach,
+                           MeshDistanceScratch& scratch, std::vector<TrianglePair>& pairs);
+
+/// Smallest distance between the surfaces, or `upper_bound` when it is not below it (units of A's shape).
+/// 0 when they intersect. A body inside a closed shell that touches nothing has a positive distance.
+double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
+                     MeshDistanceScratch& scratch);
+
+/// Smallest distance from a point to the surface, or upper_bound; nearest triangle and point by reference.
+double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest,
+                           std::int32_t& triangle);
+
+/// Whether a point is inside a closed mesh (generalised winding number, exact for points off the surface).
+bool is_inside(const TriangleMesh& mesh, const Vec3& point);
+
+}  // namespace scree

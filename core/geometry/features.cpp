@@ -1,0 +1,201 @@
+#include "core/geometry/features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace scree {
+
+namespace {
+
+/// One undirected mesh edge and the faces on it.
+struct MeshEdge {
+  std::int32_t low, high;                   // vertex indices
+  std::int32_t first_face, face_count;      // range in the sorted half-edge list
+  std::int32_t faces[2] = {-1, -1};
+  EdgeKind kind = EdgeKind::flat;
+  std::int32_t feature = -1;
+};
+
+struct HalfEdge {
+  std::int32_t low, high, face, k;
+  bool operator<(const HalfEdge& o) const {
+    if (low != o.low) return low < o.low;
+    if (high != o.high) return high < o.high;
+    return face < o.face;
+  }
+};
+
+std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t i) {
+  while (parent[static_cast<std::size_t>(i)] != i) {
+    parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
+    i = parent[static_cast<std::size_t>(i)];
+  }
+  return i;
+}
+
+}  // namespace
+
+FeatureTable find_features(const TriangleMesh& mesh) {
+  const auto triangle_count = static_cast<std::size_t>(mesh.triangle_count());
+  const auto vertex_count = static_cast<std::size_t>(mesh.vertex_count());
+  FeatureTable table;
+  table.owned_corner.assign(triangle_count, {-1, -1, -1});
+  table.owned_edge.assign(triangle_count, {-1, -1, -1});
+  table.edge_kind.assign(triangle_count, {EdgeKind::flat, EdgeKind::flat, EdgeKind::flat});
+  table.region.assign(triangle_count, 0);
+  if (triangle_count == 0) {  // a lone point (the centre of an analytic sphere) is a corner
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) table.corners.push_back(v);
+    return table;
+  }
+
+  std::vector<Vec3> normal(triangle_count);
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    const auto i = static_cast<std::int32_t>(t);
+    const Vec3 n = cross(mesh.corner(i, 1) - mesh.corner(i, 0), mesh.corner(i, 2) - mesh.corner(i, 0));
+    const double l = length(n);
+    normal[t] = l > 0 ? (1 / l) * n : Vec3{};
+  }
+
+  // mesh edges from sorted half edges
+  std::vector<HalfEdge> half;
+  half.reserve(3 * triangle_count);
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t a = mesh.triangles[t][static_cast<std::size_t>(k)];
+      const std::int32_t b = mesh.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
+      half.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), k});
+    }
+  }
+  std::sort(half.begin(), half.end());
+  std::vector<MeshEdge> edges;
+  for (std::size_t i = 0; i < half.size();) {
+    std::size_t j = i;
+    while (j < half.size() && half[j].low == half[i].low && half[j].high == half[i].high) ++j;
+    MeshEdge edge{half[i].low, half[i].high, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j - i)};
+    edge.faces[0] = half[i].face;
+    if (j - i > 1) edge.faces[1] = half[i + 1].face;
+    edges.push_back(edge);
+    i = j;
+  }
+
+  // flat regions: faces joined over edges whose normals agree
+  const double flat_cosine = std::cos(kFlatAngle);
+  std::vector<std::int32_t> parent(triangle_count);
+  std::iota(parent.begin(), parent.end(), 0);
+  for (const MeshEdge& edge : edges) {
+    if (edge.face_count != 2) continue;
+    const auto f = static_cast<std::size_t>(edge.faces[0]), g = static_cast<std::size_t>(edge.faces[1]);
+    if (dot(normal[f], normal[g]) <= flat_cosine) continue;
+    const std::int32_t a = find_root(parent, edge.faces[0]), b = find_root(parent, edge.faces[1]);
+    if (a != b) parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  std::vector<std::int32_t> region_of_root(triangle_count, -1);
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    const auto root = static_cast<std::size_t>(find_root(parent, static_cast<std::int32_t>(t)));
+    if (region_of_root[root] < 0) region_of_root[root] = table.region_count++;
+    table.region[t] = region_of_root[root];
+  }
+
+  // kind of each edge, and the sharp edges around each vertex
+  const auto conormal = [&](std::int32_t face, const MeshEdge& edge) {
+    const Vec3& a = mesh.vertices[static_cast<std::size_t>(edge.low)];
+    const Vec3 u = mesh.vertices[static_cast<std::size_t>(edge.high)] - a;
+    Vec3 t = cross(normal[static_cast<std::size_t>(face)], u);
+    const double l = length(t);
+    if (!(l > 0)) return Vec3{};
+    t = (1 / l) * t;
+    std::int32_t opposite = -1;
+    for (std::int32_t v : mesh.triangles[static_cast<std::size_t>(face)]) {
+      if (v != edge.low && v != edge.high) opposite = v;
+    }
+    if (opposite >= 0 && dot(t, mesh.vertices[static_cast<std::size_t>(opposite)] - a) < 0) t = -t;
+    return t;
+  };
+  std::vector<std::vector<std::int32_t>> sharp_at(vertex_count);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    MeshEdge& edge = edges[e];
+    if (edge.face_count == 1) {
+      edge.kind = EdgeKind::boundary;
+    } else if (edge.face_count > 2) {
+      edge.kind = EdgeKind::non_manifold;
+    } else if (table.region[static_cast<std::size_t>(edge.faces[0])] !=
+               table.region[static_cast<std::size_t>(edge.faces[1])]) {
+      const double side = dot(normal[static_cast<std::size_t>(edge.faces[0])], conormal(edge.faces[1], edge));
+      edge.kind = side > 0 ? EdgeKind::concave : EdgeKind::convex;
+    }
+    if (edge.kind != EdgeKind::flat) {
+      sharp_at[static_cast<std::size_t>(edge.low)].push_back(static_cast<std::int32_t>(e));
+      sharp_at[static_cast<std::size_t>(edge.high)].push_back(static_cast<std::int32_t>(e));
+    }
+    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
+      const HalfEdge& he = half[static_cast<std::size_t>(h)];
+      table.edge_kind[static_cast<std::size_t>(he.face)][static_cast<std::size_t>(he.k)] = edge.kind;
+    }
+  }
+
+  // corners: not flat, and not the inside of a straight edge
+  const auto other_end = [&](std::int32_t e, std::int32_t v) {
+    const MeshEdge& edge = edges[static_cast<std::size_t>(e)];
+    return edge.low == v ? edge.high : edge.low;
+  };
+  const auto is_corner = [&](std::int32_t v) {
+    const auto& sharp = sharp_at[static_cast<std::size_t>(v)];
+    if (sharp.empty()) return false;
+    if (sharp.size() != 2) return true;
+    if (edges[static_cast<std::size_t>(sharp[0])].kind != edges[static_cast<std::size_t>(sharp[1])].kind) return true;
+    const Vec3& p = mesh.vertices[static_cast<std::size_t>(v)];
+    const Vec3 a = mesh.vertices[static_cast<std::size_t>(other_end(sharp[0], v))] - p;
+    const Vec3 b = mesh.vertices[static_cast<std::size_t>(other_end(sharp[1], v))] - p;
+    return dot(a, b) > -flat_cosine * length(a) * length(b);
+  };
+  std::vector<std::int32_t> corner_of(vertex_count, -1);
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (!is_corner(v)) continue;
+    corner_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(table.corners.size());
+    table.corners.push_back(v);
+  }
+  std::vector<char> corner_taken(table.corners.size(), 0);
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t c = corner_of[static_cast<std::size_t>(mesh.triangles[t][k])];
+      if (c < 0 || corner_taken[static_cast<std::size_t>(c)]) continue;
+      corner_taken[static_cast<std::size_t>(c)] = 1;
+      table.owned_corner[t][k] = c;
+    }
+  }
+
+  // feature edges: walk each straight run of sharp edges from corner to corner
+  const auto walk = [&](std::int32_t v, std::int32_t e, std::int32_t feature) {
+    while (corner_of[static_cast<std::size_t>(v)] < 0) {
+      const auto& sharp = sharp_at[static_cast<std::size_t>(v)];
+      const std::int32_t next = sharp[0] == e ? sharp[1] : sharp[0];
+      if (edges[static_cast<std::size_t>(next)].feature >= 0) break;
+      edges[static_cast<std::size_t>(next)].feature = feature;
+      v = other_end(next, v);
+      e = next;
+    }
+    return v;
+  };
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    MeshEdge& edge = edges[e];
+    if (edge.kind == EdgeKind::flat || edge.kind == EdgeKind::concave || edge.feature >= 0) continue;
+    edge.feature = static_cast<std::int32_t>(table.edges.size());
+    FeatureEdge feature;
+    feature.vertex_a = walk(edge.low, static_cast<std::int32_t>(e), edge.feature);
+    feature.vertex_b = walk(edge.high, static_cast<std::int32_t>(e), edge.feature);
+    if (edge.kind != EdgeKind::non_manifold) {
+      feature.conormal[0] = conormal(edge.faces[0], edge);
+      if (edge.faces[1] >= 0) feature.conormal[1] = conormal(edge.faces[1], edge);
+    }
+    table.edges.push_back(feature);
+  }
+  for (const MeshEdge& edge : edges) {
+    if (edge.feature < 0) continue;
+    const HalfEdge& owner = half[static_cast<std::size_t>(edge.first_face)];
+    table.owned_edge[static_cast<std::size_t>(owner.face)][static_cast<std::size_t>(owner.k)] = edge.feature;
+  }
+  return table;
+}
+
+}  // namespace scree

@@ -1,0 +1,51 @@
+// Which vertices and edges of a mesh can carry a contact.
+//
+// A vertex or an edge inside a flat region carries none, and collinear pieces of one edge count as one edge:
+// how finely a flat face is meshed cannot matter (CONTACT.md section 3.1 of the design papers; the
+// construction follows the refinement-independent one measured there).
+//
+//   corner        a vertex at which the surface is not flat and not a straight edge
+//   feature edge  a maximal straight run of convex mesh edges between two flat regions
+//
+// Ownership: every corner is owned by one of its triangles, every piece of a feature edge by one of its two.
+// A list of triangle pairs closer than a margin therefore yields every feature pair closer than that margin,
+// without a search: go through the pairs and take what the triangles own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace scree {
+
+enum class EdgeKind : std::uint8_t { flat = 0, convex = 1, concave = 2, boundary = 3, non_manifold = 4 };
+
+/// Two faces belong to one flat region when their normals differ by less than this angle [rad]. It must stay
+/// above the noise of single-precision files (6e-8 times mesh size over triangle size) and far below the
+/// smallest real crease; a larger value would turn finely faceted curved surfaces into flat ones.
+inline constexpr double kFlatAngle = 1e-4;
+
+struct FeatureEdge {
+  std::int32_t vertex_a = 0, vertex_b = 0;  ///< vertices at its ends
+  Vec3 conormal[2];  ///< unit, in the plane of each face, across the edge, into the face; zero where there is no face
+};
+
+struct FeatureTable {
+  std::vector<std::int32_t> corners;      ///< vertex index of each corner, ascending
+  std::vector<FeatureEdge> edges;         ///< convex and boundary edges only: a concave edge is never closest
+  std::vector<std::array<std::int32_t, 3>> owned_corner;  ///< T x 3: corner index owned by vertex k of the triangle, or -1
+  std::vector<std::array<std::int32_t, 3>> owned_edge;    ///< T x 3: feature edge owned through edge k -> k+1, or -1
+  std::vector<std::array<EdgeKind, 3>> edge_kind;         ///< T x 3: kind of edge k -> k+1
+  std::vector<std::int32_t> region;                       ///< T: flat region of the triangle
+  std::int32_t region_count = 0;
+};
+
+/// Finds corners, feature edges and flat regions.
+///
+/// in   mesh   any: closed, open or non-manifold (an edge of more than two faces counts as sharp and convex)
+/// Fails: never.   Cost: O(T log T).   Threads: safe on distinct outputs.
+FeatureTable find_features(const TriangleMesh& mesh);
+
+}  // namespace scree

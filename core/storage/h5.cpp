@@ -1,0 +1,292 @@
+#include "core/storage/h5.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+namespace scree::h5 {
+
+namespace {
+
+herr_t keep_innermost(unsigned /*n*/, const H5E_error2_t* error, void* text) {
+  // Walked upward: the first entry is where the failure happened.
+  auto* message = static_cast<std::string*>(text);
+  if (message->empty() && error->desc != nullptr) *message = error->desc;
+  return 0;
+}
+
+void check(herr_t status, const std::string& what) {
+  if (status < 0) throw SystemError("{}: {}", what, library_error());
+}
+
+}  // namespace
+
+void silence_library() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+std::string library_error() {
+  std::string message;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &message);
+  H5Eclear2(H5E_DEFAULT);
+  return message.empty() ? "unknown HDF5 error" : message;
+}
+
+Handle::Handle(hid_t id, Closer closer, const std::string& what) : id_(id), closer_(closer) {
+  if (id_ < 0) throw SystemError("{}: {}", what, library_error());
+}
+
+Handle& Handle::operator=(Handle&& other) noexcept {
+  if (this != &other) {
+    reset();
+    id_ = other.id_;
+    closer_ = other.closer_;
+    other.id_ = -1;
+  }
+  return *this;
+}
+
+void Handle::reset() noexcept {
+  if (id_ >= 0 && closer_ != nullptr) closer_(id_);
+  id_ = -1;
+}
+
+bool Group::has(const std::string& name) const { return H5Lexists(id(), name.c_str(), H5P_DEFAULT) > 0; }
+bool Group::has_attribute(const std::string& name) const { return H5Aexists(id(), name.c_str()) > 0; }
+
+Group Group::create_group(const std::string& name) const {
+  const std::string where = path_ + "/" + name;
+  return {Handle(H5Gcreate2(id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "cannot create " + where), where};
+}
+
+Group Group::open_group(const std::string& name) const {
+  if (!has(name)) throw InputError("{}: the group '{}' is missing; the file is damaged or of another kind", path_, name);
+  const std::string where = path_ + "/" + name;
+  return {Handle(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), H5Gclose, "cannot open " + where), where};
+}
+
+std::vector<std::string> Group::child_names() const {
+  std::vector<std::string> names;
+  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
+    static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+    return 0;
+  };
+  check(H5Literate(id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), "cannot list " + path_);
+  return names;
+}
+
+void Group::write_attribute(const std::string& name, const std::string& text) const {
+  const std::string what = "cannot write attribute " + path_ + "@" + name;
+  // Fixed-length ASCII: the only string attribute that VTK's reader accepts.
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, what);
+  check(H5Tset_size(type.id(), text.empty() ? 1 : text.size()), what);
+  check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), what);
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, what);
+  Handle attribute(H5Acreate2(id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, what);
+  check(H5Awrite(attribute.id(), type.id(), text.empty() ? "" : text.c_str()), what);
+}
+
+void Group::write_attribute(const std::string& name, double value) const {
+  const std::string what = "cannot write attribute " + path_ + "@" + name;
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, what);
+  Handle attribute(H5Acreate2(id(), name.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, what);
+  check(H5Awrite(attribute.id(), H5T_NATIVE_DOUBLE, &value), what);
+}
+
+void Group::write_attribute(const std::string& name, std::int64_t value) const {
+  const std::string what = "cannot write attribute " + path_ + "@" + name;
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, what);
+  Handle attribute(H5Acreate2(id(), name.c_str(), H5T_STD_I64LE, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, what);
+  check(H5Awrite(attribute.id(), H5T_NATIVE_INT64, &value), what);
+}
+
+namespace {
+Handle open_attribute(const Group& group, const std::string& name) {
+  if (!group.has_attribute(name)) {
+    throw InputError("{}: the attribute '{}' is missing; the file is damaged or of another kind", group.path(), name);
+  }
+  return Handle(H5Aopen(group.id(), name.c_str(), H5P_DEFAULT), H5Aclose, "cannot open attribute " + group.path() + "@" + name);
+}
+}  // namespace
+
+std::string Group::read_text_attribute(const std::string& name) const {
+  const Handle attribute = open_attribute(*this, name);
+  const Handle type(H5Aget_type(attribute.id()), H5Tclose, "cannot read attribute " + path_ + "@" + name);
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0) {
+    throw InputError("{}: the attribute '{}' is not a fixed-length text", path_, name);
+  }
+  std::string text(H5Tget_size(type.id()), '\0');
+  if (H5Aread(attribute.id(), type.id(), text.data()) < 0) throw InputError("{}: attribute '{}': {}", path_, name, library_error());
+  return text.substr(0, text.find('\0'));
+}
+
+double Group::read_double_attribute(const std::string& name) const {
+  double value = 0;
+  if (H5Aread(open_attribute(*this, name).id(), H5T_NATIVE_DOUBLE, &value) < 0) {
+    throw InputError("{}: attribute '{}': {}", path_, name, library_error());
+  }
+  return value;
+}
+
+std::int64_t Group::read_integer_attribute(const std::string& name) const {
+  std::int64_t value = 0;
+  if (H5Aread(open_attribute(*this, name).id(), H5T_NATIVE_INT64, &value) < 0) {
+    throw InputError("{}: attribute '{}': {}", path_, name, library_error());
+  }
+  return value;
+}
+
+void Group::write_text(const std::string& name, const std::string& text) const {
+  const std::string what = "cannot write " + path_ + "/" + name;
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, what);
+  check(H5Tset_size(type.id(), text.empty() ? 1 : text.size()), what);
+  check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), what);
+  check(H5Tset_cset(type.id(), H5T_CSET_UTF8), what);
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, what);
+  Handle dataset(H5Dcreate2(id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, what);
+  check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.empty() ? "" : text.c_str()), what);
+}
+
+std::string Group::read_text(const std::string& name) const {
+  if (!has(name)) throw InputError("{}: the dataset '{}' is missing; the file is damaged or of another kind", path_, name);
+  const std::string what = "cannot read " + path_ + "/" + name;
+  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const Handle type(H5Dget_type(dataset.id()), H5Tclose, what);
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0) {
+    throw InputError("{}/{} is not a fixed-length text", path_, name);
+  }
+  std::string text(H5Tget_size(type.id()), '\0');
+  if (H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) {
+    throw InputError("{}: {}", what, library_error());
+  }
+  return text.substr(0, text.find('\0'));
+}
+
+std::int64_t Group::array_size(const std::string& name, std::int64_t columns) const {
+  if (!has(name)) throw InputError("{}: the dataset '{}' is missing; the file is damaged or of another kind", path_, name);
+  const std::string what = "cannot read " + path_ + "/" + name;
+  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose, what);
+  const int rank = H5Sget_simple_extent_ndims(space.id());
+  hsize_t extent[2] = {0, 1};
+  if (rank < 1 || rank > 2) throw InputError("{}/{}: {} dimensions found, 1 or 2 expected", path_, name, rank);
+  H5Sget_simple_extent_dims(space.id(), extent, nullptr);
+  const std::int64_t found = rank == 1 ? 1 : static_cast<std::int64_t>(extent[1]);
+  if (found != columns) throw InputError("{}/{}: {} columns found, {} expected", path_, name, found, columns);
+  return static_cast<std::int64_t>(extent[0]) * columns;
+}
+
+void Group::write_raw(const std::string& name, const void* data, std::int64_t count, std::int64_t columns, hid_t type,
+                      const std::string& unit) const {
+  const std::string what = "cannot write " + path_ + "/" + name;
+  const hsize_t extent[2] = {static_cast<hsize_t>(count / columns), static_cast<hsize_t>(columns)};
+  const int rank = columns == 1 ? 1 : 2;
+  Handle space(H5Screate_simple(rank, extent, nullptr), H5Sclose, what);
+  Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
+  constexpr hsize_t kChunkRows = 16384;       // a chunk of a few hundred kB: good for deflate and for partial reads
+  constexpr hsize_t kSmallestCompressed = 512;  // below this a chunk index costs more than it saves
+  if (extent[0] >= kSmallestCompressed) {
+    const hsize_t chunk[2] = {std::min(extent[0], kChunkRows), extent[1]};
+    check(H5Pset_chunk(properties.id(), rank, chunk), what);
+    check(H5Pset_shuffle(properties.id()), what);
+    check(H5Pset_deflate(properties.id(), 1), what);
+  }
+  Handle dataset(H5Dcreate2(id(), name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Dclose, what);
+  if (count > 0) check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), what);
+  if (!unit.empty()) {
+    const Group attributes(std::move(dataset), path_ + "/" + name);
+    attributes.write_attribute("unit", unit);
+  }
+}
+
+void Group::read_raw(const std::string& name, void* data, hid_t type) const {
+  const std::string what = "cannot read " + path_ + "/" + name;
+  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose, what);
+  if (H5Sget_simple_extent_npoints(space.id()) == 0) return;
+  if (H5Dread(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
+    throw InputError("{}: {}; the file is truncated or damaged", what, library_error());
+  }
+}
+
+NewFile::NewFile(std::string path) : path_(std::move(path)), temporary_(temporary_name(path_)) {
+  silence_library();
+  errno = 0;
+  const hid_t id = H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  if (id < 0) {
+    const std::string reason = errno != 0 ? std::strerror(errno) : library_error();
+    throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path_, reason);
+  }
+  file_ = Handle(id, H5Fclose, path_);
+  root_ = std::make_unique<Group>(Handle(H5Gopen2(id, "/", H5P_DEFAULT), H5Gclose, path_), path_ + ":");
+}
+
+NewFile::~NewFile() {
+  root_.reset();
+  file_.reset();
+  if (!temporary_.empty()) std::remove(temporary_.c_str());
+}
+
+void NewFile::commit() {
+  root_.reset();
+  errno = 0;
+  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) {
+    throw SystemError("cannot write {}: {}", path_, errno != 0 ? std::strerror(errno) : library_error());
+  }
+  file_.reset();
+  publish_file(temporary_, path_);
+  temporary_.clear();
+}
+
+File::File(const std::string& path) : path_(path) {
+  silence_library();
+  if (!std::filesystem::exists(path)) throw InputError("{}: no such file", path);
+  if (std::filesystem::is_directory(path)) throw InputError("{}: is a folder, an HDF5 file was expected", path);
+  if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError("{}: not an HDF5 file, or truncated at its start", path);
+  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (id < 0) throw InputError("{}: cannot be opened: {}; the file is truncated or damaged, make it again", path, library_error());
+  file_ = Handle(id, H5Fclose, path);
+  root_ = std::make_unique<Group>(Handle(H5Gopen2(id, "/", H5P_DEFAULT), H5Gclose, path), path + ":");
+}
+
+std::string temporary_name(const std::string& path) {
+  const std::filesystem::path target(path);
+  return (target.parent_path() / ("." + target.filename().string() + "." + std::to_string(getpid()) + ".tmp")).string();
+}
+
+void publish_file(const std::string& temporary, const std::string& path) {
+  const int file = open(temporary.c_str(), O_RDONLY);
+  if (file < 0 || fsync(file) != 0) {
+    const int reason = errno;
+    if (file >= 0) close(file);
+    throw SystemError("cannot write {}: {}", path, std::strerror(reason));
+  }
+  close(file);
+  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
+    throw SystemError("cannot rename {} to {}: {}", temporary, path, std::strerror(errno));
+  }
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const int directory = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (directory >= 0) {
+    fsync(directory);
+    close(directory);
+  }
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
+  const std::string temporary = temporary_name(path);
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (file == nullptr) throw SystemError("cannot create {}: {}", path, std::strerror(errno));
+  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  const bool closed = std::fclose(file) == 0;
+  if (!written || !closed) {
+    const int reason = errno;
+    std::remove(temporary.c_str());
+    throw SystemError("cannot write {}: {}", path, std::strerror(reason));
+  }
+  publish_file(temporary, path);
+}
+
+}  // namespace scree::h5

@@ -1,0 +1,143 @@
+// *.scene.h5: everything the solver needs, standing alone. The page of the format is SCENE_FORMAT.md.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/storage/shape_file.hpp"
+
+namespace scree {
+
+inline constexpr const char* kSceneFormat = "scree-scene";
+inline constexpr std::int64_t kSceneFormatVersion = 1;
+
+struct Material {
+  std::string name;
+  double density = 0;   ///< [kg/m^3], > 0
+  double young = 0;     ///< [Pa], 0 when not given
+  double poisson = 0;   ///< [-]
+};
+
+/// How two materials meet. Only pairs that can occur are present.
+struct MaterialPair {
+  std::int32_t a = 0, b = 0;      ///< material indices, a <= b
+  double stiffness = 0;           ///< [N/m]
+  double restitution = 1;         ///< [-], in (0, 1]
+  double friction = 0;            ///< [-] static
+  double friction_sliding = -1;   ///< [-], < 0: as static
+  double rolling_friction = 0;    ///< [-]
+};
+
+/// Bodies, one row each. Orientation and position are those of the mesh as the user knows it.
+struct BodyTable {
+  std::vector<std::int64_t> id;               ///< global, never reused
+  std::vector<std::int32_t> shape, material;  ///< indices into shapes and materials
+  std::vector<double> scale;                  ///< of the shape, > 0
+  std::vector<Vec3> position;                 ///< centre of mass, world [m]
+  std::vector<Quat> orientation;              ///< unit, w x y z, mesh axes to world
+  std::vector<Vec3> velocity;                 ///< [m/s], world
+  std::vector<Vec3> angular_velocity;         ///< [rad/s], world
+  std::vector<std::uint8_t> fixed;            ///< 1: does not move
+  std::vector<std::uint8_t> lock_rotation;    ///< 1: translates only
+  std::vector<std::int32_t> population;       ///< index of its [[populations]] entry, -1 for [[bodies]]
+  std::vector<std::int32_t> owner;            ///< rank of the pre-partition; empty when not partitioned
+
+  std::size_t size() const { return id.size(); }
+};
+
+enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };
+
+/// A prescribed motion of a wall.
+struct WallMotion {
+  enum class Kind : std::int32_t { none = 0, rotate = 1, translate = 2, oscillate = 3, table = 4 };
+  Kind kind = Kind::none;
+  Vec3 axis{0, 0, 1};      ///< unit; rotate: axis; translate, oscillate: direction
+  Vec3 centre;             ///< rotate: a point on the axis [m]
+  double rate = 0;         ///< rotate [rad/s]; translate [m/s]
+  double amplitude = 0;    ///< oscillate [m]
+  double frequency = 0;    ///< oscillate [Hz]
+  double phase = 0;        ///< oscillate [rad]
+  double start = 0;        ///< [s]
+  double stop = 1e300;     ///< [s]
+  std::vector<double> table_time;      ///< table [s], ascending
+  std::vector<Vec3> table_position;    ///< table: displacement [m], linear in between
+};
+
+/// A wall: fixed or driven, with the same contact law as a body.
+struct Wall {
+  std::int64_t id = 0;
+  std::string name;
+  WallKind kind = WallKind::plane;
+  std::int32_t material = 0;
+  Vec3 point, normal{0, 0, 1};   ///< plane: a point and the unit normal towards the particles
+  Vec3 lower, upper;             ///< box_inside: opposite corners [m]
+  Vec3 axis_start, axis_end;     ///< cylinder_inside: ends of the axis (closed by plane lids there) [m]
+  double radius = 0;             ///< cylinder_inside, sphere_inside (centre is `point`) [m]
+  std::int32_t shape = -1;       ///< mesh: index into shapes
+  double scale = 1;              ///< mesh
+  Vec3 position;                 ///< mesh: where the origin of its file is placed [m]
+  Quat orientation;              ///< mesh
+  WallMotion motion;
+};
+
+struct Domain {
+  bool bounded = false;
+  Vec3 lower, upper;                        ///< [m], when bounded
+  std::array<bool, 3> periodic{false, false, false};
+  std::string outside = "stop";             ///< stop | remove | keep
+};
+
+/// Settings, in the words of the case file; SI.
+struct Settings {
+  std::string title;
+  std::uint64_t seed = 0;
+  Vec3 gravity;                              ///< [m/s^2]
+  double duration = 0;                       ///< [s]
+  double steps_per_contact = 30;
+  double step = 0;                           ///< [s], 0: derived
+  Domain domain;
+  std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
+  std::string gather = "potential";          ///< potential | area | pairs
+  double margin = 0;                         ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
+  std::string integrator = "kdk-dlm";
+  std::string distance_method = "brute-force", distance_precision = "mixed";
+  double output_every = 0;                   ///< [s]
+  bool output_contacts = true;
+  double checkpoint_every = 0;               ///< [s], 0: only at the end
+};
+
+/// The pre-partition: one leaf box per rank of a recursive bisection.
+struct Partition {
+  std::int32_t ranks = 0;                    ///< 0: not partitioned
+  std::vector<Vec3> lower, upper;            ///< ranks x 3 [m]; outer sides are +-1e300
+  double predicted_imbalance = 1;            ///< largest over mean predicted work
+};
+
+struct Scene {
+  Settings settings;
+  std::vector<Shape> shapes;
+  std::vector<Material> materials;
+  std::vector<MaterialPair> pairs;
+  std::vector<Wall> walls;
+  BodyTable bodies;
+  Partition partition;
+  nlohmann::json provenance;
+
+  /// Properties of a material pair in either order; throws InputError when it is missing.
+  const MaterialPair& pair(std::int32_t a, std::int32_t b) const;
+  /// Mass of a body [kg]: density times scaled volume.
+  double mass(std::size_t body) const;
+};
+
+/// Writes whole or not at all.
+void write_scene_file(const std::string& path, const Scene& scene);
+/// Throws InputError when the file is missing, damaged, of another kind or of a newer version, or when an
+/// index, a quaternion or a number in it cannot be right.
+Scene read_scene_file(const std::string& path);
+
+/// Settings, materials, pairs and walls as JSON, as stored in the scene and repeated in run.json.
+nlohmann::json settings_json(const Scene& scene);
+
+}  // namespace scree
