@@ -21,6 +21,7 @@ class Progress {
   double total_;
   bool terminal_;
   int last_step_ = -1;
+  double first_share_ = -1.0;  ///< share of the work that was done before the first update
   std::chrono::steady_clock::time_point start_, last_print_;
 };
 

@@ -1,0 +1,125 @@
+#include "core/base/command_line.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+#include "core/base/error.hpp"
+#include "core/base/version.hpp"
+
+namespace scree {
+
+namespace {
+
+// Puts the examples between the purpose and the list of options: most readers need nothing else.
+class ExamplesFirst : public CLI::Formatter {
+ public:
+  explicit ExamplesFirst(std::string examples) : examples_(std::move(examples)) { column_width(34); }
+  std::string make_description(const CLI::App* app) const override {
+    std::string text = CLI::Formatter::make_description(app);
+    if (app->get_parent() == nullptr && !examples_.empty()) text += "\nExamples:\n" + examples_ + "\n";
+    return text;
+  }
+
+ private:
+  std::string examples_;
+};
+
+void collect_names(const CLI::App& app, bool options, std::vector<std::string>& names) {
+  if (options) {
+    for (const CLI::Option* option : app.get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+      for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+    }
+    for (const CLI::App* sub : app.get_subcommands()) collect_names(*sub, true, names);  // those in use
+  } else {
+    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  }
+}
+
+std::string full_name(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* sub : app.get_subcommands()) name += " " + full_name(*sub);
+  return name;
+}
+
+[[noreturn]] void explain(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string help = fmt::format("see {} --help", full_name(app));
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (!unknown.empty()) {
+    // the first word that nobody understood is the likely cause even when another rule failed first
+    const std::string& word = unknown.front();
+    const bool is_option = word.size() > 1 && word.front() == '-';
+    std::vector<std::string> names;
+    collect_names(app, is_option, names);
+    const std::string near = nearest_name(word.substr(0, word.find('=')), names);
+    const bool may_be_command = !is_option && !names.empty() && app.get_subcommands().empty();
+    throw UsageError("{} '{}'{}; {}",
+                     is_option ? "unknown option" : (may_be_command ? "unknown command" : "unexpected argument"), word,
+                     near.empty() ? "" : fmt::format(", did you mean '{}'?", near), help);
+  }
+  throw UsageError("{}; {}", error.what(), help);
+}
+
+}  // namespace
+
+std::unique_ptr<CLI::App> make_command_line(const std::string& tool, const std::string& purpose,
+                                            const std::vector<std::pair<std::string, std::string>>& examples,
+                                            const std::string& libraries) {
+  auto app = std::make_unique<CLI::App>(purpose, tool);
+  std::size_t widest = 0;
+  for (const auto& [command, comment] : examples) widest = std::max(widest, command.size());
+  std::string text;
+  for (const auto& [command, comment] : examples) text += fmt::format("  {:<{}}   # {}\n", command, widest, comment);
+  app->formatter(std::make_shared<ExamplesFirst>(text));
+  app->set_help_flag("-h,--help", "Print this help and exit");
+  app->set_version_flag("--version", [tool, libraries] { return version_text(tool, libraries); },
+                        "Print the version of the tool and of its libraries, and exit");
+  return app;
+}
+
+bool parse_command_line(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {  // --help, --version: prints to stdout
+    app.exit(done);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    explain(app, error);
+  }
+  return true;
+}
+
+std::vector<std::string> command_words(int argc, char** argv) { return {argv, argv + argc}; }
+
+std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
+  // Restricted Damerau-Levenshtein distance: a swap of neighbours ("desnity") counts as one edit.
+  const auto distance = [](const std::string& a, const std::string& b) {
+    std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
+    std::iota(last.begin(), last.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+      now[0] = i;
+      for (std::size_t j = 1; j <= b.size(); ++j) {
+        now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0U : 1U)});
+        if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) now[j] = std::min(now[j], before[j - 2] + 1);
+      }
+      std::swap(before, last);
+      std::swap(last, now);
+    }
+    return last[b.size()];
+  };
+  // A third of the word may be wrong: "frction" finds "friction", while "colour" does not find "count".
+  const std::size_t allowed = std::max<std::size_t>(1, word.size() / 3);
+  std::string nearest;
+  std::size_t best = allowed + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t edits = distance(word, candidate);
+    if (edits < best && edits < candidate.size()) {
+      best = edits;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace scree

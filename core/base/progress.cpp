@@ -1,0 +1,60 @@
+#include "core/base/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace scree {
+
+namespace {
+constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal; more often only costs time and flickers
+constexpr int kLinesInAFile = 20;        ///< one line per 5 %
+}  // namespace
+
+Progress::Progress(std::string title, double total)
+    : title_(std::move(title)), total_(total), terminal_(isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()), last_print_(start_) {}
+
+void Progress::update(double done, const std::string& text) {
+  const double share = total_ > 0.0 ? std::clamp(done / total_, 0.0, 1.0) : 1.0;
+  if (first_share_ < 0.0) first_share_ = share;
+  const auto now = std::chrono::steady_clock::now();
+  if (terminal_) {
+    if (std::chrono::duration<double>(now - last_print_).count() < kRedrawInterval) return;
+  } else {
+    const int step = static_cast<int>(std::floor(share * kLinesInAFile + 1e-9));
+    if (step <= last_step_) return;
+    last_step_ = step;
+  }
+  last_print_ = now;
+  std::string left;
+  if (share > first_share_) {
+    // a restarted run begins with part of the work done: only what was done here tells the speed
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    left = ", " + format_duration(elapsed * (1.0 - share) / (share - first_share_)) + " left";
+  }
+  const std::string line = fmt::format("{}: {:3.0f} %  {}{}", title_, 100.0 * share, text, left);
+  std::fprintf(stderr, terminal_ ? "\r\033[K%s" : "%s\n", line.c_str());
+  std::fflush(stderr);
+}
+
+void Progress::finish(const std::string& text) {
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  std::fprintf(stderr, "%s%s: %s in %s\n", terminal_ ? "\r\033[K" : "", title_.c_str(), text.c_str(),
+               format_duration(elapsed).c_str());
+  std::fflush(stderr);
+}
+
+std::string format_duration(double seconds) {
+  if (!(seconds >= 0.0) || !std::isfinite(seconds)) return "unknown time";
+  if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
+  const auto whole = static_cast<long long>(std::llround(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+}
+
+}  // namespace scree
