@@ -1,0 +1,79 @@
+#include "core/base/provenance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "core/base/error.hpp"
+#include "core/base/progress.hpp"
+#include "core/base/version.hpp"
+
+namespace scree {
+namespace {
+
+// FIPS 180-2, appendix B.1, and the digest of the empty message.
+constexpr const char* kHashOfAbc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+constexpr const char* kHashOfNothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+// FIPS 180-2, appendix B.3: one million times the letter a (longer than the read buffer).
+constexpr const char* kHashOfAMillionA = "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
+
+TEST(sha256, of_known_messages_is_as_published) {
+  EXPECT_EQ(sha256_of_bytes("abc", 3), kHashOfAbc);
+  EXPECT_EQ(sha256_of_bytes("", 0), kHashOfNothing);
+}
+
+TEST(sha256, of_a_file_is_that_of_its_bytes) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "scree_sha256_test.bin";
+  std::ofstream(path, std::ios::binary) << std::string(1000000, 'a');
+  EXPECT_EQ(sha256_of_file(path.string()), kHashOfAMillionA);
+  std::filesystem::remove(path);
+  EXPECT_THROW(sha256_of_file(path.string()), SystemError);
+}
+
+TEST(provenance, records_what_was_done_with_which_build_on_which_inputs) {
+  Provenance provenance;
+  provenance.format = "scree-shape";
+  provenance.format_version = 3;
+  provenance.tool = "scree-mesher";
+  provenance.command = {"scree-mesher", "import", "rock.stl"};
+  provenance.seed = 7;
+  provenance.ranks = 2;
+  provenance.inputs = {{"rock.stl", kHashOfAbc, nullptr}, {"a.shape.h5", kHashOfNothing, {{"tool", "scree-mesher"}}}};
+  const nlohmann::json record = provenance_record(provenance);
+  EXPECT_EQ(record.at("format"), "scree-shape");
+  EXPECT_EQ(record.at("format_version"), 3);
+  EXPECT_EQ(record.at("command").at(2), "rock.stl");
+  EXPECT_EQ(record.at("tool_version"), kVersion);
+  EXPECT_EQ(record.at("git"), kGitHash);
+  EXPECT_EQ(record.at("seed"), 7);
+  EXPECT_EQ(record.at("ranks"), 2);
+  EXPECT_EQ(record.at("inputs").at(0).at("sha256"), kHashOfAbc);
+  EXPECT_EQ(record.at("inputs").at(1).at("history").at("tool"), "scree-mesher");
+  EXPECT_TRUE(std::regex_match(record.at("utc").get<std::string>(), std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)")));
+}
+
+TEST(progress, writes_one_line_per_five_percent_when_nobody_watches) {
+  testing::internal::CaptureStderr();
+  {
+    Progress progress("solver", 1000.0);
+    for (int step = 0; step <= 1000; ++step) progress.update(step, "busy");
+  }
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 21) << text;  // 0 %, 5 %, ... 100 %
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+  EXPECT_NE(text.find("left"), std::string::npos);
+}
+
+TEST(progress, writes_durations_as_people_say_them) {
+  EXPECT_EQ(format_duration(0.84), "0.8 s");
+  EXPECT_EQ(format_duration(42.2), "42 s");
+  EXPECT_EQ(format_duration(192.0), "3 min 12 s");
+  EXPECT_EQ(format_duration(3840.0), "1 h 04 min");
+  EXPECT_EQ(format_duration(59.7), "1 min 00 s");
+}
+
+}  // namespace
+}  // namespace scree
