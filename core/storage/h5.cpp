@@ -253,7 +253,7 @@ File::File(const std::string& path) : path_(path) {
 
 std::string temporary_name(const std::string& path) {
   const std::filesystem::path target(path);
-  return (target.parent_path() / ("." + target.filename().string() + "." + std::to_string(getpid()) + ".tmp")).string();
+  return (target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), getpid())).string();
 }
 
 void publish_file(const std::string& temporary, const std::string& path) {

@@ -1,0 +1,423 @@
+#include "solver/pair_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+constexpr std::int64_t kCornerOfA = 0, kCornerOfB = 1, kEdgeEdge = 2;
+
+std::int64_t make_key(std::int64_t kind, std::int64_t i, std::int64_t j) { return (kind << 60) | (i << 30) | j; }
+
+/// Pose of B in the frame of A.
+struct RelativePose {
+  Mat3 rotation;   // B to A
+  Vec3 centre;     // of B, A frame
+  RelativePose(const PairBody& a, const PairBody& b)
+      : rotation(matrix_of(conjugate(a.q) * b.q)), centre(rotate_inverse(a.q, b.x - a.x)) {}
+  Vec3 a_from_b(const Vec3& p) const { return rotation * p + centre; }
+  Vec3 b_from_a(const Vec3& p) const { return transpose_times(rotation, p - centre); }
+};
+
+/// Nearest point of a triangle. Source: Ericson, Real-Time Collision Detection (2005), section 5.1.5.
+Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
+  const Vec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
+  const double scale = 1 / (va + vb + vc);
+  return a + (vb * scale) * ab + (vc * scale) * ac;
+}
+
+/// Squared distance of two segments. Source: Ericson (2005), section 5.1.9.
+double squared_segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3& v) {
+  const Vec3 r = p - q;
+  const double uu = dot(u, u), vv = dot(v, v), vr = dot(v, r), ur = dot(u, r), uv = dot(u, v);
+  const double det = uu * vv - uv * uv;
+  double s = det > 0 ? std::clamp((uv * vr - ur * vv) / det, 0.0, 1.0) : 0.0;
+  double t = vv > 0 ? std::clamp((uv * s + vr) / vv, 0.0, 1.0) : 0.0;
+  s = uu > 0 ? std::clamp((uv * t - ur) / uu, 0.0, 1.0) : 0.0;
+  return squared_length(r + s * u - t * v);
+}
+
+/// Slack rounded down, with room for the rounding of the distance itself.
+float slack_below(double distance, double margin, double size) {
+  constexpr double kDistanceRounding = 1e-12;  // of the body size: far above the error of the double formulas
+  const double slack = distance - margin - kDistanceRounding * size;
+  return slack <= 0 ? 0.0f : std::nextafterf(static_cast<float>(slack), 0.0f);
+}
+
+/// S(y) = y^2 (3 - 2 y) on [0, 1] and its derivative: the smooth switch of the fading.
+double smooth_switch(double y, double& derivative) {
+  derivative = 0;
+  if (y <= 0) return 0;
+  if (y >= 1) return 1;
+  derivative = 6 * y * (1 - y);
+  return y * y * (3 - 2 * y);
+}
+
+const Vec3& triangle_corner(const SolverShape& shape, std::int32_t t, int k) { return shape.mesh.corner(t, k); }
+
+/// Frame of the larger body, in which the smaller one's motion is measured: a small body that spins beside a wide
+/// floor uses up its own radius, not the floor's.
+bool larger_is_a(double radius_a, double radius_b) { return radius_a > radius_b; }
+
+void note_pose(const PairBody& a, const PairBody& b, double radius_a, double radius_b, double skin,
+               CandidateLists& lists) {
+  const bool frame_is_a = larger_is_a(radius_a, radius_b);
+  const PairBody& large = frame_is_a ? a : b;
+  const PairBody& small = frame_is_a ? b : a;
+  lists.centre = rotate_inverse(large.q, small.x - large.x);
+  lists.orientation = conjugate(large.q) * small.q;
+  lists.skin = skin;
+}
+
+}  // namespace
+
+double motion_since_listed(const CandidateLists& lists, const PairBody& a, const PairBody& b, double radius_a,
+                           double radius_b) {
+  const bool frame_is_a = larger_is_a(radius_a, radius_b);
+  const PairBody& large = frame_is_a ? a : b;
+  const PairBody& small = frame_is_a ? b : a;
+  const double shift = length(rotate_inverse(large.q, small.x - large.x) - lists.centre);
+  // A point at distance R from the centre moves by at most 2 R sin(angle/2) = 2 R |vector part|.
+  const Quat turn = conjugate(lists.orientation) * (conjugate(large.q) * small.q);
+  const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+  return shift + chord * std::min(radius_a, radius_b);
+}
+
+bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
+                    double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists) {
+  lists.corners_a.clear();
+  lists.corners_b.clear();
+  lists.edges.clear();
+  note_pose(a, b, radius_a, radius_b, skin, lists);
+
+  const SolverShape& shape_a = *a.shape;
+  const SolverShape& shape_b = *b.shape;
+  const Placement placement = relative_placement(a.x, a.q, a.scale, b.x, b.q, b.scale);
+  const double reach = margin + skin;
+  thread_local std::vector<TrianglePair> pairs;
+  const bool intersecting = triangle_pairs_within({&shape_a.mesh, &shape_a.bvh}, {&shape_b.mesh, &shape_b.bvh}, placement,
+                                                  reach / a.scale, scratch, pairs);
+  if (intersecting) return false;
+
+  // what the triangles own: see core/geometry/features.hpp
+  const RelativePose pose(a, b);
+  const double size = std::min(radius_a, radius_b);
+  for (const TrianglePair& pair : pairs) {
+    const auto ta = static_cast<std::size_t>(pair.a), tb = static_cast<std::size_t>(pair.b);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (const std::int32_t c = shape_a.features.owned_corner[ta][k]; c >= 0) {
+        const Vec3 p = (1 / b.scale) * pose.b_from_a(a.scale * shape_a.corner[static_cast<std::size_t>(c)]);
+        const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_b, pair.b, 0), triangle_corner(shape_b, pair.b, 1),
+                                                 triangle_corner(shape_b, pair.b, 2));
+        const double distance = b.scale * length(p - nearest);
+        if (distance < reach) lists.corners_a.push_back({c, pair.b, slack_below(distance, margin, size)});
+      }
+      if (const std::int32_t c = shape_b.features.owned_corner[tb][k]; c >= 0) {
+        const Vec3 p = (1 / a.scale) * pose.a_from_b(b.scale * shape_b.corner[static_cast<std::size_t>(c)]);
+        const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_a, pair.a, 0), triangle_corner(shape_a, pair.a, 1),
+                                                 triangle_corner(shape_a, pair.a, 2));
+        const double distance = a.scale * length(p - nearest);
+        if (distance < reach) lists.corners_b.push_back({c, pair.a, slack_below(distance, margin, size)});
+      }
+      const std::int32_t ea = shape_a.features.owned_edge[ta][k];
+      if (ea < 0) continue;
+      const ShapeEdge& edge_a = shape_a.edge[static_cast<std::size_t>(ea)];
+      for (std::size_t m = 0; m < 3; ++m) {
+        const std::int32_t eb = shape_b.features.owned_edge[tb][m];
+        if (eb < 0) continue;
+        const ShapeEdge& edge_b = shape_b.edge[static_cast<std::size_t>(eb)];
+        const double distance = std::sqrt(
+            squared_segment_distance(a.scale * edge_a.start, a.scale * edge_a.along, pose.a_from_b(b.scale * edge_b.start),
+                                     pose.rotation * (b.scale * edge_b.along)));
+        if (distance < reach) lists.edges.push_back({ea, eb, slack_below(distance, margin, size)});
+      }
+    }
+  }
+  const auto by_corner = [](const CornerCandidate& l, const CornerCandidate& r) {
+    return l.corner != r.corner ? l.corner < r.corner : l.triangle < r.triangle;
+  };
+  std::sort(lists.corners_a.begin(), lists.corners_a.end(), by_corner);
+  std::sort(lists.corners_b.begin(), lists.corners_b.end(), by_corner);
+  const auto by_edges = [](const EdgeCandidate& l, const EdgeCandidate& r) {
+    return l.edge_a != r.edge_a ? l.edge_a < r.edge_a : l.edge_b < r.edge_b;
+  };
+  std::sort(lists.edges.begin(), lists.edges.end(), by_edges);
+  // pieces of one straight edge come from several triangles
+  lists.edges.erase(std::unique(lists.edges.begin(), lists.edges.end(),
+                                [](const EdgeCandidate& l, const EdgeCandidate& r) {
+                                  return l.edge_a == r.edge_a && l.edge_b == r.edge_b;
+                                }),
+                    lists.edges.end());
+  return true;
+}
+
+namespace {
+
+/// Gap and normal (wall frame) of a point against an analytic zone; the point may lie behind it: gap < 0.
+double zone_gap(const WallZone& zone, const Vec3& p, Vec3& normal) {
+  const Vec3 r = p - zone.point;
+  switch (zone.kind) {
+    case WallZone::Kind::plane:
+      normal = zone.direction;
+      return dot(r, zone.direction);
+    case WallZone::Kind::cylinder: {
+      const Vec3 radial = r - dot(r, zone.direction) * zone.direction;
+      const double rho = length(radial);
+      normal = rho > 0 ? (-1 / rho) * radial : Vec3{};
+      return zone.radius - rho;
+    }
+    case WallZone::Kind::sphere: {
+      const double rho = length(r);
+      normal = rho > 0 ? (-1 / rho) * r : Vec3{};
+      return zone.radius - rho;
+    }
+    case WallZone::Kind::mesh:
+      break;
+  }
+  SCREE_ASSERT(false, "a mesh zone has no closed-form gap");
+  return 0;
+}
+
+}  // namespace
+
+void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin,
+                    double radius_a, CandidateLists& lists) {
+  lists.corners_a.clear();
+  lists.corners_b.clear();
+  lists.edges.clear();
+  note_pose(a, b, radius_a, 2 * radius_a, skin, lists);  // the wall is the frame
+  const RelativePose pose(a, b);
+  for (std::size_t c = 0; c < a.shape->corner.size(); ++c) {
+    Vec3 normal;
+    const double gap = zone_gap(zone, pose.b_from_a(a.scale * a.shape->corner[c]), normal) - a.scale * a.shape->rounding;
+    if (gap < margin + skin) {
+      lists.corners_a.push_back({static_cast<std::int32_t>(c), -1, slack_below(gap, margin, radius_a)});
+    }
+  }
+}
+
+void list_sphere_pair(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b,
+                      CandidateLists& lists) {
+  lists.corners_a.clear();
+  lists.corners_b.clear();
+  lists.edges.clear();
+  note_pose(a, b, radius_a, radius_b, skin, lists);
+}
+
+void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features) {
+  features.clear();
+  const double radius_a = a.scale * a.shape->rounding, radius_b = b.scale * b.shape->rounding;
+  const Vec3 between = a.x - b.x;
+  const double distance = length(between);
+  const double gap = distance - radius_a - radius_b;
+  if (gap >= margin || distance <= 0) return;
+  ContactFeature f{};
+  f.key = make_key(kCornerOfA, 0, 0);
+  f.n = rotate_inverse(a.q, (1 / distance) * between);
+  f.x = (-(radius_a + 0.5 * gap)) * f.n;
+  f.depth = margin - gap;
+  f.weight = 1;
+  features.push_back(f);
+}
+
+void zone_pair_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion,
+                        const CandidateLists& lists, std::vector<ContactFeature>& features) {
+  features.clear();
+  const RelativePose pose(a, b);
+  for (const CornerCandidate& candidate : lists.corners_a) {
+    if (candidate.slack > motion) continue;
+    const Vec3 p = a.scale * a.shape->corner[static_cast<std::size_t>(candidate.corner)];
+    Vec3 normal;
+    const double gap = zone_gap(zone, pose.b_from_a(p), normal) - a.scale * a.shape->rounding;
+    if (gap >= margin) continue;
+    ContactFeature f{};
+    f.key = make_key(kCornerOfA, candidate.corner, 0);
+    f.n = pose.rotation * normal;
+    f.x = p - (a.scale * a.shape->rounding + 0.5 * gap) * f.n;
+    f.depth = margin - gap;
+    f.weight = 1;
+    features.push_back(f);
+  }
+}
+
+namespace {
+
+/// Corner features of one side. `side` is +1 when the corners are A's; poses map corner frame to triangle frame.
+template <class ToTriangleFrame, class NormalToA>
+void corner_features(const SolverShape& corner_shape, double corner_scale, const SolverShape& surface,
+                     double surface_scale, std::int64_t kind, const std::vector<CornerCandidate>& candidates,
+                     double margin, double motion, ToTriangleFrame&& to_triangle_frame, NormalToA&& feature_frame,
+                     std::vector<ContactFeature>& features) {
+  const double reach = margin / surface_scale;
+  for (std::size_t i = 0; i < candidates.size();) {
+    const std::int32_t corner = candidates[i].corner;
+    double best = reach * reach;
+    Vec3 best_point;
+    bool found = false;
+    Vec3 p;
+    bool placed = false;
+    for (; i < candidates.size() && candidates[i].corner == corner; ++i) {
+      if (candidates[i].slack > motion) continue;
+      if (!placed) {
+        p = (1 / surface_scale) * to_triangle_frame(corner_scale * corner_shape.corner[static_cast<std::size_t>(corner)]);
+        placed = true;
+      }
+      const std::int32_t t = candidates[i].triangle;
+      const Vec3 q = nearest_on_triangle(p, triangle_corner(surface, t, 0), triangle_corner(surface, t, 1),
+                                         triangle_corner(surface, t, 2));
+      const double d2 = squared_length(p - q);
+      if (d2 < best) {
+        best = d2;
+        best_point = q;
+        found = true;
+      }
+    }
+    if (!found) continue;
+    const double distance = std::sqrt(best);
+    const double gap = surface_scale * distance;
+    ContactFeature f{};
+    f.key = make_key(kind, corner, 0);
+    f.depth = margin - gap;
+    f.weight = 1;
+    // At gap 0 there is no direction; the guard on depth over margin stops the run before this can matter.
+    const Vec3 direction = distance > 0 ? (1 / distance) * (p - best_point) : Vec3{};
+    feature_frame(surface_scale * (0.5 * (p + best_point)), direction, f);
+    features.push_back(f);
+  }
+}
+
+void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
+                   const std::vector<EdgeCandidate>& candidates, std::vector<ContactFeature>& features) {
+  for (const EdgeCandidate& candidate : candidates) {
+    if (candidate.slack > motion) continue;
+    const ShapeEdge& ea = a.shape->edge[static_cast<std::size_t>(candidate.edge_a)];
+    const ShapeEdge& eb = b.shape->edge[static_cast<std::size_t>(candidate.edge_b)];
+    // letters of CONTACT.md section 3.2: u, v edge vectors, s, t parameters, r = x_A - x_B = g n
+    const Vec3 pa = a.scale * ea.start, u = a.scale * ea.along;
+    const Vec3 pb = pose.a_from_b(b.scale * eb.start), v = pose.rotation * (b.scale * eb.along);
+    const Vec3 r0 = pa - pb;
+    const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r0), vr = dot(v, r0);
+    const double det = uu * vv - uv * uv;
+    const double sine2 = det / (uu * vv);
+    // Below this the fade S(sine2 / kFadeParallel) is under 1e-11 of a contact: nothing is lost by leaving it out.
+    constexpr double kParallelCutoff = 1e-8;
+    if (!(sine2 > kParallelCutoff)) continue;
+    const double s = (uv * vr - vv * ur) / det, t = (uu * vr - uv * ur) / det;
+    if (s <= 0 || s >= 1 || t <= 0 || t >= 1) continue;
+    const Vec3 xa = pa + s * u, xb = pb + t * v;
+    const Vec3 r = xa - xb;
+    const double g = length(r);
+    if (g >= margin || !(g > 0)) continue;
+    const Vec3 n = (1 / g) * r;
+    const Vec3 conormal[4] = {ea.conormal[0], ea.conormal[1], pose.rotation * eb.conormal[0], pose.rotation * eb.conormal[1]};
+    double y[4];
+    bool outside = false;
+    for (int i = 0; i < 4; ++i) {
+      y[i] = i < 2 ? -dot(n, conormal[i]) : dot(n, conormal[i]);
+      outside = outside || y[i] >= kFadeWedge;
+    }
+    if (outside) continue;
+
+    // Gradients of s and t for a virtual motion of A: translation (coefficient `force`) and rotation about A's
+    // centre (coefficient `couple`), B held.
+    const Vec3 b1_force = u, b1_couple = cross(xa, u) + cross(u, r);
+    const Vec3 b2_force = v, b2_couple = cross(xa, v);
+    const double inverse_det = -1 / det;
+    const Feature6 ds{inverse_det * (vv * b1_force - uv * b2_force), inverse_det * (vv * b1_couple - uv * b2_couple)};
+    const Feature6 dt{inverse_det * (uv * b1_force - uu * b2_force), inverse_det * (uv * b1_couple - uu * b2_couple)};
+
+    double factor[7], slope[7];
+    Feature6 gradient[7];
+    int count = 0;
+    double weight = 1;
+    const auto add = [&](double value, double derivative, const Feature6& of) {
+      factor[count] = value;
+      slope[count] = derivative;
+      gradient[count++] = of;
+      weight *= value;
+    };
+    double derivative = 0;
+    double value = smooth_switch(std::min(s, 1 - s) / kFadeEnd, derivative);
+    add(value, derivative / kFadeEnd * (s < 0.5 ? 1 : -1), ds);
+    value = smooth_switch(std::min(t, 1 - t) / kFadeEnd, derivative);
+    add(value, derivative / kFadeEnd * (t < 0.5 ? 1 : -1), dt);
+    value = smooth_switch(sine2 / kFadeParallel, derivative);
+    add(value, derivative / kFadeParallel, {Vec3{}, (-2 * uv / (uu * vv)) * cross(u, v)});
+    for (int i = 0; i < 4; ++i) {
+      if (y[i] <= 0) continue;
+      value = smooth_switch(1 - y[i] / kFadeWedge, derivative);
+      const Vec3 tp = conormal[i] - dot(conormal[i], n) * n;
+      const double tu = dot(tp, u), tv = dot(tp, v);
+      Feature6 d{(1 / g) * (tp + tu * ds.force - tv * dt.force),
+                 (1 / g) * (cross(xa, tp) + tu * ds.couple - tv * dt.couple)};
+      if (i < 2) {
+        d.couple += cross(conormal[i], n);
+        d.force = -d.force;
+        d.couple = -d.couple;
+      }
+      add(value, -derivative / kFadeWedge, d);
+    }
+    // A weight this small adds less than rounding to the eighth-power sum.
+    constexpr double kWeightCutoff = 1e-12;
+    if (weight < kWeightCutoff) continue;
+
+    ContactFeature f{};
+    f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
+    f.x = 0.5 * (xa + xb);
+    f.n = n;
+    f.depth = margin - g;
+    f.weight = weight;
+    for (int i = 0; i < count; ++i) {
+      if (slope[i] == 0) continue;
+      f.faded = true;
+      const double c = weight / factor[i] * slope[i];
+      f.weight_gradient.force += c * gradient[i].force;
+      f.weight_gradient.couple += c * gradient[i].couple;
+    }
+    features.push_back(f);
+  }
+}
+
+}  // namespace
+
+void mesh_pair_features(const PairBody& a, const PairBody& b, double margin, double motion,
+                        const CandidateLists& lists, std::vector<ContactFeature>& features) {
+  features.clear();
+  if (lists.corners_a.empty() && lists.corners_b.empty() && lists.edges.empty()) return;
+  const RelativePose pose(a, b);
+  corner_features(
+      *a.shape, a.scale, *b.shape, b.scale, kCornerOfA, lists.corners_a, margin, motion,
+      [&](const Vec3& p) { return pose.b_from_a(p); },
+      [&](const Vec3& middle, const Vec3& direction, ContactFeature& f) {
+        f.x = pose.a_from_b(middle);
+        f.n = pose.rotation * direction;
+      },
+      features);
+  corner_features(
+      *b.shape, b.scale, *a.shape, a.scale, kCornerOfB, lists.corners_b, margin, motion,
+      [&](const Vec3& p) { return pose.a_from_b(p); },
+      [&](const Vec3& middle, const Vec3& direction, ContactFeature& f) {
+        f.x = middle;
+        f.n = -direction;
+      },
+      features);
+  edge_features(a, b, pose, margin, motion, lists.edges, features);
+}
+
+}  // namespace scree

@@ -1,0 +1,91 @@
+// Unique contact features of one body pair: every corner of one body against the nearest point of the other
+// surface, and every convex edge against every convex edge. Source: CONTACT.md section 3.1.
+//
+// All arithmetic is in the principal frame of body A with its centre as origin, so a scene far from the world's
+// origin behaves as one at it. Candidates carry the slack that the pair's relative motion must use up before they
+// can come within the margin; a step looks at those few whose slack is used up.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/distance/mesh_distance.hpp"
+#include "solver/solver_scene.hpp"
+
+namespace scree {
+
+/// A body as the pair arithmetic sees it. Walls: shape null for analytic zones.
+struct PairBody {
+  const SolverShape* shape = nullptr;
+  double scale = 1;
+  Vec3 x;
+  Quat q;
+};
+
+/// Corner of one side against one triangle of the other (triangle -1: an analytic zone or a sphere's point).
+struct CornerCandidate {
+  std::int32_t corner, triangle;
+  float slack;               ///< [m]: distance beyond the margin sum when listed, rounded down
+};
+
+struct EdgeCandidate {
+  std::int32_t edge_a, edge_b;
+  float slack;
+};
+
+/// Kept candidates of one pair, and the relative pose they were found at.
+struct CandidateLists {
+  std::vector<CornerCandidate> corners_a, corners_b;  ///< sorted by (corner, triangle)
+  std::vector<EdgeCandidate> edges;                   ///< sorted by (edge_a, edge_b)
+  Vec3 centre;                ///< of the smaller body in the larger one's frame, when listed [m]
+  Quat orientation;           ///< of the smaller body in the larger one's frame
+  double skin = -1;           ///< [m]; < 0: no lists yet
+};
+
+/// One feature below the margin.
+struct Feature6 {
+  Vec3 force, couple;         ///< coefficients of a translation and of a rotation about A's centre
+};
+
+struct ContactFeature {
+  std::int64_t key;           ///< unique within the pair: kind in bits 60-61, then the two indices
+  Vec3 x;                     ///< contact point, mid-gap, A frame [m]
+  Vec3 n;                     ///< unit, from B to A, A frame
+  double depth;               ///< margin sum minus gap, > 0 [m]
+  double weight;              ///< a_j in (0, 1]
+  bool faded;                 ///< weight depends on the pose: weight_gradient is filled
+  Feature6 weight_gradient;   ///< of the weight, for a virtual motion of A against B
+};
+
+/// Fading widths of edge-edge features (CONTACT.md section 3.1): at the ends of an edge, in the parallel limit and
+/// across the wedge. Results change by less than a factor 2 in error for end widths from 0.03 to 0.5.
+inline constexpr double kFadeEnd = 0.15;
+inline constexpr double kFadeParallel = 0.01;
+inline constexpr double kFadeWedge = 0.2;
+
+/// Motion that a pair has made since its lists were made: no point of the smaller body has moved further against
+/// the larger one [m].
+double motion_since_listed(const CandidateLists& lists, const PairBody& a, const PairBody& b, double radius_a,
+                           double radius_b);
+
+/// Makes the lists of two meshes: every feature pair that can come below `margin` (sum of both) while the motion
+/// stays within `skin`. Returns false when triangles of the two bodies intersect.
+bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
+                    double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists);
+
+/// Same for a body against an analytic zone of a wall (b is the wall's pose).
+void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin,
+                    double radius_a, CandidateLists& lists);
+
+/// Same for two analytic spheres.
+void list_sphere_pair(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b,
+                      CandidateLists& lists);
+
+/// Features below the margin at the present pose, in ascending key order. `motion` is motion_since_listed.
+void mesh_pair_features(const PairBody& a, const PairBody& b, double margin, double motion,
+                        const CandidateLists& lists, std::vector<ContactFeature>& features);
+void zone_pair_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion,
+                        const CandidateLists& lists, std::vector<ContactFeature>& features);
+void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features);
+
+}  // namespace scree

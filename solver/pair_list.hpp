@@ -1,0 +1,78 @@
+// The body pairs of one rank: who may touch, what each pair keeps between steps, and what it did in this step.
+//
+// Pairs are sorted by (first id, second id, zone). A pair of two bodies has the lower id as A; a body-wall pair has
+// the body as A. A pair across ranks is held and computed by both owners, from the same bits.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/search/multilevel_grid.hpp"
+#include "solver/particle_set.hpp"
+#include "solver/potential.hpp"
+
+namespace scree {
+
+struct PairKey {
+  std::int64_t a, b;      ///< ids; b is a wall's id for a wall zone
+  std::int32_t zone;      ///< -1 for two bodies, else index into SolverScene::zones()
+  auto operator<=>(const PairKey&) const = default;
+};
+
+/// Kept between steps.
+struct BodyPair {
+  PairKey key;
+  std::int32_t a = 0, b = 0;              ///< rows in ParticleSet; b is -1 for a wall zone
+  CandidateLists lists;
+  std::vector<FrictionSpring> springs;
+};
+
+/// Written by one thread per pair and step, read by the gather. World axes.
+struct PairResult {
+  Vec3 force_a, torque_a, torque_b;       ///< force on b is -force_a; torques about each body's centre
+  Vec3 lossy_force_a, lossy_torque_a, lossy_torque_b;
+  double elastic = 0, tangential_elastic = 0;
+  double depth_ratio = 0;                 ///< deepest over margin sum
+  std::int32_t contact_count = 0;
+  bool active = false;
+};
+
+/// Springs of a pair that arrived by migration or from a checkpoint, waiting for its pair to be listed.
+struct PendingSprings {
+  PairKey key;
+  std::vector<FrictionSpring> springs;
+};
+
+class PairList {
+ public:
+  /// Lists all pairs that can touch while no body moves further than `skin / 2`, keeps what known pairs hold, and
+  /// hands pending springs to theirs. Pairs of two fixed bodies and of two ghosts are left out.
+  void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin);
+
+  std::vector<BodyPair>& pairs() { return pairs_; }
+  const std::vector<BodyPair>& pairs() const { return pairs_; }
+  std::vector<PairResult>& results() { return results_; }
+  const std::vector<PairResult>& results() const { return results_; }
+  std::vector<PendingSprings>& pending() { return pending_; }
+  /// Indices of pairs among owned bodies and walls, then of pairs with a ghost.
+  const std::vector<std::int32_t>& inner() const { return inner_; }
+  const std::vector<std::int32_t>& outer() const { return outer_; }
+
+  /// Adds up what the pairs did to each owned body, in ascending order of partner: the same bits for any number of
+  /// threads and ranks. Gravity included.
+  void gather(const Vec3& gravity, ParticleSet& p) const;
+
+  /// Drops the lists of candidates of all pairs; results never depend on it (used by tests and after a restart).
+  void forget_candidates();
+
+ private:
+  std::vector<BodyPair> pairs_;
+  std::vector<PairResult> results_;
+  std::vector<PendingSprings> pending_;
+  std::vector<std::int32_t> inner_, outer_;
+  // row starts of each body's pairs, and (pair, side) entries in ascending partner order
+  std::vector<std::int32_t> start_, entry_;
+  MultilevelGrid grid_;
+};
+
+}  // namespace scree

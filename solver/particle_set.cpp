@@ -1,0 +1,126 @@
+#include "solver/particle_set.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Applies one action to every column, so that no function forgets one.
+template <class Action>
+void for_each_column(ParticleSet& p, Action&& action) {
+  action(p.id);
+  action(p.shape);
+  action(p.material);
+  action(p.scale);
+  action(p.radius);
+  action(p.mass);
+  action(p.inverse_mass);
+  action(p.inertia);
+  action(p.inverse_inertia);
+  action(p.fixed);
+  action(p.lock_rotation);
+  action(p.isotropic);
+  action(p.x);
+  action(p.q);
+  action(p.v);
+  action(p.L);
+  action(p.w);
+  action(p.force);
+  action(p.torque);
+  action(p.lossy_force);
+  action(p.lossy_torque);
+  action(p.dissipated);
+  action(p.work);
+  action(p.x_listed);
+}
+
+}  // namespace
+
+void ParticleSet::resize(std::size_t count) {
+  for_each_column(*this, [count](auto& column) { column.resize(count); });
+}
+
+void ParticleSet::copy_row(std::size_t from, std::size_t to) {
+  for_each_column(*this, [from, to](auto& column) { column[to] = column[from]; });
+}
+
+ParticleRecord record_of(const ParticleSet& p, std::size_t i) {
+  ParticleRecord r{};
+  r.id = p.id[i];
+  r.shape = p.shape[i];
+  r.material = p.material[i];
+  r.fixed = p.fixed[i];
+  r.lock_rotation = p.lock_rotation[i];
+  r.scale = p.scale[i];
+  r.x = p.x[i];
+  r.v = p.v[i];
+  r.L = p.L[i];
+  r.w = p.w[i];
+  r.q = p.q[i];
+  r.force = p.force[i];
+  r.torque = p.torque[i];
+  r.dissipated = p.dissipated[i];
+  r.work = p.work[i];
+  return r;
+}
+
+void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& scene) {
+  const std::size_t i = p.size();
+  p.resize(i + 1);
+  const SolverShape& shape = scene.shape(r.shape);
+  const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
+  const double s3 = r.scale * r.scale * r.scale;
+  p.id[i] = r.id;
+  p.shape[i] = r.shape;
+  p.material[i] = r.material;
+  p.scale[i] = r.scale;
+  p.radius[i] = r.scale * shape.radius;
+  p.mass[i] = density * s3 * shape.volume;
+  p.inertia[i] = (density * s3 * r.scale * r.scale) * shape.inertia;
+  p.fixed[i] = r.fixed;
+  p.lock_rotation[i] = r.lock_rotation;
+  p.isotropic[i] = shape.isotropic ? 1 : 0;
+  p.inverse_mass[i] = r.fixed ? 0.0 : 1 / p.mass[i];
+  p.inverse_inertia[i] =
+      r.fixed || r.lock_rotation ? Vec3{} : Vec3{1 / p.inertia[i].x, 1 / p.inertia[i].y, 1 / p.inertia[i].z};
+  p.x[i] = r.x;
+  p.v[i] = r.v;
+  p.L[i] = r.L;
+  p.w[i] = r.w;
+  p.q[i] = r.q;
+  p.force[i] = r.force;
+  p.torque[i] = r.torque;
+  p.lossy_force[i] = {};
+  p.lossy_torque[i] = {};
+  p.dissipated[i] = r.dissipated;
+  p.work[i] = r.work;
+  p.x_listed[i] = r.x;
+}
+
+ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
+  const BodyTable& bodies = scene.source().bodies;
+  ParticleRecord r{};
+  r.id = bodies.id[body];
+  r.shape = bodies.shape[body];
+  r.material = bodies.material[body];
+  r.fixed = bodies.fixed[body];
+  r.lock_rotation = bodies.lock_rotation[body];
+  r.scale = bodies.scale[body];
+  r.x = bodies.position[body];
+  const SolverShape& shape = scene.shape(r.shape);
+  r.q = normalised(bodies.orientation[body] * shape.body_from_principal);
+  if (!r.fixed) {
+    r.v = bodies.velocity[body];
+    if (!r.lock_rotation) {
+      r.w = bodies.angular_velocity[body];
+      const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
+      const double s5 = std::pow(r.scale, 5);
+      const Vec3 w_body = rotate_inverse(r.q, r.w);
+      const Vec3 inertia = (density * s5) * shape.inertia;
+      r.L = rotate(r.q, Vec3{inertia.x * w_body.x, inertia.y * w_body.y, inertia.z * w_body.z});
+    }
+  }
+  r.work = 1;
+  return r;
+}
+
+}  // namespace scree

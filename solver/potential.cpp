@@ -1,0 +1,136 @@
+#include "solver/potential.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+double power7(double x) {
+  const double x2 = x * x, x4 = x2 * x2;
+  return x4 * x2 * x;
+}
+
+/// Effective inverse mass of a wrench Q (force F on A at A's centre with torque T, the opposite on B): Q M^-1 Q.
+double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torque) {
+  double sum = (m.inverse_mass_a + m.inverse_mass_b) * squared_length(force);
+  sum += torque.x * torque.x * m.inverse_inertia_a.x + torque.y * torque.y * m.inverse_inertia_a.y +
+         torque.z * torque.z * m.inverse_inertia_a.z;
+  // T_B = -T_A - (x_A - x_B) x F, with x_A = 0
+  const Vec3 on_b = transpose_times(m.b_to_a, cross(m.centre_b, force) - torque);
+  sum += on_b.x * on_b.x * m.inverse_inertia_b.x + on_b.y * on_b.y * m.inverse_inertia_b.y +
+         on_b.z * on_b.z * m.inverse_inertia_b.z;
+  return sum;
+}
+
+}  // namespace
+
+PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
+                     double dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs) {
+  static_assert(kNorm == 8, "power7 and the roots below are written for the eighth norm");
+  PairForce result;
+  const std::size_t count = features.size();
+  if (outputs != nullptr) outputs->resize(count);
+  if (count == 0) {
+    springs.clear();
+    return result;
+  }
+
+  // U = k D^2 / 2, D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
+  for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
+  double sum = 0;
+  for (const ContactFeature& f : features) {
+    const double r = f.depth / result.deepest;
+    sum += f.weight * power7(r) * r;
+  }
+  const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
+  const double k = law.stiffness;
+  result.elastic = 0.5 * k * D * D;
+  const double dU = k * D;  // U'(D): the only place where the normal law enters
+
+  thread_local std::vector<double> normal;
+  normal.resize(count);
+  double normal_sum = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const ContactFeature& f = features[j];
+    const double r7 = power7(f.depth / D);
+    normal[j] = dU * f.weight * r7;
+    normal_sum += normal[j];
+    result.force += normal[j] * f.n;
+    result.torque += cross(f.x, normal[j] * f.n);
+    if (f.faded) {
+      const double c = dU * D / kNorm * r7 * (f.depth / D);  // dU/da_j
+      result.force -= c * f.weight_gradient.force;
+      result.torque -= c * f.weight_gradient.couple;
+    }
+  }
+
+  // chi = 2 zeta sqrt(m* / 2U): damping of a feature is f_j chi v_n, never more than f_j itself
+  double chi = 0;
+  if (law.damping_ratio > 0 && normal_sum > 0) {
+    const double mobility = std::max(motion.inverse_mass_a + motion.inverse_mass_b,
+                                     wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
+    if (mobility > 0) chi = 2 * law.damping_ratio / std::sqrt(2 * result.elastic * mobility);
+  }
+  const bool frictional = law.friction > 0;
+  if (chi == 0 && !frictional) {
+    if (outputs != nullptr) {
+      for (std::size_t j = 0; j < count; ++j) (*outputs)[j] = {normal[j], Vec3{}};
+    }
+    springs.clear();
+    return result;
+  }
+
+  const double tangential_damping = std::sqrt(kTangentialStiffnessRatio) * chi;
+  const Vec3 relative_spin = motion.w_b - motion.w_a;
+  thread_local std::vector<FrictionSpring> next;
+  next.clear();
+  std::size_t old = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const ContactFeature& f = features[j];
+    const Vec3 velocity = motion.v_a + cross(motion.w_a, f.x) - motion.v_b - cross(motion.w_b, f.x - motion.centre_b);
+    const double vn = dot(velocity, f.n);
+    const double damped = normal[j] * std::max(0.0, 1 - chi * vn);
+    Vec3 lossy = (damped - normal[j]) * f.n;
+    Vec3 tangential;
+    if (frictional) {
+      const double kappa = kTangentialStiffnessRatio * normal[j] / D;
+      FrictionSpring spring{f.key, Vec3{}, kappa};
+      while (old < springs.size() && springs[old].key < f.key) ++old;
+      const Vec3 vt = velocity - vn * f.n;
+      if (old < springs.size() && springs[old].key == f.key) {
+        // turn with the mean spin about the normal, back into the tangent plane at its own length
+        Vec3 s = springs[old].force;
+        s += cross((0.5 * dt * dot(relative_spin, f.n)) * f.n, s);
+        s -= dot(s, f.n) * f.n;
+        const double flat = length(s);
+        if (flat > 0) s *= length(springs[old].force) / flat;
+        // unloading gives force back in proportion; loading must not create any (passivity, CONTACT.md 3.4)
+        if (kappa < springs[old].stiffness) s *= kappa / springs[old].stiffness;
+        spring.force = s;
+      }
+      spring.force -= (kappa * dt) * vt;
+      const double limit = law.friction * normal[j], sliding = law.friction_sliding * normal[j];
+      const double stretched = length(spring.force);
+      bool slides = stretched > limit;
+      if (slides) spring.force *= sliding / stretched;
+      tangential = spring.force - (tangential_damping * normal[j]) * vt;
+      const double total = length(tangential);
+      const double cap = slides ? sliding : limit;
+      if (total > cap) tangential *= cap / total;
+      if (kappa > 0) result.tangential_elastic += 0.5 * squared_length(spring.force) / kappa;
+      lossy += tangential;
+      next.push_back(spring);
+    }
+    result.lossy_force += lossy;
+    result.lossy_torque += cross(f.x, lossy);
+    if (outputs != nullptr) (*outputs)[j] = {damped, tangential};
+  }
+  springs.swap(next);
+  result.force += result.lossy_force;
+  result.torque += result.lossy_torque;
+  return result;
+}
+
+}  // namespace scree

@@ -1,0 +1,54 @@
+// The contact law of one body pair: one smooth p-norm potential over its unique features, with the exact force,
+// damping from restitution, and Coulomb friction with history per feature. Source: CONTACT.md sections 3.2 to 3.4.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solver/pair_features.hpp"
+
+namespace scree {
+
+/// Friction memory of one feature: spring force on A (A frame) and the stiffness it was built with.
+struct FrictionSpring {
+  std::int64_t key;
+  Vec3 force;       ///< [N]
+  double stiffness; ///< kappa [N/m]
+};
+
+/// Velocities and inverse masses of both sides, A frame (its principal axes, origin at its centre).
+struct PairMotion {
+  Vec3 v_a, w_a, v_b, w_b;
+  Vec3 centre_b;                         ///< of B [m]
+  double inverse_mass_a, inverse_mass_b;
+  Vec3 inverse_inertia_a;                ///< principal
+  Vec3 inverse_inertia_b;                ///< principal of B
+  Mat3 b_to_a;
+};
+
+/// What a pair does to its bodies, A frame; torque about A's centre.
+struct PairForce {
+  Vec3 force, torque;                    ///< on A, everything
+  Vec3 lossy_force, lossy_torque;        ///< on A, from damping and friction alone
+  double elastic = 0;                    ///< U [J]
+  double tangential_elastic = 0;         ///< stored in friction springs [J]
+  double deepest = 0;                    ///< largest depth [m]
+};
+
+/// One contact as it is written to frames.
+struct ContactOutput {
+  double normal_force;                   ///< on A along n [N], damping included
+  Vec3 tangential_force;                 ///< on A, A frame [N]
+};
+
+/// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
+inline constexpr int kNorm = 8;
+
+/// in   features   ascending keys, depth > 0
+/// in   dt         step of the friction update [s]; 0 leaves the springs as they are
+/// inout springs   sorted by key; replaced by those of the present features (left empty when friction is 0)
+/// out  outputs    one per feature when not null
+PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
+                     double dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs);
+
+}  // namespace scree

@@ -1,0 +1,353 @@
+#include "solver/run.hpp"
+
+#include <omp.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "core/base/progress.hpp"
+#include "core/base/provenance.hpp"
+#include "core/base/units.hpp"
+#include "core/distance/triangle_distance.hpp"
+#include "core/storage/h5.hpp"
+#include "solver/checkpoint.hpp"
+#include "solver/motion.hpp"
+#include "solver/run_log.hpp"
+
+namespace scree {
+
+namespace {
+
+/// How often things happen, in steps.
+struct Schedule {
+  std::int64_t last, frame, log, checkpoint;
+};
+
+Schedule make_schedule(const Settings& settings, double dt) {
+  const auto steps = [&](double interval) { return std::max<std::int64_t>(1, std::llround(interval / dt)); };
+  Schedule s{};
+  s.last = static_cast<std::int64_t>(std::ceil(settings.duration / dt - 1e-9));
+  const double every = settings.output_every > 0 ? settings.output_every : settings.duration / 100;
+  s.frame = every > 0 ? steps(every) : 1;
+  constexpr std::int64_t kLogRowsPerFrame = 10;
+  s.log = std::max<std::int64_t>(1, s.frame / kLogRowsPerFrame);
+  s.checkpoint = settings.checkpoint_every > 0 ? steps(settings.checkpoint_every) : 0;
+  return s;
+}
+
+void prepare_folder(const RunOptions& options) {
+  namespace fs = std::filesystem;
+  const fs::path folder(options.run_folder);
+  std::error_code error;
+  if (fs::exists(folder) && !fs::is_directory(folder)) {
+    throw UsageError("-o {}: exists and is a file; name a folder", options.run_folder);
+  }
+  if (fs::exists(folder) && !fs::is_empty(folder) && options.restart.empty()) {
+    throw UsageError("-o {}: exists and is not empty; remove it, choose another name, or continue it with --restart latest",
+                     options.run_folder);
+  }
+  fs::create_directories(folder, error);
+  if (error || access(options.run_folder.c_str(), W_OK) != 0) {
+    throw SystemError("-o {}: {}; choose a folder that is writable", options.run_folder,
+                      error ? error.message() : std::strerror(errno));
+  }
+  fs::remove(folder / "run.json", error);
+  // the scene travels with the run, so that post needs nothing else
+  const fs::path copy = folder / "scene.h5", temporary = h5::temporary_name(copy.string());
+  if (fs::exists(copy) && sha256_of_file(copy.string()) == sha256_of_file(options.scene_path)) return;
+  if (fs::exists(copy)) {
+    throw UsageError("-o {}: holds a run of another scene; choose another folder", options.run_folder);
+  }
+  if (!fs::copy_file(options.scene_path, temporary, fs::copy_options::overwrite_existing, error)) {
+    throw SystemError("cannot write {}: {}", copy.string(), error.message());
+  }
+  h5::publish_file(temporary.string(), copy.string());
+}
+
+Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number, const nlohmann::json& provenance, int rank) {
+  Frame frame;
+  frame.number = number;
+  frame.step = simulation.step();
+  frame.time = simulation.time();
+  frame.kinetic = e.translational + e.rotational;
+  frame.potential = e.potential;
+  frame.elastic = e.elastic + e.tangential_elastic;
+  frame.dissipated = e.dissipated;
+  frame.provenance = provenance;
+  const ParticleSet& p = simulation.particles();
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    frame.bodies.id.push_back(p.id[i]);
+    frame.bodies.shape.push_back(p.shape[i]);
+    frame.bodies.material.push_back(p.material[i]);
+    frame.bodies.rank.push_back(rank);
+    frame.bodies.scale.push_back(p.scale[i]);
+    frame.bodies.position.push_back(p.x[i]);
+    frame.bodies.orientation.push_back(mesh_orientation(simulation.scene(), p.shape[i], p.q[i]));
+    frame.bodies.velocity.push_back(p.v[i]);
+    frame.bodies.angular_velocity.push_back(p.w[i]);
+  }
+  if (simulation.scene().source().settings.output_contacts) frame.contacts = simulation.contacts();
+  const std::vector<WallLoad> loads = simulation.wall_loads();
+  for (std::size_t w = 0; w < loads.size(); ++w) {
+    frame.walls.id.push_back(simulation.scene().source().walls[w].id);
+    frame.walls.position.push_back(simulation.walls()[w].position);
+    frame.walls.orientation.push_back(simulation.walls()[w].orientation);
+    frame.walls.force.push_back(loads[w].force);
+    frame.walls.torque.push_back(loads[w].torque);
+  }
+  return frame;
+}
+
+std::int64_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace
+
+int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
+  // read and check: everything that is wrong with the input is said once, by rank 0
+  Scene scene;
+  std::string scene_hash;
+  mpi::on_root(comm, [&] { scene = read_scene_file(options.scene_path); });
+  if (comm.rank() != 0) scene = read_scene_file(options.scene_path);
+  scene_hash = sha256_of_file(options.scene_path);
+  std::unique_ptr<SolverScene> prepared;
+  mpi::on_root(comm, [&] { prepared = std::make_unique<SolverScene>(scene); });
+  if (!prepared) prepared = std::make_unique<SolverScene>(scene);
+  const Settings& settings = scene.settings;
+  const bool root = comm.rank() == 0;
+
+  std::string checkpoint_path = options.restart;
+  Checkpoint checkpoint;
+  mpi::on_root(comm, [&] {
+    if (options.restart == "latest") {
+      checkpoint_path = latest_checkpoint(options.run_folder);
+      if (checkpoint_path.empty()) {
+        throw InputError("--restart latest: {} holds no checkpoint; start without --restart", options.run_folder);
+      }
+    }
+    if (!checkpoint_path.empty()) {
+      checkpoint = read_checkpoint(checkpoint_path);
+      if (checkpoint.scene_sha256 != scene_hash) {
+        throw InputError("--restart {}: was made from another scene than {}; give the scene it came from", checkpoint_path, options.scene_path);
+      }
+    }
+    prepare_folder(options);
+    if (scene.partition.ranks > 0 && scene.partition.ranks != comm.size()) {
+      warn_once("scree-solver", fmt::format("the scene is cut for {} ranks, this run has {}: it is cut again", scene.partition.ranks, comm.size()));
+    }
+  });
+  const bool restarted = !options.restart.empty();
+
+  Simulation simulation(comm, *prepared, options.halo);
+  catch_signals();
+  if (restarted) {
+    simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), 0 + [&] {
+      std::int64_t step = checkpoint.step;
+      MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm.get());
+      return step;
+    }(), checkpoint.wall_work, checkpoint.wall_impulse);
+    const std::string hash = simulation.state_hash();
+    mpi::on_root(comm, [&] {
+      if (hash != checkpoint.state_hash) throw InputError("{}: its contents do not match their hash; use the previous checkpoint", checkpoint_path);
+    });
+  } else {
+    simulation.start_from_scene();
+  }
+  const double dt = simulation.step_size().step;
+  const Schedule schedule = make_schedule(settings, dt);
+
+  Provenance record;
+  record.format = kFrameFormat;
+  record.format_version = kFrameFormatVersion;
+  record.tool = "scree-solver";
+  record.command = options.command;
+  record.inputs = {{options.scene_path, scene_hash, scene.provenance}};
+  if (restarted) record.inputs.push_back({checkpoint_path, root ? sha256_of_file(checkpoint_path) : "", nullptr});
+  record.seed = settings.seed;
+  record.ranks = comm.size();
+  record.threads = omp_get_max_threads();
+  record.instruction_set = simd_target();
+  const nlohmann::json provenance = provenance_record(record);
+
+  // frames and log rows after the checkpoint are made again
+  std::vector<FrameEntry> frames;
+  std::unique_ptr<RunLog> log;
+  mpi::on_root(comm, [&] {
+    if (restarted) {
+      for (const auto& entry : std::filesystem::directory_iterator(options.run_folder)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with("frame_") || !name.ends_with(".hdf")) continue;
+        const std::int64_t number = std::stoll(name.substr(6));
+        if (number * schedule.frame > simulation.step() && number * schedule.frame != schedule.last) {
+          std::filesystem::remove(entry.path());
+        } else if (number * schedule.frame <= simulation.step()) {
+          frames.push_back({entry.path().string(), static_cast<double>(number * schedule.frame) * dt});
+        }
+      }
+      std::sort(frames.begin(), frames.end(), [](const FrameEntry& l, const FrameEntry& r) { return l.time < r.time; });
+    }
+    log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
+  });
+  if (root) {
+    std::fprintf(stderr, "scree-solver: %zu bodies, %d ranks x %d threads, step %s (%s), %lld steps\n", scene.bodies.size(),
+                 comm.size(), omp_get_max_threads(), format_quantity(dt, Dimension::time).c_str(),
+                 simulation.step_size().given ? "given" : ("limited by " + simulation.step_size().limited_by).c_str(),
+                 static_cast<long long>(schedule.last));
+  }
+
+  const auto start = std::chrono::steady_clock::now();
+  auto interval_start = start;
+  std::int64_t interval_step = simulation.step();
+  double max_ratio = 0, kinetic_peak = checkpoint.kinetic_peak, worst_balance = 0;
+  double reference = checkpoint.energy_reference;
+  MPI_Bcast(&reference, 1, MPI_DOUBLE, 0, comm.get());
+  MPI_Bcast(&kinetic_peak, 1, MPI_DOUBLE, 0, comm.get());
+  Energies energies = simulation.energies();
+  if (!restarted) reference = energies.balance();
+  double imbalance_sum = 0;
+  std::int64_t log_rows = 0;
+
+  const auto seconds_since = [](std::chrono::steady_clock::time_point t) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
+  };
+  const auto timed_output = [&](auto&& action) {
+    const auto begin = std::chrono::steady_clock::now();
+    action();
+    simulation.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
+  };
+  const auto write_log = [&] {
+    energies = simulation.energies();
+    const double kinetic = energies.translational + energies.rotational;
+    kinetic_peak = std::max(kinetic_peak, kinetic);
+    const double error = energies.balance() - reference;
+    worst_balance = std::max(worst_balance, std::abs(error));
+    const double ratio = simulation.take_max_depth_ratio(), imbalance = simulation.take_imbalance();
+    max_ratio = std::max(max_ratio, ratio);
+    imbalance_sum += imbalance;
+    ++log_rows;
+    const std::int64_t contacts = simulation.contact_count();
+    const std::vector<WallLoad> loads = simulation.wall_loads();
+    const std::string hash = simulation.state_hash();
+    const double elapsed = seconds_since(interval_start);
+    const double rate = elapsed > 0 ? static_cast<double>(simulation.step() - interval_step) / elapsed : 0;
+    interval_start = std::chrono::steady_clock::now();
+    interval_step = simulation.step();
+    mpi::on_root(comm, [&] {
+      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, simulation.times(), rate, loads, hash);
+    });
+  };
+  const auto write_frame = [&](std::int64_t number) {
+    const std::string path = fmt::format("{}/frame_{:06}.hdf", options.run_folder, number);
+    write_frame_file(comm.get(), path, make_frame(simulation, simulation.energies(), number, provenance, comm.rank()));
+    mpi::on_root(comm, [&] {
+      frames.push_back({path, simulation.time()});
+      write_frame_series(options.run_folder, frames);
+    });
+  };
+  const auto save_state = [&] {
+    write_checkpoint(comm, simulation, options.run_folder, reference, kinetic_peak, scene_hash, provenance);
+  };
+  const auto write_outcome = [&](const std::string& outcome, const std::string& message, int exit_code) {
+    const std::string hash = simulation.state_hash();
+    const std::int64_t bodies = simulation.body_count(), outside = simulation.bodies_outside();
+    const std::int64_t memory = comm.sum(peak_memory());
+    PhaseTimes times = simulation.times();
+    MPI_Allreduce(MPI_IN_PLACE, times.data(), static_cast<int>(times.size()), MPI_DOUBLE, MPI_SUM, comm.get());
+    mpi::on_root(comm, [&] {
+      nlohmann::json run;
+      run["format"] = "scree-run";
+      run["format_version"] = 1;
+      run["outcome"] = outcome;
+      run["message"] = message;
+      run["exit_code"] = exit_code;
+      run["steps"] = simulation.step();
+      run["step_size"] = dt;
+      run["step_limited_by"] = simulation.step_size().limited_by;
+      run["time"] = simulation.time();
+      run["state_hash"] = hash;
+      run["ranks"] = comm.size();
+      run["threads"] = omp_get_max_threads();
+      run["bodies"] = bodies;
+      run["lost_bodies"] = static_cast<std::int64_t>(scene.bodies.size()) - bodies;
+      run["bodies_outside_domain"] = outside;
+      run["wall_seconds"] = seconds_since(start);
+      for (std::size_t i = 0; i < times.size(); ++i) run["phases"][phase_name(static_cast<Phase>(i))] = times[i] / comm.size();
+      run["max_depth_ratio"] = max_ratio;
+      run["mean_imbalance"] = log_rows > 0 ? imbalance_sum / static_cast<double>(log_rows) : 1.0;
+      run["list_renewals"] = simulation.list_renewals();
+      run["cuts"] = simulation.cuts();
+      run["migrated_bodies_rank_0"] = simulation.migrated();
+      const double scale = std::max(kinetic_peak, energies.dissipated);
+      run["energy"] = {{"initial_balance", reference},
+                       {"kinetic_peak", kinetic_peak},
+                       {"kinetic_final", energies.translational + energies.rotational},
+                       {"potential_final", energies.potential},
+                       {"elastic_final", energies.elastic + energies.tangential_elastic},
+                       {"dissipated", energies.dissipated},
+                       {"wall_work", energies.wall_work},
+                       {"error_max", worst_balance},
+                       {"error_relative", scale > 0 ? worst_balance / scale : 0.0}};
+      run["peak_rss_bytes"] = memory;
+      run["settings"] = settings_json(scene);
+      run["provenance"] = provenance;
+      h5::write_text_file(options.run_folder + "/run.json", run.dump(1) + "\n");
+    });
+  };
+
+  std::unique_ptr<Progress> progress;
+  if (root) progress = std::make_unique<Progress>("solver", static_cast<double>(std::max<std::int64_t>(1, schedule.last)));
+  if (!restarted) {
+    timed_output(write_log);
+    timed_output([&] { write_frame(0); });
+  }
+  try {
+    while (simulation.step() < schedule.last) {
+      simulation.advance();
+      const std::int64_t n = simulation.step();
+      const bool last = n == schedule.last;
+      if (n % schedule.log == 0 || last) timed_output(write_log);
+      if (n % schedule.frame == 0) timed_output([&] { write_frame(n / schedule.frame); });
+      if (simulation.pending_signal() != 0) {
+        save_state();
+        if (n % schedule.log != 0) write_log();
+        const int code = static_cast<int>(ExitCode::signal_base) + simulation.pending_signal();
+        write_outcome("interrupted", fmt::format("signal {} at step {}; continue with --restart latest", simulation.pending_signal(), n), code);
+        if (root) progress->finish(fmt::format("stopped by signal {} at step {}; a checkpoint was kept", simulation.pending_signal(), n));
+        return code;
+      }
+      if ((schedule.checkpoint > 0 && n % schedule.checkpoint == 0) || last) timed_output(save_state);
+      if (root) {
+        progress->update(static_cast<double>(n), fmt::format("t = {}, kinetic {:.3g} J", format_quantity(simulation.time(), Dimension::time),
+                                                             energies.translational + energies.rotational));
+      }
+    }
+    if (schedule.last % schedule.frame != 0) timed_output([&] { write_frame(schedule.last / schedule.frame + 1); });
+  } catch (const Error& e) {
+    // Every rank is here: failures of a step are agreed on before they are thrown. Keep the state and the reason.
+    if (e.code() == ExitCode::run_invalid) {
+      const double ratio = simulation.take_max_depth_ratio();
+      max_ratio = std::max(max_ratio, ratio);
+      write_outcome("invalid", e.what(), static_cast<int>(e.code()));
+    }
+    throw;
+  }
+  write_outcome("completed", "", 0);
+  if (root) {
+    const double elapsed = seconds_since(start);
+    progress->finish(fmt::format("{} steps in {}, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}",
+                                 schedule.last, format_duration(elapsed),
+                                 static_cast<double>(scene.bodies.size()) * static_cast<double>(schedule.last) / std::max(elapsed, 1e-9),
+                                 max_ratio, worst_balance / std::max({kinetic_peak, energies.dissipated, 1e-300})));
+  }
+  return 0;
+}
+
+}  // namespace scree

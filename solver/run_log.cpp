@@ -1,0 +1,68 @@
+#include "solver/run_log.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "core/storage/h5.hpp"
+
+namespace scree {
+
+namespace {
+
+std::string header_of(const Scene& scene) {
+  std::string names =
+      "step,time,kinetic_translational,kinetic_rotational,potential,elastic,elastic_tangential,dissipated,wall_work,"
+      "energy_error,contacts,max_depth_ratio,imbalance";
+  std::string units = "# units: -,s,J,J,J,J,J,J,J,J,-,-,-";
+  for (std::size_t p = 0; p < static_cast<std::size_t>(Phase::count); ++p) {
+    names += std::string(",t_") + phase_name(static_cast<Phase>(p));
+    units += ",s";
+  }
+  names += ",steps_per_second,state_hash";
+  units += ",1/s,-";
+  for (const Wall& wall : scene.walls) {
+    for (const char* quantity : {"force", "torque", "impulse"}) {
+      for (const char* axis : {"x", "y", "z"}) names += fmt::format(",wall{}_{}_{}", wall.id, quantity, axis);
+    }
+    units += ",N,N,N,N m,N m,N m,N s,N s,N s";
+  }
+  return names + "\n" + units + "\n";
+}
+
+}  // namespace
+
+RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up_to_step) : path_(path) {
+  std::string text = header_of(scene);
+  if (std::ifstream old(path); keep_up_to_step >= 0 && old) {
+    std::string line;
+    while (std::getline(old, line)) {
+      if (line.empty() || line[0] < '0' || line[0] > '9') continue;
+      if (std::stoll(line) <= keep_up_to_step) text += line + "\n";
+    }
+  }
+  h5::write_text_file(path, text);
+}
+
+void RunLog::add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
+                     double max_depth_ratio, double imbalance, const PhaseTimes& times, double steps_per_second,
+                     const std::vector<WallLoad>& loads, const std::string& state_hash) {
+  std::string row = fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{},{:.9g},{:.6g}",
+                                step, time, e.translational, e.rotational, e.potential, e.elastic, e.tangential_elastic,
+                                e.dissipated, e.wall_work, energy_error, contacts, max_depth_ratio, imbalance);
+  for (double t : times) row += fmt::format(",{:.6g}", t);
+  row += fmt::format(",{:.6g},{}", steps_per_second, state_hash);
+  for (const WallLoad& load : loads) {
+    for (const Vec3& v : {load.force, load.torque, load.impulse}) row += fmt::format(",{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
+  }
+  row += "\n";
+  std::FILE* file = std::fopen(path_.c_str(), "ab");
+  if (file == nullptr) throw SystemError("cannot write {}: {}", path_, std::strerror(errno));
+  const bool written = std::fwrite(row.data(), 1, row.size(), file) == row.size();
+  const bool closed = std::fclose(file) == 0;
+  if (!written || !closed) throw SystemError("cannot write {}: {}", path_, std::strerror(errno));
+}
+
+}  // namespace scree

@@ -1,0 +1,110 @@
+// The state of a run on one rank, and one step of it. The time loop is run() in run.cpp.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solver/forces.hpp"
+#include "solver/halo.hpp"
+#include "solver/step_size.hpp"
+
+namespace scree {
+
+/// Phases whose time is measured.
+enum class Phase : std::size_t { search, distance, integrate, halo, migrate, output, count };
+const char* phase_name(Phase phase);
+using PhaseTimes = std::array<double, static_cast<std::size_t>(Phase::count)>;
+
+/// Energies of the whole scene [J], at a full step.
+struct Energies {
+  double translational = 0, rotational = 0, potential = 0, elastic = 0, tangential_elastic = 0;
+  double dissipated = 0;   ///< accumulated from the damping and friction forces, never the remainder
+  double wall_work = 0;    ///< done by driven walls on the bodies
+  double balance() const {
+    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work;
+  }
+};
+
+/// What a wall received since the start.
+struct WallLoad {
+  Vec3 force;     ///< now, on the wall [N]
+  Vec3 torque;    ///< now, about the world origin [N m]
+  Vec3 impulse;   ///< since the start [N s]
+};
+
+class Simulation {
+ public:
+  Simulation(const mpi::Communicator& comm, const SolverScene& scene, HaloStrategy strategy);
+
+  /// Starts from the scene, or from records of a checkpoint (every rank gives its own part; none on others).
+  void start_from_scene();
+  void start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
+                          std::int64_t step, double wall_work, const std::vector<Vec3>& wall_impulse);
+
+  /// One step: kick, drift, lists or ghosts, forces, kick. Collective.
+  void advance();
+
+  /// Flags that all ranks share after each step: the largest signal number seen by any rank, 0 when none.
+  int pending_signal() const { return signal_; }
+
+  std::int64_t step() const { return step_; }
+  double time() const { return static_cast<double>(step_) * step_size_.step; }
+  const StepSize& step_size() const { return step_size_; }
+  const ParticleSet& particles() const { return p_; }
+  const PairList& pairs() const { return pairs_; }
+  const std::vector<WallState>& walls() const { return walls_; }
+  const SolverScene& scene() const { return scene_; }
+
+  // collective measures; every rank gets the whole scene's value
+  Energies energies() const;
+  std::vector<WallLoad> wall_loads() const;
+  std::int64_t body_count() const { return comm_.sum(static_cast<std::int64_t>(p_.owned)); }
+  std::int64_t contact_count() const;
+  std::int64_t active_pair_count() const;
+  double take_max_depth_ratio();           ///< largest since the last call, at every step
+  double take_imbalance();                 ///< largest over mean computing time of the ranks since the last call
+  std::int64_t bodies_outside() const;     ///< of the domain
+  /// 128-bit hash over the bits of all bodies and friction springs, the same for any distribution over ranks.
+  std::string state_hash() const;
+
+  /// Contacts that this rank counts, at the present state; changes nothing.
+  FrameContacts contacts();
+
+  PhaseTimes& times() { return times_; }
+  std::int64_t list_renewals() const { return renewals_; }
+  std::int64_t cuts() const { return cuts_; }
+  std::int64_t migrated() const { return migrated_; }
+
+ private:
+  void renew_lists();
+  void compute_forces(double dt, bool refresh);
+  void set_walls(double time);
+  void add_wall_impulse(double dt);
+  bool lists_used_up() const;
+  void check_domain();
+
+  const mpi::Communicator& comm_;
+  const SolverScene& scene_;
+  HaloStrategy strategy_;
+  ParticleSet p_;
+  PairList pairs_;
+  std::unique_ptr<Halo> halo_;
+  ForceScratch scratch_;
+  StepSize step_size_;
+  std::vector<WallState> walls_, walls_listed_;
+  std::vector<std::int32_t> wall_pairs_;      // indices of pairs with a wall
+  std::vector<Vec3> wall_force_, wall_torque_, wall_impulse_;  // this rank's share
+  double wall_work_ = 0;
+  std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, last_cut_step_ = 0;
+  double skin_ = 0, max_depth_ratio_ = 0, compute_time_ = 0;
+  int signal_ = 0;
+  std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together at the next step
+  PhaseTimes times_{};
+};
+
+/// Installs handlers of SIGINT, SIGTERM and SIGUSR1 that ask the run to stop at the next step.
+void catch_signals();
+
+}  // namespace scree

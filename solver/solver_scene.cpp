@@ -1,0 +1,218 @@
+#include "solver/solver_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace scree {
+
+double restitution_of_damping_ratio(double zeta) {
+  if (zeta <= 0) return 1;
+  if (zeta < 1) {
+    const double s = std::sqrt(1 - zeta * zeta);
+    return std::exp(-zeta / s * (std::numbers::pi - std::atan2(2 * zeta * s, 1 - 2 * zeta * zeta)));
+  }
+  // The limit of both branches; within 1e-6 of zeta = 1 they lose digits to s -> 0.
+  if (zeta - 1 < 1e-6) return std::exp(-2.0);
+  const double s = std::sqrt(zeta * zeta - 1);
+  return std::exp(-zeta / s * std::log((zeta + s) / (zeta - s)));
+}
+
+double damping_ratio_of_restitution(double restitution) {
+  if (restitution >= 1) return 0;
+  double low = 0, high = 1;
+  while (restitution_of_damping_ratio(high) > restitution) high *= 2;
+  // 200 halvings reach the last bit from any start: the map is monotone.
+  for (int i = 0; i < 200 && low < high; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (restitution_of_damping_ratio(middle) > restitution ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+namespace {
+
+SolverShape make_solver_shape(const Shape& source) {
+  SolverShape shape;
+  shape.kind = source.kind;
+  shape.rounding = source.sphere_radius;
+  shape.mesh = source.mesh;
+  if (source.kind != ShapeKind::surface) {
+    shape.volume = source.mass.volume;
+    shape.inertia = source.mass.principal_moments;
+    shape.body_from_principal = source.mass.body_from_principal;
+    const Quat principal_from_body = conjugate(shape.body_from_principal);
+    if (!(shape.body_from_principal == Quat{})) {
+      for (Vec3& p : shape.mesh.vertices) p = rotate(principal_from_body, p);
+    }
+    // Moments equal to within the rounding of the mass integrals count as equal.
+    constexpr double kIsotropicTolerance = 1e-12;
+    const double low = std::min({shape.inertia.x, shape.inertia.y, shape.inertia.z});
+    const double high = std::max({shape.inertia.x, shape.inertia.y, shape.inertia.z});
+    shape.isotropic = high - low <= kIsotropicTolerance * high;
+  }
+  shape.features = find_features(shape.mesh);
+  for (std::int32_t v : shape.features.corners) shape.corner.push_back(shape.mesh.vertices[static_cast<std::size_t>(v)]);
+  for (const FeatureEdge& e : shape.features.edges) {
+    ShapeEdge edge;
+    edge.start = shape.mesh.vertices[static_cast<std::size_t>(e.vertex_a)];
+    edge.along = shape.mesh.vertices[static_cast<std::size_t>(e.vertex_b)] - edge.start;
+    edge.conormal[0] = e.conormal[0];
+    edge.conormal[1] = e.conormal[1];
+    shape.edge.push_back(edge);
+  }
+  shape.bvh = build_bvh(shape.mesh);
+  shape.radius = bounding_radius(shape.mesh) + shape.rounding;
+  return shape;
+}
+
+void add_zones(const Wall& wall, std::int32_t index, std::vector<WallZone>& zones) {
+  const auto add = [&](WallZone::Kind kind, const Vec3& point, const Vec3& direction, double radius) {
+    std::int32_t number = 0;
+    for (const WallZone& z : zones) number += z.wall == index ? 1 : 0;
+    zones.push_back({index, number, kind, point, direction, radius});
+  };
+  switch (wall.kind) {
+    case WallKind::plane:
+      add(WallZone::Kind::plane, wall.point, wall.normal, 0);
+      break;
+    case WallKind::box_inside:
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3 inward;
+        inward[axis] = 1;
+        add(WallZone::Kind::plane, wall.lower, inward, 0);
+        add(WallZone::Kind::plane, wall.upper, -inward, 0);
+      }
+      break;
+    case WallKind::cylinder_inside: {
+      const Vec3 axis = normalised(wall.axis_end - wall.axis_start);
+      add(WallZone::Kind::cylinder, wall.axis_start, axis, wall.radius);
+      add(WallZone::Kind::plane, wall.axis_start, axis, 0);
+      add(WallZone::Kind::plane, wall.axis_end, -axis, 0);
+      break;
+    }
+    case WallKind::sphere_inside:
+      add(WallZone::Kind::sphere, wall.point, {}, wall.radius);
+      break;
+    case WallKind::mesh:
+      add(WallZone::Kind::mesh, {}, {}, 0);
+      break;
+  }
+}
+
+}  // namespace
+
+SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(scene.materials.size()) {
+  const Settings& settings = scene.settings;
+  const auto refuse = [](const std::string& what, const std::string& found, const std::string& available) {
+    throw UsageError("{} = \"{}\" is not available in this version; use {}", what, found, available);
+  };
+  if (settings.law != "linear") refuse("contact.law", settings.law, "\"linear\"");
+  if (settings.gather != "potential") refuse("contact.gather", settings.gather, "\"potential\"");
+  if (settings.integrator != "kdk-dlm") refuse("motion.integrator", settings.integrator, "\"kdk-dlm\"");
+  for (int axis = 0; axis < 3; ++axis) {
+    if (settings.domain.periodic[static_cast<std::size_t>(axis)]) {
+      throw UsageError("domain.periodic: periodic axes are not available in this version; remove the key");
+    }
+  }
+  if (settings.domain.bounded && settings.domain.outside == "remove") {
+    refuse("domain.outside", settings.domain.outside, "\"stop\" or \"keep\"");
+  }
+  if (!(settings.duration >= 0)) throw InputError("time.duration = {:g} s; expected >= 0", settings.duration);
+
+  for (const Shape& shape : scene.shapes) shapes_.push_back(make_solver_shape(shape));
+  margin_ = settings.margin;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (shape(scene.bodies.shape[b]).kind == ShapeKind::surface) {
+      throw InputError("body {}: shape '{}' is a surface without mass; import it without --surface", scene.bodies.id[b],
+                       scene.shapes[static_cast<std::size_t>(scene.bodies.shape[b])].name);
+    }
+  }
+  bool has_meshes = false, has_spheres = false;
+  for (std::int32_t s : scene.bodies.shape) {
+    (shape(s).kind == ShapeKind::sphere ? has_spheres : has_meshes) = true;
+  }
+  for (const Wall& wall : scene.walls) has_meshes = has_meshes || wall.kind == WallKind::mesh;
+  if (has_spheres && has_meshes) {
+    throw UsageError(
+        "the scene mixes analytic spheres with meshes, which is not available in this version; "
+        "use scree-mesher generate sphere for a triangulated sphere");
+  }
+  if (has_meshes && !(margin_ > 0)) {
+    throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
+  }
+
+  laws_.resize(material_count_ * material_count_);
+  for (const MaterialPair& pair : scene.pairs) {
+    PairLaw law;
+    law.stiffness = pair.stiffness;
+    law.damping_ratio = damping_ratio_of_restitution(pair.restitution);
+    law.friction = pair.friction;
+    law.friction_sliding = pair.friction_sliding < 0 ? pair.friction : pair.friction_sliding;
+    if (pair.rolling_friction > 0) {
+      throw UsageError("pairs: rolling_friction = {:g} is not available in this version; use 0", pair.rolling_friction);
+    }
+    has_friction_ = has_friction_ || law.friction > 0;
+    has_damping_ = has_damping_ || law.damping_ratio > 0;
+    const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
+    laws_[a * material_count_ + b] = law;
+    laws_[b * material_count_ + a] = law;
+  }
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    add_zones(scene.walls[w], static_cast<std::int32_t>(w), zones_);
+    has_driven_walls_ = has_driven_walls_ || scene.walls[w].motion.kind != WallMotion::Kind::none;
+  }
+}
+
+WallState wall_state(const Wall& wall, double time) {
+  WallState state{wall.position, wall.orientation, {}, {}};
+  const WallMotion& m = wall.motion;
+  if (m.kind == WallMotion::Kind::none) return state;
+  const double elapsed = std::clamp(time, m.start, std::max(m.start, m.stop)) - m.start;
+  const bool moving = time >= m.start && time < m.stop;
+  switch (m.kind) {
+    case WallMotion::Kind::none:
+      break;
+    case WallMotion::Kind::rotate: {
+      const Quat turn = quaternion_of(m.axis, m.rate * elapsed);
+      state.position = m.centre + rotate(turn, wall.position - m.centre);
+      state.orientation = turn * wall.orientation;
+      if (moving) {
+        state.angular_velocity = m.rate * m.axis;
+        state.velocity = cross(state.angular_velocity, state.position - m.centre);
+      }
+      break;
+    }
+    case WallMotion::Kind::translate:
+      state.position = wall.position + (m.rate * elapsed) * m.axis;
+      if (moving) state.velocity = m.rate * m.axis;
+      break;
+    case WallMotion::Kind::oscillate: {
+      const double omega = 2 * std::numbers::pi * m.frequency;
+      state.position = wall.position + m.amplitude * (std::sin(omega * elapsed + m.phase) - std::sin(m.phase)) * m.axis;
+      if (moving) state.velocity = m.amplitude * omega * std::cos(omega * elapsed + m.phase) * m.axis;
+      break;
+    }
+    case WallMotion::Kind::table: {
+      if (m.table_time.empty()) break;
+      const double t = std::min(time, m.stop);
+      const auto next = std::upper_bound(m.table_time.begin(), m.table_time.end(), t);
+      const auto i = static_cast<std::size_t>(next - m.table_time.begin());
+      if (i == 0) {
+        state.position += m.table_position.front();
+      } else if (i == m.table_time.size()) {
+        state.position += m.table_position.back();
+      } else {
+        const double width = m.table_time[i] - m.table_time[i - 1];
+        const Vec3 velocity = (1 / width) * (m.table_position[i] - m.table_position[i - 1]);
+        state.position += m.table_position[i - 1] + (t - m.table_time[i - 1]) * velocity;
+        if (moving) state.velocity = velocity;
+      }
+      break;
+    }
+  }
+  return state;
+}
+
+}  // namespace scree

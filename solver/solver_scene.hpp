@@ -1,0 +1,103 @@
+// What the time loop reads of a scene: shapes in their principal frames, contact laws by material pair, walls
+// split into zones. Built once, the same on every rank, never written afterwards.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/bvh.hpp"
+#include "core/geometry/features.hpp"
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+/// A feature edge of a shape, ready for use: from `start` along `along` (not unit), conormals into the faces.
+struct ShapeEdge {
+  Vec3 start, along;
+  Vec3 conormal[2];
+};
+
+/// A shape in its principal frame (origin at the centre of mass, inertia diagonal), scale 1.
+/// A wall's surface keeps its file frame.
+struct SolverShape {
+  ShapeKind kind = ShapeKind::solid;
+  double rounding = 0;              ///< radius of an analytic sphere about its only corner [m]
+  TriangleMesh mesh;
+  Bvh bvh;
+  FeatureTable features;
+  std::vector<Vec3> corner;         ///< positions of features.corners
+  std::vector<ShapeEdge> edge;      ///< of features.edges
+  double radius = 0;                ///< bounding radius about the origin, rounding included [m]
+  double volume = 0;                ///< [m^3]
+  Vec3 inertia;                     ///< principal moments for density 1 [m^5]
+  Quat body_from_principal;
+  bool isotropic = false;           ///< all three moments equal: no gyroscopic splitting needed
+};
+
+/// How two materials meet, turned into what the force loop needs.
+struct PairLaw {
+  double stiffness = 0;             ///< k of one contact [N/m]
+  double damping_ratio = 0;         ///< zeta from restitution by the exact map
+  double friction = 0;              ///< mu, static
+  double friction_sliding = 0;      ///< mu, sliding
+};
+
+/// Ratio of tangential to normal stiffness: equal periods for a ball (CONTACT.md section 3.4, rho = 2/7).
+inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
+
+/// One smooth piece of a wall; each carries its own potential with a body, so that a body in a corner rests on
+/// two walls and not on one shared spring.
+struct WallZone {
+  enum class Kind : std::int32_t { plane, cylinder, sphere, mesh };
+  std::int32_t wall = 0;            ///< index into Scene::walls
+  std::int32_t zone = 0;            ///< number within its wall, part of the contact key
+  Kind kind = Kind::plane;
+  Vec3 point, direction;            ///< wall frame: plane point and unit normal; cylinder point and unit axis; sphere centre
+  double radius = 0;                ///< cylinder, sphere [m]
+};
+
+/// Damping ratio zeta that gives restitution e in (0, 1] for an impact without tension.
+///
+/// How: bisection and Newton on e = exp(-zeta/s (pi - atan2(2 zeta s, 1 - 2 zeta^2))), s = sqrt(1 - zeta^2), and
+/// its continuation for zeta > 1. Holds for every potential U(d) with the energy-scaled damping used here.
+/// Source: Schwager & Poeschel, Granul. Matter 9 (2007) 465.
+double damping_ratio_of_restitution(double restitution);
+/// The forward map.
+double restitution_of_damping_ratio(double zeta);
+
+class SolverScene {
+ public:
+  /// Throws UsageError for what this solver does not do yet, InputError for contradictions.
+  explicit SolverScene(const Scene& scene);
+
+  const Scene& source() const { return *scene_; }
+  const SolverShape& shape(std::int32_t s) const { return shapes_[static_cast<std::size_t>(s)]; }
+  const std::vector<SolverShape>& shapes() const { return shapes_; }
+  const PairLaw& law(std::int32_t material_a, std::int32_t material_b) const {
+    return laws_[static_cast<std::size_t>(material_a) * material_count_ + static_cast<std::size_t>(material_b)];
+  }
+  const std::vector<WallZone>& zones() const { return zones_; }
+  double margin() const { return margin_; }          ///< of each body [m]
+  bool has_friction() const { return has_friction_; }
+  bool has_damping() const { return has_damping_; }
+  bool has_driven_walls() const { return has_driven_walls_; }
+
+ private:
+  const Scene* scene_;
+  std::vector<SolverShape> shapes_;
+  std::vector<PairLaw> laws_;
+  std::size_t material_count_ = 0;
+  std::vector<WallZone> zones_;
+  double margin_ = 0;
+  bool has_friction_ = false, has_damping_ = false, has_driven_walls_ = false;
+};
+
+/// Pose and motion of a wall at a time, from its prescribed motion.
+struct WallState {
+  Vec3 position;                    ///< of the wall frame's origin [m]
+  Quat orientation;
+  Vec3 velocity, angular_velocity;  ///< [m/s] of the origin, [rad/s]
+};
+WallState wall_state(const Wall& wall, double time);
+
+}  // namespace scree
