@@ -22,12 +22,15 @@ struct TriangleDistance {
   bool intersecting = false;
 };
 
+/// Batches are padded to a multiple of this many pairs: the widest SIMD vector.
+inline constexpr std::int64_t kBatchPadding = 16;
+
 /// Pairs as a structure of arrays: coordinate c (0..17) of pair i is at values[c * stride + i].
 /// Coordinates 0..8 are triangle A (p0 p1 p2), 9..17 triangle B.
 template <class Real>
 struct PairBatch {
   const Real* values = nullptr;
-  std::int64_t stride = 0;   ///< >= count rounded up to a multiple of 16; what lies past count is never used
+  std::int64_t stride = 0;   ///< >= count rounded up to a multiple of kBatchPadding; what lies past count is read, never used
   std::int64_t count = 0;
 };
 

@@ -12,7 +12,7 @@ namespace scree {
 struct BvhNode {
   float lower[3], upper[3];     ///< conservative: rounded outward from the double coordinates
   std::int32_t second_child;    ///< inner: index of the second child; leaf: -1
-  std::int32_t first, count;    ///< leaf: range in Bvh::order
+  std::int32_t first, count;    ///< leaf: range in Bvh::order; inner: count is 0
 };
 
 struct Bvh {
@@ -22,6 +22,9 @@ struct Bvh {
 
 /// Triangles in a leaf at most; a leaf pair is one or a few SIMD batches.
 inline constexpr int kBvhLeafSize = 4;
+
+/// Depth of a tree at most, the root being at depth 0: a stack of twice this serves every descent.
+inline constexpr int kBvhMaxDepth = 72;
 
 /// Builds with the surface area heuristic over 16 bins; equal for equal input.   Cost: O(T log T).
 Bvh build_bvh(const TriangleMesh& mesh);

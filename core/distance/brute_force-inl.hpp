@@ -1,0 +1,358 @@
+// Exact distance of two triangles by enumeration with shared subexpressions, branch free in the common case.
+//
+// The closest points of two disjoint triangles lie on an edge of each, or on a vertex of one and the face of
+// the other. So the answer is the least of
+//   9 edge-edge distances    from the cross product of the edges: the Gram determinant aa bb - ab^2 would lose
+//                            half of the digits on nearly parallel edges
+//   2 vertex-face distances  one for each face: only the vertex nearest to the plane can be a solution that is
+//                            not also on an edge
+// and 0 when an edge of one pierces the other. Every candidate is evaluated at explicit points of the two
+// triangles, so no rounding can make the answer smaller than the truth by more than the evaluation's own error.
+//
+// Letters: a[i], b[j] edges from vertex i to i+1; r(i,j) = A_i - B_j; P = A_i + s a_i, Q = B_j + t b_j;
+// n = a_i x b_j; m = b_j x r(i,j); D = P - Q. Recurrences along i (A_{i+1} = A_i + a_i):
+//   b.r += a.b      b x r -= a x b      and along j      a.r -= a.b
+// and with g = a.b / a.a, h = a.b / b.b the second and third clamp of the segment-segment solution cost one
+// fused multiply-add each.
+//
+// Rare lanes leave the fast path and are settled lane by lane, so the answer of a pair never depends on its
+// neighbours in the batch: those where the signs say that an edge pierces a face, those that touch within
+// rounding, and those whose size would overflow or underflow a fourth power of a length.
+#if defined(SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
+#undef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
+#else
+#define SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
+#endif
+
+#include "core/distance/simd-inl.hpp"
+
+#ifdef __clang__
+#define SCREE_UNROLL_3 _Pragma("unroll 3")
+#else
+#define SCREE_UNROLL_3 _Pragma("GCC unroll 3")
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace scree::HWY_NAMESPACE {
+
+template <class T>
+struct Limits;
+template <>
+struct Limits<double> {
+  /// Unit roundoff.
+  static constexpr double u = 1.1102230246251565e-16;
+  /// Squared sizes handled without scaling: fourth powers, slivers included, stay normal numbers.
+  static constexpr double smallest_squared = 0x1p-300, largest_squared = 0x1p+300;
+  static constexpr double huge = 1e300, tiny = 1e-300;
+};
+template <>
+struct Limits<float> {
+  static constexpr float u = 5.9604645e-8f;
+  static constexpr float smallest_squared = 0x1p-24f, largest_squared = 0x1p+40f;
+  static constexpr float huge = 3e38f, tiny = 1e-37f;
+};
+
+/// Triangles closer than this times the longest edge touch: below the rounding error of the distance itself,
+/// nothing can tell touching from near. A larger value would call separate triangles intersecting (16 did).
+inline constexpr int kTouchingRoundoffs = 4;
+/// A determinant beyond this many roundoffs of its terms has a certain sign (counted: at most 11).
+inline constexpr int kCertainRoundoffs = 16;
+
+/// Where the closest points are, as a small number in a lane (see decode in triangle_distance.cpp):
+/// 3 i + j edge i of A, edge j of B; 9 + k vertex k of A, face of B; 12 + k face of A, vertex k of B;
+/// 15 + i edge i of A through B; 18 + i edge i of B through A.
+inline constexpr int kCodeVertexA = 9, kCodeVertexB = 12, kCodeEdgeA = 15, kCodeEdgeB = 18;
+/// Added for edge-edge codes, when the point is an end of the edge.
+inline constexpr int kCodeS0 = 32, kCodeS1 = 64, kCodeT0 = 128, kCodeT1 = 256;
+
+template <class T>
+struct Solution {
+  Pack<T> distance;
+  Pack3<T> point_a, point_b, difference;  ///< difference = point_a - point_b, without their rounding
+  Pack<T> code;
+};
+
+/// How much of the solution is wanted.
+enum class Want { distance, points, points_and_difference };
+
+/// Signs that decide piercing: w[i][j] = a_i . (b_j x r_ij), heights of A's vertices over B's plane and of B's over A's.
+template <class T>
+struct Orientation {
+  Pack<T> w[3][3], height_a[3], height_b[3];
+};
+
+template <class T>
+HWY_INLINE Pack<T> longest_squared(const Pack3<T> a[3]) {
+  return max(max(dot(a[0], a[0]), dot(a[1], a[1])), dot(a[2], a[2]));
+}
+
+/// Edges of P against the face F, in the lanes where the signs differ: takes a crossing as intersection when
+/// its signs are certain or when its points, evaluated, agree within rounding; else as one more candidate.
+/// w[i][j] belongs to edge i of P and edge j of F; height to the vertices of P.
+template <class T>
+HWY_INLINE void cross_face(const TrianglePack<T>& p, const TrianglePack<T>& f, const Pack<T> w[3][3],
+                           const Pack<T> height[3], Pack<T> w_certain, Pack<T> height_certain, Pack<T> touching2,
+                           Mask<T> lanes, bool p_is_a, Solution<T>& out, Pack<T>& count, Pack3<T>& sum) {
+  using V = Pack<T>;
+  const V zero(T(0)), one(T(1));
+  const Pack3<T> f0 = f.p[1] - f.p[0], f2 = f.p[0] - f.p[2], n = cross(f2, f0);
+  const Pack3<T> gu = cross(n, f2), gv = cross(n, f0);
+  const V inverse = one / max(dot(n, n), V(Limits<T>::tiny));
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3;
+    const Pack3<T> edge = p.p[k] - p.p[i];
+    const V rise = height[i] - height[k];
+    const Mask<T> flat = abs(rise) <= zero;
+    const V s = select(flat, zero, clamp01(height[i] / select(flat, one, rise)));
+    // the crossing in the face's coordinates x = u f0 - v f2, once corrected, then clamped into the face
+    const Pack3<T> x = mul_add(s, edge, p.p[i] - f.p[0]);
+    V u = dot(gu, x) * inverse, v = dot(gv, x) * inverse;
+    Pack3<T> d = neg_mul_add(u, f0, mul_add(v, f2, x));
+    u = max(mul_add(dot(gu, d), inverse, u), zero);
+    v = max(mul_add(dot(gv, d), inverse, v), zero);
+    const V shrink = one / max(u + v, one);
+    u = u * shrink;
+    v = v * shrink;
+    d = neg_mul_add(u, f0, mul_add(v, f2, x));
+    const V d2 = dot(d, d), distance = sqrt(d2);
+    const Pack3<T> on_p = mul_add(s, edge, p.p[i]), on_f = mul_add(u, f0, neg_mul_add(v, f2, f.p[0]));
+    const Mask<T> better = lanes & (distance < out.distance);
+    out.distance = select(better, distance, out.distance);
+    out.point_a = select(better, p_is_a ? on_p : on_f, out.point_a);
+    out.point_b = select(better, p_is_a ? on_f : on_p, out.point_b);
+    out.difference = select(better, p_is_a ? d : Pack3<T>{-d.x, -d.y, -d.z}, out.difference);
+    out.code = select(better, V(static_cast<T>((p_is_a ? kCodeEdgeA : kCodeEdgeB) + i)), out.code);
+    const V least = min(min(abs(w[i][0]), abs(w[i][1])), abs(w[i][2]));
+    const V signs = sign_differs_and(sign_all_equal(w[i][0], w[i][1], w[i][2]), height[i], height[k]);
+    const Mask<T> certain = mask_of_sign(signs) & (least > w_certain) & (abs(height[i]) > height_certain) &
+                            (abs(height[k]) > height_certain);
+    const Mask<T> meets = lanes & (certain | (d2 <= touching2));
+    count = select(meets, count + one, count);
+    sum = select(meets, sum + on_p, sum);
+  }
+}
+
+/// Lanes in which signs say that an edge pierces a face, or in which the distance is within rounding of 0.
+template <class T>
+HWY_NOINLINE void settle_contact(const TrianglePack<T>& a, const TrianglePack<T>& b, const Orientation<T>& o,
+                                 Mask<T> lanes, Solution<T>& out) {
+  using V = Pack<T>;
+  const V zero(T(0)), one(T(1)), half(T(0.5));
+  const Pack3<T> ea[3] = {a.p[1] - a.p[0], a.p[2] - a.p[1], a.p[0] - a.p[2]};
+  const Pack3<T> eb[3] = {b.p[1] - b.p[0], b.p[2] - b.p[1], b.p[0] - b.p[2]};
+  const V la2 = longest_squared(ea), lb2 = longest_squared(eb), l2 = max(la2, lb2);
+  const V la = sqrt(la2), lb = sqrt(lb2);
+  const Pack3<T> r = a.p[0] - b.p[0];
+  const V reach = sqrt(dot(r, r)) + la + lb;
+  const V touching2 = l2 * V(T(kTouchingRoundoffs * kTouchingRoundoffs) * Limits<T>::u * Limits<T>::u);
+  const V scale = V(T(kCertainRoundoffs) * Limits<T>::u) * reach;
+  V transposed[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) transposed[j][i] = o.w[i][j];
+  V count = zero;
+  Pack3<T> sum{zero, zero, zero};
+  cross_face(a, b, o.w, o.height_a, scale * la * lb, scale * lb2, touching2, lanes, true, out, count, sum);
+  cross_face(b, a, transposed, o.height_b, scale * la * lb, scale * la2, touching2, lanes, false, out, count, sum);
+  const Mask<T> pierced = count > zero;
+  const Mask<T> touching = pierced | (out.distance * out.distance <= touching2);
+  const V inverse = one / max(count, one);
+  const Pack3<T> middle = select(pierced, inverse * sum, half * (out.point_a + out.point_b));
+  out.distance = select(touching, zero, out.distance);
+  out.point_a = select(touching, middle, out.point_a);
+  out.point_b = select(touching, middle, out.point_b);
+  out.difference = select(touching, Pack3<T>{zero, zero, zero}, out.difference);
+}
+
+/// Best candidate so far: squared distance, its two parameters, its code.
+template <class T>
+struct Candidate {
+  Pack<T> squared, s, t, code;
+  HWY_INLINE void offer(Mask<T> better, Pack<T> squared_, Pack<T> s_, Pack<T> t_, Pack<T> code_) {
+    squared = select(better, squared_, squared);
+    s = select(better, s_, s);
+    t = select(better, t_, t);
+    code = select(better, code_, code);
+  }
+};
+
+/// The vertex nearest to the plane of a face, against the face. f0, f2: edges of the face that leave and enter its
+/// vertex 0; q[k] = vertex k minus that vertex 0, or its negative when kNegated (then D = P - Q keeps its sign).
+template <class T, bool kNegated>
+HWY_INLINE void vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<T> q[3], int code, Pack<T> height[3],
+                            Candidate<T>& best) {
+  using V = Pack<T>;
+  const V zero(T(0)), one(T(1));
+  const Pack3<T> n = kNegated ? cross(f0, f2) : cross(f2, f0);
+  SCREE_UNROLL_3
+  for (int k = 0; k < 3; ++k) height[k] = dot(n, q[k]);
+  const V h0 = abs(height[0]), h1 = abs(height[1]), h2 = abs(height[2]);
+  const Mask<T> first = h1 < h0;
+  const Mask<T> second = h2 < min(h0, h1);
+  const Pack3<T> p = select(second, q[2], select(first, q[1], q[0]));
+  const V c = select(second, V(T(code + 2)), select(first, V(T(code + 1)), V(T(code))));
+  // foot = vertex 0 + u f0 - v f2, with one correction: for slivers the first solution is off by roundoff times aspect
+  const Pack3<T> gu = cross(n, f2), gv = cross(n, f0);
+  const V inverse = one / max(dot(n, n), V(Limits<T>::tiny));
+  V u = dot(gu, p) * inverse, v = dot(gv, p) * inverse;
+  const auto residual = [&] {
+    return kNegated ? mul_add(u, f0, neg_mul_add(v, f2, p)) : neg_mul_add(u, f0, mul_add(v, f2, p));
+  };
+  Pack3<T> d = residual();
+  u = mul_add(dot(gu, d), inverse, u);
+  v = mul_add(dot(gv, d), inverse, v);
+  d = residual();
+  const V squared = dot(d, d);
+  const Mask<T> inside = (u >= zero) & (v >= zero) & (u + v <= one);
+  best.offer(inside & (squared < best.squared), squared, u, v, c);
+}
+
+template <class T, Want kWant, bool kChecked>
+HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B);
+
+/// Lanes whose size is far from 1: solved again after an exact scaling by a power of two.
+template <class T, Want kWant>
+HWY_NOINLINE void solve_scaled(const TrianglePack<T>& a, const TrianglePack<T>& b, Mask<T> lanes, Solution<T>& out) {
+  using V = Pack<T>;
+  const V zero(T(0)), one(T(1));
+  V size = largest_component(a.p[0] - b.p[0]);
+  for (int k = 0; k < 3; ++k) {
+    size = max(size, largest_component(a.p[(k + 1) % 3] - a.p[k]));
+    size = max(size, largest_component(b.p[(k + 1) % 3] - b.p[k]));
+  }
+  const V power = power_of_two_below(size);
+  const V unit = select(power > zero, power, one), inverse = one / unit;
+  TrianglePack<T> sa, sb;
+  for (int k = 0; k < 3; ++k) {
+    sa.p[k] = inverse * a.p[k];
+    sb.p[k] = inverse * b.p[k];
+  }
+  Solution<T> s = brute_force<T, kWant, false>(sa, sb);
+  // a coordinate that is no number makes the distance none
+  const V poison = zero * size;
+  out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
+  out.point_a = select(lanes, unit * s.point_a, out.point_a);
+  out.point_b = select(lanes, unit * s.point_b, out.point_b);
+  out.difference = select(lanes, unit * s.difference, out.difference);
+  out.code = select(lanes, s.code, out.code);
+}
+
+template <class T, Want kWant, bool kChecked>
+HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B) {
+  using V = Pack<T>;
+  const V zero(T(0)), one(T(1)), tiny(Limits<T>::tiny);
+  Pack3<T> a[3], b[3], r0[3], ri[3];
+  V aa[3], bb[3], inverse_aa[3], inverse_bb[3];
+  SCREE_UNROLL_3
+  for (int i = 0; i < 3; ++i) {
+    a[i] = A.p[(i + 1) % 3] - A.p[i];
+    b[i] = B.p[(i + 1) % 3] - B.p[i];
+    r0[i] = A.p[0] - B.p[i];
+  }
+  ri[0] = r0[0];
+  ri[1] = A.p[1] - B.p[0];
+  ri[2] = A.p[2] - B.p[0];
+  SCREE_UNROLL_3
+  for (int i = 0; i < 3; ++i) {
+    aa[i] = dot(a[i], a[i]);
+    bb[i] = dot(b[i], b[i]);
+    inverse_aa[i] = one / max(aa[i], tiny);
+    inverse_bb[i] = one / max(bb[i], tiny);
+  }
+  const V l2 = max(max(max(aa[0], aa[1]), aa[2]), max(max(bb[0], bb[1]), bb[2]));
+
+  // edges against edges
+  Candidate<T> best{V(Limits<T>::huge), zero, zero, zero};
+  Orientation<T> o;
+  V ar[3];
+  SCREE_UNROLL_3
+  for (int i = 0; i < 3; ++i) ar[i] = dot(a[i], ri[i]) * inverse_aa[i];
+  SCREE_UNROLL_3
+  for (int j = 0; j < 3; ++j) {
+    V br = dot(b[j], r0[j]) * inverse_bb[j];
+    Pack3<T> m = cross(b[j], r0[j]);
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+      const V ab = dot(a[i], b[j]), g = ab * inverse_aa[i], h = ab * inverse_bb[j];
+      const Pack3<T> n = cross(a[i], b[j]);
+      o.w[i][j] = dot(a[i], m);
+      V s = clamp01(dot(m, n) / max(dot(n, n), tiny));
+      if (i < 2) m = m - n;
+      const V t = clamp01(mul_add(s, h, br));
+      s = clamp01(mul_sub(t, g, ar[i]));
+      const Pack3<T> r = i == 0 ? r0[j] : (j == 0 ? ri[i] : A.p[i] - B.p[j]);
+      const Pack3<T> d = neg_mul_add(t, b[j], mul_add(s, a[i], r));
+      const V squared = dot(d, d);
+      best.offer(squared < best.squared, squared, s, t, V(T(3 * i + j)));
+      if (j < 2) ar[i] = ar[i] - g;
+      if (i < 2) br = br + h;
+    }
+  }
+  vertex_face<T, false>(b[0], b[2], ri, kCodeVertexA, o.height_a, best);
+  vertex_face<T, true>(a[0], a[2], r0, kCodeVertexB, o.height_b, best);
+
+  Solution<T> out;
+  out.distance = sqrt(best.squared);
+  out.code = best.code;
+  if constexpr (kWant == Want::distance) {
+    out.point_a = out.point_b = out.difference = Pack3<T>{zero, zero, zero};
+  } else {
+    // weights of the vertices 1 and 2 of each triangle, from the winner's parameters
+    const V code = best.code, s = best.s, t = best.t, os = one - s, ot = one - t;
+    const Mask<T> i0 = code < V(T(3)), i1 = code < V(T(6)), ee = code < V(T(9)), va = code < V(T(12));
+    const V first = select(i0, zero, select(i1, V(T(3)), select(ee, V(T(6)), select(va, V(T(9)), V(T(12))))));
+    const V k = code - first;
+    const Mask<T> k0 = k < V(T(0.5)), k1 = k < V(T(1.5));
+    const V e1 = select(i0, s, select(i1, os, zero)), e2 = select(i0, zero, select(i1, s, os));
+    const V f1 = select(k0, t, select(k1, ot, zero)), f2 = select(k0, zero, select(k1, t, ot));
+    const V v1 = select(k0, zero, select(k1, one, zero)), v2 = select(k1, zero, one);
+    const V wa1 = select(ee, e1, select(va, v1, s)), wa2 = select(ee, e2, select(va, v2, t));
+    const V wb1 = select(ee, f1, select(va, s, v1)), wb2 = select(ee, f2, select(va, t, v2));
+    out.point_a = mul_add(wa1, a[0], neg_mul_add(wa2, a[2], A.p[0]));
+    out.point_b = mul_add(wb1, b[0], neg_mul_add(wb2, b[2], B.p[0]));
+    if constexpr (kWant == Want::points_and_difference) {
+      const Pack3<T> on_a = mul_add(wa1, a[0], neg_mul_add(wa2, a[2], r0[0]));
+      out.difference = neg_mul_add(wb1, b[0], mul_add(wb2, b[2], on_a));
+    } else {
+      out.difference = Pack3<T>{zero, zero, zero};
+    }
+    const V ends = select(s <= zero, V(T(kCodeS0)), select(s >= one, V(T(kCodeS1)), zero)) +
+                   select(t <= zero, V(T(kCodeT0)), select(t >= one, V(T(kCodeT1)), zero));
+    out.code = select(ee, code + ends, code);
+  }
+
+  // an edge goes through a face when it passes its three edges on one side and its ends lie on both sides
+  V through[3], back[3];
+  SCREE_UNROLL_3
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3;
+    through[i] = sign_differs_and(sign_all_equal(o.w[i][0], o.w[i][1], o.w[i][2]), o.height_a[i], o.height_a[k]);
+    back[i] = sign_differs_and(sign_all_equal(o.w[0][i], o.w[1][i], o.w[2][i]), o.height_b[i], o.height_b[k]);
+  }
+  const V signs = sign_or(through[0], through[1], sign_or(through[2], back[0], sign_or(back[1], back[2], back[2])));
+  const V touching2 = l2 * V(T(kTouchingRoundoffs * kTouchingRoundoffs) * Limits<T>::u * Limits<T>::u);
+  const Mask<T> contact = mask_of_sign(signs) | (best.squared <= touching2);
+  if (HWY_UNLIKELY(any(contact))) {
+    const TrianglePack<T> ca = A, cb = B;
+    const Orientation<T> co = o;
+    Solution<T> settled = out;
+    settle_contact(ca, cb, co, contact, settled);
+    out = settled;
+  }
+  if constexpr (kChecked) {
+    const V size2 = max(l2, dot(r0[0], r0[0]));
+    const Mask<T> usual = (size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared));
+    const Mask<T> unusual = !usual;
+    if (HWY_UNLIKELY(any(unusual))) {
+      const TrianglePack<T> ca = A, cb = B;
+      Solution<T> settled = out;
+      solve_scaled<T, kWant>(ca, cb, unusual, settled);
+      out = settled;
+    }
+  }
+  return out;
+}
+
+}  // namespace scree::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
