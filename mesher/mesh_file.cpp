@@ -1,0 +1,116 @@
+#include "mesher/mesh_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "core/base/error.hpp"
+#include "mesher/child_process.hpp"
+
+namespace scree {
+
+namespace {
+
+const std::vector<std::string> kAssimpExtensions{".stl", ".obj", ".ply", ".3ds", ".dae", ".off"};
+
+void check_readable(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) throw SystemError("cannot read {}: {}", path, std::strerror(errno));
+  if (std::filesystem::is_directory(path)) throw SystemError("cannot read {}: it is a folder; give the mesh file in it", path);
+  if (std::fgetc(file.get()) == EOF) throw InputError("{}: the file is empty (0 bytes); export the model again", path);
+}
+
+#ifdef SCREE_HAVE_ASSIMP
+// The bytes that travel from the child: three counts, then vertices, triangles, and the texts with a newline each.
+std::vector<char> bytes_of(const MeshFile& file) {
+  std::string texts = file.reader + "\n";
+  for (const std::string& note : file.notes) texts += note + "\n";
+  const std::uint64_t counts[3] = {file.mesh.vertices.size(), file.mesh.triangles.size(), texts.size()};
+  const std::size_t vertex_bytes = file.mesh.vertices.size() * sizeof(Vec3);
+  const std::size_t triangle_bytes = file.mesh.triangles.size() * sizeof(Triangle);
+  std::vector<char> bytes(sizeof counts + vertex_bytes + triangle_bytes + texts.size());
+  std::size_t at = 0;
+  const auto add = [&](const void* data, std::size_t size) {
+    if (size > 0) std::memcpy(bytes.data() + at, data, size);
+    at += size;
+  };
+  add(counts, sizeof counts);
+  add(file.mesh.vertices.data(), vertex_bytes);
+  add(file.mesh.triangles.data(), triangle_bytes);
+  add(texts.data(), texts.size());
+  return bytes;
+}
+
+MeshFile mesh_file_of(const std::vector<char>& bytes) {
+  std::size_t at = 0;
+  const auto take = [&](void* data, std::size_t size) {
+    SCREE_ASSERT(bytes.size() - at >= size, "{} bytes left, {} needed", bytes.size() - at, size);
+    if (size > 0) std::memcpy(data, bytes.data() + at, size);
+    at += size;
+  };
+  std::uint64_t counts[3];
+  take(counts, sizeof counts);
+  MeshFile file;
+  file.mesh.vertices.resize(counts[0]);
+  file.mesh.triangles.resize(counts[1]);
+  take(file.mesh.vertices.data(), counts[0] * sizeof(Vec3));
+  take(file.mesh.triangles.data(), counts[1] * sizeof(Triangle));
+  std::string texts(counts[2], '\0');
+  take(texts.data(), texts.size());
+  std::size_t start = 0;
+  for (std::size_t end; (end = texts.find('\n', start)) != std::string::npos; start = end + 1) {
+    const std::string line = texts.substr(start, end - start);
+    if (start == 0) {
+      file.reader = line;
+    } else {
+      file.notes.push_back(line);
+    }
+  }
+  return file;
+}
+#endif
+
+}  // namespace
+
+#ifndef SCREE_HAVE_ASSIMP
+std::string assimp_version() { return ""; }
+#endif
+
+std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+std::vector<std::string> known_extensions() {
+  std::vector<std::string> known;
+  if (!assimp_version().empty()) known = kAssimpExtensions;
+  known.push_back(".bmf");
+  return known;
+}
+
+MeshFile read_mesh_file(const std::string& path) {
+  check_readable(path);
+  const std::string extension = extension_of(path);
+  if (extension == ".bmf") return read_bmf(path);
+  const bool is_known = std::find(kAssimpExtensions.begin(), kAssimpExtensions.end(), extension) != kAssimpExtensions.end();
+  if (!is_known) {
+    const bool is_ours = path.ends_with(".shape.h5");
+    throw UsageError("{}: '{}' is no mesh format that can be read here; expected one of {}{}", path, extension,
+                     fmt::join(known_extensions(), " "), is_ours ? "; a shape file is shown by 'scree-mesher info'" : "");
+  }
+#ifdef SCREE_HAVE_ASSIMP
+  return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }));
+#else
+  throw UsageError("{}: this build has no assimp, which reads {}; install libassimp-dev and build again", path, extension);
+#endif
+}
+
+}  // namespace scree
