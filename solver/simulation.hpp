@@ -69,6 +69,9 @@ class Simulation {
   /// 128-bit hash over the bits of all bodies and friction springs, the same for any distribution over ranks.
   std::string state_hash() const;
 
+  /// Drops all kept candidates: results never depend on them (for tests).
+  void forget_candidates() { pairs_.forget_candidates(); }
+
   /// Contacts that this rank counts, at the present state; changes nothing.
   FrameContacts contacts();
 
