@@ -106,7 +106,9 @@ Shape import_one(const std::string& path, const std::string& name, double factor
 
   if (check.nonfinite_vertices > 0 || (!options.surface && !check.is_solid())) throw InputError(refusal_of(path, check));
   if (file.mesh.triangle_count() == 0) throw InputError("{}: all {} triangles have zero area", path, stored_triangles);
-  for (const std::string& remark : check.remarks) result.notices.push_back(fmt::format("{}: {}", path, remark));
+  for (const std::string& remark : check.remarks) {
+    if (!options.surface) result.notices.push_back(fmt::format("{}: {}", path, remark));
+  }
   if (options.surface) {  // what would refuse a solid is only a remark for a wall
     for (const std::string& problem : check.problems) result.notices.push_back(fmt::format("{}: as a surface: {}", path, problem));
   }

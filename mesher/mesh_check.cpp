@@ -9,6 +9,7 @@
 
 #include "core/base/units.hpp"
 #include "mesher/half_edges.hpp"
+#include "mesher/self_intersections.hpp"
 
 namespace scree {
 
@@ -151,6 +152,22 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
   }
 }
 
+void find_self_intersections(const TriangleMesh& mesh, MeshCheck& check) {
+  const std::vector<CrossingPair> pairs = find_crossing_pairs(mesh);
+  check.crossing_pairs = static_cast<std::int32_t>(pairs.size());
+  if (pairs.empty()) return;
+  std::int32_t count = 0;
+  const std::vector<std::int32_t> component = find_components(mesh, count);
+  std::set<std::pair<std::int32_t, std::int32_t>> crossing;
+  for (const CrossingPair& pair : pairs) {
+    const std::int32_t a = component[at(pair.first)], b = component[at(pair.second)];
+    if (a != b) crossing.insert(std::minmax(a, b));
+  }
+  check.crossing_components = static_cast<std::int32_t>(crossing.size());
+  const std::int32_t t = pairs.front().first;
+  check.crossing_place = (1.0 / 3) * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+}
+
 void judge(MeshCheck& check) {
   auto& problems = check.problems;
   auto& advice = check.advice;
@@ -201,6 +218,12 @@ void judge(MeshCheck& check) {
                                    counted(check.overlapping_components, "component lies", "components lie")));
     advice.push_back("unite the parts in a mesh editor; a cavity is turned inward by --flip");
   }
+  if (check.crossing_components > 0) {
+    problems.push_back(fmt::format("{} through each other, first near {}: their common volume would count twice",
+                                   counted(check.crossing_components, "pair of components passes", "pairs of components pass"),
+                                   text_of(check.crossing_place)));
+    advice.push_back("unite the parts in a mesh editor");
+  }
   const Vec3 extent = check.bounds.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   if (problems.empty() && !(check.mass.volume > kFlatVolume * check.area * size)) {
@@ -215,6 +238,11 @@ void remark(MeshCheck& check) {
   }
   if (check.non_manifold_vertices > 0) {
     check.remarks.push_back(fmt::format("the surface touches itself at {}", counted(check.non_manifold_vertices, "vertex", "vertices")));
+  }
+  if (check.crossing_pairs > 0) {
+    check.remarks.push_back(fmt::format("{} through or touch each other, first near {}; where the surface is folded over, volume counts twice",
+                                        counted(check.crossing_pairs, "pair of triangles passes", "pairs of triangles pass"),
+                                        text_of(check.crossing_place)));
   }
   const auto bodies = std::count_if(check.components.begin(), check.components.end(), [](const auto& c) { return c.depth % 2 == 0; });
   if (bodies > 1) check.remarks.push_back(fmt::format("{} separate pieces: they would move as one rigid body", bodies));
@@ -280,6 +308,7 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
   check.area = surface_area(mesh);
   count_triangles(mesh, check);
   read_topology(mesh, check);
+  if (check.degenerate_triangles == 0) find_self_intersections(mesh, check);
   check.mass = mass_properties(mesh);
   judge(check);
   remark(check);
@@ -304,6 +333,7 @@ std::string table_of(const MeshCheck& check) {
                      : !check.is_watertight()     ? "consistent"
                      : check.inverted_components > 0 || check.overlapping_components > 0 ? "inward"
                                                                                         : "outward");
+  row("self-intersections", fmt::format("{}", check.crossing_pairs));
   row("zero-area triangles", fmt::format("{}", check.degenerate_triangles));
   row("duplicate triangles", fmt::format("{}", check.duplicate_triangles));
   row("unreferenced vertices", fmt::format("{}", check.unreferenced_vertices));
@@ -353,6 +383,8 @@ nlohmann::json json_of(const MeshCheck& check) {
   json["degenerate_triangles"] = check.degenerate_triangles;
   json["duplicate_triangles"] = check.duplicate_triangles;
   json["unreferenced_vertices"] = check.unreferenced_vertices;
+  json["self_intersections"] = check.crossing_pairs;
+  json["crossing_components"] = check.crossing_components;
   json["inverted_components"] = check.inverted_components;
   json["overlapping_components"] = check.overlapping_components;
   json["euler_characteristic"] = check.euler_characteristic;

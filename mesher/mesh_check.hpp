@@ -35,10 +35,12 @@ struct MeshCheck {
   std::int32_t t_junctions = 0;             ///< boundary vertices that lie inside another boundary edge
   std::int32_t inverted_components = 0;     ///< closed, consistent, but inside out for where they lie
   std::int32_t overlapping_components = 0;  ///< bodies inside bodies: their volume would count twice
+  std::int32_t crossing_pairs = 0;          ///< triangles without a common vertex that pass through each other
+  std::int32_t crossing_components = 0;     ///< pairs of components whose surfaces cross
   bool nesting_was_checked = true;          ///< false when there are too many components (kNestingWork)
   std::vector<MeshComponent> components;    ///< by first triangle
   std::int32_t euler_characteristic = 0;    ///< V - E + T of referenced vertices; 2 for one ball-like piece
-  Vec3 boundary_place, non_manifold_place, inconsistent_place;
+  Vec3 boundary_place, non_manifold_place, inconsistent_place, crossing_place;
   Box3 bounds;                              ///< [m]
   double area = 0;                          ///< [m^2]
   MassProperties mass;                      ///< density 1; has a meaning only when problems is empty

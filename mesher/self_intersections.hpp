@@ -1,0 +1,23 @@
+// Triangles of one mesh that pass through each other.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace scree {
+
+struct CrossingPair {
+  std::int32_t first, second;  ///< triangle indices, first < second
+};
+
+/// Pairs of triangles that share no vertex and yet intersect or touch.
+///
+/// How: a bounding volume hierarchy descends against itself; the exact triangle test decides.
+/// in   mesh   finite, welded, without zero-area triangles
+/// Fails: never.   Cost: O(T log T) for surfaces that do not crowd.
+/// Limits: triangles that share a vertex are not tested; a fold right at an edge goes unseen.
+std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh);
+
+}  // namespace scree
