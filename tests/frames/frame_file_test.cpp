@@ -1,5 +1,5 @@
 // Frames written by 1, 2 and 4 ranks, read back serially. What is expected is the function of the id in
-// frame_fixture.hpp, bit for bit: a frame stores doubles and loses nothing.
+// frame_values.hpp, bit for bit: a frame stores doubles and loses nothing.
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 #include <sys/resource.h>

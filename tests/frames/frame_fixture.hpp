@@ -1,17 +1,10 @@
-// A frame whose every number is a function of the body's id, so that any reader can tell what must be there.
+// Frames whose every number is a function of the body's id (frame_values.hpp).
 #pragma once
 
-#include <cmath>
-#include <string>
-
 #include "core/storage/frame_file.hpp"
+#include "tests/frames/frame_values.hpp"
 
 namespace scree::test {
-
-inline Vec3 position_of(std::int64_t id) { return {0.1 * static_cast<double>(id), -0.5, 1.0 / (1.0 + static_cast<double>(id))}; }
-inline Vec3 velocity_of(std::int64_t id) { return {static_cast<double>(id), 2.5, -3e-300}; }
-inline Vec3 spin_of(std::int64_t id) { return {0, 1.0 / 3.0, -static_cast<double>(id)}; }
-inline Quat orientation_of(std::int64_t id) { return quaternion_of(Vec3{0, 0.6, 0.8}, 0.01 * static_cast<double>(id)); }
 
 inline void add_body(FrameBodies& bodies, std::int64_t id, int rank) {
   bodies.id.push_back(id);
