@@ -210,15 +210,17 @@ HWY_INLINE void vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<
 template <class T, Want kWant, bool kChecked>
 HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B);
 
-/// Lanes whose size is far from 1: solved again after an exact scaling by a power of two.
+/// Lanes whose size is far from 1, or is no number: solved again after an exact scaling by a power of two.
 template <class T, Want kWant>
 HWY_NOINLINE void solve_scaled(const TrianglePack<T>& a, const TrianglePack<T>& b, Mask<T> lanes, Solution<T>& out) {
   using V = Pack<T>;
   const V zero(T(0)), one(T(1));
-  V size = largest_component(a.p[0] - b.p[0]);
+  const Pack3<T> r = a.p[0] - b.p[0];
+  V size = largest_component(r), sum = r.x + r.y + r.z;
   for (int k = 0; k < 3; ++k) {
-    size = max(size, largest_component(a.p[(k + 1) % 3] - a.p[k]));
-    size = max(size, largest_component(b.p[(k + 1) % 3] - b.p[k]));
+    const Pack3<T> ea = a.p[(k + 1) % 3] - a.p[k], eb = b.p[(k + 1) % 3] - b.p[k];
+    size = max(size, max(largest_component(ea), largest_component(eb)));
+    sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
   }
   const V power = power_of_two_below(size);
   const V unit = select(power > zero, power, one), inverse = one / unit;
@@ -229,7 +231,7 @@ HWY_NOINLINE void solve_scaled(const TrianglePack<T>& a, const TrianglePack<T>& 
   }
   Solution<T> s = brute_force<T, kWant, false>(sa, sb);
   // a coordinate that is no number makes the distance none
-  const V poison = zero * size;
+  const V poison = zero * sum;
   out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
   out.point_a = select(lanes, unit * s.point_a, out.point_a);
   out.point_b = select(lanes, unit * s.point_b, out.point_b);
@@ -340,7 +342,8 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
     out = settled;
   }
   if constexpr (kChecked) {
-    const V size2 = max(l2, dot(r0[0], r0[0]));
+    // a sum, not a maximum, so that a coordinate that is no number shows; all six vertices are in it
+    const V size2 = ((aa[0] + aa[1]) + (bb[0] + bb[1])) + dot(r0[0], r0[0]);
     const Mask<T> usual = (size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared));
     const Mask<T> unusual = !usual;
     if (HWY_UNLIKELY(any(unusual))) {

@@ -12,12 +12,15 @@ constexpr int kBinCount = 16;
 /// From this depth on, nodes are cut in two equal halves, so that no tree is deeper than this + 31.
 constexpr int kHeuristicDepth = 40;
 
+// volatile: GCC 12 at -O3 was seen to drop a conversion to float and back
 float round_down(double x) {
-  const float f = static_cast<float>(x);
+  const volatile float rounded = static_cast<float>(x);
+  const float f = rounded;
   return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
 }
 float round_up(double x) {
-  const float f = static_cast<float>(x);
+  const volatile float rounded = static_cast<float>(x);
+  const float f = rounded;
   return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
