@@ -23,7 +23,7 @@ MeshFile read_with_assimp(const std::string& path) {
                                   aiComponent_CAMERAS | aiComponent_MATERIALS);
   const aiScene* scene = importer.ReadFile(
       path, aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType);
-  if (scene == nullptr) throw InputError("{}: it cannot be read as {}: {}", path, extension_of(path), importer.GetErrorString());
+  if (scene == nullptr) throw InputError("{}: it cannot be read as {}; the importer says: {}", path, extension_of(path), importer.GetErrorString());
   MeshFile file;
   file.reader = fmt::format("assimp {}, {}", assimp_version(), extension_of(path));
   std::int64_t left_out = 0;

@@ -27,6 +27,27 @@ void check_readable(const std::string& path) {
 }
 
 #ifdef SCREE_HAVE_ASSIMP
+/// What is wrong with an STL that the importer refuses, in numbers: a truncated download, or no mesh at all.
+std::string stl_diagnosis(const std::string& path) {
+  char header[84] = {};
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  const std::size_t size = file ? std::fread(header, 1, sizeof header, file.get()) : 0;
+  const bool is_text = std::all_of(header, header + size, [](char c) {
+    return (c >= 32 && c < 127) || c == '\n' || c == '\r' || c == '\t';
+  });
+  if (size == sizeof header && !is_text) {
+    std::uint32_t count = 0;
+    std::memcpy(&count, header + 80, sizeof count);
+    const std::uint64_t needed = 84 + 50 * static_cast<std::uint64_t>(count), found = std::filesystem::file_size(path);
+    if (needed != found) {
+      return fmt::format("; as a binary STL its header promises {} triangles, which need {} bytes, but the file has {}; "
+                         "it is truncated or damaged: export the model again", count, needed, found);
+    }
+    return "; export the model again, for instance as PLY";
+  }
+  return "; it is no STL: a binary one has 84 bytes of header, a text one begins with 'solid' and has facets";
+}
+
 // The bytes that travel from the child: three counts, then vertices, triangles, and the texts with a newline each.
 std::vector<char> bytes_of(const MeshFile& file) {
   std::string texts = file.reader + "\n";
@@ -107,7 +128,12 @@ MeshFile read_mesh_file(const std::string& path) {
                      fmt::join(known_extensions(), " "), is_ours ? "; a shape file is shown by 'scree-mesher info'" : "");
   }
 #ifdef SCREE_HAVE_ASSIMP
-  return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }));
+  try {
+    return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }));
+  } catch (const InputError& error) {
+    if (extension == ".stl") throw InputError("{}{}", error.what(), stl_diagnosis(path));
+    throw;
+  }
 #else
   throw UsageError("{}: this build has no assimp, which reads {}; install libassimp-dev and build again", path, extension);
 #endif

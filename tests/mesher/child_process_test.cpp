@@ -1,0 +1,65 @@
+// Importers may crash, hang or eat memory: the tool must outlive them.
+#include "mesher/child_process.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "core/base/error.hpp"
+
+namespace scree {
+namespace {
+
+std::string message_of(const std::function<std::vector<char>()>& work, const ChildLimits& limits = {}) {
+  try {
+    run_in_child("reading rock.stl", work, limits);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+
+TEST(ChildProcess, bytes_of_any_number_come_back) {
+  for (std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{70000}, std::size_t{5000000}}) {
+    std::vector<char> sent(size);
+    for (std::size_t i = 0; i < size; ++i) sent[i] = static_cast<char>(i * 7);
+    EXPECT_EQ(run_in_child("test", [&] { return sent; }), sent);
+  }
+}
+
+TEST(ChildProcess, an_error_in_the_child_arrives_with_its_own_words) {
+  EXPECT_EQ(message_of([]() -> std::vector<char> { throw InputError("rock.stl: no facets"); }), "rock.stl: no facets");
+}
+
+TEST(ChildProcess, a_crash_of_the_child_is_bad_input) {
+  const std::string message = message_of([]() -> std::vector<char> {
+    std::raise(SIGKILL);
+    return {};
+  });
+  EXPECT_SAYS(message, "reading rock.stl: the importer crashed with signal 9");
+}
+
+TEST(ChildProcess, a_child_that_hangs_is_ended) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string message = message_of([]() -> std::vector<char> {
+    std::this_thread::sleep_for(std::chrono::seconds(30));
+    return {};
+  }, {.memory_bytes = std::size_t{8} << 30, .seconds = 1});
+  EXPECT_SAYS(message, "did not end within 1 s");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes, so no limit is set
+TEST(ChildProcess, a_child_that_asks_for_too_much_memory_is_refused) {
+  const std::string message = message_of([] { return std::vector<char>(std::size_t{3} << 30, 'x'); },
+                                         {.memory_bytes = std::size_t{1} << 30, .seconds = 60});
+  EXPECT_SAYS(message, "ran out of memory at 1 GiB");
+}
+#endif
+
+}  // namespace
+}  // namespace scree
