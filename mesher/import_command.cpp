@@ -160,7 +160,7 @@ CommandResult check_command(const CheckOptions& options) {
     json["stored"] = {{"vertices", stored_vertices}, {"triangles", stored_triangles},
                       {"degenerate_triangles", stored.degenerate_triangles}, {"duplicate_triangles", stored.duplicate_triangles}};
     json["repairs"] = json_of(repairs);
-    result.output = json.dump(2) + "\n";
+    result.output = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   } else {
     result.output = fmt::format("{} ({})\n", options.file, file.reader);
     result.output += fmt::format("  {:<24} {} vertices, {} triangles\n", "in the file", stored_vertices, stored_triangles);

@@ -8,6 +8,15 @@
 
 namespace scree {
 
+namespace {
+
+// A path on the command line need not be UTF-8, JSON must be: what is not becomes U+FFFD instead of an exception.
+std::string json_text(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
 double Shape::bounding_radius() const { return scree::bounding_radius(mesh) + sphere_radius; }
 
 double Shape::equivalent_diameter() const {
@@ -89,7 +98,7 @@ void write_shapes(const h5::Group& group, const std::vector<Shape>& shapes) {
     }
     g.write_array("vertex_is_corner", corner, 1, "");
     g.write_array("edge_kind", edge_kind, 3, "");
-    g.write_text("verdict", shape.verdict.dump());
+    g.write_text("verdict", json_text(shape.verdict));
   }
 }
 
@@ -144,7 +153,7 @@ void write_shape_file(const std::string& path, const std::vector<Shape>& shapes,
   h5::NewFile file(path);
   file.root().write_attribute("format", kShapeFormat);
   file.root().write_attribute("format_version", kShapeFormatVersion);
-  file.root().write_text("provenance", provenance.dump());
+  file.root().write_text("provenance", json_text(provenance));
   write_shapes(file.root().create_group("shapes"), shapes);
   file.commit();
 }

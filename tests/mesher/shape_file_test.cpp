@@ -144,6 +144,24 @@ TEST(ShapeFile, a_triangle_of_a_vertex_that_does_not_exist_is_refused) {
   EXPECT_SAYS(message_of(folder / "bad.shape.h5"), "triangle 0 names vertex 7, but there are 3 vertices");
 }
 
+TEST(ShapeFile, the_kept_sample_of_version_1_is_read) {
+  const ShapeFile file = read_shape_file(SCREE_TEST_DATA "/version_1.shape.h5");
+  ASSERT_EQ(file.shapes.size(), 1U);
+  const Shape& brick = file.shapes[0];
+  EXPECT_EQ(brick.name, "brick");
+  EXPECT_EQ(brick.mesh.triangle_count(), 12);
+  EXPECT_DOUBLE_EQ(brick.mass.volume, 6);
+  EXPECT_LE(length(brick.mass.principal_moments - 6.0 / 12 * Vec3{5, 10, 13}), 1e-14);
+  EXPECT_EQ(brick.verdict["solid"], true);
+  EXPECT_EQ(file.provenance["tool"], "scree-mesher");
+}
+
+TEST(ShapeFile, a_path_that_is_not_utf8_is_kept_readable) {
+  const Folder folder;
+  write_shape_file(folder / "x.shape.h5", {make_sphere("bead", 1)}, {{"path", "caf\xe9.stl"}});
+  EXPECT_EQ(read_shape_file(folder / "x.shape.h5").provenance["path"], "caf\xef\xbf\xbd.stl");
+}
+
 TEST(ShapeFile, a_folder_that_cannot_be_written_is_a_system_error) {
   EXPECT_THROW(write_shape_file("/proc/nowhere/x.shape.h5", samples(), nullptr), SystemError);
 }
