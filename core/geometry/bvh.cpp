@@ -146,6 +146,10 @@ class Builder {
 
 }  // namespace
 
-Bvh build_bvh(const TriangleMesh& mesh) { return Builder(mesh).take(); }
+Bvh build_bvh(const TriangleMesh& mesh) {
+  Bvh tree = Builder(mesh).take();
+  tree.wide = build_wide_bvh(mesh);
+  return tree;
+}
 
 }  // namespace scree

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "core/geometry/wide_bvh.hpp"
 
 namespace scree {
 
@@ -18,6 +19,7 @@ struct BvhNode {
 struct Bvh {
   std::vector<BvhNode> nodes;          ///< empty for a shape without triangles
   std::vector<std::int32_t> order;     ///< triangle indices, leaf by leaf
+  WideBvh wide;                        ///< the same triangles for the SIMD descent of two meshes
 };
 
 /// Triangles in a leaf at most; a leaf pair is one or a few SIMD batches.

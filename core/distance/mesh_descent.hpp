@@ -1,0 +1,65 @@
+// The single-precision descent of two eight-wide hierarchies: candidates for the exact distance. Internal to
+// core/distance.
+//
+// Everything happens in A's frame. A filter may keep a pair too many, never lose one: every comparison allows for
+// `allowance`, a bound on what rounding to single precision can do to any distance in this frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/wide_bvh.hpp"
+
+namespace scree {
+
+struct TrianglePair;
+struct Placement;
+
+/// The placement of B in A's frame in single precision, and its error.
+struct DescentFrame {
+  float linear[3][3], absolute[3][3], translation[3];
+  float allowance;  ///< [units of A's shape]
+};
+DescentFrame make_descent_frame(const WideBvh& a, const WideBvh& b, const Placement& b_in_a);
+
+/// What a search for pairs within `reach` compares with, and the reach up to which single precision can square.
+float filter_reach(const DescentFrame& frame, double reach);
+
+/// Two subtrees to visit: >= 0 a node, < 0 leaf ~code; with their boxes (lower, upper) in A's frame.
+struct SubtreePair {
+  std::int32_t a, b;
+  float gap2;  ///< squared distance of the boxes
+  float box_a[6], box_b[6];
+};
+
+/// A leaf of B in A's frame, with its triangles' boxes and separating slabs: n . x in low..high holds the triangle
+/// and everything within reach of its plane's triangle.
+struct alignas(32) PlacedLeaf {
+  float corner[9][kWideWidth];
+  float lower[3][kWideWidth], upper[3][kWideWidth];
+  float normal[3][kWideWidth], low[kWideWidth], high[kWideWidth];
+};
+
+struct DescentScratch {
+  /// Leaves of B placed lately; the same leaf meets several of A in a row.
+  static constexpr std::int32_t kCacheSize = 32;
+  std::array<std::int32_t, kCacheSize> cached;
+  std::array<PlacedLeaf, kCacheSize> cache;
+  std::vector<SubtreePair> pairs;
+  std::vector<TrianglePair> candidates;
+  void forget_leaves() { cached.fill(-1); }
+};
+
+/// The two roots, taken as within any reach. Both trees must have triangles.
+SubtreePair root_pair(const WideBvh& a);
+
+/// Appends to scratch.candidates every pair of triangles within reach (a filter_reach) below the pair of subtrees.
+void collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
+                        float reach, DescentScratch& scratch);
+
+/// One step of it: two leaves give candidates, anything else gives smaller pairs within reach, in scratch.pairs.
+void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,
+                   DescentScratch& scratch);
+
+}  // namespace scree

@@ -1,0 +1,192 @@
+#include "core/geometry/wide_bvh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scree {
+namespace {
+
+/// Above this many triangles a median serves: the top of a large tree matters little.
+constexpr std::int32_t kSweepLimit = 4096;
+
+// volatile: GCC 12 at -O3 was seen to drop a conversion to float and back
+float to_nearest(double x) {
+  const volatile float rounded = static_cast<float>(x);
+  return rounded;
+}
+float round_down(double x) {
+  const float f = to_nearest(x);
+  return static_cast<double>(f) > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
+}
+float round_up(double x) {
+  const float f = to_nearest(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+}
+
+double half_area(const Box3& box) {
+  const Vec3 e = box.extent();
+  return e.x * e.y + e.y * e.z + e.z * e.x;
+}
+
+/// A node of the binary tree that is collapsed afterwards.
+struct BinaryNode {
+  Box3 box;
+  std::int32_t begin = 0, end = 0, left = -1, right = -1;
+};
+
+class Builder {
+ public:
+  explicit Builder(const TriangleMesh& mesh) : mesh_(mesh) {
+    const std::int32_t count = mesh.triangle_count();
+    if (count == 0) return;
+    boxes_.resize(static_cast<std::size_t>(count));
+    order_.resize(static_cast<std::size_t>(count));
+    for (std::int32_t t = 0; t < count; ++t) {
+      for (int k = 0; k < 3; ++k) boxes_[static_cast<std::size_t>(t)].add(mesh.corner(t, k));
+      order_[static_cast<std::size_t>(t)] = t;
+    }
+    split(0, count);
+    collapse(0);
+    const Box3& root = binary_[0].box;
+    for (int c = 0; c < 3; ++c)
+      tree_.size = std::max({tree_.size, round_up(std::abs(root.lower[c])), round_up(std::abs(root.upper[c]))});
+  }
+  WideBvh take() { return std::move(tree_); }
+
+ private:
+  const Box3& box(std::int32_t position) const {
+    return boxes_[static_cast<std::size_t>(order_[static_cast<std::size_t>(position)])];
+  }
+  void sort_along(std::int32_t begin, std::int32_t end, int axis) {
+    std::sort(order_.begin() + begin, order_.begin() + end, [&](std::int32_t s, std::int32_t t) {
+      const double cs = boxes_[static_cast<std::size_t>(s)].centre()[axis], ct = boxes_[static_cast<std::size_t>(t)].centre()[axis];
+      return cs != ct ? cs < ct : s < t;
+    });
+  }
+
+  std::int32_t split(std::int32_t begin, std::int32_t end) {
+    const auto index = static_cast<std::int32_t>(binary_.size());
+    BinaryNode node;
+    node.begin = begin;
+    node.end = end;
+    for (std::int32_t i = begin; i < end; ++i) node.box.add(box(i));
+    binary_.push_back(node);
+    if (end - begin <= kWideWidth) return index;
+    const std::int32_t middle = end - begin <= kSweepLimit ? sweep(begin, end) : median(begin, end);
+    const std::int32_t left = split(begin, middle);
+    const std::int32_t right = split(middle, end);
+    binary_[static_cast<std::size_t>(index)].left = left;
+    binary_[static_cast<std::size_t>(index)].right = right;
+    return index;
+  }
+
+  std::int32_t median(std::int32_t begin, std::int32_t end) {
+    Box3 centres;
+    for (std::int32_t i = begin; i < end; ++i) centres.add(box(i).centre());
+    const Vec3 e = centres.extent();
+    const int axis = e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
+    const std::int32_t half = begin + (end - begin) / (2 * kWideWidth) * kWideWidth;
+    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, [&](std::int32_t s, std::int32_t t) {
+      const double cs = boxes_[static_cast<std::size_t>(s)].centre()[axis], ct = boxes_[static_cast<std::size_t>(t)].centre()[axis];
+      return cs != ct ? cs < ct : s < t;
+    });
+    return half;
+  }
+
+  /// Least sum of area times leaves over all cuts at multiples of 8 on the three axes.
+  std::int32_t sweep(std::int32_t begin, std::int32_t end) {
+    const std::int32_t count = end - begin;
+    double least = std::numeric_limits<double>::infinity();
+    int best_axis = 0;
+    std::int32_t best_cut = begin + kWideWidth;
+    std::vector<double> above(static_cast<std::size_t>(count));
+    for (int axis = 0; axis < 3; ++axis) {
+      sort_along(begin, end, axis);
+      Box3 grown;
+      for (std::int32_t i = end - 1; i > begin; --i) {
+        grown.add(box(i));
+        above[static_cast<std::size_t>(i - begin)] = half_area(grown);
+      }
+      grown = {};
+      for (std::int32_t i = begin; i < end; ++i) {
+        const std::int32_t left = i - begin;
+        if (left > 0 && left % kWideWidth == 0) {
+          const double cost = half_area(grown) * left + above[static_cast<std::size_t>(left)] * (count - left);
+          if (cost < least) {
+            least = cost;
+            best_axis = axis;
+            best_cut = i;
+          }
+        }
+        grown.add(box(i));
+      }
+    }
+    if (best_axis != 2) sort_along(begin, end, best_axis);
+    return best_cut;
+  }
+
+  /// Makes a wide node of a binary one and returns its index.
+  std::int32_t collapse(std::int32_t root) {
+    std::vector<std::int32_t> children = {root};
+    while (children.size() < static_cast<std::size_t>(kWideWidth)) {
+      // open the largest inner child
+      std::size_t best = children.size();
+      double largest = -1;
+      for (std::size_t k = 0; k < children.size(); ++k) {
+        const BinaryNode& child = binary_[static_cast<std::size_t>(children[k])];
+        if (child.left >= 0 && half_area(child.box) > largest) {
+          largest = half_area(child.box);
+          best = k;
+        }
+      }
+      if (best == children.size()) break;
+      const BinaryNode& opened = binary_[static_cast<std::size_t>(children[best])];
+      children[best] = opened.left;
+      children.push_back(opened.right);
+    }
+    const std::size_t index = tree_.nodes.size();
+    tree_.nodes.emplace_back();
+    WideNode node;
+    node.count = static_cast<std::int32_t>(children.size());
+    for (std::size_t slot = 0; slot < static_cast<std::size_t>(kWideWidth); ++slot) {
+      const std::size_t k = slot < children.size() ? slot : 0;
+      const BinaryNode& child = binary_[static_cast<std::size_t>(children[k])];
+      for (int c = 0; c < 3; ++c) {
+        node.lower[c][slot] = round_down(child.box.lower[c]);
+        node.upper[c][slot] = round_up(child.box.upper[c]);
+      }
+      if (slot >= children.size()) {
+        node.child[slot] = node.child[0];
+      } else {
+        node.child[slot] = child.left >= 0 ? collapse(children[k]) : ~add_leaf(child);
+      }
+    }
+    tree_.nodes[index] = node;
+    return static_cast<std::int32_t>(index);
+  }
+
+  std::int32_t add_leaf(const BinaryNode& node) {
+    WideLeaf leaf;
+    leaf.count = node.end - node.begin;
+    for (std::int32_t slot = 0; slot < kWideWidth; ++slot) {
+      const std::int32_t t = order_[static_cast<std::size_t>(slot < leaf.count ? node.begin + slot : node.begin)];
+      leaf.triangle[slot] = t;
+      for (int k = 0; k < 9; ++k) leaf.corner[k][slot] = to_nearest(mesh_.corner(t, k / 3)[k % 3]);
+    }
+    tree_.leaves.push_back(leaf);
+    return static_cast<std::int32_t>(tree_.leaves.size()) - 1;
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<Box3> boxes_;
+  std::vector<std::int32_t> order_;
+  std::vector<BinaryNode> binary_;
+  WideBvh tree_;
+};
+
+}  // namespace
+
+WideBvh build_wide_bvh(const TriangleMesh& mesh) { return Builder(mesh).take(); }
+
+}  // namespace scree
