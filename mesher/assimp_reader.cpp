@@ -13,17 +13,21 @@ namespace scree {
 std::string assimp_version() { return fmt::format("{}.{}", aiGetVersionMajor(), aiGetVersionMinor()); }
 
 // Normals, texture coordinates and colours are removed before anything else: they split vertices along seams.
-// Vertices are welded by ourselves, by exact position, and degenerate triangles are dropped by ourselves, with a
-// count. PreTransformVertices applies the nodes' placements (COLLADA keeps its unit and up axis there).
+// Vertices are welded by ourselves, by exact position, and degenerate triangles are dropped by ourselves,
+// with a count. PreTransformVertices applies the nodes' placements (COLLADA keeps its unit and up axis
+// there).
 MeshFile read_with_assimp(const std::string& path) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
-                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS | aiComponent_TEXCOORDS |
-                                  aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES | aiComponent_LIGHTS |
-                                  aiComponent_CAMERAS | aiComponent_MATERIALS);
-  const aiScene* scene = importer.ReadFile(
-      path, aiProcess_RemoveComponent | aiProcess_Triangulate | aiProcess_PreTransformVertices | aiProcess_SortByPType);
-  if (scene == nullptr) throw InputError("{}: it cannot be read as {}; the importer says: {}", path, extension_of(path), importer.GetErrorString());
+                              aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
+                                  aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
+                                  aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS |
+                                  aiComponent_MATERIALS);
+  const aiScene* scene = importer.ReadFile(path, aiProcess_RemoveComponent | aiProcess_Triangulate |
+                                                     aiProcess_PreTransformVertices | aiProcess_SortByPType);
+  if (scene == nullptr)
+    throw InputError("{}: it cannot be read as {}; the importer says: {}", path, extension_of(path),
+                     importer.GetErrorString());
   MeshFile file;
   file.reader = fmt::format("assimp {}, {}", assimp_version(), extension_of(path));
   std::int64_t left_out = 0;
@@ -47,7 +51,8 @@ MeshFile read_with_assimp(const std::string& path) {
       Triangle triangle;
       for (unsigned int k = 0; k < 3; ++k) {
         if (face.mIndices[k] >= part.mNumVertices) {
-          throw InputError("{}: triangle {} names vertex {}, but its part has {} vertices", path, f, face.mIndices[k], part.mNumVertices);
+          throw InputError("{}: triangle {} names vertex {}, but its part has {} vertices", path, f,
+                           face.mIndices[k], part.mNumVertices);
         }
         triangle[k] = offset + static_cast<std::int32_t>(face.mIndices[k]);
       }
@@ -55,7 +60,8 @@ MeshFile read_with_assimp(const std::string& path) {
     }
   }
   if (left_out > 0) file.notes.push_back(fmt::format("{} points and lines were left out", left_out));
-  if (scene->mNumMeshes > 1) file.notes.push_back(fmt::format("{} parts of the file were joined into one mesh", scene->mNumMeshes));
+  if (scene->mNumMeshes > 1)
+    file.notes.push_back(fmt::format("{} parts of the file were joined into one mesh", scene->mNumMeshes));
   return file;
 }
 

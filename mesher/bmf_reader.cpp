@@ -38,8 +38,9 @@ class Bytes {
  private:
   void need(std::size_t count) const {
     if (left() < count) {
-      throw InputError("{}: the file ends after {} bytes, in the middle of its data; it is truncated or no BMF file", path_,
-                       data_.size());
+      throw InputError(
+          "{}: the file ends after {} bytes, in the middle of its data; it is truncated or no BMF file",
+          path_, data_.size());
     }
   }
   std::vector<char> data_;
@@ -53,8 +54,11 @@ MeshFile read_bmf(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   Bytes bytes(std::vector<char>(std::istreambuf_iterator<char>(stream), {}), path);
   if (const auto objects = bytes.take<std::int32_t>(); objects != 1) {
-    throw InputError("{}: {} objects by its first four bytes; only BMF files of one object (the small bodies of openuniverse) "
-                     "can be read", path, objects);
+    throw InputError(
+        "{}: {} objects by its first four bytes; only BMF files of one object (the small bodies of "
+        "openuniverse) "
+        "can be read",
+        path, objects);
   }
   bytes.skip(bytes.take<std::uint16_t>());  // name of the texture
   bytes.skip(12 * sizeof(float));           // material
@@ -88,7 +92,8 @@ MeshFile read_bmf(const std::string& path) {
     for (std::size_t k = 0; k < 3; ++k) {
       raw[k] = bytes.take<std::uint16_t>();
       if (raw[k] >= vertex_count) {
-        throw InputError("{}: triangle {} names vertex {}, but there are {} vertices", path, t, raw[k], vertex_count);
+        throw InputError("{}: triangle {} names vertex {}, but there are {} vertices", path, t, raw[k],
+                         vertex_count);
       }
       triangle[k] = welded.triangles[static_cast<std::size_t>(raw[k])][0];
     }
@@ -108,12 +113,15 @@ MeshFile read_bmf(const std::string& path) {
     }
   }
   if (bytes.left() != 0) {
-    throw InputError("{}: {} bytes follow the last triangle; the file is damaged or no BMF file", path, bytes.left());
+    throw InputError("{}: {} bytes follow the last triangle; the file is damaged or no BMF file", path,
+                     bytes.left());
   }
   const std::size_t dropped = static_cast<std::size_t>(triangle_count) - kept.size();
   if (dropped > 0) {
-    file.notes.push_back(fmt::format("{} of {} triangles are second copies (the format stores both sides); kept those that agree "
-                                     "with the stored normals", dropped, triangle_count));
+    file.notes.push_back(fmt::format(
+        "{} of {} triangles are second copies (the format stores both sides); kept those that agree "
+        "with the stored normals",
+        dropped, triangle_count));
   }
   file.mesh.vertices = std::move(welded.vertices);
   for (const Copy& copy : kept) file.mesh.triangles.push_back(copy.triangle);

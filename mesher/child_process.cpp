@@ -35,7 +35,8 @@ void write_all(int descriptor, const char* data, std::size_t size) {
   }
 }
 
-[[noreturn]] void be_the_child(int descriptor, const std::function<std::vector<char>()>& work, const ChildLimits& limits) {
+[[noreturn]] void be_the_child(int descriptor, const std::function<std::vector<char>()>& work,
+                               const ChildLimits& limits) {
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   if (kMayLimitMemory) {
@@ -65,7 +66,8 @@ void write_all(int descriptor, const char* data, std::size_t size) {
 
 }  // namespace
 
-std::vector<char> run_in_child(const std::string& what, const std::function<std::vector<char>()>& work, const ChildLimits& limits) {
+std::vector<char> run_in_child(const std::string& what, const std::function<std::vector<char>()>& work,
+                               const ChildLimits& limits) {
   int ends[2];
   if (pipe(ends) != 0) throw SystemError("{}: cannot make a pipe: {}", what, std::strerror(errno));
   const pid_t child = fork();
@@ -106,9 +108,11 @@ std::vector<char> run_in_child(const std::string& what, const std::function<std:
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   const char* advice = "the file is probably damaged; export the model again, for instance as binary STL";
-  if (out_of_time) throw InputError("{}: the importer did not end within {} s; {}", what, limits.seconds, advice);
+  if (out_of_time)
+    throw InputError("{}: the importer did not end within {} s; {}", what, limits.seconds, advice);
   if (WIFSIGNALED(status)) {
-    throw InputError("{}: the importer crashed with signal {} ({}); {}", what, WTERMSIG(status), strsignal(WTERMSIG(status)), advice);
+    throw InputError("{}: the importer crashed with signal {} ({}); {}", what, WTERMSIG(status),
+                     strsignal(WTERMSIG(status)), advice);
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) {
     throw InputError("{}: the importer ended without an answer; {}", what, advice);
@@ -116,7 +120,8 @@ std::vector<char> run_in_child(const std::string& what, const std::function<std:
   const char kind = answer.front();
   answer.erase(answer.begin());
   if (kind == 'm') {
-    throw InputError("{}: the importer ran out of memory at {} GiB; {}", what, limits.memory_bytes >> 30, advice);
+    throw InputError("{}: the importer ran out of memory at {} GiB; {}", what, limits.memory_bytes >> 30,
+                     advice);
   }
   if (kind == 'e') throw InputError(std::string(answer.begin(), answer.end()));
   return answer;

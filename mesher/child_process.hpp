@@ -1,5 +1,5 @@
-// Work in a child process with limits: third-party importers can crash, hang or ask for all memory when a file
-// is broken, and must not take the tool with them.
+// Work in a child process with limits: third-party importers can crash, hang or ask for all memory when a
+// file is broken, and must not take the tool with them.
 #pragma once
 
 #include <functional>
@@ -11,15 +11,16 @@ namespace scree {
 /// Limits of the child. Generous for the largest scans (10^7 triangles take about 3 GB and a minute), small
 /// enough that a machine survives a file whose header promises 10^12 triangles.
 struct ChildLimits {
-  std::size_t memory_bytes = std::size_t{8} << 30;  ///< address space; not set under AddressSanitizer, which reserves terabytes
-  int seconds = 300;                                ///< wall clock
+  std::size_t memory_bytes =
+      std::size_t{8} << 30;  ///< address space; not set under AddressSanitizer, which reserves terabytes
+  int seconds = 300;         ///< wall clock
 };
 
 /// Runs `work` in a forked child and returns the bytes that it returned.
 ///
 /// in   what   for messages: "reading rock.stl"
-/// Fails: InputError with the child's own message when work throws; InputError when the child crashes, runs out of
-/// memory or out of time.   Threads: call it before any are started.
+/// Fails: InputError with the child's own message when work throws; InputError when the child crashes, runs
+/// out of memory or out of time.   Threads: call it before any are started.
 std::vector<char> run_in_child(const std::string& what, const std::function<std::vector<char>()>& work,
                                const ChildLimits& limits = {});
 

@@ -14,9 +14,9 @@ std::string gmsh_version();
 
 /// Triangulated ball about the origin, vertices on the sphere.
 ///
-/// in   radius, edge_length   [m], > 0; the volume falls short of the ball's by about 0.3 (edge_length / radius)^2
-/// Fails: InputError with gmsh's own words; UsageError in a build without gmsh.
-/// Limits: gmsh keeps global state, so one mesh at a time and one thread.
+/// in   radius, edge_length   [m], > 0; the volume falls short of the ball's by about 0.3 (edge_length /
+/// radius)^2 Fails: InputError with gmsh's own words; UsageError in a build without gmsh. Limits: gmsh keeps
+/// global state, so one mesh at a time and one thread.
 TriangleMesh generate_sphere(double radius, double edge_length);
 
 /// Box about the origin, its faces meshed with the given edge length (box_mesh has 12 triangles).

@@ -16,14 +16,15 @@ namespace scree {
 
 namespace {
 
-/// Default edge length of round shapes: about 25 edges around and 550 triangles on a sphere, whose volume is then
-/// 2 % short. Finer is asked for, since every triangle costs time in each step.
+/// Default edge length of round shapes: about 25 edges around and 550 triangles on a sphere, whose volume is
+/// then 2 % short. Finer is asked for, since every triangle costs time in each step.
 constexpr double kEdgePerRadius = 0.25;
 /// Most triangles that a generated shape may have, by estimate from its area.
 constexpr double kMostTriangles = 5e6;
 
 double positive_length(const std::string& text, const char* option) {
-  if (text.empty()) throw UsageError("generate: {} is missing; give a length, for instance {} \"5 mm\"", option, option);
+  if (text.empty())
+    throw UsageError("generate: {} is missing; give a length, for instance {} \"5 mm\"", option, option);
   const double value = parse_quantity(text, Dimension::length, option);
   if (!(value > 0)) throw UsageError("{} = \"{}\": expected a length > 0", option, text);
   return value;
@@ -39,9 +40,12 @@ Vec3 size_of(const std::string& text) {
     }
   }
   if (parts.size() != 3) {
-    throw UsageError("--size = \"{}\": {} lengths found, 3 expected, for instance --size \"4 cm, 2 cm, 1 cm\"", text, text.empty() ? 0 : parts.size());
+    throw UsageError(
+        "--size = \"{}\": {} lengths found, 3 expected, for instance --size \"4 cm, 2 cm, 1 cm\"", text,
+        text.empty() ? 0 : parts.size());
   }
-  return {positive_length(parts[0], "--size"), positive_length(parts[1], "--size"), positive_length(parts[2], "--size")};
+  return {positive_length(parts[0], "--size"), positive_length(parts[1], "--size"),
+          positive_length(parts[2], "--size")};
 }
 
 void refuse_option(const std::string& value, const char* option, const std::string& what) {
@@ -51,8 +55,9 @@ void refuse_option(const std::string& value, const char* option, const std::stri
 void check_triangle_count(double area, double edge_length) {
   const double triangles = area / (0.433 * edge_length * edge_length);  // equilateral triangles
   if (triangles > kMostTriangles) {
-    throw UsageError("--edge-length: {:.3g} m would make about {:.2g} triangles, more than {:g}; give a larger one", edge_length,
-                     triangles, kMostTriangles);
+    throw UsageError(
+        "--edge-length: {:.3g} m would make about {:.2g} triangles, more than {:g}; give a larger one",
+        edge_length, triangles, kMostTriangles);
   }
 }
 
@@ -74,7 +79,8 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
       refuse_option(options.edge_length, "--edge-length", "sphere --analytic");
       shape = make_sphere(name, radius);
     } else {
-      const double l = has_edge_length ? positive_length(options.edge_length, "--edge-length") : kEdgePerRadius * radius;
+      const double l =
+          has_edge_length ? positive_length(options.edge_length, "--edge-length") : kEdgePerRadius * radius;
       check_triangle_count(4 * 3.1416 * radius * radius, l);
       mesh = generate_sphere(radius, l);
     }
@@ -91,8 +97,10 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
     }
   } else {
     refuse_option(options.size, "--size", "cylinder");
-    const double radius = positive_length(options.radius, "--radius"), height = positive_length(options.height, "--height");
-    const double l = has_edge_length ? positive_length(options.edge_length, "--edge-length") : kEdgePerRadius * radius;
+    const double radius = positive_length(options.radius, "--radius"),
+                 height = positive_length(options.height, "--height");
+    const double l =
+        has_edge_length ? positive_length(options.edge_length, "--edge-length") : kEdgePerRadius * radius;
     check_triangle_count(2 * 3.1416 * radius * (radius + height), l);
     const int layers = has_edge_length ? std::max(1, static_cast<int>(std::lround(height / l))) : 1;
     mesh = generate_cylinder(radius, height, l, layers);
@@ -102,8 +110,8 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
     clean_mesh(mesh, false);
     const MeshCheck check = check_mesh(mesh);
     if (!check.is_solid()) {
-      throw InputError("generate {}: the mesh that gmsh made is no solid ({}); try another --edge-length", options.what,
-                       check.problems.front());
+      throw InputError("generate {}: the mesh that gmsh made is no solid ({}); try another --edge-length",
+                       options.what, check.problems.front());
     }
     shape = make_solid(name, std::move(mesh));
     shape.verdict = json_of(check);
@@ -114,14 +122,16 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
   provenance.format_version = kShapeFormatVersion;
   provenance.tool = "scree-mesher";
   provenance.command = command;
-  provenance.configuration = fmt::format("generate {} radius={} height={} size={} edge-length={} analytic={}", options.what,
-                                         options.radius, options.height, options.size, options.edge_length, options.analytic);
+  provenance.configuration =
+      fmt::format("generate {} radius={} height={} size={} edge-length={} analytic={}", options.what,
+                  options.radius, options.height, options.size, options.edge_length, options.analytic);
   provenance.instruction_set = "scalar";
   write_shape_file(options.output, {shape}, provenance_record(provenance));
 
   CommandResult result;
   result.output = shape.kind == ShapeKind::sphere
-                      ? fmt::format("{}: analytic sphere of radius {}", name, format_quantity(shape.sphere_radius, Dimension::length))
+                      ? fmt::format("{}: analytic sphere of radius {}", name,
+                                    format_quantity(shape.sphere_radius, Dimension::length))
                       : fmt::format("{}: {} triangles", name, shape.mesh.triangle_count());
   result.output += fmt::format(", volume {:.9g} m^3\nwrote {}\n", shape.mass.volume, options.output);
   return result;

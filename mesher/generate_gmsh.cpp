@@ -98,7 +98,9 @@ TriangleMesh generate_box(const Vec3& size, double edge_length) {
     gmsh::model::occ::synchronize();
   });
   // faces to the last digit, so that each is one flat region
-  const auto snap = [](double x, double half) { return std::abs(std::abs(x) - half) < 1e-9 ? std::copysign(half, x) : x; };
+  const auto snap = [](double x, double half) {
+    return std::abs(std::abs(x) - half) < 1e-9 ? std::copysign(half, x) : x;
+  };
   for (Vec3& p : mesh.vertices) {
     p = {unit * snap(p.x, 0.5 * s.x), unit * snap(p.y, 0.5 * s.y), unit * snap(p.z, 0.5 * s.z)};
   }

@@ -5,8 +5,10 @@ namespace scree {
 
 namespace {
 [[noreturn]] void refuse(const char* what) {
-  throw UsageError("generate {}: this build has no gmsh, which makes the mesh; install libgmsh-dev and build again "
-                   "(a box without --edge-length and an --analytic sphere need no gmsh)", what);
+  throw UsageError(
+      "generate {}: this build has no gmsh, which makes the mesh; install libgmsh-dev and build again "
+      "(a box without --edge-length and an --analytic sphere need no gmsh)",
+      what);
 }
 }  // namespace
 

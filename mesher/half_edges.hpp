@@ -30,7 +30,8 @@ inline std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
     for (std::int8_t k = 0; k < 3; ++k) {
-      const std::int32_t a = corners[static_cast<std::size_t>(k)], b = corners[static_cast<std::size_t>((k + 1) % 3)];
+      const std::int32_t a = corners[static_cast<std::size_t>(k)],
+                         b = corners[static_cast<std::size_t>((k + 1) % 3)];
       half.push_back({std::min(a, b), std::max(a, b), t, k, a < b});
     }
   }

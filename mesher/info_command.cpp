@@ -30,11 +30,13 @@ std::string verdict_text(const Shape& shape) {
 void add_history(const nlohmann::json& record, int indent, std::string& text) {
   if (!record.is_object()) return;
   const auto word = [&](const char* key) {
-    return record.contains(key) && record[key].is_string() ? record[key].get<std::string>() : std::string("?");
+    return record.contains(key) && record[key].is_string() ? record[key].get<std::string>()
+                                                           : std::string("?");
   };
   const std::string margin(static_cast<std::size_t>(indent), ' ');
-  text += fmt::format("{}{} {} (git {}{}), {}\n", margin, word("tool"), word("tool_version"), word("git").substr(0, 10),
-                      record.value("git_dirty", false) ? ", changed" : "", word("utc"));
+  text += fmt::format("{}{} {} (git {}{}), {}\n", margin, word("tool"), word("tool_version"),
+                      word("git").substr(0, 10), record.value("git_dirty", false) ? ", changed" : "",
+                      word("utc"));
   if (record.contains("command") && record["command"].is_array()) {
     std::string command;
     for (const auto& part : record["command"]) {
@@ -62,24 +64,28 @@ CommandResult info_command(const InfoOptions& options) {
   const ShapeFile file = read_shape_file(options.file);
   CommandResult result;
   std::string& text = result.output;
-  text = fmt::format("{}: {} {}\n", options.file, file.shapes.size(), file.shapes.size() == 1 ? "shape" : "shapes");
+  text = fmt::format("{}: {} {}\n", options.file, file.shapes.size(),
+                     file.shapes.size() == 1 ? "shape" : "shapes");
   std::size_t widest = 4;
   for (const Shape& shape : file.shapes) widest = std::max(widest, shape.name.size());
-  text += fmt::format("{:<{}}  {:<7} {:>8} {:>9} {:>8} {:>8} {:>13} {:>10} {:>10} {:>13}  {}\n", "name", widest, "kind", "vertices",
-                      "triangles", "corners", "edges", "volume [m^3]", "eq. diam.", "b. radius", "area [m^2]",
-                      "principal moments at density 1 [m^5]");
+  text += fmt::format("{:<{}}  {:<7} {:>8} {:>9} {:>8} {:>8} {:>13} {:>10} {:>10} {:>13}  {}\n", "name",
+                      widest, "kind", "vertices", "triangles", "corners", "edges", "volume [m^3]",
+                      "eq. diam.", "b. radius", "area [m^2]", "principal moments at density 1 [m^5]");
   for (const Shape& shape : file.shapes) {
     const FeatureTable features = find_features(shape.mesh);
     const bool has_mass = shape.kind != ShapeKind::surface;
     const Vec3& p = shape.mass.principal_moments;
-    text += fmt::format("{:<{}}  {:<7} {:>8} {:>9} {:>8} {:>8} {:>13} {:>10} {:>10} {:>13.6g}  {}\n", shape.name, widest,
-                        kind_name(shape.kind), shape.mesh.vertex_count(), shape.mesh.triangle_count(), features.corners.size(),
-                        features.edges.size(), has_mass ? fmt::format("{:.6g}", shape.mass.volume) : "-",
-                        has_mass ? length_text(shape.equivalent_diameter()) : "-", length_text(shape.bounding_radius()), shape.area,
+    text += fmt::format("{:<{}}  {:<7} {:>8} {:>9} {:>8} {:>8} {:>13} {:>10} {:>10} {:>13.6g}  {}\n",
+                        shape.name, widest, kind_name(shape.kind), shape.mesh.vertex_count(),
+                        shape.mesh.triangle_count(), features.corners.size(), features.edges.size(),
+                        has_mass ? fmt::format("{:.6g}", shape.mass.volume) : "-",
+                        has_mass ? length_text(shape.equivalent_diameter()) : "-",
+                        length_text(shape.bounding_radius()), shape.area,
                         has_mass ? fmt::format("{:.6g} {:.6g} {:.6g}", p.x, p.y, p.z) : "-");
   }
   text += "check\n";
-  for (const Shape& shape : file.shapes) text += fmt::format("  {:<{}}  {}\n", shape.name, widest, verdict_text(shape));
+  for (const Shape& shape : file.shapes)
+    text += fmt::format("  {:<{}}  {}\n", shape.name, widest, verdict_text(shape));
   text += "made by\n";
   add_history(file.provenance, 2, text);
   return result;

@@ -27,7 +27,8 @@ void count_triangles(const TriangleMesh& mesh, MeshCheck& check) {
   std::vector<Triangle> sorted = mesh.triangles;
   for (Triangle& t : sorted) std::sort(t.begin(), t.end());
   std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 1; i < sorted.size(); ++i) check.duplicate_triangles += sorted[i] == sorted[i - 1] ? 1 : 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    check.duplicate_triangles += sorted[i] == sorted[i - 1] ? 1 : 0;
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     if (is_degenerate(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))) ++check.degenerate_triangles;
   }
@@ -38,7 +39,8 @@ void count_triangles(const TriangleMesh& mesh, MeshCheck& check) {
   check.unreferenced_vertices = static_cast<std::int32_t>(std::count(used.begin(), used.end(), 0));
 }
 
-/// Boundary vertices strictly inside a boundary edge: what is left where a neighbour was split and this side was not.
+/// Boundary vertices strictly inside a boundary edge: what is left where a neighbour was split and this side
+/// was not.
 std::int32_t count_t_junctions(const TriangleMesh& mesh, const std::vector<HalfEdge>& boundary) {
   std::vector<std::int32_t> vertices;
   for (const HalfEdge& edge : boundary) {
@@ -47,7 +49,9 @@ std::int32_t count_t_junctions(const TriangleMesh& mesh, const std::vector<HalfE
   }
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  const auto by_x = [&](std::int32_t a, std::int32_t b) { return mesh.vertices[at(a)].x < mesh.vertices[at(b)].x; };
+  const auto by_x = [&](std::int32_t a, std::int32_t b) {
+    return mesh.vertices[at(a)].x < mesh.vertices[at(b)].x;
+  };
   std::stable_sort(vertices.begin(), vertices.end(), by_x);
   std::set<std::int32_t> found;
   for (const HalfEdge& edge : boundary) {
@@ -76,7 +80,9 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
     const std::int32_t k = t[at(h.k)] == vertex ? h.k : (h.k + 1) % 3;
     return 3 * h.triangle + k;
   };
-  const auto middle_of = [&](const HalfEdge& h) { return 0.5 * (mesh.vertices[at(h.low)] + mesh.vertices[at(h.high)]); };
+  const auto middle_of = [&](const HalfEdge& h) {
+    return 0.5 * (mesh.vertices[at(h.low)] + mesh.vertices[at(h.high)]);
+  };
 
   std::vector<HalfEdge> boundary;
   std::vector<std::int32_t> open_triangles, turned_triangles;
@@ -106,7 +112,8 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
   for (const HalfEdge& edge : boundary) loops.insert(holes.find(edge.low));
   check.boundary_loops = static_cast<std::int32_t>(loops.size());
   check.t_junctions = count_t_junctions(mesh, boundary);
-  check.euler_characteristic = mesh.vertex_count() - check.unreferenced_vertices - edge_count + mesh.triangle_count();
+  check.euler_characteristic =
+      mesh.vertex_count() - check.unreferenced_vertices - edge_count + mesh.triangle_count();
 
   // a vertex whose triangles form more than one fan
   std::vector<std::int32_t> fan_of(mesh.vertices.size(), -1);
@@ -130,7 +137,8 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     MeshComponent& c = check.components[at(component[at(t)])];
     ++c.triangle_count;
-    c.volume += dot(mesh.corner(t, 0) - origin, cross(mesh.corner(t, 1) - origin, mesh.corner(t, 2) - origin)) / 6;
+    c.volume +=
+        dot(mesh.corner(t, 0) - origin, cross(mesh.corner(t, 1) - origin, mesh.corner(t, 2) - origin)) / 6;
   }
 
   // nesting: how many other closed components wind around a vertex of this one
@@ -177,29 +185,34 @@ void judge(MeshCheck& check) {
     return;
   }
   if (check.boundary_edges > 0) {
-    problems.push_back(fmt::format("the mesh is open: {} in {}, first near {}{}",
-                                   counted(check.boundary_edges, "boundary edge", "boundary edges"),
-                                   counted(check.boundary_loops, "loop", "loops"), text_of(check.boundary_place),
-                                   check.t_junctions > 0 ? fmt::format("; {} (a vertex inside another triangle's edge)",
-                                                                       counted(check.t_junctions, "T-junction", "T-junctions"))
-                                                         : ""));
-    advice.push_back(check.t_junctions > 0 ? "split the edges at the T-junctions (a 'snap' or 'merge' filter of a mesh editor)"
-                                           : "close the holes in a mesh editor");
+    problems.push_back(fmt::format(
+        "the mesh is open: {} in {}, first near {}{}",
+        counted(check.boundary_edges, "boundary edge", "boundary edges"),
+        counted(check.boundary_loops, "loop", "loops"), text_of(check.boundary_place),
+        check.t_junctions > 0 ? fmt::format("; {} (a vertex inside another triangle's edge)",
+                                            counted(check.t_junctions, "T-junction", "T-junctions"))
+                              : ""));
+    advice.push_back(check.t_junctions > 0
+                         ? "split the edges at the T-junctions (a 'snap' or 'merge' filter of a mesh editor)"
+                         : "close the holes in a mesh editor");
     advice.push_back("or import it as a wall with --surface");
   }
   if (check.non_manifold_edges > 0) {
-    problems.push_back(fmt::format("{} with more than two triangles, first near {}",
-                                   counted(check.non_manifold_edges, "non-manifold edge", "non-manifold edges"),
-                                   text_of(check.non_manifold_place)));
+    problems.push_back(
+        fmt::format("{} with more than two triangles, first near {}",
+                    counted(check.non_manifold_edges, "non-manifold edge", "non-manifold edges"),
+                    text_of(check.non_manifold_place)));
     advice.push_back("remove inner walls and fins, or separate bodies that share an edge");
   }
   if (check.inconsistent_edges > 0) {
-    problems.push_back(fmt::format("the orientation is not consistent: {} between triangles that face opposite ways, first near {}",
-                                   counted(check.inconsistent_edges, "edge", "edges"), text_of(check.inconsistent_place)));
+    problems.push_back(fmt::format(
+        "the orientation is not consistent: {} between triangles that face opposite ways, first near {}",
+        counted(check.inconsistent_edges, "edge", "edges"), text_of(check.inconsistent_place)));
     advice.push_back("import with --flip, which turns all triangles outward");
   }
   if (check.degenerate_triangles > 0) {
-    problems.push_back(fmt::format("{} of zero area", counted(check.degenerate_triangles, "triangle", "triangles")));
+    problems.push_back(
+        fmt::format("{} of zero area", counted(check.degenerate_triangles, "triangle", "triangles")));
     advice.push_back("remove the slivers in a mesh editor");
   }
   if (check.duplicate_triangles > 0) {
@@ -208,46 +221,57 @@ void judge(MeshCheck& check) {
   }
   if (!problems.empty()) return;  // the volume has a meaning only below
   if (check.inverted_components > 0) {
-    problems.push_back(fmt::format("the mesh is inverted: {} of {} face inward, signed volume {:.6g} m^3",
-                                   check.inverted_components, counted(static_cast<std::int32_t>(check.components.size()), "component", "components"),
-                                   check.mass.volume));
+    problems.push_back(fmt::format(
+        "the mesh is inverted: {} of {} face inward, signed volume {:.6g} m^3", check.inverted_components,
+        counted(static_cast<std::int32_t>(check.components.size()), "component", "components"),
+        check.mass.volume));
     advice.push_back("import with --flip, which turns all triangles outward");
   }
   if (check.overlapping_components > 0) {
-    problems.push_back(fmt::format("{} inside another one and face outward: their volume would count twice",
-                                   counted(check.overlapping_components, "component lies", "components lie")));
+    problems.push_back(
+        fmt::format("{} inside another one and face outward: their volume would count twice",
+                    counted(check.overlapping_components, "component lies", "components lie")));
     advice.push_back("unite the parts in a mesh editor; a cavity is turned inward by --flip");
   }
   if (check.crossing_components > 0) {
-    problems.push_back(fmt::format("{} through each other, first near {}: their common volume would count twice",
-                                   counted(check.crossing_components, "pair of components passes", "pairs of components pass"),
-                                   text_of(check.crossing_place)));
+    problems.push_back(fmt::format(
+        "{} through each other, first near {}: their common volume would count twice",
+        counted(check.crossing_components, "pair of components passes", "pairs of components pass"),
+        text_of(check.crossing_place)));
     advice.push_back("unite the parts in a mesh editor");
   }
   const Vec3 extent = check.bounds.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   if (problems.empty() && !(check.mass.volume > kFlatVolume * check.area * size)) {
-    problems.push_back(fmt::format("the mesh is flat: volume {:.3g} m^3 for an area of {:.3g} m^2", check.mass.volume, check.area));
+    problems.push_back(fmt::format("the mesh is flat: volume {:.3g} m^3 for an area of {:.3g} m^2",
+                                   check.mass.volume, check.area));
     advice.push_back("give it a thickness, or import it as a wall with --surface");
   }
 }
 
 void remark(MeshCheck& check) {
   if (check.unreferenced_vertices > 0) {
-    check.remarks.push_back(fmt::format("{} by no triangle", counted(check.unreferenced_vertices, "vertex is used", "vertices are used")));
+    check.remarks.push_back(fmt::format(
+        "{} by no triangle", counted(check.unreferenced_vertices, "vertex is used", "vertices are used")));
   }
   if (check.non_manifold_vertices > 0) {
-    check.remarks.push_back(fmt::format("the surface touches itself at {}", counted(check.non_manifold_vertices, "vertex", "vertices")));
+    check.remarks.push_back(fmt::format("the surface touches itself at {}",
+                                        counted(check.non_manifold_vertices, "vertex", "vertices")));
   }
   if (check.crossing_pairs > 0) {
-    check.remarks.push_back(fmt::format("{} through or touch each other, first near {}; where the surface is folded over, volume counts twice",
-                                        counted(check.crossing_pairs, "pair of triangles passes", "pairs of triangles pass"),
-                                        text_of(check.crossing_place)));
+    check.remarks.push_back(
+        fmt::format("{} through or touch each other, first near {}; where the surface is folded over, volume "
+                    "counts twice",
+                    counted(check.crossing_pairs, "pair of triangles passes", "pairs of triangles pass"),
+                    text_of(check.crossing_place)));
   }
-  const auto bodies = std::count_if(check.components.begin(), check.components.end(), [](const auto& c) { return c.depth % 2 == 0; });
-  if (bodies > 1) check.remarks.push_back(fmt::format("{} separate pieces: they would move as one rigid body", bodies));
+  const auto bodies = std::count_if(check.components.begin(), check.components.end(),
+                                    [](const auto& c) { return c.depth % 2 == 0; });
+  if (bodies > 1)
+    check.remarks.push_back(fmt::format("{} separate pieces: they would move as one rigid body", bodies));
   if (!check.nesting_was_checked) {
-    check.remarks.push_back(fmt::format("{} components: too many to test which lie inside others", check.components.size()));
+    check.remarks.push_back(
+        fmt::format("{} components: too many to test which lie inside others", check.components.size()));
   }
 }
 
@@ -263,12 +287,14 @@ bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c) {
   return !(length(cross(u, v)) > kDegenerateHeight * longest2);
 }
 
-double winding_number(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles, const Vec3& point) {
+double winding_number(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles,
+                      const Vec3& point) {
   double angle = 0;
   for (std::int32_t t : triangles) {
     const Vec3 a = mesh.corner(t, 0) - point, b = mesh.corner(t, 1) - point, c = mesh.corner(t, 2) - point;
     const double la = length(a), lb = length(b), lc = length(c);
-    angle += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    angle +=
+        2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
   }
   return angle / (4 * std::numbers::pi);
 }
@@ -298,9 +324,10 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
     if (check.nonfinite_vertices++ == 0) check.first_nonfinite_vertex = v;
   }
   if (check.nonfinite_vertices > 0) {
-    check.problems.push_back(fmt::format("{} with a coordinate that is not a finite number (NaN or infinite), first vertex {} at {}",
-                                         counted(check.nonfinite_vertices, "vertex", "vertices"), check.first_nonfinite_vertex,
-                                         text_of(mesh.vertices[at(check.first_nonfinite_vertex)])));
+    check.problems.push_back(fmt::format(
+        "{} with a coordinate that is not a finite number (NaN or infinite), first vertex {} at {}",
+        counted(check.nonfinite_vertices, "vertex", "vertices"), check.first_nonfinite_vertex,
+        text_of(mesh.vertices[at(check.first_nonfinite_vertex)])));
     check.advice.push_back("export the model again, or remove these vertices");
     return check;
   }
@@ -317,7 +344,9 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
 
 std::string table_of(const MeshCheck& check) {
   std::string text;
-  const auto row = [&](const char* title, const std::string& value) { text += fmt::format("  {:<24} {}\n", title, value); };
+  const auto row = [&](const char* title, const std::string& value) {
+    text += fmt::format("  {:<24} {}\n", title, value);
+  };
   row("vertices", fmt::format("{}", check.vertex_count));
   row("triangles", fmt::format("{}", check.triangle_count));
   if (check.nonfinite_vertices > 0) {
@@ -329,10 +358,11 @@ std::string table_of(const MeshCheck& check) {
   row("T-junctions", fmt::format("{}", check.t_junctions));
   row("non-manifold edges", fmt::format("{}", check.non_manifold_edges));
   row("non-manifold vertices", fmt::format("{}", check.non_manifold_vertices));
-  row("orientation", check.inconsistent_edges > 0 ? fmt::format("inconsistent at {} edges", check.inconsistent_edges)
-                     : !check.is_watertight()     ? "consistent"
+  row("orientation", check.inconsistent_edges > 0
+                         ? fmt::format("inconsistent at {} edges", check.inconsistent_edges)
+                     : !check.is_watertight()                                            ? "consistent"
                      : check.inverted_components > 0 || check.overlapping_components > 0 ? "inward"
-                                                                                        : "outward");
+                                                                                         : "outward");
   row("self-intersections", fmt::format("{}", check.crossing_pairs));
   row("zero-area triangles", fmt::format("{}", check.degenerate_triangles));
   row("duplicate triangles", fmt::format("{}", check.duplicate_triangles));
@@ -342,10 +372,11 @@ std::string table_of(const MeshCheck& check) {
   for (std::size_t c = 0; c < check.components.size() && check.components.size() > 1 && c < kListed; ++c) {
     const MeshComponent& part = check.components[c];
     row("", fmt::format("{}: {} triangles, {}, signed volume {:.6g} m^3{}", c + 1, part.triangle_count,
-                        part.is_closed ? (part.is_oriented ? "closed" : "closed, mixed orientation") : "open", part.volume,
-                        part.depth > 0 ? fmt::format(", inside {} other", part.depth) : ""));
+                        part.is_closed ? (part.is_oriented ? "closed" : "closed, mixed orientation") : "open",
+                        part.volume, part.depth > 0 ? fmt::format(", inside {} other", part.depth) : ""));
   }
-  if (check.components.size() > kListed) row("", fmt::format("and {} more", check.components.size() - kListed));
+  if (check.components.size() > kListed)
+    row("", fmt::format("and {} more", check.components.size() - kListed));
   row("Euler characteristic", fmt::format("{}", check.euler_characteristic));
   if (check.vertex_count > 0) {
     row("bounding box", fmt::format("{} to {} m", text_of(check.bounds.lower), text_of(check.bounds.upper)));
@@ -360,7 +391,8 @@ std::string table_of(const MeshCheck& check) {
   row("centre of mass", text_of(check.mass.centre) + " m");
   for (int i = 0; i < 3; ++i) {
     const Vec3& r = check.mass.inertia[i];
-    row(i == 0 ? "inertia at density 1" : "", fmt::format("{:13.6g} {:13.6g} {:13.6g}{}", r.x, r.y, r.z, i == 0 ? " m^5" : ""));
+    row(i == 0 ? "inertia at density 1" : "",
+        fmt::format("{:13.6g} {:13.6g} {:13.6g}{}", r.x, r.y, r.z, i == 0 ? " m^5" : ""));
   }
   const Vec3& p = check.mass.principal_moments;
   row("principal moments", fmt::format("{:13.6g} {:13.6g} {:13.6g}", p.x, p.y, p.z));
@@ -369,9 +401,13 @@ std::string table_of(const MeshCheck& check) {
 
 nlohmann::json json_of(const MeshCheck& check) {
   const auto array = [](const Vec3& v) { return nlohmann::json::array({v.x, v.y, v.z}); };
-  nlohmann::json json = {{"vertices", check.vertex_count}, {"triangles", check.triangle_count},
-                         {"nonfinite_vertices", check.nonfinite_vertices}, {"solid", check.is_solid()},
-                         {"problems", check.problems}, {"advice", check.advice}, {"remarks", check.remarks}};
+  nlohmann::json json = {{"vertices", check.vertex_count},
+                         {"triangles", check.triangle_count},
+                         {"nonfinite_vertices", check.nonfinite_vertices},
+                         {"solid", check.is_solid()},
+                         {"problems", check.problems},
+                         {"advice", check.advice},
+                         {"remarks", check.remarks}};
   if (check.nonfinite_vertices > 0) return json;
   json["watertight"] = check.is_watertight();
   json["boundary_edges"] = check.boundary_edges;
@@ -390,8 +426,11 @@ nlohmann::json json_of(const MeshCheck& check) {
   json["euler_characteristic"] = check.euler_characteristic;
   json["components"] = nlohmann::json::array();
   for (const MeshComponent& c : check.components) {
-    json["components"].push_back({{"triangles", c.triangle_count}, {"closed", c.is_closed}, {"oriented", c.is_oriented},
-                                  {"volume", c.volume}, {"depth", c.depth}});
+    json["components"].push_back({{"triangles", c.triangle_count},
+                                  {"closed", c.is_closed},
+                                  {"oriented", c.is_oriented},
+                                  {"volume", c.volume},
+                                  {"depth", c.depth}});
   }
   if (check.vertex_count > 0) json["bounds"] = {array(check.bounds.lower), array(check.bounds.upper)};
   json["area"] = check.area;
@@ -399,7 +438,8 @@ nlohmann::json json_of(const MeshCheck& check) {
     json["volume"] = check.mass.volume;
     json["equivalent_diameter"] = check.equivalent_diameter();
     json["centre_of_mass"] = array(check.mass.centre);
-    json["inertia"] = {array(check.mass.inertia[0]), array(check.mass.inertia[1]), array(check.mass.inertia[2])};
+    json["inertia"] = {array(check.mass.inertia[0]), array(check.mass.inertia[1]),
+                       array(check.mass.inertia[2])};
     json["principal_moments"] = array(check.mass.principal_moments);
   }
   return json;

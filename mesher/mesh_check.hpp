@@ -13,16 +13,16 @@ namespace scree {
 /// One piece of the mesh: triangles connected over shared edges.
 struct MeshComponent {
   std::int32_t triangle_count = 0;
-  bool is_closed = true;      ///< every edge has exactly two triangles
-  bool is_oriented = true;    ///< neighbours agree on which side is outside
-  double volume = 0;          ///< signed [m^3]; without meaning when open
-  std::int32_t depth = 0;     ///< number of other closed components around it: 0 is a body, 1 a cavity in it
+  bool is_closed = true;    ///< every edge has exactly two triangles
+  bool is_oriented = true;  ///< neighbours agree on which side is outside
+  double volume = 0;        ///< signed [m^3]; without meaning when open
+  std::int32_t depth = 0;   ///< number of other closed components around it: 0 is a body, 1 a cavity in it
 };
 
 /// What was found. Counts are exact; places are the first ones found.
 struct MeshCheck {
   std::int32_t vertex_count = 0, triangle_count = 0;
-  std::int32_t nonfinite_vertices = 0;      ///< NaN or infinite coordinates; when > 0 nothing below is computed
+  std::int32_t nonfinite_vertices = 0;  ///< NaN or infinite coordinates; when > 0 nothing below is computed
   std::int32_t first_nonfinite_vertex = -1;
   std::int32_t unreferenced_vertices = 0;
   std::int32_t degenerate_triangles = 0;    ///< zero area, see kDegenerateHeight
@@ -35,23 +35,23 @@ struct MeshCheck {
   std::int32_t t_junctions = 0;             ///< boundary vertices that lie inside another boundary edge
   std::int32_t inverted_components = 0;     ///< closed, consistent, but inside out for where they lie
   std::int32_t overlapping_components = 0;  ///< bodies inside bodies: their volume would count twice
-  std::int32_t crossing_pairs = 0;          ///< triangles without a common vertex that pass through each other
-  std::int32_t crossing_components = 0;     ///< pairs of components whose surfaces cross
-  bool nesting_was_checked = true;          ///< false when there are too many components (kNestingWork)
-  std::vector<MeshComponent> components;    ///< by first triangle
-  std::int32_t euler_characteristic = 0;    ///< V - E + T of referenced vertices; 2 for one ball-like piece
+  std::int32_t crossing_pairs = 0;        ///< triangles without a common vertex that pass through each other
+  std::int32_t crossing_components = 0;   ///< pairs of components whose surfaces cross
+  bool nesting_was_checked = true;        ///< false when there are too many components (kNestingWork)
+  std::vector<MeshComponent> components;  ///< by first triangle
+  std::int32_t euler_characteristic = 0;  ///< V - E + T of referenced vertices; 2 for one ball-like piece
   Vec3 boundary_place, non_manifold_place, inconsistent_place, crossing_place;
-  Box3 bounds;                              ///< [m]
-  double area = 0;                          ///< [m^2]
-  MassProperties mass;                      ///< density 1; has a meaning only when problems is empty
+  Box3 bounds;          ///< [m]
+  double area = 0;      ///< [m^2]
+  MassProperties mass;  ///< density 1; has a meaning only when problems is empty
 
-  std::vector<std::string> problems;        ///< why it cannot be a rigid body, with numbers; empty when it can
-  std::vector<std::string> advice;          ///< what to do about them
-  std::vector<std::string> remarks;         ///< worth knowing, no obstacle
+  std::vector<std::string> problems;  ///< why it cannot be a rigid body, with numbers; empty when it can
+  std::vector<std::string> advice;    ///< what to do about them
+  std::vector<std::string> remarks;   ///< worth knowing, no obstacle
 
   bool is_watertight() const { return triangle_count > 0 && boundary_edges == 0 && non_manifold_edges == 0; }
   bool is_solid() const { return problems.empty(); }
-  double equivalent_diameter() const;       ///< of the ball of equal volume [m]; 0 when the volume is not > 0
+  double equivalent_diameter() const;  ///< of the ball of equal volume [m]; 0 when the volume is not > 0
 };
 
 /// A triangle is degenerate when its height over its longest edge is at most this part of that edge. Just
@@ -83,7 +83,8 @@ nlohmann::json json_of(const MeshCheck& check);
 bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// How often the surface winds around a point: 1 inside, 0 outside, for each closed outward component.
-double winding_number(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles, const Vec3& point);
+double winding_number(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles,
+                      const Vec3& point);
 
 /// Component of each triangle, numbered by first triangle. Triangles are connected over shared edges.
 std::vector<std::int32_t> find_components(const TriangleMesh& mesh, std::int32_t& component_count);

@@ -22,8 +22,10 @@ const std::vector<std::string> kAssimpExtensions{".stl", ".obj", ".ply", ".3ds",
 void check_readable(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw SystemError("cannot read {}: {}", path, std::strerror(errno));
-  if (std::filesystem::is_directory(path)) throw SystemError("cannot read {}: it is a folder; give the mesh file in it", path);
-  if (std::fgetc(file.get()) == EOF) throw InputError("{}: the file is empty (0 bytes); export the model again", path);
+  if (std::filesystem::is_directory(path))
+    throw SystemError("cannot read {}: it is a folder; give the mesh file in it", path);
+  if (std::fgetc(file.get()) == EOF)
+    throw InputError("{}: the file is empty (0 bytes); export the model again", path);
 }
 
 #ifdef SCREE_HAVE_ASSIMP
@@ -38,17 +40,21 @@ std::string stl_diagnosis(const std::string& path) {
   if (size == sizeof header && !is_text) {
     std::uint32_t count = 0;
     std::memcpy(&count, header + 80, sizeof count);
-    const std::uint64_t needed = 84 + 50 * static_cast<std::uint64_t>(count), found = std::filesystem::file_size(path);
+    const std::uint64_t needed = 84 + 50 * static_cast<std::uint64_t>(count),
+                        found = std::filesystem::file_size(path);
     if (needed != found) {
-      return fmt::format("; as a binary STL its header promises {} triangles, which need {} bytes, but the file has {}; "
-                         "it is truncated or damaged: export the model again", count, needed, found);
+      return fmt::format(
+          "; as a binary STL its header promises {} triangles, which need {} bytes, but the file has {}; "
+          "it is truncated or damaged: export the model again",
+          count, needed, found);
     }
     return "; export the model again, for instance as PLY";
   }
   return "; it is no STL: a binary one has 84 bytes of header, a text one begins with 'solid' and has facets";
 }
 
-// The bytes that travel from the child: three counts, then vertices, triangles, and the texts with a newline each.
+// The bytes that travel from the child: three counts, then vertices, triangles, and the texts with a newline
+// each.
 std::vector<char> bytes_of(const MeshFile& file) {
   std::string texts = file.reader + "\n";
   for (const std::string& note : file.notes) texts += note + "\n";
@@ -121,11 +127,13 @@ MeshFile read_mesh_file(const std::string& path) {
   check_readable(path);
   const std::string extension = extension_of(path);
   if (extension == ".bmf") return read_bmf(path);
-  const bool is_known = std::find(kAssimpExtensions.begin(), kAssimpExtensions.end(), extension) != kAssimpExtensions.end();
+  const bool is_known =
+      std::find(kAssimpExtensions.begin(), kAssimpExtensions.end(), extension) != kAssimpExtensions.end();
   if (!is_known) {
     const bool is_ours = path.ends_with(".shape.h5");
-    throw UsageError("{}: '{}' is no mesh format that can be read here; expected one of {}{}", path, extension,
-                     fmt::join(known_extensions(), " "), is_ours ? "; a shape file is shown by 'scree-mesher info'" : "");
+    throw UsageError("{}: '{}' is no mesh format that can be read here; expected one of {}{}", path,
+                     extension, fmt::join(known_extensions(), " "),
+                     is_ours ? "; a shape file is shown by 'scree-mesher info'" : "");
   }
 #ifdef SCREE_HAVE_ASSIMP
   try {
@@ -135,7 +143,8 @@ MeshFile read_mesh_file(const std::string& path) {
     throw;
   }
 #else
-  throw UsageError("{}: this build has no assimp, which reads {}; install libassimp-dev and build again", path, extension);
+  throw UsageError("{}: this build has no assimp, which reads {}; install libassimp-dev and build again",
+                   path, extension);
 #endif
 }
 

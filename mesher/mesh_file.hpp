@@ -11,17 +11,17 @@ namespace scree {
 /// A mesh as it stands in its file: nothing welded, nothing dropped, numbers in the file's own unit.
 struct MeshFile {
   TriangleMesh mesh;
-  std::string reader;                  ///< "assimp 5.2, STL" or "BMF"
-  std::vector<std::string> notes;      ///< what the reader left out, for the user
+  std::string reader;              ///< "assimp 5.2, STL" or "BMF"
+  std::vector<std::string> notes;  ///< what the reader left out, for the user
 };
 
 /// Reads a mesh file.
 ///
 /// STL OBJ PLY 3DS DAE OFF go through assimp, in a child process with limits on memory and time, so that a
-/// hostile file ends a child and not the tool; coordinates pass through single precision there. BMF (the small
-/// bodies of openuniverse) is read here.
-/// Fails: UsageError for an unknown extension, or when this build has no assimp; SystemError when the file cannot
-/// be opened; InputError when it is empty, is not what its extension says, or breaks the importer.
+/// hostile file ends a child and not the tool; coordinates pass through single precision there. BMF (the
+/// small bodies of openuniverse) is read here. Fails: UsageError for an unknown extension, or when this build
+/// has no assimp; SystemError when the file cannot be opened; InputError when it is empty, is not what its
+/// extension says, or breaks the importer.
 MeshFile read_mesh_file(const std::string& path);
 
 /// ".stl", in lower case; "" when there is none.
@@ -34,9 +34,9 @@ std::vector<std::string> known_extensions();
 std::string assimp_version();
 
 /// The shape models of openuniverse (*.bmf), little-endian: int32 objects (1), uint16 length and text of the
-/// texture's name, 12 float32 of material, uint16 vertex count and vertices (u v, normal, position: 8 float32),
-/// uint16 triangle count and triangles (3 uint16). Positions are in kilometres. Triangles are stored twice;
-/// of each set of three positions the copy that agrees best with the stored normals is kept.
+/// texture's name, 12 float32 of material, uint16 vertex count and vertices (u v, normal, position: 8
+/// float32), uint16 triangle count and triangles (3 uint16). Positions are in kilometres. Triangles are
+/// stored twice; of each set of three positions the copy that agrees best with the stored normals is kept.
 MeshFile read_bmf(const std::string& path);
 
 /// Through assimp, in this process. Throws InputError with the importer's own words.

@@ -44,7 +44,8 @@ std::int32_t flip_slivers(TriangleMesh& mesh) {
       if (l2 > best) best = l2, longest = k;
     }
     Triangle& sliver = mesh.triangles[at(t)];
-    const std::int32_t a = sliver[at(longest)], b = sliver[at((longest + 1) % 3)], c = sliver[at((longest + 2) % 3)];
+    const std::int32_t a = sliver[at(longest)], b = sliver[at((longest + 1) % 3)],
+                       c = sliver[at((longest + 2) % 3)];
     const auto [first, last] = faces_of(a, b);
     if (last - first != 2 || first->is_forward == (first + 1)->is_forward) continue;
     const std::int32_t n = first->triangle == t ? (first + 1)->triangle : first->triangle;
@@ -92,10 +93,12 @@ std::vector<std::string> RepairCounts::sentences() const {
   const auto say = [&](std::int32_t count, const char* one, const char* many) {
     if (count > 0) result.push_back(fmt::format("{} {}", count, count == 1 ? one : many));
   };
-  say(slivers_flipped, "zero-area triangle removed by flipping an edge", "zero-area triangles removed by flipping an edge");
+  say(slivers_flipped, "zero-area triangle removed by flipping an edge",
+      "zero-area triangles removed by flipping an edge");
   say(degenerate_dropped, "zero-area triangle dropped", "zero-area triangles dropped");
   say(duplicates_dropped, "duplicate triangle dropped", "duplicate triangles dropped");
-  say(vertices_unreferenced, "vertex that no triangle uses dropped", "vertices that no triangle uses dropped");
+  say(vertices_unreferenced, "vertex that no triangle uses dropped",
+      "vertices that no triangle uses dropped");
   say(triangles_turned, "triangle turned to face outward", "triangles turned to face outward");
   return result;
 }
@@ -111,11 +114,13 @@ std::int32_t weld_equal_positions(TriangleMesh& mesh) {
   std::vector<std::int32_t> order(mesh.vertices.size()), first(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0);
   std::iota(first.begin(), first.end(), 0);
-  order.erase(std::remove_if(order.begin(), order.end(), [&](std::int32_t v) { return !is_finite(mesh.vertices[at(v)]); }),
+  order.erase(std::remove_if(order.begin(), order.end(),
+                             [&](std::int32_t v) { return !is_finite(mesh.vertices[at(v)]); }),
               order.end());
   std::sort(order.begin(), order.end(), less);
   for (std::size_t i = 1; i < order.size(); ++i) {
-    if (mesh.vertices[at(order[i])] == mesh.vertices[at(order[i - 1])]) first[at(order[i])] = first[at(order[i - 1])];
+    if (mesh.vertices[at(order[i])] == mesh.vertices[at(order[i - 1])])
+      first[at(order[i])] = first[at(order[i - 1])];
   }
   std::vector<std::int32_t> number(mesh.vertices.size());
   std::int32_t kept = 0;
@@ -137,7 +142,8 @@ std::int32_t weld_equal_positions(TriangleMesh& mesh) {
 
 RepairCounts clean_mesh(TriangleMesh& mesh, bool drop_all) {
   RepairCounts counts;
-  if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return is_finite(p); })) return counts;
+  if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return is_finite(p); }))
+    return counts;
   counts.vertices_welded = weld_equal_positions(mesh);
 
   counts.degenerate_dropped = static_cast<std::int32_t>(std::erase_if(mesh.triangles, has_repeated_vertex));
@@ -164,7 +170,8 @@ RepairCounts clean_mesh(TriangleMesh& mesh, bool drop_all) {
   if (drop_all) {
     std::vector<Triangle> with_area;
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-      if (!is_degenerate(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))) with_area.push_back(mesh.triangles[at(t)]);
+      if (!is_degenerate(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)))
+        with_area.push_back(mesh.triangles[at(t)]);
     }
     counts.degenerate_dropped += static_cast<std::int32_t>(mesh.triangles.size() - with_area.size());
     mesh.triangles = std::move(with_area);
@@ -225,7 +232,8 @@ std::int32_t turn_outward(TriangleMesh& mesh) {
     if ((c.volume < 0) != should_be_inward) reverse(t);
   }
   std::int32_t changed = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) changed += mesh.triangles[t] != before.triangles[t] ? 1 : 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    changed += mesh.triangles[t] != before.triangles[t] ? 1 : 0;
   return changed;
 }
 

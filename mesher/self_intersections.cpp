@@ -18,15 +18,18 @@ bool overlap(const BvhNode& a, const BvhNode& b) {
 
 bool boxes_overlap(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
   for (int i = 0; i < 3; ++i) {
-    const auto [s_low, s_high] = std::minmax({mesh.corner(s, 0)[i], mesh.corner(s, 1)[i], mesh.corner(s, 2)[i]});
-    const auto [t_low, t_high] = std::minmax({mesh.corner(t, 0)[i], mesh.corner(t, 1)[i], mesh.corner(t, 2)[i]});
+    const auto [s_low, s_high] =
+        std::minmax({mesh.corner(s, 0)[i], mesh.corner(s, 1)[i], mesh.corner(s, 2)[i]});
+    const auto [t_low, t_high] =
+        std::minmax({mesh.corner(t, 0)[i], mesh.corner(t, 1)[i], mesh.corner(t, 2)[i]});
     if (s_low > t_high || t_low > s_high) return false;
   }
   return true;
 }
 
 bool share_a_vertex(const Triangle& s, const Triangle& t) {
-  return std::any_of(s.begin(), s.end(), [&](std::int32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); });
+  return std::any_of(s.begin(), s.end(),
+                     [&](std::int32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); });
 }
 
 }  // namespace
@@ -37,7 +40,9 @@ std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh) {
   if (bvh.nodes.empty()) return found;
   const auto test = [&](std::int32_t s, std::int32_t t) {
     if (s > t) std::swap(s, t);
-    if (share_a_vertex(mesh.triangles[static_cast<std::size_t>(s)], mesh.triangles[static_cast<std::size_t>(t)])) return;
+    if (share_a_vertex(mesh.triangles[static_cast<std::size_t>(s)],
+                       mesh.triangles[static_cast<std::size_t>(t)]))
+      return;
     if (!boxes_overlap(mesh, s, t)) return;
     const Vec3 a[3] = {mesh.corner(s, 0), mesh.corner(s, 1), mesh.corner(s, 2)};
     const Vec3 b[3] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};

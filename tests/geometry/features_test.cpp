@@ -35,7 +35,8 @@ TriangleMesh l_shape() {
   return mesh;
 }
 
-/// Every corner is owned once, by a triangle that has it; every feature edge by at least one triangle along it.
+/// Every corner is owned once, by a triangle that has it; every feature edge by at least one triangle along
+/// it.
 void expect_owned(const TriangleMesh& mesh, const FeatureTable& table) {
   std::multiset<std::int32_t> corners;
   std::set<std::int32_t> edges;
@@ -116,7 +117,8 @@ TEST(Features, the_conormals_of_a_box_edge_run_into_its_two_faces) {
     for (const Vec3& c : edge.conormal) {
       EXPECT_NEAR(length(c), 1, 1e-15);
       EXPECT_NEAR(dot(c, along), 0, 1e-15);
-      EXPECT_NEAR(dot(c, middle), -1, 1e-15);  // towards the middle of a face: the coordinate across is given up
+      EXPECT_NEAR(dot(c, middle), -1,
+                  1e-15);  // towards the middle of a face: the coordinate across is given up
     }
     EXPECT_NEAR(dot(edge.conormal[0], edge.conormal[1]), 0, 1e-15);
   }

@@ -46,8 +46,13 @@ TEST(Quaternion, the_rotation_matrix_of_a_quarter_turn_about_x_is_the_textbook_o
 
 // Half turns make three of the four branches of Shepperd's method the largest in turn.
 TEST(Quaternion, a_matrix_gives_back_its_quaternion_in_every_branch) {
-  const Quat samples[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}, normalised(Quat{0.9, 0.1, -0.3, 0.2}),
-                          normalised(Quat{0.1, 0.9, -0.3, 0.2}), normalised(Quat{0.1, 0.2, -0.9, 0.3}),
+  const Quat samples[] = {{1, 0, 0, 0},
+                          {0, 1, 0, 0},
+                          {0, 0, 1, 0},
+                          {0, 0, 0, 1},
+                          normalised(Quat{0.9, 0.1, -0.3, 0.2}),
+                          normalised(Quat{0.1, 0.9, -0.3, 0.2}),
+                          normalised(Quat{0.1, 0.2, -0.9, 0.3}),
                           normalised(Quat{-0.1, 0.3, 0.2, 0.9})};
   for (const Quat& q : samples) {
     const Quat back = quaternion_of(matrix_of(q));

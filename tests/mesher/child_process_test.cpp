@@ -21,7 +21,8 @@ std::string message_of(const std::function<std::vector<char>()>& work, const Chi
   return "no InputError";
 }
 
-#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+#define EXPECT_SAYS(text, words) \
+  EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
 TEST(ChildProcess, bytes_of_any_number_come_back) {
   for (std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{70000}, std::size_t{5000000}}) {
@@ -32,7 +33,8 @@ TEST(ChildProcess, bytes_of_any_number_come_back) {
 }
 
 TEST(ChildProcess, an_error_in_the_child_arrives_with_its_own_words) {
-  EXPECT_EQ(message_of([]() -> std::vector<char> { throw InputError("rock.stl: no facets"); }), "rock.stl: no facets");
+  EXPECT_EQ(message_of([]() -> std::vector<char> { throw InputError("rock.stl: no facets"); }),
+            "rock.stl: no facets");
 }
 
 TEST(ChildProcess, a_crash_of_the_child_is_bad_input) {
@@ -45,15 +47,18 @@ TEST(ChildProcess, a_crash_of_the_child_is_bad_input) {
 
 TEST(ChildProcess, a_child_that_hangs_is_ended) {
   const auto start = std::chrono::steady_clock::now();
-  const std::string message = message_of([]() -> std::vector<char> {
-    std::this_thread::sleep_for(std::chrono::seconds(30));
-    return {};
-  }, {.memory_bytes = std::size_t{8} << 30, .seconds = 1});
+  const std::string message = message_of(
+      []() -> std::vector<char> {
+        std::this_thread::sleep_for(std::chrono::seconds(30));
+        return {};
+      },
+      {.memory_bytes = std::size_t{8} << 30, .seconds = 1});
   EXPECT_SAYS(message, "did not end within 1 s");
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes, so no limit is set
+#if !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)  // they reserve terabytes, so no limit is set
 TEST(ChildProcess, a_child_that_asks_for_too_much_memory_is_refused) {
   const std::string message = message_of([] { return std::vector<char>(std::size_t{3} << 30, 'x'); },
                                          {.memory_bytes = std::size_t{1} << 30, .seconds = 60});

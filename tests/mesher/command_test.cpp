@@ -8,6 +8,8 @@
 
 #include "core/geometry/features.hpp"
 #include "core/storage/shape_file.hpp"
+#include "mesher/generate.hpp"
+#include "mesher/mesh_file.hpp"
 #include "tests/mesher/tool_run.hpp"
 
 namespace scree {
@@ -22,13 +24,16 @@ const char* const kInverted = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 
 const char* const kOpen = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
 const char* const kNan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 nan\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
-#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+#define EXPECT_SAYS(text, words) \
+  EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
 std::string binary_stl() {
   const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   std::string text(80, '\0');
-  const auto add = [&](const void* data, std::size_t size) { text.append(static_cast<const char*>(data), size); };
+  const auto add = [&](const void* data, std::size_t size) {
+    text.append(static_cast<const char*>(data), size);
+  };
   const std::uint32_t count = 4;
   add(&count, 4);
   for (const auto& face : faces) {
@@ -66,9 +71,21 @@ class Mesher : public testing::Test {
   }
 };
 
-#ifdef SCREE_HAVE_ASSIMP
+class MesherImport : public Mesher {
+ protected:
+  void SetUp() override {
+    if (assimp_version().empty()) GTEST_SKIP() << "this build has no assimp";
+  }
+};
 
-TEST_F(Mesher, check_tells_that_a_tetrahedron_is_a_solid) {
+class MesherGmsh : public Mesher {
+ protected:
+  void SetUp() override {
+    if (!has_gmsh()) GTEST_SKIP() << "this build has no gmsh";
+  }
+};
+
+TEST_F(MesherImport, check_tells_that_a_tetrahedron_is_a_solid) {
   folder.write("rock.obj", kTetrahedron);
   const ToolRun result = run("check rock.obj");
   EXPECT_EQ(result.code, 0) << result.errors;
@@ -78,7 +95,7 @@ TEST_F(Mesher, check_tells_that_a_tetrahedron_is_a_solid) {
   EXPECT_EQ(result.errors, "");
 }
 
-TEST_F(Mesher, check_gives_json_with_the_inertia_of_the_right_tetrahedron) {
+TEST_F(MesherImport, check_gives_json_with_the_inertia_of_the_right_tetrahedron) {
   folder.write("rock.obj", kTetrahedron);
   const ToolRun result = run("check rock.obj --json --unit cm");
   EXPECT_EQ(result.code, 0) << result.errors;
@@ -90,7 +107,7 @@ TEST_F(Mesher, check_gives_json_with_the_inertia_of_the_right_tetrahedron) {
   EXPECT_NEAR(json["inertia"][0][1].get<double>(), 1e-10 / 6 / 80, 1e-24);
 }
 
-TEST_F(Mesher, check_of_an_open_mesh_still_gives_json_and_exit_3) {
+TEST_F(MesherImport, check_of_an_open_mesh_still_gives_json_and_exit_3) {
   folder.write("open.obj", kOpen);
   const ToolRun result = run("check open.obj --json");
   EXPECT_EQ(result.code, 3);
@@ -99,20 +116,20 @@ TEST_F(Mesher, check_of_an_open_mesh_still_gives_json_and_exit_3) {
   EXPECT_EQ(json["solid"], false);
 }
 
-TEST_F(Mesher, an_open_mesh_is_refused_with_its_boundary_and_offers_surface) {
+TEST_F(MesherImport, an_open_mesh_is_refused_with_its_boundary_and_offers_surface) {
   folder.write("open.obj", kOpen);
   expect_refused("open.obj", "the mesh is open: 3 boundary edges in 1 loop");
   expect_refused("open.obj", "--surface");
 }
 
-TEST_F(Mesher, an_inverted_mesh_is_refused_and_offers_flip) {
+TEST_F(MesherImport, an_inverted_mesh_is_refused_and_offers_flip) {
   folder.write("inverted.obj", kInverted);
   expect_refused("inverted.obj", "the mesh is inverted");
   expect_refused("inverted.obj", "signed volume -0.166667 m^3");
   expect_refused("inverted.obj", "--flip");
 }
 
-TEST_F(Mesher, flip_turns_an_inverted_mesh_and_says_so) {
+TEST_F(MesherImport, flip_turns_an_inverted_mesh_and_says_so) {
   folder.write("inverted.obj", kInverted);
   const ToolRun result = run("import inverted.obj --flip -o x.shape.h5");
   EXPECT_EQ(result.code, 0) << result.errors;
@@ -120,34 +137,36 @@ TEST_F(Mesher, flip_turns_an_inverted_mesh_and_says_so) {
   EXPECT_NEAR(shapes("x.shape.h5")[0].mass.volume, 1.0 / 6, 1e-15);
 }
 
-TEST_F(Mesher, an_empty_file_is_refused) {
+TEST_F(MesherImport, an_empty_file_is_refused) {
   folder.write("empty.stl", "");
   expect_refused("empty.stl", "the file is empty");
 }
 
-TEST_F(Mesher, text_renamed_to_stl_is_refused) {
-  folder.write("notes.stl", "Dear diary, today I modelled a rock. It was round and grey, and it rolled away before I could save it.\n");
+TEST_F(MesherImport, text_renamed_to_stl_is_refused) {
+  folder.write("notes.stl",
+               "Dear diary, today I modelled a rock. It was round and grey, and it rolled away before I "
+               "could save it.\n");
   expect_refused("notes.stl", "cannot be read as .stl");
   expect_refused("notes.stl", "it is no STL");
 }
 
-TEST_F(Mesher, a_text_that_begins_like_an_stl_but_holds_no_facet_is_refused) {
+TEST_F(MesherImport, a_text_that_begins_like_an_stl_but_holds_no_facet_is_refused) {
   folder.write("solid.stl", "solid as a rock\n");
   expect_refused("solid.stl", "cannot be read as .stl");
 }
 
-TEST_F(Mesher, a_nan_vertex_is_refused) {
+TEST_F(MesherImport, a_nan_vertex_is_refused) {
   folder.write("nan.obj", kNan);
   expect_refused("nan.obj", "not a finite number (NaN or infinite)");
   EXPECT_EQ(run("import nan.obj --surface -o x.shape.h5").code, 3);
 }
 
-TEST_F(Mesher, a_truncated_binary_stl_is_refused_with_its_sizes) {
+TEST_F(MesherImport, a_truncated_binary_stl_is_refused_with_its_sizes) {
   folder.write("short.stl", binary_stl().substr(0, 150));
   expect_refused("short.stl", "4 triangles, which need 284 bytes, but the file has 150");
 }
 
-TEST_F(Mesher, an_stl_whose_header_promises_too_much_is_refused) {
+TEST_F(MesherImport, an_stl_whose_header_promises_too_much_is_refused) {
   std::string text = binary_stl();
   const std::uint32_t many = 4000000000U;
   std::memcpy(text.data() + 80, &many, 4);
@@ -155,12 +174,12 @@ TEST_F(Mesher, an_stl_whose_header_promises_too_much_is_refused) {
   expect_refused("lie.stl", "4000000000 triangles");
 }
 
-TEST_F(Mesher, a_huge_vertex_count_ends_the_importer_and_not_the_tool) {
+TEST_F(MesherImport, a_huge_vertex_count_ends_the_importer_and_not_the_tool) {
   folder.write("huge.off", "OFF\n2000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   expect_refused("huge.off", "huge.off");
 }
 
-TEST_F(Mesher, a_binary_stl_and_an_obj_of_the_same_solid_give_the_same_shape) {
+TEST_F(MesherImport, a_binary_stl_and_an_obj_of_the_same_solid_give_the_same_shape) {
   folder.write("a.stl", binary_stl());
   folder.write("b.obj", kTetrahedron);
   const ToolRun result = run("import a.stl b.obj --unit mm --scale 2 -o x.shape.h5");
@@ -179,20 +198,21 @@ TEST_F(Mesher, a_binary_stl_and_an_obj_of_the_same_solid_give_the_same_shape) {
   }
 }
 
-TEST_F(Mesher, the_shape_file_carries_the_hash_of_its_input_and_the_command) {
+TEST_F(MesherImport, the_shape_file_carries_the_hash_of_its_input_and_the_command) {
   folder.write("rock.obj", kTetrahedron);
   ASSERT_EQ(run("import rock.obj -o rock.shape.h5").code, 0);
   const nlohmann::json record = read_shape_file(folder / "rock.shape.h5").provenance;
   EXPECT_EQ(record["format"], "scree-shape");
   EXPECT_EQ(record["inputs"][0]["path"], "rock.obj");
   // sha256sum of the text above, from coreutils
-  const int status = std::system(("cd '" + folder.path().string() + "' && sha256sum rock.obj | cut -c1-64 > sum").c_str());
+  const int status =
+      std::system(("cd '" + folder.path().string() + "' && sha256sum rock.obj | cut -c1-64 > sum").c_str());
   ASSERT_EQ(status, 0);
   EXPECT_EQ(record["inputs"][0]["sha256"].get<std::string>() + "\n", test::text_of_file(folder / "sum"));
   EXPECT_EQ(record["command"].size(), 5U);
 }
 
-TEST_F(Mesher, a_surface_may_be_open_and_keeps_the_coordinates_of_its_file) {
+TEST_F(MesherImport, a_surface_may_be_open_and_keeps_the_coordinates_of_its_file) {
   folder.write("funnel.obj", kOpen);
   const ToolRun result = run("import funnel.obj --surface -o x.shape.h5");
   EXPECT_EQ(result.code, 0) << result.errors;
@@ -204,7 +224,7 @@ TEST_F(Mesher, a_surface_may_be_open_and_keeps_the_coordinates_of_its_file) {
   EXPECT_EQ(shape.mesh.vertices[0], Vec3{});
 }
 
-TEST_F(Mesher, dropped_triangles_are_told) {
+TEST_F(MesherImport, dropped_triangles_are_told) {
   folder.write("rock.obj", std::string(kTetrahedron) + "f 1 1 2\nf 1 3 2\n");
   const ToolRun result = run("import rock.obj -o x.shape.h5");
   EXPECT_EQ(result.code, 0) << result.errors;
@@ -212,14 +232,14 @@ TEST_F(Mesher, dropped_triangles_are_told) {
   EXPECT_SAYS(result.errors, "1 duplicate triangle dropped");
 }
 
-TEST_F(Mesher, one_bad_file_among_good_ones_leaves_nothing_behind) {
+TEST_F(MesherImport, one_bad_file_among_good_ones_leaves_nothing_behind) {
   folder.write("good.obj", kTetrahedron);
   folder.write("open.obj", kOpen);
   EXPECT_EQ(run("import good.obj open.obj -o x.shape.h5").code, 3);
   expect_nothing_written();
 }
 
-TEST_F(Mesher, names_must_fit_the_files) {
+TEST_F(MesherImport, names_must_fit_the_files) {
   folder.write("rock.obj", kTetrahedron);
   EXPECT_EQ(run("import rock.obj --name boulder -o x.shape.h5").code, 0);
   EXPECT_EQ(shapes("x.shape.h5")[0].name, "boulder");
@@ -230,7 +250,7 @@ TEST_F(Mesher, names_must_fit_the_files) {
   EXPECT_EQ(run("import rock.obj rock.obj --name a -o y.shape.h5").code, 2);
 }
 
-TEST_F(Mesher, wrong_units_and_scales_are_refused_with_exit_2) {
+TEST_F(MesherImport, wrong_units_and_scales_are_refused_with_exit_2) {
   folder.write("rock.obj", kTetrahedron);
   const ToolRun result = run("import rock.obj --unit kg -o x.shape.h5");
   EXPECT_EQ(result.code, 2);
@@ -239,8 +259,6 @@ TEST_F(Mesher, wrong_units_and_scales_are_refused_with_exit_2) {
   EXPECT_EQ(run("import rock.obj --scale -1 -o x.shape.h5").code, 2);
   EXPECT_EQ(run("import rock.obj -o x.h5").code, 2);
 }
-
-#endif  // SCREE_HAVE_ASSIMP
 
 TEST_F(Mesher, missing_files_and_unknown_formats_are_told_apart) {
   EXPECT_EQ(run("check nowhere.stl").code, 4);
@@ -278,22 +296,22 @@ TEST_F(Mesher, an_analytic_sphere_has_no_triangles_and_the_volume_of_the_ball) {
   EXPECT_NEAR(ball.mass.volume, 4.0 / 3 * std::numbers::pi * 125e-9, 1e-20);
 }
 
-#ifdef SCREE_HAVE_GMSH
-
-TEST_F(Mesher, a_generated_sphere_lies_on_the_ball_and_its_volume_converges_with_order_2) {
+TEST_F(MesherGmsh, a_generated_sphere_lies_on_the_ball_and_its_volume_converges_with_order_2) {
   double missing[2];
   for (int i = 0; i < 2; ++i) {
-    const ToolRun result = run("generate sphere --radius 2 --edge-length " + std::string(i == 0 ? "0.4" : "0.2") + " -o x.shape.h5");
+    const ToolRun result = run("generate sphere --radius 2 --edge-length " +
+                               std::string(i == 0 ? "0.4" : "0.2") + " -o x.shape.h5");
     ASSERT_EQ(result.code, 0) << result.errors;
     const Shape sphere = shapes("x.shape.h5")[0];
     missing[i] = 1 - sphere.mass.volume / (4.0 / 3 * std::numbers::pi * 8);
     for (const Vec3& p : sphere.mesh.vertices) EXPECT_NEAR(length(p + sphere.origin_shift), 2, 1e-14);
   }
   EXPECT_GT(missing[1], 0);
-  EXPECT_NEAR(std::log2(missing[0] / missing[1]), 2, 0.2);  // unstructured meshes: edges are not exactly halved
+  EXPECT_NEAR(std::log2(missing[0] / missing[1]), 2,
+              0.2);  // unstructured meshes: edges are not exactly halved
 }
 
-TEST_F(Mesher, a_generated_cylinder_is_a_convex_prism) {
+TEST_F(MesherGmsh, a_generated_cylinder_is_a_convex_prism) {
   ASSERT_EQ(run("generate cylinder --radius 5mm --height 2cm -o x.shape.h5").code, 0);
   const Shape cylinder = shapes("x.shape.h5")[0];
   const FeatureTable features = find_features(cylinder.mesh);
@@ -304,11 +322,12 @@ TEST_F(Mesher, a_generated_cylinder_is_a_convex_prism) {
   for (const auto& kinds : features.edge_kind) {
     for (EdgeKind kind : kinds) EXPECT_NE(kind, EdgeKind::concave);
   }
-  const double sides = static_cast<double>(n), area = 0.5 * sides * 25e-6 * std::sin(2 * std::numbers::pi / sides);
+  const double sides = static_cast<double>(n),
+               area = 0.5 * sides * 25e-6 * std::sin(2 * std::numbers::pi / sides);
   EXPECT_NEAR(cylinder.mass.volume, area * 0.02, 1e-9 * area * 0.02);  // regular polygon times height
 }
 
-TEST_F(Mesher, a_finely_meshed_box_keeps_8_corners_and_12_edges) {
+TEST_F(MesherGmsh, a_finely_meshed_box_keeps_8_corners_and_12_edges) {
   ASSERT_EQ(run("generate box --size 4cm,2cm,1cm --edge-length 5mm -o x.shape.h5").code, 0);
   const Shape box = shapes("x.shape.h5")[0];
   EXPECT_GT(box.mesh.triangle_count(), 100);
@@ -317,7 +336,7 @@ TEST_F(Mesher, a_finely_meshed_box_keeps_8_corners_and_12_edges) {
   EXPECT_NEAR(box.mass.volume, 8e-6, 1e-17);
 }
 
-TEST_F(Mesher, generating_twice_gives_the_same_mesh) {
+TEST_F(MesherGmsh, generating_twice_gives_the_same_mesh) {
   ASSERT_EQ(run("generate sphere --radius 1cm -o a.shape.h5").code, 0);
   ASSERT_EQ(run("generate sphere --radius 1cm -o b.shape.h5").code, 0);
   const Shape a = shapes("a.shape.h5")[0], b = shapes("b.shape.h5")[0];
@@ -325,12 +344,11 @@ TEST_F(Mesher, generating_twice_gives_the_same_mesh) {
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
 }
 
-#endif  // SCREE_HAVE_GMSH
-
 TEST_F(Mesher, wrong_sizes_are_refused_with_exit_2) {
-  for (const char* arguments : {"sphere", "sphere --radius 0", "sphere --radius '5 kg'", "sphere --radius 1 --height 2", "box",
-                                "box --size 1,2", "box --size 1,2,-3", "cylinder --radius 1", "cone --radius 1",
-                                "sphere --radius 1 --edge-length 1e-5"}) {
+  for (const char* arguments :
+       {"sphere", "sphere --radius 0", "sphere --radius '5 kg'", "sphere --radius 1 --height 2", "box",
+        "box --size 1,2", "box --size 1,2,-3", "cylinder --radius 1", "cone --radius 1",
+        "sphere --radius 1 --edge-length 1e-5"}) {
     const ToolRun result = run("generate " + std::string(arguments) + " -o x.shape.h5");
     EXPECT_EQ(result.code, 2) << arguments << "\n" << result.errors;
   }

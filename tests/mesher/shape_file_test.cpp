@@ -20,7 +20,8 @@ std::vector<Shape> samples() {
   TriangleMesh sheet;
   sheet.vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   sheet.triangles = {{0, 1, 2}};
-  std::vector<Shape> shapes{make_solid("rock", rock), make_surface("sheet", sheet), make_sphere("bead", 0.25)};
+  std::vector<Shape> shapes{make_solid("rock", rock), make_surface("sheet", sheet),
+                            make_sphere("bead", 0.25)};
   shapes[0].verdict = {{"solid", true}, {"triangles", 320}};
   return shapes;
 }
@@ -34,7 +35,8 @@ std::string message_of(const std::string& path) {
   return "no InputError";
 }
 
-#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+#define EXPECT_SAYS(text, words) \
+  EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
 TEST(ShapeFile, every_kind_of_shape_comes_back_bit_by_bit) {
   const Folder folder;
@@ -90,7 +92,8 @@ TEST(ShapeFile, a_truncated_file_is_refused_wherever_it_was_cut) {
   write_shape_file(folder / "x.shape.h5", samples(), nullptr);
   const std::string whole = test::text_of_file(folder / "x.shape.h5");
   for (double part : {0.0, 0.01, 0.25, 0.5, 0.75, 0.99}) {
-    folder.write("cut.shape.h5", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+    folder.write("cut.shape.h5",
+                 whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
     EXPECT_THROW(read_shape_file(folder / "cut.shape.h5"), InputError) << "cut at " << part;
   }
 }
@@ -98,7 +101,9 @@ TEST(ShapeFile, a_truncated_file_is_refused_wherever_it_was_cut) {
 TEST(ShapeFile, missing_foreign_and_other_files_are_refused) {
   const Folder folder;
   EXPECT_SAYS(message_of(folder / "nowhere.shape.h5"), "nowhere.shape.h5");
-  folder.write("text.shape.h5", "this is no HDF5 file, but it is long enough to be looked at by the library for its signature");
+  folder.write(
+      "text.shape.h5",
+      "this is no HDF5 file, but it is long enough to be looked at by the library for its signature");
   EXPECT_SAYS(message_of(folder / "text.shape.h5"), "text.shape.h5");
   h5::NewFile bare(folder / "bare.shape.h5");
   bare.commit();
