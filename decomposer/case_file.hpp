@@ -1,0 +1,79 @@
+// case.toml as a person wrote it, checked and in SI. The page of the language is CASE.md.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/storage/scene_file.hpp"
+#include "decomposer/size_distribution.hpp"
+
+namespace scree {
+
+/// [shapes.NAME]
+struct CaseShape {
+  std::string name, where;
+  std::string file;          ///< path as it can be opened; empty for an analytic sphere
+  std::string name_in_file;  ///< which of several shapes; empty when the file holds one
+  double sphere_radius = 0;  ///< [m]
+};
+
+/// [[bodies]]
+struct CaseBody {
+  std::string where;
+  std::int32_t shape = 0, material = 0;
+  Vec3 position, velocity, angular_velocity;
+  Quat orientation;
+  double scale = 1;
+  bool fixed = false, lock_rotation = false;
+};
+
+/// [[populations]]
+struct CasePopulation {
+  enum class Amount { count, mass, solid_fraction };
+  std::string where;
+  std::vector<std::pair<std::int32_t, double>> shares;  ///< shape and its share by number; shares sum to 1
+  std::int32_t material = 0;
+  Amount amount = Amount::count;
+  double value = 0;                                     ///< count [-], mass [kg] or solid fraction of the region [-]
+  std::optional<SizeDistribution> size;                 ///< of the equivalent sphere; none: shapes as they are
+  Box3 region;                                          ///< [m], when region_file is empty
+  std::string region_file;                              ///< closed mesh
+  Vec3 velocity, angular_velocity;
+};
+
+/// [[walls]]: a Wall without its id and shape index, and the file of its mesh.
+struct CaseWall {
+  std::string where;
+  Wall wall;
+  std::string file;
+};
+
+struct CasePair {
+  std::string where;
+  MaterialPair pair;
+};
+
+struct Case {
+  std::string path, text;
+  Settings settings;
+  bool margin_given = false;
+  std::vector<CaseShape> shapes;
+  std::vector<Material> materials;
+  std::vector<CasePair> pairs;
+  std::vector<CaseBody> bodies;
+  std::vector<CasePopulation> populations;
+  std::vector<CaseWall> walls;
+};
+
+/// Reads and checks a case; opens no other file.
+/// Throws InputError when the file cannot be read, UsageError for everything that is wrong in it: syntax, unknown
+/// keys, types, units, ranges, names, features that are not built yet, material pairs that can meet and are missing.
+Case read_case(const std::string& path);
+/// The same from text; relative paths are taken from `folder`.
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder);
+
+}  // namespace scree

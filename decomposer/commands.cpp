@@ -1,0 +1,118 @@
+#include "decomposer/commands.hpp"
+
+#include <filesystem>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "core/distance/triangle_distance.hpp"
+#include "decomposer/build_scene.hpp"
+#include "decomposer/predicted_work.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Found out before the work, not after it.
+void check_output(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw SystemError("-o {}: there is no folder {}; make it first", path, folder.string());
+  }
+  if (std::filesystem::is_directory(path)) throw UsageError("-o {}: is a folder, expected a file name such as box.scene.h5", path);
+}
+
+nlohmann::json record(const std::vector<std::string>& command, const std::string& configuration,
+                      const std::vector<InputRecord>& inputs, std::uint64_t seed) {
+  Provenance p;
+  p.format = kSceneFormat;
+  p.format_version = kSceneFormatVersion;
+  p.tool = "scree-decomposer";
+  p.command = command;
+  p.configuration = configuration;
+  p.inputs = inputs;
+  p.seed = seed;
+  p.instruction_set = simd_target();
+  return provenance_record(p);
+}
+
+std::string partition_line(const Scene& scene) {
+  return fmt::format("ranks              {}, predicted imbalance {:.3f} (largest over mean work)\n", scene.partition.ranks,
+                     scene.partition.predicted_imbalance);
+}
+
+double solid_volume(const Scene& scene) {
+  double volume = 0;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const double s = scene.bodies.scale[i];
+    volume += scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].mass.volume * s * s * s;
+  }
+  return volume;
+}
+
+std::string solid_fraction_line(double volume, double container) {
+  if (!(container > 0)) return "";
+  return fmt::format("solid fraction     {:.4f} ({:.4g} of {:.4g} m^3 inside the walls)\n", volume / container, volume, container);
+}
+
+}  // namespace
+
+CommandResult check_command(const std::string& case_path) {
+  const Case c = read_case(case_path);
+  double count = 0;
+  bool by_count = true;
+  for (const CasePopulation& p : c.populations) {
+    by_count = by_count && p.amount == CasePopulation::Amount::count;
+    count += p.value;
+  }
+  CommandResult result;
+  result.output = fmt::format("{}: correct; {} materials, {} pairs that can meet, {} shapes, {} bodies, {} populations{}, {} walls\n", case_path,
+                              c.materials.size(), c.pairs.size(), c.shapes.size(), c.bodies.size(), c.populations.size(),
+                              by_count && count > 0 ? fmt::format(" ({:.0f} particles)", count) : "", c.walls.size());
+  return result;
+}
+
+CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command,
+                           const std::function<void(double, double)>& progress) {
+  check_output(options.output);
+  const Case c = read_case(options.case_path);
+  PackedScene packed = build_scene(c, progress);
+  Scene& scene = packed.scene;
+  const PackingReport& report = packed.report;
+  if (options.ranks > 0) partition_scene(scene, options.ranks);
+  scene.provenance = record(command, c.text, packed.inputs, c.settings.seed);
+  write_scene_file(options.output, scene);
+
+  CommandResult result;
+  result.notices = report.notices;
+  result.output = fmt::format("{}: {} bodies of {} shapes, {} walls, {} draws\n", options.output, scene.bodies.size(), scene.shapes.size(),
+                              scene.walls.size(), report.attempts);
+  for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {
+    std::size_t count = 0;
+    for (std::int32_t p : scene.bodies.population) count += p == static_cast<std::int32_t>(k) ? 1 : 0;
+    result.output += fmt::format("population {:<7} {} bodies, solid fraction {:.4f} of its region\n", k, count, report.solid_fraction[k]);
+  }
+  result.output += solid_fraction_line(report.particle_volume, report.container_volume);
+  result.output += fmt::format("margin             {} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
+                               format_quantity(scene.settings.margin, Dimension::length), c.margin_given ? "given" : "derived",
+                               format_quantity(report.fastest_impact, Dimension::velocity), report.depth_share);
+  if (options.ranks > 0) result.output += partition_line(scene);
+  return result;
+}
+
+CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command) {
+  check_output(options.output);
+  Scene scene = read_scene_file(options.scene_path);
+  partition_scene(scene, options.ranks);
+  // the configuration stays that of the case: it is what the scene is made from
+  const std::string configuration = scene.provenance.value("configuration", std::string{});
+  scene.provenance = record(command, configuration, {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}},
+                            scene.settings.seed);
+  write_scene_file(options.output, scene);
+  CommandResult result;
+  result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());
+  result.output += solid_fraction_line(solid_volume(scene), container_volume(scene));
+  result.output += partition_line(scene);
+  return result;
+}
+
+}  // namespace scree

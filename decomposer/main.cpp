@@ -1,0 +1,80 @@
+// scree-decomposer: from a case file to a scene that the solver can run, cut for its ranks.
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "core/base/command_line.hpp"
+#include "core/base/error.hpp"
+#include "core/base/progress.hpp"
+#include "core/distance/triangle_distance.hpp"
+#include "decomposer/commands.hpp"
+
+namespace {
+
+const char* const kTool = "scree-decomposer";
+
+/// MPI for one process: Zoltan wants it. Lives as long as main.
+struct MpiSession {
+  MpiSession(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
+  ~MpiSession() { MPI_Finalize(); }
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+};
+
+int run(int argc, char** argv) {
+  // 1. the commands and their options
+  const auto app = scree::make_command_line(
+      kTool, "Packs a case into a scene and cuts it for the solver's ranks.",
+      {{"scree-decomposer check case.toml", "is the case file right?"},
+       {"scree-decomposer pack case.toml -o box.scene.h5", "place all bodies"},
+       {"scree-decomposer pack case.toml -o box.scene.h5 --ranks 4", "and cut the scene for 4 ranks"},
+       {"scree-decomposer partition box.scene.h5 --ranks 8 -o box8.scene.h5", "cut it for another number"}});
+  app->require_subcommand(1);
+
+  std::string case_path;
+  auto* check = app->add_subcommand("check", "Read a case and tell what is wrong with it; places nothing");
+  check->add_option("CASE", case_path, "case.toml")->required();
+
+  scree::PackOptions pack;
+  auto* pack_command = app->add_subcommand("pack", "Place all bodies of a case and write the scene");
+  pack_command->add_option("CASE", pack.case_path, "case.toml")->required();
+  pack_command->add_option("-o,--output", pack.output, "NAME.scene.h5")->required();
+  pack_command->add_option("--ranks", pack.ranks, "Cut the scene for so many ranks of the solver")->check(CLI::PositiveNumber);
+
+  scree::PartitionOptions partition;
+  auto* partition_command = app->add_subcommand("partition", "Cut a scene for a number of ranks");
+  partition_command->add_option("SCENE", partition.scene_path, "NAME.scene.h5")->required();
+  partition_command->add_option("-o,--output", partition.output, "NAME.scene.h5")->required();
+  partition_command->add_option("--ranks", partition.ranks, "Ranks of the solver")->required()->check(CLI::PositiveNumber);
+
+  // 2. run the one that was asked for; results to stdout, notes to stderr
+  if (!scree::parse_command_line(*app, argc, argv)) return 0;
+  const std::vector<std::string> command = scree::command_words(argc, argv);
+  scree::CommandResult result;
+  if (*check) {
+    result = scree::check_command(case_path);
+  } else if (*pack_command) {
+    std::unique_ptr<scree::Progress> progress;
+    result = scree::pack_command(pack, command, [&](double done, double total) {
+      constexpr double kWorthTelling = 2000;   // a smaller packing is done before one could read it
+      if (total < kWorthTelling) return;
+      if (!progress) progress = std::make_unique<scree::Progress>("packing", total);
+      if (done >= total) progress->finish("all bodies placed");
+      else progress->update(done, fmt::format("{:.0f} of {:.0f} bodies", done, total));
+    });
+  } else {
+    result = scree::partition_command(partition, command);
+  }
+  for (const std::string& notice : result.notices) fmt::print(stderr, "{}: note: {}\n", kTool, notice);
+  std::fputs(result.output.c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const MpiSession mpi(argc, argv);
+  return scree::run_main(kTool, [&] { return run(argc, argv); });
+}
