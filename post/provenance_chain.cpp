@@ -1,0 +1,86 @@
+#include "post/provenance_chain.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace scree {
+
+namespace {
+
+std::string word(const nlohmann::json& record, const char* key) {
+  return record.is_object() && record.contains(key) && record[key].is_string() ? record[key].get<std::string>() : std::string();
+}
+
+const nlohmann::json& inputs_of(const nlohmann::json& record) {
+  static const nlohmann::json none = nlohmann::json::array();
+  return record.is_object() && record.contains("inputs") && record["inputs"].is_array() ? record["inputs"] : none;
+}
+
+void add(const nlohmann::json& record, int depth, const std::string& file, const std::string& sha256, std::vector<ChainEntry>& chain) {
+  ChainEntry entry;
+  entry.depth = depth;
+  entry.file = file;
+  entry.sha256 = sha256;
+  entry.tool = word(record, "tool");
+  entry.version = word(record, "tool_version");
+  entry.git = word(record, "git").substr(0, 12);
+  if (!entry.git.empty() && record.value("git_dirty", false)) entry.git += " + changes";
+  entry.utc = word(record, "utc");
+  entry.configuration = word(record, "configuration");
+  if (record.is_object() && record.contains("command")) entry.command = shell_line(record["command"]);
+  chain.push_back(entry);
+  for (const nlohmann::json& input : inputs_of(record)) {
+    add(input.is_object() && input.contains("history") ? input["history"] : nlohmann::json(), depth + 1, word(input, "path"),
+        word(input, "sha256"), chain);
+  }
+}
+
+void collect(const nlohmann::json& record, std::vector<std::string>& commands) {
+  for (const nlohmann::json& input : inputs_of(record)) {
+    if (input.is_object() && input.contains("history")) collect(input["history"], commands);
+  }
+  if (!record.is_object() || !record.contains("command")) return;
+  std::string line = shell_line(record["command"]);
+  if (line.empty()) return;
+  if (word(record, "tool") == "scree-solver") {
+    line = fmt::format("OMP_NUM_THREADS={} mpirun -n {} {}", record.value("threads", 1), record.value("ranks", 1), line);
+  }
+  if (std::find(commands.begin(), commands.end(), line) == commands.end()) commands.push_back(line);
+}
+
+}  // namespace
+
+std::vector<ChainEntry> chain_of(const nlohmann::json& record) {
+  std::vector<ChainEntry> chain;
+  add(record, 0, "", "", chain);
+  return chain;
+}
+
+std::vector<std::string> commands_of(const nlohmann::json& record) {
+  std::vector<std::string> commands;
+  collect(record, commands);
+  return commands;
+}
+
+std::string shell_line(const nlohmann::json& words) {
+  std::string line;
+  if (!words.is_array()) return line;
+  for (const nlohmann::json& w : words) {
+    if (!w.is_string()) continue;
+    std::string text = w.get<std::string>();
+    if (line.empty()) text = std::filesystem::path(text).filename().string();  // the tool, wherever it was installed
+    const bool plain = !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                                               "_-+=./:,@%") == std::string::npos;
+    if (!plain) {
+      std::string quoted = "'";
+      for (char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+      text = quoted + "'";
+    }
+    line += (line.empty() ? "" : " ") + text;
+  }
+  return line;
+}
+
+}  // namespace scree

@@ -1,0 +1,31 @@
+// Can this run be trusted? The questions that a reviewer asks first, each with its answer, limit and evidence.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "post/run_folder.hpp"
+
+namespace scree {
+
+enum class Judgement { good, doubtful, bad, information };
+
+struct Verdict {
+  std::string question;    ///< "Energy balance"
+  Judgement judgement = Judgement::information;
+  std::string answer;      ///< "closed to 0.02 %"
+  std::string evidence;    ///< how it was measured and what the limit means
+};
+
+/// Limits of the verdicts. They are those of the project's acceptance, not of taste.
+inline constexpr double kEnergyGood = 0.01;       ///< balance error over the largest energy that moved
+inline constexpr double kEnergyDoubtful = 0.05;
+inline constexpr double kDepthDoubtful = 0.8;     ///< depth over margin; at 1 the surfaces themselves would touch
+inline constexpr double kRestKinetic = 1e-6;      ///< kinetic energy over its peak
+
+std::vector<Verdict> judge(const Run& run);
+
+/// "good", "doubtful", "bad", "for information".
+const char* name_of(Judgement judgement);
+
+}  // namespace scree

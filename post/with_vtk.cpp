@@ -1,0 +1,22 @@
+#include <fmt/format.h>
+#include <vtkVersion.h>
+
+#include "post/paraview.hpp"
+#include "post/picture.hpp"
+#include "post/vtk_or_not.hpp"
+
+namespace scree {
+
+std::string vtk_version() { return std::string("VTK ") + vtkVersion::GetVTKVersion(); }
+void require_vtk() {}
+std::string picture_obstacle() { return why_no_picture(); }
+void make_picture(const Run& run, std::size_t frame_index, const std::string& path) { draw_picture(run, frame_index, path, {}); }
+
+std::string make_paraview_files(const Run& run, const std::string& folder, const std::string& surfaces) {
+  const ParaviewResult result = write_paraview_files(run, {folder, surfaces});
+  return fmt::format("{0}: {1} frames, surfaces of {2} of them with {3:.0f} triangles each\n"
+                     "open with: paraview --script={0}/open_in_paraview.py", result.folder, run.frames.size(), result.surface_frames,
+                     result.triangles_per_frame);
+}
+
+}  // namespace scree
