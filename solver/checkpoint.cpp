@@ -43,8 +43,7 @@ std::string latest_checkpoint(const std::string& folder) {
 }
 
 void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder,
-                      double energy_reference, double kinetic_peak, const std::string& scene_sha256,
-                      const nlohmann::json& provenance) {
+                      const Checkpoint& so_far, const nlohmann::json& provenance) {
   const ParticleSet& p = simulation.particles();
   std::vector<ParticleRecord> mine;
   for (std::size_t i = 0; i < p.owned; ++i) mine.push_back(record_of(p, i));
@@ -71,10 +70,12 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
     root.write_attribute("step", simulation.step());
     root.write_attribute("step_size", simulation.step_size().step);
     root.write_attribute("wall_work", energies.wall_work);
-    root.write_attribute("energy_reference", energy_reference);
-    root.write_attribute("kinetic_peak", kinetic_peak);
+    root.write_attribute("energy_reference", so_far.energy_reference);
+    root.write_attribute("kinetic_peak", so_far.kinetic_peak);
+    root.write_attribute("max_depth_ratio", so_far.max_depth_ratio);
+    root.write_attribute("energy_error", so_far.energy_error);
     root.write_attribute("state_hash", hash);
-    root.write_attribute("scene_sha256", scene_sha256);
+    root.write_attribute("scene_sha256", so_far.scene_sha256);
     root.write_text("provenance", provenance.dump());
     const h5::Group g = root.create_group("bodies");
     const auto column = [&](const char* name, const char* unit, auto&& get, std::int64_t columns = 1) {
@@ -142,6 +143,8 @@ Checkpoint read_checkpoint(const std::string& path) {
   c.wall_work = root.read_double_attribute("wall_work");
   c.energy_reference = root.read_double_attribute("energy_reference");
   c.kinetic_peak = root.read_double_attribute("kinetic_peak");
+  c.max_depth_ratio = root.read_double_attribute("max_depth_ratio");
+  c.energy_error = root.read_double_attribute("energy_error");
   c.state_hash = root.read_text_attribute("state_hash");
   c.scene_sha256 = root.read_text_attribute("scene_sha256");
   const h5::Group g = root.open_group("bodies");

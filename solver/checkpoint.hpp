@@ -16,7 +16,7 @@ inline constexpr std::int64_t kCheckpointFormatVersion = 1;
 struct Checkpoint {
   std::int64_t step = 0;
   double step_size = 0, wall_work = 0, energy_reference = 0;  ///< energy_reference: balance at the start [J]
-  double kinetic_peak = 0;
+  double kinetic_peak = 0, max_depth_ratio = 0, energy_error = 0;  ///< worst so far, for the outcome
   std::string state_hash, scene_sha256;
   std::vector<ParticleRecord> bodies;          ///< of all ranks, ascending id
   std::vector<PendingSprings> springs;         ///< ascending key
@@ -24,9 +24,9 @@ struct Checkpoint {
 };
 
 /// Gathers the state on rank 0, which writes the file whole or not at all; keeps the last two. Collective.
+/// `so_far` gives what the run keeps besides the state: references, worst values, hash of the scene.
 void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder,
-                      double energy_reference, double kinetic_peak, const std::string& scene_sha256,
-                      const nlohmann::json& provenance);
+                      const Checkpoint& so_far, const nlohmann::json& provenance);
 
 /// Serial. Throws InputError when damaged or of another kind.
 Checkpoint read_checkpoint(const std::string& path);

@@ -149,11 +149,18 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   Simulation simulation(comm, *prepared, options.halo);
   catch_signals();
   if (restarted) {
-    simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), 0 + [&] {
-      std::int64_t step = checkpoint.step;
-      MPI_Bcast(&step, 1, MPI_INT64_T, 0, comm.get());
-      return step;
-    }(), checkpoint.wall_work, checkpoint.wall_impulse);
+    // Rank 0 holds all bodies until the first cut sends them home. Springs wait on every rank for the pairs that
+    // will need them, wherever those come to be.
+    int size = static_cast<int>(checkpoint_path.size());
+    MPI_Bcast(&size, 1, MPI_INT, 0, comm.get());
+    checkpoint_path.resize(static_cast<std::size_t>(size));
+    MPI_Bcast(checkpoint_path.data(), size, MPI_CHAR, 0, comm.get());
+    if (!root) {
+      checkpoint = read_checkpoint(checkpoint_path);
+      checkpoint.bodies.clear();
+    }
+    simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), checkpoint.step, checkpoint.wall_work,
+                                  checkpoint.wall_impulse);
     const std::string hash = simulation.state_hash();
     mpi::on_root(comm, [&] {
       if (hash != checkpoint.state_hash) throw InputError("{}: its contents do not match their hash; use the previous checkpoint", checkpoint_path);
@@ -206,10 +213,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   auto interval_start = start;
   std::int64_t interval_step = simulation.step();
-  double max_ratio = 0, kinetic_peak = checkpoint.kinetic_peak, worst_balance = 0;
+  double max_ratio = checkpoint.max_depth_ratio, kinetic_peak = checkpoint.kinetic_peak, worst_balance = checkpoint.energy_error;
   double reference = checkpoint.energy_reference;
-  MPI_Bcast(&reference, 1, MPI_DOUBLE, 0, comm.get());
-  MPI_Bcast(&kinetic_peak, 1, MPI_DOUBLE, 0, comm.get());
   Energies energies = simulation.energies();
   if (!restarted) reference = energies.balance();
   double imbalance_sum = 0;
@@ -253,7 +258,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     });
   };
   const auto save_state = [&] {
-    write_checkpoint(comm, simulation, options.run_folder, reference, kinetic_peak, scene_hash, provenance);
+    max_ratio = std::max(max_ratio, simulation.take_max_depth_ratio());
+    Checkpoint so_far;
+    so_far.energy_reference = reference;
+    so_far.kinetic_peak = kinetic_peak;
+    so_far.max_depth_ratio = max_ratio;
+    so_far.energy_error = worst_balance;
+    so_far.scene_sha256 = scene_hash;
+    write_checkpoint(comm, simulation, options.run_folder, so_far, provenance);
   };
   const auto write_outcome = [&](const std::string& outcome, const std::string& message, int exit_code) {
     const std::string hash = simulation.state_hash();
@@ -342,8 +354,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   write_outcome("completed", "", 0);
   if (root) {
     const double elapsed = seconds_since(start);
-    progress->finish(fmt::format("{} steps in {}, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}",
-                                 schedule.last, format_duration(elapsed),
+    progress->finish(fmt::format("{} steps, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}",
+                                 schedule.last,
                                  static_cast<double>(scene.bodies.size()) * static_cast<double>(schedule.last) / std::max(elapsed, 1e-9),
                                  max_ratio, worst_balance / std::max({kinetic_peak, energies.dissipated, 1e-300})));
   }

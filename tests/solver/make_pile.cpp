@@ -1,0 +1,47 @@
+// Writes a scene of N bumpy rocks on a jittered lattice above the floor of a box: input of the end-to-end tests.
+// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL]
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+
+#include "core/base/provenance.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/shapes.hpp"
+
+int main(int argc, char** argv) {
+  using namespace scree;
+  return run_main("scree_make_pile", [&] {
+    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL]");
+    const int count = std::atoi(argv[1]), level = argc > 4 ? std::atoi(argv[4]) : 2;
+    Scene scene = test::empty_scene(3e5, 0.3, 0.5, 0.002, 2700);
+    scene.settings.title = "pile of rocks";
+    scene.settings.gravity = {0, 0, -9.81};
+    scene.settings.duration = std::atof(argv[2]);
+    scene.settings.output_every = scene.settings.duration / 10;
+    scene.settings.checkpoint_every = scene.settings.duration / 5;
+    for (unsigned s = 1; s <= 3; ++s) scene.shapes.push_back(make_solid("rock" + std::to_string(s), test::scaled(test::rock(s, level), 0.04)));
+    const int side = std::max(1, static_cast<int>(std::floor(std::cbrt(count))));
+    const double spacing = 0.125;
+    std::mt19937 g(1);
+    std::uniform_real_distribution<double> jitter(-0.004, 0.004);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 at{spacing * (i % side + 0.5) + jitter(g), spacing * (i / side % side + 0.5) + jitter(g), spacing * (i / side / side + 0.6) + jitter(g)};
+      test::add_body(scene, i % 3, at, test::random_quaternion(g), {0, 0, -0.5}, {}, 0.9 + 0.2 * (i % 5) / 5.0);
+    }
+    Wall box;
+    box.id = count;
+    box.name = "box";
+    box.kind = WallKind::box_inside;
+    box.lower = {0, 0, 0};
+    box.upper = {spacing * side, spacing * side, 100};
+    scene.walls.push_back(box);
+    Provenance record;
+    record.format = kSceneFormat;
+    record.format_version = kSceneFormatVersion;
+    record.tool = "scree_make_pile";
+    scene.provenance = provenance_record(record);
+    write_scene_file(argv[3], scene);
+    return 0;
+  });
+}

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""End-to-end tests of scree-solver as a user runs it. usage: run_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+BIN, MPIEXEC = sys.argv[1], sys.argv[2]
+SOLVER, PILE = os.path.join(BIN, "scree-solver"), os.path.join(BIN, "scree_make_pile")
+ENV = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
+           OMPI_MCA_hwloc_base_binding_policy="none", # ranks that wait give their core away: these tests share the machine
+           OMPI_MCA_mpi_yield_when_idle="1")
+
+
+def run(ranks, *arguments, threads=1, expect=0):
+    command = ([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []) + [SOLVER, *arguments]
+    result = subprocess.run(command, env=dict(ENV, OMP_NUM_THREADS=str(threads)), capture_output=True, text=True, timeout=280)
+    assert result.returncode == expect, f"{command}: exit {result.returncode}, expected {expect}\n{result.stdout}\n{result.stderr}"
+    return result
+
+
+def outcome(folder):
+    with open(os.path.join(folder, "run.json")) as f:
+        return json.load(f)
+
+
+def same_state_for_any_ranks_and_threads():
+    subprocess.run([PILE, "27", "0.2", "pile.scene.h5"], check=True)
+    hashes = {}
+    for ranks in (1, 2, 3, 4):
+        for threads in (1, 2):
+            folder = f"r{ranks}t{threads}.run"
+            run(ranks, "pile.scene.h5", "-o", folder, threads=threads)
+            hashes[folder] = outcome(folder)["state_hash"]
+    run(2, "pile.scene.h5", "-o", "blocking.run", "--halo", "blocking")
+    hashes["blocking.run"] = outcome("blocking.run")["state_hash"]
+    run(1, "pile.scene.h5", "-o", "avx2.run", "--simd", "avx2")
+    hashes["avx2.run"] = outcome("avx2.run")["state_hash"]
+    assert len(set(hashes.values())) == 1, hashes
+    result = outcome("r1t1.run")
+    assert result["max_depth_ratio"] < 1 and result["energy"]["error_relative"] < 0.01, result["energy"]
+
+
+def a_killed_run_continues_to_the_same_end():
+    subprocess.run([PILE, "27", "0.3", "pile.scene.h5"], check=True)
+    run(2, "pile.scene.h5", "-o", "whole.run")
+    child = subprocess.Popen([MPIEXEC, "-n", "2", SOLVER, "pile.scene.h5", "-o", "killed.run"],
+                             # the surviving rank waits for the dead one: mpirun ends it after this many seconds
+                             env=dict(ENV, OMP_NUM_THREADS="1", OMPI_MCA_odls_base_sigkill_timeout="2"),
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline = time.time() + 60
+    while not [n for n in (os.listdir("killed.run") if os.path.isdir("killed.run") else []) if n.startswith("checkpoint_")]:
+        assert child.poll() is None and time.time() < deadline, "no checkpoint appeared"
+        time.sleep(0.005)
+    ranks = subprocess.run(["pgrep", "-P", str(child.pid)], capture_output=True, text=True).stdout.split()
+    assert ranks, "no rank found to kill"
+    os.kill(int(ranks[-1]), signal.SIGKILL)
+    child.wait(timeout=60)
+    assert not os.path.exists("killed.run/run.json"), "a killed run must not look complete"
+    for name in os.listdir("killed.run"):  # whole files only: every one opens
+        if name.endswith((".hdf", ".h5")) and not name.startswith("."):
+            subprocess.run(["h5ls", os.path.join("killed.run", name)], check=True, stdout=subprocess.DEVNULL)
+    run(3, "pile.scene.h5", "-o", "killed.run", "--restart", "latest")
+    assert outcome("killed.run")["state_hash"] == outcome("whole.run")["state_hash"]
+    with open("killed.run/log.csv") as f, open("whole.run/log.csv") as g:
+        assert [l.split(",")[0] for l in f] == [l.split(",")[0] for l in g], "log rows differ"
+
+
+def a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code():
+    subprocess.run([PILE, "27", "100", "long.scene.h5"], check=True)
+    # To one process; to every rank, as a queueing system does; and to mpirun, which passes SIGUSR1 on at once.
+    # (SIGTERM to mpirun itself reaches the ranks only after its own grace period, and its exit code is mpirun's.)
+    for number, ranks, to in ((signal.SIGINT, 1, "process"), (signal.SIGTERM, 2, "ranks"), (signal.SIGUSR1, 2, "process")):
+        folder = f"stopped{int(number)}.run"
+        command = ([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []) + [SOLVER, "long.scene.h5", "-o", folder]
+        child = subprocess.Popen(command, env=dict(ENV, OMP_NUM_THREADS="1"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while not os.path.exists(f"{folder}/frame_000000.hdf"):
+            assert child.poll() is None
+            time.sleep(0.02)
+        time.sleep(0.3)
+        if to == "process":
+            child.send_signal(number)
+        else:
+            for pid in subprocess.run(["pgrep", "-P", str(child.pid)], capture_output=True, text=True).stdout.split():
+                os.kill(int(pid), number)
+        child.wait(timeout=60)
+        assert child.returncode == 128 + number, (number, child.returncode)
+        result = outcome(folder)
+        assert result["outcome"] == "interrupted" and result["exit_code"] == 128 + number, result["outcome"]
+        assert [n for n in os.listdir(folder) if n.startswith("checkpoint_")]
+
+
+def bad_input_is_told_once_with_its_exit_code():
+    subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
+    result = run(2, "missing.scene.h5", expect=3)
+    assert result.stderr.count("missing.scene.h5: no such file") == 1, result.stderr
+    with open("pile.scene.h5", "rb") as f:
+        data = f.read()
+    with open("cut.scene.h5", "wb") as f:
+        f.write(data[: len(data) // 2])
+    assert "truncated" in run(2, "cut.scene.h5", expect=3).stderr
+    with open("text.scene.h5", "w") as f:
+        f.write("not a scene\n")
+    assert "not an HDF5 file" in run(1, "text.scene.h5", expect=3).stderr
+    run(1, "pile.scene.h5", "-o", "a.run")
+    assert "not empty" in run(2, "pile.scene.h5", "-o", "a.run", expect=2).stderr
+    assert "is a file" in run(1, "pile.scene.h5", "-o", "text.scene.h5", expect=2).stderr
+    assert "holds no checkpoint" in run(1, "pile.scene.h5", "-o", "empty.run", "--restart", "latest", expect=3).stderr
+    assert run(1, "pile.scene.h5", "--no-such-option", expect=2).stderr
+    # a bit flipped in a checkpoint is found by its hash
+    checkpoint = sorted(n for n in os.listdir("a.run") if n.startswith("checkpoint_"))[-1]
+    import h5py
+    with h5py.File(os.path.join("a.run", checkpoint), "r+") as f:
+        f["bodies/x"][0, 0] = f["bodies/x"][0, 0] * (1 + 1e-15) + 1e-12
+    assert "do not match their hash" in run(2, "pile.scene.h5", "-o", "a.run", "--restart", "latest", expect=3).stderr
+    with h5py.File("pile.scene.h5", "r+") as f:
+        f.attrs["format_version"] = 99
+    assert "newer" in run(1, "pile.scene.h5", "-o", "b.run", expect=3).stderr
+
+
+def a_full_disk_is_an_error_and_leaves_no_broken_file():
+    if os.geteuid() != 0:
+        print("skipped: mounting a small tmpfs needs root")
+        return
+    os.mkdir("small")
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", "small"], capture_output=True).returncode != 0:
+        print("skipped: this machine does not allow mounting a tmpfs")
+        return
+    try:
+        subprocess.run([PILE, "64", "0.2", "pile.scene.h5"], check=True)
+        result = run(2, "pile.scene.h5", "-o", "small/full.run", expect=4)
+        assert "small/full.run" in result.stderr, result.stderr
+        for name in os.listdir("small/full.run"):
+            if name.endswith((".hdf", ".h5")) and not name.startswith("."):
+                subprocess.run(["h5ls", os.path.join("small/full.run", name)], check=True, stdout=subprocess.DEVNULL)
+    finally:
+        subprocess.run(["umount", "small"], check=True)
+
+
+def the_plan_says_what_is_in_and_out():
+    subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
+    text = run(1, "pile.scene.h5", "--plan").stdout
+    for piece in ("in   triangles", "out  halo and migration", "out  driven walls", "bytes per body", "limited by"):
+        assert piece in text, text
+    assert "in   halo and migration" in run(2, "pile.scene.h5", "--plan").stdout
+    assert not os.path.exists("pile.run"), "a plan writes nothing"
+
+
+TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_same_end,
+         a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code, bad_input_is_told_once_with_its_exit_code,
+         a_full_disk_is_an_error_and_leaves_no_broken_file, the_plan_says_what_is_in_and_out]
+
+chosen = sys.argv[3:] or [t.__name__ for t in TESTS]
+for test in TESTS:
+    if test.__name__ not in chosen:
+        continue
+    home, folder = os.getcwd(), tempfile.mkdtemp()
+    os.chdir(folder)
+    try:
+        begin = time.time()
+        test()
+        print(f"passed {test.__name__} in {time.time() - begin:.1f} s", flush=True)
+    finally:
+        os.chdir(home)
+        shutil.rmtree(folder, ignore_errors=True)
