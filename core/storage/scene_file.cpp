@@ -4,7 +4,9 @@
 #include "core/storage/scene_file.hpp"
 
 #include <cmath>
+#include <new>
 #include <set>
+#include <stdexcept>
 
 #include "core/base/error.hpp"
 
@@ -15,7 +17,10 @@ namespace {
 using nlohmann::json;
 
 // A quaternion may have lost digits on its way through text or single precision; beyond this it is damage.
-constexpr double kUnitQuaternionTolerance = 1e-6;
+constexpr double kUnitTolerance = 1e-6;
+
+// What is unit to rounding keeps its bits, so that reading a file and writing it again changes nothing.
+constexpr double kUnitRounding = 1e-15;
 
 // ---- values to JSON ----
 
@@ -143,18 +148,18 @@ class Object {
   Vec3 vector(const char* key) const { return vector_of(at(key), key); }
   Vec3 unit_vector(const char* key) const {
     const Vec3 v = vector(key);
-    if (std::abs(length(v) - 1) > kUnitQuaternionTolerance) {
+    if (std::abs(length(v) - 1) > kUnitTolerance) {
       throw InputError("{}.{}: length {:.9g} found, a unit vector expected", where_, key, length(v));
     }
-    return normalised(v);
+    return std::abs(length(v) - 1) > kUnitRounding ? normalised(v) : v;
   }
   Quat quaternion(const char* key) const {
     const json& list = array_of(at(key), key, 4);
     const Quat q{number_of(list[0], key), number_of(list[1], key), number_of(list[2], key), number_of(list[3], key)};
-    if (!(std::abs(norm(q) - 1) <= kUnitQuaternionTolerance)) {
+    if (!(std::abs(norm(q) - 1) <= kUnitTolerance)) {
       throw InputError("{}.{}: norm {:.9g} found, a unit quaternion expected", where_, key, norm(q));
     }
-    return normalised(q);
+    return std::abs(norm(q) - 1) > kUnitRounding ? normalised(q) : q;
   }
   std::vector<double> numbers(const char* key) const {
     std::vector<double> values;
@@ -370,11 +375,10 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
     if (!is_finite(b.position[i])) throw wrong("the position is not a finite number");
     if (!is_finite(b.velocity[i]) || !is_finite(b.angular_velocity[i])) throw wrong("a velocity is not a finite number");
     const double q = norm(b.orientation[i]);
-    if (!(std::abs(q - 1) <= kUnitQuaternionTolerance)) {
+    if (!(std::abs(q - 1) <= kUnitTolerance)) {
       throw wrong(fmt::format("the orientation has norm {:.9g}, a unit quaternion w x y z is expected", q));
     }
-    // a quaternion that is already unit to rounding keeps its bits: reading and writing again changes nothing
-    if (std::abs(q - 1) > 4e-16) b.orientation[i] = normalised(b.orientation[i]);
+    if (std::abs(q - 1) > kUnitRounding) b.orientation[i] = normalised(b.orientation[i]);
     if (scene.partition.ranks > 0 && (b.owner[i] < 0 || b.owner[i] >= scene.partition.ranks)) {
       throw wrong(fmt::format("owner {} found, but the scene is cut for {} ranks", b.owner[i], scene.partition.ranks));
     }
@@ -468,7 +472,8 @@ void write_scene_file(const std::string& path, const Scene& scene) {
   file.commit();
 }
 
-Scene read_scene_file(const std::string& path) {
+namespace {
+Scene read_scene(const std::string& path) {
   const h5::File file(path);
   const h5::Group& root = file.root();
   check_format(root, kSceneFormat, kSceneFormatVersion);
@@ -516,6 +521,18 @@ Scene read_scene_file(const std::string& path) {
   }
   scene.bodies = read_bodies(root.open_group("bodies"), scene);
   return scene;
+}
+}  // namespace
+
+Scene read_scene_file(const std::string& path) {
+  try {
+    return read_scene(path);
+  } catch (const std::bad_alloc&) {
+    // a flipped bit in the size of a dataset asks for more memory than there is
+    throw InputError("{}: its arrays do not fit into memory; the file is damaged, or this machine is too small for it", path);
+  } catch (const std::length_error&) {
+    throw InputError("{}: the size of an array in it cannot be right; the file is damaged", path);
+  }
 }
 
 }  // namespace scree
