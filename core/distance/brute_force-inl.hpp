@@ -59,7 +59,7 @@ inline constexpr int kTouchingRoundoffs = 4;
 /// A determinant beyond this many roundoffs of its terms has a certain sign (counted: at most 11).
 inline constexpr int kCertainRoundoffs = 16;
 
-/// Where the closest points are, as a small number in a lane (see decode in triangle_distance.cpp):
+/// Where the closest points are, as a small number in a lane (see decode_features):
 /// 3 i + j edge i of A, edge j of B; 9 + k vertex k of A, face of B; 12 + k face of A, vertex k of B;
 /// 15 + i edge i of A through B; 18 + i edge i of B through A.
 inline constexpr int kCodeVertexA = 9, kCodeVertexB = 12, kCodeEdgeA = 15, kCodeEdgeB = 18;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/base/error.hpp"
 
@@ -14,20 +15,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "core/distance/brute_force-inl.hpp"
+#include "core/distance/batch-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
-
-template <class T>
-HWY_INLINE TrianglePack<T> load_triangle(const T* values, std::int64_t stride) {
-  TrianglePack<T> t;
-  SCREE_UNROLL_3
-  for (int k = 0; k < 3; ++k)
-    t.p[k] = {Pack<T>::load(values + (3 * k) * stride), Pack<T>::load(values + (3 * k + 1) * stride),
-              Pack<T>::load(values + (3 * k + 2) * stride)};
-  return t;
-}
 
 /// Rows of a detailed answer: 0-2 point_a, 3-5 point_b, 6-8 their difference, 9 code.
 template <class T>
@@ -97,26 +88,6 @@ Vec3 vertex(const double* values, std::int64_t stride, int k) {
   return {values[(3 * k) * stride], values[(3 * k + 1) * stride], values[(3 * k + 2) * stride]};
 }
 
-/// Which ends of the edges the solution lies on, from the code that the kernel left in a lane.
-void decode(int code, Feature& a, Feature& b) {
-  const int kind = code % 32;
-  const auto edge = [](int i) { return static_cast<Feature>(1 + i); };
-  const auto corner = [](int i) { return static_cast<Feature>(4 + i % 3); };
-  if (kind < 9) {
-    const int i = kind / 3, j = kind % 3;
-    a = (code & 32) != 0 ? corner(i) : ((code & 64) != 0 ? corner(i + 1) : edge(i));
-    b = (code & 128) != 0 ? corner(j) : ((code & 256) != 0 ? corner(j + 1) : edge(j));
-  } else if (kind < 12) {
-    a = corner(kind - 9), b = Feature::face;
-  } else if (kind < 15) {
-    a = Feature::face, b = corner(kind - 12);
-  } else if (kind < 18) {
-    a = edge(kind - 15), b = Feature::face;
-  } else {
-    a = Feature::face, b = edge(kind - 18);
-  }
-}
-
 bool is_edge(Feature f) { return f >= Feature::edge0 && f <= Feature::edge2; }
 int index_of(Feature f) { return is_edge(f) ? static_cast<int>(f) - 1 : static_cast<int>(f) - 4; }
 
@@ -162,7 +133,7 @@ TriangleDistance answer_of(const double* values, std::int64_t stride, double dis
   answer.intersecting = distance == 0;
   answer.point_a = vertex(rows, row_stride, 0);
   answer.point_b = vertex(rows, row_stride, 1);
-  decode(static_cast<int>(rows[9 * row_stride]), answer.feature_a, answer.feature_b);
+  std::tie(answer.feature_a, answer.feature_b) = decode_features(static_cast<int>(rows[9 * row_stride]));
   if (answer.intersecting) return answer;
   const Vec3 difference = vertex(rows, row_stride, 2);
   if (distance < kFeatureNormalRatio * longest_edge(values, stride))
@@ -177,6 +148,21 @@ TriangleDistance answer_of(const double* values, std::int64_t stride, double dis
 void choose_target() { hwy::GetChosenTarget().Update(hwy::SupportedTargets()); }
 
 }  // namespace
+
+std::pair<Feature, Feature> decode_features(int code) {
+  const int kind = code % 32;
+  const auto edge = [](int i) { return static_cast<Feature>(1 + i); };
+  const auto corner = [](int i) { return static_cast<Feature>(4 + i % 3); };
+  if (kind < 9) {
+    const int i = kind / 3, j = kind % 3;
+    return {(code & 32) != 0 ? corner(i) : ((code & 64) != 0 ? corner(i + 1) : edge(i)),
+            (code & 128) != 0 ? corner(j) : ((code & 256) != 0 ? corner(j + 1) : edge(j))};
+  }
+  if (kind < 12) return {corner(kind - 9), Feature::face};
+  if (kind < 15) return {Feature::face, corner(kind - 12)};
+  if (kind < 18) return {edge(kind - 15), Feature::face};
+  return {Feature::face, edge(kind - 18)};
+}
 
 void triangle_distances(const PairBatch<double>& pairs, double* distance) {
   HWY_DYNAMIC_DISPATCH(solve_double)(pairs.values, pairs.stride, pairs.count, distance);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/vec3.hpp"
@@ -44,6 +45,9 @@ void triangle_distances(const PairBatch<double>& pairs, TriangleDistance* answer
 
 /// One pair; the same arithmetic as the batch.
 TriangleDistance triangle_distance(const Vec3 a[3], const Vec3 b[3]);
+
+/// Features from the code that the kernel leaves in a lane (brute_force-inl.hpp). For the methods' own use.
+std::pair<Feature, Feature> decode_features(int code);
 
 /// Name of the SIMD target in use ("AVX3", "AVX2", "SSE4", ...), and a limit for --simd: "avx512", "avx2",
 /// "sse4", "scalar" (lowest compiled target) or "best". Throws UsageError for another name or a target that
