@@ -23,6 +23,20 @@ void check(herr_t status, const std::string& what) {
   if (status < 0) throw SystemError("{}: {}", what, library_error());
 }
 
+/// Writes a temporary file; removes it and throws when the disk refuses.
+void write_bytes(const std::string& temporary, const std::string& path, const char* data, std::size_t size) {
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (file == nullptr) throw SystemError("cannot create {}: {}", path, std::strerror(errno));
+  errno = 0;
+  const bool written = std::fwrite(data, 1, size, file) == size;
+  int reason = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (written && closed) return;
+  if (reason == 0) reason = errno;
+  std::remove(temporary.c_str());
+  throw SystemError("cannot write {}: {}; free some space or choose another folder", path, std::strerror(reason));
+}
+
 }  // namespace
 
 void silence_library() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
@@ -211,16 +225,23 @@ void Group::read_raw(const std::string& name, void* data, hid_t type) const {
   }
 }
 
+// The library works in memory, and the finished image is written here. On a full disk HDF5 1.10.8 cannot close
+// a file whose last flush failed, keeps it open inside and crashes when it ends (a tmpfs of 8 kB shows it).
 NewFile::NewFile(std::string path) : path_(std::move(path)), temporary_(temporary_name(path_)) {
   silence_library();
-  errno = 0;
-  const hid_t id = H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (id < 0) {
-    const std::string reason = errno != 0 ? std::strerror(errno) : library_error();
+  // made now, so that a folder that is missing or not writable is told before the work
+  const int probe = open(temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
+  if (probe < 0) {
+    const std::string reason = std::strerror(errno);
+    temporary_.clear();
     throw SystemError("cannot create {}: {}; choose a folder that exists and is writable", path_, reason);
   }
-  file_ = Handle(id, H5Fclose, path_);
-  root_ = std::make_unique<Group>(Handle(H5Gopen2(id, "/", H5P_DEFAULT), H5Gclose, path_), path_ + ":");
+  close(probe);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path_);
+  constexpr std::size_t kGrowth = std::size_t{1} << 22;  // of the image, at a time
+  check(H5Pset_fapl_core(access.id(), kGrowth, false), "cannot prepare " + path_);
+  file_ = Handle(H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot create " + path_);
+  root_ = std::make_unique<Group>(Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, path_), path_ + ":");
 }
 
 NewFile::~NewFile() {
@@ -231,11 +252,13 @@ NewFile::~NewFile() {
 
 void NewFile::commit() {
   root_.reset();
-  errno = 0;
-  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) {
-    throw SystemError("cannot write {}: {}", path_, errno != 0 ? std::strerror(errno) : library_error());
-  }
+  const std::string what = "cannot write " + path_;
+  check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), what);
+  const ssize_t size = H5Fget_file_image(file_.id(), nullptr, 0);
+  std::vector<char> image(size > 0 ? static_cast<std::size_t>(size) : 0);
+  if (size <= 0 || H5Fget_file_image(file_.id(), image.data(), image.size()) != size) throw SystemError("{}: {}", what, library_error());
   file_.reset();
+  write_bytes(temporary_, path_, image.data(), image.size());
   publish_file(temporary_, path_);
   temporary_.clear();
 }
@@ -277,15 +300,7 @@ void publish_file(const std::string& temporary, const std::string& path) {
 
 void write_text_file(const std::string& path, const std::string& text) {
   const std::string temporary = temporary_name(path);
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  if (file == nullptr) throw SystemError("cannot create {}: {}", path, std::strerror(errno));
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) {
-    const int reason = errno;
-    std::remove(temporary.c_str());
-    throw SystemError("cannot write {}: {}", path, std::strerror(reason));
-  }
+  write_bytes(temporary, path, text.data(), text.size());
   publish_file(temporary, path);
 }
 

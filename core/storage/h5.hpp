@@ -118,7 +118,7 @@ class Group {
 };
 
 /// A file written whole or not at all: under a temporary name beside the target, synced and renamed by
-/// commit(). Destroyed without commit(), it removes the temporary file.
+/// commit(). Destroyed without commit(), it removes the temporary file. Needs twice the file's size in memory.
 class NewFile {
  public:
   explicit NewFile(std::string path);

@@ -1,0 +1,294 @@
+// The case language: what a case says is what the scene gets, and what is wrong is told with its line.
+#include "decomposer/case_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/base/error.hpp"
+
+namespace scree {
+namespace {
+
+/// The smallest case that holds one of most things. Lines matter: messages name them.
+const std::string kCase = R"(title = "test"
+seed = 7
+[time]
+duration = "0.5 s"
+[shapes.rock]
+file = "rock.shape.h5"
+[materials.rock]
+density = 2700
+[materials.steel]
+density = "7.8 g/cm^3"
+[[pairs]]
+between = ["rock", "rock"]
+stiffness = "1 MN/m"
+restitution = 0.5
+friction = 0.4
+[[pairs]]
+between = ["steel", "rock"]
+stiffness = 2e6
+restitution = 0.4
+[contact]
+margin = "0.3 mm"
+[[populations]]
+shape = "rock"
+material = "rock"
+count = 10
+size = { distribution = "lognormal", median = "12 mm", sigma = 0.2, min = "8 mm", max = "20 mm" }
+region = { box = [[-0.1, -0.1, "5 cm"], [0.1, 0.1, 0.5]] }
+[[walls]]
+shape = { box_inside = [[-0.12, -0.12, 0], [0.12, 0.12, 0.6]] }
+material = "steel"
+)";
+
+Case parse(const std::string& text) { return parse_case(text, "case.toml", "cases"); }
+
+std::string replaced(const std::string& from, const std::string& to) {
+  std::string text = kCase;
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("the case does not hold '" + from + "'");
+  return text.replace(at, from.size(), to);
+}
+
+/// What parsing says; fails the test when it says nothing or is not the user's mistake (exit 2).
+std::string refusal(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const Error& e) {
+    EXPECT_EQ(static_cast<int>(e.code()), 2) << e.what();
+    return e.what();
+  }
+  ADD_FAILURE() << "nothing was refused in:\n" << text;
+  return "";
+}
+
+void expect_refusal(const std::string& text, const std::vector<std::string>& says) {
+  const std::string message = refusal(text);
+  for (const std::string& part : says) EXPECT_NE(message.find(part), std::string::npos) << "'" << part << "' not in: " << message;
+}
+
+TEST(CaseFile, a_case_is_read_in_si) {
+  const Case c = parse(kCase);
+  EXPECT_EQ(c.settings.title, "test");
+  EXPECT_EQ(c.settings.seed, 7u);
+  EXPECT_EQ(c.settings.gravity, (Vec3{0, 0, -9.81}));
+  EXPECT_DOUBLE_EQ(c.settings.duration, 0.5);
+  EXPECT_DOUBLE_EQ(c.settings.margin, 3e-4);
+  EXPECT_TRUE(c.margin_given);
+  ASSERT_EQ(c.materials.size(), 2u);
+  EXPECT_DOUBLE_EQ(c.materials[1].density, 7800);
+  ASSERT_EQ(c.pairs.size(), 2u);
+  EXPECT_DOUBLE_EQ(c.pairs[0].pair.stiffness, 1e6);
+  EXPECT_EQ(c.pairs[1].pair.a, 0);  // a <= b, in whatever order they were given
+  EXPECT_EQ(c.pairs[1].pair.b, 1);
+  ASSERT_EQ(c.populations.size(), 1u);
+  EXPECT_DOUBLE_EQ(c.populations[0].value, 10);
+  EXPECT_DOUBLE_EQ(c.populations[0].size->first, 0.012);
+  EXPECT_EQ(c.populations[0].region.lower, (Vec3{-0.1, -0.1, 0.05}));
+  EXPECT_EQ(c.shapes[0].file, "cases/rock.shape.h5");  // relative to the case
+  EXPECT_EQ(c.walls[0].wall.kind, WallKind::box_inside);
+  EXPECT_EQ(c.walls[0].wall.material, 1);
+}
+
+TEST(CaseFile, the_example_of_the_house_is_understood_but_for_what_is_not_built) {
+  // the example of the design papers, without its periodic axis and with what analytic spheres and drums add
+  const Case c = parse(R"(
+title = "boulders into a box"
+seed  = 7
+gravity = [0, 0, -9.81]
+[time]
+duration = "0.5 s"
+steps_per_contact = 30
+[domain]
+min = [-0.2, -0.2, 0.0]
+max = [ 0.2,  0.2, 0.6]
+outside = "stop"
+[shapes.toutatis]
+file = "toutatis.shape.h5"
+[shapes.bead]
+sphere = { radius = "5 mm" }
+[materials.rock]
+density = 2700
+[materials.steel]
+density = 7800
+[[pairs]]
+between = ["rock", "rock"]
+stiffness = 1e6
+restitution = 0.5
+friction = 0.4
+rolling_friction = 0.0
+[[pairs]]
+between = ["rock", "steel"]
+stiffness = 1e6
+restitution = 0.4
+friction = 0.3
+[contact]
+law    = "linear"
+gather = "potential"
+margin = "0.3 mm"
+[motion]
+integrator = "kdk-dlm"
+[distance]
+method    = "brute-force"
+precision = "mixed"
+[[bodies]]
+shape = "toutatis"
+material = "rock"
+position = [0, 0, 0.3]
+orientation = [1, 0, 0, 0]
+velocity = [0, 0, -1]
+angular_velocity = [0, 0, 0]
+scale = 1.0
+fixed = false
+lock_rotation = false
+[[populations]]
+shapes = { toutatis = 0.7, bead = 0.3 }
+material = "rock"
+count = 500
+size = { distribution = "lognormal", median = "12 mm", sigma = 0.2, min = "8 mm", max = "20 mm" }
+region = { box = [[-0.1, -0.1, 0.05], [0.1, 0.1, 0.5]] }
+method = "random"
+velocity = [0, 0, 0]
+[[walls]]
+shape = { box_inside = [[-0.12, -0.12, 0], [0.12, 0.12, 0.6]] }
+material = "steel"
+[[walls]]
+shape = { file = "paddle.shape.h5" }
+material = "steel"
+motion = { rotate = { axis = [0, 0, 2], centre = [0, 0, 0.1], rate = "30 rpm" }, start = "0.1 s" }
+[[walls]]
+shape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }
+material = "steel"
+motion = { oscillate = { direction = [1, 0, 0], amplitude = "1 mm", frequency = "50 Hz" } }
+[[walls]]
+shape = { cylinder_inside = { start = [0, 0, 0], end = [0, 0, 1], radius = "1 m" } }
+material = "steel"
+motion = { translate = { velocity = [0, 3, 4] }, stop = 2 }
+[[walls]]
+shape = { sphere_inside = { centre = [0, 0, 0], radius = 2 } }
+material = "steel"
+motion = { table = { time = [0, 1], position = [[0, 0, 0], [0, 0, 1]] } }
+[output]
+every = "10 ms"
+contacts = true
+checkpoint = "0.1 s"
+)");
+  ASSERT_EQ(c.walls.size(), 5u);
+  const WallMotion& rotate = c.walls[1].wall.motion;
+  EXPECT_EQ(rotate.axis, (Vec3{0, 0, 1}));
+  EXPECT_NEAR(rotate.rate, std::numbers::pi, 1e-15);  // 30 rpm is half a turn a second
+  EXPECT_DOUBLE_EQ(rotate.start, 0.1);
+  EXPECT_DOUBLE_EQ(c.walls[3].wall.motion.rate, 5);
+  EXPECT_DOUBLE_EQ(c.walls[3].wall.motion.axis.y, 0.6);
+  EXPECT_EQ(c.walls[4].wall.motion.table_position[1], (Vec3{0, 0, 1}));
+  EXPECT_DOUBLE_EQ(c.shapes[0].sphere_radius, 0.005);
+  ASSERT_EQ(c.populations[0].shares.size(), 2u);
+  EXPECT_DOUBLE_EQ(c.populations[0].shares[1].second, 0.7);
+  EXPECT_DOUBLE_EQ(c.settings.checkpoint_every, 0.1);
+}
+
+TEST(CaseFile, an_unknown_key_is_refused_with_its_line_and_the_nearest_name) {
+  expect_refusal(replaced("friction = 0.4", "frictoin = 0.4"), {"case.toml:15: pairs[0].frictoin", "unknown key", "did you mean 'friction'"});
+  expect_refusal(replaced("[contact]", "[contatc]"), {"case.toml:20: contatc", "did you mean 'contact'"});
+  expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\ncolour = 3"), {"case.toml:5: time.colour", "expected one of: duration"});
+  expect_refusal(replaced("min = \"8 mm\", ", "min = \"8 mm\", mean = 1, "), {"case.toml:26", "mean", "not part of a lognormal"});
+}
+
+TEST(CaseFile, a_wrong_unit_is_refused_with_what_was_found_and_what_to_write) {
+  expect_refusal(replaced("friction = 0.4", "friction = \"0.5 m\""),
+                 {"case.toml:15: pairs[0].friction = \"0.5 m\": a length, but friction has no unit; write 0.5"});
+  expect_refusal(replaced("\"0.3 mm\"", "\"0.3 kg\""), {"case.toml:21: contact.margin = \"0.3 kg\"", "a mass", "a length"});
+  expect_refusal(replaced("density = 2700", "density = \"2700 kg\""), {"case.toml:8: materials.rock.density", "a density"});
+  expect_refusal(replaced("\"5 cm\"", "\"5 cn\""), {"case.toml:27", "region.box"});
+}
+
+TEST(CaseFile, a_wrong_type_is_refused) {
+  expect_refusal(replaced("friction = 0.4", "friction = true"), {"case.toml:15: pairs[0].friction = true", "true or false found"});
+  expect_refusal(replaced("count = 10", "count = 10.5"), {"case.toml:25: populations[0].count = 10.5", "a whole number"});
+  expect_refusal(replaced("shape = \"rock\"", "shape = 3"), {"case.toml:23", "a text"});
+  expect_refusal(replaced("[[walls]]", "[walls]"), {"[[walls]]"});
+  expect_refusal(replaced("seed = 7", "seed = -7"), {"case.toml:2: seed = -7", "at least 0"});
+  expect_refusal(replaced("[[-0.1, -0.1, \"5 cm\"], [0.1, 0.1, 0.5]]", "[[-0.1, -0.1], [0.1, 0.1]]"), {"case.toml:27", "three numbers"});
+}
+
+TEST(CaseFile, a_value_out_of_range_is_refused) {
+  expect_refusal(replaced("restitution = 0.5", "restitution = 1.5"), {"case.toml:14: pairs[0].restitution = 1.5", "at most 1"});
+  expect_refusal(replaced("restitution = 0.5", "restitution = 0"), {"above 0"});
+  expect_refusal(replaced("friction = 0.4", "friction = -0.1"), {">= 0"});
+  expect_refusal(replaced("density = 2700", "density = 0"), {"> 0"});
+  expect_refusal(replaced("density = 2700", "density = nan"), {"density"});
+  expect_refusal(replaced("stiffness = 2e6", "stiffness = inf"), {"finite"});
+  expect_refusal(replaced("[0.1, 0.1, 0.5]", "[0.1, -0.1, 0.5]"), {"first corner must be below"});
+  expect_refusal(replaced("max = \"20 mm\"", "max = \"2 mm\""), {"must not be above max"});
+  expect_refusal(replaced("friction = 0.4", "friction = 0.4\nfriction_sliding = 0.5"), {"case.toml:16", "from 0 to friction"});
+}
+
+TEST(CaseFile, a_missing_key_is_named) {
+  expect_refusal(replaced("restitution = 0.5\n", ""), {"case.toml:11: pairs[0].restitution: is missing"});
+  expect_refusal(replaced("count = 10\n", ""), {"case.toml:22: populations[0]", "count, mass, solid_fraction"});
+  expect_refusal(replaced("count = 10", "count = 10\nmass = \"1 kg\""), {"both 'count' and 'mass'"});
+  expect_refusal("title = 'x'", {"time: is missing"});
+}
+
+TEST(CaseFile, a_material_pair_that_can_occur_and_is_missing_is_named_with_what_uses_it) {
+  const std::string pair = "[[pairs]]\nbetween = [\"steel\", \"rock\"]\nstiffness = 2e6\nrestitution = 0.4\n";
+  expect_refusal(replaced(pair, ""), {"\"rock\" and \"steel\" can touch", "populations[0]", "walls[0]", "between = [\"rock\", \"steel\"]"});
+  const std::string self = "[[pairs]]\nbetween = [\"rock\", \"rock\"]\nstiffness = \"1 MN/m\"\nrestitution = 0.5\nfriction = 0.4\n";
+  expect_refusal(replaced(self, ""), {"\"rock\" and \"rock\" can touch", "populations[0]"});
+}
+
+TEST(CaseFile, a_material_pair_that_cannot_occur_may_be_missing_and_is_dropped) {
+  // steel is only a wall: walls never meet each other
+  EXPECT_EQ(parse(kCase + "[[pairs]]\nbetween = [\"steel\", \"steel\"]\nstiffness = 1\nrestitution = 1\n").pairs.size(), 2u);
+  // one rock alone has nobody of its kind to meet
+  const std::string self = "[[pairs]]\nbetween = [\"rock\", \"rock\"]\nstiffness = \"1 MN/m\"\nrestitution = 0.5\nfriction = 0.4\n";
+  std::string one = replaced(self, "");
+  one.replace(one.find("count = 10"), 10, "count = 1");
+  EXPECT_EQ(parse(one).pairs.size(), 1u);
+}
+
+TEST(CaseFile, a_fixed_body_needs_a_pair_with_movers_only) {
+  const std::string fixed = "[[bodies]]\nshape = \"rock\"\nmaterial = \"steel\"\nposition = [0, 0, 1]\nfixed = true\n";
+  EXPECT_NO_THROW(parse(kCase + fixed));
+  const std::string moving = "[[bodies]]\nshape = \"rock\"\nmaterial = \"steel\"\nposition = [0, 0, 1]\n";
+  expect_refusal(kCase + moving, {"\"steel\" and \"steel\" can touch", "bodies[0]", "walls[0]"});  // the steel body may meet the steel wall
+}
+
+TEST(CaseFile, names_that_do_not_exist_are_refused_with_the_nearest) {
+  expect_refusal(replaced("material = \"steel\"", "material = \"steele\""), {"case.toml:30", "no material 'steele'", "did you mean 'steel'"});
+  expect_refusal(replaced("shape = \"rock\"", "shape = \"boulder\""), {"case.toml:23", "no shape 'boulder'", "defined are: rock"});
+  expect_refusal(replaced("between = [\"rock\", \"rock\"]", "between = [\"rock\", \"rok\"]"), {"case.toml:12", "did you mean 'rock'"});
+  expect_refusal(kCase + "[[pairs]]\nbetween = [\"rock\", \"steel\"]\nstiffness = 1\nrestitution = 1\n", {"given twice", "case.toml:16"});
+}
+
+TEST(CaseFile, what_is_not_built_yet_is_refused_with_what_is) {
+  expect_refusal(replaced("[contact]", "[contact]\ngather = \"area\""), {"case.toml:21: contact.gather = \"area\"", "not available", "potential"});
+  expect_refusal(replaced("[contact]", "[contact]\ngather = \"pairs\""), {"not available"});
+  expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hertz-mindlin\""), {"not available", "linear"});
+  expect_refusal(replaced("[contact]", "[contact]\nlaw = \"liniar\""), {"did you mean 'linear'"});
+  expect_refusal(kCase + "[motion]\nintegrator = \"euler\"\n", {"not available", "kdk-dlm"});
+  expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"not available", "brute-force"});
+  expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n", {"periodic", "not available"});
+  expect_refusal(kCase + "[domain]\noutside = \"remove\"\n", {"not available", "stop"});
+  expect_refusal(replaced("count = 10", "count = 10\nmethod = \"lattice\""), {"not available", "random"});
+  expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrolling_friction = 0.1"), {"rolling_friction", "not available"});
+}
+
+TEST(CaseFile, broken_toml_is_refused_with_line_and_column) {
+  expect_refusal(replaced("density = 2700", "density = = 2700"), {"case.toml:8:"});
+  expect_refusal(replaced("density = 2700", "density = 2700\ndensity = 3"), {"case.toml:9:"});
+}
+
+TEST(CaseFile, a_size_may_be_one_quantity) {
+  const std::string size = "size = { distribution = \"lognormal\", median = \"12 mm\", sigma = 0.2, min = \"8 mm\", max = \"20 mm\" }";
+  EXPECT_DOUBLE_EQ(parse(replaced(size, "size = \"12 mm\"")).populations[0].size->quantile(0.3), 0.012);
+  EXPECT_FALSE(parse(replaced(size, "")).populations[0].size.has_value());
+  expect_refusal(replaced(size, "size = \"12 kg\""), {"case.toml:26: populations[0].size", "a length"});
+  expect_refusal(replaced("\"lognormal\"", "\"lognormel\""), {"case.toml:26", "did you mean 'lognormal'"});
+  expect_refusal(replaced(", max = \"20 mm\"", ""), {"size.max", "is missing"});
+}
+
+}  // namespace
+}  // namespace scree

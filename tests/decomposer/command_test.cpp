@@ -1,0 +1,183 @@
+// The tool as a user runs it: exit codes, messages, files.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "core/base/provenance.hpp"
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ToolRun {
+  int code;
+  std::string output, errors;
+};
+
+std::string text_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+const std::string kCase = R"(seed = 3
+[time]
+duration = "0.1 s"
+[shapes.cube]
+file = "cube.shape.h5"
+[materials.stone]
+density = 2500
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = "10 MN/m"
+restitution = 0.5
+[contact]
+margin = "1 mm"
+[[populations]]
+shape = "cube"
+material = "stone"
+count = 40
+size = "50 mm"
+region = { box = [[0, 0, 0], [0.5, 0.5, 0.5]] }
+[[walls]]
+shape = { box_inside = [[0, 0, 0], [0.5, 0.5, 0.5]] }
+material = "stone"
+)";
+
+class Command : public ::testing::Test {
+ protected:
+  Command() : folder_(fs::temp_directory_path() / ("scree_decomposer_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+    write_shape_file((folder_ / "cube.shape.h5").string(), {make_solid("cube", box_mesh({1, 1, 1}))}, {{"tool", "scree-mesher"}});
+    write("case.toml", kCase);
+  }
+  ~Command() override { fs::remove_all(folder_); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
+  void write_changed(const std::string& from, const std::string& to) const {
+    std::string text = kCase;
+    write("case.toml", text.replace(text.find(from), from.size(), to));
+  }
+  ToolRun run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" SCREE_DECOMPOSER "' " + arguments + " >.out 2>.err </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(folder_ / ".out"), text_of(folder_ / ".err")};
+  }
+  void expect(const std::string& arguments, int code, const std::vector<std::string>& says) const {
+    const ToolRun r = run(arguments);
+    EXPECT_EQ(r.code, code) << r.errors;
+    for (const std::string& part : says) EXPECT_NE((r.output + r.errors).find(part), std::string::npos) << "'" << part << "' not in: " << r.output << r.errors;
+  }
+  bool left_anything() const {
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (name.ends_with(".tmp") || name == "a.scene.h5") return true;
+    }
+    return false;
+  }
+  fs::path folder_;
+};
+
+TEST_F(Command, pack_writes_a_scene_that_tells_its_whole_chain) {
+  expect("pack case.toml -o a.scene.h5 --ranks 2", 0, {"40 bodies", "solid fraction", "predicted imbalance"});
+  const Scene s = read_scene_file((folder_ / "a.scene.h5").string());
+  EXPECT_EQ(s.bodies.size(), 40u);
+  EXPECT_EQ(s.partition.ranks, 2);
+  EXPECT_EQ(s.provenance["configuration"], kCase);
+  EXPECT_EQ(s.provenance["seed"], 3);
+  EXPECT_EQ(s.provenance["tool"], "scree-decomposer");
+  EXPECT_EQ(s.provenance["inputs"][0]["sha256"], sha256_of_file((folder_ / "case.toml").string()));
+  EXPECT_EQ(s.provenance["inputs"][1]["sha256"], sha256_of_file((folder_ / "cube.shape.h5").string()));
+  EXPECT_EQ(s.provenance["inputs"][1]["history"]["tool"], "scree-mesher");
+}
+
+TEST_F(Command, partition_cuts_a_scene_again_and_changes_nothing_else) {
+  expect("pack case.toml -o a.scene.h5 --ranks 2", 0, {});
+  expect("partition a.scene.h5 --ranks 3 -o b.scene.h5", 0, {"ranks              3", "solid fraction"});
+  const Scene a = read_scene_file((folder_ / "a.scene.h5").string()), b = read_scene_file((folder_ / "b.scene.h5").string());
+  EXPECT_EQ(b.partition.ranks, 3);
+  EXPECT_EQ(a.bodies.position, b.bodies.position);
+  EXPECT_EQ(a.bodies.orientation, b.bodies.orientation);
+  EXPECT_EQ(settings_json(a), settings_json(b));
+  EXPECT_EQ(b.provenance["inputs"][0]["history"], a.provenance);
+  EXPECT_EQ(b.provenance["configuration"], kCase);
+}
+
+TEST_F(Command, check_reads_a_case_and_needs_no_other_file) {
+  fs::remove(folder_ / "cube.shape.h5");
+  expect("check case.toml", 0, {"correct", "40 particles"});
+}
+
+TEST_F(Command, a_mistake_in_the_case_exits_with_2_and_leaves_no_file) {
+  write_changed("restitution = 0.5", "restitutoin = 0.5");
+  expect("pack case.toml -o a.scene.h5", 2, {"scree-decomposer: error: case.toml:11: pairs[0].restitutoin", "did you mean 'restitution'"});
+  write_changed("restitution = 0.5", "restitution = \"0.5 m\"");
+  expect("pack case.toml -o a.scene.h5", 2, {"case.toml:11: pairs[0].restitution = \"0.5 m\": a length, but restitution has no unit; write 0.5"});
+  write_changed("between = [\"stone\", \"stone\"]", "between = [\"stone\", \"water\"]");
+  expect("check case.toml", 2, {"no material 'water'"});
+  EXPECT_FALSE(left_anything());
+}
+
+TEST_F(Command, an_impossible_packing_exits_with_3_and_leaves_no_file) {
+  write_changed("count = 40", "count = 4000");
+  expect("pack case.toml -o a.scene.h5", 3, {"placed ", " of 4000 bodies", "solid fraction reached"});
+  EXPECT_FALSE(left_anything());
+}
+
+TEST_F(Command, a_truncated_scene_exits_with_3) {
+  expect("pack case.toml -o a.scene.h5", 0, {});
+  fs::resize_file(folder_ / "a.scene.h5", fs::file_size(folder_ / "a.scene.h5") / 2);
+  expect("partition a.scene.h5 --ranks 2 -o b.scene.h5", 3, {"a.scene.h5", "truncated"});
+  EXPECT_FALSE(fs::exists(folder_ / "b.scene.h5"));
+}
+
+TEST_F(Command, a_newer_scene_exits_with_3) {
+  {
+    h5::NewFile file((folder_ / "new.scene.h5").string());
+    file.root().write_attribute("format", kSceneFormat);
+    file.root().write_attribute("format_version", kSceneFormatVersion + 1);
+    file.commit();
+  }
+  expect("partition new.scene.h5 --ranks 2 -o b.scene.h5", 3, {"version 2", "newer Scree"});
+}
+
+TEST_F(Command, files_that_are_missing_and_folders_that_do_not_exist_are_told_apart) {
+  expect("pack no.toml -o a.scene.h5", 3, {"no.toml", "cannot be read"});
+  expect("pack case.toml -o no/a.scene.h5", 4, {"there is no folder"});
+  expect("pack case.toml -o .", 2, {"is a folder"});
+  fs::remove(folder_ / "cube.shape.h5");
+  expect("pack case.toml -o a.scene.h5", 3, {"case.toml:4: shapes.cube", "no such file"});
+}
+
+TEST_F(Command, a_full_disk_exits_with_4_and_leaves_no_file) {
+  if (access("/dev/full", W_OK) != 0 || geteuid() != 0) GTEST_SKIP() << "needs the right to mount a small tmpfs";
+  const fs::path small = folder_ / "small";
+  fs::create_directories(small);
+  if (std::system(("mount -t tmpfs -o size=8k tmpfs '" + small.string() + "' 2>/dev/null").c_str()) != 0) {
+    GTEST_SKIP() << "no right to mount a small tmpfs";
+  }
+  const ToolRun r = run("pack case.toml -o small/a.scene.h5");
+  const bool empty = fs::is_empty(small);
+  ASSERT_EQ(std::system(("umount '" + small.string() + "'").c_str()), 0);
+  EXPECT_EQ(r.code, 4) << r.errors;
+  EXPECT_NE(r.errors.find("small/a.scene.h5"), std::string::npos) << r.errors;
+  EXPECT_TRUE(empty);
+}
+
+TEST_F(Command, usage_mistakes_exit_with_2) {
+  expect("", 2, {});
+  expect("pakc case.toml", 2, {"pack"});
+  expect("pack case.toml", 2, {});
+  expect("pack case.toml -o a.scene.h5 --ranks 0", 2, {});
+  expect("pack case.toml -o a.scene.h5 --rank 2", 2, {});
+  expect("--help", 0, {"scree-decomposer pack case.toml"});
+  expect("--version", 0, {"scree-decomposer"});
+}
+
+}  // namespace
+}  // namespace scree

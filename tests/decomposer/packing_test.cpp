@@ -1,0 +1,410 @@
+// Packing: nothing overlaps, margins are kept, and the same seed gives the same scene.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <numbers>
+#include <set>
+
+#include "core/base/error.hpp"
+#include "core/partition/partition.hpp"
+#include "decomposer/build_scene.hpp"
+#include "decomposer/predicted_work.hpp"
+#include "tests/decomposer/brute_distance.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A hollow box: outer and inner surface, the inner one facing the hollow.
+TriangleMesh shell(double outer, double inner) {
+  TriangleMesh mesh = box_mesh({outer, outer, outer});
+  TriangleMesh hole = box_mesh({inner, inner, inner});
+  const std::int32_t shift = mesh.vertex_count();
+  mesh.vertices.insert(mesh.vertices.end(), hole.vertices.begin(), hole.vertices.end());
+  for (const Triangle& t : hole.triangles) mesh.triangles.push_back({t[0] + shift, t[2] + shift, t[1] + shift});
+  return mesh;
+}
+
+class Packing : public ::testing::Test {
+ protected:
+  Packing() : folder_(fs::temp_directory_path() / ("scree_packing_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+    const auto write = [&](const std::string& name, const Shape& shape) { write_shape_file((folder_ / (name + ".shape.h5")).string(), {shape}, {{"tool", "test"}}); };
+    write("l", make_solid("l", test::l_shape()));
+    write("rock", make_solid("rock", test::rock(5, 1)));
+    write("cube", make_solid("cube", box_mesh({1, 1, 1})));
+    write("shell", make_solid("shell", shell(1, 0.8)));
+    TriangleMesh ramp;   // one open square, inclined
+    ramp.vertices = {{-1, -1, 0.1}, {1, -1, 0.3}, {1, 1, 0.3}, {-1, 1, 0.1}};
+    ramp.triangles = {{0, 1, 2}, {0, 2, 3}};
+    write("ramp", make_surface("ramp", ramp));
+    // off its origin: a region and a wall keep the coordinates of their file
+    TriangleMesh lump = test::icosphere(2);
+    for (Vec3& p : lump.vertices) p = 0.2 * p + Vec3{0, 0, 0.5};
+    write("lump", make_solid("lump", lump));
+  }
+  ~Packing() override { fs::remove_all(folder_); }
+
+  PackedScene pack(const std::string& text) const { return build_scene(parse_case(text, "case.toml", folder_.string())); }
+  std::string failure(const std::string& text, ExitCode code = ExitCode::bad_data) const {
+    try {
+      pack(text);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), code) << e.what();
+      return e.what();
+    }
+    ADD_FAILURE() << "nothing was refused";
+    return "";
+  }
+  fs::path folder_;
+};
+
+const std::string kHead = R"(
+seed = 3
+gravity = [0, 0, -9.81]
+[time]
+duration = 1
+[shapes.l]
+file = "l.shape.h5"
+[shapes.rock]
+file = "rock.shape.h5"
+[shapes.cube]
+file = "cube.shape.h5"
+[shapes.shell]
+file = "shell.shape.h5"
+[shapes.ball]
+sphere = { radius = 0.5 }
+[materials.stone]
+density = 2500
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = 1e7
+restitution = 0.5
+[contact]
+margin = "2 mm"
+)";
+const std::string kBox = R"(
+[[walls]]
+shape = { box_inside = [[0, 0, 0], [0.5, 0.5, 0.5]] }
+material = "stone"
+)";
+const std::string kMixture = R"(
+[[populations]]
+shapes = { l = 0.5, rock = 0.3, ball = 0.2 }
+material = "stone"
+count = 30
+size = { distribution = "uniform", min = "60 mm", max = "90 mm" }
+region = { box = [[-0.1, -0.1, -0.1], [0.6, 0.6, 0.6]] }
+)";
+
+std::vector<test::WorldTriangle> world_triangles(const Shape& shape, double scale, const Vec3& x, const Quat& q) {
+  std::vector<test::WorldTriangle> result;
+  for (std::int32_t t = 0; t < shape.mesh.triangle_count(); ++t) {
+    test::WorldTriangle w;
+    for (int k = 0; k < 3; ++k) w.p[k] = x + scale * rotate(q, shape.mesh.corner(t, k));
+    result.push_back(w);
+  }
+  return result;
+}
+
+/// Smallest gap over all pairs of bodies, by brute force; bodies inside one another count as 0.
+double smallest_gap(const Scene& s) {
+  const BodyTable& b = s.bodies;
+  std::vector<std::vector<test::WorldTriangle>> meshes;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    meshes.push_back(world_triangles(s.shapes[static_cast<std::size_t>(b.shape[i])], b.scale[i], b.position[i], b.orientation[i]));
+  }
+  const auto radius = [&](std::size_t i) { return b.scale[i] * s.shapes[static_cast<std::size_t>(b.shape[i])].sphere_radius; };
+  double smallest = 1e300;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      double gap = 0;
+      if (meshes[i].empty() && meshes[j].empty()) {
+        gap = length(b.position[i] - b.position[j]) - radius(i) - radius(j);
+      } else if (meshes[i].empty() || meshes[j].empty()) {
+        const std::size_t ball = meshes[i].empty() ? i : j, mesh = meshes[i].empty() ? j : i;
+        double d = 1e300;
+        for (const test::WorldTriangle& t : meshes[mesh]) {
+          d = std::min(d, test::face_distance(b.position[ball], t));
+          for (int k = 0; k < 3; ++k) {
+            d = std::min(d, test::segment_distance(t.p[k], t.p[(k + 1) % 3], b.position[ball], b.position[ball] + Vec3{1e-13, 0, 0}));
+          }
+        }
+        gap = test::ray_says_inside(meshes[mesh], b.position[ball]) ? 0 : d - radius(ball);
+      } else {
+        gap = test::brute_mesh_distance(meshes[i], meshes[j]);
+        if (test::ray_says_inside(meshes[i], meshes[j][0].p[0]) || test::ray_says_inside(meshes[j], meshes[i][0].p[0])) gap = 0;
+      }
+      smallest = std::min(smallest, gap);
+    }
+  }
+  return smallest;
+}
+
+TEST_F(Packing, all_bodies_keep_the_margins_from_each_other_by_brute_force) {
+  const PackedScene packed = pack(kHead + kMixture + kBox);
+  ASSERT_EQ(packed.scene.bodies.size(), 30u);
+  const double gap = smallest_gap(packed.scene);
+  EXPECT_GE(gap, 2 * 0.002 * (1 - 1e-9));   // contact starts at the sum of two margins
+  EXPECT_LT(gap, 0.05);                     // dense enough to be a test
+}
+
+TEST_F(Packing, all_bodies_keep_the_margins_from_the_walls) {
+  const Scene s = pack(kHead + kMixture + kBox).scene;
+  double least = 1e300;
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
+    for (const Vec3& p : shape.mesh.vertices) {
+      const Vec3 x = s.bodies.position[i] + s.bodies.scale[i] * rotate(s.bodies.orientation[i], p);
+      for (int k = 0; k < 3; ++k) least = std::min({least, x[k] - s.bodies.scale[i] * shape.sphere_radius, 0.5 - x[k] - s.bodies.scale[i] * shape.sphere_radius});
+    }
+  }
+  EXPECT_GE(least, 2 * 0.002 * (1 - 1e-12));
+  EXPECT_LT(least, 0.02);
+}
+
+TEST_F(Packing, the_same_seed_gives_the_same_scene_bit_for_bit_and_another_seed_another) {
+  const Scene a = pack(kHead + kMixture + kBox).scene, b = pack(kHead + kMixture + kBox).scene;
+  EXPECT_EQ(a.bodies.position, b.bodies.position);
+  EXPECT_EQ(a.bodies.orientation, b.bodies.orientation);
+  EXPECT_EQ(a.bodies.scale, b.bodies.scale);
+  EXPECT_EQ(a.bodies.shape, b.bodies.shape);
+  std::string other = kHead + kMixture + kBox;
+  other.replace(other.find("seed = 3"), 8, "seed = 4");
+  EXPECT_NE(pack(other).scene.bodies.position, a.bodies.position);
+}
+
+TEST_F(Packing, ids_count_bodies_then_walls_then_populations) {
+  const std::string body = "[[bodies]]\nshape = \"cube\"\nmaterial = \"stone\"\nposition = [0.25, 0.25, 0.25]\nscale = 0.05\n";
+  const PackedScene packed = pack(kHead + body + kMixture + kMixture + kBox);
+  const Scene& s = packed.scene;
+  EXPECT_EQ(s.bodies.id.front(), 0);
+  EXPECT_EQ(s.walls[0].id, 1);
+  for (std::size_t i = 1; i < s.bodies.size(); ++i) {
+    EXPECT_EQ(s.bodies.id[i], static_cast<std::int64_t>(i + 1));
+    EXPECT_EQ(s.bodies.population[i], i <= 30 ? 0 : 1);
+  }
+  EXPECT_EQ(s.bodies.population[0], -1);
+  EXPECT_GE(smallest_gap(s), 2 * 0.002 * (1 - 1e-9));
+}
+
+TEST_F(Packing, shares_are_by_number_and_exact) {
+  const Scene s = pack(kHead + kMixture + kBox).scene;
+  std::map<std::string, int> count;
+  for (std::int32_t shape : s.bodies.shape) ++count[s.shapes[static_cast<std::size_t>(shape)].name];
+  EXPECT_EQ(count["l"], 15);
+  EXPECT_EQ(count["rock"], 9);
+  EXPECT_EQ(count["ball"], 6);
+}
+
+TEST_F(Packing, sizes_are_diameters_of_equivalent_spheres) {
+  const Scene s = pack(kHead + kMixture + kBox).scene;
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    const double volume = s.mass(i) / 2500;
+    const double diameter = std::cbrt(6 * volume / std::numbers::pi);
+    EXPECT_GE(diameter, 0.06 * (1 - 1e-12));
+    EXPECT_LE(diameter, 0.09 * (1 + 1e-12));
+  }
+}
+
+TEST_F(Packing, a_mass_or_a_solid_fraction_is_met_to_within_half_a_body) {
+  const auto population = [](const std::string& amount) {
+    return "[[populations]]\nshape = \"cube\"\nmaterial = \"stone\"\n" + amount +
+           "\nsize = \"50 mm\"\nregion = { box = [[0.01, 0.01, 0.01], [0.49, 0.49, 0.49]] }\n";
+  };
+  const double volume = std::numbers::pi / 6 * std::pow(0.05, 3), mass = 2500 * volume;
+  Scene s = pack(kHead + population("mass = \"4 kg\"") + kBox).scene;
+  EXPECT_EQ(s.bodies.size(), static_cast<std::size_t>(std::lround(4 / mass)));
+  const PackedScene packed = pack(kHead + population("solid_fraction = 0.1") + kBox);
+  EXPECT_EQ(packed.scene.bodies.size(), static_cast<std::size_t>(std::lround(0.1 * std::pow(0.48, 3) / volume)));
+  EXPECT_NEAR(packed.report.solid_fraction[0], 0.1, 0.5 * volume / std::pow(0.48, 3));
+  EXPECT_NEAR(packed.report.container_volume, 0.125, 1e-15);
+}
+
+TEST_F(Packing, an_impossible_packing_says_how_many_were_placed_and_what_to_do) {
+  std::string text = kHead + kMixture + kBox;
+  text.replace(text.find("count = 30"), 10, "count = 3000");
+  const std::string message = failure(text);
+  for (const char* part : {"case.toml:", "populations[0]", " of 3000 bodies", "solid fraction reached is 0.", "Enlarge the region"}) {
+    EXPECT_NE(message.find(part), std::string::npos) << part << " not in: " << message;
+  }
+  const int placed = std::stoi(message.substr(message.find("placed ") + 7));
+  EXPECT_GT(placed, 30);   // kMixture itself can be placed: it did try
+  EXPECT_LT(placed, 3000);
+}
+
+TEST_F(Packing, a_body_larger_than_its_region_is_an_impossible_packing) {
+  std::string text = kHead + kMixture + kBox;
+  text.replace(text.find("[[-0.1, -0.1, -0.1], [0.6, 0.6, 0.6]]"), 37, "[[0.2, 0.2, 0.2], [0.25, 0.25, 0.25]]");
+  EXPECT_NE(failure(text).find("placed 0 of 30"), std::string::npos);
+}
+
+TEST_F(Packing, a_mesh_wall_is_kept_clear_of) {
+  const std::string ramp = "[[walls]]\nshape = { file = \"ramp.shape.h5\" }\nmaterial = \"stone\"\nposition = [0, 0, 0.05]\n";
+  const Scene s = pack(kHead + kMixture + kBox + ramp).scene;
+  ASSERT_EQ(s.walls[1].kind, WallKind::mesh);
+  const auto wall = world_triangles(s.shapes[static_cast<std::size_t>(s.walls[1].shape)], 1, {0, 0, 0.05}, {});
+  double least = 1e300;
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
+    if (shape.kind == ShapeKind::sphere) continue;
+    least = std::min(least, test::brute_mesh_distance(wall, world_triangles(shape, s.bodies.scale[i], s.bodies.position[i], s.bodies.orientation[i])));
+  }
+  EXPECT_GE(least, 2 * 0.002 * (1 - 1e-9));
+}
+
+TEST_F(Packing, a_solid_used_as_a_wall_keeps_the_place_of_its_file_and_holds_nobody) {
+  const std::string lump = "[[walls]]\nshape = { file = \"lump.shape.h5\" }\nmaterial = \"stone\"\nposition = [0.25, 0.25, -0.25]\n";
+  const Scene s = pack(kHead + kMixture + kBox + lump).scene;   // the lump's centre is now the centre of the box
+  for (const Vec3& x : s.bodies.position) EXPECT_GT(length(x - Vec3{0.25, 0.25, 0.25}), 0.19);
+}
+
+TEST_F(Packing, a_region_may_be_a_closed_mesh) {
+  std::string text = kHead + kMixture;
+  text.replace(text.find("{ box = [[-0.1, -0.1, -0.1], [0.6, 0.6, 0.6]] }"), 47, "{ inside = \"lump.shape.h5\" }");
+  text.replace(text.find("count = 30"), 10, "count = 5");
+  const Scene s = pack(text).scene;
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
+    for (const Vec3& p : shape.mesh.vertices) {
+      const Vec3 x = s.bodies.position[i] + s.bodies.scale[i] * rotate(s.bodies.orientation[i], p);
+      EXPECT_LT(length(x - Vec3{0, 0, 0.5}), 0.2);   // the icosphere lies inside its sphere
+    }
+  }
+}
+
+TEST_F(Packing, cylinder_and_sphere_walls_hold_their_bodies) {
+  const std::string cylinder = "[[walls]]\nshape = { cylinder_inside = { start = [0.25, 0.25, 0], end = [0.25, 0.25, 0.5], radius = 0.2 } }\nmaterial = \"stone\"\n";
+  const std::string sphere = "[[walls]]\nshape = { sphere_inside = { centre = [0.25, 0.25, 0.25], radius = 0.22 } }\nmaterial = \"stone\"\n";
+  std::string text = kHead + kMixture + cylinder + sphere;
+  text.replace(text.find("count = 30"), 10, "count = 8");
+  const Scene s = pack(text).scene;
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
+    const double rounding = s.bodies.scale[i] * shape.sphere_radius;
+    for (const Vec3& p : shape.mesh.vertices) {
+      const Vec3 x = s.bodies.position[i] + s.bodies.scale[i] * rotate(s.bodies.orientation[i], p) - Vec3{0.25, 0.25, 0.25};
+      EXPECT_LE(std::hypot(x.x, x.y) + rounding, 0.2 - 0.004 + 1e-12);
+      EXPECT_LE(length(x) + rounding, 0.22 - 0.004 + 1e-12);
+    }
+  }
+}
+
+std::string cube_at(double x, double scale, const std::string& more = "", const std::string& shape = "cube") {
+  return fmt::format("[[bodies]]\nshape = \"{}\"\nmaterial = \"stone\"\nposition = [{}, 0, 0]\nscale = {}\n{}\n", shape, x, scale, more);
+}
+
+TEST_F(Packing, given_bodies_that_overlap_are_refused_by_name) {
+  const std::string message = failure(kHead + cube_at(0, 1) + cube_at(0.9, 1));
+  EXPECT_NE(message.find("bodies[1]"), std::string::npos) << message;
+  EXPECT_NE(message.find("overlaps case.toml"), std::string::npos) << message;
+  EXPECT_NO_THROW(pack(kHead + cube_at(0, 1) + cube_at(1.1, 1)));
+}
+
+TEST_F(Packing, given_bodies_closer_than_the_margins_are_a_notice) {
+  const PackedScene packed = pack(kHead + cube_at(0, 1) + cube_at(1.001, 1) + cube_at(2.2, 1));
+  ASSERT_FALSE(packed.report.notices.empty());
+  int told = 0;
+  for (const std::string& notice : packed.report.notices) told += notice.find("starts in contact") != std::string::npos ? 1 : 0;
+  EXPECT_EQ(told, 1);
+}
+
+TEST_F(Packing, a_body_inside_the_solid_of_another_is_refused_but_one_in_a_hollow_is_not) {
+  EXPECT_NE(failure(kHead + cube_at(0, 1) + cube_at(0, 0.3)).find("overlaps"), std::string::npos);
+  EXPECT_NE(failure(kHead + cube_at(0, 0.3) + cube_at(0, 1)).find("overlaps"), std::string::npos);
+  EXPECT_NO_THROW(pack(kHead + cube_at(0, 1, "", "shell") + cube_at(0, 0.3)));
+  EXPECT_NE(failure(kHead + cube_at(0, 1, "", "ball") + cube_at(0, 0.3)).find("overlaps"), std::string::npos);
+}
+
+TEST_F(Packing, a_body_behind_a_wall_is_refused) {
+  const std::string plane = "[[walls]]\nshape = { plane = { point = [1, 0, 0], normal = [1, 0, 0] } }\nmaterial = \"stone\"\n";
+  EXPECT_NE(failure(kHead + cube_at(0, 0.5) + plane).find("or lies behind it"), std::string::npos);
+  EXPECT_NO_THROW(pack(kHead + cube_at(2, 0.5) + plane));
+  EXPECT_NO_THROW(pack(kHead + cube_at(0, 0.5, "fixed = true") + plane));
+}
+
+TEST_F(Packing, a_body_outside_the_domain_is_refused) {
+  EXPECT_NE(failure(kHead + cube_at(0, 1) + "[domain]\nmin = [1, 1, 1]\nmax = [2, 2, 2]\n").find("outside the domain"), std::string::npos);
+}
+
+TEST_F(Packing, populations_keep_clear_of_given_bodies) {
+  const std::string big = "[[bodies]]\nshape = \"cube\"\nmaterial = \"stone\"\nposition = [0.25, 0.25, 0.25]\nscale = 0.25\n";
+  std::string text = kHead + big + kMixture + kBox;
+  text.replace(text.find("count = 30"), 10, "count = 15");
+  EXPECT_GE(smallest_gap(pack(text).scene), 2 * 0.002 * (1 - 1e-9));
+}
+
+TEST_F(Packing, the_margin_follows_the_design_rule_when_it_is_not_given) {
+  // a cube of 1 m and 2500 kg that falls 4.5 m in 1 s at most: v = sqrt(2 g 4.5), depth = v sqrt(m/k) = 0.4 x 2 margins
+  std::string text = kHead + "[[bodies]]\nshape = \"cube\"\nmaterial = \"stone\"\nposition = [0, 0, 4.5]\n" +
+                     "[[walls]]\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\nmaterial = \"stone\"\n";
+  text.replace(text.find("[contact]\nmargin = \"2 mm\"\n"), 26, "");
+  text.replace(text.find("stiffness = 1e7"), 15, "stiffness = 1e9");
+  const PackedScene packed = pack(text);
+  const double speed = std::sqrt(2 * 9.81 * 4.5);
+  EXPECT_NEAR(packed.report.fastest_impact, speed, 1e-12);
+  EXPECT_NEAR(packed.scene.settings.margin, speed * std::sqrt(2500 / 1e9) / 0.8, 1e-15);
+  EXPECT_NEAR(packed.report.depth_share, 0.4, 1e-12);
+}
+
+TEST_F(Packing, a_margin_that_could_not_be_kept_small_is_refused_with_a_stiffness) {
+  std::string text = kHead + cube_at(0, 1, "velocity = [100, 0, 0]");
+  text.replace(text.find("[contact]\nmargin = \"2 mm\"\n"), 26, "");
+  text += cube_at(3, 1);
+  EXPECT_NE(failure(text, ExitCode::usage).find("a stiffness of"), std::string::npos);
+}
+
+TEST_F(Packing, margin_zero_is_for_analytic_spheres_only) {
+  std::string text = kHead;
+  text.replace(text.find("margin = \"2 mm\""), 15, "margin = 0");
+  EXPECT_NE(failure(text + cube_at(0, 1), ExitCode::usage).find("margin > 0"), std::string::npos);
+  EXPECT_NO_THROW(pack(text + cube_at(0, 1, "", "ball")));
+}
+
+TEST_F(Packing, a_missing_shape_file_is_named_with_the_line_that_asks_for_it) {
+  std::string text = kHead + kMixture;
+  text.replace(text.find("l.shape.h5"), 10, "x.shape.h5");
+  const std::string message = failure(text);
+  EXPECT_NE(message.find("shapes.l"), std::string::npos) << message;
+  EXPECT_NE(message.find("no such file"), std::string::npos) << message;
+}
+
+TEST_F(Packing, a_file_of_several_shapes_wants_a_name) {
+  write_shape_file((folder_ / "two.shape.h5").string(), {make_sphere("a", 1), make_sphere("b", 2)}, {});
+  std::string text = kHead + cube_at(0, 1);
+  text.replace(text.find("cube.shape.h5\""), 14, "two.shape.h5\"");
+  EXPECT_NE(failure(text, ExitCode::usage).find("(a, b)"), std::string::npos);
+  text.replace(text.find("two.shape.h5\""), 13, "two.shape.h5\"\nname = \"b\"");
+  EXPECT_EQ(pack(text).scene.shapes[0].sphere_radius, 2);
+}
+
+TEST_F(Packing, the_inputs_hold_hash_and_history_of_every_file) {
+  const PackedScene packed = pack(kHead + kMixture + kBox);
+  ASSERT_EQ(packed.inputs.size(), 3u);   // the case, and the two shape files that are used
+  EXPECT_EQ(packed.inputs[0].path, "case.toml");
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_EQ(packed.inputs[i].sha256, sha256_of_file(packed.inputs[i].path));
+    EXPECT_EQ(packed.inputs[i].history["tool"], "test");
+  }
+}
+
+TEST_F(Packing, a_partition_gives_every_body_the_rank_of_its_box_and_balances_the_work) {
+  Scene s = pack(kHead + kMixture + kBox).scene;
+  partition_scene(s, 3);
+  const CutBoxes boxes{s.partition.lower, s.partition.upper};
+  const std::vector<double> work = predicted_work(s);
+  std::vector<double> sum(3, 0.0);
+  for (std::size_t i = 0; i < s.bodies.size(); ++i) {
+    EXPECT_EQ(s.bodies.owner[i], boxes.rank_of(s.bodies.position[i]));
+    sum[static_cast<std::size_t>(s.bodies.owner[i])] += work[i];
+  }
+  const double mean = (sum[0] + sum[1] + sum[2]) / 3;
+  EXPECT_NEAR(s.partition.predicted_imbalance, *std::max_element(sum.begin(), sum.end()) / mean, 1e-12);
+  EXPECT_LT(s.partition.predicted_imbalance, 1.2);   // 30 bodies: a tenth of a share is one body
+}
+
+}  // namespace
+}  // namespace scree
