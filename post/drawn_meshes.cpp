@@ -86,8 +86,9 @@ TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room) 
       return square;
     }
     case WallKind::box_inside: {
-      // a side that is further from the room than the room is large is drawn nearer
-      const Vec3 far{size, size, size};
+      // a side that is far from the room is drawn nearer
+      const double reach = 0.3 * size;
+      const Vec3 far{reach, reach, reach};
       const Vec3 lower = component_max(wall.lower, room.lower - far), upper = component_min(wall.upper, room.upper + far);
       TriangleMesh box = box_mesh(upper - lower);
       for (Vec3& p : box.vertices) p += 0.5 * (lower + upper);

@@ -18,7 +18,7 @@ def own_folder():
     candidates = []
     if "__file__" in globals():
         candidates.append(os.path.dirname(os.path.abspath(__file__)))
-    for word in sys.argv:
+    for word in getattr(sys, "argv", []):
         if word.startswith("--script="):
             word = word[len("--script="):]
         if word.endswith(".py"):
@@ -88,11 +88,14 @@ def show_walls(here, view):
     walls = OpenDataFile(path)
     RenameSource("walls", walls)
     display = Show(walls, view)
-    display.Representation = "Surface With Edges"
-    ColorBy(display, None)
-    display.DiffuseColor = [0.45, 0.52, 0.60]
-    display.EdgeColor = [0.45, 0.52, 0.60]
-    display.Opacity = 0.12
+    display.Representation = "Surface"
+    edges = FeatureEdges(Input=walls)
+    RenameSource("wall edges", edges)
+    lines = Show(edges, view)
+    for item, opacity in ((display, 0.10), (lines, 1.0)):
+        item.ColorArrayName = [None, ""]
+        item.AmbientColor = item.DiffuseColor = [0.45, 0.52, 0.60]
+        item.Opacity = opacity
     return walls
 
 
@@ -103,9 +106,10 @@ def main():
     parser.add_argument("--surfaces", action="store_true", help="show the expanded surfaces instead of glyphs")
     parser.add_argument("--plain", action="store_true", help="bodies only: no walls, no time, no legend")
     parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("W", "H"))
-    options = parser.parse_known_args()[0]
+    options = parser.parse_known_args(getattr(sys, "argv", [])[1:])[0]
 
     here = own_folder()
+    paraview.simple._DisableFirstRenderCameraReset()
     view = GetActiveViewOrCreate("RenderView")
     view.UseColorPaletteForBackground = 0
     view.Background = [1.0, 1.0, 1.0]
@@ -169,7 +173,7 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
       "#   pvbatch open_in_paraview.py --picture rocks.png --frame 10     a picture, without a window\n"
       "#\n"
       "# More frames may be added to the run later: they are found through its frames.hdf.series.\n"
-      "import argparse\nimport os\nimport sys\n\nfrom paraview.simple import *\n\n";
+      "import argparse\nimport os\nimport sys\n\nimport paraview.simple\nfrom paraview.simple import *\n\n";
   text += fmt::format("NAME = {}\n", quoted(run.name));
   text += fmt::format("RUN = {}  # the run folder, seen from the folder of this script\n", quoted(run_from_script));
   text += fmt::format("FOLDER_WHEN_WRITTEN = {}  # used only when nothing else tells where the script is\n", quoted(script_folder));

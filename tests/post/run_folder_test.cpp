@@ -1,0 +1,240 @@
+// Tables, verdicts and the report from a run that was made up by hand, whole and spoilt.
+#include "post/run_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "post/provenance_chain.hpp"
+#include "post/report.hpp"
+#include "post/svg_chart.hpp"
+#include "post/tables.hpp"
+#include "post/verdicts.hpp"
+#include "tests/post/sample_run.hpp"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder = fs::path(SCREE_TEST_FOLDER) / name / "sample.run";
+    test::write_sample_run(folder);
+  }
+  std::string beside(const std::string& name) const { return (folder.parent_path() / name).string(); }
+  std::string message_of(const std::function<void()>& action) const {
+    try {
+      action();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  }
+  fs::path folder;
+};
+
+std::string text_of(const fs::path& path) {
+  std::ifstream stream(path);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::vector<std::vector<double>> numbers_of(const std::string& path, std::string& header) {
+  std::ifstream stream(path);
+  std::getline(stream, header);
+  std::vector<std::vector<double>> rows;
+  for (std::string line; std::getline(stream, line);) {
+    rows.emplace_back();
+    std::stringstream words(line);
+    for (std::string word; std::getline(words, word, ',');) rows.back().push_back(std::strtod(word.c_str(), nullptr));
+  }
+  return rows;
+}
+
+TEST_F(RunFolder, the_bodies_table_gives_back_every_bit) {
+  const auto run = open_run(folder.string());
+  write_bodies_table(run, beside("bodies.csv"));
+  std::string header;
+  const auto rows = numbers_of(beside("bodies.csv"), header);
+  EXPECT_EQ(header, "time,id,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz");
+  ASSERT_EQ(rows.size(), 36u);
+  const Scene scene = test::sample_scene(12);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const double time = 0.1 * static_cast<double>(static_cast<int>(r / 12));
+    const Frame expected = test::sample_frame(scene, 0, time);
+    const std::size_t i = r % 12;
+    const Vec3 &x = expected.bodies.position[i], &v = expected.bodies.velocity[i], &w = expected.bodies.angular_velocity[i];
+    const Quat& q = expected.bodies.orientation[i];
+    EXPECT_EQ(rows[r], (std::vector<double>{time, static_cast<double>(i), x.x, x.y, x.z, v.x, v.y, v.z, q.w, q.x, q.y, q.z, w.x, w.y, w.z}));
+  }
+}
+
+TEST_F(RunFolder, the_contacts_table_has_the_agreed_columns_and_every_bit) {
+  write_contacts_table(open_run(folder.string()), beside("contacts.csv"));
+  std::string header;
+  const auto rows = numbers_of(beside("contacts.csv"), header);
+  EXPECT_EQ(header, "time,body_a,body_b,feature,x,y,z,nx,ny,nz,depth,fn,ftx,fty,ftz");
+  ASSERT_EQ(rows.size(), 22u);  // none in the first frame, 11 in each of two
+  const Vec3 n = normalised(Vec3{1, 3, 2});
+  EXPECT_EQ(rows[3], (std::vector<double>{0.1, 3, 4, 9, 0.1, 0.2, 1.0 / 3.0, n.x, n.y, n.z, 1e-4, 4, 0, 0, 0}));
+}
+
+TEST_F(RunFolder, a_run_without_run_json_is_read_and_said_to_be_unfinished) {
+  fs::remove(folder / "run.json");
+  const auto run = open_run(folder.string());
+  EXPECT_FALSE(run.is_finished());
+  EXPECT_NE(run.notice().find("still being written"), std::string::npos);
+  EXPECT_EQ(run.frames.size(), 3u);
+  write_report(run, beside("report.html"));
+  EXPECT_NE(text_of(beside("report.html")).find("not finished"), std::string::npos);
+}
+
+TEST_F(RunFolder, a_half_written_last_line_of_the_log_is_left_out) {
+  std::ofstream(folder / "log.csv", std::ios::app) << "300,0.3,1,";
+  EXPECT_EQ(open_run(folder.string()).log.rows(), 3u);
+  std::ofstream(folder / "log.csv") << test::log_header() << "0,0,0,0,20,0,0,0,0,0,0,0,1,0,0,0,aa\n100,0.1,8,2,5,0.5,0,4.5,0,0,12,0.3,1.2,0.5,2.5,1000,b";
+  EXPECT_EQ(open_run(folder.string()).log.rows(), 1u) << "a line without its end may be cut inside a number";
+}
+
+TEST_F(RunFolder, a_broken_line_inside_the_log_is_an_error_with_its_number) {
+  std::ofstream(folder / "log.csv") << test::log_header() << "0,0,0\n100,0.1,8,2,5,0.5,0,4.5,0,0,12,0.3,1.2,0.5,2.5,1000,bb\n";
+  EXPECT_NE(message_of([&] { open_run(folder.string()); }).find("log.csv:3"), std::string::npos);
+}
+
+TEST_F(RunFolder, a_truncated_frame_is_named) {
+  fs::resize_file(folder / "frame_000001.hdf", fs::file_size(folder / "frame_000001.hdf") / 2);
+  const auto run = open_run(folder.string());
+  EXPECT_NE(message_of([&] { write_bodies_table(run, beside("bodies.csv")); }).find("frame_000001.hdf"), std::string::npos);
+  EXPECT_FALSE(fs::exists(beside("bodies.csv"))) << "a table that is not whole must not be there";
+}
+
+TEST_F(RunFolder, a_newer_run_is_refused_with_both_versions) {
+  std::ofstream(folder / "run.json") << R"({"format": "scree-run", "format_version": 2})";
+  const std::string message = message_of([&] { open_run(folder.string()); });
+  EXPECT_NE(message.find("version 2"), std::string::npos) << message;
+  EXPECT_NE(message.find("up to version 1"), std::string::npos) << message;
+}
+
+TEST_F(RunFolder, a_missing_folder_scene_or_frame_list_is_named) {
+  EXPECT_NE(message_of([&] { open_run(beside("nowhere.run")); }).find("nowhere.run"), std::string::npos);
+  fs::remove(folder / "frames.hdf.series");
+  EXPECT_NE(message_of([&] { open_run(folder.string()); }).find("frames.hdf.series"), std::string::npos);
+  fs::remove(folder / "scene.h5");
+  EXPECT_NE(message_of([&] { open_run(folder.string()); }).find("scene.h5"), std::string::npos);
+}
+
+TEST_F(RunFolder, a_frame_that_does_not_fit_the_scene_is_refused) {
+  Scene scene = test::sample_scene(12);
+  scene.shapes.resize(1);
+  std::fill(scene.bodies.shape.begin(), scene.bodies.shape.end(), 0);
+  write_scene_file((folder / "scene.h5").string(), scene);
+  const auto run = open_run(folder.string());
+  EXPECT_NE(message_of([&] { load_frame(run, 0); }).find("do not belong together"), std::string::npos);
+}
+
+TEST_F(RunFolder, frames_are_found_by_the_number_in_their_name) {
+  const auto run = open_run(folder.string());
+  EXPECT_EQ(find_frame(run, 1), 1u);
+  EXPECT_EQ(find_frame(run, -1), 2u);
+  EXPECT_THROW(find_frame(run, 7), UsageError);
+}
+
+// verdicts: limits of the project's acceptance on a log whose extremes are known
+
+const Verdict& verdict(const std::vector<Verdict>& all, const std::string& question) {
+  for (const Verdict& v : all) {
+    if (v.question == question) return v;
+  }
+  throw std::runtime_error("no verdict on " + question);
+}
+
+TEST_F(RunFolder, a_sound_run_is_judged_good_throughout) {
+  const std::vector<Verdict> all = judge(open_run(folder.string()));
+  for (const Verdict& v : all) EXPECT_EQ(v.judgement, Judgement::good) << v.question << ": " << v.answer;
+  EXPECT_EQ(verdict(all, "Energy balance").answer, "closed to 0.25 %");  // 0.05 J of 20 J dissipated
+  EXPECT_EQ(verdict(all, "Contact depth").answer, "at most 0.250 of the margin");
+  EXPECT_EQ(verdict(all, "Came to rest").answer, "yes");                 // 1e-7 J of a peak of 10 J
+}
+
+TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
+  std::ofstream(folder / "log.csv") << test::sample_log(-2.0, 1e-3, 1.25);  // 10 %, moving, surfaces met
+  Scene scene = test::sample_scene(12);
+  scene.shapes[1].verdict = {{"solid", false}};
+  write_scene_file((folder / "scene.h5").string(), scene);
+  nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+  outcome["outcome"] = "invalid";
+  outcome["lost_bodies"] = 2;
+  std::ofstream(folder / "run.json") << outcome;
+  const std::vector<Verdict> all = judge(open_run(folder.string()));
+  EXPECT_EQ(verdict(all, "Outcome").judgement, Judgement::bad);
+  EXPECT_EQ(verdict(all, "Energy balance").judgement, Judgement::bad);
+  EXPECT_EQ(verdict(all, "Contact depth").judgement, Judgement::bad);
+  EXPECT_EQ(verdict(all, "Came to rest").judgement, Judgement::information);
+  EXPECT_EQ(verdict(all, "Lost bodies").judgement, Judgement::bad);
+  EXPECT_EQ(verdict(all, "Mesh certificates").judgement, Judgement::bad);
+}
+
+// the page
+
+TEST_F(RunFolder, the_report_needs_nothing_from_outside) {
+  write_report(open_run(folder.string()), beside("report.html"));
+  const std::string html = text_of(beside("report.html"));
+  EXPECT_EQ(html.find("src=\"http"), std::string::npos);
+  EXPECT_EQ(html.find("href=\"http"), std::string::npos);
+  EXPECT_EQ(html.find("url("), std::string::npos);
+  EXPECT_EQ(html.find("<script"), std::string::npos);
+  for (const char* not_a_number : {" nan", ">nan", "-nan", "\"nan", ">inf", " inf "}) EXPECT_EQ(html.find(not_a_number), std::string::npos) << not_a_number;
+}
+
+TEST_F(RunFolder, the_report_escapes_what_the_user_wrote) {
+  write_report(open_run(folder.string()), beside("report.html"));
+  const std::string html = text_of(beside("report.html"));
+  EXPECT_EQ(html.find("<sample>"), std::string::npos);
+  EXPECT_NE(html.find("a &lt;sample&gt; &amp; its report"), std::string::npos);
+}
+
+TEST_F(RunFolder, the_report_tells_the_chain_down_to_the_first_hash_and_how_to_repeat_it) {
+  write_report(open_run(folder.string()), beside("report.html"));
+  const std::string html = text_of(beside("report.html"));
+  for (char c : {'a', 'b', 'c'}) EXPECT_NE(html.find("sha256 " + std::string(64, c)), std::string::npos) << c;
+  EXPECT_NE(html.find("mpirun -n 2 scree-solver sample.scene.h5 -o sample.run"), std::string::npos);
+  EXPECT_NE(html.find("cafe0123"), std::string::npos);
+}
+
+TEST_F(RunFolder, commands_come_in_the_order_in_which_they_must_be_given) {
+  const Frame frame = load_frame(open_run(folder.string()), 0);
+  EXPECT_EQ(commands_of(frame.provenance), (std::vector<std::string>{"scree-mesher import 'my rock.stl' -o rock.shape.h5",
+                                                                     "scree-decomposer pack sample.toml -o sample.scene.h5",
+                                                                     "OMP_NUM_THREADS=1 mpirun -n 2 scree-solver sample.scene.h5 -o sample.run"}));
+}
+
+TEST(SvgChart, ticks_are_round_and_cover_the_range) {
+  EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(round_ticks(-3, 47, 5), (std::vector<double>{-10, 0, 10, 20, 30, 40, 50}));
+  EXPECT_EQ(round_ticks(2, 2, 5), (std::vector<double>{2}));
+}
+
+TEST(SvgChart, a_chart_without_finite_points_says_so) {
+  const double nan = std::nan("");
+  EXPECT_NE(svg_of(LineChart{"t", "x", "s", "y", "J", false, false, {{"l", {nan, 1}, {1, nan}}}, {}}).find("nothing to draw"), std::string::npos);
+  EXPECT_NE(svg_of(LineChart{"t", "x", "s", "y", "J", true, false, {{"l", {0, 1}, {0, -1}}}, {}}).find("nothing to draw"), std::string::npos);
+}
+
+TEST(SvgChart, a_long_line_keeps_its_peak) {
+  ChartLine line{"l", {}, {}};
+  for (int i = 0; i < 100000; ++i) {
+    line.x.push_back(i);
+    line.y.push_back(i == 54321 ? 1 : 0);
+  }
+  const std::string svg = svg_of(LineChart{"t", "x", "", "y", "", false, true, {line}, {}});
+  EXPECT_LT(svg.size(), 60000u);
+  EXPECT_NE(svg.find(" 62.0"), std::string::npos) << "the top of the frame is at 62: the peak must reach it";
+}
+
+}  // namespace
+}  // namespace scree

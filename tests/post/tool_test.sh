@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# scree-post as a user runs it: what it prints, what it leaves, and its exit codes.
+# usage: tool_test.sh SCREE_POST MAKE_SAMPLE_RUN FOLDER HAVE_VTK
+set -u
+post=$1 make=$2 folder=$3 vtk=$4
+failures=0
+rm -rf "$folder" && mkdir -p "$folder" && cd "$folder" || exit 1
+"$make" sample.run || exit 1
+
+# expect CODE TEXT COMMAND...: the exit code, and a text in what it prints
+expect() {
+  local code=$1 text=$2 found; shift 2
+  local output; output=$("$@" 2>&1); found=$?
+  if [[ $found -ne $code || $output != *"$text"* ]]; then
+    echo "FAILED: $* : exit $found (expected $code), expected text '$text' in:"; echo "$output"; failures=$((failures + 1))
+  fi
+}
+there() { [[ -s $1 ]] || { echo "FAILED: $1 is missing or empty"; failures=$((failures + 1)); }; }
+absent() { [[ ! -e $1 ]] || { echo "FAILED: $1 should not be there"; failures=$((failures + 1)); }; }
+
+expect 0 "wrote bodies.csv" "$post" bodies sample.run -o bodies.csv;  there bodies.csv
+expect 0 "coordination number" "$post" contacts sample.run/ -o contacts.csv;  there contacts.csv;  there contacts.summary.json
+expect 0 "Energy balance" env -u DISPLAY "$post" report sample.run -o report.html;  there report.html
+expect 0 "scree-post report" "$post" --help
+expect 0 "scree-post" "$post" --version
+
+expect 2 "did you mean 'report'" "$post" reprot sample.run -o x.html
+expect 2 "output" "$post" bodies sample.run
+expect 3 "nowhere.run" "$post" bodies nowhere.run -o x.csv
+expect 4 "No such file" "$post" bodies sample.run -o nowhere/x.csv
+absent x.csv
+if [[ $vtk == 1 ]]; then
+  expect 0 "3 frames" "$post" paraview sample.run;  there sample.run/paraview/sample.pvd;  there sample.run/paraview/open_in_paraview.py
+  expect 2 "--frame 9" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o x.png --frame 9
+  expect 4 "xvfb-run" env -u DISPLAY "$post" picture sample.run -o x.png
+  absent x.png
+  expect 0 "wrote rocks.png" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o rocks.png --frame 1;  there rocks.png
+else
+  expect 2 "libvtk9-dev" "$post" paraview sample.run
+fi
+
+# a run in progress: no run.json yet
+cp -r sample.run running.run && rm running.run/run.json
+expect 0 "still being written" "$post" bodies running.run -o running.csv;  there running.csv
+
+# damage
+cp -r sample.run cut.run && truncate -s 3000 cut.run/frame_000002.hdf
+expect 3 "frame_000002.hdf" "$post" bodies cut.run -o cut.csv;  absent cut.csv
+cp -r sample.run newer.run && sed -i 's/"format_version": 1,/"format_version": 7,/' newer.run/run.json
+expect 3 "version 7" "$post" report newer.run -o newer.html;  absent newer.html
+
+# nothing but whole files is left
+leftover=$(find . -name '*.tmp')
+[[ -z $leftover ]] || { echo "FAILED: left behind: $leftover"; failures=$((failures + 1)); }
+echo "$failures failures"
+[[ $failures -eq 0 ]]
