@@ -228,7 +228,7 @@ std::string contact_section(const Run& run) {
       const double place = force / last.contact_force.mean * kColumns / kLargest;
       histogram.values[static_cast<std::size_t>(std::clamp(place, 0.0, kColumns - 1.0))] += 1;
     }
-    for (int i = 0; i <= kColumns; ++i) histogram.names.push_back(fmt::format("{:g}", kLargest * i / kColumns));
+    for (int i = 0; i <= kColumns; ++i) histogram.names.push_back(i % 4 == 0 ? fmt::format("{:g}", kLargest * i / kColumns) : "");
     html += figure(svg_of(histogram));
   }
   const Distribution& c = last.contact_force;

@@ -39,7 +39,7 @@ std::string axis_text(const std::string& label, const std::string& unit) { retur
 std::string number(double value, double step) {
   if (std::abs(value) < 1e-9 * std::abs(step)) return "0";
   const double size = std::max(std::abs(value), std::abs(step));
-  if (size >= 1e5 || size < 1e-3) return fmt::format("{:.3g}", value);
+  if (size >= 1e7 || size < 1e-3) return fmt::format("{:.3g}", value);
   const int digits = std::max(0, static_cast<int>(std::ceil(-std::log10(std::abs(step)) - 1e-9)));
   return fmt::format("{:.{}f}", value, digits);
 }
@@ -159,7 +159,7 @@ std::string svg_of(const LineChart& chart) {
   if (chart.logarithmic) {
     const int low = static_cast<int>(std::lround(std::log10(y_low))), high = static_cast<int>(std::lround(std::log10(y_high)));
     const int stride = std::max(1, (high - low + 5) / 6);
-    for (int e = low; e <= high; e += stride) level(std::pow(10.0, e), power_of_ten(e));
+    for (int e = high; e >= low; e -= stride) level(std::pow(10.0, e), power_of_ten(e));
   } else {
     const std::vector<double> ticks = round_ticks(y_low / yp.factor, y_high / yp.factor, 5);
     const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
@@ -229,14 +229,13 @@ std::string svg_columns(const BarChart& chart) {
                        "text-anchor=\"end\">{}</text>\n", kLeft, kLeft + width, py(t), py(t), kLeft - 7, py(t) + 4, number(t, ticks[1]));
   }
   const double column = width / static_cast<double>(chart.values.size());
-  const std::size_t stride = std::max<std::size_t>(1, (chart.names.size() + 7) / 8);
   for (std::size_t i = 0; i < chart.names.size(); ++i) {
     const double x = kLeft + column * static_cast<double>(i);
     if (i < chart.values.size()) {
       svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n", x + 1, py(chart.values[i]),
                          column - 2, top + height - py(chart.values[i]), kColours[0]);
     }
-    if (i % stride == 0) {
+    if (!chart.names[i].empty()) {
       svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" class=\"tick\" text-anchor=\"middle\">{}</text>\n", x, top + height + 18, chart.names[i]);
     }
   }

@@ -35,7 +35,7 @@ struct BarChart {
   std::vector<std::string> names;
   std::vector<double> values;
   std::vector<std::string> texts;   ///< beside each bar
-  bool vertical = false;            ///< columns for a histogram; `names` are then the bin edges, one more than values
+  bool vertical = false;            ///< columns of a histogram; `names` are then texts at the bin edges, one more than values, or empty
   std::string y_label;
 };
 std::string svg_of(const BarChart& chart);
