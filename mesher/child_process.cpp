@@ -18,12 +18,6 @@ namespace scree {
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kMayLimitMemory = false;
-#else
-constexpr bool kMayLimitMemory = true;
-#endif
-
 // The child answers with one letter and then bytes: 'd' data, 'e' the text of an error, 'm' out of memory.
 void write_all(int descriptor, const char* data, std::size_t size) {
   while (size > 0) {
@@ -39,7 +33,7 @@ void write_all(int descriptor, const char* data, std::size_t size) {
                                const ChildLimits& limits) {
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  if (kMayLimitMemory) {
+  if (child_memory_is_limited()) {
     const rlimit memory{limits.memory_bytes, limits.memory_bytes};
     setrlimit(RLIMIT_AS, &memory);
   }
@@ -65,6 +59,20 @@ void write_all(int descriptor, const char* data, std::size_t size) {
 }
 
 }  // namespace
+
+bool child_memory_is_limited() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC
+  return false;
+#elif defined(__has_feature)  // Clang
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+  return false;
+#else
+  return true;
+#endif
+#else
+  return true;
+#endif
+}
 
 std::vector<char> run_in_child(const std::string& what, const std::function<std::vector<char>()>& work,
                                const ChildLimits& limits) {

@@ -8,12 +8,11 @@
 
 namespace scree {
 
-/// Limits of the child. Generous for the largest scans (10^7 triangles take about 3 GB and a minute), small
-/// enough that a machine survives a file whose header promises 10^12 triangles.
+/// Limits of the child: far above what scans of millions of triangles need, and small enough that a machine
+/// survives a file whose header promises 10^12 triangles.
 struct ChildLimits {
-  std::size_t memory_bytes =
-      std::size_t{8} << 30;  ///< address space; not set under AddressSanitizer, which reserves terabytes
-  int seconds = 300;         ///< wall clock
+  std::size_t memory_bytes = std::size_t{8} << 30;  ///< address space; see child_memory_is_limited
+  int seconds = 300;                                ///< wall clock
 };
 
 /// Runs `work` in a forked child and returns the bytes that it returned.
@@ -23,5 +22,8 @@ struct ChildLimits {
 /// out of memory or out of time.   Threads: call it before any are started.
 std::vector<char> run_in_child(const std::string& what, const std::function<std::vector<char>()>& work,
                                const ChildLimits& limits = {});
+
+/// False in builds with AddressSanitizer or ThreadSanitizer, which reserve terabytes of address space.
+bool child_memory_is_limited();
 
 }  // namespace scree
