@@ -14,9 +14,10 @@
 
 namespace scree {
 
-/// Draws of place and orientation that a particle is given before the packing counts as impossible. Sequential
-/// addition saturates near 0.35 for these shapes; there even 10^6 draws place few more.
-inline constexpr std::uint64_t kAttempts = 5000;
+/// Draws of place and orientation that a particle is given before the packing counts as impossible. Measured with
+/// 390 rocks of four shapes (boulders case): 5 000 draws reach a solid fraction of 0.23, 50 000 of 0.29 (20 s),
+/// 500 000 of 0.30. A draw that fails costs about 50 us in a dense place.
+inline constexpr std::uint64_t kAttempts = 50000;
 
 /// Largest share of the margins that an impact should use up by the design rule (VALIDATION.md section 2 of the
 /// design papers: depth/margin at most 0.5, with a reserve for several contacts at once).
@@ -44,7 +45,7 @@ double container_volume(const Scene& scene);
 /// in   progress   told (done, total) now and then
 /// Throws InputError when a shape file cannot be used, when given bodies overlap each other or a wall, or when a
 /// particle finds no place (says how many were placed and the solid fraction reached); UsageError for margins.
-/// Cost: about 10 us for each attempt near other bodies.
+/// Cost: 10 to 50 us a draw; 10 000 rocks at a solid fraction of 0.18 take 1 s.
 PackedScene build_scene(const Case& c, const std::function<void(double, double)>& progress = {});
 
 }  // namespace scree

@@ -169,6 +169,21 @@ TEST_F(Command, a_full_disk_exits_with_4_and_leaves_no_file) {
   EXPECT_TRUE(empty);
 }
 
+/// What stands in a page between the first fence of a language and the next fence.
+std::string fenced(const std::string& page, const std::string& language) {
+  const std::string text = text_of(fs::path(SCREE_DECOMPOSER_FOLDER) / page);
+  const auto begin = text.find("```" + language + "\n") + language.size() + 4;
+  return text.substr(begin, text.find("```", begin) - begin);
+}
+
+TEST_F(Command, the_example_of_the_case_page_and_the_command_of_the_readme_run) {
+  write("case.toml", fenced("CASE.md", "toml"));
+  write_shape_file((folder_ / "rock.shape.h5").string(), {make_solid("rock", box_mesh({1, 1.2, 0.8}))}, {});
+  const std::string command = fenced("README.md", "sh");
+  ASSERT_EQ(command.rfind("scree-decomposer ", 0), 0u) << command;
+  expect(command.substr(17, command.find('\n') - 17), 0, {"box.scene.h5: 50 bodies", "margin", "(derived)"});
+}
+
 TEST_F(Command, usage_mistakes_exit_with_2) {
   expect("", 2, {});
   expect("pakc case.toml", 2, {"pack"});
