@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 
 #include "core/storage/shape_file.hpp"
 #include "mesher/mesh_file.hpp"
@@ -67,6 +68,9 @@ struct Model {
   const char* package;
   int triangles;  // as the packages' files hold them
 };
+
+/// Keeps addresses out of the test names.
+void PrintTo(const Model& model, std::ostream* stream) { *stream << model.path; }
 
 class RealSolids : public testing::TestWithParam<Model> {};
 
