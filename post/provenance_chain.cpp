@@ -37,14 +37,27 @@ void add(const nlohmann::json& record, int depth, const std::string& file, const
   }
 }
 
+/// A run that was continued is repeated from its start: the end is the same, and the checkpoint may be gone.
+nlohmann::json without_restart(const nlohmann::json& words) {
+  nlohmann::json kept = nlohmann::json::array();
+  bool skip_next = false;
+  for (const nlohmann::json& w : words) {
+    const std::string text = w.is_string() ? w.get<std::string>() : "";
+    if (!skip_next && text != "--restart" && !text.starts_with("--restart=")) kept.push_back(w);
+    skip_next = text == "--restart";
+  }
+  return kept;
+}
+
 void collect(const nlohmann::json& record, std::vector<std::string>& commands) {
   for (const nlohmann::json& input : inputs_of(record)) {
     if (input.is_object() && input.contains("history")) collect(input["history"], commands);
   }
   if (!record.is_object() || !record.contains("command")) return;
-  std::string line = shell_line(record["command"]);
+  const bool is_run = word(record, "tool") == "scree-solver";
+  std::string line = shell_line(is_run ? without_restart(record["command"]) : record["command"]);
   if (line.empty()) return;
-  if (word(record, "tool") == "scree-solver") {
+  if (is_run) {
     line = fmt::format("OMP_NUM_THREADS={} mpirun -n {} {}", record.value("threads", 1), record.value("ranks", 1), line);
   }
   if (std::find(commands.begin(), commands.end(), line) == commands.end()) commands.push_back(line);

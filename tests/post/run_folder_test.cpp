@@ -213,6 +213,17 @@ TEST_F(RunFolder, commands_come_in_the_order_in_which_they_must_be_given) {
                                                                      "OMP_NUM_THREADS=1 mpirun -n 2 scree-solver sample.scene.h5 -o sample.run"}));
 }
 
+TEST(ProvenanceChain, a_continued_run_is_repeated_from_its_start) {
+  nlohmann::json record = {{"tool", "scree-solver"}, {"ranks", 4}, {"threads", 2}};
+  for (const nlohmann::json& restart : {nlohmann::json{"--restart", "latest"}, nlohmann::json{"--restart=latest"}}) {
+    record["command"] = {"scree-solver", "a.scene.h5"};
+    for (const nlohmann::json& w : restart) record["command"].push_back(w);
+    record["command"].push_back("-o");
+    record["command"].push_back("a.run");
+    EXPECT_EQ(commands_of(record), (std::vector<std::string>{"OMP_NUM_THREADS=2 mpirun -n 4 scree-solver a.scene.h5 -o a.run"}));
+  }
+}
+
 TEST(SvgChart, ticks_are_round_and_cover_the_range) {
   EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
   EXPECT_EQ(round_ticks(-3, 47, 5), (std::vector<double>{-10, 0, 10, 20, 30, 40, 50}));
