@@ -15,7 +15,7 @@
 // and with g = a.b / a.a, h = a.b / b.b the second and third clamp of the segment-segment solution cost one
 // fused multiply-add each.
 //
-// Rare lanes leave the fast path and are settled lane by lane, so the answer of a pair never depends on its
+// Rare lanes are flagged and solved again (solve_rare), lane by lane, so the answer of a pair never depends on its
 // neighbours in the batch: those where the signs say that an edge pierces a face, those that touch within
 // rounding, and those whose size would overflow or underflow a fourth power of a length.
 #if defined(SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
@@ -207,40 +207,16 @@ HWY_INLINE void vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<
   best.offer(inside & (squared < best.squared), squared, u, v, c);
 }
 
-template <class T, Want kWant, bool kChecked>
-HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B);
+/// Lanes whose solution has to be looked at again, and why.
+template <class T>
+struct RareLanes {
+  Mask<T> contact;  ///< signs say that an edge pierces a face, or the distance is within rounding of 0
+  Mask<T> unusual;  ///< size far from 1, or no number
+};
 
-/// Lanes whose size is far from 1, or is no number: solved again after an exact scaling by a power of two.
+/// The common case: right in every lane that is not rare.
 template <class T, Want kWant>
-HWY_NOINLINE void solve_scaled(const TrianglePack<T>& a, const TrianglePack<T>& b, Mask<T> lanes, Solution<T>& out) {
-  using V = Pack<T>;
-  const V zero(T(0)), one(T(1));
-  const Pack3<T> r = a.p[0] - b.p[0];
-  V size = largest_component(r), sum = r.x + r.y + r.z;
-  for (int k = 0; k < 3; ++k) {
-    const Pack3<T> ea = a.p[(k + 1) % 3] - a.p[k], eb = b.p[(k + 1) % 3] - b.p[k];
-    size = max(size, max(largest_component(ea), largest_component(eb)));
-    sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
-  }
-  const V power = power_of_two_below(size);
-  const V unit = select(power > zero, power, one), inverse = one / unit;
-  TrianglePack<T> sa, sb;
-  for (int k = 0; k < 3; ++k) {
-    sa.p[k] = inverse * a.p[k];
-    sb.p[k] = inverse * b.p[k];
-  }
-  Solution<T> s = brute_force<T, kWant, false>(sa, sb);
-  // a coordinate that is no number makes the distance none
-  const V poison = zero * sum;
-  out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
-  out.point_a = select(lanes, unit * s.point_a, out.point_a);
-  out.point_b = select(lanes, unit * s.point_b, out.point_b);
-  out.difference = select(lanes, unit * s.difference, out.difference);
-  out.code = select(lanes, s.code, out.code);
-}
-
-template <class T, Want kWant, bool kChecked>
-HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B) {
+HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B, Orientation<T>& o, RareLanes<T>& rare) {
   using V = Pack<T>;
   const V zero(T(0)), one(T(1)), tiny(Limits<T>::tiny);
   Pack3<T> a[3], b[3], r0[3], ri[3];
@@ -265,7 +241,6 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
 
   // edges against edges
   Candidate<T> best{V(Limits<T>::huge), zero, zero, zero};
-  Orientation<T> o;
   V ar[3];
   SCREE_UNROLL_3
   for (int i = 0; i < 3; ++i) ar[i] = dot(a[i], ri[i]) * inverse_aa[i];
@@ -333,27 +308,55 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
   }
   const V signs = sign_or(through[0], through[1], sign_or(through[2], back[0], sign_or(back[1], back[2], back[2])));
   const V touching2 = l2 * V(T(kTouchingRoundoffs * kTouchingRoundoffs) * Limits<T>::u * Limits<T>::u);
-  const Mask<T> contact = mask_of_sign(signs) | (best.squared <= touching2);
-  if (HWY_UNLIKELY(any(contact))) {
-    const TrianglePack<T> ca = A, cb = B;
-    const Orientation<T> co = o;
-    Solution<T> settled = out;
-    settle_contact(ca, cb, co, contact, settled);
-    out = settled;
-  }
-  if constexpr (kChecked) {
-    // a sum, not a maximum, so that a coordinate that is no number shows; all six vertices are in it
-    const V size2 = ((aa[0] + aa[1]) + (bb[0] + bb[1])) + dot(r0[0], r0[0]);
-    const Mask<T> usual = (size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared));
-    const Mask<T> unusual = !usual;
-    if (HWY_UNLIKELY(any(unusual))) {
-      const TrianglePack<T> ca = A, cb = B;
-      Solution<T> settled = out;
-      solve_scaled<T, kWant>(ca, cb, unusual, settled);
-      out = settled;
-    }
-  }
+  rare.contact = mask_of_sign(signs) | (best.squared <= touching2);
+  // a sum, not a maximum, so that a coordinate that is no number shows; all six vertices are in it
+  const V size2 = ((aa[0] + aa[1]) + (bb[0] + bb[1])) + dot(r0[0], r0[0]);
+  rare.unusual = !((size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared)));
   return out;
+}
+
+template <class T, Want kWant>
+HWY_NOINLINE void solve_settled(const TrianglePack<T>& a, const TrianglePack<T>& b, RareLanes<T>& rare, Solution<T>& out) {
+  Orientation<T> o;
+  out = brute_force<T, kWant>(a, b, o, rare);
+  if (any(rare.contact)) settle_contact(a, b, o, rare.contact, out);
+}
+
+/// The answer in every lane, from the beginning. The kernel proper keeps nothing for this: holding its operands
+/// over the branch would cost the common case a good part of its speed.
+template <class T, Want kWant>
+HWY_NOINLINE void solve_rare(const TrianglePack<T>& a, const TrianglePack<T>& b, Solution<T>& out) {
+  using V = Pack<T>;
+  RareLanes<T> rare;
+  solve_settled<T, kWant>(a, b, rare, out);
+  const Mask<T> lanes = rare.unusual;
+  if (!any(lanes)) return;
+
+  // again after an exact scaling by a power of two
+  const V zero(T(0)), one(T(1));
+  const Pack3<T> r = a.p[0] - b.p[0];
+  V size = largest_component(r), sum = r.x + r.y + r.z;
+  for (int k = 0; k < 3; ++k) {
+    const Pack3<T> ea = a.p[(k + 1) % 3] - a.p[k], eb = b.p[(k + 1) % 3] - b.p[k];
+    size = max(size, max(largest_component(ea), largest_component(eb)));
+    sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
+  }
+  const V power = power_of_two_below(size);
+  const V unit = select(power > zero, power, one), inverse = one / unit;
+  TrianglePack<T> sa, sb;
+  for (int k = 0; k < 3; ++k) {
+    sa.p[k] = inverse * a.p[k];
+    sb.p[k] = inverse * b.p[k];
+  }
+  Solution<T> s;
+  solve_settled<T, kWant>(sa, sb, rare, s);
+  // a coordinate that is no number makes the distance none
+  const V poison = zero * sum;
+  out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
+  out.point_a = select(lanes, unit * s.point_a, out.point_a);
+  out.point_b = select(lanes, unit * s.point_b, out.point_b);
+  out.difference = select(lanes, unit * s.difference, out.difference);
+  out.code = select(lanes, s.code, out.code);
 }
 
 }  // namespace scree::HWY_NAMESPACE

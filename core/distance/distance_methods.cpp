@@ -37,10 +37,8 @@ HWY_INLINE void store_answer(const Solution<T>& s, const AnswerBatch<T>& out, st
 
 template <class T>
 HWY_NOINLINE void run_brute_force(const PairBatch<T>& in, const AnswerBatch<T>& out) {
-  for (std::int64_t i = 0; i < in.count; i += lane_count<T>()) {
-    const TrianglePack<T> a = load_triangle(in.values + i, in.stride), b = load_triangle(in.values + 9 * in.stride + i, in.stride);
-    store_answer(brute_force<T, Want::points, true>(a, b), out, i);
-  }
+  for (std::int64_t i = 0; i < in.count; i += lane_count<T>())
+    solve_lanes<T, Want::points>(in.values + i, in.stride, [&](const Solution<T>& s) { store_answer(s, out, i); });
 }
 
 template <class T, bool kStrict>

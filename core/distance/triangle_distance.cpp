@@ -37,17 +37,13 @@ HWY_INLINE void store_rows(const Solution<T>& s, T* rows, std::int64_t stride) {
 template <class T>
 HWY_INLINE void solve_distances(const T* values, std::int64_t stride, std::int64_t count, T* distance) {
   const std::int64_t lanes = lane_count<T>();
-  for (std::int64_t i = 0; i < count; i += lanes) {
-    const TrianglePack<T> a = load_triangle(values + i, stride), b = load_triangle(values + 9 * stride + i, stride);
-    const Solution<T> s = brute_force<T, Want::distance, true>(a, b);
-    if (HWY_LIKELY(i + lanes <= count)) {
-      s.distance.store(distance + i);
-    } else {
-      HWY_ALIGN T last[kBatchPadding];
-      s.distance.store(last);
-      std::copy(last, last + (count - i), distance + i);
-    }
-  }
+  std::int64_t i = 0;
+  for (; i + lanes <= count; i += lanes)
+    solve_lanes<T, Want::distance>(values + i, stride, [&](const Solution<T>& s) { s.distance.store(distance + i); });
+  if (i == count) return;
+  HWY_ALIGN T last[kBatchPadding];
+  solve_lanes<T, Want::distance>(values + i, stride, [&](const Solution<T>& s) { s.distance.store(last); });
+  std::copy(last, last + (count - i), distance + i);
 }
 
 HWY_NOINLINE void solve_double(const double* values, std::int64_t stride, std::int64_t count, double* distance) {
@@ -59,12 +55,11 @@ HWY_NOINLINE void solve_float(const float* values, std::int64_t stride, std::int
 /// distance and rows have room up to the next multiple of kBatchPadding.
 HWY_NOINLINE void solve_double_in_detail(const double* values, std::int64_t stride, std::int64_t count, double* distance,
                                          double* rows, std::int64_t row_stride) {
-  for (std::int64_t i = 0; i < count; i += lane_count<double>()) {
-    const TrianglePack<double> a = load_triangle(values + i, stride), b = load_triangle(values + 9 * stride + i, stride);
-    const Solution<double> s = brute_force<double, Want::points_and_difference, true>(a, b);
-    s.distance.store(distance + i);
-    store_rows(s, rows + i, row_stride);
-  }
+  for (std::int64_t i = 0; i < count; i += lane_count<double>())
+    solve_lanes<double, Want::points_and_difference>(values + i, stride, [&](const Solution<double>& s) {
+      s.distance.store(distance + i);
+      store_rows(s, rows + i, row_stride);
+    });
 }
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
 

@@ -1,8 +1,21 @@
 // Mesh against mesh: every query against all pairs of triangles, one by one.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <new>
+
 #include "core/distance/mesh_distance.hpp"
 #include "tests/distance/rocks.hpp"
+
+// Every allocation of this executable is counted.
+static long allocation_count = 0;
+void* operator new(std::size_t size) {
+  ++allocation_count;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace scree {
 namespace {
@@ -249,6 +262,62 @@ TEST(Bvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) {
     check(check, 0, 0);
     EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
   }
+}
+
+TEST(WideBvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) {
+  for (const int level : {0, 1, 3}) {
+    const Shape rock(make_rock(level, 17, 0.2));
+    const WideBvh& tree = rock.bvh.wide;
+    std::vector<int> seen(static_cast<std::size_t>(rock.mesh.triangle_count()), 0);
+    const auto below = [&](const auto& self, std::int32_t code) -> std::vector<std::int32_t> {
+      std::vector<std::int32_t> triangles;
+      if (code < 0) {
+        const WideLeaf& leaf = tree.leaves[static_cast<std::size_t>(~code)];
+        EXPECT_GE(leaf.count, 1);
+        EXPECT_LE(leaf.count, kWideWidth);
+        for (std::int32_t k = 0; k < leaf.count; ++k) {
+          triangles.push_back(leaf.triangle[k]);
+          ++seen[static_cast<std::size_t>(leaf.triangle[k])];
+        }
+        return triangles;
+      }
+      const WideNode& node = tree.nodes[static_cast<std::size_t>(code)];
+      for (std::int32_t k = 0; k < node.count; ++k) {
+        const std::vector<std::int32_t> child = self(self, node.child[k]);
+        for (const std::int32_t t : child)
+          for (int v = 0; v < 3; ++v)
+            for (int c = 0; c < 3; ++c) {
+              EXPECT_LE(static_cast<double>(node.lower[c][k]), rock.mesh.corner(t, v)[c]);
+              EXPECT_GE(static_cast<double>(node.upper[c][k]), rock.mesh.corner(t, v)[c]);
+            }
+        triangles.insert(triangles.end(), child.begin(), child.end());
+      }
+      return triangles;
+    };
+    below(below, 0);
+    EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
+    // the promise of the header, with the binary tree, in bytes a triangle
+    const std::size_t bytes = tree.nodes.size() * sizeof(WideNode) + tree.leaves.size() * sizeof(WideLeaf) +
+                              rock.bvh.nodes.size() * sizeof(BvhNode) + rock.bvh.order.size() * sizeof(std::int32_t);
+    if (level == 3) EXPECT_LE(bytes, 160 * seen.size());
+  }
+}
+
+TEST(MeshDistance, allocates_nothing_once_its_scratch_is_warm) {
+  const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
+  const Shape a(make_rock(2, 1, 0.1)), b(make_rock(2, 2, 0.1));
+  Placement p;
+  p.translation = {1.9, 0.3, 0.1};
+  std::vector<TrianglePair> pairs;
+  const auto query = [&] {
+    triangle_pairs_within(a.view(), b.view(), p, 0.2, *scratch, pairs);
+    mesh_distance(a.view(), b.view(), p, 1e308, *scratch);
+  };
+  query();
+  const long before = allocation_count;
+  for (int k = 0; k < 10; ++k) query();
+  EXPECT_EQ(allocation_count, before);
+  EXPECT_GT(pairs.size(), 0u);
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ class Random {
 inline std::vector<double> structure_of_arrays(const std::vector<Pair18>& pairs, std::int64_t& stride) {
   const auto count = static_cast<std::int64_t>(pairs.size());
   stride = (count + kBatchPadding - 1) / kBatchPadding * kBatchPadding;
+  if (stride % 512 == 0) stride += kBatchPadding;  // see PairBatch
   std::vector<double> values(static_cast<std::size_t>(18 * stride), std::nan(""));
   for (std::int64_t i = 0; i < count; ++i)
     for (std::int64_t c = 0; c < 18; ++c)
