@@ -1,53 +1,13 @@
 // Whole steps of the solver's library, on any number of ranks: restitution, conservation, impulse on walls, friction.
 #include <gtest/gtest.h>
 
-#include <omp.h>
-
-#include "solver/simulation.hpp"
-#include "tests/support/scenes.hpp"
+#include "tests/support/test_run.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
 namespace {
 
-mpi::Communicator* g_comm = nullptr;
-
-/// A running scene; `scene` must be complete before start().
-struct TestRun {
-  Scene scene;
-  std::unique_ptr<SolverScene> prepared;
-  std::unique_ptr<Simulation> simulation;
-  explicit TestRun(Scene s) : scene(std::move(s)) {}
-  void start() {
-    prepared = std::make_unique<SolverScene>(scene);
-    simulation = std::make_unique<Simulation>(*g_comm, *prepared, HaloStrategy::overlap);
-    simulation->start_from_scene();
-  }
-  /// Sum over all bodies of all ranks.
-  template <class Get>
-  Vec3 total(Get&& get) const {
-    const ParticleSet& p = simulation->particles();
-    Vec3 mine;
-    for (std::size_t i = 0; i < p.owned; ++i) mine += get(p, i);
-    return {g_comm->sum(mine.x), g_comm->sum(mine.y), g_comm->sum(mine.z)};
-  }
-  Vec3 velocity(std::int64_t id) const {
-    return total([id](const ParticleSet& p, std::size_t i) { return p.id[i] == id ? p.v[i] : Vec3{}; });
-  }
-  Vec3 position(std::int64_t id) const {
-    return total([id](const ParticleSet& p, std::size_t i) { return p.id[i] == id ? p.x[i] : Vec3{}; });
-  }
-  Vec3 momentum() const {
-    return total([](const ParticleSet& p, std::size_t i) { return p.mass[i] * p.v[i]; });
-  }
-  Vec3 angular_momentum() const {
-    return total([](const ParticleSet& p, std::size_t i) { return p.L[i] + cross(p.x[i], p.mass[i] * p.v[i]); });
-  }
-  void run_for(double duration) {
-    const auto steps = static_cast<std::int64_t>(duration / simulation->step_size().step);
-    for (std::int64_t n = 0; n < steps; ++n) simulation->advance();
-  }
-};
+using test::TestRun;
 
 // The demand: 1 % at 100 steps a contact. Two cubes face to face, and a cube on a plane, over phases of the
 // first contact within a step.
@@ -175,13 +135,3 @@ TEST(Lists, never_change_the_result) {
 
 }  // namespace
 }  // namespace scree
-
-int main(int argc, char** argv) {
-  scree::mpi::Session session(argc, argv);
-  scree::mpi::Communicator comm;
-  scree::g_comm = &comm;
-  testing::InitGoogleTest(&argc, argv);
-  if (comm.rank() != 0) delete testing::UnitTest::GetInstance()->listeners().Release(testing::UnitTest::GetInstance()->listeners().default_result_printer());
-  const int mine = RUN_ALL_TESTS();
-  return static_cast<int>(comm.max(mine));
-}
