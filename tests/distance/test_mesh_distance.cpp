@@ -1,21 +1,10 @@
 // Mesh against mesh: every query against all pairs of triangles, one by one.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "core/distance/mesh_distance.hpp"
 #include "tests/distance/rocks.hpp"
 
-// Every allocation of this executable is counted.
-static long allocation_count = 0;
-void* operator new(std::size_t size) {
-  ++allocation_count;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+extern long allocation_count;  // of this executable: allocation_counter.cpp
 
 namespace scree {
 namespace {
@@ -299,7 +288,9 @@ TEST(WideBvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) 
     // the promise of the header, with the binary tree, in bytes a triangle
     const std::size_t bytes = tree.nodes.size() * sizeof(WideNode) + tree.leaves.size() * sizeof(WideLeaf) +
                               rock.bvh.nodes.size() * sizeof(BvhNode) + rock.bvh.order.size() * sizeof(std::int32_t);
-    if (level == 3) EXPECT_LE(bytes, 160 * seen.size());
+    if (level == 3) {
+      EXPECT_LE(bytes, 160 * seen.size());
+    }
   }
 }
 
