@@ -77,6 +77,12 @@ bool is_sphere_pair(const PairView& view) {
   return view.zone == nullptr && view.a.shape->kind == ShapeKind::sphere && view.b.shape->kind == ShapeKind::sphere;
 }
 
+/// A sphere against a mesh, be that a body or a wall.
+bool is_sphere_mesh_pair(const PairView& view) {
+  if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) return false;
+  return (view.a.shape->kind == ShapeKind::sphere) != (view.b.shape->kind == ShapeKind::sphere);
+}
+
 /// Renews the lists of one pair. Returns false when its meshes intersect.
 bool renew_lists(const PairView& view, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
   const PairMotion& m = view.motion;
@@ -91,6 +97,9 @@ bool renew_lists(const PairView& view, double dt, MeshDistanceScratch& scratch, 
   if (is_sphere_pair(view)) {
     list_sphere_pair(view.a, view.b, skin, view.radius_a, view.radius_b, lists);
     return true;
+  }
+  if (is_sphere_mesh_pair(view)) {
+    return list_sphere_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
   }
   return list_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
 }
@@ -148,6 +157,8 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
         sphere_pair_features(view.a, view.b, view.margin, features);
       } else if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) {
         zone_pair_features(view.a, view.b, *view.zone, view.margin, motion, pair.lists, features);
+      } else if (is_sphere_mesh_pair(view)) {
+        sphere_mesh_features(view.a, view.b, view.margin, motion, pair.lists, features);
       } else {
         mesh_pair_features(view.a, view.b, view.margin, motion, pair.lists, features);
       }

@@ -81,11 +81,19 @@ void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, 
 void list_sphere_pair(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b,
                       CandidateLists& lists);
 
+/// Same for an analytic sphere and a mesh, in either order.
+bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
+                           double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists);
+
 /// Features below the margin at the present pose, in ascending key order. `motion` is motion_since_listed.
 void mesh_pair_features(const PairBody& a, const PairBody& b, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
 void zone_pair_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
+/// Every local minimum of the distance between the centre and the surface: flat regions, convex edges and corners whose
+/// own part of space holds the centre. As the centre goes from one part to the next the depth is continuous.
+void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, double motion,
+                          const CandidateLists& lists, std::vector<ContactFeature>& features);
 void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features);
 
 }  // namespace scree

@@ -62,6 +62,27 @@ SolverShape make_solver_shape(const Shape& source) {
     edge.conormal[1] = e.conormal[1];
     shape.edge.push_back(edge);
   }
+  shape.corner_of.assign(shape.mesh.vertices.size(), -1);
+  for (std::size_t c = 0; c < shape.features.corners.size(); ++c) {
+    shape.corner_of[static_cast<std::size_t>(shape.features.corners[c])] = static_cast<std::int32_t>(c);
+  }
+  // both edges of every triangle at a corner; an inner mesh edge is found twice, which costs a comparison only
+  std::vector<std::vector<Vec3>> spokes(shape.corner.size());
+  for (const Triangle& t : shape.mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t c = shape.corner_of[static_cast<std::size_t>(t[k])];
+      if (c < 0) continue;
+      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) {
+        spokes[static_cast<std::size_t>(c)].push_back(shape.mesh.vertices[static_cast<std::size_t>(t[other])] -
+                                                      shape.corner[static_cast<std::size_t>(c)]);
+      }
+    }
+  }
+  shape.spoke_start = {0};
+  for (const auto& of_corner : spokes) {
+    shape.spoke.insert(shape.spoke.end(), of_corner.begin(), of_corner.end());
+    shape.spoke_start.push_back(static_cast<std::int32_t>(shape.spoke.size()));
+  }
   shape.bvh = build_bvh(shape.mesh);
   shape.radius = bounding_radius(shape.mesh) + shape.rounding;
   return shape;
@@ -129,16 +150,9 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
                        scene.shapes[static_cast<std::size_t>(scene.bodies.shape[b])].name);
     }
   }
-  bool has_meshes = false, has_spheres = false;
-  for (std::int32_t s : scene.bodies.shape) {
-    (shape(s).kind == ShapeKind::sphere ? has_spheres : has_meshes) = true;
-  }
+  bool has_meshes = false;
+  for (std::int32_t s : scene.bodies.shape) has_meshes = has_meshes || shape(s).kind != ShapeKind::sphere;
   for (const Wall& wall : scene.walls) has_meshes = has_meshes || wall.kind == WallKind::mesh;
-  if (has_spheres && has_meshes) {
-    throw UsageError(
-        "the scene mixes analytic spheres with meshes, which is not available in this version; "
-        "use scree-mesher generate sphere for a triangulated sphere");
-  }
   if (has_meshes && !(margin_ > 0)) {
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }

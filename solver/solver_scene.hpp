@@ -27,6 +27,9 @@ struct SolverShape {
   FeatureTable features;
   std::vector<Vec3> corner;         ///< positions of features.corners
   std::vector<ShapeEdge> edge;      ///< of features.edges
+  std::vector<std::int32_t> corner_of;           ///< V: corner index of a vertex, or -1
+  std::vector<std::int32_t> spoke_start;         ///< corners + 1: ranges in spoke
+  std::vector<Vec3> spoke;                       ///< mesh edges that leave each corner, as vectors
   double radius = 0;                ///< bounding radius about the origin, rounding included [m]
   double volume = 0;                ///< [m^3]
   Vec3 inertia;                     ///< principal moments for density 1 [m^5]

@@ -42,6 +42,7 @@ FeatureTable find_features(const TriangleMesh& mesh) {
   FeatureTable table;
   table.owned_corner.assign(triangle_count, {-1, -1, -1});
   table.owned_edge.assign(triangle_count, {-1, -1, -1});
+  table.edge_of.assign(triangle_count, {-1, -1, -1});
   table.edge_kind.assign(triangle_count, {EdgeKind::flat, EdgeKind::flat, EdgeKind::flat});
   table.region.assign(triangle_count, 0);
   if (triangle_count == 0) {  // a lone point (the centre of an analytic sphere) is a corner
@@ -194,6 +195,10 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     if (edge.feature < 0) continue;
     const HalfEdge& owner = half[static_cast<std::size_t>(edge.first_face)];
     table.owned_edge[static_cast<std::size_t>(owner.face)][static_cast<std::size_t>(owner.k)] = edge.feature;
+    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
+      const HalfEdge& he = half[static_cast<std::size_t>(h)];
+      table.edge_of[static_cast<std::size_t>(he.face)][static_cast<std::size_t>(he.k)] = edge.feature;
+    }
   }
   return table;
 }

@@ -37,6 +37,7 @@ struct FeatureTable {
   std::vector<FeatureEdge> edges;         ///< convex and boundary edges only: a concave edge is never closest
   std::vector<std::array<std::int32_t, 3>> owned_corner;  ///< T x 3: corner index owned by vertex k of the triangle, or -1
   std::vector<std::array<std::int32_t, 3>> owned_edge;    ///< T x 3: feature edge owned through edge k -> k+1, or -1
+  std::vector<std::array<std::int32_t, 3>> edge_of;       ///< T x 3: feature edge that edge k -> k+1 is a piece of, or -1
   std::vector<std::array<EdgeKind, 3>> edge_kind;         ///< T x 3: kind of edge k -> k+1
   std::vector<std::int32_t> region;                       ///< T: flat region of the triangle
   std::int32_t region_count = 0;

@@ -1,6 +1,8 @@
 // Shapes that tests share: icospheres, subdivided boxes and bumpy rocks, made from closed formulas.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
