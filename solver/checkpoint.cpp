@@ -57,6 +57,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   const Energies energies = simulation.energies();
   const std::vector<WallLoad> loads = simulation.wall_loads();
   const std::string hash = simulation.state_hash();
+  const double wall_dissipated = simulation.wall_dissipated();
 
   mpi::on_root(comm, [&] {
     std::sort(bodies.begin(), bodies.end(), [](const auto& l, const auto& r) { return l.id < r.id; });
@@ -70,6 +71,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
     root.write_attribute("step", simulation.step());
     root.write_attribute("step_size", simulation.step_size().step);
     root.write_attribute("wall_work", energies.wall_work);
+    root.write_attribute("wall_dissipated", wall_dissipated);
     root.write_attribute("energy_reference", so_far.energy_reference);
     root.write_attribute("kinetic_peak", so_far.kinetic_peak);
     root.write_attribute("max_depth_ratio", so_far.max_depth_ratio);
@@ -141,6 +143,7 @@ Checkpoint read_checkpoint(const std::string& path) {
   c.step = root.read_integer_attribute("step");
   c.step_size = root.read_double_attribute("step_size");
   c.wall_work = root.read_double_attribute("wall_work");
+  c.wall_dissipated = root.read_double_attribute("wall_dissipated");
   c.energy_reference = root.read_double_attribute("energy_reference");
   c.kinetic_peak = root.read_double_attribute("kinetic_peak");
   c.max_depth_ratio = root.read_double_attribute("max_depth_ratio");

@@ -15,7 +15,7 @@ inline constexpr std::int64_t kCheckpointFormatVersion = 1;
 
 struct Checkpoint {
   std::int64_t step = 0;
-  double step_size = 0, wall_work = 0, energy_reference = 0;  ///< energy_reference: balance at the start [J]
+  double step_size = 0, wall_work = 0, wall_dissipated = 0, energy_reference = 0;  ///< energy_reference: balance at the start [J]
   double kinetic_peak = 0, max_depth_ratio = 0, energy_error = 0;  ///< worst so far, for the outcome
   std::string state_hash, scene_sha256;
   std::vector<ParticleRecord> bodies;          ///< of all ranks, ascending id

@@ -160,7 +160,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       checkpoint.bodies.clear();
     }
     simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), checkpoint.step, checkpoint.wall_work,
-                                  checkpoint.wall_impulse);
+                                  checkpoint.wall_dissipated, checkpoint.wall_impulse);
     const std::string hash = simulation.state_hash();
     mpi::on_root(comm, [&] {
       if (hash != checkpoint.state_hash) throw InputError("{}: its contents do not match their hash; use the previous checkpoint", checkpoint_path);

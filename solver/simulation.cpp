@@ -103,17 +103,19 @@ void Simulation::start_from_scene() {
                                           : b * ranks / bodies.size() == me;
     if (own) mine.push_back(initial_record(scene_, b));
   }
-  start_from_records(mine, {}, 0, 0, {});
+  start_from_records(mine, {}, 0, 0, 0, {});
 }
 
 void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
-                                    std::int64_t step, double wall_work, const std::vector<Vec3>& wall_impulse) {
+                                    std::int64_t step, double wall_work, double wall_dissipated,
+                                    const std::vector<Vec3>& wall_impulse) {
   for (const ParticleRecord& r : records) append_record(p_, r, scene_);
   p_.owned = p_.size();
   pairs_.pending() = std::move(springs);
   step_ = step;
   if (comm_.rank() == 0) {
     wall_work_ = wall_work;
+    wall_dissipated_ = wall_dissipated;
     if (wall_impulse.size() == wall_impulse_.size()) wall_impulse_ = wall_impulse;
   }
   step_size_ = derive_step_size(comm_, scene_, p_);
@@ -277,6 +279,10 @@ void Simulation::add_wall_impulse(double dt) {
     const WallState& state = walls_[w];
     const Vec3 torque_wall = torque_origin - cross(state.position, on_wall);
     wall_work_ -= dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity));
+    // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
+    const Vec3 lossy = -r.lossy_force_a;
+    const Vec3 lossy_torque = cross(p_.x[static_cast<std::size_t>(pair.a)] - state.position, lossy) - r.lossy_torque_a;
+    wall_dissipated_ -= dt * (dot(lossy, state.velocity) + dot(lossy_torque, state.angular_velocity));
   }
 }
 
@@ -324,6 +330,7 @@ Energies Simulation::energies() const {
     e[3] += r.elastic;
     e[4] += r.tangential_elastic;
   }
+  e[5] += wall_dissipated_;
   e[6] = wall_work_;
   MPI_Allreduce(MPI_IN_PLACE, e, 7, MPI_DOUBLE, MPI_SUM, comm_.get());
   // What friction took out of the motion is in part stored in its springs: that part is not lost.

@@ -41,7 +41,7 @@ class Simulation {
   /// Starts from the scene, or from records of a checkpoint (every rank gives its own part; none on others).
   void start_from_scene();
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
-                          std::int64_t step, double wall_work, const std::vector<Vec3>& wall_impulse);
+                          std::int64_t step, double wall_work, double wall_dissipated, const std::vector<Vec3>& wall_impulse);
 
   /// One step: kick, drift, lists or ghosts, forces, kick. Collective.
   void advance();
@@ -59,6 +59,7 @@ class Simulation {
 
   // collective measures; every rank gets the whole scene's value
   Energies energies() const;
+  double wall_dissipated() const { return comm_.sum(wall_dissipated_); }
   std::vector<WallLoad> wall_loads() const;
   std::int64_t body_count() const { return comm_.sum(static_cast<std::int64_t>(p_.owned)); }
   std::int64_t contact_count() const;
@@ -100,6 +101,7 @@ class Simulation {
   std::vector<std::int32_t> wall_pairs_;      // indices of pairs with a wall
   std::vector<Vec3> wall_force_, wall_torque_, wall_impulse_;  // this rank's share
   double wall_work_ = 0;
+  double wall_dissipated_ = 0;                // share of moving walls in the power of damping and friction
   std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, last_cut_step_ = 0;
   double skin_ = 0, max_depth_ratio_ = 0, compute_time_ = 0;
   int signal_ = 0;

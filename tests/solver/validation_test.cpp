@@ -137,5 +137,57 @@ TEST(Friction, turns_sliding_of_an_icosphere_into_rolling) {
   EXPECT_LE(std::abs(slip / samples), 0.005 * 2);
 }
 
+// A floor that starts to move carries a block along by friction: a = mu g until it has the floor's speed, and the work of
+// the floor closes the energy balance.
+TEST(DrivenWall, carries_a_block_along_and_its_work_is_counted) {
+  TestRun run(test::empty_scene(1e6, 0.5, 0.3, 0.002));
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_solid("block", test::grid_box(1, {0.2, 0.2, 0.1}))};
+  test::add_body(run.scene, 0, {0, 0, 0.05 + 0.004 - 4 * 9.81 / (std::sqrt(2.0) * 1e6)});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  WallMotion& motion = run.scene.walls[0].motion;
+  motion.kind = WallMotion::Kind::translate;
+  motion.axis = {1, 0, 0};
+  motion.rate = 1;
+  motion.start = 0.1;
+  run.start();
+  const double before = run.simulation->energies().balance();
+  run.run_for(0.3);  // 0.2 s of sliding
+  EXPECT_NEAR(run.velocity(0).x, 0.3 * 9.81 * 0.2, 0.01 * 0.3 * 9.81 * 0.2);
+  run.run_for(0.3);  // v = mu g t reaches the floor's speed after 0.34 s
+  EXPECT_NEAR(run.velocity(0).x, 1, 1e-3);
+  const Energies e = run.simulation->energies();
+  EXPECT_NEAR(e.wall_work, 4 * 1.0 * 1.0, 0.01 * 4);  // m v^2: half becomes motion, half is lost by sliding
+  EXPECT_NEAR(e.dissipated, 0.5 * 4, 0.01 * 4);
+  EXPECT_NEAR(e.balance(), before, 0.01 * 4);
+}
+
+// A drum turns about its axis: a ball inside that does not slip is carried up its wall; the torque on the drum is there.
+TEST(DrivenWall, a_turning_cylinder_takes_a_ball_with_it) {
+  TestRun run(test::empty_scene(1e6, 0.3, 0.8, 0));
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_sphere("ball", 0.02)};
+  test::add_body(run.scene, 0, {0, 0.1, -0.18});
+  Wall drum;
+  drum.id = 1;
+  drum.kind = WallKind::cylinder_inside;
+  drum.axis_start = {0, 0, 0};
+  drum.axis_end = {0, 0.2, 0};
+  drum.radius = 0.2;
+  drum.motion.kind = WallMotion::Kind::rotate;
+  drum.motion.axis = {0, 1, 0};
+  drum.motion.rate = 10;
+  run.scene.walls.push_back(drum);
+  run.start();
+  run.run_for(1.0);
+  // the ball swings to and fro, but its rim moves with the drum: no slip
+  const Vec3 x = run.position(0), outward = normalised(Vec3{x.x, 0, x.z});
+  const Vec3 rim = run.velocity(0) + cross(run.spin(0), 0.02 * outward);
+  const Vec3 jacket = cross(Vec3{0, 10, 0}, 0.2 * outward);
+  EXPECT_LE(length(rim - jacket), 0.01 * length(jacket));
+  EXPECT_GT(run.spin(0).y, 30);
+  EXPECT_LE(std::abs(length(run.position(0) - Vec3{0, run.position(0).y, 0}) - 0.18), 1e-4);
+}
+
 }  // namespace
 }  // namespace scree
