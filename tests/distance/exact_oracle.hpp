@@ -137,7 +137,9 @@ inline long double distance(const double c[18]) {
     const double m = std::frexp(c[i], &e);
     mpz_class z(std::ldexp(m, 53));
     if (c[i] != 0) z <<= static_cast<unsigned long>(e - 53 - lowest);
-    (i < 9 ? a : b)[(i % 9) / 3][static_cast<std::size_t>(i % 3)] = z;
+    // a pointer, not the arrays themselves: GCC 12 with -fsanitize=undefined writes into a copy of (i < 9 ? a : b)
+    Point<mpz_class>* side = i < 9 ? a : b;
+    side[(i % 9) / 3][static_cast<std::size_t>(i % 3)] = z;
   }
   return std::ldexp(root(SquaredDistance<mpz_class>::of(a, b)), lowest);
 }
