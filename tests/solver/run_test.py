@@ -23,6 +23,18 @@ def run(ranks, *arguments, threads=1, expect=0):
     return result
 
 
+def children(pid):
+    found = []
+    for entry in os.listdir("/proc"):
+        try:
+            with open(f"/proc/{entry}/stat") as f:
+                if int(f.read().rsplit(")", 1)[1].split()[1]) == pid:
+                    found.append(int(entry))
+        except (OSError, ValueError, IndexError):
+            continue  # not a process, or gone meanwhile
+    return sorted(found)
+
+
 def outcome(folder):
     with open(os.path.join(folder, "run.json")) as f:
         return json.load(f)
@@ -56,9 +68,9 @@ def a_killed_run_continues_to_the_same_end():
     while not [n for n in (os.listdir("killed.run") if os.path.isdir("killed.run") else []) if n.startswith("checkpoint_")]:
         assert child.poll() is None and time.time() < deadline, "no checkpoint appeared"
         time.sleep(0.005)
-    ranks = subprocess.run(["pgrep", "-P", str(child.pid)], capture_output=True, text=True).stdout.split()
-    assert ranks, "no rank found to kill"
-    os.kill(int(ranks[-1]), signal.SIGKILL)
+    ranks = children(child.pid)
+    assert len(ranks) == 2, ranks
+    os.kill(ranks[-1], signal.SIGKILL)
     child.wait(timeout=60)
     assert not os.path.exists("killed.run/run.json"), "a killed run must not look complete"
     for name in os.listdir("killed.run"):  # whole files only: every one opens
@@ -85,8 +97,8 @@ def a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code():
         if to == "process":
             child.send_signal(number)
         else:
-            for pid in subprocess.run(["pgrep", "-P", str(child.pid)], capture_output=True, text=True).stdout.split():
-                os.kill(int(pid), number)
+            for pid in children(child.pid):
+                os.kill(pid, number)
         child.wait(timeout=60)
         assert child.returncode == 128 + number, (number, child.returncode)
         result = outcome(folder)
@@ -109,6 +121,7 @@ def bad_input_is_told_once_with_its_exit_code():
     run(1, "pile.scene.h5", "-o", "a.run")
     assert "not empty" in run(2, "pile.scene.h5", "-o", "a.run", expect=2).stderr
     assert "is a file" in run(1, "pile.scene.h5", "-o", "text.scene.h5", expect=2).stderr
+    assert "/proc/a.run" in run(2, "pile.scene.h5", "-o", "/proc/a.run", expect=4).stderr
     assert "holds no checkpoint" in run(1, "pile.scene.h5", "-o", "empty.run", "--restart", "latest", expect=3).stderr
     assert run(1, "pile.scene.h5", "--no-such-option", expect=2).stderr
     # a bit flipped in a checkpoint is found by its hash
@@ -141,6 +154,15 @@ def a_full_disk_is_an_error_and_leaves_no_broken_file():
         subprocess.run(["umount", "small"], check=True)
 
 
+def a_scene_cut_for_other_ranks_is_cut_again_with_a_notice():
+    subprocess.run([PILE, "8", "0.02", "pile.scene.h5"], check=True)
+    subprocess.run([os.path.join(BIN, "scree-decomposer"), "partition", "pile.scene.h5", "--ranks", "3", "-o", "cut.scene.h5"],
+                   env=ENV, check=True, stdout=subprocess.DEVNULL)
+    assert "cut for 3 ranks, this run has 2: it is cut again" in run(2, "cut.scene.h5", "-o", "two.run").stderr
+    assert "cut again" not in run(3, "cut.scene.h5", "-o", "three.run").stderr
+    assert outcome("two.run")["state_hash"] == outcome("three.run")["state_hash"]
+
+
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
@@ -152,7 +174,8 @@ def the_plan_says_what_is_in_and_out():
 
 TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_same_end,
          a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code, bad_input_is_told_once_with_its_exit_code,
-         a_full_disk_is_an_error_and_leaves_no_broken_file, the_plan_says_what_is_in_and_out]
+         a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
+         the_plan_says_what_is_in_and_out]
 
 chosen = sys.argv[3:] or [t.__name__ for t in TESTS]
 for test in TESTS:
