@@ -1,5 +1,6 @@
 #include "solver/solver_scene.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -50,6 +51,16 @@ SolverShape make_solver_shape(const Shape& source) {
     constexpr double kIsotropicTolerance = 1e-12;
     const double low = std::min({shape.inertia.x, shape.inertia.y, shape.inertia.z});
     const double high = std::max({shape.inertia.x, shape.inertia.y, shape.inertia.z});
+    Eigen::Vector3d inverse(1 / shape.inertia.x, 1 / shape.inertia.y, 1 / shape.inertia.z);
+    for (const Vec3& r : shape.mesh.vertices) {
+      Eigen::Matrix3d lever;
+      lever << 0, -r.z, r.y, r.z, 0, -r.x, -r.y, r.x, 0;
+      const Eigen::Matrix3d mobility = lever.transpose() * inverse.asDiagonal() * lever;
+      const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(mobility, Eigen::EigenvaluesOnly).eigenvalues()(2);
+      shape.rotational_mobility = std::max(shape.rotational_mobility, largest);
+    }
+    // A ball's normal passes its centre: only friction, with its softer spring, turns it.
+    shape.rotational_mobility += kTangentialStiffnessRatio * shape.rounding * shape.rounding * inverse(0);
     shape.isotropic = high - low <= kIsotropicTolerance * high;
   }
   shape.features = find_features(shape.mesh);

@@ -34,6 +34,9 @@ struct SolverShape {
   double volume = 0;                ///< [m^3]
   Vec3 inertia;                     ///< principal moments for density 1 [m^5]
   Quat body_from_principal;
+  /// Largest [r]x^T I^-1 [r]x over all surface points r, density 1, scale 1 [1/m^3]: what rotation adds to the inverse
+  /// mass of a contact at worst. It is convex in r, so the corners decide. See derive_step_size.
+  double rotational_mobility = 0;
   bool isotropic = false;           ///< all three moments equal: no gyroscopic splitting needed
 };
 

@@ -15,9 +15,10 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
   std::vector<std::int64_t> body(materials, -1);
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (p.fixed[i]) continue;
-    const Vec3& inverse = p.inverse_inertia[i];
-    const double w = p.inverse_mass[i] + p.radius[i] * p.radius[i] * std::max({inverse.x, inverse.y, inverse.z});
     const auto m = static_cast<std::size_t>(p.material[i]);
+    const double s = p.scale[i], density = source.materials[m].density;
+    const double turning = p.lock_rotation[i] ? 0.0 : scene.shape(p.shape[i]).rotational_mobility / (density * s * s * s);
+    const double w = p.inverse_mass[i] + turning;
     if (w > mobility[m].value) {
       mobility[m].value = w;
       body[m] = p.id[i];
