@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/nearest_on_triangle.hpp"
+
 namespace scree {
 
 namespace {
@@ -20,27 +22,6 @@ struct RelativePose {
   Vec3 a_from_b(const Vec3& p) const { return rotation * p + centre; }
   Vec3 b_from_a(const Vec3& p) const { return transpose_times(rotation, p - centre); }
 };
-
-/// Nearest point of a triangle. Source: Ericson, Real-Time Collision Detection (2005), section 5.1.5.
-Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Vec3 bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
-  const Vec3 cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
-  const double scale = 1 / (va + vb + vc);
-  return a + (vb * scale) * ab + (vc * scale) * ac;
-}
 
 /// Squared distance of two segments. Source: Ericson (2005), section 5.1.9.
 double squared_segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3& v) {
@@ -124,14 +105,14 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
       if (const std::int32_t c = shape_a.features.owned_corner[ta][k]; c >= 0) {
         const Vec3 p = (1 / b.scale) * pose.b_from_a(a.scale * shape_a.corner[static_cast<std::size_t>(c)]);
         const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_b, pair.b, 0), triangle_corner(shape_b, pair.b, 1),
-                                                 triangle_corner(shape_b, pair.b, 2));
+                                                 triangle_corner(shape_b, pair.b, 2)).point;
         const double distance = b.scale * length(p - nearest);
         if (distance < reach) lists.corners_a.push_back({c, pair.b, slack_below(distance, margin, size)});
       }
       if (const std::int32_t c = shape_b.features.owned_corner[tb][k]; c >= 0) {
         const Vec3 p = (1 / a.scale) * pose.a_from_b(b.scale * shape_b.corner[static_cast<std::size_t>(c)]);
         const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_a, pair.a, 0), triangle_corner(shape_a, pair.a, 1),
-                                                 triangle_corner(shape_a, pair.a, 2));
+                                                 triangle_corner(shape_a, pair.a, 2)).point;
         const double distance = a.scale * length(p - nearest);
         if (distance < reach) lists.corners_b.push_back({c, pair.a, slack_below(distance, margin, size)});
       }
@@ -280,7 +261,7 @@ void corner_features(const SolverShape& corner_shape, double corner_scale, const
       }
       const std::int32_t t = candidates[i].triangle;
       const Vec3 q = nearest_on_triangle(p, triangle_corner(surface, t, 0), triangle_corner(surface, t, 1),
-                                         triangle_corner(surface, t, 2));
+                                         triangle_corner(surface, t, 2)).point;
       const double d2 = squared_length(p - q);
       if (d2 < best) {
         best = d2;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/nearest_on_triangle.hpp"
 #include "solver/pair_features.hpp"
 
 namespace scree {
@@ -30,33 +31,6 @@ struct Roles {
   Vec3 centre_in_mesh() const { return (1 / mesh->scale) * rotate_inverse(mesh->q, sphere->x - mesh->x); }
 };
 
-/// Nearest point of a triangle and where it lies: -1 inside, 0-2 on edge k -> k+1, 3-5 at vertex k.
-struct Nearest {
-  Vec3 point;
-  int place;
-};
-
-Nearest nearest_place(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  // Ericson, Real-Time Collision Detection (2005), section 5.1.5
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return {a, 3};
-  const Vec3 bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return {b, 4};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + (d1 / (d1 - d3)) * ab, 0};
-  const Vec3 cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return {c, 5};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + (d2 / (d2 - d6)) * ac, 2};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return {b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), 1};
-  const double scale = 1 / (va + vb + vc);
-  return {a + (vb * scale) * ab + (vc * scale) * ac, -1};
-}
-
 struct Minimum {
   std::int64_t kind, index;
   Vec3 point;
@@ -78,7 +52,7 @@ bool is_perpendicular(const SolverShape& shape, std::int32_t triangle, const Vec
 /// The minimum that the nearest point of one triangle is, if it is one.
 bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& centre, Minimum& minimum) {
   const auto t = static_cast<std::size_t>(triangle);
-  const Nearest nearest = nearest_place(centre, shape.mesh.corner(triangle, 0), shape.mesh.corner(triangle, 1),
+  const NearestOnTriangle nearest = nearest_on_triangle(centre, shape.mesh.corner(triangle, 0), shape.mesh.corner(triangle, 1),
                                         shape.mesh.corner(triangle, 2));
   const Vec3 outward = centre - nearest.point;
   minimum = {kRegion, shape.features.region[t], nearest.point};
@@ -130,7 +104,7 @@ bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, 
   const double reach = (radius + margin + skin) / roles.mesh->scale;
   if (triangle_pairs_within({&mesh.mesh, &mesh.bvh}, {&point, &point_tree}, placement, reach, scratch, pairs)) return false;
   for (const TrianglePair& pair : pairs) {
-    const Nearest nearest = nearest_place(placement.translation, mesh.mesh.corner(pair.a, 0), mesh.mesh.corner(pair.a, 1),
+    const NearestOnTriangle nearest = nearest_on_triangle(placement.translation, mesh.mesh.corner(pair.a, 0), mesh.mesh.corner(pair.a, 1),
                                           mesh.mesh.corner(pair.a, 2));
     const double gap = roles.mesh->scale * length(placement.translation - nearest.point) - radius;
     constexpr double kDistanceRounding = 1e-12;
