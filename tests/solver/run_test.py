@@ -58,7 +58,7 @@ def same_state_for_any_ranks_and_threads():
 
 
 def a_killed_run_continues_to_the_same_end():
-    subprocess.run([PILE, "27", "0.3", "pile.scene.h5"], check=True)
+    subprocess.run([PILE, "27", "1.0", "pile.scene.h5"], check=True)
     run(2, "pile.scene.h5", "-o", "whole.run")
     child = subprocess.Popen([MPIEXEC, "-n", "2", SOLVER, "pile.scene.h5", "-o", "killed.run"],
                              # the surviving rank waits for the dead one: mpirun ends it after this many seconds
