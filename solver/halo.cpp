@@ -133,7 +133,6 @@ void Halo::start_refresh(const ParticleSet& p) {
       n.send_buffer[k] = {p.x[i], p.v[i], p.w[i], p.q[i]};
     }
     const auto bytes = static_cast<int>(n.send_rows.size() * sizeof(GhostState));
-    bytes_sent_ += bytes;
     MPI_Isend(n.send_buffer.data(), bytes, MPI_BYTE, n.rank, kTag, comm_.get(), &requests_.emplace_back());
   }
 }

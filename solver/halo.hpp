@@ -45,8 +45,6 @@ class Halo {
   void start_refresh(const ParticleSet& p);
   void finish_refresh(ParticleSet& p);
 
-  std::int64_t bytes_sent() const { return bytes_sent_; }
-
  private:
   const mpi::Communicator& comm_;
   CutBoxes regions_;
@@ -59,7 +57,6 @@ class Halo {
   };
   std::vector<Neighbour> neighbours_;
   std::vector<MPI_Request> requests_;
-  std::int64_t bytes_sent_ = 0;
 };
 
 }  // namespace scree

@@ -34,13 +34,6 @@ double squared_segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, con
   return squared_length(r + s * u - t * v);
 }
 
-/// Slack rounded down, with room for the rounding of the distance itself.
-float slack_below(double distance, double margin, double size) {
-  constexpr double kDistanceRounding = 1e-12;  // of the body size: far above the error of the double formulas
-  const double slack = distance - margin - kDistanceRounding * size;
-  return slack <= 0 ? 0.0f : std::nextafterf(static_cast<float>(slack), 0.0f);
-}
-
 /// S(y) = y^2 (3 - 2 y) on [0, 1] and its derivative: the smooth switch of the fading.
 double smooth_switch(double y, double& derivative) {
   derivative = 0;
@@ -67,6 +60,12 @@ void note_pose(const PairBody& a, const PairBody& b, double radius_a, double rad
 }
 
 }  // namespace
+
+float slack_below(double distance, double margin, double size) {
+  constexpr double kDistanceRounding = 1e-12;  // of the body size: far above the error of the double formulas
+  const double slack = distance - margin - kDistanceRounding * size;
+  return slack <= 0 ? 0.0f : std::nextafterf(static_cast<float>(slack), 0.0f);
+}
 
 double motion_since_listed(const CandidateLists& lists, const PairBody& a, const PairBody& b, double radius_a,
                            double radius_b) {

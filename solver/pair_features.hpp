@@ -57,6 +57,10 @@ struct ContactFeature {
   Feature6 weight_gradient;   ///< of the weight, for a virtual motion of A against B
 };
 
+/// Slack of a candidate found at `distance`: what lies beyond the margin, rounded down, with room for the rounding of the
+/// distance itself relative to `size` [m].
+float slack_below(double distance, double margin, double size);
+
 /// Fading widths of edge-edge features (CONTACT.md section 3.1): at the ends of an edge, in the parallel limit and
 /// across the wedge. Results change by less than a factor 2 in error for end widths from 0.03 to 0.5.
 inline constexpr double kFadeEnd = 0.15;

@@ -16,7 +16,6 @@
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/h5.hpp"
 #include "solver/checkpoint.hpp"
-#include "solver/motion.hpp"
 #include "solver/run_log.hpp"
 
 namespace scree {
@@ -229,6 +228,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     simulation.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
   };
   const auto write_log = [&] {
+    simulation.agree_on_failures();
     energies = simulation.energies();
     const double kinetic = energies.translational + energies.rotational;
     kinetic_peak = std::max(kinetic_peak, kinetic);
@@ -250,6 +250,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     });
   };
   const auto write_frame = [&](std::int64_t number) {
+    simulation.agree_on_failures();
     const std::string path = fmt::format("{}/frame_{:06}.hdf", options.run_folder, number);
     write_frame_file(comm.get(), path, make_frame(simulation, simulation.energies(), number, provenance, comm.rank()));
     mpi::on_root(comm, [&] {
@@ -258,6 +259,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     });
   };
   const auto save_state = [&] {
+    simulation.agree_on_failures();
     max_ratio = std::max(max_ratio, simulation.take_max_depth_ratio());
     Checkpoint so_far;
     so_far.energy_reference = reference;

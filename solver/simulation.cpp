@@ -125,7 +125,7 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   last_cut_step_ = step_;
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   if (step == 0) compute_forces(0, false);
-  mpi::agree(comm_, failure_.get());
+  agree_on_failures();
 }
 
 void Simulation::set_walls(double time) {
@@ -302,7 +302,7 @@ void Simulation::advance() {
     MPI_Allreduce(MPI_IN_PLACE, flags, 3, MPI_INT, MPI_MAX, comm_.get());
   }
   signal_ = flags[1];
-  if (flags[2] != 0) mpi::agree(comm_, failure_.get());
+  if (flags[2] != 0) agree_on_failures();
   if (flags[0] != 0) renew_lists();
   compute_forces(dt, flags[0] == 0);
   Timer timer(times_, Phase::integrate);

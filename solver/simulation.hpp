@@ -46,6 +46,10 @@ class Simulation {
   /// One step: kick, drift, lists or ghosts, forces, kick. Collective.
   void advance();
 
+  /// Throws on every rank what one of them met in the last step. Called before anything is written, so that no rank waits in
+  /// a collective write for one that failed, and no failure of the last step is lost. Collective.
+  void agree_on_failures() const { mpi::agree(comm_, failure_.get()); }
+
   /// Flags that all ranks share after each step: the largest signal number seen by any rank, 0 when none.
   int pending_signal() const { return signal_; }
 

@@ -107,9 +107,7 @@ bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, 
     const NearestOnTriangle nearest = nearest_on_triangle(placement.translation, mesh.mesh.corner(pair.a, 0), mesh.mesh.corner(pair.a, 1),
                                           mesh.mesh.corner(pair.a, 2));
     const double gap = roles.mesh->scale * length(placement.translation - nearest.point) - radius;
-    constexpr double kDistanceRounding = 1e-12;
-    const double slack = gap - margin - kDistanceRounding * std::max(radius_a, radius_b);
-    lists.corners_a.push_back({0, pair.a, slack <= 0 ? 0.0f : std::nextafterf(static_cast<float>(slack), 0.0f)});
+    lists.corners_a.push_back({0, pair.a, slack_below(gap, margin, std::max(radius_a, radius_b))});
   }
   return true;
 }

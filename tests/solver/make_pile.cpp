@@ -1,5 +1,5 @@
 // Writes a scene of N bumpy rocks on a jittered lattice above the floor of a box: input of the end-to-end tests.
-// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL]
+// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS]]
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -12,9 +12,9 @@
 int main(int argc, char** argv) {
   using namespace scree;
   return run_main("scree_make_pile", [&] {
-    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL]");
+    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS]]");
     const int count = std::atoi(argv[1]), level = argc > 4 ? std::atoi(argv[4]) : 2;
-    Scene scene = test::empty_scene(3e5, 0.3, 0.5, 0.002, 2700);
+    Scene scene = test::empty_scene(argc > 5 ? std::atof(argv[5]) : 3e5, 0.3, 0.5, 0.002, 2700);
     scene.settings.title = "pile of rocks";
     scene.settings.gravity = {0, 0, -9.81};
     scene.settings.duration = std::atof(argv[2]);

@@ -154,6 +154,17 @@ def a_full_disk_is_an_error_and_leaves_no_broken_file():
         subprocess.run(["umount", "small"], check=True)
 
 
+def a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact():
+    # a hundred times too soft for its fall; whatever step is the first bad one, no rank may hang in an output
+    subprocess.run([PILE, "27", "0.3", "soft.scene.h5", "2", "3000"], check=True)
+    for ranks in (1, 2, 4):
+        folder = f"soft{ranks}.run"
+        result = run(ranks, "soft.scene.h5", "-o", folder, expect=5)
+        assert "of their margin" in result.stderr or "intersect" in result.stderr, result.stderr
+        told = outcome(folder)
+        assert told["outcome"] == "invalid" and told["exit_code"] == 5 and "step " in told["message"], told["message"]
+
+
 def a_scene_cut_for_other_ranks_is_cut_again_with_a_notice():
     subprocess.run([PILE, "8", "0.02", "pile.scene.h5"], check=True)
     subprocess.run([os.path.join(BIN, "scree-decomposer"), "partition", "pile.scene.h5", "--ranks", "3", "-o", "cut.scene.h5"],
@@ -175,6 +186,7 @@ def the_plan_says_what_is_in_and_out():
 TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_same_end,
          a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code, bad_input_is_told_once_with_its_exit_code,
          a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
+         a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
          the_plan_says_what_is_in_and_out]
 
 chosen = sys.argv[3:] or [t.__name__ for t in TESTS]
