@@ -1,21 +1,16 @@
 // The state of a run on one rank, and one step of it. The time loop is run() in run.cpp.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "solver/forces.hpp"
 #include "solver/halo.hpp"
+#include "solver/phases.hpp"
 #include "solver/step_size.hpp"
 
 namespace scree {
-
-/// Phases whose time is measured.
-enum class Phase : std::size_t { search, distance, integrate, halo, migrate, output, count };
-const char* phase_name(Phase phase);
-using PhaseTimes = std::array<double, static_cast<std::size_t>(Phase::count)>;
 
 /// Energies of the whole scene [J], at a full step.
 struct Energies {
