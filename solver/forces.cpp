@@ -127,8 +127,8 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
 }  // namespace
 
 void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
-                    std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch,
-                    PairList& list, FrameContacts* out) {
+                    std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
+                    ForceScratch& scratch, PairList& list, FrameContacts* out) {
   const auto count = static_cast<std::ptrdiff_t>(which.size());
   std::atomic<std::int32_t> intersecting{-1};
 #pragma omp parallel if (out == nullptr)
@@ -176,7 +176,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       // Looking must not change anything: an output works on a copy of the springs.
       std::vector<FrictionSpring> copy;
       if (out != nullptr) copy = pair.springs;
-      const PairForce f = pair_force(features, law, view.motion, dt, out != nullptr ? copy : pair.springs,
+      const PairForce f = pair_force(features, law, view.motion, dt, friction_dt, out != nullptr ? copy : pair.springs,
                                      out != nullptr ? &outputs : nullptr);
       const Quat& q = view.a.q;
       result.active = true;

@@ -21,13 +21,14 @@ struct ForceScratch {
 
 /// Evaluates the pairs named by `which` and fills their results. Renews the candidate lists whose skin is used up.
 ///
-/// in   dt        step for the friction update [s]; 0: springs stay as they are
+/// in   dt        step of the run [s]
+/// in   friction_dt  dt, or 0: friction springs stay as they are
 /// in   out       when not null (one thread): every contact is appended to it
 /// Throws RunInvalid naming both bodies when two meshes intersect or the depth passes kStopDepthRatio.
 /// Threads: parallel inside.   Ranks: local.
 void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
-                    std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch,
-                    PairList& list, FrameContacts* out = nullptr);
+                    std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
+                    ForceScratch& scratch, PairList& list, FrameContacts* out = nullptr);
 
 /// Whether this rank counts a pair in sums over the scene: the owner of A does.
 inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }

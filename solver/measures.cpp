@@ -141,8 +141,8 @@ std::string Simulation::state_hash() const {
 
 FrameContacts Simulation::contacts() {
   FrameContacts out;
-  evaluate_pairs(scene_, p_, walls_, pairs_.inner(), 0, step_, scratch_, pairs_, &out);
-  evaluate_pairs(scene_, p_, walls_, pairs_.outer(), 0, step_, scratch_, pairs_, &out);
+  evaluate_pairs(scene_, p_, walls_, pairs_.inner(), step_size_.step, 0, step_, scratch_, pairs_, &out);
+  evaluate_pairs(scene_, p_, walls_, pairs_.outer(), step_size_.step, 0, step_, scratch_, pairs_, &out);
   return out;
 }
 

@@ -24,10 +24,18 @@ double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torqu
   return sum;
 }
 
+constexpr double kMostOnset = 1.5;  // a whole step in touch, and the half step after it
+
+/// Share of a step that the force on a feature stands for, see potential.hpp.
+double onset_weight(double depth, double vn, double dt) {
+  return depth < -vn * dt ? depth / (-vn * dt) + 0.5 : 1.0;
+}
+
 }  // namespace
 
 PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
-                     double dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs) {
+                     double dt, double friction_dt, std::vector<FrictionSpring>& springs,
+                     std::vector<ContactOutput>* outputs) {
   static_assert(kNorm == 8, "power7 and the roots below are written for the eighth norm");
   PairForce result;
   const std::size_t count = features.size();
@@ -67,11 +75,17 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   }
 
   // chi = 2 zeta sqrt(m* / 2U): damping of a feature is f_j chi v_n, never more than f_j itself
-  double chi = 0;
+  double chi = 0, most_weight = 1;
   if (law.damping_ratio > 0 && normal_sum > 0) {
     const double mobility = std::max(motion.inverse_mass_a + motion.inverse_mass_b,
                                      wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
-    if (mobility > 0) chi = 2 * law.damping_ratio / std::sqrt(2 * result.elastic * mobility);
+    if (mobility > 0) {
+      chi = 2 * law.damping_ratio / std::sqrt(2 * result.elastic * mobility);
+      const double rate = chi * normal_sum * mobility * dt;
+      chi /= 1 + 0.25 * rate;
+      // weighted damping must not turn the motion round within one step
+      if (rate > 0) most_weight = std::clamp((1 + 0.25 * rate) / rate, 1.0, kMostOnset);
+    }
   }
   const bool frictional = law.friction > 0;
   if (chi == 0 && !frictional) {
@@ -91,7 +105,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     const ContactFeature& f = features[j];
     const Vec3 velocity = motion.v_a + cross(motion.w_a, f.x) - motion.v_b - cross(motion.w_b, f.x - motion.centre_b);
     const double vn = dot(velocity, f.n);
-    const double damped = normal[j] * std::max(0.0, 1 - chi * vn);
+    const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(most_weight, onset_weight(f.depth, vn, dt)) * vn);
     Vec3 lossy = (damped - normal[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
@@ -102,7 +116,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
       if (old < springs.size() && springs[old].key == f.key) {
         // turn with the mean spin about the normal, back into the tangent plane at its own length
         Vec3 s = springs[old].force;
-        s += cross((0.5 * dt * dot(relative_spin, f.n)) * f.n, s);
+        s += cross((0.5 * friction_dt * dot(relative_spin, f.n)) * f.n, s);
         s -= dot(s, f.n) * f.n;
         const double flat = length(s);
         if (flat > 0) s *= length(springs[old].force) / flat;
@@ -110,7 +124,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         if (kappa < springs[old].stiffness) s *= kappa / springs[old].stiffness;
         spring.force = s;
       }
-      spring.force -= (kappa * dt) * vt;
+      spring.force -= (kappa * friction_dt) * vt;
       const double limit = law.friction * normal[j], sliding = law.friction_sliding * normal[j];
       const double stretched = length(spring.force);
       bool slides = stretched > limit;

@@ -44,11 +44,21 @@ struct ContactOutput {
 /// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
 inline constexpr int kNorm = 8;
 
+// Damping and the step. A force that depends on velocity is evaluated with the velocity half a step before, and a contact
+// starts somewhere inside a step: both are errors of first order in the step, of 2.5e-2 and 5e-3 in the restitution at 20
+// and 100 steps a contact in the worst case. Two corrections make them of second order (1.4e-3, 4e-5):
+// - lag: with damping rate r = c / m*, m* a = -c v(t - dt/2) acts as mass m* (1 - r dt / 2) and damping c. Dividing the rate
+//   by 1 + r dt / 4 keeps the damping ratio.
+// - onset: a feature at depth d that closes at speed v has been in touch for d / v. When that is less than a step, the
+//   impulse of this force evaluation stands for d / v + dt / 2 instead of dt.
+
 /// in   features   ascending keys, depth > 0
-/// in   dt         step of the friction update [s]; 0 leaves the springs as they are
+/// in   dt         step of the run [s], for damping (see above); 0: none is made
+/// in   friction_dt  step of the friction update [s]: dt, or 0 to leave the springs as they are
 /// inout springs   sorted by key; replaced by those of the present features (left empty when friction is 0)
 /// out  outputs    one per feature when not null
 PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
-                     double dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs);
+                     double dt, double friction_dt, std::vector<FrictionSpring>& springs,
+                     std::vector<ContactOutput>* outputs);
 
 }  // namespace scree

@@ -72,7 +72,7 @@ void Simulation::set_walls(double time) {
   for (const Wall& wall : scene_.source().walls) walls_.push_back(wall_state(wall, time));
 }
 
-void Simulation::compute_forces(double dt, bool refresh) {
+void Simulation::compute_forces(double friction_dt, bool refresh) {
   if (refresh) {
     PhaseTimer timer(times_, Phase::halo);
     halo_->start_refresh(p_);
@@ -81,7 +81,7 @@ void Simulation::compute_forces(double dt, bool refresh) {
   const auto start = std::chrono::steady_clock::now();
   try {
     PhaseTimer timer(times_, Phase::distance);
-    evaluate_pairs(scene_, p_, walls_, pairs_.inner(), dt, step_, scratch_, pairs_);
+    evaluate_pairs(scene_, p_, walls_, pairs_.inner(), step_size_.step, friction_dt, step_, scratch_, pairs_);
   } catch (const Error& e) {
     failure_ = std::make_unique<Error>(e);
   }
@@ -93,7 +93,7 @@ void Simulation::compute_forces(double dt, bool refresh) {
   const auto resume = std::chrono::steady_clock::now();
   try {
     PhaseTimer timer(times_, Phase::distance);
-    if (!failure_) evaluate_pairs(scene_, p_, walls_, pairs_.outer(), dt, step_, scratch_, pairs_);
+    if (!failure_) evaluate_pairs(scene_, p_, walls_, pairs_.outer(), step_size_.step, friction_dt, step_, scratch_, pairs_);
   } catch (const Error& e) {
     failure_ = std::make_unique<Error>(e);
   }

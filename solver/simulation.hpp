@@ -82,7 +82,7 @@ class Simulation {
 
  private:
   void renew_lists();
-  void compute_forces(double dt, bool refresh);
+  void compute_forces(double friction_dt, bool refresh);
   void set_walls(double time);
   void add_wall_impulse(double dt);
   bool lists_used_up() const;

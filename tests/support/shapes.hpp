@@ -105,6 +105,84 @@ inline TriangleMesh grid_box(int n, const Vec3& size) {
   return mesh;
 }
 
+/// Solid of revolution about z: `profile` holds (r, z) from axis to axis, `sectors` steps around.
+inline TriangleMesh revolved(const std::vector<std::array<double, 2>>& profile, int sectors) {
+  TriangleMesh mesh;
+  std::vector<std::vector<std::int32_t>> ring(profile.size());
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const bool on_axis = profile[i][0] < 1e-12;
+    for (int s = 0; s < sectors; ++s) {
+      if (!on_axis || s == 0) {
+        const double angle = 6.283185307179586 * s / sectors;
+        mesh.vertices.push_back({profile[i][0] * std::cos(angle), profile[i][0] * std::sin(angle), profile[i][1]});
+      }
+      ring[i].push_back(mesh.vertex_count() - 1);
+    }
+  }
+  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+    for (std::size_t s = 0; s < static_cast<std::size_t>(sectors); ++s) {
+      const std::size_t next = (s + 1) % static_cast<std::size_t>(sectors);
+      const std::int32_t a = ring[i][s], b = ring[i + 1][s], c = ring[i + 1][next], d = ring[i][next];
+      if (b != c) mesh.triangles.push_back({a, c, b});
+      if (a != d) mesh.triangles.push_back({a, d, c});
+    }
+  }
+  double volume = 0;
+  for (const Triangle& t : mesh.triangles) {
+    volume += dot(mesh.vertices[static_cast<std::size_t>(t[0])],
+                  cross(mesh.vertices[static_cast<std::size_t>(t[1])], mesh.vertices[static_cast<std::size_t>(t[2])]));
+  }
+  if (volume < 0) {
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+  return mesh;
+}
+
+/// Bowl of a spherical shell, open upwards, 1.2 rad from its bottom to its rim; centre of the shell at the origin.
+inline TriangleMesh bowl(double outer, double inner, int sectors, int rings) {
+  std::vector<std::array<double, 2>> profile;
+  for (int i = 0; i <= rings; ++i) {
+    const double angle = 1.2 * i / rings;
+    profile.push_back({i > 0 ? outer * std::sin(angle) : 0.0, -outer * std::cos(angle)});
+  }
+  for (int i = rings; i >= 0; --i) {
+    const double angle = 1.2 * i / rings;
+    profile.push_back({i > 0 ? inner * std::sin(angle) : 0.0, -inner * std::cos(angle)});
+  }
+  return revolved(profile, sectors);
+}
+
+/// Slab of width 3.2 and its flat bottom at z = -0.8, whose top of n x n cells is a bumpy hollow.
+inline TriangleMesh bumpy_bed(int n = 14) {
+  const double width = 3.2;
+  TriangleMesh mesh;
+  const auto index = [n](int i, int j, int layer) { return static_cast<std::int32_t>((layer * (n + 1) + i) * (n + 1) + j); };
+  for (int layer = 0; layer < 2; ++layer) {
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        const double x = -width / 2 + width * i / n, y = -width / 2 + width * j / n;
+        const double top = .12 * (x * x + y * y) + .05 * std::sin(5.1 * x + 1) * std::sin(4.3 * y + .4) + .03 * std::sin(9 * x + 2 * y);
+        mesh.vertices.push_back({x, y, layer == 0 ? top : -.8});
+      }
+    }
+  }
+  const auto quad = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      quad(index(i, j, 0), index(i + 1, j, 0), index(i + 1, j + 1, 0), index(i, j + 1, 0));
+      quad(index(i, j, 1), index(i, j + 1, 1), index(i + 1, j + 1, 1), index(i + 1, j, 1));
+    }
+    quad(index(i, 0, 0), index(i, 0, 1), index(i + 1, 0, 1), index(i + 1, 0, 0));
+    quad(index(i + 1, n, 0), index(i + 1, n, 1), index(i, n, 1), index(i, n, 0));
+    quad(index(n, i, 0), index(n, i, 1), index(n, i + 1, 1), index(n, i + 1, 0));
+    quad(index(0, i + 1, 0), index(0, i + 1, 1), index(0, i, 1), index(0, i, 0));
+  }
+  return mesh;
+}
+
 inline TriangleMesh scaled(TriangleMesh mesh, double s) {
   for (Vec3& p : mesh.vertices) p *= s;
   return mesh;

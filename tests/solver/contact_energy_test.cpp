@@ -1,0 +1,154 @@
+// CONTACT.md section 5, tests 2, 3, 5 and 9, at full size; prints what was measured.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "tests/solver/contact_cases.hpp"
+
+namespace scree {
+namespace {
+
+using test::TwoBodies;
+
+void print(const char* what, const test::Statistics& s) {
+  std::printf("%-24s hits %3d  mean %.2e  worst %.2e  depth/margin %.2f\n", what, s.hits, s.mean, s.worst, s.deepest);
+}
+
+// Test 2: an energy jump would stay where it is as the step shrinks.
+TEST(ContactEnergy, worst_of_100_elastic_impacts_falls_eightfold_from_200_to_1600_steps) {
+  double first = 0, last = 0;
+  for (const int steps : {200, 400, 800, 1600}) {
+    const test::Statistics s = test::elastic_impacts(2, 0, steps, 130);
+    print(("L2 N_c " + std::to_string(steps)).c_str(), s);
+    EXPECT_GE(s.hits, 100);
+    (steps == 200 ? first : last) = s.worst;
+  }
+  EXPECT_GE(first, 8 * last);
+}
+
+// Test 3.
+TEST(ContactEnergy, energy_of_100_rocks_at_each_level) {
+  for (const int level : {1, 2, 3}) {
+    const test::Statistics s = test::elastic_impacts(level, 0, 100, 130);
+    print(("rocks L" + std::to_string(level)).c_str(), s);
+    EXPECT_GE(s.hits, 100);
+    EXPECT_LE(s.mean, 1.5e-4);
+    EXPECT_LE(s.worst, 3e-3);
+  }
+}
+
+// Test 3: up to 167 features at once.
+TEST(ContactEnergy, energy_of_nested_bowls) {
+  const test::Statistics s = test::nested_bowls(40);
+  print("nested bowls", s);
+  EXPECT_GE(s.hits, 38);
+  EXPECT_LE(s.mean, 2e-4);
+  EXPECT_LE(s.worst, 2e-3);
+}
+
+TEST(ContactEnergy, energy_at_a_size_ratio_of_ten) {
+  const test::Statistics s = test::size_ratio_ten(100);
+  print("size ratio 10", s);
+  EXPECT_GE(s.hits, 80);
+  EXPECT_LE(s.worst, 1e-3);
+}
+
+// Test 9: momenta, with unequal masses, damping and friction; scale: sum of masses times speed is 1.25.
+TEST(ContactEnergy, momenta_are_those_of_the_start) {
+  std::mt19937 g(17);
+  int contacts = 0;
+  for (int s = 0; s < 10; ++s) {
+    TwoBodies pair(test::scaled(test::rock(1, 2), .5), test::scaled(test::rock(2, 2), .3), test::kStiffness, test::kMargin, .5, .5);
+    place_at_random(pair, g);
+    pair.inverse_mass[0] = .5;
+    pair.inverse_mass[1] = 4;
+    if (!pair.approach(1.8)) continue;
+    const auto momentum = [&] { return 2 * pair.v[0] + .25 * pair.v[1]; };
+    const auto angular = [&] {
+      return pair.L[0] + pair.L[1] + cross(pair.body[0].x, 2 * pair.v[0]) + cross(pair.body[1].x, .25 * pair.v[1]);
+    };
+    const Vec3 p = momentum(), L = angular();
+    for (int n = 0; n < 600; ++n) {
+      pair.step(2e-4);
+      contacts += static_cast<int>(pair.features.size());
+    }
+    EXPECT_LE(length(momentum() - p), 1e-13);
+    EXPECT_LE(length(angular() - L), 1e-13);
+  }
+  EXPECT_GT(contacts, 500);
+}
+
+// Test 9 and M8: neither the order of features nor that of triangles and vertices matters beyond rounding.
+TEST(ContactEnergy, forces_do_not_know_the_order_of_features_or_triangles) {
+  std::mt19937 g(23);
+  const TriangleMesh a = test::bowl(.5, .4, 16, 6), b = test::bowl(.65, .53, 20, 7);
+  const auto shuffled = [&](const TriangleMesh& mesh) {
+    TriangleMesh other = mesh;
+    std::vector<std::int32_t> order(mesh.vertices.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
+    std::shuffle(order.begin(), order.end(), g);
+    for (std::size_t i = 0; i < order.size(); ++i) other.vertices[static_cast<std::size_t>(order[i])] = mesh.vertices[i];
+    for (Triangle& t : other.triangles) {
+      for (std::int32_t& v : t) v = order[static_cast<std::size_t>(v)];
+      std::rotate(t.begin(), t.begin() + g() % 3, t.end());
+    }
+    std::shuffle(other.triangles.begin(), other.triangles.end(), g);
+    return other;
+  };
+  const auto settle = [&](TwoBodies& pair) {
+    pair.fix(1);
+    pair.body[0].q = normalised(Quat{1, .01, .02, .3});  // centre and principal axes differ in the last bits between orders,
+    pair.body[0].x = {.005, .002, .012};                 // so the test places the meshes by them, not by the file's frame
+    pair.body[1].x = {};
+    pair.body[1].q = {};
+  };
+  TwoBodies plain(a, b, test::kStiffness, test::kMargin, 1, 0);
+  settle(plain);
+  plain.approach(.2, 0);
+  plain.body[0].x.z -= .4 * test::kMargin;
+  const PairForce expected = plain.force(0);
+  ASSERT_GE(plain.features.size(), 4u);
+  const double size = length(expected.force);
+
+  PairMotion still{};
+  still.inverse_mass_a = 1;
+  still.inverse_inertia_a = {1, 1, 1};
+  PairLaw law;
+  law.stiffness = test::kStiffness;
+  std::vector<FrictionSpring> none;
+  for (int i = 0; i < 20; ++i) {
+    std::vector<ContactFeature> features = plain.features;
+    std::shuffle(features.begin(), features.end(), g);
+    const PairForce f = pair_force(features, law, still, 0, 0, none, nullptr);
+    EXPECT_LE(length(f.force - expected.force), 1e-14 * size);
+    EXPECT_LE(length(f.torque - expected.torque), 1e-14 * size);
+    EXPECT_NEAR(f.elastic, expected.elastic, 1e-14 * expected.elastic);
+  }
+  for (int i = 0; i < 3; ++i) {
+    TwoBodies other(shuffled(a), shuffled(b), test::kStiffness, test::kMargin, 1, 0);
+    settle(other);
+    other.body[0].x.z = plain.body[0].x.z;
+    const PairForce f = other.force(0);
+    // The mass integrals run in the order of the triangles: centre and axes turn by rounding, which depth magnifies by
+    // size over depth.
+    constexpr double kMassRounding = 1e-12;
+    EXPECT_LE(length(f.force - expected.force), kMassRounding / (plain.last().deepest) * size);
+    EXPECT_EQ(other.features.size(), plain.features.size());
+  }
+}
+
+// Test 5.
+TEST(ContactEnergy, restitution_of_a_locked_icosphere_is_the_nominal_one_at_any_level_and_speed) {
+  for (int level = 0; level <= 5; ++level) {
+    const double coarse = test::locked_icosphere_restitution(level, 1, 100);
+    const double fine = test::locked_icosphere_restitution(level, 1, 400), slow = test::locked_icosphere_restitution(level, .1, 400);
+    std::printf("icosphere L%d: e %.5f at 100, %.5f at 400, %.5f at 400 and speed 0.1\n", level, coarse, fine, slow);
+    // asked for: 5e-3 at 100, 1e-3 at 400; damping of second order in the step does better
+    EXPECT_NEAR(coarse, .5, 2e-3) << level;
+    EXPECT_NEAR(fine, .5, 1e-4) << level;
+    EXPECT_NEAR(slow, .5, 1e-4) << level;
+  }
+}
+
+}  // namespace
+}  // namespace scree

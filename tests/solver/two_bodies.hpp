@@ -1,0 +1,182 @@
+// Two meshes and the law between them, stepped alone: no grid, no ranks. The set-ups of CONTACT.md sections 1 and 2.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <numbers>
+
+#include "solver/motion.hpp"
+#include "solver/potential.hpp"
+#include "solver/solver_scene.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace scree::test {
+
+/// Two free meshes of unit mass, and the law between them: no grid, no ranks.
+class TwoBodies {
+ public:
+  TwoBodies(const TriangleMesh& a, const TriangleMesh& b, double stiffness, double margin, double restitution, double friction)
+      : scene_(test::empty_scene(stiffness, restitution, friction, 0.5 * margin)), margin_(margin) {
+    scene_.shapes = {make_solid("a", a), make_solid("b", b)};
+    prepared_ = std::make_unique<SolverScene>(scene_);
+    for (int i = 0; i < 2; ++i) {
+      body[i].shape = &prepared_->shape(i);
+      inverse_mass[i] = 1;
+      inverse_inertia[i] = {10, 10 / 1.1, 10 / 0.9};
+    }
+  }
+  PairForce force(double dt) {
+    const double motion = lists_.skin < 0 ? 1e300 : motion_since_listed(lists_, body[0], body[1], radius(0), radius(1));
+    double used = motion;
+    if (motion > lists_.skin) {
+      EXPECT_TRUE(list_mesh_pair(body[0], body[1], margin_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
+      used = 0;
+    }
+    mesh_pair_features(body[0], body[1], margin_, used, lists_, features);
+    PairMotion m;
+    const Quat to_a = conjugate(body[0].q);
+    m.v_a = rotate(to_a, v[0]);
+    m.v_b = rotate(to_a, v[1]);
+    m.w_a = rotate(to_a, spin(0));
+    m.w_b = rotate(to_a, spin(1));
+    m.centre_b = rotate(to_a, body[1].x - body[0].x);
+    m.inverse_mass_a = inverse_mass[0];
+    m.inverse_mass_b = inverse_mass[1];
+    m.inverse_inertia_a = inverse_inertia[0];
+    m.inverse_inertia_b = inverse_inertia[1];
+    m.b_to_a = matrix_of(to_a * body[1].q);
+    PairForce f = pair_force(features, prepared_->law(0, 0), m, dt, dt, springs_, &outputs);
+    last_ = f;
+    largest_normal = 0;
+    for (const ContactFeature& c : features) largest_normal = std::max(largest_normal, kNormalBound * f.elastic / c.depth);
+    return f;
+  }
+  /// Puts a body where its file says: origin of the file at `origin`, its axes turned by `turn`.
+  void place(int i, const Vec3& origin, const Quat& turn = {}) {
+    body[i].q = turn * body[i].shape->body_from_principal;
+    body[i].x = origin + rotate(turn, scene_.shapes[static_cast<std::size_t>(i)].origin_shift);
+  }
+  /// Inertia [kg m^2] of a body of the given mass and of the shape that its mesh has.
+  void set_mass(int i, double mass) {
+    const double density = mass / body[i].shape->volume;
+    const Vec3& I = body[i].shape->inertia;
+    inverse_mass[i] = 1 / mass;
+    inverse_inertia[i] = {1 / (density * I.x), 1 / (density * I.y), 1 / (density * I.z)};
+  }
+  void fix(int i) {
+    inverse_mass[i] = 0;
+    inverse_inertia[i] = {};
+  }
+  Vec3 spin(int i) const { return angular_velocity(body[i].q, inverse_inertia[i], L[i]); }
+  double radius(int i) const { return body[i].scale * body[i].shape->radius; }
+  double energy() const {
+    return last_.elastic + kinetic_energy(0) + kinetic_energy(1);
+  }
+  double kinetic_energy(int i) const {
+    if (inverse_mass[i] == 0) return 0;
+    return 0.5 * (squared_length(v[i]) / inverse_mass[i] + dot(L[i], spin(i)));
+  }
+  const PairForce& last() const { return last_; }
+  /// Force on A as of the last evaluation, world.
+  Vec3 force_on_a() const { return rotate(body[0].q, last_.force); }
+  void kick(double h) {
+    const Vec3 f = rotate(body[0].q, last_.force), t = rotate(body[0].q, last_.torque);
+    v[0] += h * (inverse_mass[0] * f + gravity);
+    v[1] -= h * inverse_mass[1] * f;
+    L[0] += h * t;
+    if (inverse_mass[1] > 0) L[1] -= h * (t + cross(body[0].x - body[1].x, f));
+  }
+  void step(double dt) {
+    kick(0.5 * dt);
+    for (int i = 0; i < 2; ++i) {
+      body[i].x += dt * v[i];
+      Vec3 w;
+      if (inverse_inertia[i].x > 0) rotate_freely(inverse_inertia[i], false, dt, L[i], body[i].q, w);
+    }
+    force(dt);
+    kick(0.5 * dt);
+  }
+  /// Moves A towards B along -z until they touch, then back by `back`; false when they pass by each other.
+  bool approach(double start, double back = -1) {
+    body[0].x.z = start;
+    for (int i = 0; i < 1000; ++i) {
+      lists_.skin = -1;
+      if (force(0); !features.empty()) {
+        body[0].x.z += back < 0 ? 0.2 * margin_ : back;
+        force(0);
+        return true;
+      }
+      body[0].x.z -= 0.2 * margin_;
+    }
+    return false;
+  }
+
+  PairBody body[2];
+  Vec3 v[2], L[2], inverse_inertia[2];
+  double inverse_mass[2];
+  Vec3 gravity;               // on A only [m/s^2]
+  std::vector<ContactFeature> features;
+  std::vector<ContactOutput> outputs;
+  double largest_normal = 0;  // bound of any single elastic feature force
+
+ private:
+  static constexpr double kNormalBound = 2;  // f_j d_j <= sum f_j d_j = k D^2 = 2 U
+  Scene scene_;
+  std::unique_ptr<SolverScene> prepared_;
+  double margin_;
+  CandidateLists lists_;
+  std::vector<FrictionSpring> springs_;
+  MeshDistanceScratchPtr scratch_ = make_mesh_distance_scratch();
+  PairForce last_;
+};
+
+inline constexpr double kMargin = 0.02, kStiffness = 1e4;
+
+inline void place_at_random(TwoBodies& pair, std::mt19937& g) {
+  std::normal_distribution<double> n;
+  pair.body[0].q = test::random_quaternion(g);
+  pair.body[1].q = test::random_quaternion(g);
+  pair.body[0].x = {0.12 * n(g), 0.12 * n(g), 0};
+  pair.v[0] = {0, 0, -0.5};
+  pair.v[1] = {0, 0, 0.5};
+}
+
+struct Statistics {
+  double mean = 0, worst = 0;
+  int hits = 0;
+  double deepest = 0;  // of the margin sum
+};
+
+inline Statistics elastic_impacts(int level, int flat_levels, double steps_per_contact, int count, std::vector<double>* trace = nullptr) {
+  std::mt19937 g(11);
+  Statistics s;
+  for (int i = 0; i < count; ++i) {
+    TwoBodies pair(test::scaled(test::rock(1, level, 0.22, flat_levels), 0.5), test::scaled(test::rock(2, level, 0.22, flat_levels), 0.5),
+                   kStiffness, kMargin, 1, 0);
+    place_at_random(pair, g);
+    if (!pair.approach(1.8)) continue;
+    const double dt = std::numbers::pi * std::sqrt(0.5 / kStiffness) / steps_per_contact;
+    const double before = pair.energy();
+    bool touched = false;
+    int quiet = 0;
+    for (int n = 0; n < 12 * steps_per_contact && quiet < steps_per_contact; ++n) {
+      pair.step(dt);
+      s.deepest = std::max(s.deepest, pair.last().deepest / kMargin);
+      touched = touched || !pair.features.empty();
+      quiet = pair.features.empty() && touched ? quiet + 1 : 0;
+    }
+    if (!touched) continue;
+    const double error = std::abs(pair.energy() / before - 1);
+    s.mean += error;
+    s.worst = std::max(s.worst, error);
+    ++s.hits;
+    if (trace != nullptr) trace->insert(trace->end(), {pair.v[0].x, pair.v[0].y, pair.v[0].z, pair.L[1].x});
+  }
+  s.mean /= std::max(1, s.hits);
+  return s;
+}
+
+}  // namespace scree::test
