@@ -72,7 +72,8 @@ void read_settings(const CaseTable& top, Case& c) {
   }
   if (top.has("motion")) {
     s.integrator = top.table("motion", {"integrator"})
-                       .word_or("integrator", s.integrator, {"kdk-dlm", "rig", "spiral", "midpoint", "euler"}, {"kdk-dlm"});
+                       .word_or("integrator", s.integrator, {"kdk-dlm", "rig", "spiral", "midpoint", "euler"},
+                                {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
   }
   if (top.has("distance")) {
     const CaseTable distance = top.table("distance", {"method", "precision"});

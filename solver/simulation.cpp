@@ -4,8 +4,6 @@
 #include <chrono>
 #include <csignal>
 
-#include "solver/motion.hpp"
-
 namespace scree {
 
 namespace {
@@ -21,7 +19,7 @@ void catch_signals() {
 }
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, HaloStrategy strategy)
-    : comm_(comm), scene_(scene), strategy_(strategy) {
+    : comm_(comm), scene_(scene), strategy_(strategy), integrator_(integrator_of(scene.source().settings.integrator)) {
   const Partition& partition = scene.source().partition;
   CutBoxes regions;
   if (partition.ranks == comm.size()) regions = {partition.lower, partition.upper};
@@ -134,8 +132,7 @@ void Simulation::advance() {
   {
     PhaseTimer timer(times_, Phase::integrate);
     add_wall_impulse(0.5 * dt);  // by the forces of the last step, in this step's first kick
-    kick(p_, 0.5 * dt);
-    drift(p_, dt);
+    begin_step(integrator_, p_, dt);
     ++step_;
     if (scene_.has_driven_walls()) set_walls(time());
   }
@@ -149,7 +146,7 @@ void Simulation::advance() {
   if (flags[0] != 0) renew_lists();
   compute_forces(dt, flags[0] == 0);
   PhaseTimer timer(times_, Phase::integrate);
-  kick(p_, 0.5 * dt);
+  end_step(integrator_, p_, dt);
   add_wall_impulse(0.5 * dt);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   for (std::size_t i = 0; i < p_.owned; ++i) {

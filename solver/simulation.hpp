@@ -7,6 +7,7 @@
 
 #include "solver/forces.hpp"
 #include "solver/halo.hpp"
+#include "solver/motion.hpp"
 #include "solver/phases.hpp"
 #include "solver/step_size.hpp"
 
@@ -91,6 +92,7 @@ class Simulation {
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
   HaloStrategy strategy_;
+  Integrator integrator_;
   ParticleSet p_;
   PairList pairs_;
   std::unique_ptr<Halo> halo_;

@@ -142,7 +142,6 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   };
   if (settings.law != "linear") refuse("contact.law", settings.law, "\"linear\"");
   if (settings.gather != "potential") refuse("contact.gather", settings.gather, "\"potential\"");
-  if (settings.integrator != "kdk-dlm") refuse("motion.integrator", settings.integrator, "\"kdk-dlm\"");
   for (int axis = 0; axis < 3; ++axis) {
     if (settings.domain.periodic[static_cast<std::size_t>(axis)]) {
       throw UsageError("domain.periodic: periodic axes are not available in this version; remove the key");

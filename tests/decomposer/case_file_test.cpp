@@ -129,7 +129,7 @@ law    = "linear"
 gather = "potential"
 margin = "0.3 mm"
 [motion]
-integrator = "kdk-dlm"
+integrator = "spiral"
 [distance]
 method    = "brute-force"
 precision = "mixed"
@@ -268,7 +268,6 @@ TEST(CaseFile, what_is_not_built_yet_is_refused_with_what_is) {
   expect_refusal(replaced("[contact]", "[contact]\ngather = \"pairs\""), {"not available"});
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hertz-mindlin\""), {"not available", "linear"});
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"liniar\""), {"did you mean 'linear'"});
-  expect_refusal(kCase + "[motion]\nintegrator = \"euler\"\n", {"not available", "kdk-dlm"});
   expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"not available", "brute-force"});
   expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n", {"periodic", "not available"});
   expect_refusal(kCase + "[domain]\noutside = \"remove\"\n", {"not available", "stop"});

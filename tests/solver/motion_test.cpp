@@ -1,0 +1,65 @@
+// Whole steps with every integrator: what an impact makes of them, and that they agree in the limit.
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.hpp"
+#include "tests/support/test_run.hpp"
+
+namespace scree {
+namespace {
+
+using test::TestRun;
+
+/// Speed after an elastic impact of a cube, rotation locked, on a plane at 1 m/s, `steps` steps a contact.
+double rebound(const std::string& integrator, double steps, double phase) {
+  TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
+  run.scene.settings.integrator = integrator;
+  // four corners carry 1 kg: k_eff = sqrt(2) k
+  run.scene.settings.step = M_PI / std::sqrt(std::sqrt(2.0) * 1e4) / steps;
+  run.scene.shapes = {make_solid("cube", test::grid_box(1, {1, 1, 1}))};
+  // the first contact falls at a fraction `phase` of a step
+  test::add_body(run.scene, 0, {0, 0, 0.52 + (3 + phase) * run.scene.settings.step}, {}, {0, 0, -1});
+  run.scene.bodies.lock_rotation[0] = 1;
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.start();
+  run.run_for(0.2);
+  return run.velocity(0).z;
+}
+
+// VALIDATION.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler gains
+// exp(pi^2 / (2 N)) = 28 % at 20.
+TEST(Integrator, keeps_the_speed_of_an_elastic_impact_except_eulers) {
+  for (const char* integrator : {"kdk-dlm", "midpoint", "spiral", "rig"}) {
+    double worst = 0;
+    for (int phase = 0; phase < 11; ++phase) worst = std::max(worst, std::abs(rebound(integrator, 20, phase / 11.0) - 1));
+    EXPECT_LE(worst, 2.6e-4 * 1.05) << integrator;
+  }
+  EXPECT_NEAR(rebound("euler", 20, 0.5), std::exp(M_PI * M_PI / 40), 0.03);
+  EXPECT_NEAR(rebound("euler", 200, 0.5), std::exp(M_PI * M_PI / 400), 0.003);
+}
+
+// A tumbling rock with friction on a floor: every scheme goes to the same state, Euler at first order.
+TEST(Integrator, meets_the_others_as_the_step_shrinks) {
+  const auto state = [](const std::string& integrator, double steps) {
+    TestRun run(test::empty_scene(1e6, 0.5, 0.4, 0.002));
+    run.scene.settings.integrator = integrator;
+    run.scene.settings.gravity = {0, 0, -9.81};
+    run.scene.settings.steps_per_contact = steps;
+    run.scene.shapes = {make_solid("rock", test::scaled(test::rock(7, 2), 0.05))};
+    test::add_body(run.scene, 0, {0, 0, 0.07}, {}, {0.5, 0, -1}, {10, 0, 3});
+    test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+    run.start();
+    run.run_for(0.04);
+    return std::pair(run.velocity(0), run.spin(0));
+  };
+  const auto [v, w] = state("kdk-dlm", 1600);
+  EXPECT_GT(length(w - Vec3{10, 0, 3}), 1) << "no impact happened";
+  for (const char* integrator : {"midpoint", "spiral", "rig", "euler"}) {
+    const auto [vi, wi] = state(integrator, 400);
+    const double limit = std::string(integrator) == "euler" ? 0.03 : 0.004;
+    EXPECT_LE(length(vi - v), limit * length(v)) << integrator;
+    EXPECT_LE(length(wi - w), limit * length(w)) << integrator;
+  }
+}
+
+}  // namespace
+}  // namespace scree
