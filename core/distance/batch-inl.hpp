@@ -1,10 +1,13 @@
-// Loading pairs of a batch into lanes, and solving them by brute force.
+// Solving the pairs of a batch by brute force: full vectors, and rare lanes gathered into full vectors of their own.
 #if defined(SCREE_CORE_DISTANCE_BATCH_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCREE_CORE_DISTANCE_BATCH_INL_HPP_
 #undef SCREE_CORE_DISTANCE_BATCH_INL_HPP_
 #else
 #define SCREE_CORE_DISTANCE_BATCH_INL_HPP_
 #endif
+
+#include <algorithm>
+#include <array>
 
 #include "core/distance/brute_force-inl.hpp"
 
@@ -22,19 +25,96 @@ HWY_INLINE TrianglePack<T> load_triangle(const T* values, std::int64_t stride) {
   return t;
 }
 
-/// Solves the pairs of the lanes from `values` on and calls store(solution): twice when there are rare lanes.
-template <class T, Want kWant, class Store>
-HWY_INLINE void solve_lanes(const T* values, std::int64_t stride, const Store& store) {
-  RareLanes<T> rare;
-  {
+/// Rows of an answer: 0 distance, 1 code, 2-4 point_a, 5-7 point_b, 8-10 difference, as many as are wanted.
+template <Want kWant>
+constexpr std::size_t row_count() {
+  return kWant == Want::distance ? 1 : (kWant == Want::points ? 8 : 11);
+}
+template <class T, Want kWant>
+using Rows = std::array<T*, row_count<kWant>()>;
+
+template <class T, Want kWant>
+HWY_INLINE void store_solution(const Solution<T>& s, const Rows<T, kWant>& rows, std::int64_t i) {
+  s.distance.store(rows[0] + i);
+  if constexpr (kWant != Want::distance) {
+    s.code.store(rows[1] + i);
+    s.point_a.x.store(rows[2] + i), s.point_a.y.store(rows[3] + i), s.point_a.z.store(rows[4] + i);
+    s.point_b.x.store(rows[5] + i), s.point_b.y.store(rows[6] + i), s.point_b.z.store(rows[7] + i);
+  }
+  if constexpr (kWant == Want::points_and_difference)
+    s.difference.x.store(rows[8] + i), s.difference.y.store(rows[9] + i), s.difference.z.store(rows[10] + i);
+}
+
+/// Lanes that the common case cannot settle, gathered from many vectors: a vector with one rare lane does not hold up
+/// the others.
+template <class T, Want kWant>
+class RareQueue {
+ public:
+  explicit RareQueue(const Rows<T, kWant>& out) : out_(out) {}
+
+  /// Takes the rare lanes of the vector that begins with pair `begin`; lanes past `end` are padding.
+  HWY_NOINLINE void push(const T* values, std::int64_t stride, std::int64_t begin, std::int64_t end, Mask<T> rare) {
+    alignas(64) T flag[kWidestLanes] = {};
+    select(rare, Pack<T>(T(1)), Pack<T>(T(0))).store(flag);
+    for (std::int64_t lane = 0; lane < std::min(lane_count<T>(), end - begin); ++lane) {
+      if (flag[lane] == 0) continue;
+      for (std::int64_t c = 0; c < 18; ++c) values_[c * kSize + count_] = values[c * stride + begin + lane];
+      pair_[count_++] = begin + lane;
+      if (count_ == kSize) flush();
+    }
+  }
+
+  HWY_NOINLINE void flush() {
+    alignas(64) T answers[row_count<kWant>()][kSize];
+    Rows<T, kWant> rows;
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = answers[r];
+    for (std::int64_t i = 0; i < count_; i += lane_count<T>()) {
+      // past the end: the last pair again
+      for (std::int64_t k = count_; k < i + lane_count<T>(); ++k)
+        for (std::int64_t c = 0; c < 18; ++c) values_[c * kSize + k] = values_[c * kSize + count_ - 1];
+      Solution<T> settled;
+      solve_rare<T, kWant>(load_triangle(values_ + i, kSize), load_triangle(values_ + 9 * kSize + i, kSize), settled);
+      store_solution<T, kWant>(settled, rows, i);
+    }
+    for (std::int64_t i = 0; i < count_; ++i)
+      for (std::size_t r = 0; r < rows.size(); ++r) out_[r][pair_[i]] = answers[r][i];
+    count_ = 0;
+  }
+  bool empty() const { return count_ == 0; }
+
+ private:
+  static constexpr std::int64_t kSize = 2 * kWidestLanes;
+  alignas(64) T values_[18 * kSize];
+  std::int64_t pair_[kSize], count_ = 0;
+  Rows<T, kWant> out_;
+};
+
+/// Solves `count` pairs. The rows have room for `count` answers and not more: the last part goes through a buffer.
+template <class T, Want kWant>
+HWY_INLINE void solve_batch(const T* values, std::int64_t stride, std::int64_t count, const Rows<T, kWant>& out) {
+  const std::int64_t lanes = lane_count<T>();
+  RareQueue<T, kWant> queue(out);
+  const auto solve = [&](std::int64_t i, const Rows<T, kWant>& rows, std::int64_t at) {
     Orientation<T> o;
-    store(brute_force<T, kWant>(load_triangle(values, stride), load_triangle(values + 9 * stride, stride), o, rare));
+    RareLanes<T> rare;
+    const Solution<T> s = brute_force<T, kWant>(load_triangle(values + i, stride), load_triangle(values + 9 * stride + i, stride), o, rare);
+    store_solution<T, kWant>(s, rows, at);
+    return rare.contact | rare.unusual;
+  };
+  std::int64_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const Mask<T> rare = solve(i, out, i);
+    if (HWY_UNLIKELY(any(rare))) queue.push(values, stride, i, count, rare);
   }
-  if (HWY_UNLIKELY(any(rare.contact | rare.unusual))) {
-    Solution<T> settled;
-    solve_rare<T, kWant>(load_triangle(values, stride), load_triangle(values + 9 * stride, stride), settled);
-    store(settled);
+  if (i < count) {
+    alignas(64) T last[row_count<kWant>()][kWidestLanes];
+    Rows<T, kWant> rows;
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = last[r];
+    const Mask<T> rare = solve(i, rows, 0);
+    for (std::size_t r = 0; r < rows.size(); ++r) std::copy(last[r], last[r] + (count - i), out[r] + i);
+    if (any(rare)) queue.push(values, stride, i, count, rare);
   }
+  if (!queue.empty()) queue.flush();
 }
 
 }  // namespace scree::HWY_NAMESPACE

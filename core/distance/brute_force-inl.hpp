@@ -16,8 +16,9 @@
 // fused multiply-add each.
 //
 // Rare lanes are flagged and solved again (solve_rare), lane by lane, so the answer of a pair never depends on its
-// neighbours in the batch: those where the signs say that an edge pierces a face, those that touch within
-// rounding, and those whose size would overflow or underflow a fourth power of a length.
+// neighbours in the batch: those where the signs say that an edge pierces a face, those that all but touch, and those
+// whose size would overflow or underflow a fourth power of a length. Whether a pair intersects is then decided
+// exactly (triangle_intersection.hpp): distance 0 means a common point, touching included, and nothing else does.
 #if defined(SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
 #undef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
@@ -26,6 +27,7 @@
 #endif
 
 #include "core/distance/simd-inl.hpp"
+#include "core/distance/triangle_intersection.hpp"
 
 #ifdef __clang__
 #define SCREE_UNROLL_3 _Pragma("unroll 3")
@@ -45,17 +47,22 @@ struct Limits<double> {
   /// Squared sizes handled without scaling: fourth powers, slivers included, stay normal numbers.
   static constexpr double smallest_squared = 0x1p-300, largest_squared = 0x1p+300;
   static constexpr double huge = 1e300, tiny = 1e-300;
+  /// Pairs closer than this times the longest edge are looked at exactly. Far above the error of a distance, so that
+  /// also a pierced sliver of aspect up to a million is found; far below any margin, so that it costs nothing.
+  static constexpr double contact_ratio = 0x1p-30;
 };
 template <>
 struct Limits<float> {
   static constexpr float u = 5.9604645e-8f;
   static constexpr float smallest_squared = 0x1p-24f, largest_squared = 0x1p+40f;
   static constexpr float huge = 3e38f, tiny = 1e-37f;
+  static constexpr float contact_ratio = 0x1p-20f;
 };
 
-/// Triangles closer than this times the longest edge touch: below the rounding error of the distance itself,
-/// nothing can tell touching from near. A larger value would call separate triangles intersecting (16 did).
-inline constexpr int kTouchingRoundoffs = 4;
+/// Crossings of an edge and a face that agree within this times the longest edge make up the point of an intersection.
+inline constexpr int kCrossingRoundoffs = 4;
+/// Lanes of the widest vector.
+inline constexpr int kWidestLanes = 16;
 /// A determinant beyond this many roundoffs of its terms has a certain sign (counted: at most 11).
 inline constexpr int kCertainRoundoffs = 16;
 
@@ -87,13 +94,13 @@ HWY_INLINE Pack<T> longest_squared(const Pack3<T> a[3]) {
   return max(max(dot(a[0], a[0]), dot(a[1], a[1])), dot(a[2], a[2]));
 }
 
-/// Edges of P against the face F, in the lanes where the signs differ: takes a crossing as intersection when
-/// its signs are certain or when its points, evaluated, agree within rounding; else as one more candidate.
-/// w[i][j] belongs to edge i of P and edge j of F; height to the vertices of P.
+/// Edges of P against the face F, in the lanes where something may meet: out becomes the crossing whose points agree
+/// best; those that agree within rounding are counted and summed; certain collects the lanes in which signs beyond
+/// doubt prove an intersection. w[i][j] belongs to edge i of P and edge j of F; height to the vertices of P.
 template <class T>
 HWY_INLINE void cross_face(const TrianglePack<T>& p, const TrianglePack<T>& f, const Pack<T> w[3][3],
-                           const Pack<T> height[3], Pack<T> w_certain, Pack<T> height_certain, Pack<T> touching2,
-                           Mask<T> lanes, bool p_is_a, Solution<T>& out, Pack<T>& count, Pack3<T>& sum) {
+                           const Pack<T> height[3], Pack<T> w_certain, Pack<T> height_certain, Pack<T> crossing2,
+                           Mask<T> lanes, bool p_is_a, Solution<T>& out, Pack<T>& count, Pack3<T>& sum, Mask<T>& certain) {
   using V = Pack<T>;
   const V zero(T(0)), one(T(1));
   const Pack3<T> f0 = f.p[1] - f.p[0], f2 = f.p[0] - f.p[2], n = cross(f2, f0);
@@ -121,19 +128,41 @@ HWY_INLINE void cross_face(const TrianglePack<T>& p, const TrianglePack<T>& f, c
     out.distance = select(better, distance, out.distance);
     out.point_a = select(better, p_is_a ? on_p : on_f, out.point_a);
     out.point_b = select(better, p_is_a ? on_f : on_p, out.point_b);
-    out.difference = select(better, p_is_a ? d : Pack3<T>{-d.x, -d.y, -d.z}, out.difference);
     out.code = select(better, V(static_cast<T>((p_is_a ? kCodeEdgeA : kCodeEdgeB) + i)), out.code);
     const V least = min(min(abs(w[i][0]), abs(w[i][1])), abs(w[i][2]));
     const V signs = sign_differs_and(sign_all_equal(w[i][0], w[i][1], w[i][2]), height[i], height[k]);
-    const Mask<T> certain = mask_of_sign(signs) & (least > w_certain) & (abs(height[i]) > height_certain) &
+    const Mask<T> pierces = lanes & mask_of_sign(signs) & (least > w_certain) & (abs(height[i]) > height_certain) &
                             (abs(height[k]) > height_certain);
-    const Mask<T> meets = lanes & (certain | (d2 <= touching2));
+    certain = certain | pierces;
+    const Mask<T> meets = pierces | (lanes & (d2 <= crossing2));
     count = select(meets, count + one, count);
     sum = select(meets, sum + on_p, sum);
   }
 }
 
-/// Lanes in which signs say that an edge pierces a face, or in which the distance is within rounding of 0.
+/// 1 in the lanes whose triangles have a common point, by exact arithmetic, 0 in the others.
+template <class T>
+HWY_INLINE Pack<T> decide_exactly(const TrianglePack<T>& a, const TrianglePack<T>& b, Mask<T> lanes) {
+  alignas(64) T coordinates[18][kWidestLanes], wanted[kWidestLanes] = {};
+  for (int k = 0; k < 3; ++k) {
+    const Pack3<T>* corners[2] = {&a.p[k], &b.p[k]};
+    for (int side = 0; side < 2; ++side) {
+      corners[side]->x.store(coordinates[9 * side + 3 * k]);
+      corners[side]->y.store(coordinates[9 * side + 3 * k + 1]);
+      corners[side]->z.store(coordinates[9 * side + 3 * k + 2]);
+    }
+  }
+  select(lanes, Pack<T>(T(1)), Pack<T>(T(0))).store(wanted);
+  for (std::int64_t lane = 0; lane < lane_count<T>(); ++lane) {
+    if (wanted[lane] == 0) continue;
+    double pair[18];
+    for (int c = 0; c < 18; ++c) pair[c] = static_cast<double>(coordinates[c][lane]);
+    wanted[lane] = triangles_intersect(pair, pair + 9) ? T(1) : T(0);
+  }
+  return Pack<T>::load(wanted);
+}
+
+/// Lanes in which signs say that an edge pierces a face, or in which the distance is close to 0.
 template <class T>
 HWY_NOINLINE void settle_contact(const TrianglePack<T>& a, const TrianglePack<T>& b, const Orientation<T>& o,
                                  Mask<T> lanes, Solution<T>& out) {
@@ -145,23 +174,29 @@ HWY_NOINLINE void settle_contact(const TrianglePack<T>& a, const TrianglePack<T>
   const V la = sqrt(la2), lb = sqrt(lb2);
   const Pack3<T> r = a.p[0] - b.p[0];
   const V reach = sqrt(dot(r, r)) + la + lb;
-  const V touching2 = l2 * V(T(kTouchingRoundoffs * kTouchingRoundoffs) * Limits<T>::u * Limits<T>::u);
+  const V crossing2 = l2 * V(T(kCrossingRoundoffs * kCrossingRoundoffs) * Limits<T>::u * Limits<T>::u);
   const V scale = V(T(kCertainRoundoffs) * Limits<T>::u) * reach;
   V transposed[3][3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) transposed[j][i] = o.w[i][j];
   V count = zero;
   Pack3<T> sum{zero, zero, zero};
-  cross_face(a, b, o.w, o.height_a, scale * la * lb, scale * lb2, touching2, lanes, true, out, count, sum);
-  cross_face(b, a, transposed, o.height_b, scale * la * lb, scale * la2, touching2, lanes, false, out, count, sum);
-  const Mask<T> pierced = count > zero;
-  const Mask<T> touching = pierced | (out.distance * out.distance <= touching2);
+  Mask<T> certain = one < zero;
+  Solution<T> met = out;
+  cross_face(a, b, o.w, o.height_a, scale * la * lb, scale * lb2, crossing2, lanes, true, met, count, sum, certain);
+  cross_face(b, a, transposed, o.height_b, scale * la * lb, scale * la2, crossing2, lanes, false, met, count, sum, certain);
+  Mask<T> meeting = certain;
+  const Mask<T> undecided = lanes & !certain;
+  if (any(undecided)) meeting = meeting | (decide_exactly(a, b, undecided) > zero);
   const V inverse = one / max(count, one);
-  const Pack3<T> middle = select(pierced, inverse * sum, half * (out.point_a + out.point_b));
-  out.distance = select(touching, zero, out.distance);
-  out.point_a = select(touching, middle, out.point_a);
-  out.point_b = select(touching, middle, out.point_b);
-  out.difference = select(touching, Pack3<T>{zero, zero, zero}, out.difference);
+  const Pack3<T> middle = select(count > zero, inverse * sum, half * (met.point_a + met.point_b));
+  // apart by less than a distance can tell: any number below its rounding, but not 0
+  const V least = sqrt(l2) * V(Limits<T>::u * Limits<T>::u);
+  out.distance = select(meeting, zero, select(lanes, max(out.distance, least), out.distance));
+  out.point_a = select(meeting, middle, out.point_a);
+  out.point_b = select(meeting, middle, out.point_b);
+  out.difference = select(meeting, Pack3<T>{zero, zero, zero}, out.difference);
+  out.code = select(meeting, met.code, out.code);
 }
 
 /// Best candidate so far: squared distance, its two parameters, its code.
@@ -210,7 +245,7 @@ HWY_INLINE void vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<
 /// Lanes whose solution has to be looked at again, and why.
 template <class T>
 struct RareLanes {
-  Mask<T> contact;  ///< signs say that an edge pierces a face, or the distance is within rounding of 0
+  Mask<T> contact;  ///< signs say that an edge pierces a face, or the distance is close to 0
   Mask<T> unusual;  ///< size far from 1, or no number
 };
 
@@ -307,8 +342,7 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
     back[i] = sign_differs_and(sign_all_equal(o.w[0][i], o.w[1][i], o.w[2][i]), o.height_b[i], o.height_b[k]);
   }
   const V signs = sign_or(through[0], through[1], sign_or(through[2], back[0], sign_or(back[1], back[2], back[2])));
-  const V touching2 = l2 * V(T(kTouchingRoundoffs * kTouchingRoundoffs) * Limits<T>::u * Limits<T>::u);
-  rare.contact = mask_of_sign(signs) | (best.squared <= touching2);
+  rare.contact = mask_of_sign(signs) | (best.squared <= l2 * V(Limits<T>::contact_ratio * Limits<T>::contact_ratio));
   // a sum, not a maximum, so that a coordinate that is no number shows; all six vertices are in it
   const V size2 = ((aa[0] + aa[1]) + (bb[0] + bb[1])) + dot(r0[0], r0[0]);
   rare.unusual = !((size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared)));
@@ -322,41 +356,55 @@ HWY_NOINLINE void solve_settled(const TrianglePack<T>& a, const TrianglePack<T>&
   if (any(rare.contact)) settle_contact(a, b, o, rare.contact, out);
 }
 
+/// Both triangles of each lane over the largest power of two in them, exactly.
+template <class T>
+struct ScaledPair {
+  TrianglePack<T> a, b;
+  Pack<T> unit;    ///< what they were divided by
+  Pack<T> poison;  ///< 0, or no number when a coordinate is none
+
+  HWY_INLINE ScaledPair(const TrianglePack<T>& A, const TrianglePack<T>& B) {
+    using V = Pack<T>;
+    const V zero(T(0)), one(T(1));
+    const Pack3<T> r = A.p[0] - B.p[0];
+    V size = largest_component(r), sum = r.x + r.y + r.z;
+    for (int k = 0; k < 3; ++k) {
+      const Pack3<T> ea = A.p[(k + 1) % 3] - A.p[k], eb = B.p[(k + 1) % 3] - B.p[k];
+      size = max(size, max(largest_component(ea), largest_component(eb)));
+      sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
+    }
+    const V power = power_of_two_below(size);
+    unit = select(power > zero, power, one);
+    poison = zero * sum;
+    const V inverse = one / unit;
+    for (int k = 0; k < 3; ++k) {
+      a.p[k] = inverse * A.p[k];
+      b.p[k] = inverse * B.p[k];
+    }
+  }
+
+  /// Puts the solution of the scaled pair into the lanes of out.
+  HWY_INLINE void put_back(Mask<T> lanes, const Solution<T>& s, Solution<T>& out) const {
+    out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
+    out.point_a = select(lanes, unit * s.point_a, out.point_a);
+    out.point_b = select(lanes, unit * s.point_b, out.point_b);
+    out.difference = select(lanes, unit * s.difference, out.difference);
+    out.code = select(lanes, s.code, out.code);
+  }
+};
+
 /// The answer in every lane, from the beginning. The kernel proper keeps nothing for this: holding its operands
 /// over the branch would cost the common case a good part of its speed.
 template <class T, Want kWant>
 HWY_NOINLINE void solve_rare(const TrianglePack<T>& a, const TrianglePack<T>& b, Solution<T>& out) {
-  using V = Pack<T>;
   RareLanes<T> rare;
   solve_settled<T, kWant>(a, b, rare, out);
-  const Mask<T> lanes = rare.unusual;
-  if (!any(lanes)) return;
-
-  // again after an exact scaling by a power of two
-  const V zero(T(0)), one(T(1));
-  const Pack3<T> r = a.p[0] - b.p[0];
-  V size = largest_component(r), sum = r.x + r.y + r.z;
-  for (int k = 0; k < 3; ++k) {
-    const Pack3<T> ea = a.p[(k + 1) % 3] - a.p[k], eb = b.p[(k + 1) % 3] - b.p[k];
-    size = max(size, max(largest_component(ea), largest_component(eb)));
-    sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
-  }
-  const V power = power_of_two_below(size);
-  const V unit = select(power > zero, power, one), inverse = one / unit;
-  TrianglePack<T> sa, sb;
-  for (int k = 0; k < 3; ++k) {
-    sa.p[k] = inverse * a.p[k];
-    sb.p[k] = inverse * b.p[k];
-  }
+  const Mask<T> unusual = rare.unusual;
+  if (!any(unusual)) return;
+  const ScaledPair<T> scaled(a, b);
   Solution<T> s;
-  solve_settled<T, kWant>(sa, sb, rare, s);
-  // a coordinate that is no number makes the distance none
-  const V poison = zero * sum;
-  out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
-  out.point_a = select(lanes, unit * s.point_a, out.point_a);
-  out.point_b = select(lanes, unit * s.point_b, out.point_b);
-  out.difference = select(lanes, unit * s.difference, out.difference);
-  out.code = select(lanes, s.code, out.code);
+  solve_settled<T, kWant>(scaled.a, scaled.b, rare, s);
+  scaled.put_back(unusual, s, out);
 }
 
 }  // namespace scree::HWY_NAMESPACE

@@ -24,28 +24,26 @@ namespace scree::HWY_NAMESPACE {
 constexpr int kNewtonSteps = 4;
 
 template <class T>
-HWY_INLINE void store_answer(const Solution<T>& s, const AnswerBatch<T>& out, std::int64_t i) {
-  s.distance.store(out.distance + i);
-  s.code.store(out.code + i);
-  const Pack3<T>* points[2] = {&s.point_a, &s.point_b};
-  for (std::int64_t k = 0; k < 2; ++k) {
-    points[k]->x.store(out.points + (3 * k) * out.stride + i);
-    points[k]->y.store(out.points + (3 * k + 1) * out.stride + i);
-    points[k]->z.store(out.points + (3 * k + 2) * out.stride + i);
-  }
+HWY_INLINE Rows<T, Want::points> rows_of(const AnswerBatch<T>& out) {
+  Rows<T, Want::points> rows = {out.distance, out.code};
+  for (std::size_t k = 0; k < 6; ++k) rows[2 + k] = out.points + static_cast<std::int64_t>(k) * out.stride;
+  return rows;
 }
 
 template <class T>
 HWY_NOINLINE void run_brute_force(const PairBatch<T>& in, const AnswerBatch<T>& out) {
-  for (std::int64_t i = 0; i < in.count; i += lane_count<T>())
-    solve_lanes<T, Want::points>(in.values + i, in.stride, [&](const Solution<T>& s) { store_answer(s, out, i); });
+  solve_batch<T, Want::points>(in.values, in.stride, in.count, rows_of(out));
 }
 
 template <class T, bool kStrict>
 HWY_NOINLINE void run_penalty(const PairBatch<T>& in, const AnswerBatch<T>& out) {
+  const Rows<T, Want::points> rows = rows_of(out);
   for (std::int64_t i = 0; i < in.count; i += lane_count<T>()) {
     const TrianglePack<T> a = load_triangle(in.values + i, in.stride), b = load_triangle(in.values + 9 * in.stride + i, in.stride);
-    store_answer(penalty<T, kStrict>(a, b, kNewtonSteps), out, i);
+    Mask<T> unusual;
+    Solution<T> s = penalty<T, kStrict>(a, b, kNewtonSteps, unusual);
+    if (HWY_UNLIKELY(any(unusual))) penalty_scaled<T, kStrict>(a, b, kNewtonSteps, unusual, s);
+    store_solution<T, Want::points>(s, rows, i);
   }
 }
 

@@ -198,9 +198,10 @@ HWY_INLINE Mask<T> is_optimal(Pack<T> g1, Pack<T> g2, Pack<T> u, Pack<T> v, Pack
   return fits(highest, V(T(1)) - u - v) & fits(highest - g1, u) & fits(highest - g2, v);
 }
 
-/// Answer of the penalty method; code has kCodeUncertified in lanes without the certificate.
+/// Answer of the penalty method; code has kCodeUncertified in lanes without the certificate. unusual: lanes whose size
+/// is so far from 1 that they have to be scaled first.
 template <class T, bool kStrict>
-HWY_INLINE Solution<T> penalty(const TrianglePack<T>& A, const TrianglePack<T>& B, int steps) {
+HWY_INLINE Solution<T> penalty(const TrianglePack<T>& A, const TrianglePack<T>& B, int steps, Mask<T>& unusual) {
   using V = Pack<T>;
   const V zero(T(0)), one(T(1)), third(T(1) / T(3));
   const PenaltyProblem<T> problem(A, B);
@@ -232,11 +233,13 @@ HWY_INLINE Solution<T> penalty(const TrianglePack<T>& A, const TrianglePack<T>& 
   const V lb2 = max(max(g.m22, g.m33), g.m22 + g.m33 - g.m23 - g.m23);
   const V unit_a = out.distance * sqrt(la2), unit_b = out.distance * sqrt(lb2), thinnest(PenaltySettings<T>::thinnest2);
   const V size2 = problem.trace() + dot(problem.w, problem.w);
-  Mask<T> certified = (size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared)) &
-                      (mul_sub(g.m00, g.m11, g.m01 * g.m01) >= thinnest * la2 * la2) &
+  unusual = !((size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared)));
+  Mask<T> certified = (!unusual) & (mul_sub(g.m00, g.m11, g.m01 * g.m01) >= thinnest * la2 * la2) &
                       (mul_sub(g.m22, g.m33, g.m23 * g.m23) >= thinnest * lb2 * lb2) & (out.distance > zero);
   if constexpr (kStrict) {
-    certified = certified & (condition >= V(PenaltySettings<T>::conditioned)) & is_optimal(g1, g2, x[0], x[1], unit_a) &
+    // below the contact ratio nothing is proven: brute force decides exactly
+    const V least2 = V(Limits<T>::contact_ratio * Limits<T>::contact_ratio) * max(la2, lb2);
+    certified = certified & (dot(d, d) > least2) & (condition >= V(PenaltySettings<T>::conditioned)) & is_optimal(g1, g2, x[0], x[1], unit_a) &
                 is_optimal(h1, h2, x[2], x[3], unit_b);
   } else {
     const V declared(PenaltySettings<T>::declared);
@@ -246,6 +249,15 @@ HWY_INLINE Solution<T> penalty(const TrianglePack<T>& A, const TrianglePack<T>& 
   out.code = V(T(kCodeWeights)) + zero_weights(x[0], x[1]) + V(T(8)) * zero_weights(x[2], x[3]) +
              select(certified, zero, V(T(kCodeUncertified)));
   return out;
+}
+
+/// The same for lanes of any size.
+template <class T, bool kStrict>
+HWY_NOINLINE void penalty_scaled(const TrianglePack<T>& A, const TrianglePack<T>& B, int steps, Mask<T> lanes, Solution<T>& out) {
+  const ScaledPair<T> scaled(A, B);
+  Mask<T> unusual;
+  const Solution<T> s = penalty<T, kStrict>(scaled.a, scaled.b, steps, unusual);
+  scaled.put_back(lanes, s, out);
 }
 
 }  // namespace scree::HWY_NAMESPACE

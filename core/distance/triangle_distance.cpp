@@ -20,46 +20,17 @@
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 
-/// Rows of a detailed answer: 0-2 point_a, 3-5 point_b, 6-8 their difference, 9 code.
-template <class T>
-HWY_INLINE void store_rows(const Solution<T>& s, T* rows, std::int64_t stride) {
-  const Pack3<T>* parts[3] = {&s.point_a, &s.point_b, &s.difference};
-  SCREE_UNROLL_3
-  for (int k = 0; k < 3; ++k) {
-    parts[k]->x.store(rows + (3 * k) * stride);
-    parts[k]->y.store(rows + (3 * k + 1) * stride);
-    parts[k]->z.store(rows + (3 * k + 2) * stride);
-  }
-  s.code.store(rows + 9 * stride);
-}
-
-/// distance has room for count answers and not one more, so the last part goes through a buffer.
-template <class T>
-HWY_INLINE void solve_distances(const T* values, std::int64_t stride, std::int64_t count, T* distance) {
-  const std::int64_t lanes = lane_count<T>();
-  std::int64_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    solve_lanes<T, Want::distance>(values + i, stride, [&](const Solution<T>& s) { s.distance.store(distance + i); });
-  if (i == count) return;
-  HWY_ALIGN T last[kBatchPadding];
-  solve_lanes<T, Want::distance>(values + i, stride, [&](const Solution<T>& s) { s.distance.store(last); });
-  std::copy(last, last + (count - i), distance + i);
-}
-
 HWY_NOINLINE void solve_double(const double* values, std::int64_t stride, std::int64_t count, double* distance) {
-  solve_distances(values, stride, count, distance);
+  solve_batch<double, Want::distance>(values, stride, count, {distance});
 }
 HWY_NOINLINE void solve_float(const float* values, std::int64_t stride, std::int64_t count, float* distance) {
-  solve_distances(values, stride, count, distance);
+  solve_batch<float, Want::distance>(values, stride, count, {distance});
 }
-/// distance and rows have room up to the next multiple of kBatchPadding.
-HWY_NOINLINE void solve_double_in_detail(const double* values, std::int64_t stride, std::int64_t count, double* distance,
-                                         double* rows, std::int64_t row_stride) {
-  for (std::int64_t i = 0; i < count; i += lane_count<double>())
-    solve_lanes<double, Want::points_and_difference>(values + i, stride, [&](const Solution<double>& s) {
-      s.distance.store(distance + i);
-      store_rows(s, rows + i, row_stride);
-    });
+/// The eleven rows of batch-inl.hpp, row_stride apart.
+HWY_NOINLINE void solve_double_in_detail(const double* values, std::int64_t stride, std::int64_t count, double* rows, std::int64_t row_stride) {
+  Rows<double, Want::points_and_difference> out;
+  for (std::size_t r = 0; r < out.size(); ++r) out[r] = rows + static_cast<std::int64_t>(r) * row_stride;
+  solve_batch<double, Want::points_and_difference>(values, stride, count, out);
 }
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
 
@@ -86,6 +57,12 @@ Vec3 vertex(const double* values, std::int64_t stride, int k) {
 bool is_edge(Feature f) { return f >= Feature::edge0 && f <= Feature::edge2; }
 int index_of(Feature f) { return is_edge(f) ? static_cast<int>(f) - 1 : static_cast<int>(f) - 4; }
 
+/// Unit vector; zero for zero.
+Vec3 direction_of(const Vec3& v) {
+  const double size = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return size > 0 ? normalised((1.0 / size) * v) : Vec3{};
+}
+
 /// Unit normal of the closest features from b to a; a zero vector when they define none (a vertex against a
 /// vertex or an edge, a degenerate face), and the difference of the points has to serve.
 Vec3 feature_normal(const double* values, std::int64_t stride, Feature fa, Feature fb) {
@@ -106,37 +83,41 @@ Vec3 feature_normal(const double* values, std::int64_t stride, Feature fa, Featu
     n = cross(p[1] - p[0], p[2] - p[0]);
     from_b_to_a = p[0] - q[index_of(fb)];
   }
-  const double size = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
-  if (!(size > 0)) return {};
-  n = normalised((1.0 / size) * n);
+  n = direction_of(n);
   return dot(n, from_b_to_a) < 0 ? -n : n;
 }
 
-double longest_edge(const double* values, std::int64_t stride) {
+double longest_edge_squared(const double* values, std::int64_t stride) {
   double largest = 0;
   for (int side = 0; side < 2; ++side)
-    for (int k = 0; k < 3; ++k)
-      largest = std::max(largest, length(vertex(values + 9 * side * stride, stride, (k + 1) % 3) -
-                                         vertex(values + 9 * side * stride, stride, k)));
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 edge = vertex(values + 9 * side * stride, stride, (k + 1) % 3) - vertex(values + 9 * side * stride, stride, k);
+      largest = std::max(largest, dot(edge, edge));
+    }
   return largest;
 }
 
-TriangleDistance answer_of(const double* values, std::int64_t stride, double distance, const double* rows,
-                           std::int64_t row_stride) {
+/// From the middle of b to the middle of a: for pairs so close that rounding leaves no other direction.
+Vec3 centre_direction(const double* values, std::int64_t stride) {
+  Vec3 d;
+  for (int k = 0; k < 3; ++k) d += vertex(values, stride, k) - vertex(values + 9 * stride, stride, k);
+  const Vec3 n = direction_of(d);
+  return n == Vec3{} ? Vec3{0, 0, 1} : n;
+}
+
+/// From the eleven rows of batch-inl.hpp.
+TriangleDistance answer_of(const double* values, std::int64_t stride, const double* rows, std::int64_t row_stride) {
   TriangleDistance answer;
-  answer.distance = distance;
-  answer.intersecting = distance == 0;
-  answer.point_a = vertex(rows, row_stride, 0);
-  answer.point_b = vertex(rows, row_stride, 1);
-  std::tie(answer.feature_a, answer.feature_b) = decode_features(static_cast<int>(rows[9 * row_stride]));
+  answer.distance = rows[0];
+  answer.intersecting = answer.distance == 0;
+  answer.point_a = vertex(rows + 2 * row_stride, row_stride, 0);
+  answer.point_b = vertex(rows + 2 * row_stride, row_stride, 1);
+  std::tie(answer.feature_a, answer.feature_b) = decode_features(static_cast<int>(rows[row_stride]));
   if (answer.intersecting) return answer;
-  const Vec3 difference = vertex(rows, row_stride, 2);
-  if (distance < kFeatureNormalRatio * longest_edge(values, stride))
-    answer.normal = feature_normal(values, stride, answer.feature_a, answer.feature_b);
-  if (answer.normal == Vec3{}) {
-    const double size = std::max({std::abs(difference.x), std::abs(difference.y), std::abs(difference.z)});
-    if (size > 0) answer.normal = normalised((1.0 / size) * difference);
-  }
+  const double ratio = answer.distance / kFeatureNormalRatio;
+  if (ratio * ratio < longest_edge_squared(values, stride)) answer.normal = feature_normal(values, stride, answer.feature_a, answer.feature_b);
+  if (answer.normal == Vec3{}) answer.normal = direction_of(vertex(rows + 2 * row_stride, row_stride, 2));
+  if (answer.normal == Vec3{} && answer.distance > 0) answer.normal = centre_direction(values, stride);
   return answer;
 }
 
@@ -169,13 +150,12 @@ void triangle_distances(const PairBatch<float>& pairs, float* distance) {
 
 void triangle_distances(const PairBatch<double>& pairs, TriangleDistance* answers) {
   constexpr std::int64_t kBlock = 64;
-  alignas(64) double distance[kBlock];
-  alignas(64) double rows[10 * kBlock];
+  alignas(64) double rows[11 * kBlock];
   for (std::int64_t begin = 0; begin < pairs.count; begin += kBlock) {
     const std::int64_t count = std::min(kBlock, pairs.count - begin);
-    HWY_DYNAMIC_DISPATCH(solve_double_in_detail)(pairs.values + begin, pairs.stride, count, distance, rows, kBlock);
+    HWY_DYNAMIC_DISPATCH(solve_double_in_detail)(pairs.values + begin, pairs.stride, count, rows, kBlock);
     for (std::int64_t i = 0; i < count; ++i)
-      answers[begin + i] = answer_of(pairs.values + begin + i, pairs.stride, distance[i], rows + i, kBlock);
+      answers[begin + i] = answer_of(pairs.values + begin + i, pairs.stride, rows + i, kBlock);
   }
 }
 

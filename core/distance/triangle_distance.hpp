@@ -20,6 +20,9 @@ struct TriangleDistance {
   Vec3 point_a, point_b;       ///< closest points; for an intersecting pair a point of the intersection
   Vec3 normal;                 ///< unit, from b to a; from the feature when close; zero when intersecting
   Feature feature_a = Feature::face, feature_b = Feature::face;
+  /// The closed triangles have a common point, touching included: exactly when the exact distance is 0. Decided in
+  /// exact arithmetic where rounding cannot tell, so it is never set for a pair that is apart, however near. It may be
+  /// missing for a pierced sliver, whose distance is then at most 4 roundoffs * aspect * longest edge.
   bool intersecting = false;
 };
 

@@ -121,8 +121,8 @@ inline long double root(const Fraction<mpz_class>& f) {
   return static_cast<long double>(high) + static_cast<long double>(low.get_d());
 }
 
-/// Exact distance of triangles with any finite double coordinates (18: A then B), to long double.
-inline long double distance(const double c[18]) {
+/// Squared distance of triangles with any finite double coordinates (18: A then B), in units of 2^(2 unit).
+inline Fraction<mpz_class> squared_distance(const double c[18], int& unit) {
   int lowest = 4000;
   for (int i = 0; i < 18; ++i) {
     if (c[i] == 0) continue;
@@ -130,7 +130,8 @@ inline long double distance(const double c[18]) {
     std::frexp(c[i], &e);
     lowest = std::min(lowest, e - 53);
   }
-  if (lowest == 4000) return 0;
+  unit = lowest;
+  if (lowest == 4000) return {0, 1};
   Point<mpz_class> a[3], b[3];
   for (int i = 0; i < 18; ++i) {
     int e = 0;
@@ -141,7 +142,20 @@ inline long double distance(const double c[18]) {
     Point<mpz_class>* side = i < 9 ? a : b;
     side[(i % 9) / 3][static_cast<std::size_t>(i % 3)] = z;
   }
-  return std::ldexp(root(SquaredDistance<mpz_class>::of(a, b)), lowest);
+  return SquaredDistance<mpz_class>::of(a, b);
+}
+
+/// Exact distance, to long double. The coordinates within some 2^900 of each other.
+inline long double distance(const double c[18]) {
+  int unit = 0;
+  const Fraction<mpz_class> squared = squared_distance(c, unit);
+  return squared.numerator == 0 ? 0 : std::ldexp(root(squared), unit);
+}
+
+/// Whether the triangles have a common point.
+inline bool intersect(const double c[18]) {
+  int unit = 0;
+  return squared_distance(c, unit).numerator == 0;
 }
 
 }  // namespace scree::oracle

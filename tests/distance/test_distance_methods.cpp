@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <limits>
 
 #include "core/base/error.hpp"
 #include "core/distance/distance_methods.hpp"
@@ -102,6 +103,96 @@ TEST(DistanceMethods, hybrid_is_exact_and_penalty_flags_what_it_did_not_reach_in
 TEST(DistanceMethods, hybrid_is_exact_and_penalty_flags_what_it_did_not_reach_in_single) {
   check_methods<float>(6e-8, kPenaltyToleranceSingle);
 }
+
+/// Pairs and their copies with another order of the triangles and of their vertices: one distance, up to rounding.
+template <class Real>
+void check_orders(double roundoff) {
+  std::vector<Pair18> pairs, moved;
+  Random random(12);
+  for (const Pair18& p : sample(60)) {
+    const Pair18 q = permuted(p, random.integer(0, 35));
+    pairs.push_back(p);
+    moved.push_back(random.integer(0, 1) == 1 ? swapped(q) : q);
+  }
+  for (const DistanceMethod method : {DistanceMethod::brute_force, DistanceMethod::hybrid}) {
+    const Answers<Real> one = solve_with<Real>(method, pairs), other = solve_with<Real>(method, moved);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto d = static_cast<double>(one.distance[i]), e = static_cast<double>(other.distance[i]);
+      const double size = std::max(longest_edge(pairs[i]), d);
+      const double pierced_sliver = d * e == 0 && aspect(pairs[i]) > 100 ? 4 * roundoff * aspect(pairs[i]) : 0;
+      EXPECT_NEAR(d, e, std::max(10 * roundoff, pierced_sliver) * size) << i;
+      if (pierced_sliver == 0) {
+        EXPECT_EQ(d == 0, e == 0) << i;
+      }
+    }
+  }
+}
+TEST(DistanceMethods, do_not_depend_on_the_order_of_triangles_and_vertices_beyond_rounding_in_double) { check_orders<double>(1.2e-16); }
+TEST(DistanceMethods, do_not_depend_on_the_order_of_triangles_and_vertices_beyond_rounding_in_single) { check_orders<float>(6e-8); }
+
+template <class Real>
+void check_scales(const std::vector<int>& exponents) {
+  const std::vector<Pair18> pairs = sample(60);
+  for (const DistanceMethod method : {DistanceMethod::brute_force, DistanceMethod::hybrid}) {
+    const Answers<Real> reference = solve_with<Real>(method, pairs);
+    for (const int exponent : exponents) {
+      const double s = std::ldexp(1.0, exponent);
+      std::vector<Pair18> larger;
+      for (const Pair18& p : pairs) larger.push_back(scaled(p, s));
+      const Answers<Real> answers = solve_with<Real>(method, larger);
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        // what leaves the range of the type, either way, has no bits to compare
+        double least = 1e300, most = 0;
+        for (const double x : larger[i]) {
+          most = std::max(most, std::abs(x));
+          if (x != 0) least = std::min(least, std::abs(x));
+        }
+        if (least < 4 * static_cast<double>(std::numeric_limits<Real>::min()) / std::numeric_limits<Real>::epsilon()) continue;
+        if (most > static_cast<double>(std::numeric_limits<Real>::max()) / 64) continue;
+        ASSERT_EQ(answers.distance[i], static_cast<Real>(s * static_cast<double>(reference.distance[i]))) << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
+        ASSERT_EQ(answers.point(0, i), s * reference.point(0, i)) << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
+        ASSERT_EQ(answers.point(1, i), s * reference.point(1, i)) << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
+        ASSERT_EQ(features_of(static_cast<double>(answers.code[i])), features_of(static_cast<double>(reference.code[i]))) << i;
+      }
+    }
+  }
+}
+TEST(DistanceMethods, are_the_same_in_every_bit_under_scaling_by_a_power_of_two_in_double) { check_scales<double>({-400, -150, -31, 1, 31, 150, 400}); }
+TEST(DistanceMethods, are_the_same_in_every_bit_under_scaling_by_a_power_of_two_in_single) { check_scales<float>({-40, -13, -1, 7, 25, 60}); }
+
+template <class Real>
+void check_targets(double roundoff) {
+  const std::vector<Pair18> pairs = sample(60);
+  for (const DistanceMethod method : {DistanceMethod::brute_force, DistanceMethod::hybrid, DistanceMethod::penalty}) {
+    std::vector<Answers<Real>> fused, all;
+    for (const char* name : {"avx512", "avx2", "sse4", "scalar"}) {
+      try {
+        limit_simd(name);
+      } catch (const UsageError&) {
+        continue;  // not on this processor
+      }
+      all.push_back(solve_with<Real>(method, pairs));
+      if (simd_target().starts_with("AVX")) fused.push_back(all.back());
+      limit_simd("best");
+    }
+    for (std::size_t k = 1; k < fused.size(); ++k)
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        ASSERT_EQ(fused[k].distance[i], fused[0].distance[i]) << i;
+        ASSERT_EQ(fused[k].code[i], fused[0].code[i]) << i;
+        ASSERT_EQ(fused[k].point(0, i), fused[0].point(0, i)) << i;
+        ASSERT_EQ(fused[k].point(1, i), fused[0].point(1, i)) << i;
+      }
+    if (method == DistanceMethod::penalty) continue;  // Newton magnifies a roundoff; its certificate is tested above
+    for (std::size_t k = 1; k < all.size(); ++k)
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto d = static_cast<double>(all[0].distance[i]), e = static_cast<double>(all[k].distance[i]);
+        const double pierced_sliver = d * e == 0 && aspect(pairs[i]) > 100 ? 4 * roundoff * aspect(pairs[i]) : 0;
+        EXPECT_NEAR(d, e, std::max(10 * roundoff, pierced_sliver) * std::max(longest_edge(pairs[i]), d)) << i;
+      }
+  }
+}
+TEST(DistanceMethods, are_the_same_on_every_simd_target_and_bitwise_with_fused_multiply_add_in_double) { check_targets<double>(1.2e-16); }
+TEST(DistanceMethods, are_the_same_on_every_simd_target_and_bitwise_with_fused_multiply_add_in_single) { check_targets<float>(6e-8); }
 
 TEST(DistanceMethods, penalty_does_not_depend_on_the_unit_of_length) {
   const std::vector<Pair18> pairs = sample(40);
