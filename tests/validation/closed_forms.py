@@ -1,0 +1,136 @@
+"""Closed forms of VALIDATION's section 1, each with its source; nothing here knows how the solver works."""
+import math
+
+import numpy
+from scipy.integrate import solve_ivp
+from scipy.special import ellipj, ellipk, ellipkinc
+
+GRAVITY = 9.81
+
+
+# --- linear spring-dashpot without tension (Schwager and Poeschel 2007)
+def contact_duration(zeta):
+    """omega_0 t of an impact that ends when the force would pull."""
+    s = math.sqrt(abs(1 - zeta * zeta))
+    if zeta < 1:
+        return (math.pi - math.atan2(2 * zeta * s, 1 - 2 * zeta * zeta)) / s
+    return 2.0 if zeta == 1 else math.log((zeta + s) / (zeta - s)) / s
+
+
+def restitution(zeta):
+    return math.exp(-zeta * contact_duration(zeta))
+
+
+def deepest(zeta):
+    """d_max omega_0 / v_0."""
+    if zeta == 0:
+        return 1.0
+    if zeta == 1:
+        return math.exp(-1)
+    s = math.sqrt(abs(1 - zeta * zeta))
+    if zeta < 1:
+        return math.exp(-zeta / s * math.atan2(s, zeta))
+    return math.exp(-zeta / s * math.atanh(s / zeta))
+
+
+def damping_ratio(e):
+    """Inverse of restitution(), by bisection."""
+    low, high = 0.0, 60.0
+    for _ in range(200):
+        middle = (low + high) / 2
+        low, high = (middle, high) if restitution(middle) > e else (low, middle)
+    return (low + high) / 2
+
+
+def hunt_crossley_alpha(e):
+    """alpha = chi v_0 of the linear Hunt-Crossley law: alpha (1 + e) = ln((1 + alpha)/(1 - alpha e))."""
+    low, high = 1e-12, 1 / e - 1e-12
+    for _ in range(300):
+        a = (low + high) / 2
+        value = math.log((1 + a) / (1 - a * e)) - a * (1 + e)
+        low, high = (a, high) if value < 0 else (low, a)
+    return (low + high) / 2
+
+
+# --- Hertz
+def hertz_impact(mass, speed, young, radius):
+    """Largest depth, force, duration of an elastic impact; effective mass, effective modulus and effective radius."""
+    depth = (15 * mass * speed**2 / (16 * young * math.sqrt(radius))) ** 0.4
+    return depth, 4 / 3 * young * math.sqrt(radius) * depth**1.5, 2.94327518 * depth / speed
+
+
+# --- impulses of rigid bodies
+def impulse(mass, inertia, r, n, v, w, e, mu=0.0, t=None):
+    """Velocities after an impact at r (from the centre) with unit normal n into the body; gross sliding along t when mu > 0."""
+    n, r = numpy.asarray(n, float), numpy.asarray(r, float)
+    direction = n if t is None else n - mu * numpy.asarray(t, float)
+    turned = numpy.linalg.solve(inertia, numpy.cross(r, direction))
+    approach = -n @ (v + numpy.cross(w, r))
+    j = (1 + e) * approach / (n @ (direction / mass + numpy.cross(turned, r)))
+    return v + j * direction / mass, w + j * turned
+
+
+def pair_mobility(n, sides):
+    """1/m_eff of a frictionless contact between bodies [(mass, inertia, r), ...]."""
+    total = 0.0
+    for mass, inertia, r in sides:
+        c = numpy.cross(r, n)
+        total += 1 / mass + c @ numpy.linalg.solve(inertia, c)
+    return total
+
+
+def kodam(theta, diameter=8e-3, length=5e-3, density=1200.0, speed=1.0, e=0.85):
+    """Cylinder on its end rim (Kodam et al. 2010, Park 2003): v_z' and omega'. theta between axis and plane [rad]."""
+    mass = density * math.pi * diameter**2 / 4 * length
+    inertia = mass * (diameter**2 / 16 + length**2 / 12)
+    x = -length / 2 * math.cos(theta) + diameter / 2 * math.sin(theta)
+    shared = (1 + e) * speed / (inertia + mass * x * x)
+    return -speed + shared * inertia, -mass * x * shared
+
+
+# --- free rotation (Jacobi)
+def free_rotation(inertia, w0, t):
+    """Body-frame angular velocity at t for principal moments I1 < I2 < I3 and any start, by elliptic functions."""
+    I1, I2, I3 = inertia
+    w0 = numpy.asarray(w0, float)
+    energy2 = float((numpy.asarray(inertia) * w0**2).sum())
+    L2 = float(((numpy.asarray(inertia) * w0) ** 2).sum())
+    swap = L2 < energy2 * I2
+    if swap:  # exchange the roles of axes 1 and 3
+        I1, I3 = I3, I1
+        w0 = w0[::-1]
+    A1 = math.sqrt((energy2 * I3 - L2) / (I1 * (I3 - I1)))
+    A2 = math.sqrt((energy2 * I3 - L2) / (I2 * (I3 - I2)))
+    A3 = math.sqrt((L2 - energy2 * I1) / (I3 * (I3 - I1)))
+    rate = math.sqrt((I3 - I2) * (L2 - energy2 * I1) / (I1 * I2 * I3))
+    m = (I2 - I1) * (energy2 * I3 - L2) / ((I3 - I2) * (L2 - energy2 * I1))
+    s1, s3 = (1.0 if w0[0] >= 0 else -1.0), (1.0 if w0[2] >= 0 else -1.0)
+    s2 = s1 * s3  # Euler's equations fix the third sign, also after the exchange, which is a reflection
+    sine, cosine = w0[1] / (A2 * s2), w0[0] / (A1 * s1)
+    u0 = ellipkinc(math.atan2(sine, cosine), m)
+    sn, cn, dn, _ = ellipj(rate * t + u0, m)
+    w = numpy.array([s1 * A1 * cn, s2 * A2 * sn, s3 * A3 * dn])
+    return (w[::-1] if swap else w), 4 * ellipk(m) / rate
+
+
+def free_orientation(inertia, w0, t):
+    """Orientation of a free body (w x y z) by an integration of high order; for times without a printed value."""
+    I = numpy.asarray(inertia, float)
+
+    def rate(_, y):
+        q, w = y[:4], y[4:]
+        dq = 0.5 * numpy.array([-q[1:] @ w, *(q[0] * w + numpy.cross(q[1:], w))])
+        return numpy.concatenate([dq, -numpy.cross(w, I * w) / I])
+    s = solve_ivp(rate, [0, t], [1, 0, 0, 0, *w0], method="DOP853", rtol=3e-14, atol=1e-14)
+    return s.y[:4, -1] / numpy.linalg.norm(s.y[:4, -1])
+
+
+# --- Housner's rocking block
+def housner_quarter(alpha, p, fraction):
+    """Time from rest at theta = fraction alpha to upright, and the speed there: theta'' = -p^2 sin(alpha - theta)."""
+    def upright(_, y):
+        return y[0]
+    upright.terminal = True
+    s = solve_ivp(lambda _, y: [y[1], -p * p * math.sin(alpha - y[0])], [0, 100], [fraction * alpha, 0.0], events=upright,
+                  rtol=1e-12, atol=1e-14)
+    return s.t_events[0][0], abs(s.y_events[0][0][1])
