@@ -58,7 +58,9 @@ double gap_between(const PlacedBody& a, const PlacedBody& b, double upper_bound,
     Vec3 nearest;
     std::int32_t triangle = -1;
     const double reach = (upper_bound + sphere.rounding()) / mesh.scale;
-    gap = mesh.scale * point_mesh_distance(view_of(mesh), local_point(mesh, sphere.position), reach, nearest, triangle) - sphere.rounding();
+    const double found = point_mesh_distance(view_of(mesh), local_point(mesh, sphere.position), reach, nearest, triangle);
+    // nothing within reach: the bound itself, since (bound + radius) - radius may round to less than the bound
+    if (triangle >= 0) gap = mesh.scale * found - sphere.rounding();
   } else {
     const Placement placement = relative_placement(a.position, a.orientation, a.scale, b.position, b.orientation, b.scale);
     gap = a.scale * mesh_distance(view_of(a), view_of(b), placement, upper_bound / a.scale, scratch);
