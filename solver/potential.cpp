@@ -125,7 +125,8 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         spring.force = s;
       }
       spring.force -= (kappa * friction_dt) * vt;
-      const double limit = law.friction * normal[j], sliding = law.friction_sliding * normal[j];
+      // of the force that acts, damping included: only then is a sliding impact's impulse mu times the normal one
+      const double limit = law.friction * damped, sliding = law.friction_sliding * damped;
       const double stretched = length(spring.force);
       bool slides = stretched > limit;
       if (slides) spring.force *= sliding / stretched;

@@ -50,8 +50,6 @@ class TwoBodies {
     m.b_to_a = matrix_of(to_a * body[1].q);
     PairForce f = pair_force(features, prepared_->law(0, 0), m, dt, dt, springs_, &outputs);
     last_ = f;
-    largest_normal = 0;
-    for (const ContactFeature& c : features) largest_normal = std::max(largest_normal, kNormalBound * f.elastic / c.depth);
     return f;
   }
   /// Puts a body where its file says: origin of the file at `origin`, its axes turned by `turn`.
@@ -120,10 +118,8 @@ class TwoBodies {
   Vec3 gravity;               // on A only [m/s^2]
   std::vector<ContactFeature> features;
   std::vector<ContactOutput> outputs;
-  double largest_normal = 0;  // bound of any single elastic feature force
 
  private:
-  static constexpr double kNormalBound = 2;  // f_j d_j <= sum f_j d_j = k D^2 = 2 U
   Scene scene_;
   std::unique_ptr<SolverScene> prepared_;
   double margin_;
