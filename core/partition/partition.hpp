@@ -1,33 +1,37 @@
-// Recursive coordinate bisection of weighted points, by Zoltan, behind one small interface.
+// Cuts weighted bodies into parts, by Zoltan, behind one small interface.
 #pragma once
 
 #include <mpi.h>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "core/geometry/vec3.hpp"
+#include "core/partition/cut_boxes.hpp"
 
 namespace scree {
 
-/// Leaf boxes of a bisection: box r belongs to rank r. Outer sides are +-1e300.
-struct CutBoxes {
-  std::vector<Vec3> lower, upper;
-  int rank_of(const Vec3& point) const;   ///< lower sides inclusive, so that every point has one owner
-  /// Ranks whose box comes within `reach` of the given point box, ascending.
-  void ranks_touching(const Vec3& box_lower, const Vec3& box_upper, std::vector<int>& ranks) const;
+/// How bodies are shared out. Measured side by side in docs/scaling.md; the default is the first.
+enum class CutMethod {
+  rcb,    ///< recursive coordinate bisection: boxes
+  rib,    ///< recursive inertial bisection: planes across the longest principal axis
+  hsfc,   ///< runs of a Hilbert curve through an octree
+  body,   ///< runs of ids, wherever the bodies are: the seed's way, for comparison
 };
+const std::vector<std::string>& cut_method_names();
+std::string cut_method_name(CutMethod method);
+/// Throws UsageError that names the nearest method.
+CutMethod cut_method_of(const std::string& name);
 
 /// Cuts points into as many parts as `parts` says. Collective over the communicator; every rank gives its own
 /// points (possibly none). Cut directions are locked and cuts kept, so that a small motion of the points moves
-/// few of them. Every rank receives all boxes, in an order that is a function of the geometry only (the same
+/// few of them. Every rank receives the whole cut, in an order that is a function of the geometry only (the same
 /// for any number of ranks that call).
 class Partitioner {
  public:
-  explicit Partitioner(MPI_Comm communicator, int parts);
+  explicit Partitioner(MPI_Comm communicator, int parts, CutMethod method = CutMethod::rcb);
   ~Partitioner();
   Partitioner(const Partitioner&) = delete;
   Partitioner& operator=(const Partitioner&) = delete;
@@ -35,15 +39,17 @@ class Partitioner {
   /// in   ids       global, unique
   /// in   points    [m]
   /// in   weights   predicted or measured work, > 0
+  /// out  boxes     of the parts for rcb, and for rib and hsfc where so few points are cut by boxes; else none
   /// Throws SystemError when Zoltan fails.
   CutBoxes cut(std::span<const std::int64_t> ids, std::span<const Vec3> points, std::span<const double> weights);
+
+  /// Part of a body by the last cut, the same on every rank.
+  /// Cost: O(parts) for boxes, O(log parts) else.   Threads: one at a time.
+  int part_of(std::int64_t id, const Vec3& point) const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Largest over mean of the weights per part.   1 when all weights are zero.
-double imbalance(std::span<const double> work_per_part);
 
 }  // namespace scree
