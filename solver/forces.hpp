@@ -13,9 +13,10 @@ namespace scree {
 /// surface unseen. Pairs without margin (analytic spheres) have no such limit.
 inline constexpr double kStopDepthRatio = 0.97;
 
-/// Scratch memory of each thread.
+/// Scratch memory of each thread, and of a step whose pairs are timed.
 struct ForceScratch {
   std::vector<MeshDistanceScratchPtr> distance;   ///< one per thread
+  std::vector<float> pair_seconds;                ///< when not empty, one per pair: evaluate_pairs fills in what each took
   ForceScratch();
 };
 

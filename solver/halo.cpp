@@ -1,6 +1,7 @@
 #include "solver/halo.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace scree {
 
@@ -12,20 +13,50 @@ struct SpringRecord {
   FrictionSpring spring;
 };
 
+/// Distance along one axis between two intervals, in a domain of that period (0: not periodic).
+double gap_along(double lower_a, double upper_a, double lower_b, double upper_b, double period) {
+  const auto gap = [&](double shift) { return std::max({0.0, lower_a + shift - upper_b, lower_b - upper_a - shift}); };
+  return period > 0 ? std::min({gap(0), gap(period), gap(-period)}) : gap(0);
+}
+
+double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, const Vec3& period) {
+  double squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double gap = gap_along(lower_a[k], upper_a[k], b.lower[k], b.upper[k], period[k]);
+    squared += gap * gap;
+  }
+  return squared;
+}
+
 }  // namespace
 
-Halo::Halo(const mpi::Communicator& comm, CutBoxes regions) : comm_(comm), regions_(std::move(regions)) {
-  if (comm_.size() == 1) {
-    constexpr double kEverywhere = 1e300;
-    regions_.lower = {Vec3{-kEverywhere, -kEverywhere, -kEverywhere}};
-    regions_.upper = {Vec3{kEverywhere, kEverywhere, kEverywhere}};
+Halo::Halo(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options, CutBoxes first_cut)
+    : comm_(comm), options_(options) {
+  if (options.cut == CutMethod::rcb) first_cut_ = std::move(first_cut);
+  if (comm_.size() == 1) first_cut_ = whole_space_first(1);
+  regions_ = first_cut_;
+  const BodyTable& bodies = scene.source().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    largest_radius_ = std::max(largest_radius_, bodies.scale[b] * scene.shape(bodies.shape[b]).radius);
+  }
+  const Domain& domain = scene.source().settings.domain;
+  for (int k = 0; k < 3; ++k) {
+    if (domain.periodic[static_cast<std::size_t>(k)]) period_[k] = domain.upper[k] - domain.lower[k];
   }
 }
 
-void Halo::rebalance(const ParticleSet& p) {
-  if (comm_.size() == 1) return;
-  if (!partitioner_) partitioner_ = std::make_unique<Partitioner>(comm_.get(), comm_.size());
-  regions_ = partitioner_->cut(std::span(p.id).first(p.owned), std::span(p.x).first(p.owned), std::span(p.work).first(p.owned));
+double Halo::rebalance(const ParticleSet& p, std::span<const double> work) {
+  if (comm_.size() == 1) return 1;
+  if (!partitioner_) partitioner_ = std::make_unique<Partitioner>(comm_.get(), comm_.size(), options_.cut);
+  regions_ = partitioner_->cut(std::span(p.id).first(p.owned), std::span(p.x).first(p.owned), work);
+  std::vector<double> of_rank(static_cast<std::size_t>(comm_.size()));
+  for (std::size_t i = 0; i < p.owned; ++i) of_rank[static_cast<std::size_t>(owner_of(p.id[i], p.x[i]))] += work[i];
+  comm_.sum(of_rank);
+  return imbalance(of_rank);
+}
+
+int Halo::owner_of(std::int64_t id, const Vec3& x) const {
+  return partitioner_ ? partitioner_->part_of(id, x) : first_cut_.rank_of(x);
 }
 
 std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& list) {
@@ -36,7 +67,7 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
   std::vector<int> owner(p.owned);
   std::vector<std::vector<ParticleRecord>> bodies(ranks);
   for (std::size_t i = 0; i < p.owned; ++i) {
-    owner[i] = regions_.rank_of(p.x[i]);
+    owner[i] = owner_of(p.id[i], p.x[i]);
     if (owner[i] != comm_.rank()) bodies[static_cast<std::size_t>(owner[i])].push_back(record_of(p, i));
   }
   // The springs of every pair of a leaving body go with it; our own copy stays while we own the partner.
@@ -63,6 +94,11 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
     ++kept;
   }
   p.resize(kept);
+  const auto count_sent = [&](const auto& blocks) {
+    for (const auto& block : blocks) traffic_.renewal_bytes += static_cast<std::int64_t>(block.size() * sizeof(block[0]));
+  };
+  count_sent(bodies);
+  count_sent(springs);
   for (const auto& block : comm_.exchange(bodies)) {
     for (const ParticleRecord& record : block) append_record(p, record, scene);
   }
@@ -77,13 +113,24 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
   return left;
 }
 
+std::vector<int> Halo::possible_neighbours(double reach) const {
+  // A periodic domain joins its outer parts, which have no outer side: there every rank asks every other, as it does when the
+  // parts are no boxes.
+  const bool by_boxes = !regions_.lower.empty() && period_ == Vec3{};
+  std::vector<int> ranks;
+  for (int r = 0; r < comm_.size(); ++r) {
+    if (r == comm_.rank()) continue;
+    if (!by_boxes || regions_.are_within(static_cast<std::size_t>(comm_.rank()), static_cast<std::size_t>(r), reach)) ranks.push_back(r);
+  }
+  return ranks;
+}
+
 void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
   p.resize(p.owned);
   neighbours_.clear();
   if (comm_.size() == 1) return;
-  const auto ranks = static_cast<std::size_t>(comm_.size());
 
-  // the box of everything that each rank owns, bounding spheres and their share of margin and skin included
+  // the box of everything that this rank owns, bounding spheres and their share of margin and skin included
   const double own_reach = scene.margin() + 0.5 * skin;
   Box3 box;
   for (std::size_t i = 0; i < p.owned; ++i) {
@@ -91,34 +138,41 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
     box.add(p.x[i] - Vec3{r, r, r});
     box.add(p.x[i] + Vec3{r, r, r});
   }
-  std::vector<Box3> boxes(ranks);
-  static_assert(sizeof(Box3) == 6 * sizeof(double));
-  MPI_Allgather(&box, 6, MPI_DOUBLE, boxes.data(), 6, MPI_DOUBLE, comm_.get());
+  // Both sides of a pair of ranks must take each other for possible neighbours: the reach is that of the largest body anywhere.
+  const std::vector<int> possible = possible_neighbours(2 * (largest_radius_ + own_reach));
+  const auto boxes = comm_.exchange(std::span<const int>(possible), std::vector<std::vector<Box3>>(possible.size(), {box}));
 
-  std::vector<std::vector<ParticleRecord>> outgoing(ranks);
-  std::vector<std::vector<std::int32_t>> rows(ranks);
-  for (std::size_t r = 0; r < ranks; ++r) {
-    if (static_cast<int>(r) == comm_.rank() || boxes[r].is_empty()) continue;
+  std::vector<int> ranks;
+  std::vector<std::vector<ParticleRecord>> outgoing;
+  std::vector<std::vector<std::int32_t>> rows;
+  for (std::size_t n = 0; n < possible.size(); ++n) {
+    const Box3& theirs = boxes[n][0];
+    if (box.is_empty() || theirs.is_empty() || squared_gap(box.lower, box.upper, theirs, period_) > 0) continue;
+    ranks.push_back(possible[n]);
+    auto& records = outgoing.emplace_back();
+    auto& own_rows = rows.emplace_back();
     for (std::size_t i = 0; i < p.owned; ++i) {
       const double reach = p.radius[i] + own_reach;
-      const Vec3 nearest = component_min(component_max(p.x[i], boxes[r].lower), boxes[r].upper);
-      if (squared_length(p.x[i] - nearest) >= reach * reach) continue;
-      outgoing[r].push_back(record_of(p, i));
-      rows[r].push_back(static_cast<std::int32_t>(i));
+      if (options_.selection == HaloSelection::selected && squared_gap(p.x[i], p.x[i], theirs, period_) >= reach * reach) continue;
+      records.push_back(record_of(p, i));
+      own_rows.push_back(static_cast<std::int32_t>(i));
     }
+    traffic_.renewal_bytes += static_cast<std::int64_t>(records.size() * sizeof(ParticleRecord));
   }
-  const auto incoming = comm_.exchange(outgoing);
-  for (std::size_t r = 0; r < ranks; ++r) {
-    if (rows[r].empty() && incoming[r].empty()) continue;
-    Neighbour neighbour{static_cast<int>(r), std::move(rows[r]), p.size(), incoming[r].size(), {}, {}};
+  const auto incoming = comm_.exchange(std::span<const int>(ranks), outgoing);
+  for (std::size_t n = 0; n < ranks.size(); ++n) {
+    if (rows[n].empty() && incoming[n].empty()) continue;
+    Neighbour neighbour{ranks[n], std::move(rows[n]), p.size(), incoming[n].size(), {}, {}};
     neighbour.send_buffer.resize(neighbour.send_rows.size());
     neighbour.receive_buffer.resize(neighbour.ghost_count);
-    for (const ParticleRecord& record : incoming[r]) append_record(p, record, scene);
+    for (const ParticleRecord& record : incoming[n]) append_record(p, record, scene);
     neighbours_.push_back(std::move(neighbour));
   }
 }
 
-void Halo::start_refresh(const ParticleSet& p) {
+void Halo::start_refresh(const ParticleSet& p, PhaseTimes& times) {
+  if (neighbours_.empty()) return;
+  const PhaseTimer timer(times, Phase::halo);
   requests_.clear();
   constexpr int kTag = 23;
   for (Neighbour& n : neighbours_) {
@@ -134,13 +188,19 @@ void Halo::start_refresh(const ParticleSet& p) {
     }
     const auto bytes = static_cast<int>(n.send_rows.size() * sizeof(GhostState));
     MPI_Isend(n.send_buffer.data(), bytes, MPI_BYTE, n.rank, kTag, comm_.get(), &requests_.emplace_back());
+    ++traffic_.messages;
+    traffic_.bytes += bytes;
   }
 }
 
-void Halo::finish_refresh(ParticleSet& p) {
+void Halo::finish_refresh(ParticleSet& p, PhaseTimes& times) {
   if (requests_.empty()) return;
-  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  {
+    const PhaseTimer timer(times, Phase::wait);
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  }
   requests_.clear();
+  const PhaseTimer timer(times, Phase::halo);
   for (const Neighbour& n : neighbours_) {
     for (std::size_t k = 0; k < n.ghost_count; ++k) {
       const std::size_t i = n.first_ghost + k;

@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
     RunOptions options;
     options.command = command_words(argc, argv);
     bool plan = false;
-    std::string halo = "overlap", simd = "best";
+    std::string halo = "overlap", send = "selected", cut = "rcb", simd = "best";
     const auto app = make_command_line(
         "scree-solver", "Moves the bodies of a scene by the discrete element method.",
         {{"mpirun -n 2 scree-solver drum.scene.h5 -o drum.run", "run a scene on two ranks"},
@@ -46,6 +46,8 @@ int main(int argc, char** argv) {
     app->add_flag("--plan", plan, "print what would be done, and stop");
     app->add_option("--restart", options.restart, "checkpoint file, or 'latest' of the run folder");
     app->add_option("--halo", halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
+    app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")->check(CLI::IsMember({"selected", "all"}));
+    app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")->check(CLI::IsMember(cut_method_names()));
     app->add_option("--simd", simd, "best | avx512 | avx2 | sse4 | scalar");
     bool go_on = false;
     mpi::on_root(comm, [&] { go_on = parse_command_line(*app, argc, argv); });
@@ -54,7 +56,8 @@ int main(int argc, char** argv) {
     if (flag == 0) return 0;
     if (comm.rank() != 0) parse_command_line(*app, argc, argv);
     limit_simd(simd);
-    options.halo = halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap;
+    options.parallel = {halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,
+                        send == "all" ? HaloSelection::all : HaloSelection::selected, cut_method_of(cut)};
     if (options.run_folder.empty()) {
       std::string name = options.scene_path;
       for (const char* ending : {".h5", ".scene"}) {
@@ -71,7 +74,7 @@ int main(int argc, char** argv) {
       std::unique_ptr<SolverScene> prepared;
       mpi::on_root(comm, [&] { prepared = std::make_unique<SolverScene>(scene); });
       if (!prepared) prepared = std::make_unique<SolverScene>(scene);
-      Simulation simulation(comm, *prepared, options.halo);
+      Simulation simulation(comm, *prepared, options.parallel);
       simulation.start_from_scene();
       const std::string text = plan_text(comm, *prepared, simulation);
       if (comm.rank() == 0) std::fputs(text.c_str(), stdout);

@@ -91,8 +91,9 @@ double Simulation::take_max_depth_ratio() {
 }
 
 double Simulation::take_imbalance() {
-  const double mean = comm_.sum(compute_time_) / comm_.size(), largest = comm_.max(compute_time_);
-  compute_time_ = 0;
+  const double since = balance_.computing() - computed_before_;
+  computed_before_ = balance_.computing();
+  const double mean = comm_.sum(since) / comm_.size(), largest = comm_.max(since);
   return mean > 0 ? largest / mean : 1;
 }
 

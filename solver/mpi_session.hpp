@@ -3,7 +3,10 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <functional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -33,29 +36,48 @@ class Communicator {
   double sum(double value) const;
   double max(double value) const;
   std::int64_t sum(std::int64_t value) const;
+  /// Sums entry by entry, the same bits on every rank.
+  void sum(std::vector<double>& values) const;
 
-  /// Sends element block r of `outgoing` to rank r; returns what came, by sender. T is plain data.
+  /// Sends element block r of `outgoing` to rank r; returns what came, by sender. T is plain data. Collective, but ranks that
+  /// have nothing for each other exchange nothing.
   template <class T>
   std::vector<std::vector<T>> exchange(const std::vector<std::vector<T>>& outgoing) const {
-    std::vector<std::vector<char>> raw(outgoing.size());
-    for (std::size_t r = 0; r < outgoing.size(); ++r) {
-      const char* first = reinterpret_cast<const char*>(outgoing[r].data());
-      raw[r].assign(first, first + outgoing[r].size() * sizeof(T));
-    }
-    const std::vector<std::vector<char>> received = exchange_bytes(raw);
-    std::vector<std::vector<T>> result(received.size());
-    for (std::size_t r = 0; r < received.size(); ++r) {
-      result[r].resize(received[r].size() / sizeof(T));
-      std::copy(received[r].begin(), received[r].end(), reinterpret_cast<char*>(result[r].data()));
-    }
-    return result;
+    return typed_blocks<T>(exchange_bytes(byte_blocks(outgoing)));
+  }
+
+  /// Sends block n to rank partners[n] and returns its answer. The partners must name this rank likewise; nobody else takes part.
+  template <class T>
+  std::vector<std::vector<T>> exchange(std::span<const int> partners, const std::vector<std::vector<T>>& outgoing) const {
+    return typed_blocks<T>(exchange_with(partners, byte_blocks(outgoing)));
   }
 
  private:
+  template <class T>
+  static std::vector<std::vector<char>> byte_blocks(const std::vector<std::vector<T>>& blocks) {
+    std::vector<std::vector<char>> raw(blocks.size());
+    for (std::size_t r = 0; r < blocks.size(); ++r) {
+      const char* first = reinterpret_cast<const char*>(blocks[r].data());
+      raw[r].assign(first, first + blocks[r].size() * sizeof(T));
+    }
+    return raw;
+  }
+  template <class T>
+  static std::vector<std::vector<T>> typed_blocks(const std::vector<std::vector<char>>& raw) {
+    std::vector<std::vector<T>> blocks(raw.size());
+    for (std::size_t r = 0; r < raw.size(); ++r) {
+      blocks[r].resize(raw[r].size() / sizeof(T));
+      std::copy(raw[r].begin(), raw[r].end(), reinterpret_cast<char*>(blocks[r].data()));
+    }
+    return blocks;
+  }
   std::vector<std::vector<char>> exchange_bytes(const std::vector<std::vector<char>>& outgoing) const;
+  std::vector<std::vector<char>> exchange_with(std::span<const int> partners, const std::vector<std::vector<char>>& outgoing) const;
+  int message_size(std::size_t bytes) const;
 
   MPI_Comm handle_ = MPI_COMM_NULL;
   int rank_ = 0, size_ = 1;
+  mutable unsigned exchanges_ = 0;   // so far, the same on every rank
 };
 
 /// Runs `action` on rank 0 alone; when it throws, every rank throws the same error (only rank 0's is printed).

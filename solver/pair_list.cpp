@@ -33,7 +33,8 @@ bool near_zone(const SolverScene& scene, const WallZone& zone, const WallState& 
 
 }  // namespace
 
-void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin) {
+void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
+                       PhaseTimes& times) {
   const double margin = scene.margin();
   std::vector<double> reach(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + margin + 0.5 * skin;
@@ -73,7 +74,10 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   for (auto& mine : found) {
     for (BodyPair& pair : mine) next.push_back(std::move(pair));
   }
-  std::sort(next.begin(), next.end(), [](const BodyPair& l, const BodyPair& r) { return l.key < r.key; });
+  {
+    const PhaseTimer timer(times, Phase::sort);
+    std::sort(next.begin(), next.end(), [](const BodyPair& l, const BodyPair& r) { return l.key < r.key; });
+  }
 
   // keep what known pairs hold
   std::sort(pending_.begin(), pending_.end(), [](const PendingSprings& l, const PendingSprings& r) { return l.key < r.key; });
@@ -95,18 +99,20 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
 
   inner_.clear();
   outer_.clear();
+  twice_.clear();
   std::vector<std::tuple<std::int32_t, PairKey, std::int32_t>> sides;  // row, (partner first) key, entry
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const BodyPair& pair = pairs_[k];
     const auto a = static_cast<std::size_t>(pair.a);
-    const bool ghost = a >= p.owned || (pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned);
-    (ghost ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
+    const bool ghost_b = pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned;
+    (a >= p.owned ? twice_ : ghost_b ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
     const auto entry = static_cast<std::int32_t>(2 * k);
     if (a < p.owned) sides.emplace_back(pair.a, PairKey{pair.key.b, pair.key.a, pair.key.zone}, entry);
     if (pair.b >= 0 && static_cast<std::size_t>(pair.b) < p.owned) {
       sides.emplace_back(pair.b, PairKey{pair.key.a, pair.key.b, pair.key.zone}, entry + 1);
     }
   }
+  const PhaseTimer timer(times, Phase::sort);
   std::sort(sides.begin(), sides.end());
   start_.assign(p.owned + 1, 0);
   entry_.clear();

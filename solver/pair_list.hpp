@@ -9,6 +9,7 @@
 
 #include "core/search/multilevel_grid.hpp"
 #include "solver/particle_set.hpp"
+#include "solver/phases.hpp"
 #include "solver/potential.hpp"
 
 namespace scree {
@@ -47,16 +48,18 @@ class PairList {
  public:
   /// Lists all pairs that can touch while no body moves further than `skin / 2`, keeps what known pairs hold, and
   /// hands pending springs to theirs. Pairs of two fixed bodies and of two ghosts are left out.
-  void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin);
+  void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin, PhaseTimes& times);
 
   std::vector<BodyPair>& pairs() { return pairs_; }
   const std::vector<BodyPair>& pairs() const { return pairs_; }
   std::vector<PairResult>& results() { return results_; }
   const std::vector<PairResult>& results() const { return results_; }
   std::vector<PendingSprings>& pending() { return pending_; }
-  /// Indices of pairs among owned bodies and walls, then of pairs with a ghost.
+  /// Indices of pairs among owned bodies and walls; of pairs with a ghost that this rank counts; and of those that the ghost's
+  /// owner counts, and computes too.
   const std::vector<std::int32_t>& inner() const { return inner_; }
   const std::vector<std::int32_t>& outer() const { return outer_; }
+  const std::vector<std::int32_t>& twice() const { return twice_; }
 
   /// Adds up what the pairs did to each owned body, in ascending order of partner: the same bits for any number of
   /// threads and ranks. Gravity included.
@@ -69,7 +72,7 @@ class PairList {
   std::vector<BodyPair> pairs_;
   std::vector<PairResult> results_;
   std::vector<PendingSprings> pending_;
-  std::vector<std::int32_t> inner_, outer_;
+  std::vector<std::int32_t> inner_, outer_, twice_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order
   std::vector<std::int32_t> start_, entry_;
   MultilevelGrid grid_;

@@ -1,5 +1,6 @@
 // When the body lists are used up, and their renewal: the cut, migration, ghosts, pairs.
 #include <algorithm>
+#include <cmath>
 
 #include "solver/simulation.hpp"
 
@@ -11,36 +12,69 @@ namespace {
 // more pairs. It never changes a result.
 constexpr double kListSteps = 40;
 constexpr double kSmallestListSkin = 0.02, kLargestListSkin = 0.5;  // of the smallest radius
-// A cut costs about as much as tens of steps: not more often than this, and only for a real gain.
-constexpr std::int64_t kStepsBetweenCuts = 500;
-constexpr double kCutThreshold = 1.10;
+
+// Ranks learn one step late that one of them needs new lists, so a rank asks for them while they still hold for a step that
+// it has not computed. The next displacement is dt v + dt^2 a with an acceleration that is known from the last step only:
+// its share counts twice, and this part of the skin stays in hand. A contact of N steps changes a displacement by at most
+// (pi / N)^2 of the one before it, 2.5 % for N = 20; below kFewSteps the ranks agree at once instead.
+constexpr double kSkinInHand = 0.2;
+constexpr double kVelocityShare = 1.25, kAccelerationShare = 2;
 
 }  // namespace
 
-bool Simulation::lists_used_up() const {
-  double limit = 0.5 * skin_;
-  double walls_moved = 0;
-  if (scene_.has_driven_walls()) {
+double Simulation::walls_moved(const std::vector<WallState>& walls) const {
+  if (!scene_.has_driven_walls()) return 0;
+  double moved = 0;
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const Quat turn = conjugate(walls_listed_[k].orientation) * walls[k].orientation;
+    const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
     double farthest = 0;
-    for (std::size_t i = 0; i < p_.owned; ++i) {
-      for (const WallState& w : walls_) farthest = std::max(farthest, length(p_.x[i] - w.position) + p_.radius[i]);
+    for (std::size_t i = 0; i < p_.owned && chord > 0; ++i) {
+      farthest = std::max(farthest, length(p_.x[i] - walls[k].position) + p_.radius[i]);
     }
-    for (std::size_t k = 0; k < walls_.size(); ++k) {
-      const Quat turn = conjugate(walls_listed_[k].orientation) * walls_[k].orientation;
-      const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
-      walls_moved = std::max(walls_moved, length(walls_[k].position - walls_listed_[k].position) + chord * farthest);
-    }
+    moved = std::max(moved, length(walls[k].position - walls_listed_[k].position) + chord * farthest);
   }
-  if (walls_moved > limit) return true;
-  bool used = false;
+  return moved;
+}
+
+double Simulation::fastest_wall() const {
+  double fastest = 0;
+  for (const WallState& w : walls_) {
+    double farthest = 0;
+    for (std::size_t i = 0; i < p_.owned && length(w.angular_velocity) > 0; ++i) {
+      farthest = std::max(farthest, length(p_.x[i] - w.position) + p_.radius[i]);
+    }
+    fastest = std::max(fastest, length(w.velocity) + farthest * length(w.angular_velocity));
+  }
+  return fastest;
+}
+
+StepNews Simulation::look_at_lists() {
+  const double limit = 0.5 * skin_, dt = step_size_.step;
+  bool beyond = walls_moved(walls_) > limit, soon = beyond;
+  if (looks_ahead_ && scene_.has_driven_walls()) {
+    std::vector<WallState> next;
+    for (const Wall& wall : scene_.source().walls) next.push_back(wall_state(wall, time() + dt));
+    soon = soon || walls_moved(next) > limit;
+  }
+  double fastest = 0;
+  const double ask = looks_ahead_ ? (1 - kSkinInHand) * limit : limit;
+  const double ahead_v = looks_ahead_ ? kVelocityShare * dt : 0, ahead_a = looks_ahead_ ? kAccelerationShare * dt * dt : 0;
   const auto count = static_cast<std::ptrdiff_t>(p_.owned);
-#pragma omp parallel for schedule(static) reduction(|| : used)
+#pragma omp parallel for schedule(static) reduction(|| : beyond, soon) reduction(max : fastest)
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     const auto i = static_cast<std::size_t>(n);
+    const double moved = length(p_.x[i] - p_.x_listed[i]), speed = length(p_.v[i]);
     // written so that a NaN position counts as used up, and is then found by the guard
-    if (!(squared_length(p_.x[i] - p_.x_listed[i]) <= limit * limit)) used = true;
+    if (!(moved <= limit)) beyond = true;
+    if (!(moved + ahead_v * speed + ahead_a * p_.inverse_mass[i] * length(p_.force[i]) <= ask)) soon = true;
+    fastest = std::max(fastest, speed);
   }
-  return used;
+  StepNews news;
+  news.renew = beyond || soon ? 1 : 0;
+  news.fastest = std::max(fastest, fastest_wall());
+  lists_overrun_ = beyond;
+  return news;
 }
 
 void Simulation::check_domain() {
@@ -60,9 +94,16 @@ void Simulation::check_domain() {
   }
 }
 
-void Simulation::renew_lists() {
+void Simulation::cut_anew() {
+  const auto start = std::chrono::steady_clock::now();
+  const double expected = halo_->rebalance(p_, balance_.work_of_bodies(p_));
+  migrated_ += halo_->migrate(scene_, p_, pairs_);
+  balance_.note_cut(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), expected, p_);
+}
+
+void Simulation::renew_lists(const StepNews& news) {
   {
-    PhaseTimer timer(times_, Phase::migrate);
+    const PhaseTimer timer(times_, Phase::migrate);
     std::unique_ptr<Error> error = std::move(failure_);
     try {
       if (!error) check_domain();
@@ -70,47 +111,30 @@ void Simulation::renew_lists() {
       error = std::make_unique<Error>(e);
     }
     mpi::agree(comm_, error.get());
-    if (comm_.size() > 1) {
-      // measured work of a body: what its pairs keep and look at
-      std::fill(p_.work.begin(), p_.work.end(), 1.0);
-      for (const BodyPair& pair : pairs_.pairs()) {
-        const double work = 0.5 + 0.02 * static_cast<double>(pair.lists.corners_a.size() + pair.lists.corners_b.size() +
-                                                             2 * pair.lists.edges.size());
-        p_.work[static_cast<std::size_t>(pair.a)] += work;
-        if (pair.b >= 0) p_.work[static_cast<std::size_t>(pair.b)] += work;
-      }
-      double mine = 0;
-      for (std::size_t i = 0; i < p_.owned; ++i) mine += p_.work[i];
-      const double mean = comm_.sum(mine) / comm_.size();
-      const double largest = comm_.max(mine);
-      const bool due = step_ - last_cut_step_ >= kStepsBetweenCuts && largest > kCutThreshold * mean;
-      if (due) {
-        halo_->rebalance(p_);
-        last_cut_step_ = step_;
-        ++cuts_;
-      }
+    if (balance_.is_cut_due(news)) {
+      cut_anew();
+      ++cuts_;
+    } else {
+      migrated_ += halo_->migrate(scene_, p_, pairs_);
     }
-    migrated_ += halo_->migrate(scene_, p_, pairs_);
-    double fastest = 0, smallest = 1e300;
-    for (std::size_t i = 0; i < p_.owned; ++i) {
-      fastest = std::max(fastest, length(p_.v[i]));
-      smallest = std::min(smallest, p_.radius[i]);
-    }
-    for (const WallState& w : walls_) fastest = std::max(fastest, length(w.velocity));
-    fastest = comm_.max(fastest);
-    smallest = -comm_.max(-smallest);
-    skin_ = std::clamp(2 * kListSteps * fastest * step_size_.step, kSmallestListSkin * smallest, kLargestListSkin * smallest);
+    skin_ = std::clamp(2 * kListSteps * news.fastest * step_size_.step, kSmallestListSkin * smallest_radius_,
+                       kLargestListSkin * smallest_radius_);
     halo_->make_ghosts(scene_, p_, skin_);
   }
-  PhaseTimer timer(times_, Phase::search);
-  pairs_.rebuild(scene_, p_, walls_, skin_);
-  wall_pairs_.clear();
-  for (std::size_t k = 0; k < pairs_.pairs().size(); ++k) {
-    if (pairs_.pairs()[k].key.zone >= 0) wall_pairs_.push_back(static_cast<std::int32_t>(k));
+  const double sorted = times_[static_cast<std::size_t>(Phase::sort)];
+  {
+    const PhaseTimer timer(times_, Phase::search);
+    const WorkTimer work(balance_.computing(), comm_.size() > 1 ? 1 : 0);
+    pairs_.rebuild(scene_, p_, walls_, skin_, times_);
+    wall_pairs_.clear();
+    for (std::size_t k = 0; k < pairs_.pairs().size(); ++k) {
+      if (pairs_.pairs()[k].key.zone >= 0) wall_pairs_.push_back(static_cast<std::int32_t>(k));
+    }
+    std::copy(p_.x.begin(), p_.x.end(), p_.x_listed.begin());
+    walls_listed_ = walls_;
+    ++renewals_;
   }
-  std::copy(p_.x.begin(), p_.x.end(), p_.x_listed.begin());
-  walls_listed_ = walls_;
-  ++renewals_;
+  times_[static_cast<std::size_t>(Phase::search)] -= times_[static_cast<std::size_t>(Phase::sort)] - sorted;
 }
 
 }  // namespace scree

@@ -145,7 +145,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   });
   const bool restarted = !options.restart.empty();
 
-  Simulation simulation(comm, *prepared, options.halo);
+  Simulation simulation(comm, *prepared, options.parallel);
   catch_signals();
   if (restarted) {
     // Rank 0 holds all bodies until the first cut sends them home. Springs wait on every rank for the pairs that

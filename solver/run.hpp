@@ -11,7 +11,7 @@ namespace scree {
 struct RunOptions {
   std::string scene_path, run_folder;
   std::string restart;                     ///< checkpoint path, "latest", or "" for a fresh start
-  HaloStrategy halo = HaloStrategy::overlap;
+  ParallelOptions parallel;
   std::vector<std::string> command;
 };
 

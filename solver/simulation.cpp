@@ -18,12 +18,18 @@ void catch_signals() {
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, note_signal);
 }
 
-Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, HaloStrategy strategy)
-    : comm_(comm), scene_(scene), strategy_(strategy), integrator_(integrator_of(scene.source().settings.integrator)) {
+Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
+    : comm_(comm), scene_(scene), options_(options), integrator_(integrator_of(scene.source().settings.integrator)),
+      agreement_(comm), balance_(comm.size()) {
   const Partition& partition = scene.source().partition;
-  CutBoxes regions;
-  if (partition.ranks == comm.size()) regions = {partition.lower, partition.upper};
-  halo_ = std::make_unique<Halo>(comm, std::move(regions));
+  CutBoxes first_cut;
+  if (partition.ranks == comm.size()) first_cut = {partition.lower, partition.upper};
+  halo_ = std::make_unique<Halo>(comm, scene, options, std::move(first_cut));
+  const BodyTable& bodies = scene.source().bodies;
+  smallest_radius_ = bodies.size() == 0 ? 1 : 1e300;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    smallest_radius_ = std::min(smallest_radius_, bodies.scale[b] * scene.shape(bodies.shape[b]).radius);
+  }
   const std::size_t walls = scene.source().walls.size();
   wall_force_.resize(walls);
   wall_torque_.resize(walls);
@@ -32,36 +38,45 @@ Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, 
 
 void Simulation::start_from_scene() {
   const BodyTable& bodies = scene_.source().bodies;
-  // without regions the bodies are dealt out in equal runs; the first renewal cuts and sends them home
+  // a scene that is cut for these ranks starts as it is cut; else bodies are dealt out in equal runs, to be cut at once
+  const bool is_cut = scene_.source().partition.ranks == comm_.size();
   const auto ranks = static_cast<std::size_t>(comm_.size()), me = static_cast<std::size_t>(comm_.rank());
   std::vector<ParticleRecord> mine;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const bool own = halo_->has_regions() ? halo_->regions().rank_of(bodies.position[b]) == comm_.rank()
-                                          : b * ranks / bodies.size() == me;
-    if (own) mine.push_back(initial_record(scene_, b));
+    const std::size_t owner = is_cut ? static_cast<std::size_t>(bodies.owner[b]) : b * ranks / bodies.size();
+    if (owner == me) mine.push_back(initial_record(scene_, b));
   }
-  start_from_records(mine, {}, 0, 0, 0, {});
+  begin(mine, 0, halo_->has_cut());
+  // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
+  compute_forces(0, false);
+  agree_on_failures();
 }
 
 void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
                                     std::int64_t step, double wall_work, double wall_dissipated,
                                     const std::vector<Vec3>& wall_impulse) {
-  for (const ParticleRecord& r : records) append_record(p_, r, scene_);
-  p_.owned = p_.size();
   pairs_.pending() = std::move(springs);
-  step_ = step;
   if (comm_.rank() == 0) {
     wall_work_ = wall_work;
     wall_dissipated_ = wall_dissipated;
     if (wall_impulse.size() == wall_impulse_.size()) wall_impulse_ = wall_impulse;
   }
+  begin(records, step, false);
+}
+
+void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t step, bool is_cut) {
+  for (const ParticleRecord& r : records) append_record(p_, r, scene_);
+  p_.owned = p_.size();
+  std::fill(p_.work.begin(), p_.work.end(), 0.0);
+  step_ = step;
   step_size_ = derive_step_size(comm_, scene_, p_);
+  constexpr double kFewSteps = 10;
+  looks_ahead_ = comm_.size() > 1 && step_size_.contact_time >= kFewSteps * step_size_.step;
   set_walls(time());
-  if (!halo_->has_regions() || comm_.size() > 1) halo_->rebalance(p_);
-  renew_lists();
-  last_cut_step_ = step_;
-  // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
-  if (step == 0) compute_forces(0, false);
+  walls_listed_ = walls_;
+  if (!is_cut && comm_.size() > 1) cut_anew();
+  agreement_.start(look_at_lists());
+  renew_lists(agreement_.finish());
   agree_on_failures();
 }
 
@@ -70,37 +85,50 @@ void Simulation::set_walls(double time) {
   for (const Wall& wall : scene_.source().walls) walls_.push_back(wall_state(wall, time));
 }
 
+void Simulation::compute_pairs(std::span<const std::int32_t> which, double friction_dt, Phase phase) {
+  if (failure_ || which.empty()) return;  // after a failure the state means nothing; the messages go on until all ranks know
+  const PhaseTimer timer(times_, phase);
+  const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
+  try {
+    evaluate_pairs(scene_, p_, walls_, which, step_size_.step, friction_dt, step_, scratch_, pairs_);
+  } catch (const Error& e) {
+    fail(e);
+  }
+}
+
 void Simulation::compute_forces(double friction_dt, bool refresh) {
-  if (refresh) {
-    PhaseTimer timer(times_, Phase::halo);
-    halo_->start_refresh(p_);
-    if (strategy_ == HaloStrategy::blocking) halo_->finish_refresh(p_);
+  const bool timed = refresh && balance_.is_sample(step_);
+  if (timed) scratch_.pair_seconds.assign(pairs_.pairs().size(), 0.0f);
+  if (refresh) halo_->start_refresh(p_, times_);
+  if (refresh && options_.strategy == HaloStrategy::blocking) halo_->finish_refresh(p_, times_);
+  compute_pairs(pairs_.inner(), friction_dt, Phase::distance);
+  if (refresh && options_.strategy == HaloStrategy::overlap) halo_->finish_refresh(p_, times_);
+  compute_pairs(pairs_.outer(), friction_dt, Phase::distance);
+  compute_pairs(pairs_.twice(), friction_dt, Phase::twice);
+  if (timed) {
+    balance_.add_sample(scratch_.pair_seconds, pairs_.pairs(), p_);
+    scratch_.pair_seconds.clear();
   }
-  const auto start = std::chrono::steady_clock::now();
-  try {
-    PhaseTimer timer(times_, Phase::distance);
-    evaluate_pairs(scene_, p_, walls_, pairs_.inner(), step_size_.step, friction_dt, step_, scratch_, pairs_);
-  } catch (const Error& e) {
-    failure_ = std::make_unique<Error>(e);
-  }
-  compute_time_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (refresh && strategy_ == HaloStrategy::overlap) {
-    PhaseTimer timer(times_, Phase::halo);
-    halo_->finish_refresh(p_);
-  }
-  const auto resume = std::chrono::steady_clock::now();
-  try {
-    PhaseTimer timer(times_, Phase::distance);
-    if (!failure_) evaluate_pairs(scene_, p_, walls_, pairs_.outer(), step_size_.step, friction_dt, step_, scratch_, pairs_);
-  } catch (const Error& e) {
-    failure_ = std::make_unique<Error>(e);
-  }
-  PhaseTimer timer(times_, Phase::integrate);
+  const PhaseTimer timer(times_, Phase::gather);
+  const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   pairs_.gather(scene_.source().settings.gravity, p_);
-  compute_time_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - resume).count();
   for (const PairResult& r : pairs_.results()) {
     if (r.active) max_depth_ratio_ = std::max(max_depth_ratio_, r.depth_ratio);
   }
+}
+
+void Simulation::fail(const Error& error) {
+  if (failure_) return;
+  failure_ = std::make_unique<Error>(error);
+  failure_step_ = step_;
+}
+
+void Simulation::agree_on_failures() {
+  if (agreement_.is_under_way()) news_ = agreement_.finish();
+  // A failed rank goes on for a step or two with a state that means nothing, which others may stumble over: the first failure counts.
+  const double none = 1e300;
+  const double first = -comm_.max(failure_ ? -static_cast<double>(failure_step_) : -none);
+  mpi::agree(comm_, failure_ && static_cast<double>(failure_step_) <= first ? failure_.get() : nullptr);
 }
 
 void Simulation::add_wall_impulse(double dt) {
@@ -127,29 +155,53 @@ void Simulation::add_wall_impulse(double dt) {
   }
 }
 
+StepNews Simulation::exchange_news() {
+  StepNews known;
+  const bool behind = looks_ahead_ && (news_ || agreement_.is_under_way());
+  if (behind) {
+    const PhaseTimer timer(times_, Phase::agree);
+    known = news_ ? *news_ : agreement_.finish();
+    news_.reset();
+  }
+  StepNews mine = look_at_lists();
+  // lists that are renewed in this step need no renewal in the next
+  if (known.renew != 0) mine.renew = 0;
+  else if (looks_ahead_ && lists_overrun_) {
+    fail(RunInvalid("step {}: a body moved over more than a fifth of its list's skin in one step, from rest; the step is too large", step_));
+  }
+  mine.signal = g_signal;
+  mine.failed = failure_ ? 1 : 0;
+  balance_.tell(mine);
+  if (comm_.size() == 1) return mine;
+  const PhaseTimer timer(times_, Phase::agree);
+  agreement_.start(mine);
+  return looks_ahead_ ? known : agreement_.finish();
+}
+
 void Simulation::advance() {
   const double dt = step_size_.step;
   {
-    PhaseTimer timer(times_, Phase::integrate);
+    const PhaseTimer timer(times_, Phase::integrate);
+    const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
     add_wall_impulse(0.5 * dt);  // by the forces of the last step, in this step's first kick
     begin_step(integrator_, p_, dt);
     ++step_;
     if (scene_.has_driven_walls()) set_walls(time());
   }
-  int flags[3] = {lists_used_up() ? 1 : 0, static_cast<int>(g_signal), failure_ ? 1 : 0};
-  if (comm_.size() > 1) {
-    PhaseTimer timer(times_, Phase::halo);
-    MPI_Allreduce(MPI_IN_PLACE, flags, 3, MPI_INT, MPI_MAX, comm_.get());
-  }
-  signal_ = flags[1];
-  if (flags[2] != 0) agree_on_failures();
-  if (flags[0] != 0) renew_lists();
-  compute_forces(dt, flags[0] == 0);
-  PhaseTimer timer(times_, Phase::integrate);
+  const StepNews news = exchange_news();
+  signal_ = static_cast<int>(news.signal);
+  if (news.failed != 0) agree_on_failures();
+  if (news.renew != 0) renew_lists(news);
+  compute_forces(dt, news.renew == 0);
+  const PhaseTimer timer(times_, Phase::integrate);
+  const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   end_step(integrator_, p_, dt);
   add_wall_impulse(0.5 * dt);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
-  for (std::size_t i = 0; i < p_.owned; ++i) {
+  const auto count = static_cast<std::ptrdiff_t>(p_.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const auto i = static_cast<std::size_t>(n);
     if (p_.fixed[i]) continue;
     p_.dissipated[i] -= dt * (dot(p_.lossy_force[i], p_.v[i]) + dot(p_.lossy_torque[i], p_.w[i]));
   }

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "solver/agreement.hpp"
+#include "solver/balance.hpp"
 #include "solver/forces.hpp"
 #include "solver/halo.hpp"
 #include "solver/motion.hpp"
@@ -32,7 +36,7 @@ struct WallLoad {
 
 class Simulation {
  public:
-  Simulation(const mpi::Communicator& comm, const SolverScene& scene, HaloStrategy strategy);
+  Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options = {});
 
   /// Starts from the scene, or from records of a checkpoint (every rank gives its own part; none on others).
   void start_from_scene();
@@ -44,9 +48,9 @@ class Simulation {
 
   /// Throws on every rank what one of them met in the last step. Called before anything is written, so that no rank waits in
   /// a collective write for one that failed, and no failure of the last step is lost. Collective.
-  void agree_on_failures() const { mpi::agree(comm_, failure_.get()); }
+  void agree_on_failures();
 
-  /// Flags that all ranks share after each step: the largest signal number seen by any rank, 0 when none.
+  /// What all ranks share after each step: the largest signal number seen by any rank, 0 when none.
   int pending_signal() const { return signal_; }
 
   std::int64_t step() const { return step_; }
@@ -82,20 +86,30 @@ class Simulation {
   std::int64_t migrated() const { return migrated_; }
 
  private:
-  void renew_lists();
+  void begin(const std::vector<ParticleRecord>& records, std::int64_t step, bool is_cut);
+  StepNews exchange_news();
+  StepNews look_at_lists();
+  void renew_lists(const StepNews& news);
+  void cut_anew();
   void compute_forces(double friction_dt, bool refresh);
+  void compute_pairs(std::span<const std::int32_t> which, double friction_dt, Phase phase);
+  void fail(const Error& error);
   void set_walls(double time);
   void add_wall_impulse(double dt);
-  bool lists_used_up() const;
+  double walls_moved(const std::vector<WallState>& walls) const;   // since the lists were made, with respect to any owned body [m]
+  double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
   void check_domain();
 
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
-  HaloStrategy strategy_;
+  ParallelOptions options_;
   Integrator integrator_;
   ParticleSet p_;
   PairList pairs_;
   std::unique_ptr<Halo> halo_;
+  Agreement agreement_;
+  std::optional<StepNews> news_;              // of the step before, when somebody needed them early
+  Balance balance_;
   ForceScratch scratch_;
   StepSize step_size_;
   std::vector<WallState> walls_, walls_listed_;
@@ -103,10 +117,12 @@ class Simulation {
   std::vector<Vec3> wall_force_, wall_torque_, wall_impulse_;  // this rank's share
   double wall_work_ = 0;
   double wall_dissipated_ = 0;                // share of moving walls in the power of damping and friction
-  std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, last_cut_step_ = 0;
-  double skin_ = 0, max_depth_ratio_ = 0, compute_time_ = 0;
+  std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, failure_step_ = 0;
+  double skin_ = 0, smallest_radius_ = 0, max_depth_ratio_ = 0, computed_before_ = 0;
+  bool looks_ahead_ = false;                  // news come one step late, see Agreement
+  bool lists_overrun_ = false;
   int signal_ = 0;
-  std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together at the next step
+  std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together, a step or two later
   PhaseTimes times_{};
 };
 

@@ -1,0 +1,54 @@
+#include "solver/agreement.hpp"
+
+#include <algorithm>
+
+namespace scree {
+
+namespace {
+
+extern "C" void combine_news(void* in, void* in_out, int* length, MPI_Datatype* /*type*/) {
+  const auto* from = static_cast<const StepNews*>(in);
+  auto* to = static_cast<StepNews*>(in_out);
+  for (int i = 0; i < *length; ++i, ++from, ++to) {
+    to->renew = std::max(to->renew, from->renew);
+    to->signal = std::max(to->signal, from->signal);
+    to->failed = std::max(to->failed, from->failed);
+    to->largest_work = std::max(to->largest_work, from->largest_work);
+    to->cut_cost = std::max(to->cut_cost, from->cut_cost);
+    to->fastest = std::max(to->fastest, from->fastest);
+    to->work += from->work;   // whole numbers: the same sum on every rank, so that all decide alike
+  }
+}
+
+}  // namespace
+
+Agreement::Agreement(const mpi::Communicator& comm) : comm_(comm), buffers_(std::make_unique<Buffers>()) {
+  MPI_Type_contiguous(static_cast<int>(sizeof(StepNews)), MPI_BYTE, &type_);
+  MPI_Type_commit(&type_);
+  MPI_Op_create(combine_news, 1, &op_);
+}
+
+Agreement::~Agreement() {
+  // Waiting here could hang on a rank that failed otherwise. What is still under way keeps its buffers.
+  if (request_ != MPI_REQUEST_NULL) {
+    int done = 0;
+    MPI_Test(&request_, &done, MPI_STATUS_IGNORE);
+    if (done == 0) static_cast<void>(buffers_.release());
+  }
+  MPI_Op_free(&op_);
+  MPI_Type_free(&type_);
+}
+
+void Agreement::start(const StepNews& mine) {
+  SCREE_ASSERT(!is_under_way());
+  buffers_->mine = mine;
+  MPI_Iallreduce(&buffers_->mine, &buffers_->all, 1, type_, op_, comm_.get(), &request_);
+}
+
+StepNews Agreement::finish() {
+  SCREE_ASSERT(is_under_way());
+  MPI_Wait(&request_, MPI_STATUS_IGNORE);
+  return buffers_->all;
+}
+
+}  // namespace scree
