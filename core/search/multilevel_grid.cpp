@@ -39,12 +39,21 @@ void MultilevelGrid::check_period(double largest_radius) const {
   }
 }
 
-Vec3 MultilevelGrid::wrap(Vec3 p, PeriodicImage& image) const {
+Vec3 MultilevelGrid::wrap(Vec3 p, PeriodicImage& turns) const {
   for (int c = 0; c < 3; ++c) {
     if (period_[c] <= 0) continue;
-    const double turns = std::floor(p[c] / period_[c]);
-    p[c] = std::clamp(p[c] - turns * period_[c], 0.0, period_[c]);
-    image[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(turns);
+    double whole = std::floor(p[c] / period_[c]);
+    p[c] -= whole * period_[c];
+    // the rounding of the quotient or of the difference may leave it just outside
+    if (p[c] < 0) {
+      p[c] += period_[c];
+      whole -= 1;
+    }
+    if (p[c] >= period_[c]) {
+      p[c] = 0;
+      whole += 1;
+    }
+    turns[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(whole);
   }
   return p;
 }
@@ -55,14 +64,14 @@ void MultilevelGrid::build(std::span<const Vec3> centres, std::span<const double
   period_ = period;
   is_periodic_ = period.x > 0 || period.y > 0 || period.z > 0;
   levels_.clear();
-  blocks_.clear();
+  cells_.clear();
   order_.resize(count);
   place_.resize(count);
   level_.resize(count);
   balls_.resize(count);
-  image_.clear();
-  table_.assign(2, -1);
-  mask_ = 1;
+  turns_.clear();
+  table_.assign(1, SlotLine{});
+  mask_ = 3;
   if (count == 0) return;
 
   double smallest = radii[0], largest = radii[0], farthest = 0;
@@ -77,7 +86,7 @@ void MultilevelGrid::build(std::span<const Vec3> centres, std::span<const double
 
   // depths, as many as the sizes need and the rounding of the cells allows
   coarsest_radius_ = largest;
-  const double width = 2 * largest * (1 + kCellSlack);
+  const double width = 4 * largest * (1 + kCellSlack);
   double limit = kFarthestCell * width;
   for (int c = 0; c < 3; ++c)
     if (period_[c] > 0) limit = std::min(limit, kMostTurns * period_[c]);
@@ -96,38 +105,33 @@ void MultilevelGrid::build(std::span<const Vec3> centres, std::span<const double
   for (int d = 0; d <= kDeepest; ++d) {
     if (level_at[static_cast<std::size_t>(d)] < 0) continue;
     level_at[static_cast<std::size_t>(d)] = static_cast<std::int32_t>(levels_.size());
-    levels_.push_back({d, 0, 0});
+    levels_.push_back({d});
   }
   depth_ = levels_.back().depth;
 
-  // cells; along a periodic axis an even number of them, or one
+  // cells; along a periodic axis a whole number of them
   for (int c = 0; c < 3; ++c) {
     std::int64_t& cells = cell_count_[static_cast<std::size_t>(c)];
     cells = 0;
-    inverse_cell_[c] = std::ldexp(1 / width, depth_);
+    inverse_half_[c] = std::ldexp(1 / width, depth_ + 1);
     if (period_[c] <= 0) continue;
-    const auto halves = static_cast<std::int64_t>(period_[c] / (2 * width));
-    cells = halves > 0 ? 2 * halves : 1;
-    inverse_cell_[c] = std::ldexp(static_cast<double>(cells), depth_) / period_[c];
+    cells = std::max<std::int64_t>(1, static_cast<std::int64_t>(period_[c] / width));
+    inverse_half_[c] = std::ldexp(static_cast<double>(cells), depth_ + 1) / period_[c];
   }
 
   // sort by level, then along the curve through the cells
   keys_.resize(count);
-  if (is_periodic_) image_.resize(count);
+  if (is_periodic_) turns_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t level = level_at[static_cast<std::size_t>(depth_of(radii[i]))];
-    const int depth = levels_[static_cast<std::size_t>(level)].depth;
-    PeriodicImage image;
-    const Cell finest = finest_cell(is_periodic_ ? wrap(centres[i], image) : centres[i]);
+    PeriodicImage turns;
+    const Cell cell = cell_of(finest_halves(is_periodic_ ? wrap(centres[i], turns) : centres[i]), levels_[static_cast<std::size_t>(level)].depth);
     std::uint64_t curve = 0;
-    for (int c = 0; c < 3; ++c) {
-      const std::int64_t cell = wrap_cell(finest[static_cast<std::size_t>(c)] >> (depth_ - depth), c, depth);
-      curve |= spread(static_cast<std::uint64_t>(cell)) << c;
-    }
+    for (std::size_t c = 0; c < 3; ++c) curve |= spread(static_cast<std::uint64_t>(cell[c])) << c;
     keys_[i] = {static_cast<std::uint64_t>(level) << 30 | curve, static_cast<std::int32_t>(i), level};
   }
   sort_balls();
-  lay_out_blocks(centres, radii);
+  lay_out_cells(centres, radii);
 }
 
 /// Radix sort by key; stable, so equal for equal input.
@@ -147,82 +151,68 @@ void MultilevelGrid::sort_balls() {
   }
 }
 
-void MultilevelGrid::lay_out_blocks(std::span<const Vec3> centres, std::span<const double> radii) {
-  const auto count = static_cast<std::int32_t>(keys_.size());
-  std::vector<std::pair<Cell, std::size_t>> wrapped;  // of the few runs that need it
-  const auto cell_at = [&](std::size_t k) {
-    const Key& key = keys_[k];
-    const int depth = levels_[static_cast<std::size_t>(key.level)].depth;
-    PeriodicImage image;
-    const Vec3& centre = centres[static_cast<std::size_t>(key.ball)];
-    Cell cell = finest_cell(is_periodic_ ? wrap(centre, image) : centre);
-    for (int c = 0; c < 3; ++c) {
-      std::int64_t& x = cell[static_cast<std::size_t>(c)];
-      x = wrap_cell(x >> (depth_ - depth), c, depth);
+void MultilevelGrid::lay_out_cells(std::span<const Vec3> centres, std::span<const double> radii) {
+  std::vector<std::pair<Cell, Key>> run;
+  const auto place_at = [&](std::size_t k) {
+    const auto i = static_cast<std::size_t>(keys_[k].ball);
+    if (constexpr std::size_t kAhead = 16; k + kAhead < keys_.size()) {
+      const auto later = static_cast<std::size_t>(keys_[k + kAhead].ball);
+      __builtin_prefetch(&centres[later]);
+      __builtin_prefetch(&radii[later]);
+      __builtin_prefetch(&place_[later], 1);
     }
-    return cell;
+    order_[k] = keys_[k].ball;
+    place_[i] = static_cast<std::int32_t>(k);
+    level_[k] = static_cast<std::int8_t>(keys_[k].level);
+    balls_[k] = {is_periodic_ ? wrap(centres[i], turns_[k]) : centres[i], radii[i]};
+    return cell_of(finest_halves(balls_[k].centre), levels_[static_cast<std::size_t>(keys_[k].level)].depth);
   };
-  const auto block_of = [](const Cell& cell) { return Cell{cell[0] >> 1, cell[1] >> 1, cell[2] >> 1}; };
-
-  // The key holds 10 bits of each coordinate: blocks 1024 cells apart may have come to lie in one run. Part them.
-  const auto part_run = [&](std::size_t begin, std::size_t end) {
+  for (std::size_t begin = 0, end = 0; begin < keys_.size(); begin = end) {
+    // A run of equal keys is one cell: or several, 1024 cells apart, since a key holds 10 bits of each coordinate.
+    const Cell first = place_at(begin);
     bool same = true;
-    const Cell first = block_of(cell_at(begin));
-    for (std::size_t k = begin + 1; k < end && same; ++k) same = block_of(cell_at(k)) == first;
-    if (same) return;
-    wrapped.clear();
-    for (std::size_t k = begin; k < end; ++k) wrapped.emplace_back(block_of(cell_at(k)), k);
-    std::sort(wrapped.begin(), wrapped.end());  // by block; keys of one block stay in their order
-    for (std::size_t k = begin; k < end; ++k) keys_other_[k] = keys_[wrapped[k - begin].second];
-    std::copy(keys_other_.begin() + static_cast<std::ptrdiff_t>(begin), keys_other_.begin() + static_cast<std::ptrdiff_t>(end),
-              keys_.begin() + static_cast<std::ptrdiff_t>(begin));
-  };
-  for (std::size_t begin = 0; begin < keys_.size();) {
-    std::size_t end = begin + 1;
-    while (end < keys_.size() && keys_[end].value >> 3 == keys_[begin].value >> 3) ++end;
-    part_run(begin, end);
-    begin = end;
-  }
-
-  for (std::int32_t k = 0; k < count; ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    const Key& key = keys_[at];
-    const auto i = static_cast<std::size_t>(key.ball);
-    order_[at] = key.ball;
-    place_[i] = k;
-    level_[at] = static_cast<std::int8_t>(key.level);
-    balls_[at] = {centres[i], radii[i]};
-    if (is_periodic_) balls_[at].centre = wrap(centres[i], image_[at]);
-    const Cell cell = cell_at(at), block = block_of(cell);
-    if (blocks_.empty() || blocks_.back().level != key.level || blocks_.back().position != halves(block)) {
-      Level& level = levels_[static_cast<std::size_t>(key.level)];
-      if (level.block_count++ == 0) level.first_block = static_cast<std::int32_t>(blocks_.size());
-      blocks_.push_back({{}, key.level, halves(block)});
-      blocks_.back().start.fill(k);
+    for (end = begin + 1; end < keys_.size() && keys_[end].value == keys_[begin].value; ++end) same = (place_at(end) == first) && same;
+    if (!same) {
+      run.clear();
+      for (std::size_t k = begin; k < end; ++k) run.emplace_back(place_at(k), keys_[k]);
+      std::sort(run.begin(), run.end(), [](const auto& l, const auto& r) { return l.first != r.first ? l.first < r.first : l.second.ball < r.second.ball; });
+      for (std::size_t k = begin; k < end; ++k) keys_[k] = run[k - begin].second;
     }
-    // cells come in ascending order: this ball moves the start of all later ones
-    const auto in_block = static_cast<std::size_t>((cell[2] & 1) * 4 + (cell[1] & 1) * 2 + (cell[0] & 1));
-    for (std::size_t later = in_block + 1; later < 9; ++later) blocks_.back().start[later] = k + 1;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Cell cell = same ? first : place_at(k);
+      if (k == begin || (!same && cell != cells_.back().position)) {
+        const auto here = static_cast<std::int32_t>(k);
+        Level& level = levels_[static_cast<std::size_t>(keys_[k].level)];
+        if (level.cell_count++ == 0) level.begin = here;
+        cells_.push_back({cell, keys_[k].level, here});
+      }
+      levels_[static_cast<std::size_t>(keys_[k].level)].end = static_cast<std::int32_t>(k) + 1;
+    }
   }
 
-  std::size_t slots = 2;
-  while (slots < 2 * blocks_.size()) slots *= 2;
-  table_.assign(slots, -1);
+  std::size_t slots = 4;
+  while (slots < 2 * cells_.size()) slots *= 2;
   mask_ = slots - 1;
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const auto& p = blocks_[b].position;
-    Cell position;
-    for (std::size_t c = 0; c < 3; ++c)
-      position[c] = static_cast<std::int64_t>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(p[3 + c])) << 32 | static_cast<std::uint32_t>(p[c]));
-    std::uint64_t slot = hash(blocks_[b].level, position) & mask_;
-    while (table_[slot] >= 0) slot = (slot + 1) & mask_;
-    table_[slot] = static_cast<std::int32_t>(b);
-  }
+  const auto fill_table = [&] {
+    table_.assign(slots / 4, SlotLine{});
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      const std::uint64_t tag = hash(cells_[k].level, cells_[k].position);
+      std::uint64_t slot = tag & mask_;
+      while (slot_at(slot).end > 0) {
+        if (slot_at(slot).tag == tag) return false;
+        slot = (slot + 1) & mask_;
+      }
+      slot_at(slot) = {tag, cells_[k].begin, k + 1 < cells_.size() ? cells_[k + 1].begin : static_cast<std::int32_t>(keys_.size())};
+    }
+    return true;
+  };
+  // two cells with one tag of 64 bits: hardly ever, but then another hash must serve
+  for (hash_seed_ = 0; !fill_table();) hash_seed_ += 1000;
 }
 
 std::size_t MultilevelGrid::memory() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return bytes(balls_) + bytes(image_) + bytes(order_) + bytes(place_) + bytes(level_) + bytes(blocks_) + bytes(levels_) + bytes(table_) +
+  return bytes(balls_) + bytes(turns_) + bytes(order_) + bytes(place_) + bytes(level_) + bytes(cells_) + bytes(levels_) + bytes(table_) +
          bytes(keys_) + bytes(keys_other_);
 }
 

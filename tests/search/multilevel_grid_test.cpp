@@ -134,7 +134,7 @@ TEST(MultilevelGrid, parts_cells_that_its_sort_key_cannot_tell_apart) {
   std::vector<double> r;
   std::mt19937 g(5);
   std::uniform_real_distribution<double> place(0, 4), turn(-8, 8);
-  const double cell = 2 * (1 + 0x1p-10);
+  const double cell = 4 * (1 + 0x1p-10);
   for (int i = 0; i < 3000; ++i) {
     Vec3 p{place(g), place(g), place(g)};
     for (int c = 0; c < 3; ++c) p[c] += 1024 * cell * std::floor(turn(g) / 4);
@@ -162,7 +162,7 @@ TEST(MultilevelGrid, finds_the_pairs_of_lonely_balls_in_an_empty_world) {
 
 TEST(MultilevelGrid, serves_again_after_balls_came_went_and_jumped) {
   std::mt19937 g(7);
-  std::uniform_real_distribution<double> place(-1, 1), size(0.02, 0.2);
+  std::uniform_real_distribution<double> somewhere(-1, 1), size(0.02, 0.2);
   MultilevelGrid grid;
   std::vector<Vec3> x;
   std::vector<double> r;
@@ -170,13 +170,15 @@ TEST(MultilevelGrid, serves_again_after_balls_came_went_and_jumped) {
     x.resize(count);
     r.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-      if (i % 3 != 0) x[i] = {place(g), place(g), place(g)};
+      if (i % 3 != 0) x[i] = {somewhere(g), somewhere(g), somewhere(g)};
       r[i] = size(g);
     }
     grid.build(x, r);
     Pairs pairs;
-    for (const std::int32_t i : grid.order())
-      grid.for_each_partner(i, [&](std::int32_t j) { pairs.emplace_back(std::min(i, j), std::max(i, j)); });
+    for (std::int32_t place = 0; place < static_cast<std::int32_t>(count); ++place) {
+      const std::int32_t i = grid.order()[static_cast<std::size_t>(place)];
+      grid.for_each_partner_at(place, [&](std::int32_t j) { pairs.emplace_back(std::min(i, j), std::max(i, j)); });
+    }
     std::sort(pairs.begin(), pairs.end());
     EXPECT_EQ(pairs, all_pairs(x, r)) << count;
   }
