@@ -1,1 +1,124 @@
+"""N: non-convex bodies and interlock (VALIDATION 1.7)."""
+import math
+
+import numpy
+
+import closed_forms as cf
+import meshes
+from registry import case_of
+from scene import Case, quaternion
+
 CASES = []
+case = case_of(CASES)
+G = cf.GRAVITY
+
+
+@case("N1", "U", "U-shaped particle hangs on a fixed bar")
+def n1(tools, report):
+    k, margin = 1e5, .001
+    mesh = meshes.centred(meshes.prism(meshes.u_outline(.06, .08, .015), .03))
+    mass = 1000 * meshes.mass_properties(mesh)[0]
+    c = Case("N1", duration=10.0, steps_per_contact=30, gravity=(0, 0, -G), margin=margin, every=1.0, contacts=True)
+    c.mesh("hook", mesh)
+    c.mesh("bar", meshes.box((.02, .3, .01)))
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.3, friction=.4)
+    c.body("bar", "m", (0, 0, 0), fixed=True)
+    # opening downwards (y of the outline to -z): its inner face rests on the bar's upper face
+    q = quaternion((1, 0, 0), -math.pi / 2)
+    inner = mesh[0][:, 1].min() + .015
+    # turned by -90 degrees about x, y of the outline points to -z: the web lies on top, its inner face at z = -inner
+    c.body("hook", "m", (0, 0, .005 + inner + 2 * margin - .0002), orientation=q)
+    run = report.run(c.run(tools))
+    last = run.contacts[-1]
+    hook = last["body_a"] == 1
+    side = numpy.where(hook, 1, -1)
+    total = ((last["normal_force"][:, None] * last["normal"] + last["tangential_force"]) * side[:, None]).sum(axis=0)
+    report.check("sum of the contact forces over m g", total[2] / (mass * G), 1.0, 1e-6)
+    report.at_most("speed after 10 s [m/s]", numpy.linalg.norm(run.v[-1, 1]), 1e-9)
+    count = len(last["depth"])
+    spread = numpy.ptp(last["depth"]) / last["depth"].mean()
+    report.at_most("spread of the depths", spread, 1e-6)
+    report.check(f"depth is m g / (k n^(1/4)), n = {count} contacts [m]", last["depth"].mean(), mass * G / (k * count**.25), 1e-3)
+
+
+@case("N3", "U", "ring falls along a bolt: clearance is clearance")
+def n3(tools, report):
+    margin, bolt = .0005, .02
+    ring = meshes.tube(.025, .04, .02, 48)
+    tight = meshes.tube(bolt + .0007, .04, .02, 48)
+    c = Case("N3", duration=.4, step=1e-4, gravity=(0, 0, -G), margin=margin, every=.02)
+    c.mesh("ring", ring)
+    c.mesh("bolt", meshes.cylinder(bolt, 2.0, 48))
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=1e4, restitution=.5, friction=0.0)
+    c.body("bolt", "m", (0, 0, 0), fixed=True)
+    c.body("ring", "m", (0, 0, .8))
+    run = report.run(c.run(tools))
+    report.at_most("contacts with a clearance above the margins", run.log["contacts"].max(), 0)
+    fall = run.x[:, 1, 2] - run.x[0, 1, 2] + .5 * G * run.times**2
+    report.at_most("free fall: |z + g t^2 / 2| [m]", numpy.abs(fall).max(), 1e-12)
+    # tighter than the margins, without weight: symmetric, so nothing moves; frictionless, so it slides along freely
+    c = Case("N3-tight", duration=.2, steps_per_contact=30, margin=margin, every=.02)
+    c.mesh("ring", tight)
+    c.mesh("bolt", meshes.cylinder(bolt, 2.0, 48))
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=1e4, restitution=.5, friction=0.0)
+    c.body("bolt", "m", (0, 0, 0), fixed=True)
+    c.body("ring", "m", (0, 0, .3), velocity=(0, 0, -1.0))
+    run = report.run(c.run(tools))
+    report.at_least("contacts with a clearance below the margins", run.log["contacts"].min(), 8)
+    report.at_most("sideways motion over the clearance", numpy.hypot(run.x[-1, 1, 0], run.x[-1, 1, 1]) / .0007, 1e-3)
+    report.at_most("change of the axial speed", abs(run.v[-1, 1, 2] + 1.0), 1e-6)
+
+
+@case("N4", "N", "nested bowls do not pass through each other")
+def n4(tools, report):
+    def bowl(radius, thickness, sides):
+        outer = [(0, -radius)] + [(radius * math.sin(a), -radius * math.cos(a)) for a in numpy.linspace(.2, math.pi / 2, 8)]
+        r = radius - thickness
+        inner = [(r * math.sin(a), -r * math.cos(a)) for a in numpy.linspace(math.pi / 2, .2, 8)] + [(0, -r)]
+        return meshes.centred(meshes.lathe(outer + inner, sides))
+    mesh = bowl(.1, .02, 24)
+    k, margin, count = 5e4, .001, 5
+    c = Case("N4", duration=6.0, steps_per_contact=30, gravity=(0, 0, -G), margin=margin, every=.5)
+    c.mesh("bowl", mesh)
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.4, friction=.3)
+    for i in range(count):
+        c.body("bowl", "m", (.003 * i, .002 * (-1) ** i, .09 + .08 * i), orientation=quaternion((1, .5, 0), .03 * i))
+    c.floor()
+    run = report.run(c.run(tools))
+    report.at_least("steps", run.steps, 1e5)
+    z = run.x[-1, :, 2]
+    report.check("bowls in their order", float((numpy.diff(z) > 0).sum()), count - 1, 0, "absolute")
+    report.at_least("smallest distance of neighbours over the thickness", numpy.diff(z).min() / .02, .5)
+    report.at_most("largest depth over the margins", run.max_depth_ratio, 1.0)
+
+
+@case("N7", "U", "thin plate between boxes from both sides")
+def n7(tools, report):
+    k, margin = 1e6, .0005
+    c = Case("N7", duration=2.0, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.5, contacts=True)
+    c.mesh("box", meshes.box((.1, .1, .1)))
+    c.mesh("plate", meshes.box((.3, .3, .002)))
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.2, friction=.5)
+    plate = 1000 * .3 * .3 * .002
+    c.body("box", "m", (0, 0, 0), fixed=True)
+    gap = 2 * margin - .00005
+    c.body("plate", "m", (0, 0, .05 + gap + .001))
+    c.body("box", "m", (0, 0, .05 + 2 * gap + .002 + .05))
+    run = report.run(c.run(tools))
+    last = run.contacts[-1]
+
+    def force_on(body, other):
+        total = 0.0
+        for side, a, b in ((1, body, other), (-1, other, body)):
+            mine = (last["body_a"] == a) & (last["body_b"] == b)
+            total += side * (last["normal_force"][mine] * last["normal"][mine][:, 2] + last["tangential_force"][mine][:, 2]).sum()
+        return total
+    report.check("force of the plate on the box above over its weight", force_on(2, 1) / (1.0 * G), 1.0, 1e-6)
+    report.check("force of the box below over both weights", force_on(1, 0) / ((1 + plate) * G), 1.0, 1e-6)
+    report.at_most("speed at the end [m/s]", numpy.linalg.norm(run.v[-1, 1:], axis=1).max(), 1e-8)
+    report.at_most("the plate moved sideways by [m]", numpy.hypot(*run.x[-1, 1, :2]), 1e-6)

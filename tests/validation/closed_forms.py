@@ -52,6 +52,36 @@ def hunt_crossley_alpha(e):
     return (low + high) / 2
 
 
+def oblique_impact(angle, speed, radius, e, mu, rho=2 / 7, density=1000.0, dashpot=True, steps=20000):
+    """Sphere on a rigid plane with linear springs, normal and tangential (rho = kt/kn): v_t'/v_t and w', by small steps.
+    The tangential dashpot is sqrt(rho) times the normal one; without it this is the linear spring of VALIDATION 1.2."""
+    m = density * 4 / 3 * math.pi * radius**3
+    k, zeta = 1.0, 0.0 if e == 1 else damping_ratio(e)
+    w0 = math.sqrt(k / m)
+    c = 2 * zeta * math.sqrt(k * m)
+    dt = math.pi / w0 / steps
+    # lengths scale with the speed in a linear law: the contact may be as deep as it likes, levers stay `radius`
+    d, vn, vt, w, xi = 0.0, speed * math.cos(angle), speed * math.sin(angle), 0.0, 0.0
+    while True:
+        normal = k * d + c * vn
+        if d < 0 or normal < 0:
+            break
+        slip = vt - radius * w
+        xi += slip * dt
+        trial = rho * k * xi
+        if abs(trial) > mu * normal:
+            trial = math.copysign(mu * normal, trial)
+            xi = trial / (rho * k)
+        force = trial + (math.sqrt(rho) * c * slip if dashpot else 0.0)
+        if abs(force) > mu * normal:
+            force = math.copysign(mu * normal, force)
+        vn -= normal / m * dt
+        d += vn * dt
+        vt -= force / m * dt
+        w += force * radius / (0.4 * m * radius**2) * dt
+    return vt / (speed * math.sin(angle)), w
+
+
 # --- Hertz
 def hertz_impact(mass, speed, young, radius):
     """Largest depth, force, duration of an elastic impact; effective mass, effective modulus and effective radius."""

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Markdown tables from the results of validate.py --json. usage: tables.py RESULT.json... (to stdout)"""
+import json
+import re
+import sys
+
+import known_misses
+from report import number
+
+
+def load(paths):
+    cases, checks = [], []
+    for path in paths:
+        with open(path) as file:
+            data = json.load(file)
+        cases += data["cases"]
+        checks += data["checks"]
+    order = {name: i for i, name in enumerate("GCIFRSN")}
+    cases.sort(key=lambda c: (order.get(c["case"][0], 9), int(re.sub(r"\D", "", c["case"]) or 0)))
+    return cases, checks
+
+
+def row(*cells):
+    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
+
+
+def expected(c):
+    if c["kind"] == "at most":
+        return f"<= {c['tolerance']:.3g}"
+    if c["kind"] == "at least":
+        return f">= {c['tolerance']:.3g}"
+    return number(c["expected"])
+
+
+def tolerance(c):
+    return {"relative": f"{100 * c['tolerance']:.3g} %", "absolute": f"{c['tolerance']:.3g}"}.get(c["kind"], "")
+
+
+def error(c):
+    return {"relative": f"{100 * c['error']:.2g} %", "absolute": f"{c['error']:.2g}"}.get(c["kind"], "")
+
+
+def main():
+    cases, checks = load(sys.argv[1:])
+    own = {c["case"]: [k for k in checks if k["case"] == c["case"]] for c in cases}
+    print("## Summary\n")
+    print("Times are seconds in the solver, on a machine that does other work too; steps and contacts (largest mean of a run) tell the size.\n")
+    print(row("case", "what", "tier", "checks", "missed", "steps", "contacts", "s"))
+    print(row(*["---"] * 8))
+    for c in cases:
+        missed = f"**{c['misses']}**" if c["misses"] else "0"
+        print(row(c["case"], c["title"], c["tier"], c["checks"], f"**did not run**: {c['failure']}" if c["failure"] else missed,
+                  c["steps"], f"{c['contacts']:.3g}", f"{c['solver_seconds']:.2f}"))
+    misses = [k for k in checks if not k["holds"]]
+    print(f"\n{len(cases)} cases, {len(checks)} checks, {len(misses)} missed.\n")
+    if misses:
+        print("## Missed demands\n")
+        print(row("case", "what", "measured", "demanded", "tolerance", "why"))
+        print(row(*["---"] * 6))
+        for k in misses:
+            print(row(k["case"], k["what"], number(k["measured"]), expected(k), tolerance(k), known_misses.reason(k["case"], k["what"]) or "not explained yet"))
+        print()
+    for c in cases:
+        if not own[c["case"]]:
+            continue
+        print(f"## {c['case']}: {c['title']}\n")
+        if c["source"]:
+            print(f"Reference: {c['source']}.\n")
+        print(row("quantity", "measured", "expected", "tolerance", "error", ""))
+        print(row(*["---"] * 6))
+        for k in own[c["case"]]:
+            note = f" ({k['note']})" if k["note"] else ""
+            print(row(k["what"] + note, number(k["measured"]), expected(k), tolerance(k), error(k), "" if k["holds"] else "**miss**"))
+        print()
+
+
+if __name__ == "__main__":
+    main()
