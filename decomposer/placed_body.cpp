@@ -31,20 +31,58 @@ bool is_swallowed(const PlacedBody& inner, const PlacedBody& outer) {
 
 }  // namespace
 
-std::vector<Vec3> PlacedBody::world_vertices() const {
-  const Mat3 rotation = matrix_of(orientation);
-  std::vector<Vec3> result;
-  result.reserve(shape->shape.mesh.vertices.size());
-  for (const Vec3& p : shape->shape.mesh.vertices) result.push_back(position + scale * (rotation * p));
+PackShape make_pack_shape(Shape shape) {
+  PackShape result;
+  result.shape = std::move(shape);
+  result.bvh = build_bvh(result.shape.mesh);
+  result.radius = result.shape.bounding_radius();
+  if (result.shape.kind == ShapeKind::sphere) {
+    result.inner_radius = result.shape.sphere_radius;
+  } else if (result.shape.kind == ShapeKind::solid && is_inside(result.shape.mesh, Vec3{})) {
+    Vec3 nearest;
+    std::int32_t triangle = -1;
+    result.inner_radius = point_mesh_distance({&result.shape.mesh, &result.bvh}, Vec3{}, result.radius, nearest, triangle);
+  }
   return result;
 }
 
+std::vector<Vec3> PlacedBody::world_vertices() const {
+  std::vector<Vec3> result;
+  world_vertices(result);
+  return result;
+}
+
+void PlacedBody::world_vertices(std::vector<Vec3>& result) const {
+  const Mat3 rotation = matrix_of(orientation);
+  result.clear();
+  for (const Vec3& p : shape->shape.mesh.vertices) result.push_back(position + scale * (rotation * p));
+}
+
 Box3 PlacedBody::world_box() const {
+  // Lanes of their own for the extremes, since a compiler may not reorder comparisons of floating-point numbers by itself.
+  constexpr std::size_t kLanes = 8;
+  double low[3][kLanes], high[3][kLanes];
+  for (int k = 0; k < 3; ++k) {
+    std::fill_n(low[k], kLanes, 1e308);
+    std::fill_n(high[k], kLanes, -1e308);
+  }
+  const Mat3 rotation = matrix_of(orientation);
+  const std::vector<Vec3>& vertices = shape->shape.mesh.vertices;
+  for (std::size_t first = 0; first < vertices.size(); first += kLanes) {
+    // the last block starts earlier instead of being shorter
+    const std::size_t start = vertices.size() < kLanes ? 0 : std::min(first, vertices.size() - kLanes);
+    for (std::size_t l = 0; l < std::min(kLanes, vertices.size()); ++l) {
+      const Vec3 p = scale * (rotation * vertices[start + l]);
+      for (int k = 0; k < 3; ++k) {
+        low[k][l] = std::min(low[k][l], p[k]);
+        high[k][l] = std::max(high[k][l], p[k]);
+      }
+    }
+  }
   Box3 box;
-  const double r = rounding();
-  for (const Vec3& p : world_vertices()) {
-    box.add(p - Vec3{r, r, r});
-    box.add(p + Vec3{r, r, r});
+  for (int k = 0; k < 3; ++k) {
+    box.lower[k] = position[k] + *std::min_element(low[k], low[k] + kLanes) - rounding();
+    box.upper[k] = position[k] + *std::max_element(high[k], high[k] + kLanes) + rounding();
   }
   return box;
 }

@@ -19,8 +19,12 @@ inline constexpr double kJustAbove = 1 + 1e-9;
 struct PackShape {
   Shape shape;
   Bvh bvh;
-  double radius = 0;   ///< bounding radius at scale 1 [m]
+  double radius = 0;        ///< bounding radius at scale 1 [m]
+  double inner_radius = 0;  ///< of the largest ball about the centre within the solid at scale 1 [m]; 0 when the centre is outside
 };
+
+/// A shape with its tree and radii, ready to be placed.
+PackShape make_pack_shape(Shape shape);
 
 /// A body at a place. Borrows its shape.
 struct PlacedBody {
@@ -34,6 +38,7 @@ struct PlacedBody {
   bool is_sphere() const { return shape->shape.kind == ShapeKind::sphere; }
   /// Vertices in world coordinates, and their box, rounding included.
   std::vector<Vec3> world_vertices() const;
+  void world_vertices(std::vector<Vec3>& result) const;
   Box3 world_box() const;
 };
 

@@ -118,9 +118,11 @@ double smallest_gap(const Scene& s) {
     meshes.push_back(world_triangles(s.shapes[static_cast<std::size_t>(b.shape[i])], b.scale[i], b.position[i], b.orientation[i]));
   }
   const auto radius = [&](std::size_t i) { return b.scale[i] * s.shapes[static_cast<std::size_t>(b.shape[i])].sphere_radius; };
+  const auto reach = [&](std::size_t i) { return b.scale[i] * s.shapes[static_cast<std::size_t>(b.shape[i])].bounding_radius(); };
   double smallest = 1e300;
   for (std::size_t i = 0; i < b.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
+      if (length(b.position[i] - b.position[j]) - reach(i) - reach(j) > smallest) continue;   // cannot lower it
       double gap = 0;
       if (meshes[i].empty() && meshes[j].empty()) {
         gap = length(b.position[i] - b.position[j]) - radius(i) - radius(j);
@@ -234,6 +236,21 @@ TEST_F(Packing, an_impossible_packing_says_how_many_were_placed_and_what_to_do) 
   const int placed = std::stoi(message.substr(message.find("placed ") + 7));
   EXPECT_GT(placed, 30);   // kMixture itself can be placed: it did try
   EXPECT_LT(placed, 3000);
+}
+
+TEST_F(Packing, rocks_are_placed_at_random_as_densely_as_only_a_vacancy_map_finds) {
+  const std::string dense = R"(
+[[populations]]
+shape = "rock"
+material = "stone"
+solid_fraction = 0.265
+size = { distribution = "uniform", min = "0.45 m", max = "0.5 m" }
+region = { box = [[0, 0, 0], [4, 4, 4]] }
+)";
+  const PackedScene packed = pack(kHead + dense);
+  EXPECT_NEAR(packed.report.solid_fraction[0], 0.265, 0.001);
+  EXPECT_GT(packed.report.attempts, 32 * packed.scene.bodies.size());   // it did need the vacancy map
+  EXPECT_GE(smallest_gap(packed.scene), 2 * packed.scene.settings.margin * (1 - 1e-9));
 }
 
 TEST_F(Packing, a_body_larger_than_its_region_is_an_impossible_packing) {

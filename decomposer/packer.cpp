@@ -1,0 +1,216 @@
+#include "decomposer/packer.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "decomposer/random_numbers.hpp"
+
+namespace scree {
+
+namespace {
+
+// An easy packing needs fewer draws than this and never makes a vacancy map.
+constexpr std::uint64_t kPlainDraws = 32;
+
+// Which of a particle's random numbers is what.
+constexpr std::uint64_t kOrientation = 0, kPlace = 3, kVoxel = 6;
+
+std::string metres(double value) { return format_quantity(value, Dimension::length); }
+
+}  // namespace
+
+Packer::Packer(const Case& c, const SceneParts& parts, const std::function<void(double, double)>& progress, Scene& scene,
+               PackingReport& report)
+    : case_(c), parts_(parts), progress_(progress), scene_(scene), report_(report), scratch_(make_mesh_distance_scratch()) {}
+
+void Packer::keep(const PlacedBody& body) {
+  grid_.insert(static_cast<std::int32_t>(placed_.size()), body.position, body.radius());
+  placed_.push_back(body);
+  for (std::size_t k = 0; k < vacancies_.size(); ++k) {
+    if (vacancies_[k]) vacancies_[k]->close(body.position, inner_ball(body) + smallest_ball_[k] + gap());
+  }
+}
+
+void Packer::add_body(std::int64_t id, std::int32_t shape, std::int32_t material, const PlacedBody& placed, const Vec3& velocity,
+              const Vec3& angular_velocity, bool fixed, bool lock_rotation, std::int32_t population) {
+  BodyTable& b = scene_.bodies;
+  b.id.push_back(id);
+  b.shape.push_back(parts_.scene_shape[static_cast<std::size_t>(shape)]);
+  b.material.push_back(material);
+  b.scale.push_back(placed.scale);
+  b.position.push_back(placed.position);
+  b.orientation.push_back(placed.orientation);
+  b.velocity.push_back(velocity);
+  b.angular_velocity.push_back(angular_velocity);
+  b.fixed.push_back(fixed ? 1 : 0);
+  b.lock_rotation.push_back(lock_rotation ? 1 : 0);
+  b.population.push_back(population);
+}
+
+bool Packer::domain_holds(const Vec3& p) const {
+  const Domain& d = case_.settings.domain;
+  if (!d.bounded) return true;
+  for (int k = 0; k < 3; ++k) {
+    if (p[k] < d.lower[k] || p[k] > d.upper[k]) return false;
+  }
+  return true;
+}
+
+bool Packer::walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing) {
+  for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+    if (wall_allows(scene_.walls[i], &parts_.wall_bodies[i], parts_.wall_is_solid[i], body, vertices, distance, *scratch_)) continue;
+    if (refusing != nullptr) *refusing = i;
+    return false;
+  }
+  return true;
+}
+
+void Packer::place_given_bodies() {
+  for (std::size_t i = 0; i < case_.bodies.size(); ++i) {
+    const CaseBody& b = case_.bodies[i];
+    const PlacedBody body{&parts_.shape(b.shape), b.scale, b.position, b.orientation};
+    if (!domain_holds(b.position)) throw InputError("{}: lies outside the domain", b.where);
+    // a fixed body may stand in a wall: nothing ever computes their contact
+    std::size_t wall = 0;
+    const std::vector<Vec3> vertices = body.world_vertices();
+    const double touch = 1e-9 * body.radius();
+    if (!b.fixed && !walls_allow(body, vertices, touch, &wall)) {
+      throw InputError("{}: overlaps {} (wall '{}') or lies behind it; move it", b.where, case_.walls[wall].where, scene_.walls[wall].name);
+    }
+    if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
+      report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (b.fixed && case_.bodies[j].fixed) continue;
+      if (length(placed_[j].position - body.position) > placed_[j].radius() + body.radius() + gap()) continue;
+      const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
+      if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them", b.where, case_.bodies[j].where);
+      if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, case_.bodies[j].where));
+    }
+    keep(body);
+    add_body(static_cast<std::int64_t>(i), b.shape, b.material, body, b.velocity, b.angular_velocity, b.fixed, b.lock_rotation, -1);
+  }
+}
+
+bool Packer::is_free(const PlacedBody& body, const Region& region) {
+  if (!domain_holds(body.position)) return false;
+  // solids whose inner balls come closer than the gap are closer than the gap themselves: nearly all refusals end here
+  near_.clear();
+  bool free = true;
+  const double ball = inner_ball(body);
+  grid_.for_each_near(body.position, body.radius() + gap(), [&](std::int32_t j) {
+    const PlacedBody& other = placed_[static_cast<std::size_t>(j)];
+    const double least = ball + inner_ball(other) + gap();
+    free = ball <= 0 || inner_ball(other) <= 0 || squared_length(other.position - body.position) >= least * least;
+    near_.push_back(j);
+    return free;
+  });
+  if (!free) return false;
+  body.world_vertices(vertices_);
+  if (region.is_mesh) {
+    const PlacedBody hull{&region.mesh, 1, {}, {}};
+    if (!is_inside(region.mesh.shape.mesh, vertices_.front())) return false;
+    if (!(gap_between(hull, body, 1e-6 * body.radius(), *scratch_) > 0)) return false;
+  }
+  if (!walls_allow(body, vertices_, gap())) return false;
+  const double touch = std::max(gap(), 1e-12 * body.radius());
+  return std::all_of(near_.begin(), near_.end(), [&](std::int32_t j) {
+    return gap_between(placed_[static_cast<std::size_t>(j)], body, touch * kJustAbove, *scratch_) >= touch;
+  });
+}
+
+VacancyMap& Packer::vacancy(std::size_t population) {
+  std::optional<VacancyMap>& map = vacancies_[population];
+  if (!map) {
+    double smallest_body = 1e300;
+    for (const Draw& d : parts_.draws) {
+      if (d.population == population) smallest_body = std::min(smallest_body, d.scale * parts_.shape(d.shape).radius);
+    }
+    const double ball = smallest_ball_[population];
+    Box3 box = parts_.regions[population].box;   // of centres: the inner ball lies in the region as well
+    box.lower += Vec3{ball, ball, ball};
+    box.upper -= Vec3{ball, ball, ball};
+    map.emplace(box, ball, smallest_body);
+    for (const PlacedBody& body : placed_) map->close(body.position, inner_ball(body) + ball + gap());
+  }
+  return *map;
+}
+
+bool Packer::try_place(const Draw& d, PlacedBody& body) {
+  const Region& region = parts_.regions[d.population];
+  for (std::uint64_t attempt = 1; attempt <= kAttempts; ++attempt) {
+    ++report_.attempts;
+    const RandomNumbers random(case_.settings.seed, d.id, attempt);
+    body.orientation = random.orientation(kOrientation);
+    body.position = {};
+    // the centre is drawn from where the turned body fits between the sides of the region
+    const Box3 extent = body.world_box();
+    const Vec3 low = region.box.lower - extent.lower, high = region.box.upper - extent.upper;
+    if (low.x > high.x || low.y > high.y || low.z > high.z) continue;
+    const Vec3 place{random.uniform(kPlace), random.uniform(kPlace + 1), random.uniform(kPlace + 2)};
+    if (attempt <= kPlainDraws) {
+      for (int k = 0; k < 3; ++k) body.position[k] = low[k] + place[k] * (high[k] - low[k]);
+    } else {
+      VacancyMap& map = vacancy(d.population);
+      if (map.is_full()) return false;
+      body.position = map.draw(random, kVoxel, place);
+      const Vec3& p = body.position;
+      if (p.x < low.x || p.y < low.y || p.z < low.z || p.x > high.x || p.y > high.y || p.z > high.z) continue;
+    }
+    if (is_free(body, region)) return true;
+  }
+  return false;
+}
+
+void Packer::place_particles() {
+  // largest first: small ones find holes between large ones, not the reverse
+  std::vector<std::size_t> order(parts_.draws.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto radius = [&](std::size_t i) { return parts_.draws[i].scale * parts_.shape(parts_.draws[i].shape).radius; };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return radius(a) != radius(b) ? radius(a) > radius(b) : parts_.draws[a].id < parts_.draws[b].id;
+  });
+  vacancies_.resize(case_.populations.size());
+  smallest_ball_.assign(case_.populations.size(), 1e300);
+  for (const Draw& d : parts_.draws) {
+    double& ball = smallest_ball_[d.population];
+    ball = std::min(ball, d.scale * parts_.shape(d.shape).inner_radius);
+  }
+  std::vector<PlacedBody> places(parts_.draws.size());
+  std::vector<std::size_t> placed_count(case_.populations.size(), 0);
+  std::vector<double> placed_volume(case_.populations.size(), 0.0);
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const Draw& d = parts_.draws[order[n]];
+    PlacedBody& body = places[order[n]];
+    body = {&parts_.shape(d.shape), d.scale, {}, {}};
+    const std::uint64_t before = report_.attempts;
+    if (!try_place(d, body)) fail(d, report_.attempts - before, n, placed_count, placed_volume);
+    keep(body);
+    ++placed_count[d.population];
+    placed_volume[d.population] += d.volume;
+    if (progress_) progress_(static_cast<double>(n + 1), static_cast<double>(order.size()));
+  }
+  for (std::size_t i = 0; i < parts_.draws.size(); ++i) {
+    const CasePopulation& p = case_.populations[parts_.draws[i].population];
+    add_body(parts_.draws[i].id, parts_.draws[i].shape, p.material, places[i], p.velocity, p.angular_velocity, false, false,
+             static_cast<std::int32_t>(parts_.draws[i].population));
+  }
+}
+
+void Packer::fail(const Draw& d, std::uint64_t attempts, std::size_t placed, const std::vector<std::size_t>& count, const std::vector<double>& volume) {
+  const CasePopulation& p = case_.populations[d.population];
+  std::size_t wanted = 0;
+  for (const Draw& other : parts_.draws) wanted += other.population == d.population ? 1 : 0;
+  const double region = parts_.regions[d.population].volume;
+  const std::string all = case_.populations.size() > 1 ? fmt::format(" ({} of {} over all populations)", placed, parts_.draws.size()) : "";
+  throw InputError(
+      "{}: placed {} of {} bodies{}; the next one ('{}', diameter {}, largest first) found no place in {} draws. The solid fraction reached is "
+      "{:.3f} of the {:.3f} asked for. Enlarge the region (now {:.4g} m^3), ask for fewer or smaller bodies, or reduce the margin ({})",
+      p.where, count[d.population], wanted, all, case_.shapes[static_cast<std::size_t>(d.shape)].name,
+      metres(d.scale * parts_.shape(d.shape).shape.equivalent_diameter()), attempts,
+      volume[d.population] / region, report_.solid_fraction[d.population], region, metres(scene_.settings.margin));
+}
+
+}  // namespace scree

@@ -1,0 +1,57 @@
+// Places bodies: the given ones with a check, the drawn ones by random sequential addition, largest first, with
+// exact distances between the meshes.
+//
+// The first kPlainDraws places of a particle are uniform in its region; later ones are uniform over what a vacancy map
+// leaves open. A test of inner balls comes before the exact one. Neither changes which places are accepted.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "decomposer/build_scene.hpp"
+#include "decomposer/scene_parts.hpp"
+#include "decomposer/vacancy_map.hpp"
+
+namespace scree {
+
+class Packer {
+ public:
+  /// Borrows all; scene.settings.margin is known by now.
+  Packer(const Case& c, const SceneParts& parts, const std::function<void(double, double)>& progress, Scene& scene,
+         PackingReport& report);
+
+  /// Adds the bodies given one by one. Throws InputError when one overlaps another, a wall, or lies outside.
+  void place_given_bodies();
+
+  /// Places all draws and adds them. Throws InputError when a particle finds no place.
+  void place_particles();
+
+ private:
+  double gap() const { return 2 * scene_.settings.margin; }   // contact starts at the sum of two margins
+  double inner_ball(const PlacedBody& body) const { return body.scale * body.shape->inner_radius; }
+  void add_body(std::int64_t id, std::int32_t shape, std::int32_t material, const PlacedBody& placed, const Vec3& velocity,
+                const Vec3& angular_velocity, bool fixed, bool lock_rotation, std::int32_t population);
+  void keep(const PlacedBody& body);
+  bool domain_holds(const Vec3& p) const;
+  bool walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing = nullptr);
+  bool is_free(const PlacedBody& body, const Region& region);   // fills near_ and vertices_
+  bool try_place(const Draw& d, PlacedBody& body);
+  VacancyMap& vacancy(std::size_t population);
+  [[noreturn]] void fail(const Draw& d, std::uint64_t attempts, std::size_t placed, const std::vector<std::size_t>& count,
+                         const std::vector<double>& volume);
+
+  const Case& case_;
+  const SceneParts& parts_;
+  const std::function<void(double, double)>& progress_;
+  Scene& scene_;
+  PackingReport& report_;
+  std::vector<PlacedBody> placed_;
+  PlacedGrid grid_;
+  std::vector<double> smallest_ball_;                   // inner ball of the smallest body of each population [m]
+  std::vector<std::optional<VacancyMap>> vacancies_;    // one per population, made when it is needed
+  std::vector<std::int32_t> near_;
+  std::vector<Vec3> vertices_;
+  MeshDistanceScratchPtr scratch_;
+};
+
+}  // namespace scree
