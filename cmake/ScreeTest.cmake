@@ -1,7 +1,7 @@
 # Environment of every MPI test: runs as root in containers, oversubscribes, does not bind to one core.
 set(SCREE_MPI_ENVIRONMENT
   "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1"
-  "OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none;OMPI_MCA_btl=self,vader,tcp")
+  "OMPI_MCA_mpi_yield_when_idle=1;OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none;OMPI_MCA_btl=self,vader,tcp")
 
 # scree_unit_test(NAME name SOURCES ... LIBRARIES ... [LABEL fast|mpi|slow] [RANKS 1 2 4])
 #
@@ -10,7 +10,11 @@ set(SCREE_MPI_ENVIRONMENT
 function(scree_unit_test)
   cmake_parse_arguments(arg "" "NAME;LABEL" "SOURCES;LIBRARIES;RANKS" ${ARGN})
   if(NOT arg_LABEL)
-    set(arg_LABEL fast)
+    if(arg_RANKS)
+      set(arg_LABEL mpi)
+    else()
+      set(arg_LABEL fast)
+    endif()
   endif()
   add_executable(${arg_NAME} ${arg_SOURCES})
   target_link_libraries(${arg_NAME} PRIVATE scree_flags ${arg_LIBRARIES} GTest::gtest)
@@ -19,7 +23,7 @@ function(scree_unit_test)
       add_test(NAME ${arg_NAME}.ranks_${ranks}
         COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} $<TARGET_FILE:${arg_NAME}>)
       set_tests_properties(${arg_NAME}.ranks_${ranks} PROPERTIES
-        PROCESSORS ${ranks} TIMEOUT 300 LABELS "mpi" ENVIRONMENT "${SCREE_MPI_ENVIRONMENT};OMP_NUM_THREADS=1")
+        PROCESSORS ${ranks} TIMEOUT 300 LABELS ${arg_LABEL} ENVIRONMENT "${SCREE_MPI_ENVIRONMENT};OMP_NUM_THREADS=1")
     endforeach()
   else()
     target_link_libraries(${arg_NAME} PRIVATE GTest::gtest_main)

@@ -1,6 +1,7 @@
 #include "solver/agreement.hpp"
 
 #include <algorithm>
+#include <exception>
 
 namespace scree {
 
@@ -29,11 +30,11 @@ Agreement::Agreement(const mpi::Communicator& comm) : comm_(comm), buffers_(std:
 }
 
 Agreement::~Agreement() {
-  // Waiting here could hang on a rank that failed otherwise. What is still under way keeps its buffers.
-  if (request_ != MPI_REQUEST_NULL) {
-    int done = 0;
-    MPI_Test(&request_, &done, MPI_STATUS_IGNORE);
-    if (done == 0) static_cast<void>(buffers_.release());
+  // Open MPI crashes when a communicator ends before its reductions do. After an exception that the other ranks know nothing
+  // of they may never take part: then the job is stopped, and what is under way keeps its buffers.
+  if (is_under_way()) {
+    if (std::uncaught_exceptions() == 0) MPI_Wait(&request_, MPI_STATUS_IGNORE);
+    else static_cast<void>(buffers_.release());
   }
   MPI_Op_free(&op_);
   MPI_Type_free(&type_);

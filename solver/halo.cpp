@@ -15,8 +15,9 @@ struct SpringRecord {
 
 /// Distance along one axis between two intervals, in a domain of that period (0: not periodic).
 double gap_along(double lower_a, double upper_a, double lower_b, double upper_b, double period) {
-  const auto gap = [&](double shift) { return std::max({0.0, lower_a + shift - upper_b, lower_b - upper_a - shift}); };
-  return period > 0 ? std::min({gap(0), gap(period), gap(-period)}) : gap(0);
+  // the nearest image of a; positions may have left the domain by any number of periods
+  const double shift = period > 0 ? period * std::round(0.5 * (lower_b + upper_b - lower_a - upper_a) / period) : 0;
+  return std::max({0.0, lower_a + shift - upper_b, lower_b - upper_a - shift});
 }
 
 double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, const Vec3& period) {
@@ -42,21 +43,32 @@ Halo::Halo(const mpi::Communicator& comm, const SolverScene& scene, const Parall
   const Domain& domain = scene.source().settings.domain;
   for (int k = 0; k < 3; ++k) {
     if (domain.periodic[static_cast<std::size_t>(k)]) period_[k] = domain.upper[k] - domain.lower[k];
+    domain_lower_[k] = domain.lower[k];
   }
 }
 
 double Halo::rebalance(const ParticleSet& p, std::span<const double> work) {
   if (comm_.size() == 1) return 1;
   if (!partitioner_) partitioner_ = std::make_unique<Partitioner>(comm_.get(), comm_.size(), options_.cut);
-  regions_ = partitioner_->cut(std::span(p.id).first(p.owned), std::span(p.x).first(p.owned), work);
+  std::vector<Vec3> x(p.x.begin(), p.x.begin() + static_cast<std::ptrdiff_t>(p.owned));
+  for (Vec3& point : x) point = inside_domain(point);
+  regions_ = partitioner_->cut(std::span(p.id).first(p.owned), x, work);
   std::vector<double> of_rank(static_cast<std::size_t>(comm_.size()));
   for (std::size_t i = 0; i < p.owned; ++i) of_rank[static_cast<std::size_t>(owner_of(p.id[i], p.x[i]))] += work[i];
   comm_.sum(of_rank);
   return imbalance(of_rank);
 }
 
+Vec3 Halo::inside_domain(const Vec3& x) const {
+  Vec3 inside = x;
+  for (int k = 0; k < 3; ++k) {
+    if (period_[k] > 0) inside[k] -= period_[k] * std::floor((x[k] - domain_lower_[k]) / period_[k]);
+  }
+  return inside;
+}
+
 int Halo::owner_of(std::int64_t id, const Vec3& x) const {
-  return partitioner_ ? partitioner_->part_of(id, x) : first_cut_.rank_of(x);
+  return partitioner_ ? partitioner_->part_of(id, inside_domain(x)) : first_cut_.rank_of(inside_domain(x));
 }
 
 std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& list) {

@@ -80,6 +80,7 @@ class Halo {
     std::vector<GhostState> send_buffer, receive_buffer;
   };
 
+  Vec3 inside_domain(const Vec3& x) const;   ///< the image of a point within the periodic axes
   int owner_of(std::int64_t id, const Vec3& x) const;
   std::vector<int> possible_neighbours(double reach) const;
 
@@ -89,7 +90,7 @@ class Halo {
   CutBoxes regions_;                         // of the cut in force; empty when its parts are no boxes
   std::unique_ptr<Partitioner> partitioner_;
   double largest_radius_ = 0;                // of all bodies of the scene [m]
-  Vec3 period_;                              // of the domain along its periodic axes, else 0 [m]
+  Vec3 domain_lower_, period_;               // period along the periodic axes of the domain, else 0 [m]
   std::vector<Neighbour> neighbours_;
   std::vector<MPI_Request> requests_;
   HaloTraffic traffic_;

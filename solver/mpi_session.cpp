@@ -30,8 +30,10 @@ Session::~Session() {
   if (!finalized) MPI_Finalize();
 }
 
-Communicator::Communicator() {
-  MPI_Comm_dup(MPI_COMM_WORLD, &handle_);
+Communicator::Communicator() : Communicator(MPI_COMM_WORLD) {}
+
+Communicator::Communicator(MPI_Comm other) {
+  MPI_Comm_dup(other, &handle_);
   MPI_Comm_rank(handle_, &rank_);
   MPI_Comm_size(handle_, &size_);
 }

@@ -22,10 +22,12 @@ class Session {
   Session& operator=(const Session&) = delete;
 };
 
-/// An own duplicate of the world communicator; errors of MPI stop the job with exit code 4.
+/// An own duplicate of a communicator, by default of the world; errors of MPI stop the job with exit code 4.
 class Communicator {
  public:
   Communicator();
+  /// A duplicate of another one, whose ranks all call it.
+  explicit Communicator(MPI_Comm other);
   ~Communicator();
   Communicator(const Communicator&) = delete;
   Communicator& operator=(const Communicator&) = delete;

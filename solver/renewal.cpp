@@ -104,13 +104,12 @@ void Simulation::cut_anew() {
 void Simulation::renew_lists(const StepNews& news) {
   {
     const PhaseTimer timer(times_, Phase::migrate);
-    std::unique_ptr<Error> error = std::move(failure_);
     try {
-      if (!error) check_domain();
+      if (!failure_) check_domain();
     } catch (const Error& e) {
-      error = std::make_unique<Error>(e);
+      fail(e);
     }
-    mpi::agree(comm_, error.get());
+    agree_on_failures();
     if (balance_.is_cut_due(news)) {
       cut_anew();
       ++cuts_;

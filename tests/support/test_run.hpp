@@ -16,18 +16,23 @@ struct TestRun {
   Scene scene;
   std::unique_ptr<SolverScene> prepared;
   std::unique_ptr<Simulation> simulation;
-  explicit TestRun(Scene s) : scene(std::move(s)) {}
-  void start() {
-    prepared = std::make_unique<SolverScene>(scene);
-    simulation = std::make_unique<Simulation>(*g_comm, *prepared, HaloStrategy::overlap);
+  const mpi::Communicator& comm;
+  explicit TestRun(Scene s, const mpi::Communicator& on = *g_comm) : scene(std::move(s)), comm(on) {}
+  void start(const ParallelOptions& options = {}) {
+    make(options);
     simulation->start_from_scene();
+  }
+  /// Without starting it.
+  void make(const ParallelOptions& options = {}) {
+    prepared = std::make_unique<SolverScene>(scene);
+    simulation = std::make_unique<Simulation>(comm, *prepared, options);
   }
   template <class Get>
   Vec3 total(Get&& get) const {
     const ParticleSet& p = simulation->particles();
     Vec3 mine;
     for (std::size_t i = 0; i < p.owned; ++i) mine += get(p, i);
-    return {g_comm->sum(mine.x), g_comm->sum(mine.y), g_comm->sum(mine.z)};
+    return {comm.sum(mine.x), comm.sum(mine.y), comm.sum(mine.z)};
   }
   Vec3 velocity(std::int64_t id) const {
     return total([id](const ParticleSet& p, std::size_t i) { return p.id[i] == id ? p.v[i] : Vec3{}; });
