@@ -38,6 +38,7 @@ class Balance {
   double weight_of(std::int64_t step) const { return ranks_ > 1 && step % kMeasureEvery == 0 ? static_cast<double>(kMeasureEvery) : 0; }
   /// Processor time of this rank since the start [s]; WorkTimer adds to it.
   double& computing() { return computing_; }
+  double computing() const { return computing_; }
 
  private:
   static constexpr std::int64_t kMeasureEvery = 4, kSampleEvery = 16;

@@ -1,4 +1,6 @@
 // What a simulation tells of itself: energies, loads, counts, the hash of its state. Every function is collective.
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -95,6 +97,34 @@ double Simulation::take_imbalance() {
   computed_before_ = balance_.computing();
   const double mean = comm_.sum(since) / comm_.size(), largest = comm_.max(since);
   return mean > 0 ? largest / mean : 1;
+}
+
+RankMeasures Simulation::rank_measures() const {
+  RankMeasures m;
+  m.times = times_;
+  m.computing = balance_.computing();
+  m.bodies = static_cast<std::int64_t>(p_.owned);
+  m.ghosts = static_cast<std::int64_t>(p_.ghost_count());
+  m.neighbours = static_cast<std::int64_t>(halo_->neighbour_count());
+  m.messages = halo_->traffic().messages;
+  m.bytes = halo_->traffic().bytes;
+  m.renewal_bytes = halo_->traffic().renewal_bytes;
+  m.migrated = migrated_;
+  const std::size_t row = p_.row_bytes();
+  std::size_t own_pairs = 0, ghost_pairs = 0;
+  for (const BodyPair& pair : pairs_.pairs()) {
+    const bool with_ghost = static_cast<std::size_t>(pair.a) >= p_.owned || (pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p_.owned);
+    (with_ghost ? ghost_pairs : own_pairs) += memory_of(pair);
+  }
+  m.body_bytes = static_cast<std::int64_t>(p_.owned * row + own_pairs);
+  m.ghost_bytes = static_cast<std::int64_t>(p_.ghost_count() * (row + 2 * sizeof(GhostState)) + ghost_pairs);  // sent there, received here
+  for (std::size_t k = 0; k < pairs_.pairs().size(); ++k) {
+    if (counts_here(pairs_.pairs()[k], p_) && pairs_.results()[k].active) m.contacts += pairs_.results()[k].contact_count;
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  m.peak_rss = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+  return m;
 }
 
 std::int64_t Simulation::bodies_outside() const {

@@ -33,6 +33,11 @@ bool near_zone(const SolverScene& scene, const WallZone& zone, const WallState& 
 
 }  // namespace
 
+std::size_t memory_of(const BodyPair& pair) {
+  return sizeof(BodyPair) + sizeof(PairResult) + (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
+         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.springs.capacity() * sizeof(FrictionSpring);
+}
+
 void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
                        PhaseTimes& times) {
   const double margin = scene.margin();

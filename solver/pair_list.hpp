@@ -38,6 +38,9 @@ struct PairResult {
   bool active = false;
 };
 
+/// Bytes that a pair holds, its lists, springs and result included.
+std::size_t memory_of(const BodyPair& pair);
+
 /// Springs of a pair that arrived by migration or from a checkpoint, waiting for its pair to be listed.
 struct PendingSprings {
   PairKey key;

@@ -5,8 +5,8 @@ namespace scree {
 namespace {
 
 /// Applies one action to every column, so that no function forgets one.
-template <class Action>
-void for_each_column(ParticleSet& p, Action&& action) {
+template <class Set, class Action>
+void for_each_column(Set& p, Action&& action) {
   action(p.id);
   action(p.shape);
   action(p.material);
@@ -34,6 +34,12 @@ void for_each_column(ParticleSet& p, Action&& action) {
 }
 
 }  // namespace
+
+std::size_t ParticleSet::row_bytes() const {
+  std::size_t bytes = 0;
+  for_each_column(*this, [&bytes](const auto& column) { bytes += sizeof(column[0]); });
+  return bytes;
+}
 
 void ParticleSet::resize(std::size_t count) {
   for_each_column(*this, [count](auto& column) { column.resize(count); });

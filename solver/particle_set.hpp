@@ -38,6 +38,7 @@ struct ParticleSet {
 
   std::size_t size() const { return id.size(); }
   std::size_t ghost_count() const { return size() - owned; }
+  std::size_t row_bytes() const;               ///< of all columns together
   void resize(std::size_t count);
   void copy_row(std::size_t from, std::size_t to);
 };

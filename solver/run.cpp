@@ -16,6 +16,7 @@
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/h5.hpp"
 #include "solver/checkpoint.hpp"
+#include "solver/rank_log.hpp"
 #include "solver/run_log.hpp"
 
 namespace scree {
@@ -108,6 +109,18 @@ std::int64_t peak_memory() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
+/// Bytes held for a body and for a ghost, pairs and their candidates included.
+nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
+  double bodies = 0, ghosts = 0, body_bytes = 0, ghost_bytes = 0;
+  for (const RankMeasures& m : ranks) {
+    bodies += static_cast<double>(m.bodies);
+    ghosts += static_cast<double>(m.ghosts);
+    body_bytes += static_cast<double>(m.body_bytes);
+    ghost_bytes += static_cast<double>(m.ghost_bytes);
+  }
+  return {{"bytes_per_body", bodies > 0 ? body_bytes / bodies : 0.0}, {"bytes_per_ghost", ghosts > 0 ? ghost_bytes / ghosts : 0.0}};
+}
+
 }  // namespace
 
 int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
@@ -186,6 +199,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   // frames and log rows after the checkpoint are made again
   std::vector<FrameEntry> frames;
   std::unique_ptr<RunLog> log;
+  std::unique_ptr<RankLog> rank_log;
   mpi::on_root(comm, [&] {
     if (restarted) {
       for (const auto& entry : std::filesystem::directory_iterator(options.run_folder)) {
@@ -201,6 +215,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       std::sort(frames.begin(), frames.end(), [](const FrameEntry& l, const FrameEntry& r) { return l.time < r.time; });
     }
     log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
+    rank_log = std::make_unique<RankLog>(options.run_folder + "/ranks.csv", comm.size(), restarted ? simulation.step() : -1);
   });
   if (root) {
     std::fprintf(stderr, "scree-solver: %zu bodies, %d ranks x %d threads, step %s (%s), %lld steps\n", scene.bodies.size(),
@@ -241,12 +256,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const std::int64_t contacts = simulation.contact_count();
     const std::vector<WallLoad> loads = simulation.wall_loads();
     const std::string hash = simulation.state_hash();
+    const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
     const double elapsed = seconds_since(interval_start);
     const double rate = elapsed > 0 ? static_cast<double>(simulation.step() - interval_step) / elapsed : 0;
     interval_start = std::chrono::steady_clock::now();
     interval_step = simulation.step();
     mpi::on_root(comm, [&] {
-      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, simulation.times(), rate, loads, hash);
+      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, loads, hash);
+      rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last);
     });
   };
   const auto write_frame = [&](std::int64_t number) {
@@ -275,6 +292,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const std::int64_t memory = comm.sum(peak_memory());
     PhaseTimes times = simulation.times();
     MPI_Allreduce(MPI_IN_PLACE, times.data(), static_cast<int>(times.size()), MPI_DOUBLE, MPI_SUM, comm.get());
+    const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
     mpi::on_root(comm, [&] {
       nlohmann::json run;
       run["format"] = "scree-run";
@@ -310,6 +328,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                        {"error_max", worst_balance},
                        {"error_relative", scale > 0 ? worst_balance / scale : 0.0}};
       run["peak_rss_bytes"] = memory;
+      run["memory"] = memory_json(ranks);
       run["settings"] = settings_json(scene);
       run["provenance"] = provenance;
       h5::write_text_file(options.run_folder + "/run.json", run.dump(1) + "\n");

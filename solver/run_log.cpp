@@ -1,5 +1,6 @@
 #include "solver/run_log.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -21,8 +22,8 @@ std::string header_of(const Scene& scene) {
     names += std::string(",t_") + phase_name(static_cast<Phase>(p));
     units += ",s";
   }
-  names += ",steps_per_second,state_hash";
-  units += ",1/s,-";
+  names += ",t_wait_longest,ghosts,bytes_sent,steps_per_second,state_hash";
+  units += ",s,-,B,1/s,-";
   for (const Wall& wall : scene.walls) {
     for (const char* quantity : {"force", "torque", "impulse"}) {
       for (const char* axis : {"x", "y", "z"}) names += fmt::format(",wall{}_{}_{}", wall.id, quantity, axis);
@@ -34,8 +35,8 @@ std::string header_of(const Scene& scene) {
 
 }  // namespace
 
-RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up_to_step) : path_(path) {
-  std::string text = header_of(scene);
+void start_table(const std::string& path, const std::string& header, std::int64_t keep_up_to_step) {
+  std::string text = header;
   if (std::ifstream old(path); keep_up_to_step >= 0 && old) {
     std::string line;
     while (std::getline(old, line)) {
@@ -46,23 +47,41 @@ RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up
   h5::write_text_file(path, text);
 }
 
+void append_to_table(const std::string& path, const std::string& rows) {
+  std::FILE* file = std::fopen(path.c_str(), "ab");
+  if (file == nullptr) throw SystemError("cannot write {}: {}", path, std::strerror(errno));
+  const bool written = std::fwrite(rows.data(), 1, rows.size(), file) == rows.size();
+  const bool closed = std::fclose(file) == 0;
+  if (!written || !closed) throw SystemError("cannot write {}: {}", path, std::strerror(errno));
+}
+
+RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up_to_step) : path_(path) {
+  start_table(path, header_of(scene), keep_up_to_step);
+}
+
 void RunLog::add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
-                     double max_depth_ratio, double imbalance, const PhaseTimes& times, double steps_per_second,
+                     double max_depth_ratio, double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second,
                      const std::vector<WallLoad>& loads, const std::string& state_hash) {
   std::string row = fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{},{:.9g},{:.6g}",
                                 step, time, e.translational, e.rotational, e.potential, e.elastic, e.tangential_elastic,
                                 e.dissipated, e.wall_work, energy_error, contacts, max_depth_ratio, imbalance);
-  for (double t : times) row += fmt::format(",{:.6g}", t);
-  row += fmt::format(",{:.6g},{}", steps_per_second, state_hash);
+  for (std::size_t p = 0; p < static_cast<std::size_t>(Phase::count); ++p) {
+    double sum = 0;
+    for (const RankMeasures& m : ranks) sum += m.times[p];
+    row += fmt::format(",{:.6g}", sum / static_cast<double>(ranks.size()));
+  }
+  double longest_wait = 0;
+  std::int64_t ghosts = 0, bytes = 0;
+  for (const RankMeasures& m : ranks) {
+    longest_wait = std::max(longest_wait, m.times[static_cast<std::size_t>(Phase::wait)]);
+    ghosts += m.ghosts;
+    bytes += m.bytes + m.renewal_bytes;
+  }
+  row += fmt::format(",{:.6g},{},{},{:.6g},{}", longest_wait, ghosts, bytes, steps_per_second, state_hash);
   for (const WallLoad& load : loads) {
     for (const Vec3& v : {load.force, load.torque, load.impulse}) row += fmt::format(",{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
   }
-  row += "\n";
-  std::FILE* file = std::fopen(path_.c_str(), "ab");
-  if (file == nullptr) throw SystemError("cannot write {}: {}", path_, std::strerror(errno));
-  const bool written = std::fwrite(row.data(), 1, row.size(), file) == row.size();
-  const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) throw SystemError("cannot write {}: {}", path_, std::strerror(errno));
+  append_to_table(path_, row + "\n");
 }
 
 }  // namespace scree

@@ -13,6 +13,7 @@
 #include "solver/halo.hpp"
 #include "solver/motion.hpp"
 #include "solver/phases.hpp"
+#include "solver/rank_log.hpp"
 #include "solver/step_size.hpp"
 
 namespace scree {
@@ -81,6 +82,7 @@ class Simulation {
   FrameContacts contacts();
 
   PhaseTimes& times() { return times_; }
+  RankMeasures rank_measures() const;     ///< of this rank alone
   std::int64_t list_renewals() const { return renewals_; }
   std::int64_t cuts() const { return cuts_; }
   std::int64_t migrated() const { return migrated_; }

@@ -10,7 +10,7 @@ namespace {
 using namespace test;
 
 TEST(SameBits, of_a_pile_of_200_rocks_after_ten_thousand_steps_with_every_contact_found_on_the_way) {
-  const Scene scene = dense_heap(5, 5, 8);
+  const Scene scene = dense_heap(5, 5, 8, 0.12);
   constexpr int kSteps = 10000;
   const Outcome alone = outcome_of(scene, 1, 1, kSteps);
   if (g_comm->rank() == 0) { EXPECT_GT(alone.contacts, 200 * 100); }

@@ -46,9 +46,9 @@ inline Scene rock_scene(int level = 1) {
 }
 
 /// Rocks fall a little and press on each other in a box: most touch several others, and the walls.
-inline Scene dense_heap(int nx = 3, int ny = 3, int nz = 4, int level = 1) {
-  Scene scene = rock_scene(level);
-  const double spacing = 0.105;
+/// A `spacing` of 0.105 m suits few rocks; among many some would overlap from the start.
+inline Scene dense_heap(int nx = 3, int ny = 3, int nz = 4, double spacing = 0.105) {
+  Scene scene = rock_scene();
   const Vec3 upper{nx * spacing, ny * spacing, 2 * nz * spacing};
   add_box_walls(scene, {-0.005, -0.005, 0}, {upper.x + 0.005, upper.y + 0.005, upper.z});
   fill_lattice(scene, nx, ny, nz, {0, 0, 0.005}, spacing, {0, 0, -0.6});
