@@ -1,28 +1,13 @@
-// Frames: collective writing, serial reading.
-//
-// Every rank hands in its own bodies and contacts; each array is one dataset, in which a rank owns a run of
-// rows whose start is the prefix sum of the row counts. The pieces of VTKHDF are exactly these runs, so that
-// a parallel ParaView reads them without any exchange.
-//
-// A full disk is the failure that is met in practice, and the one that parallel HDF5 takes badly: tried with
-// Open MPI 4.1 and HDF5 1.10.8 on a full tmpfs, two ranks crash in the next collective call and four wait for
-// ever. So rank 0 first reserves the space that the frame can need at most; when that fails, all ranks are
-// told before HDF5 has begun. Errors that come later are collected, not thrown, until all ranks have made the
-// same collective calls.
+// Frames: collective writing (collective_file.hpp), serial reading. The pieces of VTKHDF are exactly the runs of rows of the
+// ranks, so that a parallel ParaView reads them without any exchange.
 #include "core/storage/frame_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
 
-#include "core/storage/h5.hpp"
+#include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
 
 namespace scree {
@@ -30,175 +15,6 @@ namespace scree {
 namespace {
 
 constexpr std::int64_t kPieceOverhead = 4096;       // [B] piece tables and alignment, per rank
-constexpr std::int64_t kMetadataReserve = 1 << 17;  // [B] headers, attributes, chunk indices of the ~30 datasets
-
-int rank_of(MPI_Comm communicator) {
-  int rank = 0;
-  MPI_Comm_rank(communicator, &rank);
-  return rank;
-}
-
-/// Throws SystemError with the same text on every rank when any rank has a message.
-void agree(MPI_Comm communicator, std::string message) {
-  const int rank = rank_of(communicator);
-  int size = 1;
-  MPI_Comm_size(communicator, &size);
-  const int mine = message.empty() ? size : rank;
-  int first = size;
-  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, communicator);
-  if (first == size) return;
-  int count = static_cast<int>(message.size());
-  MPI_Bcast(&count, 1, MPI_INT, first, communicator);
-  message.resize(static_cast<std::size_t>(count));
-  MPI_Bcast(message.data(), count, MPI_CHAR, first, communicator);
-  throw SystemError("{} (rank {})", message, first);
-}
-
-std::string broadcast(MPI_Comm communicator, std::string text) {
-  std::int64_t count = static_cast<std::int64_t>(text.size());
-  MPI_Bcast(&count, 1, MPI_INT64_T, 0, communicator);
-  text.resize(static_cast<std::size_t>(count));
-  MPI_Bcast(text.data(), static_cast<int>(count), MPI_CHAR, 0, communicator);
-  return text;
-}
-
-/// The rows of one distributed array: this rank's run and the whole.
-struct Rows {
-  std::int64_t local = 0, start = 0, total = 0;
-};
-
-Rows distribute(MPI_Comm communicator, std::int64_t local) {
-  Rows rows{local, 0, 0};
-  MPI_Exscan(&local, &rows.start, 1, MPI_INT64_T, MPI_SUM, communicator);
-  if (rank_of(communicator) == 0) rows.start = 0;
-  MPI_Allreduce(&local, &rows.total, 1, MPI_INT64_T, MPI_SUM, communicator);
-  return rows;
-}
-
-/// Tries whether the disk has room, in a file of the temporary name. Returns what is wrong, or "".
-std::string reserve_space(const std::string& temporary, const std::string& path, std::int64_t bytes) {
-  const int file = open(temporary.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) {
-    return fmt::format("cannot create {}: {}; choose a folder that exists and is writable", path, std::strerror(errno));
-  }
-  int reason = 0;
-  if (fallocate(file, 0, 0, bytes) != 0) reason = errno;
-  close(file);
-  // A file system that cannot reserve says EOPNOTSUPP: then errors show while writing.
-  if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG) {
-    std::remove(temporary.c_str());
-    return fmt::format("cannot write {}: {}; the frame needs up to {} bytes; free some space and restart from the "
-                       "last checkpoint", path, std::strerror(reason), bytes);
-  }
-  return "";
-}
-
-/// One HDF5 file that all ranks write together. Data errors are kept in error() until everybody is done.
-class CollectiveFile {
- public:
-  CollectiveFile(MPI_Comm communicator, const std::string& temporary) : rank_(rank_of(communicator)) {
-    h5::silence_library();
-    const h5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, temporary);
-    H5Pset_fapl_mpio(access.id(), communicator, MPI_INFO_NULL);
-    H5Pset_fclose_degree(access.id(), H5F_CLOSE_STRONG);  // a failed close must not leave the file half open
-    transfer_ = h5::Handle(H5Pcreate(H5P_DATASET_XFER), H5Pclose, temporary);
-    H5Pset_dxpl_mpio(transfer_.id(), H5FD_MPIO_COLLECTIVE);
-    file_ = H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id());
-    if (file_ < 0) {
-      error_ = h5::library_error();
-      return;
-    }
-    root_ = std::make_unique<h5::Group>(h5::Handle(H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, temporary), temporary + ":");
-  }
-  CollectiveFile(const CollectiveFile&) = delete;
-  CollectiveFile& operator=(const CollectiveFile&) = delete;
-  ~CollectiveFile() { close(); }
-
-  const h5::Group& root() const { return *root_; }
-  const std::string& error() const { return error_; }
-  bool is_open() const { return file_ >= 0; }
-
-  /// Collective: `rows.local` rows of this rank at `rows.start`.
-  void write(const h5::Group& group, const std::string& name, const void* data, Rows rows, std::int64_t columns,
-             hid_t type, const std::string& unit) {
-    const std::string what = group.path() + "/" + name;
-    const hsize_t extent[2] = {static_cast<hsize_t>(rows.total), static_cast<hsize_t>(columns)};
-    const int dimensions = columns == 1 ? 1 : 2;
-    const h5::Handle space(H5Screate_simple(dimensions, extent, nullptr), H5Sclose, what);
-    const h5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
-    H5Pset_fill_time(properties.id(), H5D_FILL_TIME_NEVER);  // every row is written below
-    constexpr hsize_t kChunkRows = 16384;         // a few hundred kB: good for deflate and for partial reads
-    constexpr hsize_t kSmallestCompressed = 512;  // below this a chunk index costs more than it saves
-    if (extent[0] >= kSmallestCompressed) {
-      const hsize_t chunk[2] = {std::min(extent[0], kChunkRows), extent[1]};
-      H5Pset_chunk(properties.id(), dimensions, chunk);
-      H5Pset_shuffle(properties.id());
-      H5Pset_deflate(properties.id(), 1);
-    }
-    h5::Handle dataset(H5Dcreate2(group.id(), name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-                       H5Dclose, "cannot create " + what);
-    if (rows.total > 0) {
-      const hsize_t start[2] = {static_cast<hsize_t>(rows.start), 0};
-      const hsize_t count[2] = {static_cast<hsize_t>(rows.local), extent[1]};
-      const h5::Handle memory(H5Screate_simple(dimensions, count, nullptr), H5Sclose, what);
-      if (rows.local > 0) {
-        H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start, nullptr, count, nullptr);
-      } else {
-        H5Sselect_none(space.id());
-        H5Sselect_none(memory.id());
-      }
-      const char nothing = 0;
-      note(H5Dwrite(dataset.id(), type, memory.id(), space.id(), transfer_.id(), rows.local > 0 ? data : &nothing), what);
-    }
-    if (!unit.empty()) h5::Group(std::move(dataset), what).write_attribute("unit", unit);
-  }
-  template <class T>
-  void write(const h5::Group& group, const std::string& name, const std::vector<T>& values, Rows rows, const std::string& unit) {
-    if constexpr (std::is_same_v<T, Vec3>) {
-      write(group, name, values.data(), rows, 3, H5T_NATIVE_DOUBLE, unit);
-    } else if constexpr (std::is_same_v<T, Quat>) {
-      write(group, name, values.data(), rows, 4, H5T_NATIVE_DOUBLE, unit);
-    } else {
-      write(group, name, values.data(), rows, 1, h5::native_type<T>(), unit);
-    }
-  }
-  /// Collective; the same text on every rank, written by rank 0.
-  void write_text(const h5::Group& group, const std::string& name, const std::string& text) {
-    const std::string what = group.path() + "/" + name;
-    const h5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose, what);
-    H5Tset_size(type.id(), std::max<std::size_t>(text.size(), 1));
-    H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
-    H5Tset_cset(type.id(), H5T_CSET_UTF8);
-    const h5::Handle space(H5Screate(H5S_SCALAR), H5Sclose, what);
-    const h5::Handle dataset(H5Dcreate2(group.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                             H5Dclose, "cannot create " + what);
-    const h5::Handle memory(H5Screate(H5S_SCALAR), H5Sclose, what);
-    if (rank_ != 0) {
-      H5Sselect_none(space.id());
-      H5Sselect_none(memory.id());
-    }
-    note(H5Dwrite(dataset.id(), type.id(), memory.id(), space.id(), transfer_.id(), text.empty() ? "" : text.c_str()), what);
-  }
-  /// Collective. Afterwards error() is final.
-  void close() {
-    root_.reset();
-    if (file_ < 0) return;
-    note(H5Fflush(file_, H5F_SCOPE_GLOBAL), "flush");
-    note(H5Fclose(file_), "close");
-    file_ = -1;
-  }
-
- private:
-  void note(herr_t status, const std::string& what) {
-    if (status < 0 && error_.empty()) error_ = what + ": " + h5::library_error();
-  }
-
-  int rank_ = 0;
-  hid_t file_ = -1;  // not a Handle: closing it is collective and its failure must be heard
-  h5::Handle transfer_;
-  std::unique_ptr<h5::Group> root_;
-  std::string error_;
-};
 
 /// Scalars of the frame as rank 0 has them.
 struct Header {
@@ -282,16 +98,15 @@ void write_walls(CollectiveFile& file, const FrameWalls& walls, const Rows& rows
 
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame) {
   check_sizes(frame);
-  const int rank = rank_of(communicator);
-  int size = 1;
+  int rank = 0, size = 1;
+  MPI_Comm_rank(communicator, &rank);
   MPI_Comm_size(communicator, &size);
 
   // what only rank 0 knows
   Header header{frame.number, frame.step, static_cast<std::int64_t>(frame.walls.id.size()), frame.time,
                 frame.kinetic, frame.potential, frame.elastic, frame.dissipated};
   MPI_Bcast(&header, static_cast<int>(sizeof header), MPI_BYTE, 0, communicator);
-  const std::string provenance = broadcast(communicator, rank == 0 ? frame.provenance.dump() : std::string());
-  const std::string temporary = broadcast(communicator, rank == 0 ? h5::temporary_name(path) : std::string());
+  const std::string provenance = broadcast_text(communicator, rank == 0 ? frame.provenance.dump() : std::string());
   const Rows bodies = distribute(communicator, static_cast<std::int64_t>(frame.bodies.size()));
   const Rows contacts = distribute(communicator, static_cast<std::int64_t>(frame.contacts.size()));
   const Rows walls{rank == 0 ? header.wall_count : 0, rank == 0 ? 0 : header.wall_count, header.wall_count};
@@ -300,21 +115,19 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   constexpr std::int64_t kBodyBytes = 8 + 3 * 4 + 8 + 8 * (3 + 4 + 3 + 3) + 8 + 8 + 1;
   constexpr std::int64_t kContactBytes = 8 * (3 + 3 + 3 + 1 + 1 + 1 + 3);
   constexpr std::int64_t kWallBytes = 8 * (1 + 3 + 4 + 3 + 3);
-  const std::int64_t bytes = kBodyBytes * bodies.total + kContactBytes * contacts.total + kWallBytes * walls.total +
-                             static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size + kMetadataReserve;
-  agree(communicator, rank == 0 ? reserve_space(temporary, path, bytes) : "");
+  const std::int64_t bytes = kBodyBytes * CollectiveFile::rows_on_disk(bodies.total) +
+                             kContactBytes * CollectiveFile::rows_on_disk(contacts.total) + kWallBytes * walls.total +
+                             static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
 
-  std::string problem;
+  CollectiveFile file(communicator, path, bytes, CollectiveFile::Kind::plain);
+  const h5::Group& root = file.root();
+  root.write_attribute("format", kFrameFormat);
+  root.write_attribute("format_version", kFrameFormatVersion);
+  file.write_text(root, "provenance", provenance);
+  write_vtkhdf(file, communicator, frame.bodies, bodies);
+  write_contacts(file, frame.contacts, contacts);
+  write_walls(file, rank == 0 ? frame.walls : FrameWalls{}, walls);
   {
-    CollectiveFile file(communicator, temporary);
-    agree(communicator, file.is_open() ? "" : "cannot create " + path + ": " + file.error());
-    const h5::Group& root = file.root();
-    root.write_attribute("format", kFrameFormat);
-    root.write_attribute("format_version", kFrameFormatVersion);
-    file.write_text(root, "provenance", provenance);
-    write_vtkhdf(file, communicator, frame.bodies, bodies);
-    write_contacts(file, frame.contacts, contacts);
-    write_walls(file, rank == 0 ? frame.walls : FrameWalls{}, walls);
     const h5::Group scalars = root.create_group("frame");
     scalars.write_attribute("number", header.number);
     scalars.write_attribute("step", header.step);
@@ -323,24 +136,8 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
     scalars.write_attribute("potential", header.potential);
     scalars.write_attribute("elastic", header.elastic);
     scalars.write_attribute("dissipated", header.dissipated);
-    file.close();
-    problem = file.error();
   }
-  if (!problem.empty()) problem = "cannot write " + path + ": " + problem;
-  try {
-    agree(communicator, problem);
-    if (rank == 0) {
-      try {
-        h5::publish_file(temporary, path);
-      } catch (const SystemError& error) {
-        problem = error.what();
-      }
-    }
-    agree(communicator, problem);
-  } catch (...) {
-    if (rank == 0) std::remove(temporary.c_str());
-    throw;
-  }
+  file.commit();
 }
 
 namespace {

@@ -225,6 +225,23 @@ void Group::read_raw(const std::string& name, void* data, hid_t type) const {
   }
 }
 
+void Group::read_raw_rows(const std::string& name, void* data, std::int64_t first, std::int64_t count, std::int64_t columns,
+                          hid_t type) const {
+  const std::int64_t rows = array_size(name, columns) / columns;
+  if (first + count > rows) throw InputError("{}/{}: {} rows found, {} expected; the file is damaged", path_, name, rows, first + count);
+  if (count == 0) return;
+  const std::string what = "cannot read " + path_ + "/" + name;
+  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose, what);
+  const int dimensions = H5Sget_simple_extent_ndims(space.id());
+  const hsize_t start[2] = {static_cast<hsize_t>(first), 0}, extent[2] = {static_cast<hsize_t>(count), static_cast<hsize_t>(columns)};
+  const Handle memory(H5Screate_simple(dimensions, extent, nullptr), H5Sclose, what);
+  check(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start, nullptr, extent, nullptr), what);
+  if (H5Dread(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, data) < 0) {
+    throw InputError("{}: {}; the file is truncated or damaged", what, library_error());
+  }
+}
+
 // The library works in memory, and the finished image is written here. On a full disk HDF5 1.10.8 cannot close
 // a file whose last flush failed, keeps it open inside and crashes when it ends (a tmpfs of 8 kB shows it).
 NewFile::NewFile(std::string path) : path_(std::move(path)), temporary_(temporary_name(path_)) {

@@ -2,7 +2,7 @@
 //
 // A constructor gives a valid handle or throws; a destructor never throws. Errors of the library become
 // SystemError when writing and InputError when reading, with file and object named. HDF5 is used from one
-// thread per rank. Collective (MPI) writing is in frame_file and checkpoint; everything here is serial.
+// thread per rank. Collective (MPI) writing is in collective_file; everything here is serial.
 #pragma once
 
 #include <hdf5.h>
@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -106,12 +107,28 @@ class Group {
     read_raw(name, values.data(), H5T_NATIVE_DOUBLE);
     return values;
   }
+  /// Rows of a dataset of one dimension.
+  std::int64_t row_count(const std::string& name) const { return array_size(name, 1); }
+  /// Reads `count` rows from row `first` on; T is Vec3, Quat or a number. Throws InputError when there are not so many.
+  template <class T>
+  std::vector<T> read_rows(const std::string& name, std::int64_t first, std::int64_t count) const {
+    std::vector<T> values(static_cast<std::size_t>(count));
+    if constexpr (std::is_same_v<T, Vec3>) {
+      read_raw_rows(name, values.data(), first, count, 3, H5T_NATIVE_DOUBLE);
+    } else if constexpr (std::is_same_v<T, Quat>) {
+      read_raw_rows(name, values.data(), first, count, 4, H5T_NATIVE_DOUBLE);
+    } else {
+      read_raw_rows(name, values.data(), first, count, 1, native_type<T>());
+    }
+    return values;
+  }
 
  private:
   std::int64_t array_size(const std::string& name, std::int64_t columns) const;  // elements
   void write_raw(const std::string& name, const void* data, std::int64_t count, std::int64_t columns, hid_t type,
                  const std::string& unit) const;
   void read_raw(const std::string& name, void* data, hid_t type) const;
+  void read_raw_rows(const std::string& name, void* data, std::int64_t first, std::int64_t count, std::int64_t columns, hid_t type) const;
 
   Handle handle_;
   std::string path_;  // "file.h5:/group", for messages
