@@ -2,27 +2,163 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <tuple>
 
-#include "core/storage/h5.hpp"
+#include "core/storage/collective_file.hpp"
+#include "core/storage/shape_file.hpp"
 
 namespace scree {
 
 namespace {
 
+/// A friction spring with the pair it belongs to, as a row of a table.
 struct SpringRow {
-  PairKey key;
-  FrictionSpring spring;
+  std::int64_t a, b, zone, feature;
+  Vec3 force;
+  double stiffness;
 };
 
-/// Everything of one kind on rank 0.
-template <class T>
-std::vector<T> gather_on_root(const mpi::Communicator& comm, std::vector<T> mine) {
-  std::vector<std::vector<T>> outgoing(static_cast<std::size_t>(comm.size()));
-  outgoing[0] = std::move(mine);
-  std::vector<T> all;
-  for (auto& block : comm.exchange(outgoing)) all.insert(all.end(), block.begin(), block.end());
-  return all;
+// The columns of both tables, for writer, reader and the estimate of space alike.
+template <class Action>
+void for_each_body_column(Action&& action) {
+  action("id", "", &ParticleRecord::id);
+  action("shape", "", &ParticleRecord::shape);
+  action("material", "", &ParticleRecord::material);
+  action("fixed", "", &ParticleRecord::fixed);
+  action("lock_rotation", "", &ParticleRecord::lock_rotation);
+  action("scale", "", &ParticleRecord::scale);
+  action("x", "m", &ParticleRecord::x);
+  action("v", "m/s", &ParticleRecord::v);
+  action("L", "kg m^2/s", &ParticleRecord::L);
+  action("w", "rad/s", &ParticleRecord::w);
+  action("force", "N", &ParticleRecord::force);
+  action("torque", "N m", &ParticleRecord::torque);
+  action("q_principal", "", &ParticleRecord::q);
+  action("dissipated", "J", &ParticleRecord::dissipated);
+  action("work", "", &ParticleRecord::work);
 }
+
+template <class Action>
+void for_each_spring_column(Action&& action) {
+  action("a", "", &SpringRow::a);
+  action("b", "", &SpringRow::b);
+  action("zone", "", &SpringRow::zone);
+  action("feature", "", &SpringRow::feature);
+  action("force", "N", &SpringRow::force);
+  action("stiffness", "N/m", &SpringRow::stiffness);
+}
+
+/// What is asked of each column by write_columns, read_columns and bytes_per_row.
+template <class Row>
+struct Columns;
+template <>
+struct Columns<ParticleRecord> {
+  template <class Action>
+  static void visit(Action&& action) { for_each_body_column(action); }
+};
+template <>
+struct Columns<SpringRow> {
+  template <class Action>
+  static void visit(Action&& action) { for_each_spring_column(action); }
+};
+
+template <class Row>
+std::int64_t bytes_per_row() {
+  std::size_t bytes = 0;
+  Columns<Row>::visit([&](const char*, const char*, auto member) { bytes += sizeof(Row{}.*member); });
+  return static_cast<std::int64_t>(bytes);
+}
+
+template <class Row>
+void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<Row>& mine, Rows rows) {
+  Columns<Row>::visit([&](const char* name, const char* unit, auto member) {
+    std::vector<std::decay_t<decltype(Row{}.*member)>> values;
+    values.reserve(mine.size());
+    for (const Row& r : mine) values.push_back(r.*member);
+    file.write(group, name, values, rows, unit);
+  });
+}
+
+/// This rank's part of the rows, as they lie in the file.
+template <class Row>
+std::vector<Row> read_columns(const mpi::Communicator& comm, const h5::Group& group, const char* first_column) {
+  const std::int64_t total = group.row_count(first_column);
+  const std::int64_t first = total * comm.rank() / comm.size(), last = total * (comm.rank() + 1) / comm.size();
+  std::vector<Row> rows(static_cast<std::size_t>(last - first), Row{});
+  Columns<Row>::visit([&](const char* name, const char*, auto member) {
+    using Value = std::decay_t<decltype(Row{}.*member)>;
+    const std::vector<Value> values = group.read_rows<Value>(name, first, last - first);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*member = values[i];
+  });
+  return rows;
+}
+
+/// The rank whose share holds a body (see in_share). Ids count from 0 without gaps, so the shares are even, and nobody needs a
+/// directory to find a body.
+std::size_t home_rank(std::int64_t id, int ranks) { return static_cast<std::size_t>(id % ranks); }
+
+/// Own bodies, and the springs of the pairs that count here.
+void collect_state(const Simulation& simulation, std::vector<ParticleRecord>& bodies, std::vector<SpringRow>& springs) {
+  const ParticleSet& p = simulation.particles();
+  for (std::size_t i = 0; i < p.owned; ++i) bodies.push_back(record_of(p, i));
+  for (const BodyPair& pair : simulation.pairs().pairs()) {
+    if (!counts_here(pair, p)) continue;
+    for (const FrictionSpring& s : pair.springs) springs.push_back({pair.key.a, pair.key.b, pair.key.zone, s.key, s.force, s.stiffness});
+  }
+}
+
+/// Sends rows to the ranks whose shares they belong to. Collective.
+void share_out(const mpi::Communicator& comm, const std::vector<ParticleRecord>& bodies, const std::vector<SpringRow>& springs, Checkpoint& c) {
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<std::vector<ParticleRecord>> bodies_to(ranks);
+  for (const ParticleRecord& r : bodies) bodies_to[home_rank(r.id, comm.size())].push_back(r);
+  for (const auto& block : comm.exchange(bodies_to)) c.bodies.insert(c.bodies.end(), block.begin(), block.end());
+  std::sort(c.bodies.begin(), c.bodies.end(), [](const auto& l, const auto& r) { return l.id < r.id; });
+
+  std::vector<std::vector<SpringRow>> springs_to(ranks);
+  for (const SpringRow& s : springs) {
+    const std::size_t first = home_rank(s.a, comm.size());
+    springs_to[first].push_back(s);
+    const bool two_bodies = s.zone < 0;
+    if (two_bodies && home_rank(s.b, comm.size()) != first) springs_to[home_rank(s.b, comm.size())].push_back(s);
+  }
+  std::vector<SpringRow> mine;
+  for (const auto& block : comm.exchange(springs_to)) mine.insert(mine.end(), block.begin(), block.end());
+  std::sort(mine.begin(), mine.end(), [](const SpringRow& l, const SpringRow& r) {
+    return std::tie(l.a, l.b, l.zone, l.feature) < std::tie(r.a, r.b, r.zone, r.feature);
+  });
+  for (const SpringRow& s : mine) {
+    const PairKey key{s.a, s.b, static_cast<std::int32_t>(s.zone)};
+    if (c.springs.empty() || c.springs.back().key != key) c.springs.push_back({key, {}});
+    c.springs.back().springs.push_back({s.feature, s.force, s.stiffness});
+  }
+}
+
+void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<ParticleRecord>& bodies, std::vector<SpringRow>& springs) {
+  const h5::File file(c.path);
+  const h5::Group& root = file.root();
+  check_format(root, kCheckpointFormat, kCheckpointFormatVersion);
+  c.step = root.read_integer_attribute("step");
+  c.step_size = root.read_double_attribute("step_size");
+  c.energy_reference = root.read_double_attribute("energy_reference");
+  c.kinetic_peak = root.read_double_attribute("kinetic_peak");
+  c.max_depth_ratio = root.read_double_attribute("max_depth_ratio");
+  c.energy_error = root.read_double_attribute("energy_error");
+  c.totals.max_depth_ratio = root.read_double_attribute("interval_max_depth_ratio");
+  c.state_hash = root.read_text_attribute("state_hash");
+  c.scene_sha256 = root.read_text_attribute("scene_sha256");
+  const auto words = root.read_array<std::int64_t>("totals", static_cast<std::int64_t>(ExactSum::kWords));
+  c.totals.sums.resize(words.size() / ExactSum::kWords);
+  for (std::size_t i = 0; i < c.totals.sums.size(); ++i) {
+    ExactSum::Words sum;
+    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(i * ExactSum::kWords), ExactSum::kWords, sum.begin());
+    c.totals.sums[i].set_words(sum);
+  }
+  bodies = read_columns<ParticleRecord>(comm, root.open_group("bodies"), "id");
+  springs = read_columns<SpringRow>(comm, root.open_group("springs"), "a");
+}
+
+}  // namespace
 
 std::vector<std::string> list_checkpoints(const std::string& folder) {
   std::vector<std::string> names;
@@ -35,171 +171,111 @@ std::vector<std::string> list_checkpoints(const std::string& folder) {
   return names;
 }
 
-}  // namespace
-
-std::string latest_checkpoint(const std::string& folder) {
-  const std::vector<std::string> names = list_checkpoints(folder);
-  return names.empty() ? "" : names.back();
-}
-
 void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder,
                       const Checkpoint& so_far, const nlohmann::json& provenance) {
-  const ParticleSet& p = simulation.particles();
-  std::vector<ParticleRecord> mine;
-  for (std::size_t i = 0; i < p.owned; ++i) mine.push_back(record_of(p, i));
-  std::vector<SpringRow> my_springs;
-  for (const BodyPair& pair : simulation.pairs().pairs()) {
-    if (!counts_here(pair, p)) continue;
-    for (const FrictionSpring& s : pair.springs) my_springs.push_back({pair.key, s});
+  std::vector<ParticleRecord> bodies;
+  std::vector<SpringRow> springs;
+  collect_state(simulation, bodies, springs);
+  const RunTotals totals = simulation.totals();
+  std::vector<std::int64_t> words;
+  for (const ExactSum& sum : totals.sums) {
+    const ExactSum::Words w = sum.words();
+    words.insert(words.end(), w.begin(), w.end());
   }
-  std::vector<ParticleRecord> bodies = gather_on_root(comm, std::move(mine));
-  std::vector<SpringRow> springs = gather_on_root(comm, std::move(my_springs));
-  const Energies energies = simulation.energies();
-  const std::vector<WallLoad> loads = simulation.wall_loads();
   const std::string hash = simulation.state_hash();
-  const double wall_dissipated = simulation.wall_dissipated();
 
-  mpi::on_root(comm, [&] {
-    std::sort(bodies.begin(), bodies.end(), [](const auto& l, const auto& r) { return l.id < r.id; });
-    std::sort(springs.begin(), springs.end(), [](const SpringRow& l, const SpringRow& r) {
-      return l.key != r.key ? l.key < r.key : l.spring.key < r.spring.key;
-    });
-    h5::NewFile file(fmt::format("{}/checkpoint_{:012}.h5", folder, simulation.step()));
-    const h5::Group& root = file.root();
-    root.write_attribute("format", kCheckpointFormat);
-    root.write_attribute("format_version", kCheckpointFormatVersion);
-    root.write_attribute("step", simulation.step());
-    root.write_attribute("step_size", simulation.step_size().step);
-    root.write_attribute("wall_work", energies.wall_work);
-    root.write_attribute("wall_dissipated", wall_dissipated);
-    root.write_attribute("energy_reference", so_far.energy_reference);
-    root.write_attribute("kinetic_peak", so_far.kinetic_peak);
-    root.write_attribute("max_depth_ratio", so_far.max_depth_ratio);
-    root.write_attribute("energy_error", so_far.energy_error);
-    root.write_attribute("state_hash", hash);
-    root.write_attribute("scene_sha256", so_far.scene_sha256);
-    root.write_text("provenance", provenance.dump());
-    const h5::Group g = root.create_group("bodies");
-    const auto column = [&](const char* name, const char* unit, auto&& get, std::int64_t columns = 1) {
-      std::vector<std::decay_t<decltype(get(bodies[0]))>> values;
-      for (const ParticleRecord& r : bodies) values.push_back(get(r));
-      g.write_array(name, values, columns, unit);
-    };
-    const auto vectors = [&](const char* name, const char* unit, auto&& get) {
-      std::vector<Vec3> values;
-      for (const ParticleRecord& r : bodies) values.push_back(get(r));
-      g.write_array(name, values, unit);
-    };
-    column("id", "", [](const ParticleRecord& r) { return r.id; });
-    column("shape", "", [](const ParticleRecord& r) { return r.shape; });
-    column("material", "", [](const ParticleRecord& r) { return r.material; });
-    column("fixed", "", [](const ParticleRecord& r) { return r.fixed; });
-    column("lock_rotation", "", [](const ParticleRecord& r) { return r.lock_rotation; });
-    column("scale", "", [](const ParticleRecord& r) { return r.scale; });
-    column("dissipated", "J", [](const ParticleRecord& r) { return r.dissipated; });
-    column("work", "", [](const ParticleRecord& r) { return r.work; });
-    vectors("x", "m", [](const ParticleRecord& r) { return r.x; });
-    vectors("v", "m/s", [](const ParticleRecord& r) { return r.v; });
-    vectors("L", "kg m^2/s", [](const ParticleRecord& r) { return r.L; });
-    vectors("w", "rad/s", [](const ParticleRecord& r) { return r.w; });
-    vectors("force", "N", [](const ParticleRecord& r) { return r.force; });
-    vectors("torque", "N m", [](const ParticleRecord& r) { return r.torque; });
-    std::vector<Quat> orientations;
-    for (const ParticleRecord& r : bodies) orientations.push_back(r.q);
-    g.write_array("q_principal", orientations, "");
-
-    const h5::Group s = root.create_group("springs");
-    std::vector<std::int64_t> a, b, zone, key;
-    std::vector<Vec3> force;
-    std::vector<double> stiffness;
-    for (const SpringRow& row : springs) {
-      a.push_back(row.key.a);
-      b.push_back(row.key.b);
-      zone.push_back(row.key.zone);
-      key.push_back(row.spring.key);
-      force.push_back(row.spring.force);
-      stiffness.push_back(row.spring.stiffness);
+  mpi::on_all(comm, [&] {
+    const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? provenance.dump() : std::string());
+    const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
+    const Rows spring_rows = distribute(comm.get(), static_cast<std::int64_t>(springs.size()));
+    const std::int64_t bytes = body_rows.total * bytes_per_row<ParticleRecord>() + spring_rows.total * bytes_per_row<SpringRow>() +
+                               static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
+    CollectiveFile file(comm.get(), fmt::format("{}/checkpoint_{:012}.h5", folder, simulation.step()), bytes, CollectiveFile::Kind::checksummed);
+    {
+      const h5::Group& root = file.root();
+      root.write_attribute("format", kCheckpointFormat);
+      root.write_attribute("format_version", kCheckpointFormatVersion);
+      root.write_attribute("step", simulation.step());
+      root.write_attribute("step_size", simulation.step_size().step);
+      root.write_attribute("energy_reference", so_far.energy_reference);
+      root.write_attribute("kinetic_peak", so_far.kinetic_peak);
+      root.write_attribute("max_depth_ratio", so_far.max_depth_ratio);
+      root.write_attribute("energy_error", so_far.energy_error);
+      root.write_attribute("interval_max_depth_ratio", totals.max_depth_ratio);
+      root.write_attribute("state_hash", hash);
+      root.write_attribute("scene_sha256", so_far.scene_sha256);
+      file.write_text(root, "provenance", record);
+      const auto sums = static_cast<std::int64_t>(totals.sums.size());  // the same on every rank: rank 0 writes them
+      file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
+                 static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      write_columns(file, root.create_group("bodies"), bodies, body_rows);
+      write_columns(file, root.create_group("springs"), springs, spring_rows);
     }
-    s.write_array("a", a, 1, "");
-    s.write_array("b", b, 1, "");
-    s.write_array("zone", zone, 1, "");
-    s.write_array("feature", key, 1, "");
-    s.write_array("force", force, "N");
-    s.write_array("stiffness", stiffness, 1, "N/m");
-    std::vector<Vec3> impulses;
-    for (const WallLoad& load : loads) impulses.push_back(load.impulse);
-    root.write_array("wall_impulse", impulses, "N s");
     file.commit();
+  });
+  mpi::on_root(comm, [&] {
     const std::vector<std::string> all = list_checkpoints(folder);
     for (std::size_t i = 0; i + 2 < all.size(); ++i) std::filesystem::remove(all[i]);
   });
 }
 
-Checkpoint read_checkpoint(const std::string& path) {
-  const h5::File file(path);
-  const h5::Group& root = file.root();
-  check_format(root, kCheckpointFormat, kCheckpointFormatVersion);
+Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& path) {
   Checkpoint c;
-  c.step = root.read_integer_attribute("step");
-  c.step_size = root.read_double_attribute("step_size");
-  c.wall_work = root.read_double_attribute("wall_work");
-  c.wall_dissipated = root.read_double_attribute("wall_dissipated");
-  c.energy_reference = root.read_double_attribute("energy_reference");
-  c.kinetic_peak = root.read_double_attribute("kinetic_peak");
-  c.max_depth_ratio = root.read_double_attribute("max_depth_ratio");
-  c.energy_error = root.read_double_attribute("energy_error");
-  c.state_hash = root.read_text_attribute("state_hash");
-  c.scene_sha256 = root.read_text_attribute("scene_sha256");
-  const h5::Group g = root.open_group("bodies");
-  const auto id = g.read_array<std::int64_t>("id", 1);
-  const auto shape = g.read_array<std::int32_t>("shape", 1);
-  const auto material = g.read_array<std::int32_t>("material", 1);
-  const auto fixed = g.read_array<std::uint8_t>("fixed", 1);
-  const auto lock = g.read_array<std::uint8_t>("lock_rotation", 1);
-  const auto scale = g.read_array<double>("scale", 1);
-  const auto dissipated = g.read_array<double>("dissipated", 1);
-  const auto work = g.read_array<double>("work", 1);
-  const auto x = g.read_vectors("x"), v = g.read_vectors("v"), L = g.read_vectors("L"), w = g.read_vectors("w");
-  const auto force = g.read_vectors("force"), torque = g.read_vectors("torque");
-  const auto q = g.read_quaternions("q_principal");
-  for (const std::size_t rows : {shape.size(), material.size(), fixed.size(), lock.size(), scale.size(), dissipated.size(),
-                                 work.size(), x.size(), v.size(), L.size(), w.size(), force.size(), torque.size(), q.size()}) {
-    if (rows != id.size()) throw InputError("{}: a column has {} rows, {} expected; use the previous checkpoint", path, rows, id.size());
-  }
-  for (std::size_t i = 0; i < id.size(); ++i) {
-    ParticleRecord r{};
-    r.id = id[i];
-    r.shape = shape[i];
-    r.material = material[i];
-    r.fixed = fixed[i];
-    r.lock_rotation = lock[i];
-    r.scale = scale[i];
-    r.dissipated = dissipated[i];
-    r.work = work[i];
-    r.x = x[i];
-    r.v = v[i];
-    r.L = L[i];
-    r.w = w[i];
-    r.force = force[i];
-    r.torque = torque[i];
-    r.q = q[i];
-    c.bodies.push_back(r);
-  }
-  const h5::Group s = root.open_group("springs");
-  const auto a = s.read_array<std::int64_t>("a", 1), b = s.read_array<std::int64_t>("b", 1);
-  const auto zone = s.read_array<std::int64_t>("zone", 1), feature = s.read_array<std::int64_t>("feature", 1);
-  const auto spring_force = s.read_vectors("force");
-  const auto stiffness = s.read_array<double>("stiffness", 1);
-  for (const std::size_t rows : {b.size(), zone.size(), feature.size(), spring_force.size(), stiffness.size()}) {
-    if (rows != a.size()) throw InputError("{}: the springs are incomplete; use the previous checkpoint", path);
-  }
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const PairKey key{a[i], b[i], static_cast<std::int32_t>(zone[i])};
-    if (c.springs.empty() || c.springs.back().key != key) c.springs.push_back({key, {}});
-    c.springs.back().springs.push_back({feature[i], spring_force[i], stiffness[i]});
-  }
-  c.wall_impulse = root.read_vectors("wall_impulse");
+  c.path = path;
+  std::vector<ParticleRecord> bodies;
+  std::vector<SpringRow> springs;
+  mpi::on_all(comm, [&] { check_checksum(comm.get(), path); });
+  mpi::on_all(comm, [&] { read_whole_file(comm, c, bodies, springs); });
+  share_out(comm, bodies, springs, c);
   return c;
+}
+
+Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simulation) {
+  Checkpoint c;
+  c.step = simulation.step();
+  c.step_size = simulation.step_size().step;
+  c.totals = simulation.totals();
+  c.state_hash = simulation.state_hash();
+  std::vector<ParticleRecord> bodies;
+  std::vector<SpringRow> springs;
+  collect_state(simulation, bodies, springs);
+  share_out(comm, bodies, springs, c);
+  return c;
+}
+
+Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder) {
+  std::vector<std::string> paths;
+  mpi::on_root(comm, [&] { paths = list_checkpoints(folder); });
+  std::string refused;
+  while (true) {
+    const std::string path = broadcast_text(comm.get(), paths.empty() ? std::string() : paths.back());
+    if (path.empty()) {
+      mpi::on_root(comm, [&] {
+        if (refused.empty()) throw InputError("--restart latest: {} holds no checkpoint; start without --restart", folder);
+        throw InputError("{}; no older checkpoint is left: run the scene again into another folder", refused);
+      });
+    }
+    try {
+      return read_checkpoint(comm, path);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::bad_data) throw;
+      refused = error.what();
+    }
+    if (comm.rank() == 0) {
+      paths.pop_back();
+      if (!paths.empty()) warn_once("scree-solver", fmt::format("{}; the run goes on from {}", refused, paths.back()));
+    }
+  }
+}
+
+void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation, Checkpoint checkpoint) {
+  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), checkpoint.step, checkpoint.step_size, checkpoint.totals);
+  const std::string hash = simulation.state_hash();
+  mpi::on_root(comm, [&] {
+    if (hash != checkpoint.state_hash) {
+      throw InputError("{}: its contents do not match the hash of their state; use another checkpoint", checkpoint.path);
+    }
+  });
 }
 
 }  // namespace scree

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace scree {
 
@@ -95,6 +96,25 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
       first = to;
     }
   }
+  // Springs that still wait for their pairs, at a restart, are at every rank that has a body of theirs, and go the same way.
+  std::vector<PendingSprings> waiting;
+  waiting.swap(list.pending());
+  std::unordered_map<std::int64_t, int> owner_of_id;
+  for (std::size_t i = 0; !waiting.empty() && i < p.owned; ++i) owner_of_id.emplace(p.id[i], owner[i]);
+  for (PendingSprings& pair : waiting) {
+    bool stays = false;
+    int first = comm_.rank();
+    for (const std::int64_t id : {pair.key.a, pair.key.b}) {
+      const auto found = owner_of_id.find(id);
+      if (found == owner_of_id.end()) continue;
+      const int to = found->second;
+      if (to == comm_.rank()) stays = true;
+      if (to == comm_.rank() || to == first) continue;
+      for (const FrictionSpring& s : pair.springs) springs[static_cast<std::size_t>(to)].push_back({pair.key, s});
+      first = to;
+    }
+    if (stays) list.pending().push_back(std::move(pair));
+  }
   std::int64_t left = 0;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < p.owned; ++i) {
@@ -115,11 +135,13 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
     for (const ParticleRecord& record : block) append_record(p, record, scene);
   }
   p.owned = p.size();
+  auto& pending = list.pending();
   for (const auto& block : comm_.exchange(springs)) {
+    const PairKey* last = nullptr;  // in this block: two owners may send the springs of one pair, each all of them
     for (const SpringRecord& record : block) {
-      auto& pending = list.pending();
-      if (pending.empty() || pending.back().key != record.key) pending.push_back({record.key, {}});
+      if (last == nullptr || *last != record.key) pending.push_back({record.key, {}});
       pending.back().springs.push_back(record.spring);
+      last = &record.key;
     }
   }
   return left;

@@ -2,12 +2,14 @@
 #include <omp.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
 #include "core/base/command_line.hpp"
 #include "core/distance/triangle_distance.hpp"
-#include "solver/run.hpp"
+#include "solver/job_script.hpp"
+#include "solver/verify.hpp"
 
 namespace {
 
@@ -23,6 +25,18 @@ void share_cores_when_oversubscribed(char** argv) {
   execv("/proc/self/exe", argv);  // returns only when it failed; then the run is slow, not wrong
 }
 
+/// What the watchdog does in its thread, while the rank itself may be stuck in a call that never returns.
+void end_stalled_run(const std::string& message) {
+  _exit(scree::run_main("scree-solver", [&]() -> int { throw scree::SystemError(message); }));
+}
+
+std::string run_folder_of(std::string scene_path) {
+  for (const std::string ending : {".h5", ".scene"}) {
+    if (scene_path.ends_with(ending)) scene_path.resize(scene_path.size() - ending.size());
+  }
+  return scene_path + ".run";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -34,21 +48,33 @@ int main(int argc, char** argv) {
     // 1. the command line
     RunOptions options;
     options.command = command_words(argc, argv);
-    bool plan = false;
+    options.stalled = end_stalled_run;
+    VerifyOptions again;
+    bool plan = false, slurm = false;
     std::string halo = "overlap", send = "selected", cut = "rcb", simd = "best";
     const auto app = make_command_line(
         "scree-solver", "Moves the bodies of a scene by the discrete element method.",
         {{"mpirun -n 2 scree-solver drum.scene.h5 -o drum.run", "run a scene on two ranks"},
          {"scree-solver drum.scene.h5 --plan", "what is computed, what is left out, memory, step"},
-         {"mpirun -n 4 scree-solver drum.scene.h5 -o drum.run --restart latest", "continue a stopped run"}});
-    app->add_option("scene", options.scene_path, "scene file made by scree-decomposer")->required();
+         {"mpirun -n 4 scree-solver drum.scene.h5 -o drum.run --restart latest", "continue a stopped run"},
+         {"scree-solver drum.scene.h5 --print-slurm > drum.sh", "a job that requeues itself until the end"},
+         {"mpirun -n 3 scree-solver verify drum.run", "the same bits again? where not?"}});
+    app->add_option("scene", options.scene_path, "scene file made by scree-decomposer");
     app->add_option("-o,--output", options.run_folder, "run folder to make (default: the scene's name with .run)");
     app->add_flag("--plan", plan, "print what would be done, and stop");
-    app->add_option("--restart", options.restart, "checkpoint file, or 'latest' of the run folder");
+    app->add_flag("--print-slurm", slurm, "print a job script for SLURM that requeues itself, and stop");
+    app->add_option("--restart", options.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
+    app->add_option("--stall-limit", options.stall_limit, "seconds without a step or output after which the run ends with 4; 0: never")
+        ->check(CLI::NonNegativeNumber)->capture_default_str();
     app->add_option("--halo", halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
     app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")->check(CLI::IsMember({"selected", "all"}));
     app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")->check(CLI::IsMember(cut_method_names()));
     app->add_option("--simd", simd, "best | avx512 | avx2 | sse4 | scalar");
+    CLI::App* verify = app->add_subcommand("verify", "Computes steps of a run again and says whether they are the same, or where not.");
+    verify->fallthrough();
+    verify->add_option("run", again.run_folder, "run folder")->required();
+    verify->add_option("--steps", again.steps, "how many (default: up to the newest checkpoint)")->check(CLI::PositiveNumber);
+    verify->add_option("--from", again.from, "checkpoint, or 'start' (default: the older checkpoint that is kept)");
     bool go_on = false;
     mpi::on_root(comm, [&] { go_on = parse_command_line(*app, argc, argv); });
     int flag = go_on ? 1 : 0;
@@ -58,25 +84,31 @@ int main(int argc, char** argv) {
     limit_simd(simd);
     options.parallel = {halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,
                         send == "all" ? HaloSelection::all : HaloSelection::selected, cut_method_of(cut)};
-    if (options.run_folder.empty()) {
-      std::string name = options.scene_path;
-      for (const char* ending : {".h5", ".scene"}) {
-        if (name.ends_with(ending)) name.resize(name.size() - std::string(ending).size());
-      }
-      options.run_folder = name + ".run";
+    if (verify->parsed()) {
+      again.parallel = options.parallel;
+      again.stall_limit = options.stall_limit;
+      again.stalled = options.stalled;
+      const Verdict verdict = verify_run(comm, again);
+      if (comm.rank() == 0) std::puts(verdict.text.c_str());
+      return static_cast<int>(verdict.same ? ExitCode::done : ExitCode::run_invalid);
     }
+    mpi::on_root(comm, [&] {
+      if (options.scene_path.empty()) throw UsageError("name a scene file, for instance drum.scene.h5; see scree-solver --help");
+    });
+    if (options.run_folder.empty()) options.run_folder = run_folder_of(options.scene_path);
 
-    // 2. the plan
-    if (plan) {
-      Scene scene;
-      mpi::on_root(comm, [&] { scene = read_scene_file(options.scene_path); });
-      if (comm.rank() != 0) scene = read_scene_file(options.scene_path);
-      std::unique_ptr<SolverScene> prepared;
-      mpi::on_root(comm, [&] { prepared = std::make_unique<SolverScene>(scene); });
-      if (!prepared) prepared = std::make_unique<SolverScene>(scene);
-      Simulation simulation(comm, *prepared, options.parallel);
-      simulation.start_from_scene();
-      const std::string text = plan_text(comm, *prepared, simulation);
+    // 2. the plan, or the job
+    if (slurm || plan) {
+      const LoadedScene loaded = load_scene(comm, options.scene_path);
+      std::string text;
+      if (slurm) {
+        const int ranks = comm.size() > 1 ? comm.size() : std::max<int>(1, static_cast<int>(loaded.scene.partition.ranks));
+        text = slurm_script({options.command[0], options.scene_path, options.run_folder, ranks, omp_get_max_threads()});
+      } else {
+        Simulation simulation(comm, *loaded.prepared, options.parallel);
+        simulation.start_from_scene();
+        text = plan_text(comm, *loaded.prepared, simulation);
+      }
       if (comm.rank() == 0) std::fputs(text.c_str(), stdout);
       return 0;
     }

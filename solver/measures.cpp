@@ -4,19 +4,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/storage/checksum.hpp"
 #include "solver/motion.hpp"
 #include "solver/simulation.hpp"
 
 namespace scree {
 
 namespace {
-
-std::uint64_t mix(std::uint64_t h) {  // splitmix64: every input bit reaches every output bit
-  h += 0x9E3779B97F4A7C15ull;
-  h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ull;
-  h = (h ^ (h >> 27)) * 0x94D049BB133111EBull;
-  return h ^ (h >> 31);
-}
 
 struct ItemHash {
   std::uint64_t a = 1, b = 2;
@@ -38,34 +32,81 @@ struct ItemHash {
 
 }  // namespace
 
+/// Adds what the present forces do to the walls in a time dt.
+void Simulation::add_wall_totals(double dt, std::vector<ExactSum>& sums) const {
+  for (const std::int32_t k : wall_pairs_) {
+    const PairResult& r = pairs_.results()[static_cast<std::size_t>(k)];
+    if (!r.active) continue;
+    const BodyPair& pair = pairs_.pairs()[static_cast<std::size_t>(k)];
+    const auto w = static_cast<std::size_t>(scene_.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
+    const Vec3 on_wall = -r.force_a;
+    ExactSum* impulse = &sums[RunTotals::kFirstImpulse + 3 * w];
+    impulse[0].add(dt * on_wall.x);
+    impulse[1].add(dt * on_wall.y);
+    impulse[2].add(dt * on_wall.z);
+    const WallState& state = walls_[w];
+    // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
+    const Vec3 lever = p_.x[static_cast<std::size_t>(pair.a)] - state.position;
+    const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;
+    sums[RunTotals::kWallWork].add(-dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity)));
+    // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
+    const Vec3 lossy = -r.lossy_force_a;
+    const Vec3 lossy_torque = cross(lever, lossy) - r.lossy_torque_a;
+    sums[RunTotals::kWallDissipated].add(-dt * (dot(lossy, state.velocity) + dot(lossy_torque, state.angular_velocity)));
+  }
+}
+
 Energies Simulation::energies() const {
-  double e[7] = {};
+  enum { translational, rotational, potential, elastic, tangential, dissipated, wall_work, count };
+  std::vector<ExactSum> e(count);
   const Vec3& g = scene_.source().settings.gravity;
   for (std::size_t i = 0; i < p_.owned; ++i) {
-    e[0] += translational_energy(p_, i);
-    e[1] += rotational_energy(p_, i);
-    if (!p_.fixed[i]) e[2] -= p_.mass[i] * dot(g, p_.x[i]);
-    e[5] += p_.dissipated[i];
+    e[translational].add(translational_energy(p_, i));
+    e[rotational].add(rotational_energy(p_, i));
+    if (!p_.fixed[i]) e[potential].add(-p_.mass[i] * dot(g, p_.x[i]));
+    e[dissipated].add(p_.dissipated[i]);
   }
   for (std::size_t k = 0; k < pairs_.pairs().size(); ++k) {
     const PairResult& r = pairs_.results()[k];
     if (!r.active || !counts_here(pairs_.pairs()[k], p_)) continue;
-    e[3] += r.elastic;
-    e[4] += r.tangential_elastic;
+    e[elastic].add(r.elastic);
+    e[tangential].add(r.tangential_elastic);
   }
-  e[5] += wall_dissipated_;
-  e[6] = wall_work_;
-  MPI_Allreduce(MPI_IN_PLACE, e, 7, MPI_DOUBLE, MPI_SUM, comm_.get());
+  add_over_ranks(comm_.get(), e);
+  std::vector<ExactSum> walls = wall_sums_;
+  add_wall_totals(-0.5 * step_size_.step, walls);
+  add_over_ranks(comm_.get(), walls);
+  const double stored = e[tangential].value();
   // What friction took out of the motion is in part stored in its springs: that part is not lost.
-  return {e[0], e[1], e[2], e[3], e[4], e[5] - e[4], e[6]};
+  const double lost = e[dissipated].value() + walls[RunTotals::kWallDissipated].value() - stored;
+  return {e[translational].value(), e[rotational].value(), e[potential].value(), e[elastic].value(), stored, lost, walls[RunTotals::kWallWork].value()};
+}
+
+RunTotals Simulation::totals() const {
+  RunTotals totals{wall_sums_, comm_.max(max_depth_ratio_)};
+  add_over_ranks(comm_.get(), totals.sums);
+  return totals;
 }
 
 std::vector<WallLoad> Simulation::wall_loads() const {
-  std::vector<WallLoad> loads(wall_force_.size());
-  for (std::size_t w = 0; w < loads.size(); ++w) loads[w] = {wall_force_[w], wall_torque_[w], wall_impulse_[w]};
-  static_assert(sizeof(WallLoad) == 9 * sizeof(double));
-  if (!loads.empty()) {
-    MPI_Allreduce(MPI_IN_PLACE, loads.data(), static_cast<int>(9 * loads.size()), MPI_DOUBLE, MPI_SUM, comm_.get());
+  const std::size_t walls = scene_.source().walls.size();
+  std::vector<ExactSum> now(6 * walls), since_start = wall_sums_;
+  for (const std::int32_t k : wall_pairs_) {
+    const PairResult& r = pairs_.results()[static_cast<std::size_t>(k)];
+    if (!r.active) continue;
+    const BodyPair& pair = pairs_.pairs()[static_cast<std::size_t>(k)];
+    const auto w = static_cast<std::size_t>(scene_.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
+    const Vec3 torque_origin = cross(p_.x[static_cast<std::size_t>(pair.a)], -r.force_a) - r.torque_a;
+    const double parts[6] = {-r.force_a.x, -r.force_a.y, -r.force_a.z, torque_origin.x, torque_origin.y, torque_origin.z};
+    for (std::size_t i = 0; i < 6; ++i) now[6 * w + i].add(parts[i]);
+  }
+  add_wall_totals(-0.5 * step_size_.step, since_start);
+  add_over_ranks(comm_.get(), now);
+  add_over_ranks(comm_.get(), since_start);
+  std::vector<WallLoad> loads(walls);
+  const auto vector = [](const ExactSum* s) { return Vec3{s[0].value(), s[1].value(), s[2].value()}; };
+  for (std::size_t w = 0; w < walls; ++w) {
+    loads[w] = {vector(&now[6 * w]), vector(&now[6 * w + 3]), vector(&since_start[RunTotals::kFirstImpulse + 3 * w])};
   }
   return loads;
 }

@@ -148,16 +148,20 @@ void agree(const Communicator& comm, const Error* mine) {
   throw SilentError(static_cast<ExitCode>(lowest % 1000), message);
 }
 
-void on_root(const Communicator& comm, const std::function<void()>& action) {
+void on_all(const Communicator& comm, const std::function<void()>& action) {
   std::unique_ptr<Error> error;
-  if (comm.rank() == 0) {
-    try {
-      action();
-    } catch (const Error& e) {
-      error = std::make_unique<Error>(e);
-    }
+  try {
+    action();
+  } catch (const Error& e) {
+    error = std::make_unique<Error>(e);
   }
   agree(comm, error.get());
+}
+
+void on_root(const Communicator& comm, const std::function<void()>& action) {
+  on_all(comm, [&] {
+    if (comm.rank() == 0) action();
+  });
 }
 
 }  // namespace scree::mpi

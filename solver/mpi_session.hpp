@@ -85,6 +85,10 @@ class Communicator {
 /// Runs `action` on rank 0 alone; when it throws, every rank throws the same error (only rank 0's is printed).
 void on_root(const Communicator& comm, const std::function<void()>& action);
 
+/// Runs `action` on every rank; when it throws on any of them, every rank throws and one of them tells. An action that is
+/// itself collective has to fail on all ranks together.
+void on_all(const Communicator& comm, const std::function<void()>& action);
+
 /// Thrown on the other ranks, with the same text and exit code, so that one failure is printed once.
 class SilentError : public Error {
  public:

@@ -71,7 +71,8 @@ StepNews Simulation::look_at_lists() {
     fastest = std::max(fastest, speed);
   }
   StepNews news;
-  news.renew = beyond || soon ? 1 : 0;
+  news.renew = beyond || soon || renewal_asked_ ? 1 : 0;
+  renewal_asked_ = false;
   news.fastest = std::max(fastest, fastest_wall());
   lists_overrun_ = beyond;
   return news;

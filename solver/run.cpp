@@ -18,6 +18,7 @@
 #include "solver/checkpoint.hpp"
 #include "solver/rank_log.hpp"
 #include "solver/run_log.hpp"
+#include "solver/watchdog.hpp"
 
 namespace scree {
 
@@ -48,7 +49,7 @@ void prepare_folder(const RunOptions& options) {
     throw UsageError("-o {}: exists and is a file; name a folder", options.run_folder);
   }
   if (fs::exists(folder) && !fs::is_empty(folder) && options.restart.empty()) {
-    throw UsageError("-o {}: exists and is not empty; remove it, choose another name, or continue it with --restart latest",
+    throw UsageError("-o {}: exists and is not empty; remove it, choose another name, or continue it with --restart latest or auto",
                      options.run_folder);
   }
   fs::create_directories(folder, error);
@@ -60,6 +61,10 @@ void prepare_folder(const RunOptions& options) {
   // the scene travels with the run, so that post needs nothing else
   const fs::path copy = folder / "scene.h5", temporary = h5::temporary_name(copy.string());
   if (fs::exists(copy) && sha256_of_file(copy.string()) == sha256_of_file(options.scene_path)) return;
+  const auto is_named = [](const fs::directory_entry& entry) { return !entry.path().filename().string().starts_with("."); };
+  if (options.restart == "auto" && !fs::exists(copy) && std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), is_named)) {
+    throw UsageError("-o {}: exists, is not empty and is no run; choose another folder", options.run_folder);
+  }
   if (fs::exists(copy)) {
     throw UsageError("-o {}: holds a run of another scene; choose another folder", options.run_folder);
   }
@@ -103,6 +108,29 @@ Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number,
   return frame;
 }
 
+/// Removes what a run left that lies after the step it continues from (-1: everything of a run without a checkpoint), and
+/// the halves of files whose writers were killed: all of it is made again. Gives the frames that stay.
+std::vector<FrameEntry> trim_folder(const std::string& folder, const Schedule& schedule, double dt, std::int64_t step) {
+  namespace fs = std::filesystem;
+  std::vector<FrameEntry> frames;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  for (const fs::path& file : files) {
+    const std::string name = file.filename().string();
+    const auto number = [&](std::size_t digits_at) { return std::strtoll(name.c_str() + digits_at, nullptr, 10); };
+    bool later = name.starts_with(".") && name.ends_with(".tmp");
+    if (name.starts_with("checkpoint_") && name.ends_with(".h5")) later = number(11) > step;
+    if (name.starts_with("frame_") && name.ends_with(".hdf")) {
+      const std::int64_t frame_step = std::min<std::int64_t>(number(6) * schedule.frame, schedule.last);
+      later = frame_step > step;
+      if (!later) frames.push_back({file.string(), static_cast<double>(frame_step) * dt});
+    }
+    if (later) fs::remove(file);
+  }
+  std::sort(frames.begin(), frames.end(), [](const FrameEntry& l, const FrameEntry& r) { return l.time < r.time; });
+  return frames;
+}
+
 std::int64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -123,60 +151,54 @@ nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
 
 }  // namespace
 
+LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path) {
+  LoadedScene loaded;
+  const auto read = [&] {
+    loaded.scene = read_scene_file(path);
+    loaded.sha256 = sha256_of_file(path);
+    loaded.prepared = std::make_unique<SolverScene>(loaded.scene);
+  };
+  mpi::on_root(comm, read);
+  if (comm.rank() != 0) read();
+  return loaded;
+}
+
 int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
-  // read and check: everything that is wrong with the input is said once, by rank 0
-  Scene scene;
-  std::string scene_hash;
-  mpi::on_root(comm, [&] { scene = read_scene_file(options.scene_path); });
-  if (comm.rank() != 0) scene = read_scene_file(options.scene_path);
-  scene_hash = sha256_of_file(options.scene_path);
-  std::unique_ptr<SolverScene> prepared;
-  mpi::on_root(comm, [&] { prepared = std::make_unique<SolverScene>(scene); });
-  if (!prepared) prepared = std::make_unique<SolverScene>(scene);
+  const LoadedScene loaded = load_scene(comm, options.scene_path);
+  const Scene& scene = loaded.scene;
+  const std::string& scene_hash = loaded.sha256;
   const Settings& settings = scene.settings;
   const bool root = comm.rank() == 0;
 
-  std::string checkpoint_path = options.restart;
+  bool restarted = !options.restart.empty();
+  if (options.restart == "auto") {
+    int found = root && !list_checkpoints(options.run_folder).empty() ? 1 : 0;
+    MPI_Bcast(&found, 1, MPI_INT, 0, comm.get());
+    restarted = found != 0;
+  }
   Checkpoint checkpoint;
+  if (restarted) {
+    const bool newest = options.restart == "latest" || options.restart == "auto";
+    checkpoint = newest ? read_latest_checkpoint(comm, options.run_folder) : read_checkpoint(comm, options.restart);
+  }
   mpi::on_root(comm, [&] {
-    if (options.restart == "latest") {
-      checkpoint_path = latest_checkpoint(options.run_folder);
-      if (checkpoint_path.empty()) {
-        throw InputError("--restart latest: {} holds no checkpoint; start without --restart", options.run_folder);
-      }
-    }
-    if (!checkpoint_path.empty()) {
-      checkpoint = read_checkpoint(checkpoint_path);
-      if (checkpoint.scene_sha256 != scene_hash) {
-        throw InputError("--restart {}: was made from another scene than {}; give the scene it came from", checkpoint_path, options.scene_path);
-      }
+    if (restarted && checkpoint.scene_sha256 != scene_hash) {
+      throw InputError("--restart {}: was made from another scene than {}; give the scene it came from", checkpoint.path, options.scene_path);
     }
     prepare_folder(options);
     if (scene.partition.ranks > 0 && scene.partition.ranks != comm.size()) {
       warn_once("scree-solver", fmt::format("the scene is cut for {} ranks, this run has {}: it is cut again", scene.partition.ranks, comm.size()));
     }
   });
-  const bool restarted = !options.restart.empty();
 
-  Simulation simulation(comm, *prepared, options.parallel);
+  Watchdog watchdog(comm, options.stall_limit, options.stalled);
+  Simulation simulation(comm, *loaded.prepared, options.parallel);
   catch_signals();
+  const std::string checkpoint_path = checkpoint.path;
+  double max_ratio = checkpoint.max_depth_ratio, kinetic_peak = checkpoint.kinetic_peak, worst_balance = checkpoint.energy_error;
+  double reference = checkpoint.energy_reference;
   if (restarted) {
-    // Rank 0 holds all bodies until the first cut sends them home. Springs wait on every rank for the pairs that
-    // will need them, wherever those come to be.
-    int size = static_cast<int>(checkpoint_path.size());
-    MPI_Bcast(&size, 1, MPI_INT, 0, comm.get());
-    checkpoint_path.resize(static_cast<std::size_t>(size));
-    MPI_Bcast(checkpoint_path.data(), size, MPI_CHAR, 0, comm.get());
-    if (!root) {
-      checkpoint = read_checkpoint(checkpoint_path);
-      checkpoint.bodies.clear();
-    }
-    simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), checkpoint.step, checkpoint.wall_work,
-                                  checkpoint.wall_dissipated, checkpoint.wall_impulse);
-    const std::string hash = simulation.state_hash();
-    mpi::on_root(comm, [&] {
-      if (hash != checkpoint.state_hash) throw InputError("{}: its contents do not match their hash; use the previous checkpoint", checkpoint_path);
-    });
+    start_from_checkpoint(comm, simulation, std::move(checkpoint));
   } else {
     simulation.start_from_scene();
   }
@@ -196,24 +218,11 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   record.instruction_set = simd_target();
   const nlohmann::json provenance = provenance_record(record);
 
-  // frames and log rows after the checkpoint are made again
   std::vector<FrameEntry> frames;
   std::unique_ptr<RunLog> log;
   std::unique_ptr<RankLog> rank_log;
   mpi::on_root(comm, [&] {
-    if (restarted) {
-      for (const auto& entry : std::filesystem::directory_iterator(options.run_folder)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.starts_with("frame_") || !name.ends_with(".hdf")) continue;
-        const std::int64_t number = std::stoll(name.substr(6));
-        if (number * schedule.frame > simulation.step() && number * schedule.frame != schedule.last) {
-          std::filesystem::remove(entry.path());
-        } else if (number * schedule.frame <= simulation.step()) {
-          frames.push_back({entry.path().string(), static_cast<double>(number * schedule.frame) * dt});
-        }
-      }
-      std::sort(frames.begin(), frames.end(), [](const FrameEntry& l, const FrameEntry& r) { return l.time < r.time; });
-    }
+    frames = trim_folder(options.run_folder, schedule, dt, restarted ? simulation.step() : -1);
     log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
     rank_log = std::make_unique<RankLog>(options.run_folder + "/ranks.csv", comm.size(), restarted ? simulation.step() : -1);
   });
@@ -227,8 +236,6 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   auto interval_start = start;
   std::int64_t interval_step = simulation.step();
-  double max_ratio = checkpoint.max_depth_ratio, kinetic_peak = checkpoint.kinetic_peak, worst_balance = checkpoint.energy_error;
-  double reference = checkpoint.energy_reference;
   Energies energies = simulation.energies();
   if (!restarted) reference = energies.balance();
   double imbalance_sum = 0;
@@ -240,6 +247,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const auto timed_output = [&](auto&& action) {
     const auto begin = std::chrono::steady_clock::now();
     action();
+    watchdog.progress(simulation.step());
     simulation.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
   };
   const auto write_log = [&] {
@@ -269,15 +277,16 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const auto write_frame = [&](std::int64_t number) {
     simulation.agree_on_failures();
     const std::string path = fmt::format("{}/frame_{:06}.hdf", options.run_folder, number);
-    write_frame_file(comm.get(), path, make_frame(simulation, simulation.energies(), number, provenance, comm.rank()));
+    const Frame frame = make_frame(simulation, simulation.energies(), number, provenance, comm.rank());
+    mpi::on_all(comm, [&] { write_frame_file(comm.get(), path, frame); });
     mpi::on_root(comm, [&] {
+      std::erase_if(frames, [&](const FrameEntry& entry) { return entry.path == path; });  // a restart at the end writes the last one again
       frames.push_back({path, simulation.time()});
       write_frame_series(options.run_folder, frames);
     });
   };
   const auto save_state = [&] {
     simulation.agree_on_failures();
-    max_ratio = std::max(max_ratio, simulation.take_max_depth_ratio());
     Checkpoint so_far;
     so_far.energy_reference = reference;
     so_far.kinetic_peak = kinetic_peak;
@@ -344,13 +353,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   try {
     while (simulation.step() < schedule.last) {
       simulation.advance();
+      watchdog.progress(simulation.step());
       const std::int64_t n = simulation.step();
       const bool last = n == schedule.last;
       if (n % schedule.log == 0 || last) timed_output(write_log);
       if (n % schedule.frame == 0) timed_output([&] { write_frame(n / schedule.frame); });
       if (simulation.pending_signal() != 0) {
         save_state();
-        if (n % schedule.log != 0) write_log();
+        max_ratio = std::max(max_ratio, simulation.take_max_depth_ratio());
         const int code = static_cast<int>(ExitCode::signal_base) + simulation.pending_signal();
         write_outcome("interrupted", fmt::format("signal {} at step {}; continue with --restart latest", simulation.pending_signal(), n), code);
         if (root) progress->finish(fmt::format("stopped by signal {} at step {}; a checkpoint was kept", simulation.pending_signal(), n));

@@ -16,6 +16,7 @@ extern "C" void note_signal(int number) { g_signal = number; }
 
 void catch_signals() {
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, note_signal);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit of its size is an error of the write, told with its name
 }
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
@@ -30,10 +31,7 @@ Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, 
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     smallest_radius_ = std::min(smallest_radius_, bodies.scale[b] * scene.shape(bodies.shape[b]).radius);
   }
-  const std::size_t walls = scene.source().walls.size();
-  wall_force_.resize(walls);
-  wall_torque_.resize(walls);
-  wall_impulse_.resize(walls);
+  wall_sums_.resize(RunTotals::kFirstImpulse + 3 * scene.source().walls.size());
 }
 
 void Simulation::start_from_scene() {
@@ -46,30 +44,28 @@ void Simulation::start_from_scene() {
     const std::size_t owner = is_cut ? static_cast<std::size_t>(bodies.owner[b]) : b * ranks / bodies.size();
     if (owner == me) mine.push_back(initial_record(scene_, b));
   }
-  begin(mine, 0, halo_->has_cut());
+  begin(mine, 0, 0, halo_->has_cut());
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   compute_forces(0, false);
+  add_wall_totals(0.5 * step_size_.step, wall_sums_);  // the first kick is by half a step
   agree_on_failures();
 }
 
 void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
-                                    std::int64_t step, double wall_work, double wall_dissipated,
-                                    const std::vector<Vec3>& wall_impulse) {
+                                    std::int64_t step, double step_size, const RunTotals& totals) {
   pairs_.pending() = std::move(springs);
-  if (comm_.rank() == 0) {
-    wall_work_ = wall_work;
-    wall_dissipated_ = wall_dissipated;
-    if (wall_impulse.size() == wall_impulse_.size()) wall_impulse_ = wall_impulse;
-  }
-  begin(records, step, false);
+  max_depth_ratio_ = totals.max_depth_ratio;
+  if (comm_.rank() == 0) wall_sums_ = totals.sums;
+  begin(records, step, step_size, false);
 }
 
-void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t step, bool is_cut) {
+void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut) {
   for (const ParticleRecord& r : records) append_record(p_, r, scene_);
   p_.owned = p_.size();
   std::fill(p_.work.begin(), p_.work.end(), 0.0);
   step_ = step;
   step_size_ = derive_step_size(comm_, scene_, p_);
+  if (step_size > 0) step_size_.step = step_size;  // a run keeps the step that it began with
   constexpr double kFewSteps = 10;
   looks_ahead_ = comm_.size() > 1 && step_size_.contact_time >= kFewSteps * step_size_.step;
   set_walls(time());
@@ -131,30 +127,6 @@ void Simulation::agree_on_failures() {
   mpi::agree(comm_, failure_ && static_cast<double>(failure_step_) <= first ? failure_.get() : nullptr);
 }
 
-void Simulation::add_wall_impulse(double dt) {
-  std::fill(wall_force_.begin(), wall_force_.end(), Vec3{});
-  std::fill(wall_torque_.begin(), wall_torque_.end(), Vec3{});
-  for (const std::int32_t k : wall_pairs_) {
-    const PairResult& r = pairs_.results()[static_cast<std::size_t>(k)];
-    if (!r.active) continue;
-    const BodyPair& pair = pairs_.pairs()[static_cast<std::size_t>(k)];
-    const auto w = static_cast<std::size_t>(scene_.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
-    const Vec3 on_wall = -r.force_a;
-    // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
-    const Vec3 torque_origin = cross(p_.x[static_cast<std::size_t>(pair.a)], on_wall) - r.torque_a;
-    wall_force_[w] += on_wall;
-    wall_torque_[w] += torque_origin;
-    wall_impulse_[w] += dt * on_wall;
-    const WallState& state = walls_[w];
-    const Vec3 torque_wall = torque_origin - cross(state.position, on_wall);
-    wall_work_ -= dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity));
-    // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
-    const Vec3 lossy = -r.lossy_force_a;
-    const Vec3 lossy_torque = cross(p_.x[static_cast<std::size_t>(pair.a)] - state.position, lossy) - r.lossy_torque_a;
-    wall_dissipated_ -= dt * (dot(lossy, state.velocity) + dot(lossy_torque, state.angular_velocity));
-  }
-}
-
 StepNews Simulation::exchange_news() {
   StepNews known;
   const bool behind = looks_ahead_ && (news_ || agreement_.is_under_way());
@@ -183,7 +155,6 @@ void Simulation::advance() {
   {
     const PhaseTimer timer(times_, Phase::integrate);
     const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
-    add_wall_impulse(0.5 * dt);  // by the forces of the last step, in this step's first kick
     begin_step(integrator_, p_, dt);
     ++step_;
     if (scene_.has_driven_walls()) set_walls(time());
@@ -196,7 +167,7 @@ void Simulation::advance() {
   const PhaseTimer timer(times_, Phase::integrate);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   end_step(integrator_, p_, dt);
-  add_wall_impulse(0.5 * dt);
+  add_wall_totals(dt, wall_sums_);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   const auto count = static_cast<std::ptrdiff_t>(p_.owned);
 #pragma omp parallel for schedule(static)

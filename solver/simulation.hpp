@@ -9,6 +9,7 @@
 
 #include "solver/agreement.hpp"
 #include "solver/balance.hpp"
+#include "solver/exact_sum.hpp"
 #include "solver/forces.hpp"
 #include "solver/halo.hpp"
 #include "solver/motion.hpp"
@@ -35,14 +36,24 @@ struct WallLoad {
   Vec3 impulse;   ///< since the start [N s]
 };
 
+/// What a run has added up since its start besides bodies and springs; part of a checkpoint.
+struct RunTotals {
+  static constexpr std::size_t kWallWork = 0, kWallDissipated = 1, kFirstImpulse = 2;  ///< places in `sums`
+  /// Of this rank, or of all: work of driven walls, their part of what is dissipated [J], then three components of the impulse
+  /// on each wall [N s]. The forces of the last step count in full; the measures below take half of them back.
+  std::vector<ExactSum> sums;
+  double max_depth_ratio = 0;   ///< since it was last taken
+};
+
 class Simulation {
  public:
   Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options = {});
 
-  /// Starts from the scene, or from records of a checkpoint (every rank gives its own part; none on others).
+  /// Starts from the scene, or from a checkpoint: every rank gives its own part of the bodies, in any way, and the springs of
+  /// their pairs. `step_size` is kept as it was. Totals are those of all ranks, the same on each.
   void start_from_scene();
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
-                          std::int64_t step, double wall_work, double wall_dissipated, const std::vector<Vec3>& wall_impulse);
+                          std::int64_t step, double step_size, const RunTotals& totals);
 
   /// One step: kick, drift, lists or ghosts, forces, kick. Collective.
   void advance();
@@ -64,7 +75,7 @@ class Simulation {
 
   // collective measures; every rank gets the whole scene's value
   Energies energies() const;
-  double wall_dissipated() const { return comm_.sum(wall_dissipated_); }
+  RunTotals totals() const;
   std::vector<WallLoad> wall_loads() const;
   std::int64_t body_count() const { return comm_.sum(static_cast<std::int64_t>(p_.owned)); }
   std::int64_t contact_count() const;
@@ -75,8 +86,11 @@ class Simulation {
   /// 128-bit hash over the bits of all bodies and friction springs, the same for any distribution over ranks.
   std::string state_hash() const;
 
-  /// Drops all kept candidates: results never depend on them (for tests).
-  void forget_candidates() { pairs_.forget_candidates(); }
+  /// Drops all kept candidates and has the body lists made anew: results never depend on them (for tests).
+  void forget_candidates() {
+    pairs_.forget_candidates();
+    renewal_asked_ = true;
+  }
 
   /// Contacts that this rank counts, at the present state; changes nothing.
   FrameContacts contacts();
@@ -88,7 +102,7 @@ class Simulation {
   std::int64_t migrated() const { return migrated_; }
 
  private:
-  void begin(const std::vector<ParticleRecord>& records, std::int64_t step, bool is_cut);
+  void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
   StepNews exchange_news();
   StepNews look_at_lists();
   void renew_lists(const StepNews& news);
@@ -97,7 +111,7 @@ class Simulation {
   void compute_pairs(std::span<const std::int32_t> which, double friction_dt, Phase phase);
   void fail(const Error& error);
   void set_walls(double time);
-  void add_wall_impulse(double dt);
+  void add_wall_totals(double dt, std::vector<ExactSum>& sums) const;
   double walls_moved(const std::vector<WallState>& walls) const;   // since the lists were made, with respect to any owned body [m]
   double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
   void check_domain();
@@ -116,13 +130,11 @@ class Simulation {
   StepSize step_size_;
   std::vector<WallState> walls_, walls_listed_;
   std::vector<std::int32_t> wall_pairs_;      // indices of pairs with a wall
-  std::vector<Vec3> wall_force_, wall_torque_, wall_impulse_;  // this rank's share
-  double wall_work_ = 0;
-  double wall_dissipated_ = 0;                // share of moving walls in the power of damping and friction
+  std::vector<ExactSum> wall_sums_;           // of this rank, see RunTotals
   std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, failure_step_ = 0;
   double skin_ = 0, smallest_radius_ = 0, max_depth_ratio_ = 0, computed_before_ = 0;
   bool looks_ahead_ = false;                  // news come one step late, see Agreement
-  bool lists_overrun_ = false;
+  bool lists_overrun_ = false, renewal_asked_ = false;
   int signal_ = 0;
   std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together, a step or two later
   PhaseTimes times_{};

@@ -1,0 +1,282 @@
+#include "solver/verify.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "core/storage/collective_file.hpp"
+#include "core/storage/frame_file.hpp"
+#include "solver/checkpoint.hpp"
+#include "solver/watchdog.hpp"
+
+namespace scree {
+
+namespace {
+
+/// What a run recorded of one step.
+struct Record {
+  std::string hash, frame, checkpoint;  ///< of the log; paths
+};
+using Records = std::map<std::int64_t, Record>;
+
+/// The hashes of a log by step. Only whole rows count: the last one may still be written.
+void read_log(const std::string& path, Records& records) {
+  std::ifstream file(path);
+  if (!file) throw InputError("{}: cannot be read; name the folder of a run", path);
+  std::string line, cell;
+  std::getline(file, line);
+  std::vector<std::string> names;
+  for (std::istringstream cells(line); std::getline(cells, cell, ',');) names.push_back(cell);
+  const auto column = std::find(names.begin(), names.end(), "state_hash");
+  if (column == names.end()) throw InputError("{}: has no column state_hash; it is damaged or of another kind", path);
+  while (std::getline(file, line)) {
+    if (line.empty() || line[0] < '0' || line[0] > '9') continue;
+    std::vector<std::string> row;
+    for (std::istringstream cells(line); std::getline(cells, cell, ',');) row.push_back(cell);
+    if (row.size() == names.size()) records[std::stoll(line)].hash = row[static_cast<std::size_t>(column - names.begin())];
+  }
+}
+
+/// Rank 0's records on every rank.
+void broadcast(const mpi::Communicator& comm, Records& records) {
+  std::string text;
+  for (const auto& [step, r] : records) text += fmt::format("{}\n{}\n{}\n{}\n", step, r.hash, r.frame, r.checkpoint);
+  std::istringstream lines(broadcast_text(comm.get(), text));
+  records.clear();
+  for (std::string step; std::getline(lines, step);) {
+    Record& r = records[std::stoll(step)];
+    std::getline(lines, r.hash);
+    std::getline(lines, r.frame);
+    std::getline(lines, r.checkpoint);
+  }
+}
+
+/// The first body of this rank's share that differs, and how many do.
+struct Differences {
+  std::int64_t count = 0, id = INT64_MAX;
+  std::string text;
+  void add(std::int64_t body, const std::string& what) {
+    ++count;
+    if (body < id) {
+      id = body;
+      text = what;
+    }
+  }
+};
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+std::string describe(std::int64_t body, const char* field, std::span<const double> recorded, std::span<const double> found) {
+  const auto list = [](std::span<const double> values) {
+    std::string text;
+    for (const double v : values) text += fmt::format("{}{:.17g}", text.empty() ? "" : " ", v);
+    return text;
+  };
+  return fmt::format("body {}, {}: recorded {}, found {}", body, field, list(recorded), list(found));
+}
+
+std::span<const double> numbers(const Vec3& v) { return {&v.x, 3}; }
+std::span<const double> numbers(const Quat& q) { return {&q.w, 4}; }
+std::span<const double> numbers(const double& d) { return {&d, 1}; }
+
+/// Notes the first field that differs, if any. Fields come as (name, recorded, found).
+template <class... Fields>
+void compare_fields(std::int64_t body, Differences& differences, const Fields&... fields) {
+  bool told = false;
+  const auto compare = [&](const char* name, std::span<const double> recorded, std::span<const double> found) {
+    if (told || std::equal(recorded.begin(), recorded.end(), found.begin(), same_bits)) return;
+    differences.add(body, describe(body, name, recorded, found));
+    told = true;
+  };
+  (std::apply(compare, fields), ...);
+}
+
+template <class T>
+auto field(const char* name, const T& recorded, const T& found) {
+  return std::make_tuple(name, numbers(recorded), numbers(found));
+}
+
+/// Calls compare(i, j) for rows of the same id, and notes bodies that only one side has. Both are in ascending order.
+template <class Compare>
+void match_bodies(const std::vector<std::int64_t>& recorded, const std::vector<std::int64_t>& found, Differences& differences, Compare&& compare) {
+  std::size_t i = 0, j = 0;
+  while (i < recorded.size() || j < found.size()) {
+    if (j == found.size() || (i < recorded.size() && recorded[i] < found[j])) {
+      differences.add(recorded[i], fmt::format("body {}: recorded, not found", recorded[i]));
+      ++i;
+    } else if (i == recorded.size() || found[j] < recorded[i]) {
+      differences.add(found[j], fmt::format("body {}: found, not recorded", found[j]));
+      ++j;
+    } else {
+      compare(i++, j++);
+    }
+  }
+}
+
+std::vector<std::int64_t> ids_of(const std::vector<ParticleRecord>& bodies) {
+  std::vector<std::int64_t> ids;
+  for (const ParticleRecord& r : bodies) ids.push_back(r.id);
+  return ids;
+}
+
+Differences compare_with_frame(const mpi::Communicator& comm, const Simulation& simulation, const Checkpoint& now, const std::string& path) {
+  Differences differences;
+  FrameBodies recorded;
+  mpi::on_all(comm, [&] { recorded = read_frame_file(path).bodies; });
+  std::vector<std::int64_t> ids;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < recorded.size(); ++i) {
+    if (!in_share(comm, recorded.id[i])) continue;
+    ids.push_back(recorded.id[i]);
+    rows.push_back(i);
+  }
+  match_bodies(ids, ids_of(now.bodies), differences, [&](std::size_t i, std::size_t j) {
+    const std::size_t row = rows[i];
+    const ParticleRecord& r = now.bodies[j];
+    const Quat orientation = mesh_orientation(simulation.scene(), r.shape, r.q);
+    compare_fields(r.id, differences, field("position", recorded.position[row], r.x), field("orientation", recorded.orientation[row], orientation),
+                   field("velocity", recorded.velocity[row], r.v), field("angular velocity", recorded.angular_velocity[row], r.w));
+  });
+  return differences;
+}
+
+Differences compare_with_checkpoint(const Checkpoint& now, const Checkpoint& recorded) {
+  Differences differences;
+  match_bodies(ids_of(recorded.bodies), ids_of(now.bodies), differences, [&](std::size_t i, std::size_t j) {
+    const ParticleRecord &a = recorded.bodies[i], &b = now.bodies[j];
+    compare_fields(b.id, differences, field("position", a.x, b.x), field("orientation", a.q, b.q), field("velocity", a.v, b.v),
+                   field("angular momentum", a.L, b.L), field("angular velocity", a.w, b.w), field("force", a.force, b.force),
+                   field("torque", a.torque, b.torque), field("dissipated energy", a.dissipated, b.dissipated));
+  });
+  // springs in the order of their pairs; the first that differs is that of the lower body
+  const std::size_t pairs = std::max(recorded.springs.size(), now.springs.size());
+  for (std::size_t k = 0; k < pairs; ++k) {
+    const bool both = k < recorded.springs.size() && k < now.springs.size();
+    const PendingSprings& known = k < recorded.springs.size() ? recorded.springs[k] : now.springs[k];
+    bool equal = both && recorded.springs[k].key == now.springs[k].key && recorded.springs[k].springs.size() == now.springs[k].springs.size();
+    for (std::size_t s = 0; equal && s < known.springs.size(); ++s) {
+      const FrictionSpring &a = recorded.springs[k].springs[s], &b = now.springs[k].springs[s];
+      equal = a.key == b.key && same_bits(a.stiffness, b.stiffness) && same_bits(a.force.x, b.force.x) && same_bits(a.force.y, b.force.y) &&
+              same_bits(a.force.z, b.force.z);
+    }
+    if (equal) continue;
+    differences.add(known.key.a, fmt::format("body {}, friction springs with {}", known.key.a, known.key.b));
+    break;
+  }
+  return differences;
+}
+
+/// The whole picture on every rank: "17 bodies differ, the first is body 3, position: ...", or "".
+std::string sum_up(const mpi::Communicator& comm, const Differences& mine) {
+  const std::int64_t count = comm.sum(mine.count);
+  if (count == 0) return "";
+  std::int64_t lowest = mine.id;
+  MPI_Allreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT64_T, MPI_MIN, comm.get());
+  const std::vector<char> text(mine.text.begin(), mine.text.end());
+  std::vector<std::vector<char>> outgoing(static_cast<std::size_t>(comm.size()));
+  if (mine.count > 0 && mine.id == lowest) outgoing[0] = text;
+  std::string first;
+  for (const auto& block : comm.exchange(outgoing)) {
+    if (first.empty()) first.assign(block.begin(), block.end());
+  }
+  return fmt::format("{} difference{}; {}", count, count == 1 ? "" : "s, first", broadcast_text(comm.get(), first));
+}
+
+}  // namespace
+
+Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) {
+  // 1. what was recorded, and where to begin
+  const LoadedScene loaded = load_scene(comm, options.run_folder + "/scene.h5");
+  Records records;
+  std::string from = options.from;
+  mpi::on_root(comm, [&] {
+    read_log(options.run_folder + "/log.csv", records);
+    const std::vector<std::string> checkpoints = list_checkpoints(options.run_folder);
+    if (from.empty()) from = checkpoints.size() > 1 ? checkpoints[checkpoints.size() - 2] : "start";
+    for (const std::string& path : checkpoints) {
+      records[std::stoll(path.substr(path.rfind('_') + 1))].checkpoint = path;
+    }
+  });
+  from = broadcast_text(comm.get(), from);
+  Watchdog watchdog(comm, options.stall_limit, options.stalled);
+  Simulation simulation(comm, *loaded.prepared, options.parallel);
+  if (from == "start") {
+    simulation.start_from_scene();
+  } else {
+    Checkpoint checkpoint = read_checkpoint(comm, from);
+    mpi::on_root(comm, [&] {
+      if (checkpoint.scene_sha256 != loaded.sha256) throw InputError("{}: was made from another scene than {}/scene.h5", from, options.run_folder);
+    });
+    start_from_checkpoint(comm, simulation, std::move(checkpoint));
+  }
+  const std::int64_t first = simulation.step();
+  std::int64_t last = first + options.steps;
+  mpi::on_root(comm, [&] {
+    for (const FrameEntry& frame : list_frames(options.run_folder)) {
+      records[std::llround(frame.time / simulation.step_size().step)].frame = frame.path;
+    }
+    std::erase_if(records, [&](const auto& entry) { return entry.first < first || (entry.first == first && from != "start"); });
+    if (options.steps == 0) {
+      last = first;
+      for (const auto& [step, record] : records) {
+        if (!record.checkpoint.empty() || from == "start") last = step;
+      }
+    }
+    if (records.empty() || records.begin()->first > last) {
+      throw UsageError("{}: nothing is recorded from step {} to {}; {}", options.run_folder, first + 1, last,
+                       records.empty() ? "begin earlier, with --from start" : fmt::format("the next record is at step {}: use --steps {}",
+                                                                                          records.begin()->first, records.begin()->first - first));
+    }
+    std::erase_if(records, [&](const auto& entry) { return entry.first > last; });
+  });
+  broadcast(comm, records);
+  last = records.rbegin()->first;
+
+  // 2. the same steps again
+  std::int64_t hashes = 0, frames = 0, checkpoints = 0, equal_until = first, differs_at = -1;
+  for (const auto& [step, record] : records) {
+    while (simulation.step() < step) {
+      simulation.advance();
+      watchdog.progress(simulation.step());
+    }
+    simulation.agree_on_failures();
+    const Checkpoint now = present_state(comm, simulation);
+    std::string where;
+    if (!record.checkpoint.empty()) {
+      const Checkpoint recorded = read_checkpoint(comm, record.checkpoint);
+      where = sum_up(comm, compare_with_checkpoint(now, recorded));
+      bool totals = recorded.totals.sums.size() == now.totals.sums.size();
+      for (std::size_t i = 0; totals && i < now.totals.sums.size(); ++i) totals = recorded.totals.sums[i].words() == now.totals.sums[i].words();
+      if (where.empty() && !totals) where = "the accumulated work and impulse of walls differ";
+      if (where.empty() && recorded.state_hash != now.state_hash) where = "the hash that the checkpoint tells differs";
+      ++checkpoints;
+    } else if (!record.frame.empty()) {
+      where = sum_up(comm, compare_with_frame(comm, simulation, now, record.frame));
+      ++frames;
+    }
+    const bool hash_differs = !record.hash.empty() && record.hash != now.state_hash;
+    if (!record.hash.empty()) ++hashes;
+    if (differs_at < 0 && (hash_differs || !where.empty())) differs_at = step;
+    if (differs_at < 0) {
+      equal_until = step;
+      continue;
+    }
+    if (where.empty() && (record.frame.empty() && record.checkpoint.empty())) continue;  // go on to a state that names bodies
+    return {false, fmt::format("not the same: equal until step {}, different at step {}. At step {}: {}", equal_until, differs_at, step,
+                               where.empty() ? "bodies are the same, friction springs differ" : where)};
+  }
+  if (differs_at >= 0) {
+    return {false, fmt::format("not the same: equal until step {}, different at step {} by the hash of the log; no frame or checkpoint "
+                               "up to step {} tells the body, use a larger --steps", equal_until, differs_at, last)};
+  }
+  return {true, fmt::format("the same, bit for bit: steps {} to {} on {} ranks x {} threads; {} hashes of the log, {} frames, {} checkpoints compared",
+                            first, last, comm.size(), omp_get_max_threads(), hashes, frames, checkpoints)};
+}
+
+}  // namespace scree

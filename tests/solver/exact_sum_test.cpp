@@ -1,0 +1,72 @@
+// Sums in any order: against rational arithmetic (GMP's doubles are exact) and against themselves in another order.
+#include <gmpxx.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+
+#include "solver/exact_sum.hpp"
+
+namespace scree {
+namespace {
+
+std::vector<double> wild_terms(unsigned seed, int count) {
+  std::mt19937_64 g(seed);
+  std::uniform_real_distribution<double> mantissa(-1, 1);
+  std::uniform_int_distribution<int> exponent(-300, 300);
+  std::vector<double> terms;
+  for (int i = 0; i < count; ++i) terms.push_back(std::ldexp(mantissa(g), exponent(g)));
+  return terms;
+}
+
+TEST(ExactSum, agrees_with_rational_numbers_to_one_unit_in_the_last_place) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::vector<double> terms = wild_terms(seed, 500);
+    // most of it cancels: what is left is far smaller than the terms
+    for (std::size_t i = 0; i + 1 < terms.size() / 2; ++i) terms.push_back(-terms[i]);
+    ExactSum sum;
+    mpq_class exact = 0;
+    for (const double t : terms) {
+      sum.add(t);
+      exact += mpq_class(t);
+    }
+    const double value = sum.value();
+    const double below = std::nextafter(value, -std::numeric_limits<double>::infinity());
+    const double above = std::nextafter(value, std::numeric_limits<double>::infinity());
+    EXPECT_GE(exact, mpq_class(below));
+    EXPECT_LE(exact, mpq_class(above));
+  }
+}
+
+TEST(ExactSum, has_the_same_words_in_any_order_and_in_any_parts) {
+  std::vector<double> terms = wild_terms(3, 2000);
+  ExactSum forward;
+  for (const double t : terms) forward.add(t);
+  std::shuffle(terms.begin(), terms.end(), std::mt19937(5));
+  ExactSum shuffled;
+  for (const double t : terms) shuffled.add(t);
+  EXPECT_EQ(forward.words(), shuffled.words());
+
+  ExactSum first, second;  // as two ranks would, or a run and its restart
+  for (std::size_t i = 0; i < terms.size(); ++i) (i % 3 == 0 ? first : second).add(terms[i]);
+  ExactSum::Words both = first.words();
+  for (std::size_t i = 0; i < both.size(); ++i) both[i] += second.words()[i];
+  ExactSum joined;
+  joined.set_words(both);
+  EXPECT_EQ(forward.words(), joined.words());
+}
+
+TEST(ExactSum, holds_the_smallest_and_the_largest_double_and_tells_what_is_no_number) {
+  using Limits = std::numeric_limits<double>;
+  ExactSum sum;
+  for (const double t : {Limits::max(), Limits::denorm_min(), -Limits::max()}) sum.add(t);
+  EXPECT_EQ(sum.value(), Limits::denorm_min());
+  sum.add(-Limits::denorm_min());
+  EXPECT_EQ(sum.value(), 0.0);
+  sum.add(Limits::quiet_NaN());
+  EXPECT_TRUE(std::isnan(sum.value()));
+}
+
+}  // namespace
+}  // namespace scree

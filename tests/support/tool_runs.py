@@ -1,0 +1,60 @@
+"""What the end-to-end tests of scree-solver share. usage of a test: TEST.py BIN_FOLDER MPIEXEC [TEST...]"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+BIN, MPIEXEC = sys.argv[1], sys.argv[2]
+SOLVER, PILE = os.path.join(BIN, "scree-solver"), os.path.join(BIN, "scree_make_pile")
+ENV = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
+           OMPI_MCA_hwloc_base_binding_policy="none", # ranks that wait give their core away: these tests share the machine
+           OMPI_MCA_mpi_yield_when_idle="1")
+
+
+def command(ranks, *arguments):
+    return ([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []) + [SOLVER, *arguments]
+
+
+def run(ranks, *arguments, threads=1, expect=0, env=None, **options):
+    words = command(ranks, *arguments)
+    result = subprocess.run(words, env=dict(ENV, OMP_NUM_THREADS=str(threads), **(env or {})), capture_output=True, text=True, timeout=280,
+                            **options)
+    assert result.returncode == expect, f"{words}: exit {result.returncode}, expected {expect}\n{result.stdout}\n{result.stderr}"
+    return result
+
+
+def children(pid):
+    found = []
+    for entry in os.listdir("/proc"):
+        try:
+            with open(f"/proc/{entry}/stat") as f:
+                if int(f.read().rsplit(")", 1)[1].split()[1]) == pid:
+                    found.append(int(entry))
+        except (OSError, ValueError, IndexError):
+            continue  # not a process, or gone meanwhile
+    return sorted(found)
+
+
+def outcome(folder):
+    with open(os.path.join(folder, "run.json")) as f:
+        return json.load(f)
+
+
+def main(tests):
+    """Runs the tests named on the command line, or all, each in a folder of its own."""
+    chosen = sys.argv[3:] or [t.__name__ for t in tests]
+    for test in tests:
+        if test.__name__ not in chosen:
+            continue
+        home, folder = os.getcwd(), tempfile.mkdtemp()
+        os.chdir(folder)
+        try:
+            begin = time.time()
+            test()
+            print(f"passed {test.__name__} in {time.time() - begin:.1f} s", flush=True)
+        finally:
+            os.chdir(home)
+            shutil.rmtree(folder, ignore_errors=True)
