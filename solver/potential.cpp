@@ -103,7 +103,9 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   std::size_t old = 0;
   for (std::size_t j = 0; j < count; ++j) {
     const ContactFeature& f = features[j];
-    const Vec3 velocity = motion.v_a + cross(motion.w_a, f.x) - motion.v_b - cross(motion.w_b, f.x - motion.centre_b);
+    const Vec3 arm_b = f.x - motion.centre_b;
+    const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
+    const Vec3 velocity = motion.v_a + turning_a - motion.v_b - turning_b;
     const double vn = dot(velocity, f.n);
     const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(most_weight, onset_weight(f.depth, vn, dt)) * vn);
     Vec3 lossy = (damped - normal[j]) * f.n;
@@ -112,7 +114,11 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
       const double kappa = kTangentialStiffnessRatio * normal[j] / D;
       FrictionSpring spring{f.key, Vec3{}, kappa};
       while (old < springs.size() && springs[old].key < f.key) ++old;
-      const Vec3 vt = velocity - vn * f.n;
+      // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
+      // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
+      // Where springs do not move, at the start and for output, the velocities are those of now.
+      const Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
+      const Vec3 vt = slip - dot(slip, f.n) * f.n;
       if (old < springs.size() && springs[old].key == f.key) {
         // turn with the mean spin about the normal, back into the tangent plane at its own length
         Vec3 s = springs[old].force;

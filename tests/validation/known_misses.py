@@ -15,9 +15,6 @@ KNOWN = {
     ("C7", "5 degrees, sub-slip, spring without dashpot"): TANGENTIAL_DASHPOT,
     ("C7", "10 degrees, sub-slip, spring without dashpot"): TANGENTIAL_DASHPOT,
     ("C7", "15 degrees, sub-slip, spring without dashpot"): TANGENTIAL_DASHPOT,
-    ("F12", "r = "):
-        "Forces see velocities of half a step before with positions of now: a contact that turns with w sees a slip of w^2 r dt/2. "
-        "Of first order in the step.",
 }
 
 
