@@ -92,7 +92,9 @@ class TwoBodies {
     for (int i = 0; i < 2; ++i) {
       body[i].x += dt * v[i];
       Vec3 w;
-      if (inverse_inertia[i].x > 0) rotate_freely(inverse_inertia[i], false, dt, L[i], body[i].q, w);
+      if (!(inverse_inertia[i].x > 0)) continue;
+      const Vec3& inverse = inverse_inertia[i];
+      rotate_freely(Integrator::kdk_dlm, {1 / inverse.x, 1 / inverse.y, 1 / inverse.z}, inverse, false, dt, L[i], body[i].q, w);
     }
     force(dt);
     kick(0.5 * dt);
