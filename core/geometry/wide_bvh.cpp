@@ -51,6 +51,10 @@ class Builder {
     const Box3& root = binary_[0].box;
     for (int c = 0; c < 3; ++c)
       tree_.size = std::max({tree_.size, round_up(std::abs(root.lower[c])), round_up(std::abs(root.upper[c]))});
+    double radius2 = 0;
+    for (std::int32_t t = 0; t < count; ++t)
+      for (int k = 0; k < 3; ++k) radius2 = std::max(radius2, squared_length(mesh.corner(t, k)));
+    tree_.radius = std::nextafter(round_up(std::sqrt(radius2)), std::numeric_limits<float>::infinity());
   }
   WideBvh take() { return std::move(tree_); }
 

@@ -33,6 +33,7 @@ struct WideBvh {
   std::vector<WideNode> nodes;   ///< the root is node 0; empty for a shape without triangles
   std::vector<WideLeaf> leaves;  ///< full but for a few
   float size = 0;                ///< largest absolute coordinate
+  float radius = 0;              ///< largest distance of a corner from the origin, rounded up
 };
 
 /// How: halves at multiples of 8 triangles, by surface area below 4096 triangles and at the median above, so that

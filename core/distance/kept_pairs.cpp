@@ -1,0 +1,312 @@
+// The list, and its loops in SIMD for every target (see mesh_descent.cpp).
+//
+// The file must be compiled for the baseline instruction set: never with -march=native.
+#include "core/distance/kept_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "core/distance/mesh_descent.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/distance/kept_pairs.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scree::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Indices of the values that are at most `way`; returns how many. `found` has room for count and one vector.
+HWY_NOINLINE std::size_t find_expired(const float* expiry, std::size_t count, float way, std::int32_t* found) {
+  const hn::ScalableTag<float> tag;
+  const hn::RebindToSigned<decltype(tag)> index_tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const auto limit = hn::Set(tag, way);
+  std::size_t size = 0, k = 0;
+  for (; k + lanes <= count; k += lanes) {
+    const auto expired = hn::Le(hn::LoadU(tag, expiry + k), limit);
+    if (hn::AllFalse(tag, expired)) continue;
+    size += hn::CompressStore(hn::Iota(index_tag, static_cast<std::int32_t>(k)), hn::RebindMask(index_tag, expired), index_tag, found + size);
+  }
+  for (; k < count; ++k)
+    if (expiry[k] <= way) found[size++] = static_cast<std::int32_t>(k);
+  return size;
+}
+
+/// Moves the corners of B (rows 9 to 17 of a batch) into A's frame.
+template <class Real>
+HWY_INLINE void place_corners(Real* rows, std::int64_t stride, std::int64_t count, const Real linear[3][3], const Real translation[3]) {
+  const hn::ScalableTag<Real> tag;
+  for (std::int64_t i = 0; i < count; i += static_cast<std::int64_t>(hn::Lanes(tag))) {
+    for (int corner = 0; corner < 3; ++corner) {
+      Real* at = rows + (9 + 3 * corner) * stride + i;
+      const auto x = hn::LoadU(tag, at), y = hn::LoadU(tag, at + stride), z = hn::LoadU(tag, at + 2 * stride);
+      for (int c = 0; c < 3; ++c) {
+        const auto turned = hn::MulAdd(hn::Set(tag, linear[c][2]), z, hn::MulAdd(hn::Set(tag, linear[c][1]), y, hn::Mul(hn::Set(tag, linear[c][0]), x)));
+        hn::StoreU(hn::Add(hn::Set(tag, translation[c]), turned), tag, at + c * stride);
+      }
+    }
+  }
+}
+HWY_NOINLINE void place_float(float* rows, std::int64_t stride, std::int64_t count, const float linear[3][3], const float translation[3]) {
+  place_corners(rows, stride, count, linear, translation);
+}
+
+}  // namespace scree::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scree {
+
+namespace {
+
+HWY_EXPORT(find_expired);
+HWY_EXPORT(place_float);
+
+/// Shapes with more triangles than this need the wide pairs.
+constexpr std::int32_t kNarrowTriangles = 65536;
+
+// Relative costs of the model in the header, in units of one scanned pair: measured with scree-bench-candidates on an
+// AVX-512 core. Twice or half of any of them moves the skin by 1.4 and the cost by a few percent.
+constexpr double kDescentCost = 4000, kListingCost = 12, kScanCost = 1;
+
+/// The skin stays between these parts of the smaller body's radius; the first one is the square root of their product.
+constexpr double kThinnestSkin = 1e-4, kWidestSkin = 0.25, kFirstSkin = 0.02;
+/// And moves by at most this factor from one list to the next: one odd step must not spoil it.
+constexpr double kSkinChange = 4;
+
+/// Bounds are raised by this part, and by this part of the placement's size, so that rounding cannot make them too small.
+constexpr double kBoundRounding = 1e-6, kPlaceRounding = 1e-15;
+
+/// Bound on the motion of A's patch and B's patch against each other from one placement of B in A's frame to another: the
+/// points of B in A's frame, or those of A in B's frame, whichever is the smaller bound [units of A's shape].
+double motion_bound(const Placement& from, const Placement& to, const SurfacePatch& a, const SurfacePatch& b) {
+  double turn = 0;
+  for (int i = 0; i < 3; ++i) turn += squared_length(to.rotation[i] - from.rotation[i]);
+  const double chord = std::sqrt(0.5 * turn);  // 2 sin(half the angle)
+  const Vec3 b_before = from.scale * (from.rotation * b.centre) + from.translation, b_after = to.scale * (to.rotation * b.centre) + to.translation;
+  const Vec3 a_before = transpose_times(from.rotation, a.centre - from.translation), a_after = transpose_times(to.rotation, a.centre - to.translation);
+  const double of_b = length(b_after - b_before) + chord * to.scale * b.radius, of_a = length(a_after - a_before) + chord * a.radius;
+  const double size = std::abs(to.translation.x) + std::abs(to.translation.y) + std::abs(to.translation.z) + length(a.centre) + to.scale * length(b.centre);
+  return std::min(of_a, of_b) * (1 + kBoundRounding) + kPlaceRounding * size;
+}
+
+/// Floats on the safe side: an expiry too early, a way too long.
+float round_down(double x) { return std::nextafter(static_cast<float>(x), -HUGE_VALF); }
+float round_up(double x) { return std::nextafter(static_cast<float>(x), HUGE_VALF); }
+
+}  // namespace
+
+struct KeptPairsScratch {
+  static constexpr std::int64_t kBatchPairs = 128, kStride = kBatchPairs + kBatchPadding;
+  DescentScratch descent;
+  std::vector<std::int32_t> expired;
+  std::vector<TrianglePair> decide;
+  std::vector<std::int32_t> decide_entry;
+  struct Listed {
+    TrianglePair pair;
+    float expiry;
+  };
+  std::vector<Listed> listed;
+  alignas(64) std::array<float, 18 * kStride> single;
+  alignas(64) std::array<double, 18 * kStride> exact;
+  alignas(64) std::array<float, kBatchPairs> single_distance;
+  alignas(64) std::array<double, kBatchPairs> distance;
+};
+
+void KeptPairsScratchDeleter::operator()(KeptPairsScratch* scratch) const { delete scratch; }
+KeptPairsScratchPtr make_kept_pairs_scratch() { return KeptPairsScratchPtr(new KeptPairsScratch()); }
+
+namespace {
+
+constexpr std::int64_t kBatchPairs = KeptPairsScratch::kBatchPairs, kStride = KeptPairsScratch::kStride;
+
+template <class Real>
+void load_corners(const TriangleMesh& mesh, std::int32_t triangle, Real* column) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& corner = mesh.corner(triangle, k);
+    column[(3 * k) * kStride] = static_cast<Real>(corner.x);
+    column[(3 * k + 1) * kStride] = static_cast<Real>(corner.y);
+    column[(3 * k + 2) * kStride] = static_cast<Real>(corner.z);
+  }
+}
+
+/// Single-precision distances of many pairs in A's frame, a batch at a time: found(k, distance) for pair_of(k).
+template <class PairOf, class Found>
+void filter_pairs(const MeshView& a, const MeshView& b, const DescentFrame& frame, std::size_t count, const PairOf& pair_of, KeptPairsScratch& s,
+                  const Found& found) {
+  for (std::size_t begin = 0; begin < count; begin += static_cast<std::size_t>(kBatchPairs)) {
+    const auto size = static_cast<std::int64_t>(std::min(count - begin, static_cast<std::size_t>(kBatchPairs)));
+    for (std::int64_t i = 0; i < size; ++i) {
+      const TrianglePair pair = pair_of(begin + static_cast<std::size_t>(i));
+      load_corners(*a.mesh, pair.a, s.single.data() + i);
+      load_corners(*b.mesh, pair.b, s.single.data() + 9 * kStride + i);
+    }
+    HWY_DYNAMIC_DISPATCH(place_float)(s.single.data(), kStride, size, frame.linear, frame.translation);
+    triangle_distances(PairBatch<float>{s.single.data(), kStride, size}, s.single_distance.data());
+    for (std::int64_t i = 0; i < size; ++i) found(begin + static_cast<std::size_t>(i), s.single_distance[static_cast<std::size_t>(i)]);
+  }
+}
+
+}  // namespace
+
+void KeptPairs::fix_skin(double skin) {
+  fixed_skin_ = skin;
+  forget();
+}
+
+void KeptPairs::choose_skin(double smallest_radius, double margin) {
+  if (fixed_skin_ > 0) {
+    skin_ = fixed_skin_;
+  } else if (steps_listed_ == 0) {
+    if (skin_ <= 0) skin_ = std::max(kFirstSkin * smallest_radius, margin);
+  } else {
+    const double pairs = static_cast<double>(close_count_), more = static_cast<double>(expiry_.size() - close_count_) / skin_;
+    const double way = moved_ / static_cast<double>(steps_listed_);
+    const double best = more > 0 ? std::sqrt((kDescentCost + kListingCost * pairs) * way / (kScanCost * more)) : kSkinChange * skin_;
+    skin_ = std::clamp(best, skin_ / kSkinChange, skin_ * kSkinChange);
+  }
+  if (fixed_skin_ <= 0) skin_ = std::clamp(skin_, kThinnestSkin * smallest_radius, kWidestSkin * smallest_radius);
+}
+
+void KeptPairs::find_patches(const MeshView& a, const MeshView& b) {
+  const auto patch_of = [&](const TriangleMesh& mesh, auto triangle_of) {
+    Box3 box;
+    for (std::size_t k = 0; k < expiry_.size(); ++k)
+      for (int c = 0; c < 3; ++c) box.add(mesh.corner(triangle_of(pair_at(k)), c));
+    if (box.is_empty()) return SurfacePatch{};
+    return SurfacePatch{box.centre(), 0.5 * length(box.extent())};
+  };
+  patch_a_ = patch_of(*a.mesh, [](const TrianglePair& p) { return p.a; });
+  patch_b_ = patch_of(*b.mesh, [](const TrianglePair& p) { return p.b; });
+}
+
+void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s) {
+  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  choose_skin(std::min(static_cast<double>(tree_a.radius), b_in_a.scale * static_cast<double>(tree_b.radius)), margin);
+  const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
+  const double allowance = static_cast<double>(frame.allowance), reach = margin + skin_;
+  s.descent.forget_leaves();
+  s.descent.candidates.clear();
+  s.listed.clear();
+  collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent);
+  const std::vector<TrianglePair>& candidates = s.descent.candidates;
+  close_count_ = 0;
+  filter_pairs(a, b, frame, candidates.size(), [&](std::size_t k) { return candidates[k]; }, s, [&](std::size_t k, float distance) {
+    const double least = static_cast<double>(distance) - allowance;
+    if (least > reach) return;
+    if (least <= margin) ++close_count_;
+    s.listed.push_back({candidates[k], round_down(least - margin)});
+  });
+
+  const std::size_t count = s.listed.size();
+  const bool narrow = a.mesh->triangle_count() <= kNarrowTriangles && b.mesh->triangle_count() <= kNarrowTriangles;
+  // exact capacities: a new vector unless the old one fits
+  const auto fit = [](auto& v, std::size_t size) {
+    if (v.capacity() != size) v = std::remove_reference_t<decltype(v)>(size);
+    v.resize(size);
+  };
+  fit(expiry_, count);
+  fit(narrow_, narrow ? count : 0);
+  fit(wide_, narrow ? 0 : count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [pair, expiry] = s.listed[k];
+    expiry_[k] = expiry;
+    if (narrow) {
+      narrow_[k] = {static_cast<std::uint16_t>(pair.a), static_cast<std::uint16_t>(pair.b)};
+    } else {
+      wide_[k] = pair;
+    }
+  }
+  find_patches(a, b);
+  listed_at_ = last_ = b_in_a;
+  margin_ = margin;
+  way_ = 0;
+  steps_listed_ = 0;
+  has_list_ = true;
+  ++counts_.lists;
+  counts_.listed += static_cast<std::int64_t>(count);
+}
+
+bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s, std::vector<ClosePair>& close) {
+  close.clear();
+  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
+  ++counts_.steps;
+  if (has_list_) {
+    ++steps_listed_;
+    moved_ = motion_bound(listed_at_, b_in_a, {{}, static_cast<double>(tree_a.radius)}, {{}, static_cast<double>(tree_b.radius)});
+    way_ += motion_bound(last_, b_in_a, patch_a_, patch_b_);
+    last_ = b_in_a;
+  }
+  if (!has_list_ || moved_ > skin_ || margin != margin_ || b_in_a.scale != listed_at_.scale) make_list(a, b, b_in_a, margin, s);
+  counts_.scanned += static_cast<std::int64_t>(expiry_.size());
+  if (expiry_.empty()) return false;
+
+  // those whose time has come
+  s.expired.resize(expiry_.size() + 16);
+  const float way = round_up(way_);
+  const std::size_t expired = HWY_DYNAMIC_DISPATCH(find_expired)(expiry_.data(), expiry_.size(), way, s.expired.data());
+  const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
+  const double allowance = static_cast<double>(frame.allowance);
+  // pairs that were within the margin at the last step have an expiry below 0: they need no filter
+  s.decide.clear();
+  s.decide_entry.clear();
+  std::size_t to_filter = 0;
+  for (std::size_t k = 0; k < expired; ++k) {
+    const std::int32_t entry = s.expired[k];
+    if (expiry_[static_cast<std::size_t>(entry)] < 0) {
+      s.decide_entry.push_back(entry);
+    } else {
+      s.expired[to_filter++] = entry;
+    }
+  }
+  counts_.filtered += static_cast<std::int64_t>(to_filter);
+  filter_pairs(a, b, frame, to_filter, [&](std::size_t k) { return pair_at(static_cast<std::size_t>(s.expired[k])); }, s, [&](std::size_t k, float distance) {
+    const double least = static_cast<double>(distance) - allowance - margin;
+    if (least > 0) {
+      expiry_[static_cast<std::size_t>(s.expired[k])] = round_down(way_ + least);
+    } else {
+      s.decide_entry.push_back(s.expired[k]);
+    }
+  });
+
+  // the decision
+  Mat3 linear;
+  for (int i = 0; i < 3; ++i) linear[i] = b_in_a.scale * b_in_a.rotation[i];
+  bool intersecting = false;
+  counts_.decided += static_cast<std::int64_t>(s.decide_entry.size());
+  for (std::size_t begin = 0; begin < s.decide_entry.size(); begin += static_cast<std::size_t>(kBatchPairs)) {
+    const auto size = static_cast<std::int64_t>(std::min(s.decide_entry.size() - begin, static_cast<std::size_t>(kBatchPairs)));
+    for (std::int64_t i = 0; i < size; ++i) {
+      const TrianglePair pair = pair_at(static_cast<std::size_t>(s.decide_entry[begin + static_cast<std::size_t>(i)]));
+      load_corners(*a.mesh, pair.a, s.exact.data() + i);
+      double* column = s.exact.data() + 9 * kStride + i;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 placed = linear * b.mesh->corner(pair.b, k) + b_in_a.translation;
+        column[(3 * k) * kStride] = placed.x;
+        column[(3 * k + 1) * kStride] = placed.y;
+        column[(3 * k + 2) * kStride] = placed.z;
+      }
+    }
+    triangle_distances(PairBatch<double>{s.exact.data(), kStride, size}, s.distance.data());
+    for (std::int64_t i = 0; i < size; ++i) {
+      const auto entry = static_cast<std::size_t>(s.decide_entry[begin + static_cast<std::size_t>(i)]);
+      const double distance = s.distance[static_cast<std::size_t>(i)];
+      if (distance < margin || distance == 0) {
+        close.push_back({pair_at(entry), distance});
+        intersecting = intersecting || distance == 0;
+        expiry_[entry] = -1;
+      } else {
+        expiry_[entry] = std::max(0.0f, round_down(way_ + (distance - margin)));
+      }
+    }
+  }
+  return intersecting;
+}
+
+}  // namespace scree
+#endif
