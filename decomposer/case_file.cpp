@@ -50,10 +50,14 @@ void read_settings(const CaseTable& top, Case& c) {
 
   if (top.has("domain")) {
     const CaseTable domain = top.table("domain", {"min", "max", "periodic", "outside"});
-    if (domain.has("periodic") && !domain.texts("periodic").empty()) {
-      throw domain.error("periodic", "periodic axes are not available in this version; remove the key");
+    if (domain.has("periodic")) {
+      for (const std::string& axis : domain.texts("periodic")) {
+        if (axis != "x" && axis != "y" && axis != "z") throw domain.error("periodic", "\"" + axis + "\": expected \"x\", \"y\" or \"z\"");
+        s.domain.periodic[static_cast<std::size_t>(axis[0] - 'x')] = true;
+      }
+      if (!domain.has("min")) throw domain.error("periodic", "a periodic axis needs min and max");
     }
-    s.domain.outside = domain.word_or("outside", "stop", {"stop", "remove", "keep"}, {"stop", "keep"});
+    s.domain.outside = domain.word_or("outside", "stop", {"stop", "remove", "keep"}, {"stop", "remove", "keep"});
     if (domain.has("min") || domain.has("max")) {
       s.domain.bounded = true;
       s.domain.lower = domain.vector("min", Dimension::length);

@@ -5,6 +5,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/geometry/periodic.hpp"
 #include "decomposer/random_numbers.hpp"
 
 namespace scree {
@@ -25,7 +26,30 @@ Packer::Packer(const Case& c, const SceneParts& parts, const std::function<void(
                PackingReport& report)
     : case_(c), parts_(parts), progress_(progress), scene_(scene), report_(report), scratch_(make_mesh_distance_scratch()) {}
 
-void Packer::keep(const PlacedBody& body) {
+void Packer::keep(const PlacedBody& body, std::int32_t given) {
+  const Domain& d = case_.settings.domain;
+  const Periodicity periodicity(d.lower, d.upper, d.periodic);
+  const auto turns = [&](int k) { return periodicity.is_periodic(k) ? 1 : 0; };
+  for (int i = -turns(0); i <= turns(0); ++i) {
+    for (int j = -turns(1); j <= turns(1); ++j) {
+      for (int k = -turns(2); k <= turns(2); ++k) {
+        PlacedBody image = body;
+        image.position = periodicity.way_of(body.position, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        // the solver wants a period of two diameters, so nothing that reaches further in can be met
+        bool in_reach = true;
+        for (int axis = 0; axis < 3; ++axis) {
+          const double reach = 0.5 * periodicity.period()[axis];
+          in_reach = in_reach && (!periodicity.is_periodic(axis) ||
+                                  (image.position[axis] >= d.lower[axis] - reach && image.position[axis] <= d.upper[axis] + reach));
+        }
+        if (in_reach) keep_one(image, given);
+      }
+    }
+  }
+}
+
+void Packer::keep_one(const PlacedBody& body, std::int32_t given) {
+  given_.push_back(given);
   grid_.insert(static_cast<std::int32_t>(placed_.size()), body.position, body.radius());
   placed_.push_back(body);
   for (std::size_t k = 0; k < vacancies_.size(); ++k) {
@@ -82,14 +106,15 @@ void Packer::place_given_bodies() {
     if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
       report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
     }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (b.fixed && case_.bodies[j].fixed) continue;
+    for (std::size_t j = 0; j < placed_.size(); ++j) {
+      const CaseBody& other = case_.bodies[static_cast<std::size_t>(given_[j])];
+      if (b.fixed && other.fixed) continue;
       if (length(placed_[j].position - body.position) > placed_[j].radius() + body.radius() + gap()) continue;
       const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
-      if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them", b.where, case_.bodies[j].where);
-      if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, case_.bodies[j].where));
+      if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them", b.where, other.where);
+      if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
     }
-    keep(body);
+    keep(body, static_cast<std::int32_t>(i));
     add_body(static_cast<std::int64_t>(i), b.shape, b.material, body, b.velocity, b.angular_velocity, b.fixed, b.lock_rotation, -1);
   }
 }
@@ -147,7 +172,15 @@ bool Packer::try_place(const Draw& d, PlacedBody& body) {
     body.position = {};
     // the centre is drawn from where the turned body fits between the sides of the region
     const Box3 extent = body.world_box();
-    const Vec3 low = region.box.lower - extent.lower, high = region.box.upper - extent.upper;
+    Vec3 low = region.box.lower - extent.lower, high = region.box.upper - extent.upper;
+    // a region as long as a periodic axis has no sides there
+    const Domain& domain = case_.settings.domain;
+    for (int k = 0; k < 3; ++k) {
+      const bool around = domain.periodic[static_cast<std::size_t>(k)] && region.box.lower[k] <= domain.lower[k] && region.box.upper[k] >= domain.upper[k];
+      if (!around || region.is_mesh) continue;
+      low[k] = domain.lower[k];
+      high[k] = domain.upper[k];
+    }
     if (low.x > high.x || low.y > high.y || low.z > high.z) continue;
     const Vec3 place{random.uniform(kPlace), random.uniform(kPlace + 1), random.uniform(kPlace + 2)};
     if (attempt <= kPlainDraws) {

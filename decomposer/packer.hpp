@@ -31,7 +31,9 @@ class Packer {
   double inner_ball(const PlacedBody& body) const { return body.scale * body.shape->inner_radius; }
   void add_body(std::int64_t id, std::int32_t shape, std::int32_t material, const PlacedBody& placed, const Vec3& velocity,
                 const Vec3& angular_velocity, bool fixed, bool lock_rotation, std::int32_t population);
-  void keep(const PlacedBody& body);
+  /// Notes a placed body and its images through periodic axes. `given`: its number among [[bodies]], or -1.
+  void keep(const PlacedBody& body, std::int32_t given = -1);
+  void keep_one(const PlacedBody& body, std::int32_t given);
   bool domain_holds(const Vec3& p) const;
   bool walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing = nullptr);
   bool is_free(const PlacedBody& body, const Region& region);   // fills near_ and vertices_
@@ -45,7 +47,8 @@ class Packer {
   const std::function<void(double, double)>& progress_;
   Scene& scene_;
   PackingReport& report_;
-  std::vector<PlacedBody> placed_;
+  std::vector<PlacedBody> placed_;                      // and images
+  std::vector<std::int32_t> given_;                     // of each placed one, see keep
   PlacedGrid grid_;
   std::vector<double> smallest_ball_;                   // inner ball of the smallest body of each population [m]
   std::vector<std::optional<VacancyMap>> vacancies_;    // one per population, made when it is needed

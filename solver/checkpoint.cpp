@@ -36,6 +36,7 @@ void for_each_body_column(Action&& action) {
   action("q_principal", "", &ParticleRecord::q);
   action("dissipated", "J", &ParticleRecord::dissipated);
   action("work", "", &ParticleRecord::work);
+  action("image", "", &ParticleRecord::image);
 }
 
 template <class Action>

@@ -60,6 +60,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   if (pair.b >= 0) {
     const auto j = static_cast<std::size_t>(pair.b);
     view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j]};
+    if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
     view.radius_b = p.radius[j];
     v_b = p.v[j];
     w_b = p.w[j];

@@ -59,11 +59,10 @@ void Simulation::add_wall_totals(double dt, std::vector<ExactSum>& sums) const {
 Energies Simulation::energies() const {
   enum { translational, rotational, potential, elastic, tangential, dissipated, wall_work, count };
   std::vector<ExactSum> e(count);
-  const Vec3& g = scene_.source().settings.gravity;
   for (std::size_t i = 0; i < p_.owned; ++i) {
     e[translational].add(translational_energy(p_, i));
     e[rotational].add(rotational_energy(p_, i));
-    if (!p_.fixed[i]) e[potential].add(-p_.mass[i] * dot(g, p_.x[i]));
+    e[potential].add(potential_energy(i));
     e[dissipated].add(p_.dissipated[i]);
   }
   for (std::size_t k = 0; k < pairs_.pairs().size(); ++k) {
@@ -78,8 +77,9 @@ Energies Simulation::energies() const {
   add_over_ranks(comm_.get(), walls);
   const double stored = e[tangential].value();
   // What friction took out of the motion is in part stored in its springs: that part is not lost.
-  const double lost = e[dissipated].value() + walls[RunTotals::kWallDissipated].value() - stored;
-  return {e[translational].value(), e[rotational].value(), e[potential].value(), e[elastic].value(), stored, lost, walls[RunTotals::kWallWork].value()};
+  const double lost = e[dissipated].value() + walls[RunTotals::kWallDissipated].value() + walls[RunTotals::kRemovedDissipated].value() - stored;
+  return {e[translational].value(), e[rotational].value(), e[potential].value(), e[elastic].value(), stored, lost,
+          walls[RunTotals::kWallWork].value(), walls[RunTotals::kRemovedEnergy].value()};
 }
 
 RunTotals Simulation::totals() const {
@@ -169,12 +169,8 @@ RankMeasures Simulation::rank_measures() const {
 }
 
 std::int64_t Simulation::bodies_outside() const {
-  const Domain& d = scene_.source().settings.domain;
   std::int64_t count = 0;
-  for (std::size_t i = 0; d.bounded && i < p_.owned; ++i) {
-    const Vec3& x = p_.x[i];
-    if (x.x < d.lower.x || x.y < d.lower.y || x.z < d.lower.z || x.x > d.upper.x || x.y > d.upper.y || x.z > d.upper.z) ++count;
-  }
+  for (std::size_t i = 0; i < p_.owned; ++i) count += is_outside(p_.x[i]) ? 1 : 0;
   return comm_.sum(count);
 }
 

@@ -43,7 +43,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   const double margin = scene.margin();
   std::vector<double> reach(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + margin + 0.5 * skin;
-  grid_.build(p.x, reach);
+  grid_.build(p.x, reach, scene.periodicity().period());
 
   // candidate pairs of every body, each thread its own list, joined in body order
   const auto count = static_cast<std::int32_t>(p.size());

@@ -31,6 +31,7 @@ void for_each_column(Set& p, Action&& action) {
   action(p.dissipated);
   action(p.work);
   action(p.x_listed);
+  action(p.image);
 }
 
 }  // namespace
@@ -64,6 +65,7 @@ ParticleRecord record_of(const ParticleSet& p, std::size_t i) {
   r.q = p.q[i];
   r.force = p.force[i];
   r.torque = p.torque[i];
+  r.image = p.image[i];
   r.dissipated = p.dissipated[i];
   r.work = p.work[i];
   return r;
@@ -100,6 +102,16 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   p.dissipated[i] = r.dissipated;
   p.work[i] = r.work;
   p.x_listed[i] = r.x;
+  p.image[i] = r.image;
+}
+
+void wrap_positions(const Periodicity& periodicity, ParticleSet& p) {
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    p.x_listed[i] += periodicity.wrap(p.x[i], p.image[i]);
+  }
 }
 
 ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
@@ -126,6 +138,7 @@ ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
     }
   }
   r.work = 1;
+  scene.periodicity().wrap(r.x, r.image);
   return r;
 }
 

@@ -33,6 +33,7 @@ struct ParticleSet {
   std::vector<double> dissipated;              ///< energy taken from this body by damping and friction [J]
   std::vector<double> work;                    ///< measured work since the last cut, arbitrary unit
   std::vector<Vec3> x_listed;                  ///< centre when the body lists were made
+  std::vector<Vec3> image;                     ///< periods gone along periodic axes, see Periodicity::wrap
 
   std::size_t owned = 0;                       ///< rows [0, owned) are ours
 
@@ -49,7 +50,7 @@ struct ParticleRecord {
   std::int32_t shape, material;
   std::uint8_t fixed, lock_rotation, unused[6];
   double scale;
-  Vec3 x, v, L, w, force, torque;
+  Vec3 x, v, L, w, force, torque, image;
   Quat q;
   double dissipated, work;
 };
@@ -57,6 +58,9 @@ struct ParticleRecord {
 ParticleRecord record_of(const ParticleSet& p, std::size_t i);
 /// Appends a row; mass, inertia and radius follow from shape, scale and material.
 void append_record(ParticleSet& p, const ParticleRecord& record, const SolverScene& scene);
+
+/// Wraps the owned bodies into a periodic domain, the places of their lists with them.
+void wrap_positions(const Periodicity& periodicity, ParticleSet& p);
 
 /// The record of body b of a scene at the start: orientation moved to the principal frame, L from w.
 ParticleRecord initial_record(const SolverScene& scene, std::size_t body);

@@ -12,6 +12,7 @@ namespace {
 // more pairs. It never changes a result.
 constexpr double kListSteps = 40;
 constexpr double kSmallestListSkin = 0.02, kLargestListSkin = 0.5;  // of the smallest radius
+constexpr double kShareOfRoom = 0.999;  // of the room that a periodic domain leaves: the rest is for rounding
 
 // Ranks learn one step late that one of them needs new lists, so a rank asks for them while they still hold for a step that
 // it has not computed. The next displacement is dt v + dt^2 a with an acceleration that is known from the last step only:
@@ -78,23 +79,6 @@ StepNews Simulation::look_at_lists() {
   return news;
 }
 
-void Simulation::check_domain() {
-  const Domain& domain = scene_.source().settings.domain;
-  for (std::size_t i = 0; i < p_.owned; ++i) {
-    if (!is_finite(p_.x[i]) || !is_finite(p_.v[i]) || !is_finite(p_.L[i])) {
-      throw RunInvalid("step {}: the state of body {} is not a finite number; the step is too large or the contact too stiff",
-                       step_, p_.id[i]);
-    }
-    if (!domain.bounded || domain.outside != "stop") continue;
-    const Vec3& x = p_.x[i];
-    if (x.x < domain.lower.x || x.y < domain.lower.y || x.z < domain.lower.z || x.x > domain.upper.x ||
-        x.y > domain.upper.y || x.z > domain.upper.z) {
-      throw RunInvalid("step {}: body {} left the domain at ({:g}, {:g}, {:g}) m; widen domain or set outside = \"keep\"",
-                       step_, p_.id[i], x.x, x.y, x.z);
-    }
-  }
-}
-
 void Simulation::cut_anew() {
   const auto start = std::chrono::steady_clock::now();
   const double expected = halo_->rebalance(p_, balance_.work_of_bodies(p_));
@@ -117,8 +101,16 @@ void Simulation::renew_lists(const StepNews& news) {
     } else {
       migrated_ += halo_->migrate(scene_, p_, pairs_);
     }
+    if (removal_due_) remove_outside();
+    removal_due_ = false;
     skin_ = std::clamp(2 * kListSteps * news.fastest * step_size_.step, kSmallestListSkin * smallest_radius_,
                        kLargestListSkin * smallest_radius_);
+    // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
+    for (int k = 0; k < 3; ++k) {
+      if (!scene_.periodicity().is_periodic(k)) continue;
+      const double room = 0.25 * scene_.periodicity().period()[k] - scene_.largest_radius() - scene_.margin();
+      skin_ = std::min(skin_, 2 * kShareOfRoom * room);
+    }
     halo_->make_ghosts(scene_, p_, skin_);
   }
   const double sorted = times_[static_cast<std::size_t>(Phase::sort)];

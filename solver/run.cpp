@@ -221,10 +221,13 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   std::vector<FrameEntry> frames;
   std::unique_ptr<RunLog> log;
   std::unique_ptr<RankLog> rank_log;
+  const std::string removed_path = options.run_folder + "/removed.csv";
+  const bool removes = settings.domain.bounded && settings.domain.outside == "remove";
   mpi::on_root(comm, [&] {
     frames = trim_folder(options.run_folder, schedule, dt, restarted ? simulation.step() : -1);
     log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
     rank_log = std::make_unique<RankLog>(options.run_folder + "/ranks.csv", comm.size(), restarted ? simulation.step() : -1);
+    if (removes) start_table(removed_path, removed_header(), restarted ? simulation.step() : -1);
   });
   if (root) {
     std::fprintf(stderr, "scree-solver: %zu bodies, %d ranks x %d threads, step %s (%s), %lld steps\n", scene.bodies.size(),
@@ -250,8 +253,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     watchdog.progress(simulation.step());
     simulation.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
   };
+  const auto write_removed = [&] {
+    if (!removes) return;
+    const std::vector<RemovedBody> bodies = simulation.take_removed();
+    mpi::on_root(comm, [&] { append_to_table(removed_path, removed_rows(bodies)); });
+  };
   const auto write_log = [&] {
     simulation.agree_on_failures();
+    write_removed();
     energies = simulation.energies();
     const double kinetic = energies.translational + energies.rotational;
     kinetic_peak = std::max(kinetic_peak, kinetic);
@@ -265,12 +274,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const std::vector<WallLoad> loads = simulation.wall_loads();
     const std::string hash = simulation.state_hash();
     const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
+    const RemovedTotals removed = simulation.removed();
     const double elapsed = seconds_since(interval_start);
     const double rate = elapsed > 0 ? static_cast<double>(simulation.step() - interval_step) / elapsed : 0;
     interval_start = std::chrono::steady_clock::now();
     interval_step = simulation.step();
     mpi::on_root(comm, [&] {
-      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, loads, hash);
+      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, loads,
+                   simulation.walls(), hash);
       rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last);
     });
   };
@@ -287,6 +298,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   };
   const auto save_state = [&] {
     simulation.agree_on_failures();
+    write_removed();
     Checkpoint so_far;
     so_far.energy_reference = reference;
     so_far.kinetic_peak = kinetic_peak;
@@ -297,6 +309,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   };
   const auto write_outcome = [&](const std::string& outcome, const std::string& message, int exit_code) {
     const std::string hash = simulation.state_hash();
+    const RemovedTotals removed = simulation.removed();
     const std::int64_t bodies = simulation.body_count(), outside = simulation.bodies_outside();
     const std::int64_t memory = comm.sum(peak_memory());
     PhaseTimes times = simulation.times();
@@ -317,7 +330,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       run["ranks"] = comm.size();
       run["threads"] = omp_get_max_threads();
       run["bodies"] = bodies;
-      run["lost_bodies"] = static_cast<std::int64_t>(scene.bodies.size()) - bodies;
+      run["removed_bodies"] = static_cast<std::int64_t>(removed.count);
+      run["removed_mass"] = removed.mass;
+      run["lost_bodies"] = static_cast<std::int64_t>(scene.bodies.size()) - bodies - static_cast<std::int64_t>(removed.count);
       run["bodies_outside_domain"] = outside;
       run["wall_seconds"] = seconds_since(start);
       for (std::size_t i = 0; i < times.size(); ++i) run["phases"][phase_name(static_cast<Phase>(i))] = times[i] / comm.size();
@@ -334,6 +349,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                        {"elastic_final", energies.elastic + energies.tangential_elastic},
                        {"dissipated", energies.dissipated},
                        {"wall_work", energies.wall_work},
+                       {"removed", energies.removed},
                        {"error_max", worst_balance},
                        {"error_relative", scale > 0 ? worst_balance / scale : 0.0}};
       run["peak_rss_bytes"] = memory;

@@ -22,13 +22,14 @@ std::string header_of(const Scene& scene) {
     names += std::string(",t_") + phase_name(static_cast<Phase>(p));
     units += ",s";
   }
-  names += ",t_wait_longest,ghosts,bytes_sent,steps_per_second,state_hash";
-  units += ",s,-,B,1/s,-";
+  names += ",t_wait_longest,ghosts,bytes_sent,steps_per_second,removed_bodies,removed_mass,state_hash";
+  units += ",s,-,B,1/s,-,kg,-";
   for (const Wall& wall : scene.walls) {
     for (const char* quantity : {"force", "torque", "impulse"}) {
       for (const char* axis : {"x", "y", "z"}) names += fmt::format(",wall{}_{}_{}", wall.id, quantity, axis);
     }
-    units += ",N,N,N,N m,N m,N m,N s,N s,N s";
+    names += fmt::format(",wall{}_power", wall.id);
+    units += ",N,N,N,N m,N m,N m,N s,N s,N s,W";
   }
   return names + "\n" + units + "\n";
 }
@@ -61,7 +62,8 @@ RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up
 
 void RunLog::add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
                      double max_depth_ratio, double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second,
-                     const std::vector<WallLoad>& loads, const std::string& state_hash) {
+                     const RemovedTotals& removed, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
+                     const std::string& state_hash) {
   std::string row = fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{},{:.9g},{:.6g}",
                                 step, time, e.translational, e.rotational, e.potential, e.elastic, e.tangential_elastic,
                                 e.dissipated, e.wall_work, energy_error, contacts, max_depth_ratio, imbalance);
@@ -77,11 +79,25 @@ void RunLog::add_row(std::int64_t step, double time, const Energies& e, double e
     ghosts += m.ghosts;
     bytes += m.bytes + m.renewal_bytes;
   }
-  row += fmt::format(",{:.6g},{},{},{:.6g},{}", longest_wait, ghosts, bytes, steps_per_second, state_hash);
-  for (const WallLoad& load : loads) {
-    for (const Vec3& v : {load.force, load.torque, load.impulse}) row += fmt::format(",{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
+  row += fmt::format(",{:.6g},{},{},{:.6g},{:.0f},{:.17g},{}", longest_wait, ghosts, bytes, steps_per_second, removed.count, removed.mass, state_hash);
+  for (std::size_t w = 0; w < loads.size(); ++w) {
+    for (const Vec3& v : {loads[w].force, loads[w].torque, loads[w].impulse}) row += fmt::format(",{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
+    row += fmt::format(",{:.17g}", loads[w].power(walls[w]));
   }
   append_to_table(path_, row + "\n");
+}
+
+std::string removed_header() {
+  return "step,time,id,mass,x,y,z,velocity_x,velocity_y,velocity_z\n# units: -,s,-,kg,m,m,m,m/s,m/s,m/s\n";
+}
+
+std::string removed_rows(const std::vector<RemovedBody>& bodies) {
+  std::string rows;
+  for (const RemovedBody& b : bodies) {
+    rows += fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", b.step, b.time, b.id, b.mass, b.x.x, b.x.y,
+                        b.x.z, b.v.x, b.v.y, b.v.z);
+  }
+  return rows;
 }
 
 }  // namespace scree

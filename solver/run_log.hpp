@@ -22,10 +22,15 @@ class RunLog {
   /// in   ranks   measures of all ranks: the row has the mean of their times
   void add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
                double max_depth_ratio, double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second,
-               const std::vector<WallLoad>& loads, const std::string& state_hash);
+               const RemovedTotals& removed, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
+               const std::string& state_hash);
 
  private:
   std::string path_;
 };
+
+/// removed.csv: the bodies that left the domain and were taken out.
+std::string removed_header();
+std::string removed_rows(const std::vector<RemovedBody>& bodies);
 
 }  // namespace scree

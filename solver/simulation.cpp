@@ -10,6 +10,9 @@ namespace {
 
 volatile std::sig_atomic_t g_signal = 0;
 
+// Bodies may be this many steps outside before they are removed; the longest of it is a part of a contact's duration.
+constexpr std::int64_t kReviewSteps = 16;
+
 extern "C" void note_signal(int number) { g_signal = number; }
 
 }  // namespace
@@ -150,16 +153,34 @@ StepNews Simulation::exchange_news() {
   return looks_ahead_ ? known : agreement_.finish();
 }
 
+bool Simulation::review() {
+  // Lists are renewed at other steps on other numbers of ranks and after a restart; what changes the result must not.
+  const Domain& domain = scene_.source().settings.domain;
+  if (step_ % kReviewSteps != 0 || !domain.bounded) return false;
+  if (domain.outside == "stop" && any_left_domain()) {
+    try {
+      check_domain();
+    } catch (const Error& e) {
+      fail(e);
+    }
+  }
+  if (domain.outside != "remove") return false;
+  removal_due_ = comm_.max(any_left_domain() ? 1.0 : 0.0) > 0;
+  return removal_due_;
+}
+
 void Simulation::advance() {
   const double dt = step_size_.step;
   {
     const PhaseTimer timer(times_, Phase::integrate);
     const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
     begin_step(integrator_, p_, dt);
+    if (scene_.periodicity().any()) wrap_positions(scene_.periodicity(), p_);
     ++step_;
     if (scene_.has_driven_walls()) set_walls(time());
   }
-  const StepNews news = exchange_news();
+  StepNews news = exchange_news();
+  if (review()) news.renew = 1;
   signal_ = static_cast<int>(news.signal);
   if (news.failed != 0) agree_on_failures();
   if (news.renew != 0) renew_lists(news);

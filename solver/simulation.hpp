@@ -24,8 +24,9 @@ struct Energies {
   double translational = 0, rotational = 0, potential = 0, elastic = 0, tangential_elastic = 0;
   double dissipated = 0;   ///< accumulated from the damping and friction forces, never the remainder
   double wall_work = 0;    ///< done by driven walls on the bodies
+  double removed = 0;      ///< kinetic and potential, taken away by bodies that left the domain
   double balance() const {
-    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work;
+    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed;
   }
 };
 
@@ -34,13 +35,31 @@ struct WallLoad {
   Vec3 force;     ///< now, on the wall [N]
   Vec3 torque;    ///< now, about the world origin [N m]
   Vec3 impulse;   ///< since the start [N s]
+  /// Of the wall on the bodies, now [W].
+  double power(const WallState& wall) const {
+    return -dot(force, wall.velocity) - dot(torque - cross(wall.position, force), wall.angular_velocity);
+  }
+};
+
+/// A body that left the domain and was taken out.
+struct RemovedBody {
+  std::int64_t id, step;
+  double time, mass;
+  Vec3 x, v;
+};
+
+/// Number and mass [kg] of all removed bodies.
+struct RemovedTotals {
+  double count = 0, mass = 0;
 };
 
 /// What a run has added up since its start besides bodies and springs; part of a checkpoint.
 struct RunTotals {
-  static constexpr std::size_t kWallWork = 0, kWallDissipated = 1, kFirstImpulse = 2;  ///< places in `sums`
-  /// Of this rank, or of all: work of driven walls, their part of what is dissipated [J], then three components of the impulse
-  /// on each wall [N s]. The forces of the last step count in full; the measures below take half of them back.
+  /// Places in `sums`.
+  static constexpr std::size_t kWallWork = 0, kWallDissipated = 1, kRemovedCount = 2, kRemovedMass = 3, kRemovedEnergy = 4,
+                               kRemovedDissipated = 5, kFirstImpulse = 6;
+  /// Of this rank, or of all: work of driven walls, their part of what is dissipated [J]; bodies removed from the domain, their
+  /// mass [kg], their kinetic and potential energy, what they had dissipated [J]; then three components of the impulse on each wall [N s]. The forces of the last step count in full; the measures below take half of them back.
   std::vector<ExactSum> sums;
   double max_depth_ratio = 0;   ///< since it was last taken
 };
@@ -83,6 +102,9 @@ class Simulation {
   double take_max_depth_ratio();           ///< largest since the last call, at every step
   double take_imbalance();                 ///< largest over mean computing time of the ranks since the last call
   std::int64_t bodies_outside() const;     ///< of the domain
+  RemovedTotals removed() const;           ///< since the start
+  /// Bodies removed since the last call, by step and id; on rank 0. Collective.
+  std::vector<RemovedBody> take_removed();
   /// 128-bit hash over the bits of all bodies and friction springs, the same for any distribution over ranks.
   std::string state_hash() const;
 
@@ -114,7 +136,15 @@ class Simulation {
   void add_wall_totals(double dt, std::vector<ExactSum>& sums) const;
   double walls_moved(const std::vector<WallState>& walls) const;   // since the lists were made, with respect to any owned body [m]
   double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
-  void check_domain();
+  /// Whether something that must happen at the same step in every run is due, such as the removal of bodies: asks for new lists.
+  bool review();
+
+  // domain.cpp
+  bool is_outside(const Vec3& x) const;
+  bool any_left_domain() const;
+  void check_domain() const;
+  void remove_outside();
+  double potential_energy(std::size_t i) const;
 
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
@@ -135,6 +165,8 @@ class Simulation {
   double skin_ = 0, smallest_radius_ = 0, max_depth_ratio_ = 0, computed_before_ = 0;
   bool looks_ahead_ = false;                  // news come one step late, see Agreement
   bool lists_overrun_ = false, renewal_asked_ = false;
+  std::vector<RemovedBody> removed_;          // by this rank, not taken yet
+  bool removal_due_ = false;
   int signal_ = 0;
   std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together, a step or two later
   PhaseTimes times_{};

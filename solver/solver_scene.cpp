@@ -133,6 +133,50 @@ void add_zones(const Wall& wall, std::int32_t index, std::vector<WallZone>& zone
   }
 }
 
+/// Refuses a body of which two images could be in reach of another body at once.
+void check_period(const Periodicity& periodicity, double radius, double margin, std::int64_t id) {
+  // a quarter of a period must hold the body's reach and the smallest skin of the body lists, which is 1 % of a radius a side
+  constexpr double kRoomForSkin = 1.01;
+  const double needed = 4 * (kRoomForSkin * radius + margin);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!periodicity.is_periodic(axis) || periodicity.period()[axis] >= needed) continue;
+    throw UsageError("domain: the periodic axis {} is {:g} m long, but body {} with a bounding radius of {:g} m needs {:g} m, two of its "
+                     "diameters and margins; widen the domain", "xyz"[axis], periodicity.period()[axis], id, radius, needed);
+  }
+}
+
+/// Walls are not repeated along a periodic axis, so each zone must look the same all along it. The faces of boxes and the lids
+/// of cylinders that lie across the axis are left out: the seam takes their place. Meshes stay as they are; they must reach
+/// beyond the seam by the reach of a body.
+void fit_zones_to_period(const Periodicity& periodicity, const Wall& wall, std::int32_t index, std::vector<WallZone>& zones,
+                         std::vector<std::string>& dropped) {
+  if (!periodicity.any() || wall.kind == WallKind::mesh) return;
+  constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
+  const auto refuse = [&](int axis) {
+    throw UsageError("wall {} ('{}') changes along the periodic axis {}; use walls that are the same all along it, or a mesh", wall.id,
+                     wall.name, "xyz"[axis]);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!periodicity.is_periodic(axis)) continue;
+    Vec3 along;
+    along[axis] = 1;
+    if (wall.motion.kind == WallMotion::Kind::rotate && length(cross(wall.motion.axis, along)) > kAligned) refuse(axis);
+    std::erase_if(zones, [&](const WallZone& zone) {
+      if (zone.wall != index) return false;
+      if (zone.kind == WallZone::Kind::sphere) refuse(axis);
+      const double across = std::abs(dot(zone.direction, along));
+      if (zone.kind == WallZone::Kind::cylinder) {
+        if (1 - across > kAligned) refuse(axis);
+        return false;
+      }
+      if (across <= kAligned) return false;
+      if (wall.kind == WallKind::plane || 1 - across > kAligned) refuse(axis);
+      dropped.push_back(fmt::format("wall {} ('{}'): a plane across {}", wall.id, wall.name, "xyz"[axis]));
+      return true;
+    });
+  }
+}
+
 }  // namespace
 
 SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(scene.materials.size()) {
@@ -142,14 +186,11 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   };
   if (settings.law != "linear") refuse("contact.law", settings.law, "\"linear\"");
   if (settings.gather != "potential") refuse("contact.gather", settings.gather, "\"potential\"");
-  for (int axis = 0; axis < 3; ++axis) {
-    if (settings.domain.periodic[static_cast<std::size_t>(axis)]) {
-      throw UsageError("domain.periodic: periodic axes are not available in this version; remove the key");
-    }
+  const auto& periodic = settings.domain.periodic;
+  if (!settings.domain.bounded && (periodic[0] || periodic[1] || periodic[2])) {
+    throw UsageError("domain.periodic: a periodic axis needs domain.min and domain.max");
   }
-  if (settings.domain.bounded && settings.domain.outside == "remove") {
-    refuse("domain.outside", settings.domain.outside, "\"stop\" or \"keep\"");
-  }
+  periodicity_ = Periodicity(settings.domain.lower, settings.domain.upper, periodic);
   if (!(settings.duration >= 0)) throw InputError("time.duration = {:g} s; expected >= 0", settings.duration);
 
   for (const Shape& shape : scene.shapes) shapes_.push_back(make_solver_shape(shape));
@@ -159,6 +200,11 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
       throw InputError("body {}: shape '{}' is a surface without mass; import it without --surface", scene.bodies.id[b],
                        scene.shapes[static_cast<std::size_t>(scene.bodies.shape[b])].name);
     }
+  }
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const double radius = scene.bodies.scale[b] * shape(scene.bodies.shape[b]).radius;
+    largest_radius_ = std::max(largest_radius_, radius);
+    check_period(periodicity_, radius, margin_, scene.bodies.id[b]);
   }
   bool has_meshes = false;
   for (std::int32_t s : scene.bodies.shape) has_meshes = has_meshes || shape(s).kind != ShapeKind::sphere;
@@ -185,6 +231,7 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   }
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     add_zones(scene.walls[w], static_cast<std::int32_t>(w), zones_);
+    fit_zones_to_period(periodicity_, scene.walls[w], static_cast<std::int32_t>(w), zones_, dropped_zones_);
     has_driven_walls_ = has_driven_walls_ || scene.walls[w].motion.kind != WallMotion::Kind::none;
   }
 }
@@ -220,7 +267,7 @@ WallState wall_state(const Wall& wall, double time) {
     }
     case WallMotion::Kind::table: {
       if (m.table_time.empty()) break;
-      const double t = std::min(time, m.stop);
+      const double t = elapsed;
       const auto next = std::upper_bound(m.table_time.begin(), m.table_time.end(), t);
       const auto i = static_cast<std::size_t>(next - m.table_time.begin());
       if (i == 0) {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/geometry/bvh.hpp"
 #include "core/geometry/features.hpp"
+#include "core/geometry/periodic.hpp"
 #include "core/storage/scene_file.hpp"
 
 namespace scree {
@@ -84,6 +86,10 @@ class SolverScene {
   }
   const std::vector<WallZone>& zones() const { return zones_; }
   double margin() const { return margin_; }          ///< of each body [m]
+  const Periodicity& periodicity() const { return periodicity_; }
+  double largest_radius() const { return largest_radius_; }  ///< bounding, of all bodies [m]
+  /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
+  const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
   bool has_friction() const { return has_friction_; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }
@@ -94,7 +100,9 @@ class SolverScene {
   std::vector<PairLaw> laws_;
   std::size_t material_count_ = 0;
   std::vector<WallZone> zones_;
-  double margin_ = 0;
+  std::vector<std::string> dropped_zones_;
+  Periodicity periodicity_;
+  double margin_ = 0, largest_radius_ = 0;
   bool has_friction_ = false, has_damping_ = false, has_driven_walls_ = false;
 };
 

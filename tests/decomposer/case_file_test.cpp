@@ -93,7 +93,7 @@ TEST(CaseFile, a_case_is_read_in_si) {
 }
 
 TEST(CaseFile, the_example_of_the_house_is_understood_but_for_what_is_not_built) {
-  // the example of the design papers, without its periodic axis and with what analytic spheres and drums add
+  // the example of the design papers, with what analytic spheres and drums add
   const Case c = parse(R"(
 title = "boulders into a box"
 seed  = 7
@@ -104,6 +104,7 @@ steps_per_contact = 30
 [domain]
 min = [-0.2, -0.2, 0.0]
 max = [ 0.2,  0.2, 0.6]
+periodic = ["x"]
 outside = "stop"
 [shapes.toutatis]
 file = "toutatis.shape.h5"
@@ -269,8 +270,8 @@ TEST(CaseFile, what_is_not_built_yet_is_refused_with_what_is) {
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hertz-mindlin\""), {"not available", "linear"});
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"liniar\""), {"did you mean 'linear'"});
   expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"not available", "brute-force"});
-  expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n", {"periodic", "not available"});
-  expect_refusal(kCase + "[domain]\noutside = \"remove\"\n", {"not available", "stop"});
+  expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"w\"]\n", {"periodic", "expected \"x\""});
+  expect_refusal(kCase + "[domain]\nperiodic = [\"x\"]\n", {"periodic", "needs min and max"});
   expect_refusal(replaced("count = 10", "count = 10\nmethod = \"lattice\""), {"not available", "random"});
   expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrolling_friction = 0.1"), {"rolling_friction", "not available"});
 }

@@ -139,6 +139,40 @@ def a_scene_cut_for_other_ranks_is_cut_again_with_a_notice():
     assert outcome("two.run")["state_hash"] == outcome("three.run")["state_hash"]
 
 
+def same_state_through_periodic_axes_and_with_removed_bodies():
+    """On any number of ranks, with ghosts through the seams, and after a restart."""
+    for domain, count in (("periodic", 27), ("drain", 12)):
+        scene = f"{domain}.scene.h5"
+        subprocess.run([PILE, str(count), "0.1", scene, "1", "3e5", domain], check=True)
+        hashes, removed = set(), set()
+        for ranks in (1, 2, 3):
+            folder = f"{domain}{ranks}.run"
+            run(ranks, scene, "-o", folder)
+            result = outcome(folder)
+            hashes.add(result["state_hash"])
+            assert result["lost_bodies"] == 0, result["lost_bodies"]
+            if domain == "drain":
+                assert result["removed_bodies"] > 2 and result["bodies"] == count - result["removed_bodies"], result["removed_bodies"]
+                with open(os.path.join(folder, "removed.csv")) as f:
+                    rows = f.read()
+                assert len(rows.splitlines()) == 2 + result["removed_bodies"], rows
+                removed.add(rows)
+        assert len(hashes) == 1, hashes
+        assert domain != "drain" or len(removed) == 1, removed
+        # from a checkpoint in the middle, on another number of ranks: as if nothing had happened
+        folder = f"{domain}1.run"
+        checkpoints = sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
+        os.remove(os.path.join(folder, checkpoints[-1]))
+        run(2, scene, "-o", folder, "--restart", "latest")
+        again = outcome(folder)
+        assert again["state_hash"] in hashes, "a restart ends elsewhere"
+        assert again["energy"]["error_relative"] == result["energy"]["error_relative"], again["energy"]
+        if domain == "drain":
+            with open(os.path.join(folder, "removed.csv")) as f:
+                assert {f.read()} == removed
+            assert again["removed_bodies"] == result["removed_bodies"], again["removed_bodies"]
+
+
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
@@ -152,6 +186,7 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code, bad_input_is_told_once_with_its_exit_code,
          a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
          a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
+         same_state_through_periodic_axes_and_with_removed_bodies,
          the_plan_says_what_is_in_and_out]
 
 main(TESTS)

@@ -1,0 +1,229 @@
+// Periodic axes and what becomes of bodies that leave the domain.
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.hpp"
+#include "tests/support/test_run.hpp"
+
+namespace scree {
+namespace {
+
+using test::TestRun;
+
+void make_periodic(Scene& scene, const Vec3& lower, const Vec3& upper, std::array<bool, 3> axes) {
+  Domain& d = scene.settings.domain;
+  d.bounded = true;
+  d.lower = lower;
+  d.upper = upper;
+  d.periodic = axes;
+}
+
+/// Two tumbling rocks that meet, rub and part about `place`, in a box of 1 x 1 x 1 m around the origin.
+TestRun meeting_rocks(const Vec3& place, std::array<bool, 3> axes) {
+  TestRun run(test::empty_scene(1e6, 0.5, 0.5, 0.002));
+  make_periodic(run.scene, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, axes);
+  run.scene.settings.domain.outside = "keep";
+  run.scene.shapes = {make_solid("a", test::scaled(test::rock(1, 2), 0.05)), make_solid("b", test::scaled(test::rock(2, 2), 0.03))};
+  const auto wrapped = [](Vec3 x) {
+    for (int k = 0; k < 3; ++k) x[k] -= std::floor(x[k] + 0.5);
+    return x;
+  };
+  test::add_body(run.scene, 0, wrapped(place + Vec3{0.06, 0.005, 0.01}), {}, {-1, 0.1, 0}, {3, -2, 5});
+  test::add_body(run.scene, 1, wrapped(place + Vec3{-0.06, 0, 0}), {}, {1, 0, 0}, {-4, 6, 1});
+  return run;
+}
+
+// In the middle of the box, and with the contact on a face, an edge and a corner of the box, centres on both sides.
+TEST(PeriodicAxes, a_contact_through_the_seam_equals_the_same_contact_elsewhere) {
+  TestRun inside = meeting_rocks({}, {false, false, false});
+  inside.start();
+  const int steps = static_cast<int>(0.06 / inside.simulation->step_size().step);
+  for (const Vec3& place : {Vec3{0.5, 0, 0}, Vec3{0.499, 0.5, 0.1}, Vec3{-0.5, 0.5, 0.5}}) {
+    TestRun seam = meeting_rocks(place, {true, true, true});
+    seam.start();
+    const Vec3 momentum = seam.momentum();
+    TestRun reference = meeting_rocks({}, {false, false, false});
+    reference.start();
+    std::int64_t touched = 0;
+    double springs = 0;
+    for (int n = 0; n < steps; ++n) {
+      seam.simulation->advance();
+      reference.simulation->advance();
+      touched += seam.simulation->contact_count();
+      springs = std::max(springs, seam.simulation->energies().tangential_elastic);
+    }
+    EXPECT_GT(touched, 10);
+    EXPECT_GT(springs, 0) << "friction has no memory";
+    for (int id = 0; id < 2; ++id) {
+      Vec3 off = seam.position(id) - reference.position(id) - place;
+      for (int k = 0; k < 3; ++k) off[k] -= std::round(off[k]);
+      // positions are rounded at 1e-16 m; an impact multiplies that by about its number of steps
+      EXPECT_LE(length(off), 1e-11) << id;
+      EXPECT_LE(length(seam.velocity(id) - reference.velocity(id)), 1e-9) << id;
+      EXPECT_LE(length(seam.spin(id) - reference.spin(id)), 1e-7) << id;
+    }
+    EXPECT_GT(length(seam.velocity(0) - Vec3{-1, 0.1, 0}), 0.1) << "no impact happened";
+    EXPECT_LE(length(seam.momentum() - momentum), 1e-12 * (momentum.x + 1));
+  }
+}
+
+// A body that rests on a floor slides through the seam with its friction: it stops where Coulomb says, twice around.
+TEST(PeriodicAxes, keep_friction_and_energy_of_a_body_that_slides_around) {
+  TestRun run(test::empty_scene(1e6, 0.5, 0.2, 0.005));
+  make_periodic(run.scene, {-0.25, -0.25, -1}, {0.25, 0.25, 1}, {true, true, false});
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_solid("block", test::grid_box(1, {0.1, 0.1, 0.04}))};
+  const double depth = 0.4 * 9.81 / (std::sqrt(2.0) * 1e6);
+  test::add_body(run.scene, 0, {0.1, 0, 0.02 + 0.01 - depth}, {}, {2, 0, 0});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.start();
+  const double start = run.simulation->energies().balance();
+  run.run_for(1.2);
+  const double expected = 0.1 + 1.019368;  // v^2 / (2 mu g) further
+  EXPECT_NEAR(run.position(0).x, expected - 2 * 0.5, 0.001 * 1.019368);
+  EXPECT_NEAR(run.simulation->energies().balance(), start, 1e-3 * 0.5 * 0.4 * 4);
+}
+
+// A chute: gravity along a periodic axis. What a body gains in height it must not lose at the seam.
+TEST(PeriodicAxes, keep_the_energy_of_a_body_that_falls_along_them) {
+  TestRun run(test::empty_scene(1e6, 0.5, 0, 0.002));
+  make_periodic(run.scene, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, {true, false, true});
+  run.scene.settings.gravity = {3, 0, -9.81};
+  run.scene.shapes = {make_solid("rock", test::scaled(test::rock(3, 1), 0.05))};
+  test::add_body(run.scene, 0, {0, 0, 0});
+  run.start();
+  const double start = run.simulation->energies().balance();
+  run.run_for(1.0);
+  const double fallen = 0.5 * 9.81 * run.simulation->time() * run.simulation->time();
+  EXPECT_NEAR(run.position(0).z, -fallen + std::round(fallen), 1e-6);
+  const double mass = run.simulation->energies().translational / (0.5 * (9.81 * 9.81 + 9) * std::pow(run.simulation->time(), 2));
+  EXPECT_NEAR(run.simulation->energies().balance(), start, 1e-9 * mass * 9.81 * fallen);
+}
+
+TEST(PeriodicAxes, that_are_too_short_or_met_by_a_wall_are_refused) {
+  const auto refusal = [](Scene scene) -> std::string {
+    try {
+      SolverScene prepared(scene);
+      return "";
+    } catch (const UsageError& e) {
+      return e.what();
+    }
+  };
+  Scene scene = meeting_rocks({}, {true, false, false}).scene;
+  EXPECT_EQ(refusal(scene), "");
+  scene.settings.domain.upper.x = -0.3;
+  EXPECT_NE(refusal(scene).find("body 0"), std::string::npos) << refusal(scene);
+  scene.settings.domain.upper.x = 0.5;
+  test::add_plane(scene, {0, 0, -0.4}, {0, 0, 1});
+  EXPECT_EQ(refusal(scene), "") << "a floor along the axis";
+  test::add_plane(scene, {0, 0, -0.4}, normalised(Vec3{0.1, 0, 1}));
+  EXPECT_NE(refusal(scene).find("periodic axis x"), std::string::npos);
+  scene.walls.pop_back();
+  scene.walls[0].kind = WallKind::box_inside;
+  scene.walls[0].lower = scene.settings.domain.lower;
+  scene.walls[0].upper = scene.settings.domain.upper;
+  SolverScene box(scene);
+  EXPECT_EQ(box.zones().size(), 4u) << "the two faces across x are left out";
+  EXPECT_EQ(box.dropped_zones().size(), 2u);
+}
+
+// Momentum of a gas in a box without walls, friction on: 1e-13 sqrt(steps) of the sum of m |v|.
+TEST(PeriodicAxes, keep_the_momentum_of_many_bodies) {
+  TestRun run(test::empty_scene(1e6, 0.8, 0.3, 0.001));
+  make_periodic(run.scene, {0, 0, 0}, {0.3, 0.3, 0.3}, {true, true, true});
+  run.scene.shapes = {make_solid("rock", test::scaled(test::rock(5, 1), 0.027))};
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 place{0.0375 + 0.075 * (i % 4), 0.0375 + 0.075 * (i / 4 % 4), 0.0375 + 0.075 * (i / 16)};
+    test::add_body(run.scene, 0, place, quaternion_of(normalised(Vec3{1, 1.0 * i, 2}), i), {std::sin(3.0 * i), std::sin(5.0 * i + 1), std::sin(7.0 * i + 2)}, {5.0 * std::sin(i), 0, 9});
+  }
+  run.start();
+  const Vec3 before = run.momentum();
+  std::int64_t touched = 0;
+  constexpr int kSteps = 6000;
+  for (int n = 0; n < kSteps; ++n) {
+    run.simulation->advance();
+    if (n % 50 == 0) touched += run.simulation->contact_count();
+  }
+  EXPECT_GT(touched, 100);
+  EXPECT_EQ(run.simulation->body_count(), 64);
+  const double scale = 64 * 1000 * 4.19 * 2e-5;  // about the sum of m |v|
+  EXPECT_LE(length(run.momentum() - before), 1e-13 * std::sqrt(kSteps) * scale);
+}
+
+TestRun leaving_rocks(const std::string& outside) {
+  TestRun run(test::empty_scene(1e6, 0.5, 0.3, 0.002));
+  make_periodic(run.scene, {-1, -1, -1}, {1, 1, 1}, {false, false, false});
+  run.scene.settings.domain.outside = outside;
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_solid("rock", test::scaled(test::rock(4, 1), 0.05))};
+  for (int i = 0; i < 6; ++i) test::add_body(run.scene, 0, {-0.5 + 0.2 * i, 0.1 * i, 0.9 - 0.3 * i}, {}, {0.1 * i, 0, -1}, {3, 1.0 * i, 0});
+  return run;
+}
+
+TEST(Domain, removes_what_leaves_it_and_tells_what_that_was) {
+  TestRun run = leaving_rocks("remove");
+  run.start();
+  const Energies start = run.simulation->energies();
+  std::vector<RemovedBody> all;
+  const double dt = run.simulation->step_size().step;
+  while (run.simulation->time() < 0.6) {
+    run.simulation->advance();
+    if (run.simulation->step() % 100 == 0) {
+      for (const RemovedBody& b : run.simulation->take_removed()) all.push_back(b);
+    }
+  }
+  for (const RemovedBody& b : run.simulation->take_removed()) all.push_back(b);
+  const RemovedTotals totals = run.simulation->removed();
+  EXPECT_EQ(run.simulation->body_count() + static_cast<std::int64_t>(totals.count), 6);
+  EXPECT_GE(totals.count, 3);
+  EXPECT_NEAR(run.simulation->energies().balance(), start.balance(), 1e-10 * std::abs(start.translational + start.potential));
+  if (test::g_comm->rank() != 0) return;
+  ASSERT_EQ(static_cast<double>(all.size()), totals.count);
+  double mass = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    mass += all[i].mass;
+    const bool in_order = i == 0 || all[i - 1].step < all[i].step || (all[i - 1].step == all[i].step && all[i - 1].id < all[i].id);
+    EXPECT_TRUE(in_order);
+    // free fall from 0.9 - 0.3 id at 1 m/s: below -1 for at most 16 steps
+    const double fallen = 1.9 - 0.3 * static_cast<double>(all[i].id);
+    const double t = (-1 + std::sqrt(1 + 2 * 9.81 * fallen)) / 9.81;
+    EXPECT_GE(all[i].time, t - dt);
+    EXPECT_LE(all[i].time, t + 17 * dt);
+    EXPECT_LT(all[i].x.z, -1);
+  }
+  EXPECT_DOUBLE_EQ(mass, totals.mass);
+}
+
+TEST(Domain, stops_the_run_or_lets_bodies_go_as_asked) {
+  TestRun stop = leaving_rocks("stop");
+  stop.start();
+  try {
+    for (int n = 0; n < 100000; ++n) stop.simulation->advance();
+    FAIL() << "nothing stopped the run";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::run_invalid);
+    EXPECT_NE(std::string(e.what()).find("body 5 left the domain"), std::string::npos) << e.what();
+  }
+  TestRun keep = leaving_rocks("keep");
+  keep.start();
+  while (keep.simulation->time() < 0.5) keep.simulation->advance();
+  EXPECT_EQ(keep.simulation->body_count(), 6);
+  EXPECT_GE(keep.simulation->bodies_outside(), 3);
+}
+
+// X28: nothing, and a single body.
+TEST(Domain, may_hold_no_body_or_one) {
+  for (int bodies = 0; bodies < 2; ++bodies) {
+    TestRun run(test::empty_scene(1e6, 0.5, 0.3, 0.002));
+    run.scene.settings.gravity = {0, 0, -10};
+    run.scene.shapes = {make_solid("rock", test::scaled(test::rock(4, 1), 0.05))};
+    if (bodies > 0) test::add_body(run.scene, 0, {0, 0, 0});
+    run.start();
+    for (int n = 0; n < 100; ++n) run.simulation->advance();
+    EXPECT_EQ(run.simulation->body_count(), bodies);
+    const double t = run.simulation->time();
+    EXPECT_NEAR(run.position(0).z, -bodies * 5 * t * t, 1e-12 * t * t);
+  }
+}
+
+}  // namespace
+}  // namespace scree
