@@ -8,22 +8,12 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "core/distance/brute_force-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
-
-/// The triangle in nine rows of a batch, from the pair that values points at.
-template <class T>
-HWY_INLINE TrianglePack<T> load_triangle(const T* values, std::int64_t stride) {
-  TrianglePack<T> t;
-  SCREE_UNROLL_3
-  for (int k = 0; k < 3; ++k)
-    t.p[k] = {Pack<T>::load(values + (3 * k) * stride), Pack<T>::load(values + (3 * k + 1) * stride),
-              Pack<T>::load(values + (3 * k + 2) * stride)};
-  return t;
-}
 
 /// Rows of an answer: 0 distance, 1 code, 2-4 point_a, 5-7 point_b, 8-10 difference, as many as are wanted.
 template <Want kWant>
@@ -66,24 +56,52 @@ class RareQueue {
 
   HWY_NOINLINE void flush() {
     alignas(64) T answers[row_count<kWant>()][kSize];
-    Rows<T, kWant> rows;
-    for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = answers[r];
-    for (std::int64_t i = 0; i < count_; i += lane_count<T>()) {
-      // past the end: the last pair again
-      for (std::int64_t k = count_; k < i + lane_count<T>(); ++k)
-        for (std::int64_t c = 0; c < 18; ++c) values_[c * kSize + k] = values_[c * kSize + count_ - 1];
-      Solution<T> settled;
-      solve_rare<T, kWant>(load_triangle(values_ + i, kSize), load_triangle(values_ + 9 * kSize + i, kSize), settled);
-      store_solution<T, kWant>(settled, rows, i);
-    }
+    alignas(64) T unsettled[kSize];
+    solve(values_, count_, answers, unsettled);
+    if constexpr (sizeof(T) == 4) settle_in_double(answers, unsettled);
     for (std::int64_t i = 0; i < count_; ++i)
-      for (std::size_t r = 0; r < rows.size(); ++r) out_[r][pair_[i]] = answers[r][i];
+      for (std::size_t r = 0; r < out_.size(); ++r) out_[r][pair_[i]] = answers[r][i];
     count_ = 0;
   }
   bool empty() const { return count_ == 0; }
 
  private:
   static constexpr std::int64_t kSize = 2 * kWidestLanes;
+
+  template <class Real>
+  static HWY_INLINE void solve(Real* values, std::int64_t count, Real (*answers)[kSize], Real* unsettled) {
+    Rows<Real, kWant> rows;
+    for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = answers[r];
+    for (std::int64_t i = 0; i < count; i += lane_count<Real>()) {
+      // past the end: the last pair again
+      for (std::int64_t k = count; k < i + lane_count<Real>(); ++k)
+        for (std::int64_t c = 0; c < 18; ++c) values[c * kSize + k] = values[c * kSize + count - 1];
+      Solution<Real> s;
+      Mask<Real> rest;
+      solve_rare<Real, kWant>({values + i, kSize}, s, rest);
+      store_solution<Real, kWant>(s, rows, i);
+      select(rest, Pack<Real>(Real(1)), Pack<Real>(Real(0))).store(unsettled + i);
+    }
+  }
+
+  /// Pairs of single precision that all but touch, in double precision.
+  HWY_INLINE void settle_in_double(T (*answers)[kSize], const T* unsettled) {
+    alignas(64) double values[18 * kSize], settled[row_count<kWant>()][kSize], none[kSize];
+    std::int64_t which[kSize], count = 0;
+    for (std::int64_t i = 0; i < count_; ++i) {
+      if (unsettled[i] == 0) continue;
+      for (std::int64_t c = 0; c < 18; ++c) values[c * kSize + count] = static_cast<double>(values_[c * kSize + i]);
+      which[count++] = i;
+    }
+    if (count == 0) return;
+    solve(values, count, settled, none);
+    for (std::int64_t k = 0; k < count; ++k) {
+      for (std::size_t r = 0; r < out_.size(); ++r) answers[r][which[k]] = static_cast<T>(settled[r][k]);
+      // apart stays apart, whatever the range of the type
+      if (settled[0][k] > 0) answers[0][which[k]] = std::max(answers[0][which[k]], std::numeric_limits<T>::denorm_min());
+    }
+  }
+
   alignas(64) T values_[18 * kSize];
   std::int64_t pair_[kSize], count_ = 0;
   Rows<T, kWant> out_;
@@ -94,25 +112,19 @@ template <class T, Want kWant>
 HWY_INLINE void solve_batch(const T* values, std::int64_t stride, std::int64_t count, const Rows<T, kWant>& out) {
   const std::int64_t lanes = lane_count<T>();
   RareQueue<T, kWant> queue(out);
-  const auto solve = [&](std::int64_t i, const Rows<T, kWant>& rows, std::int64_t at) {
+  alignas(64) T last[row_count<kWant>()][kWidestLanes];
+  Rows<T, kWant> last_rows;
+  for (std::size_t r = 0; r < last_rows.size(); ++r) last_rows[r] = last[r];
+  for (std::int64_t i = 0; i < count; i += lanes) {
+    const bool whole = i + lanes <= count;
     Orientation<T> o;
     RareLanes<T> rare;
-    const Solution<T> s = brute_force<T, kWant>(load_triangle(values + i, stride), load_triangle(values + 9 * stride + i, stride), o, rare);
-    store_solution<T, kWant>(s, rows, at);
-    return rare.contact | rare.unusual;
-  };
-  std::int64_t i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    const Mask<T> rare = solve(i, out, i);
-    if (HWY_UNLIKELY(any(rare))) queue.push(values, stride, i, count, rare);
-  }
-  if (i < count) {
-    alignas(64) T last[row_count<kWant>()][kWidestLanes];
-    Rows<T, kWant> rows;
-    for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = last[r];
-    const Mask<T> rare = solve(i, rows, 0);
-    for (std::size_t r = 0; r < rows.size(); ++r) std::copy(last[r], last[r] + (count - i), out[r] + i);
-    if (any(rare)) queue.push(values, stride, i, count, rare);
+    const Solution<T> s = brute_force<T, kWant, true>({values + i, stride}, o, rare);
+    store_solution<T, kWant>(s, whole ? out : last_rows, whole ? i : 0);
+    const Mask<T> again = rare.contact | rare.thin | rare.unusual;
+    if (HWY_UNLIKELY(!whole))
+      for (std::size_t r = 0; r < out.size(); ++r) std::copy(last[r], last[r] + (count - i), out[r] + i);
+    if (HWY_UNLIKELY(any(again))) queue.push(values, stride, i, count, again);
   }
   if (!queue.empty()) queue.flush();
 }

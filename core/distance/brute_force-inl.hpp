@@ -13,12 +13,15 @@
 // n = a_i x b_j; m = b_j x r(i,j); D = P - Q. Recurrences along i (A_{i+1} = A_i + a_i):
 //   b.r += a.b      b x r -= a x b      and along j      a.r -= a.b
 // and with g = a.b / a.a, h = a.b / b.b the second and third clamp of the segment-segment solution cost one
-// fused multiply-add each.
+// fused multiply-add each. The edges of a triangle sum to 0, so n, a.b and the signs of the third edge of A are sums
+// of those of the other two: additions, which run beside the multiplications.
 //
 // Rare lanes are flagged and solved again (solve_rare), lane by lane, so the answer of a pair never depends on its
 // neighbours in the batch: those where the signs say that an edge pierces a face, those that all but touch, and those
 // whose size would overflow or underflow a fourth power of a length. Whether a pair intersects is then decided
 // exactly (triangle_intersection.hpp): distance 0 means a common point, touching included, and nothing else does.
+// In double precision thin triangles are rare lanes as well: the sums for a.b, and a vertex-face solution without
+// correction, need a bounded aspect. In single precision rare lanes are settled in double.
 #if defined(SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
 #undef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
@@ -65,6 +68,28 @@ inline constexpr int kCrossingRoundoffs = 4;
 inline constexpr int kWidestLanes = 16;
 /// A determinant beyond this many roundoffs of its terms has a certain sign (counted: at most 11).
 inline constexpr int kCertainRoundoffs = 16;
+/// The short cuts of the common case need triangles whose height is at least 2^-9 of their longest edge: then the
+/// error they make, (2^9 roundoffs)^2 / 2 over a distance of at least the contact ratio, is far below a roundoff.
+inline constexpr double kThinnest2 = 0x1p-18;
+
+/// Pairs in the lanes of one vector, in eighteen rows of a batch, read where they are needed.
+template <class T>
+struct PairRows {
+  const T* values;
+  std::int64_t stride;
+  /// Corner 0-2 of A, 3-5 of B.
+  HWY_INLINE Pack3<T> corner(int k) const {
+    const T* at = values + 3 * k * stride;
+    return {Pack<T>::load(at), Pack<T>::load(at + stride), Pack<T>::load(at + 2 * stride)};
+  }
+  HWY_INLINE TrianglePack<T> triangle(int side) const { return {{corner(3 * side), corner(3 * side + 1), corner(3 * side + 2)}}; }
+};
+template <class T>
+HWY_INLINE void store_corner(const Pack3<T>& p, T* to, std::int64_t stride) {
+  p.x.store(to);
+  p.y.store(to + stride);
+  p.z.store(to + 2 * stride);
+}
 
 /// Where the closest points are, as a small number in a lane (see decode_features):
 /// 3 i + j edge i of A, edge j of B; 9 + k vertex k of A, face of B; 12 + k face of A, vertex k of B;
@@ -93,6 +118,43 @@ template <class T>
 HWY_INLINE Pack<T> longest_squared(const Pack3<T> a[3]) {
   return max(max(dot(a[0], a[0]), dot(a[1], a[1])), dot(a[2], a[2]));
 }
+
+/// Both triangles of each lane over the largest power of two in them, exactly.
+template <class T>
+struct ScaledPair {
+  TrianglePack<T> a, b;
+  Pack<T> unit;    ///< what they were divided by
+  Pack<T> poison;  ///< 0, or no number when a coordinate is none
+
+  HWY_INLINE ScaledPair(const TrianglePack<T>& A, const TrianglePack<T>& B) {
+    using V = Pack<T>;
+    const V zero(T(0)), one(T(1));
+    const Pack3<T> r = A.p[0] - B.p[0];
+    V size = largest_component(r), sum = r.x + r.y + r.z;
+    for (int k = 0; k < 3; ++k) {
+      const Pack3<T> ea = A.p[(k + 1) % 3] - A.p[k], eb = B.p[(k + 1) % 3] - B.p[k];
+      size = max(size, max(largest_component(ea), largest_component(eb)));
+      sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
+    }
+    const V power = power_of_two_below(size);
+    unit = select(power > zero, power, one);
+    poison = zero * sum;
+    const V inverse = one / unit;
+    for (int k = 0; k < 3; ++k) {
+      a.p[k] = inverse * A.p[k];
+      b.p[k] = inverse * B.p[k];
+    }
+  }
+
+  /// The solution of the scaled pair in the units of the original.
+  HWY_INLINE void put_back(const Solution<T>& s, Solution<T>& out) const {
+    out.distance = mul_add(unit, s.distance, poison);
+    out.point_a = unit * s.point_a;
+    out.point_b = unit * s.point_b;
+    out.difference = unit * s.difference;
+    out.code = s.code;
+  }
+};
 
 /// Edges of P against the face F, in the lanes where something may meet: out becomes the crossing whose points agree
 /// best; those that agree within rounding are counted and summed; certain collects the lanes in which signs beyond
@@ -145,12 +207,8 @@ template <class T>
 HWY_INLINE Pack<T> decide_exactly(const TrianglePack<T>& a, const TrianglePack<T>& b, Mask<T> lanes) {
   alignas(64) T coordinates[18][kWidestLanes], wanted[kWidestLanes] = {};
   for (int k = 0; k < 3; ++k) {
-    const Pack3<T>* corners[2] = {&a.p[k], &b.p[k]};
-    for (int side = 0; side < 2; ++side) {
-      corners[side]->x.store(coordinates[9 * side + 3 * k]);
-      corners[side]->y.store(coordinates[9 * side + 3 * k + 1]);
-      corners[side]->z.store(coordinates[9 * side + 3 * k + 2]);
-    }
+    store_corner(a.p[k], coordinates[3 * k], kWidestLanes);
+    store_corner(b.p[k], coordinates[9 + 3 * k], kWidestLanes);
   }
   select(lanes, Pack<T>(T(1)), Pack<T>(T(0))).store(wanted);
   for (std::int64_t lane = 0; lane < lane_count<T>(); ++lane) {
@@ -162,11 +220,13 @@ HWY_INLINE Pack<T> decide_exactly(const TrianglePack<T>& a, const TrianglePack<T
   return Pack<T>::load(wanted);
 }
 
-/// Lanes in which signs say that an edge pierces a face, or in which the distance is close to 0.
+/// Lanes in which signs say that an edge pierces a face, or in which the distance is close to 0. exact_a, exact_b: the
+/// coordinates as they were given, scaled as they were solved; o from the full kernel.
 template <class T>
-HWY_NOINLINE void settle_contact(const TrianglePack<T>& a, const TrianglePack<T>& b, const Orientation<T>& o,
-                                 Mask<T> lanes, Solution<T>& out) {
+HWY_NOINLINE void settle_contact(const TrianglePack<T>& exact_a, const TrianglePack<T>& exact_b, const ScaledPair<T>& scaled,
+                                 const Orientation<T>& o, Mask<T> lanes, Solution<T>& out) {
   using V = Pack<T>;
+  const TrianglePack<T>&a = scaled.a, &b = scaled.b;
   const V zero(T(0)), one(T(1)), half(T(0.5));
   const Pack3<T> ea[3] = {a.p[1] - a.p[0], a.p[2] - a.p[1], a.p[0] - a.p[2]};
   const Pack3<T> eb[3] = {b.p[1] - b.p[0], b.p[2] - b.p[1], b.p[0] - b.p[2]};
@@ -187,7 +247,7 @@ HWY_NOINLINE void settle_contact(const TrianglePack<T>& a, const TrianglePack<T>
   cross_face(b, a, transposed, o.height_b, scale * la * lb, scale * la2, crossing2, lanes, false, met, count, sum, certain);
   Mask<T> meeting = certain;
   const Mask<T> undecided = lanes & !certain;
-  if (any(undecided)) meeting = meeting | (decide_exactly(a, b, undecided) > zero);
+  if (any(undecided)) meeting = meeting | (decide_exactly(exact_a, exact_b, undecided) > zero);
   const V inverse = one / max(count, one);
   const Pack3<T> middle = select(count > zero, inverse * sum, half * (met.point_a + met.point_b));
   // apart by less than a distance can tell: any number below its rounding, but not 0
@@ -203,7 +263,14 @@ HWY_NOINLINE void settle_contact(const TrianglePack<T>& a, const TrianglePack<T>
 template <class T>
 struct Candidate {
   Pack<T> squared, s, t, code;
-  HWY_INLINE void offer(Mask<T> better, Pack<T> squared_, Pack<T> s_, Pack<T> t_, Pack<T> code_) {
+  HWY_INLINE void offer(Pack<T> squared_, Pack<T> s_, Pack<T> t_, Pack<T> code_) {
+    const Mask<T> better = squared_ < squared;
+    squared = min(squared_, squared);
+    s = select(better, s_, s);
+    t = select(better, t_, t);
+    code = select(better, code_, code);
+  }
+  HWY_INLINE void offer_if(Mask<T> better, Pack<T> squared_, Pack<T> s_, Pack<T> t_, Pack<T> code_) {
     squared = select(better, squared_, squared);
     s = select(better, s_, s);
     t = select(better, t_, t);
@@ -213,9 +280,10 @@ struct Candidate {
 
 /// The vertex nearest to the plane of a face, against the face. f0, f2: edges of the face that leave and enter its
 /// vertex 0; q[k] = vertex k minus that vertex 0, or its negative when kNegated (then D = P - Q keeps its sign).
-template <class T, bool kNegated>
-HWY_INLINE void vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<T> q[3], int code, Pack<T> height[3],
-                            Candidate<T>& best) {
+/// kCorrected: for slivers the first solution is off by roundoff times aspect. Returns the square of twice the area.
+template <class T, bool kNegated, bool kCorrected>
+HWY_INLINE Pack<T> vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<T> q[3], int code, Pack<T> height[3],
+                               Candidate<T>& best) {
   using V = Pack<T>;
   const V zero(T(0)), one(T(1));
   const Pack3<T> n = kNegated ? cross(f0, f2) : cross(f2, f0);
@@ -226,82 +294,116 @@ HWY_INLINE void vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pack3<
   const Mask<T> second = h2 < min(h0, h1);
   const Pack3<T> p = select(second, q[2], select(first, q[1], q[0]));
   const V c = select(second, V(T(code + 2)), select(first, V(T(code + 1)), V(T(code))));
-  // foot = vertex 0 + u f0 - v f2, with one correction: for slivers the first solution is off by roundoff times aspect
+  // foot = vertex 0 + u f0 - v f2
   const Pack3<T> gu = cross(n, f2), gv = cross(n, f0);
-  const V inverse = one / max(dot(n, n), V(Limits<T>::tiny));
+  const V nn = dot(n, n), inverse = one / max(nn, V(Limits<T>::tiny));
   V u = dot(gu, p) * inverse, v = dot(gv, p) * inverse;
   const auto residual = [&] {
     return kNegated ? mul_add(u, f0, neg_mul_add(v, f2, p)) : neg_mul_add(u, f0, mul_add(v, f2, p));
   };
   Pack3<T> d = residual();
-  u = mul_add(dot(gu, d), inverse, u);
-  v = mul_add(dot(gv, d), inverse, v);
-  d = residual();
+  if constexpr (kCorrected) {
+    u = mul_add(dot(gu, d), inverse, u);
+    v = mul_add(dot(gv, d), inverse, v);
+    d = residual();
+  }
   const V squared = dot(d, d);
-  const Mask<T> inside = (u >= zero) & (v >= zero) & (u + v <= one);
-  best.offer(inside & (squared < best.squared), squared, u, v, c);
+  const Mask<T> inside = min(min(u, v), one - (u + v)) >= zero;
+  best.offer_if(inside & (squared < best.squared), squared, u, v, c);
+  return nn;
 }
 
 /// Lanes whose solution has to be looked at again, and why.
 template <class T>
 struct RareLanes {
   Mask<T> contact;  ///< signs say that an edge pierces a face, or the distance is close to 0
+  Mask<T> thin;     ///< a triangle of too large an aspect for the short cuts
   Mask<T> unusual;  ///< size far from 1, or no number
 };
 
-/// The common case: right in every lane that is not rare.
-template <class T, Want kWant>
-HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<T>& B, Orientation<T>& o, RareLanes<T>& rare) {
+/// The common case: right in every lane that is not rare. kShort takes the short cuts that need a bounded aspect.
+template <class T, Want kWant, bool kShort>
+HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, RareLanes<T>& rare) {
   using V = Pack<T>;
+  // in single precision there is no room for them
+  constexpr bool kShortCuts = kShort && sizeof(T) == 8;
   const V zero(T(0)), one(T(1)), tiny(Limits<T>::tiny);
-  Pack3<T> a[3], b[3], r0[3], ri[3];
-  V aa[3], bb[3], inverse_aa[3], inverse_bb[3];
+  Pack3<T> a[3];
+  V aa[3], inverse_aa[3], ar[3], la2, lb2, size2;
   SCREE_UNROLL_3
   for (int i = 0; i < 3; ++i) {
-    a[i] = A.p[(i + 1) % 3] - A.p[i];
-    b[i] = B.p[(i + 1) % 3] - B.p[i];
-    r0[i] = A.p[0] - B.p[i];
-  }
-  ri[0] = r0[0];
-  ri[1] = A.p[1] - B.p[0];
-  ri[2] = A.p[2] - B.p[0];
-  SCREE_UNROLL_3
-  for (int i = 0; i < 3; ++i) {
+    const Pack3<T> corner = pair.corner(i);
+    a[i] = pair.corner((i + 1) % 3) - corner;
     aa[i] = dot(a[i], a[i]);
-    bb[i] = dot(b[i], b[i]);
     inverse_aa[i] = one / max(aa[i], tiny);
-    inverse_bb[i] = one / max(bb[i], tiny);
+    ar[i] = dot(a[i], corner - pair.corner(3)) * inverse_aa[i];
   }
-  const V l2 = max(max(max(aa[0], aa[1]), aa[2]), max(max(bb[0], bb[1]), bb[2]));
+  la2 = max(max(aa[0], aa[1]), aa[2]);
+  size2 = aa[0] + aa[1];
 
   // edges against edges
   Candidate<T> best{V(Limits<T>::huge), zero, zero, zero};
-  V ar[3];
-  SCREE_UNROLL_3
-  for (int i = 0; i < 3; ++i) ar[i] = dot(a[i], ri[i]) * inverse_aa[i];
   SCREE_UNROLL_3
   for (int j = 0; j < 3; ++j) {
-    V br = dot(b[j], r0[j]) * inverse_bb[j];
-    Pack3<T> m = cross(b[j], r0[j]);
+    const Pack3<T> b0 = pair.corner(3 + j), b = pair.corner(3 + (j + 1) % 3) - b0, r0 = pair.corner(0) - b0;
+    const V bb = dot(b, b), inverse_bb = one / max(bb, tiny);
+    lb2 = j == 0 ? bb : max(lb2, bb);
+    if (j < 2) size2 = size2 + bb;
+    // in three steps for the three edges of A at once: the processor looks ahead less far than one of them is long
+    Pack3<T> m[3], n[3];
+    V ab[3], g[3], h[3], s[3], t[3], squared[3], br[3];
     SCREE_UNROLL_3
     for (int i = 0; i < 3; ++i) {
-      const V ab = dot(a[i], b[j]), g = ab * inverse_aa[i], h = ab * inverse_bb[j];
-      const Pack3<T> n = cross(a[i], b[j]);
-      o.w[i][j] = dot(a[i], m);
-      V s = clamp01(dot(m, n) / max(dot(n, n), tiny));
-      if (i < 2) m = m - n;
-      const V t = clamp01(mul_add(s, h, br));
-      s = clamp01(mul_sub(t, g, ar[i]));
-      const Pack3<T> r = i == 0 ? r0[j] : (j == 0 ? ri[i] : A.p[i] - B.p[j]);
-      const Pack3<T> d = neg_mul_add(t, b[j], mul_add(s, a[i], r));
-      const V squared = dot(d, d);
-      best.offer(squared < best.squared, squared, s, t, V(T(3 * i + j)));
-      if (j < 2) ar[i] = ar[i] - g;
-      if (i < 2) br = br + h;
+      // the edges of a triangle sum to 0, and so do their products with b
+      const bool last = kShort && i == 2;
+      ab[i] = kShortCuts && i == 2 ? ab[0] + ab[1] : dot(a[i], b);
+      g[i] = ab[i] * inverse_aa[i];
+      h[i] = ab[i] * inverse_bb;
+      m[i] = i == 0 ? cross(b, r0) : (last ? n[1] - m[1] : m[i - 1] - n[i - 1]);
+      n[i] = last ? n[0] + n[1] : cross(a[i], b);
+      if (i < 2 || !kShort) o.w[i][j] = dot(a[i], m[i]);
+      s[i] = dot(m[i], n[i]) / max(dot(n[i], n[i]), tiny);
+      br[i] = i == 0 ? dot(b, r0) * inverse_bb : br[i - 1] + h[i - 1];
     }
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+      s[i] = clamp01(s[i]);
+      if (kShortCuts && i == 2) {  // ab, g and h have the other sign
+        t[i] = clamp01(neg_mul_add(s[i], h[i], br[i]));
+        s[i] = clamp01(neg_mul_sub(t[i], g[i], ar[i]));
+        if (j < 2) ar[i] = ar[i] + g[i];
+      } else {
+        t[i] = clamp01(mul_add(s[i], h[i], br[i]));
+        s[i] = clamp01(mul_sub(t[i], g[i], ar[i]));
+        if (j < 2) ar[i] = ar[i] - g[i];
+      }
+    }
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+      const Pack3<T> r = i == 0 ? r0 : pair.corner(i) - b0;
+      const Pack3<T> d = neg_mul_add(t[i], b, mul_add(s[i], a[i], r));
+      squared[i] = dot(d, d);
+    }
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) best.offer(squared[i], s[i], t[i], V(T(3 * i + j)));
   }
-  vertex_face<T, false>(b[0], b[2], ri, kCodeVertexA, o.height_a, best);
-  vertex_face<T, true>(a[0], a[2], r0, kCodeVertexB, o.height_b, best);
+
+  // vertices against faces
+  Pack3<T> q[3];
+  {
+    const Pack3<T> b0 = pair.corner(3), f0 = pair.corner(4) - b0, f2 = b0 - pair.corner(5);
+    SCREE_UNROLL_3
+    for (int k = 0; k < 3; ++k) q[k] = pair.corner(k) - b0;
+    const V nn = vertex_face<T, false, !kShortCuts>(f0, f2, q, kCodeVertexA, o.height_a, best);
+    rare.thin = kShortCuts ? nn < V(T(kThinnest2)) * (lb2 * lb2) : zero < zero;
+  }
+  {
+    const Pack3<T> a0 = pair.corner(0), f0 = pair.corner(1) - a0, f2 = a0 - pair.corner(2);
+    SCREE_UNROLL_3
+    for (int k = 0; k < 3; ++k) q[k] = a0 - pair.corner(3 + k);
+    const V nn = vertex_face<T, true, !kShortCuts>(f0, f2, q, kCodeVertexB, o.height_b, best);
+    if (kShortCuts) rare.thin = rare.thin | (nn < V(T(kThinnest2)) * (la2 * la2));
+  }
 
   Solution<T> out;
   out.distance = sqrt(best.squared);
@@ -320,11 +422,13 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
     const V v1 = select(k0, zero, select(k1, one, zero)), v2 = select(k1, zero, one);
     const V wa1 = select(ee, e1, select(va, v1, s)), wa2 = select(ee, e2, select(va, v2, t));
     const V wb1 = select(ee, f1, select(va, s, v1)), wb2 = select(ee, f2, select(va, t, v2));
-    out.point_a = mul_add(wa1, a[0], neg_mul_add(wa2, a[2], A.p[0]));
-    out.point_b = mul_add(wb1, b[0], neg_mul_add(wb2, b[2], B.p[0]));
+    const Pack3<T> a0 = pair.corner(0), b0 = pair.corner(3), a1 = pair.corner(1) - a0, a2 = a0 - pair.corner(2);
+    const Pack3<T> b1 = pair.corner(4) - b0, b2 = b0 - pair.corner(5);
+    out.point_a = mul_add(wa1, a1, neg_mul_add(wa2, a2, a0));
+    out.point_b = mul_add(wb1, b1, neg_mul_add(wb2, b2, b0));
     if constexpr (kWant == Want::points_and_difference) {
-      const Pack3<T> on_a = mul_add(wa1, a[0], neg_mul_add(wa2, a[2], r0[0]));
-      out.difference = neg_mul_add(wb1, b[0], mul_add(wb2, b[2], on_a));
+      const Pack3<T> on_a = mul_add(wa1, a1, neg_mul_add(wa2, a2, a0 - b0));
+      out.difference = neg_mul_add(wb1, b1, mul_add(wb2, b2, on_a));
     } else {
       out.difference = Pack3<T>{zero, zero, zero};
     }
@@ -334,6 +438,11 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
   }
 
   // an edge goes through a face when it passes its three edges on one side and its ends lie on both sides
+  if (kShort) {
+    // sum over i of w[i][j] = b_j . (a_0 x a_1), the rise of B's edge over A's plane
+    SCREE_UNROLL_3
+    for (int j = 0; j < 3; ++j) o.w[2][j] = (o.height_b[(j + 1) % 3] - o.height_b[j]) - (o.w[0][j] + o.w[1][j]);
+  }
   V through[3], back[3];
   SCREE_UNROLL_3
   for (int i = 0; i < 3; ++i) {
@@ -342,69 +451,51 @@ HWY_INLINE Solution<T> brute_force(const TrianglePack<T>& A, const TrianglePack<
     back[i] = sign_differs_and(sign_all_equal(o.w[0][i], o.w[1][i], o.w[2][i]), o.height_b[i], o.height_b[k]);
   }
   const V signs = sign_or(through[0], through[1], sign_or(through[2], back[0], sign_or(back[1], back[2], back[2])));
-  rare.contact = mask_of_sign(signs) | (best.squared <= l2 * V(Limits<T>::contact_ratio * Limits<T>::contact_ratio));
+  rare.contact = mask_of_sign(signs) | (best.squared <= max(la2, lb2) * V(Limits<T>::contact_ratio * Limits<T>::contact_ratio));
   // a sum, not a maximum, so that a coordinate that is no number shows; all six vertices are in it
-  const V size2 = ((aa[0] + aa[1]) + (bb[0] + bb[1])) + dot(r0[0], r0[0]);
-  rare.unusual = !((size2 >= V(Limits<T>::smallest_squared)) & (size2 <= V(Limits<T>::largest_squared)));
+  const V all2 = size2 + best.squared;
+  rare.unusual = !((all2 >= V(Limits<T>::smallest_squared)) & (all2 <= V(Limits<T>::largest_squared)));
   return out;
 }
 
-template <class T, Want kWant>
-HWY_NOINLINE void solve_settled(const TrianglePack<T>& a, const TrianglePack<T>& b, RareLanes<T>& rare, Solution<T>& out) {
-  Orientation<T> o;
-  out = brute_force<T, kWant>(a, b, o, rare);
-  if (any(rare.contact)) settle_contact(a, b, o, rare.contact, out);
+template <class T, Want kWant, bool kShort>
+HWY_NOINLINE void solve_once(const PairRows<T>& pair, Orientation<T>& o, RareLanes<T>& rare, Solution<T>& out) {
+  out = brute_force<T, kWant, kShort>(pair, o, rare);
 }
 
-/// Both triangles of each lane over the largest power of two in them, exactly.
-template <class T>
-struct ScaledPair {
-  TrianglePack<T> a, b;
-  Pack<T> unit;    ///< what they were divided by
-  Pack<T> poison;  ///< 0, or no number when a coordinate is none
-
-  HWY_INLINE ScaledPair(const TrianglePack<T>& A, const TrianglePack<T>& B) {
-    using V = Pack<T>;
-    const V zero(T(0)), one(T(1));
-    const Pack3<T> r = A.p[0] - B.p[0];
-    V size = largest_component(r), sum = r.x + r.y + r.z;
-    for (int k = 0; k < 3; ++k) {
-      const Pack3<T> ea = A.p[(k + 1) % 3] - A.p[k], eb = B.p[(k + 1) % 3] - B.p[k];
-      size = max(size, max(largest_component(ea), largest_component(eb)));
-      sum = sum + (ea.x + ea.y + ea.z) + (eb.x + eb.y + eb.z);
-    }
-    const V power = power_of_two_below(size);
-    unit = select(power > zero, power, one);
-    poison = zero * sum;
-    const V inverse = one / unit;
-    for (int k = 0; k < 3; ++k) {
-      a.p[k] = inverse * A.p[k];
-      b.p[k] = inverse * B.p[k];
-    }
-  }
-
-  /// Puts the solution of the scaled pair into the lanes of out.
-  HWY_INLINE void put_back(Mask<T> lanes, const Solution<T>& s, Solution<T>& out) const {
-    out.distance = select(lanes, mul_add(unit, s.distance, poison), out.distance);
-    out.point_a = select(lanes, unit * s.point_a, out.point_a);
-    out.point_b = select(lanes, unit * s.point_b, out.point_b);
-    out.difference = select(lanes, unit * s.difference, out.difference);
-    out.code = select(lanes, s.code, out.code);
-  }
-};
-
-/// The answer in every lane, from the beginning. The kernel proper keeps nothing for this: holding its operands
-/// over the branch would cost the common case a good part of its speed.
+/// The answer in every lane, from the beginning and scaled to a size near 1. The kernel proper keeps nothing for this:
+/// holding its operands over the branch would cost the common case a good part of its speed. unsettled: lanes of
+/// single precision that all but touch, which double precision has to decide.
 template <class T, Want kWant>
-HWY_NOINLINE void solve_rare(const TrianglePack<T>& a, const TrianglePack<T>& b, Solution<T>& out) {
-  RareLanes<T> rare;
-  solve_settled<T, kWant>(a, b, rare, out);
-  const Mask<T> unusual = rare.unusual;
-  if (!any(unusual)) return;
+HWY_NOINLINE void solve_rare(const PairRows<T>& pair, Solution<T>& out, Mask<T>& unsettled) {
+  const TrianglePack<T> a = pair.triangle(0), b = pair.triangle(1);
   const ScaledPair<T> scaled(a, b);
+  alignas(64) T values[18 * kWidestLanes];
+  for (int k = 0; k < 3; ++k) {
+    store_corner(scaled.a.p[k], values + 3 * k * kWidestLanes, kWidestLanes);
+    store_corner(scaled.b.p[k], values + (9 + 3 * k) * kWidestLanes, kWidestLanes);
+  }
+  const PairRows<T> rows{values, kWidestLanes};
+  Orientation<T> o;
+  RareLanes<T> rare;
   Solution<T> s;
-  solve_settled<T, kWant>(scaled.a, scaled.b, rare, s);
-  scaled.put_back(unusual, s, out);
+  solve_once<T, kWant, true>(rows, o, rare, s);
+  unsettled = rare.contact | rare.thin;
+  if constexpr (sizeof(T) == 8) {
+    if (any(unsettled)) {
+      RareLanes<T> again;
+      Solution<T> full;
+      solve_once<T, kWant, false>(rows, o, again, full);
+      const Mask<T> contact = unsettled & (rare.contact | again.contact);
+      if (any(contact)) settle_contact(a, b, scaled, o, contact, full);
+      s.distance = select(unsettled, full.distance, s.distance);
+      s.point_a = select(unsettled, full.point_a, s.point_a);
+      s.point_b = select(unsettled, full.point_b, s.point_b);
+      s.difference = select(unsettled, full.difference, s.difference);
+      s.code = select(unsettled, full.code, s.code);
+    }
+  }
+  scaled.put_back(s, out);
 }
 
 }  // namespace scree::HWY_NAMESPACE

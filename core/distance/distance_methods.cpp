@@ -39,7 +39,8 @@ template <class T, bool kStrict>
 HWY_NOINLINE void run_penalty(const PairBatch<T>& in, const AnswerBatch<T>& out) {
   const Rows<T, Want::points> rows = rows_of(out);
   for (std::int64_t i = 0; i < in.count; i += lane_count<T>()) {
-    const TrianglePack<T> a = load_triangle(in.values + i, in.stride), b = load_triangle(in.values + 9 * in.stride + i, in.stride);
+    const PairRows<T> pair{in.values + i, in.stride};
+    const TrianglePack<T> a = pair.triangle(0), b = pair.triangle(1);
     Mask<T> unusual;
     Solution<T> s = penalty<T, kStrict>(a, b, kNewtonSteps, unusual);
     if (HWY_UNLIKELY(any(unusual))) penalty_scaled<T, kStrict>(a, b, kNewtonSteps, unusual, s);

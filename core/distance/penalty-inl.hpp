@@ -256,8 +256,12 @@ template <class T, bool kStrict>
 HWY_NOINLINE void penalty_scaled(const TrianglePack<T>& A, const TrianglePack<T>& B, int steps, Mask<T> lanes, Solution<T>& out) {
   const ScaledPair<T> scaled(A, B);
   Mask<T> unusual;
-  const Solution<T> s = penalty<T, kStrict>(scaled.a, scaled.b, steps, unusual);
-  scaled.put_back(lanes, s, out);
+  Solution<T> s;
+  scaled.put_back(penalty<T, kStrict>(scaled.a, scaled.b, steps, unusual), s);
+  out.distance = select(lanes, s.distance, out.distance);
+  out.point_a = select(lanes, s.point_a, out.point_a);
+  out.point_b = select(lanes, s.point_b, out.point_b);
+  out.code = select(lanes, s.code, out.code);
 }
 
 }  // namespace scree::HWY_NAMESPACE

@@ -76,6 +76,9 @@ HWY_INLINE Pack<T> mul_sub(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::MulSub(
 /// c - a b
 template <class T>
 HWY_INLINE Pack<T> neg_mul_add(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::NegMulAdd(a.v, b.v, c.v); }
+/// -a b - c
+template <class T>
+HWY_INLINE Pack<T> neg_mul_sub(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::NegMulSub(a.v, b.v, c.v); }
 template <class T>
 HWY_INLINE Pack<T> min(Pack<T> a, Pack<T> b) { return hn::Min(a.v, b.v); }
 template <class T>

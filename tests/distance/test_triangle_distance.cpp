@@ -118,6 +118,53 @@ TEST(TriangleDistance, agrees_with_exact_arithmetic_on_random_integer_pairs) {
   }
 }
 
+/// Thin triangles on both sides of the aspect (2^9) at which the kernel gives up its short cuts, one edge of each nearly
+/// parallel to one of the other, a small or a large gap between them, sizes that differ.
+Pair18 thin_pair(Random& r) {
+  Vec3 t[2][3];
+  const auto power = [&](double low, double high) { return std::exp2(r.uniform(low, high)); };
+  for (Vec3* p : {t[0], t[1]}) {
+    const double height = power(-11, 0), at = r.integer(0, 1) == 1 ? r.uniform(-0.5, 1.5) : r.integer(0, 1) + r.uniform(-1, 1) * height;
+    p[0] = {0, 0, 0};
+    p[1] = {1, 0, 0};
+    p[2] = {at, height, 0};
+  }
+  const double angle = power(-40, 0), tilt = power(-40, 0), size = r.integer(0, 1) == 1 ? 1 : power(-12, 0);
+  const Vec3 gap{r.uniform(-1, 1), power(-40, 0) - power(-40, 0), power(-34, 0)};
+  for (Vec3& v : t[1]) {
+    v = {v.x * std::cos(angle) - v.y * std::sin(angle), v.x * std::sin(angle) + v.y * std::cos(angle), v.z + tilt * (v.y + v.x)};
+    v = size * v + gap;
+  }
+  const Quat q = r.rotation();
+  Pair18 pair;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Vec3 v = rotate(q, t[k / 3][k % 3]);
+    for (std::size_t c = 0; c < 3; ++c) pair[3 * k + c] = v[static_cast<int>(c)];
+  }
+  return permuted(pair, r.integer(0, 35));
+}
+
+TEST(TriangleDistance, agrees_with_exact_arithmetic_on_thin_nearly_parallel_pairs) {
+  Random random(21);
+  std::vector<Pair18> pairs(static_cast<std::size_t>(members(5000, 200000)));
+  for (Pair18& p : pairs) p = thin_pair(random);
+  const std::vector<TriangleDistance> answers = solve(pairs);
+  const std::vector<float> single = solve_single(pairs);
+  double worst = 0, worst_single = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::string what = "thin, pair " + std::to_string(i);
+    worst = std::max(worst, check(pairs[i], answers[i], oracle::distance(pairs[i].data()), what));
+    const Pair18 rounded = rounded_to_single(pairs[i]);
+    const long double truth = oracle::distance(rounded.data());
+    if (truth == 0) continue;
+    const double error = static_cast<double>(std::abs(single[i] - truth)) / std::max(longest_edge(rounded), static_cast<double>(truth));
+    EXPECT_LE(error, kSingleBound) << what << " in single precision";
+    worst_single = std::max(worst_single, error);
+  }
+  RecordProperty("worst_roundoffs_double", std::to_string(worst / 1.1102230246251565e-16));
+  RecordProperty("worst_roundoffs_single", std::to_string(worst_single / 5.9604645e-8));
+}
+
 class Families : public testing::TestWithParam<int> {};
 
 TEST_P(Families, agree_with_exact_arithmetic) {

@@ -59,7 +59,8 @@ HWY_NOINLINE void published_run(const PairBatch<T>& in, const AnswerBatch<T>& ou
       const std::int64_t at = i + lane;
       Solution<T> s;
       Pack<T> step;
-      published_pack<T, kPen7>(load_triangle(in.values + at, in.stride), load_triangle(in.values + 9 * in.stride + at, in.stride), s, step);
+      const PairRows<T> pair{in.values + at, in.stride};
+      published_pack<T, kPen7>(pair.triangle(0), pair.triangle(1), s, step);
       step.store(steps + lane);
       s.distance.store(out.distance + at);
       s.code.store(out.code + at);
