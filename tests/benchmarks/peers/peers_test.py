@@ -84,11 +84,6 @@ def two_spheres_are_judged_by_their_overlap():
     assert together["depth_share"] == 0.0, "spheres of one clump may overlap"
 
 
-def a_log_gives_the_times_of_its_runs():
-    log = "Loop time of 1.5 on 1 procs for 200 steps with 20 atoms\nx\nLoop time of 2e-06 on 1 procs for 0 steps with 20 atoms\n"
-    assert sphere_codes.loop_times(log) == [(1.5, 200), (2e-06, 0)]
-
-
 def one_command_runs_scree_through_the_scene_and_judges_it():
     out = WORK / "quick"
     done = subprocess.run([HERE / "run", "scenes", "--quick", "--family", "convex-20", "--program", "Scree", "--out", out, "--bin", BIN],

@@ -64,16 +64,12 @@ def yade(shapes, start, length, work, before, steps):
 
 
 def run_in(folder: Path, program, text, files=()):
-    """Runs LIGGGHTS or LAMMPS on an input; returns the CPU seconds of each of its runs.
-
-    Both print wall times; they are scaled by the share of the wall time that the process had a core."""
+    """Runs LIGGGHTS or LAMMPS on an input; returns CPU seconds, start and all."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in (("in", text), *files):
         (folder / name).write_text(content)
-    words, _ = scene.run_tool(["/usr/bin/time", "-f", "SHARE %e %U %S", program, "-in", "in"], cwd=folder, env=scene.one_core(), merge=True)
-    wall, user, system = (float(x) for x in re.findall(r"SHARE ([\d.]+) ([\d.]+) ([\d.]+)", words)[-1])
-    share = min(1.0, (user + system) / wall)
-    return [(share * seconds, steps) for seconds, steps in sphere_codes.loop_times(words)]
+    _, cpu = scene.run_tool([program, "-in", "in"], cwd=folder, env=scene.one_core())
+    return cpu
 
 
 def lammps_polyhedra(shapes, start, length, work, before, steps):
@@ -81,13 +77,13 @@ def lammps_polyhedra(shapes, start, length, work, before, steps):
     meshes = [scene.read_obj(shapes / f"shape_{k}.obj") for k in range(scene.SHAPE_COUNT)]
     inertia = [[scene.DENSITY * m for m in row[1:4]] for row in scene.read_shapes(shapes)]
     height = max(row[3] for row in state) + 4 * scene.RADIUS
-    data, text = sphere_codes.lammps_polyhedra(state, length, height, meshes, inertia, steps)
     folder = work / "lammps"
-    runs = run_in(folder, "lmp", text, [("rocks.data", data)])
+    idle, cpu = (run_in(folder, "lmp", text, [("rocks.data", data)])
+                 for data, text in (sphere_codes.lammps_polyhedra(state, length, height, meshes, inertia, n) for n in (0, steps)))
     rows, first = sphere_codes.read_dump(folder / "end.dump"), sphere_codes.read_dump(folder / "start.dump")
     end = [sphere_codes.body_of_dump(row, origin, body, inertia) for row, origin, body in zip(rows, first, state)]
     scene.write_state(work / "lammps.state", end)
-    return judged({"steps": steps, "step": scene.STEP, "cpu": runs[1][0]}, shapes, work / "lammps.state", length, before)
+    return judged({"steps": steps, "step": scene.STEP, "cpu": cpu - idle}, shapes, work / "lammps.state", length, before)
 
 
 def spheres(program, writer):
@@ -97,26 +93,26 @@ def spheres(program, writer):
         folder = work / re.sub(r"\W+", "-", writer.__name__)
         files = [("clump.txt", "".join(" ".join(map(repr, s)) + "\n" for s in sphere_codes.clump()))]
         bodies = count if writer is sphere_codes.liggghts_clumps else state
-        runs = run_in(folder, program, writer(bodies, length, height, settle, steps), files)
+        idle, cpu = (run_in(folder, program, writer(bodies, length, height, settle, n), files) for n in (0, steps))
         owner = -2 if writer is sphere_codes.liggghts_clumps else None
         verdict = sphere_codes.judge_spheres(sphere_codes.read_dump(folder / "end.dump"), length, sphere_codes.MASS, owner)
-        return {"steps": steps, "step": scene.STEP, "cpu": runs[1][0], "bodies": count, **verdict}
+        return {"steps": steps, "step": scene.STEP, "cpu": cpu - idle, "bodies": count, **verdict}
     return work_of
 
 
-# Steps that are timed: 0.1 s of the scene in Scree and in Bullet with its long steps; less in Yade and LAMMPS, which would need
-# minutes and hours for it.
+# Steps that are timed: 0.05 s of the scene in Scree and in Bullet with its long steps; less in Yade and LAMMPS, which would need
+# minutes and hours for it. The time is the difference of two runs, so that start and files do not count, or taken in the program.
 ROCK_PROGRAMS = {
-    "Scree": (scree, 5000),
-    "Bullet GImpact": (bullet("gimpact"), 100),
-    "Bullet hull": (bullet("hull"), 100),
-    "Yade polyhedra": (yade, 200),
+    "Scree": (scree, 2500),
+    "Bullet GImpact": (bullet("gimpact"), 50),
+    "Bullet hull": (bullet("hull"), 50),
+    "Yade polyhedra": (yade, 100),
     "LAMMPS polyhedra": (lammps_polyhedra, 20),
 }
 SPHERE_PROGRAMS = {
-    "LIGGGHTS spheres": (spheres("liggghts", sphere_codes.liggghts_spheres), 5000),
-    "LAMMPS spheres": (spheres("lmp", sphere_codes.lammps_spheres), 5000),
-    "LIGGGHTS clumps of 14": (spheres("liggghts", sphere_codes.liggghts_clumps), 3000),
+    "LIGGGHTS spheres": (spheres("liggghts", sphere_codes.liggghts_spheres), 30000),
+    "LAMMPS spheres": (spheres("lmp", sphere_codes.lammps_spheres), 30000),
+    "LIGGGHTS clumps of 14": (spheres("liggghts", sphere_codes.liggghts_clumps), 5000),
 }
 ROCKS = [scene.Family("rock", n) for n in (20, 80, 320, 1280)]
 CONVEX = [scene.Family("convex", n) for n in (20, 80)]

@@ -115,15 +115,15 @@ def read_state(path: Path):
     return [[int(row[0])] + row[1:] for row in rows]
 
 
-def write_case(path: Path, shapes: Path, state, length, duration, every, step=STEP):
+def write_case(path: Path, shapes: Path, state, length, duration, every, friction=FRICTION):
     """A case for scree-decomposer with every body placed, in an open box."""
     vector = lambda values: "[" + ", ".join(repr(float(v)) for v in values) + "]"
     text = [f'title = "comparison with other programs"\nseed = 1\ngravity = [0, 0, {-GRAVITY}]\n',
-            f"[time]\nduration = {duration!r}\nstep = {step!r}\n"]
+            f"[time]\nduration = {duration!r}\nstep = {STEP!r}\n"]
     for k in range(SHAPE_COUNT):
         text.append(f'[shapes.shape_{k}]\nfile = "{os.path.relpath(shapes / f"shape_{k}.shape.h5", path.parent)}"\n')
     text.append(f"[materials.rock]\ndensity = {DENSITY}\n")
-    text.append(f'[[pairs]]\nbetween = ["rock", "rock"]\nstiffness = {STIFFNESS}\nrestitution = {RESTITUTION}\nfriction = {FRICTION}\n')
+    text.append(f'[[pairs]]\nbetween = ["rock", "rock"]\nstiffness = {STIFFNESS}\nrestitution = {RESTITUTION}\nfriction = {friction}\n')
     text.append(f"[contact]\nmargin = {MARGIN!r}\n")
     for row in state:
         text.append(f'[[bodies]]\nshape = "shape_{int(row[0])}"\nmaterial = "rock"\nposition = {vector(row[1:4])}\n'
@@ -134,10 +134,10 @@ def write_case(path: Path, shapes: Path, state, length, duration, every, step=ST
     path.write_text("\n".join(text))
 
 
-def run_scree(folder: Path, name, shapes: Path, state, length, duration, every=None, step=STEP):
+def run_scree(folder: Path, name, shapes: Path, state, length, duration, every=None, friction=FRICTION):
     """Packs and runs; returns the folder of the run and the CPU seconds of the solver, start and files included."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_case(folder / f"{name}.toml", shapes, state, length, duration, every or duration, step)
+    write_case(folder / f"{name}.toml", shapes, state, length, duration, every or duration, friction)
     run_tool(["scree-decomposer", "pack", folder / f"{name}.toml", "-o", folder / f"{name}.scene.h5"])
     run = folder / f"{name}.run"
     run_tool(["rm", "-rf", run])
@@ -179,15 +179,17 @@ def judge(shapes: Path, state_file: Path, length):
 
 
 def settle(work: Path, family: Family, count):
-    """Makes, once, the beds of a family: moving.state (bodies still falling and colliding), rest.state, length.txt."""
+    """Makes, once, the beds of a family: moving.state (bodies still falling and colliding), rest.state, length.txt.
+
+    Without friction while it settles, so that the bed is as dense as one that was shaken for long."""
     shapes = work / family.name / "shapes"
     bed = work / family.name / f"bed-{count}"
     if not (bed / "rest.state").exists():
         bed.mkdir(parents=True, exist_ok=True)
         make_shapes(shapes, family)
         state, length = lattice(count, max(row[4] for row in read_shapes(shapes)))
-        run, _ = run_scree(bed, "settle", shapes, state, length, 0.6, every=0.1)
+        run, _ = run_scree(bed, "settle", shapes, state, length, 0.8, every=0.1, friction=0.0)
         write_state(bed / "moving.state", read_frame(run, 2))
         (bed / "length.txt").write_text(repr(length))
-        write_state(bed / "rest.state", read_frame(run, 6))
+        write_state(bed / "rest.state", read_frame(run, 8))
     return shapes, bed, float((bed / "length.txt").read_text())

@@ -5,7 +5,6 @@ LAMMPS start from the same state as everybody. Lengths of LAMMPS's polyhedra are
 its body styles are known to fail at lengths far from 1.
 """
 import math
-import re
 
 import scene
 
@@ -57,7 +56,7 @@ def lattice_of_spheres(state):
 
 
 def timed_run(settle, steps, dump):
-    """Settles, then runs the steps that count; the loop time that the program prints for the second run is what we read."""
+    """Settles, then runs the steps that count, then writes where everything is."""
     return f"""timestep {scene.STEP}
 thermo 100000
 run {settle}
@@ -173,11 +172,6 @@ dump end all custom 1 end.dump {dump}
 run 0
 """
     return "".join(data + velocities + bodies), text
-
-
-def loop_times(words):
-    """Seconds of each run of a log: 'Loop time of 1.23 on 1 procs for 500 steps with 200 atoms'."""
-    return [(float(t), int(n)) for t, n in re.findall(r"Loop time of ([\d.eE+-]+) on \d+ procs? for (\d+) steps", words)]
 
 
 def read_dump(path):
