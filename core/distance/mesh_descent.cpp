@@ -235,8 +235,8 @@ HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFram
   open_pair(a, b, frame, pair, reach, [&](const SubtreePair& next) { scratch.pairs.push_back(next); });
 }
 
-HWY_NOINLINE void open_all(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root, float reach,
-                           DescentScratch& scratch) {
+HWY_NOINLINE bool open_all(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root, float reach,
+                           DescentScratch& scratch, std::size_t limit) {
   scratch.pairs.clear();
   if (root.gap2 <= reach * reach) scratch.pairs.push_back(root);
   while (!scratch.pairs.empty()) {
@@ -249,7 +249,9 @@ HWY_NOINLINE void open_all(const WideBvh& a, const WideBvh& b, const DescentFram
         scratch.pairs.push_back(next);
       }
     });
+    if (scratch.candidates.size() > limit) return false;
   }
+  return true;
 }
 
 }  // namespace scree::HWY_NAMESPACE
@@ -307,9 +309,9 @@ SubtreePair root_pair(const WideBvh& a) {
   return root;
 }
 
-void collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
-                        float reach, DescentScratch& scratch) {
-  HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, root, reach, scratch);
+bool collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
+                        float reach, DescentScratch& scratch, std::size_t limit) {
+  return HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, root, reach, scratch, limit);
 }
 
 void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -48,15 +49,17 @@ struct DescentScratch {
   std::array<PlacedLeaf, kCacheSize> cache;
   std::vector<SubtreePair> pairs;
   std::vector<TrianglePair> candidates;
+  /// To be called when another tree, placement or larger reach begins.
   void forget_leaves() { cached.fill(-1); }
 };
 
 /// The two roots, taken as within any reach. Both trees must have triangles.
 SubtreePair root_pair(const WideBvh& a);
 
-/// Appends to scratch.candidates every pair of triangles within reach (a filter_reach) below the pair of subtrees.
-void collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
-                        float reach, DescentScratch& scratch);
+/// Appends to scratch.candidates every pair of triangles within reach (a filter_reach) below the pair of subtrees. Gives up
+/// and returns false once there are more than `limit`.
+bool collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
+                        float reach, DescentScratch& scratch, std::size_t limit = ~std::size_t{0});
 
 /// One step of it: two leaves give candidates, anything else gives smaller pairs within reach, in scratch.pairs.
 void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.hpp"
 #include "core/distance/mesh_descent.hpp"
@@ -12,14 +13,7 @@ namespace scree {
 struct MeshDistanceScratch {
   static constexpr std::int64_t kBatchPairs = 128;
   DescentScratch descent;
-  // search with a shrinking bound: pairs of subtrees, and a heap of them with the nearest on top
-  struct Waiting {
-    float gap2;
-    std::int32_t index;
-    bool operator<(const Waiting& other) const { return gap2 > other.gap2; }
-  };
-  std::vector<SubtreePair> subtrees;
-  std::vector<Waiting> heap;
+  std::vector<SubtreePair> beam;
   // triangles on their way to the exact kernel
   std::int64_t batch_count = 0;
   std::array<TrianglePair, kBatchPairs> batch_pair;
@@ -122,33 +116,91 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
   return intersecting;
 }
 
+namespace {
+
+/// Squared distance of the centres of two boxes.
+float centre_distance2(const SubtreePair& pair) {
+  float sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const float d = 0.5f * ((pair.box_a[c] + pair.box_a[3 + c]) - (pair.box_b[c] + pair.box_b[3 + c]));
+    sum += d * d;
+  }
+  return sum;
+}
+
+/// Goes down both trees along the few nearest pairs of boxes and, among boxes that overlap, of centres. Calls solve(pair)
+/// for the pairs of leaves that it comes to: it opens them, and returns the reach from then on.
+template <class Solve>
+void descend_to_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
+                       std::vector<SubtreePair>& beam, const Solve& solve) {
+  constexpr std::size_t kBeam = 4;
+  beam.assign(1, root_pair(a));
+  for (std::size_t width = 1; width > 0; width = beam.size()) {
+    scratch.pairs.clear();
+    for (const SubtreePair& pair : beam) {
+      if (pair.gap2 > reach * reach) continue;
+      if (pair.a < 0 && pair.b < 0) {
+        reach = solve(pair, reach);
+      } else {
+        open_subtrees(a, b, frame, pair, reach, scratch);
+      }
+    }
+    beam.clear();
+    for (const SubtreePair& next : scratch.pairs) {
+      const auto before = [](const SubtreePair& l, const SubtreePair& r) {
+        return l.gap2 != r.gap2 ? l.gap2 < r.gap2 : centre_distance2(l) < centre_distance2(r);
+      };
+      if (beam.size() == kBeam && !before(next, beam.back())) continue;
+      if (beam.size() == kBeam) beam.pop_back();
+      beam.insert(std::upper_bound(beam.begin(), beam.end(), next, before), next);
+    }
+  }
+}
+
+}  // namespace
+
 double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
-                     MeshDistanceScratch& s) {
+                     MeshDistanceScratch& s, TrianglePair* nearest) {
   const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  TrianglePair found{-1, -1};
+  const TrianglePair start = nearest != nullptr ? *nearest : found;
+  if (nearest != nullptr) *nearest = found;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return upper_bound;
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
   ExactStage exact(a, b, b_in_a, s);
+  double best = upper_bound;
+  const auto take = [&](const TrianglePair& pair, double distance) {
+    if (!(distance < best)) return;
+    best = distance;
+    found = pair;
+  };
   s.descent.forget_leaves();
   s.descent.candidates.clear();
-  s.subtrees.assign(1, root_pair(tree_a));
-  s.heap.assign(1, {0, 0});
-  double best = upper_bound;
-  // nearest pair of subtrees first; done when the nearest is farther than the best distance found
-  while (!s.heap.empty() && best > 0) {
-    const float reach = filter_reach(frame, best);
-    const MeshDistanceScratch::Waiting nearest = s.heap.front();
-    if (nearest.gap2 > reach * reach) break;
-    std::pop_heap(s.heap.begin(), s.heap.end());
-    s.heap.pop_back();
-    s.descent.pairs.clear();
-    open_subtrees(tree_a, tree_b, frame, s.subtrees[static_cast<std::size_t>(nearest.index)], reach, s.descent);
-    for (const SubtreePair& pair : s.descent.pairs) {
-      s.heap.push_back({pair.gap2, static_cast<std::int32_t>(s.subtrees.size())});
-      s.subtrees.push_back(pair);
-      std::push_heap(s.heap.begin(), s.heap.end());
-    }
-    exact.solve_candidates([&](const TrianglePair&, double distance) { best = std::min(best, distance); });
+  // a bound: the pair that was nearest last time, or one pair of leaves
+  if (start.a >= 0 && start.a < a.mesh->triangle_count() && start.b >= 0 && start.b < b.mesh->triangle_count()) {
+    s.descent.candidates.push_back(start);
+  } else {
+    descend_to_leaves(tree_a, tree_b, frame, filter_reach(frame, best), s.descent, s.beam, [&](const SubtreePair& leaves, float reach) {
+      open_subtrees(tree_a, tree_b, frame, leaves, reach, s.descent);
+      exact.solve_candidates(take);
+      return filter_reach(frame, best);
+    });
   }
+  exact.solve_candidates(take);
+  // All that is nearer. A bad bound lets thousands of pairs through: then seek within a smaller reach first.
+  constexpr std::size_t kManyCandidates = 128;
+  constexpr int kProbes = 4;
+  double reach = best;
+  for (int probe = 0; best > 0; ++probe) {
+    s.descent.forget_leaves();
+    const bool all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent,
+                                        probe < kProbes ? kManyCandidates : ~std::size_t{0});
+    exact.solve_candidates(take);
+    if (all && best <= reach) break;
+    reach = std::min(best, all ? 4 * reach : 0.125 * reach);
+    if (probe + 1 >= kProbes) reach = best;
+  }
+  if (nearest != nullptr) *nearest = found;
   return best;
 }
 

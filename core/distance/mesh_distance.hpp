@@ -50,8 +50,13 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
 
 /// Smallest distance between the surfaces, or `upper_bound` when it is not below it (units of A's shape).
 /// 0 when they intersect. A body inside a closed shell that touches nothing has a positive distance.
+///
+/// How: the distance of one pair of triangles is a bound, then all that is nearer is sought.
+/// in/out  nearest   where not null: the pair that was nearest before (-1 or another pair will do, it only makes the
+///                   first bound); becomes the nearest one, or -1 when the upper bound holds
+/// Cost: two rocks of 1280 triangles near contact take about as long as triangle_pairs_within.
 double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
-                     MeshDistanceScratch& scratch);
+                     MeshDistanceScratch& scratch, TrianglePair* nearest = nullptr);
 
 /// Smallest distance from a point to the surface, or upper_bound; nearest triangle and point by reference.
 double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest,

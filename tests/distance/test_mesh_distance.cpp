@@ -36,6 +36,25 @@ std::vector<double> all_distances(const Shape& a, const Shape& b, const Placemen
   return solve_distances(pairs);
 }
 
+/// Checks the smallest distance for one placement.
+void check_distance(const Shape& a, const Shape& b, const Placement& p, const std::vector<double>& all, MeshDistanceScratch& scratch, const std::string& what) {
+  const double size = std::max(length(bounding_box(a.mesh).extent()), p.scale * length(bounding_box(b.mesh).extent()));
+  const double least = *std::min_element(all.begin(), all.end());
+  EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, scratch), least, 1e-14 * size) << what;
+  // where it starts does not matter, and it tells which pair it was
+  for (const TrianglePair start : {TrianglePair{-1, -1}, TrianglePair{0, b.mesh.triangle_count() - 1}, TrianglePair{1 << 30, 0}}) {
+    TrianglePair nearest = start;
+    EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, scratch, &nearest), least, 1e-14 * size) << what;
+    ASSERT_TRUE(nearest.a >= 0 && nearest.b >= 0) << what;
+    EXPECT_NEAR(all[static_cast<std::size_t>(nearest.a * b.mesh.triangle_count() + nearest.b)], least, 1e-14 * size) << what;
+  }
+  // an upper bound below the distance is returned as it is
+  if (least > 0) {
+    EXPECT_EQ(mesh_distance(a.view(), b.view(), p, 0.5 * least, scratch), 0.5 * least) << what;
+    EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 2 * least, scratch), least, 1e-14 * size) << what;
+  }
+}
+
 /// Checks both queries for one placement; returns how many pairs were within reach.
 std::size_t check_placement(const Shape& a, const Shape& b, const Placement& p, double reach, MeshDistanceScratch& scratch,
                             const std::string& what) {
@@ -62,12 +81,7 @@ std::size_t check_placement(const Shape& a, const Shape& b, const Placement& p, 
     }
   }
   EXPECT_EQ(next, pairs.size()) << what;
-  EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, scratch), least, 1e-14 * size) << what;
-  // an upper bound below the distance is returned as it is
-  if (least > 0) {
-    EXPECT_EQ(mesh_distance(a.view(), b.view(), p, 0.5 * least, scratch), 0.5 * least) << what;
-    EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 2 * least, scratch), least, 1e-14 * size) << what;
-  }
+  check_distance(a, b, p, all, scratch, what);
   return within;
 }
 
