@@ -68,8 +68,9 @@ void read_settings(const CaseTable& top, Case& c) {
     }
   }
   if (top.has("contact")) {
-    const CaseTable contact = top.table("contact", {"law", "gather", "margin"});
-    s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear"});
+    const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed"});
+    s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear", "hunt-crossley", "hertz-mindlin"});
+    s.impact_speed = contact.number_or("impact_speed", Dimension::velocity, 0, Range::positive);
     s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential"});
     c.margin_given = contact.has("margin");
     s.margin = contact.number_or("margin", Dimension::length, 0, Range::not_negative);
@@ -123,7 +124,8 @@ void read_materials(const CaseTable& top, Case& c) {
 
 void read_pairs(const CaseTable& top, const std::vector<std::string>& materials, Case& c) {
   for (const CaseTable& t : top.tables("pairs", {"between", "stiffness", "restitution", "friction", "friction_sliding",
-                                                 "rolling_friction"})) {
+                                                 "rolling_friction", "torsional_friction", "rolling_model", "tangential_ratio", "tangential_damping",
+                                                 "restitution_speed", "contact_radius"})) {
     CasePair p;
     p.where = t.where();
     const std::vector<std::string> between = t.texts("between");
@@ -134,7 +136,11 @@ void read_pairs(const CaseTable& top, const std::vector<std::string>& materials,
     for (const CasePair& other : c.pairs) {
       if (other.pair.a == p.pair.a && other.pair.b == p.pair.b) throw t.error("between", "is given twice; first at " + other.where);
     }
-    p.pair.stiffness = t.number("stiffness", Dimension::stiffness, Range::positive);
+    const bool hertz = c.settings.law == "hertz-mindlin";
+    if (hertz && t.has("stiffness")) {
+      throw t.error("stiffness", "is not used with contact.law = \"hertz-mindlin\", whose stiffness follows from young and poisson of the materials; remove it");
+    }
+    if (!hertz) p.pair.stiffness = t.number("stiffness", Dimension::stiffness, Range::positive);
     p.pair.restitution = t.number("restitution", Dimension::none, Range::unit_interval);
     p.pair.friction = t.number_or("friction", Dimension::none, 0, Range::not_negative);
     p.pair.friction_sliding = t.number_or("friction_sliding", Dimension::none, -1);
@@ -142,7 +148,29 @@ void read_pairs(const CaseTable& top, const std::vector<std::string>& materials,
       throw t.error("friction_sliding", fmt::format("expected a value from 0 to friction ({:g})", p.pair.friction));
     }
     p.pair.rolling_friction = t.number_or("rolling_friction", Dimension::none, 0, Range::not_negative);
-    if (p.pair.rolling_friction > 0) throw t.error("rolling_friction", "is not available in this version; use 0");
+    p.pair.torsional_friction = t.number_or("torsional_friction", Dimension::none, 0, Range::not_negative);
+    p.pair.rolling_model = t.word_or("rolling_model", p.pair.rolling_model, {"elastic-plastic", "constant"}, {"elastic-plastic", "constant"});
+    p.pair.tangential_ratio = t.number_or("tangential_ratio", Dimension::none, -1, Range::any);
+    if (t.has("tangential_ratio") && !(p.pair.tangential_ratio >= 0)) throw t.error("tangential_ratio", "expected a value >= 0");
+    p.pair.tangential_damping = t.number_or("tangential_damping", Dimension::none, 1, Range::not_negative);
+    p.pair.contact_radius = t.number_or("contact_radius", Dimension::length, 0, Range::positive);
+    p.pair.restitution_speed = t.number_or("restitution_speed", Dimension::velocity, 0, Range::positive);
+    const bool hunt_crossley = c.settings.law == "hunt-crossley";
+    if (t.has("restitution_speed") && !hunt_crossley) {
+      throw t.error("restitution_speed", "is for contact.law = \"hunt-crossley\"; with other laws restitution does not depend on speed");
+    }
+    if (hunt_crossley && p.pair.restitution < 1 && !t.has("restitution_speed")) {
+      throw t.error("restitution", "depends on the speed of the impact with contact.law = \"hunt-crossley\"; add restitution_speed, the speed "
+                                   "at which it holds");
+    }
+    if (hertz) {
+      for (const std::int32_t m : {p.pair.a, p.pair.b}) {
+        const Material& material = c.materials[static_cast<std::size_t>(m)];
+        if (!(material.young > 0)) {
+          throw t.error("between", fmt::format("the material \"{}\" needs young (Young's modulus) for contact.law = \"hertz-mindlin\"", material.name));
+        }
+      }
+    }
     c.pairs.push_back(p);
   }
 }

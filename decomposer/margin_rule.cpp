@@ -119,13 +119,29 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   };
   for (const CaseBody& b : c.bodies) add(b.shape, b.material, b.scale, !b.fixed);
   for (const Draw& d : parts.draws) add(d.shape, c.populations[d.population].material, d.scale, true);
+  report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
+  scene.settings.impact_speed = report.fastest_impact;
   double softest = 1e300;
-  for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
-  report.fastest_impact = fastest_impact(c, parts, scene);
+  bool margin_given = c.margin_given;
+  if (c.settings.law == "hertz-mindlin") {
+    // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
+    for (const CasePair& p : c.pairs) {
+      const double modulus = effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
+      const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.25 * smallest;  // two bodies of the smallest size
+      const double pressed = heaviest > 0 ? hertz_impact_depth(modulus, radius, heaviest, report.fastest_impact) : 0;
+      if (pressed > 0) softest = std::min(softest, heaviest * std::pow(report.fastest_impact / pressed, 2));
+    }
+    // elastic spheres touch where they touch
+    bool wall_meshes = false;
+    for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
+    margin_given = margin_given || (!has_meshes && !wall_meshes);
+  } else {
+    for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
+  }
   const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
 
   double& margin = scene.settings.margin;
-  if (!c.margin_given && heaviest > 0) {
+  if (!margin_given && heaviest > 0) {
     constexpr double kSmallestShare = 0.01, kNoticeShare = 0.05, kLargestShare = 0.2;  // of the smallest body's diameter
     margin = std::max(0.5 * depth / kDepthShare, kSmallestShare * smallest);
     const double needed = heaviest * std::pow(report.fastest_impact / (kDepthShare * 2 * kNoticeShare * smallest), 2);

@@ -128,7 +128,7 @@ std::string case_section(const Run& run) {
   for (const MaterialPair& p : scene.pairs) {
     html += fmt::format("<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
                         escaped(scene.materials[static_cast<std::size_t>(p.a)].name), escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
-                        format_quantity(p.stiffness, Dimension::stiffness), p.restitution, p.friction);
+                        p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness) : "by the materials", p.restitution, p.friction);
   }
   html += "</tbody></table>\n";
   if (!scene.walls.empty()) {

@@ -94,6 +94,16 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   return view;
 }
 
+/// R* of the bodies' equivalent spheres [m]: 1/R* = 1/R_a + 1/R_b. A wall is flat, but for the inside of a sphere.
+double contact_radius(const PairView& view) {
+  const double a = view.a.scale * view.a.shape->equivalent_radius;
+  if (view.zone == nullptr) {
+    const double b = view.b.scale * view.b.shape->equivalent_radius;
+    return a * b / (a + b);
+  }
+  return view.zone->kind == WallZone::Kind::sphere && view.zone->radius > a ? a * view.zone->radius / (view.zone->radius - a) : a;
+}
+
 bool is_sphere_pair(const PairView& view) {
   return view.zone == nullptr && view.a.shape->kind == ShapeKind::sphere && view.b.shape->kind == ShapeKind::sphere;
 }
@@ -152,6 +162,8 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
                     ForceScratch& scratch, PairList& list, FrameContacts* out) {
   const auto count = static_cast<std::ptrdiff_t>(which.size());
   std::atomic<std::int32_t> intersecting{-1};
+  const PairForceFunction force_of = pair_force_function(scene.law_choice());
+  const bool needs_radius = scene.law_choice().needs_radius;
 #pragma omp parallel if (out == nullptr)
   {
     std::vector<ContactFeature> features;
@@ -165,7 +177,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       PairResult& result = list.results()[static_cast<std::size_t>(k)];
       result.active = false;
       result.contact_count = 0;
-      const PairView view = view_of(scene, p, walls, pair);
+      PairView view = view_of(scene, p, walls, pair);
       double motion = 0;
       if (pair.lists.skin >= 0) motion = motion_since_listed(pair.lists, view.a, view.b, view.radius_a, view.radius_b);
       if (pair.lists.skin < 0 || motion > pair.lists.skin) {
@@ -195,10 +207,12 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
         material_b = scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
       }
       const PairLaw& law = scene.law(p.material[static_cast<std::size_t>(pair.a)], material_b);
+      PairMotion& relative = view.motion;
+      if (needs_radius) relative.radius = law.radius > 0 ? law.radius : contact_radius(view);
       // Looking must not change anything: an output works on a copy of the springs.
       std::vector<FrictionSpring> copy;
       if (out != nullptr) copy = pair.springs;
-      const PairForce f = pair_force(features, law, view.motion, dt, friction_dt, out != nullptr ? copy : pair.springs,
+      const PairForce f = force_of(features, law, relative, dt, friction_dt, out != nullptr ? copy : pair.springs,
                                      out != nullptr ? &outputs : nullptr);
       const Quat& q = view.a.q;
       result.active = true;

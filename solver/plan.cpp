@@ -42,7 +42,8 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   else out("damping", "every restitution is 1");
   if (prepared.has_friction()) in("friction springs", fmt::format("{} bytes per contact", sizeof(FrictionSpring)));
   else out("friction springs", "every friction is 0: no history is kept");
-  out("rolling resistance", "no pair asks for it");
+  if (prepared.law_choice().rolling) in("rolling resistance", "one spring of moment per body pair");
+  else out("rolling resistance", "no pair asks for it");
   if (bodies > fixed) in("motion", fmt::format("{}, {} moving bodies", s.integrator, bodies - fixed));
   if (fixed > 0) out("motion of fixed bodies", fmt::format("{} bodies; no fixed-fixed pairs", fixed));
   if (locked == bodies && bodies > 0) out("rotation", "every body has lock_rotation");

@@ -24,18 +24,38 @@ double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torqu
   return sum;
 }
 
-constexpr double kMostOnset = 1.5;  // a whole step in touch, and the half step after it
-
-/// Share of a step that the force on a feature stands for, see potential.hpp.
-double onset_weight(double depth, double vn, double dt) {
-  return depth < -vn * dt ? depth / (-vn * dt) + 0.5 : 1.0;
+/// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
+void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum, double depth,
+                 double tangential_damping, double dt, double friction_dt, const std::vector<FrictionSpring>& springs,
+                 std::vector<FrictionSpring>& next, PairForce& result) {
+  const double size = length(elastic_force);
+  if (!(size > 0)) return;
+  RollingState state;
+  state.n = (1 / size) * elastic_force;
+  state.relative_spin = m.w_a - m.w_b;
+  state.normal_force = normal_sum;
+  state.depth = depth;
+  state.radius = m.radius;
+  state.damping = tangential_damping;
+  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
+  state.spin_mobility = largest(m.inverse_inertia_a) + largest(m.inverse_inertia_b);
+  FrictionSpring old{kRollingKey, Vec3{}, 0};
+  if (!springs.empty() && springs.back().key == kRollingKey) old = springs.back();
+  // the spring turns with the bodies' mean spin against the frame of A
+  old.force += cross((-0.5 * friction_dt) * state.relative_spin, old.force);
+  const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
+  result.lossy_torque += moment.moment;
+  if (!law.rolling_spring) return;
+  next.push_back({kRollingKey, moment.spring, moment.stiffness});
+  if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
 }
 
-}  // namespace
-
-PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
-                     double dt, double friction_dt, std::vector<FrictionSpring>& springs,
-                     std::vector<ContactOutput>* outputs) {
+/// Friction and rolling are compiled in or left out; a scene without them pays nothing for either.
+template <class Entry, bool kFriction, bool kRolling>
+PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion, double dt,
+                     double friction_dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs) {
+  using Normal = typename Entry::Normal;
+  using Damp = typename Entry::Damp;
   static_assert(kNorm == 8, "power7 and the roots below are written for the eighth norm");
   PairForce result;
   const std::size_t count = features.size();
@@ -45,7 +65,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     return result;
   }
 
-  // U = k D^2 / 2, D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
+  // U(D), D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
   for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
   double sum = 0;
   for (const ContactFeature& f : features) {
@@ -53,9 +73,9 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     sum += f.weight * power7(r) * r;
   }
   const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
-  const double k = law.stiffness;
-  result.elastic = 0.5 * k * D * D;
-  const double dU = k * D;  // U'(D): the only place where the normal law enters
+  const Normal law_of_depth(law, motion.radius);
+  result.elastic = law_of_depth.energy(D);
+  const double dU = law_of_depth.force(D);
 
   thread_local std::vector<double> normal;
   normal.resize(count);
@@ -74,21 +94,17 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     }
   }
 
-  // chi = 2 zeta sqrt(m* / 2U): damping of a feature is f_j chi v_n, never more than f_j itself
-  double chi = 0, most_weight = 1;
-  if (law.damping_ratio > 0 && normal_sum > 0) {
+  // damping of a feature is f_j chi v_n, never more than f_j itself
+  Damping damping;
+  if (Damp::acts(law) && normal_sum > 0) {
     const double mobility = std::max(motion.inverse_mass_a + motion.inverse_mass_b,
                                      wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
-    if (mobility > 0) {
-      chi = 2 * law.damping_ratio / std::sqrt(2 * result.elastic * mobility);
-      const double rate = chi * normal_sum * mobility * dt;
-      chi /= 1 + 0.25 * rate;
-      // weighted damping must not turn the motion round within one step
-      if (rate > 0) most_weight = std::clamp((1 + 0.25 * rate) / rate, 1.0, kMostOnset);
-    }
+    if (mobility > 0) damping = Damp::of(law, result.elastic, normal_sum, mobility, dt);
   }
-  const bool frictional = law.friction > 0;
-  if (chi == 0 && !frictional) {
+  const double chi = damping.chi;
+  const bool frictional = kFriction && law.friction > 0;
+  const bool rolls = kRolling && (law.rolling_friction > 0 || law.torsional_friction > 0);
+  if (chi == 0 && !frictional && !rolls) {
     if (outputs != nullptr) {
       for (std::size_t j = 0; j < count; ++j) (*outputs)[j] = {normal[j], Vec3{}};
     }
@@ -96,7 +112,9 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     return result;
   }
 
-  const double tangential_damping = std::sqrt(kTangentialStiffnessRatio) * chi;
+  // against the tangent stiffness of the normal force, as in the normal direction
+  const double tangential_damping = law.tangential_damping * (std::sqrt(law.tangential_ratio / Normal::kExponent) * chi);
+  const Vec3 elastic_force = result.force;
   const Vec3 relative_spin = motion.w_b - motion.w_a;
   thread_local std::vector<FrictionSpring> next;
   next.clear();
@@ -107,11 +125,11 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
     const Vec3 velocity = motion.v_a + turning_a - motion.v_b - turning_b;
     const double vn = dot(velocity, f.n);
-    const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(most_weight, onset_weight(f.depth, vn, dt)) * vn);
+    const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(damping.most_onset, onset_weight(f.depth, vn, dt)) * vn);
     Vec3 lossy = (damped - normal[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
-      const double kappa = kTangentialStiffnessRatio * normal[j] / D;
+      const double kappa = law.tangential_ratio * normal[j] / D;
       FrictionSpring spring{f.key, Vec3{}, kappa};
       while (old < springs.size() && springs[old].key < f.key) ++old;
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
@@ -128,10 +146,11 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         if (flat > 0) s *= length(springs[old].force) / flat;
         // unloading gives force back in proportion; loading must not create any (passivity, CONTACT.md 3.4)
         if (kappa < springs[old].stiffness) s *= kappa / springs[old].stiffness;
-        spring.force = s;
+        spring.force = s - (kappa * friction_dt) * vt;
+      } else {
+        // a new feature has slid only since it touched
+        spring.force = (-kappa * (f.depth < -vn * friction_dt ? f.depth / -vn : friction_dt)) * vt;
       }
-      spring.force -= (kappa * friction_dt) * vt;
-      // of the force that acts, damping included: only then is a sliding impact's impulse mu times the normal one
       const double limit = law.friction * damped, sliding = law.friction_sliding * damped;
       const double stretched = length(spring.force);
       bool slides = stretched > limit;
@@ -148,10 +167,29 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     result.lossy_torque += cross(f.x, lossy);
     if (outputs != nullptr) (*outputs)[j] = {damped, tangential};
   }
+  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, D, tangential_damping, dt, friction_dt, springs, next, result);
   springs.swap(next);
   result.force += result.lossy_force;
   result.torque += result.lossy_torque;
   return result;
+}
+
+template <class Entry>
+PairForceFunction without_the_unneeded(const LawChoice& choice) {
+  if (choice.rolling) return choice.friction ? &pair_force<Entry, true, true> : &pair_force<Entry, false, true>;
+  return choice.friction ? &pair_force<Entry, true, false> : &pair_force<Entry, false, false>;
+}
+
+}  // namespace
+
+PairForceFunction pair_force_function(const LawChoice& choice) {
+  PairForceFunction function = nullptr;
+  int index = 0;
+  std::apply([&](const auto&... entry) {
+    ((index++ == choice.law ? void(function = without_the_unneeded<std::decay_t<decltype(entry)>>(choice)) : void()), ...);
+  }, kLaws);
+  SCREE_ASSERT(function != nullptr, "law {} of the list", choice.law);
+  return function;
 }
 
 }  // namespace scree

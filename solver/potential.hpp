@@ -1,5 +1,6 @@
 // The contact law of one body pair: one smooth p-norm potential over its unique features, with the exact force,
 // damping from restitution, and Coulomb friction with history per feature. Source: CONTACT.md sections 3.2 to 3.4.
+// The normal energy, the damping and the rolling resistance are those of laws/laws.hpp.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +25,7 @@ struct PairMotion {
   Vec3 inverse_inertia_a;                ///< principal
   Vec3 inverse_inertia_b;                ///< principal of B
   Mat3 b_to_a;
+  double radius = 0;                     ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
 };
 
 /// What a pair does to its bodies, A frame; torque about A's centre.
@@ -44,21 +46,19 @@ struct ContactOutput {
 /// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
 inline constexpr int kNorm = 8;
 
-// Damping and the step. A force that depends on velocity is evaluated with the velocity half a step before, and a contact
-// starts somewhere inside a step: both are errors of first order in the step, of 2.5e-2 and 5e-3 in the restitution at 20
-// and 100 steps a contact in the worst case. Two corrections make them of second order (1.4e-3, 4e-5):
-// - lag: with damping rate r = c / m*, m* a = -c v(t - dt/2) acts as mass m* (1 - r dt / 2) and damping c. Dividing the rate
-//   by 1 + r dt / 4 keeps the damping ratio.
-// - onset: a feature at depth d that closes at speed v has been in touch for d / v. When that is less than a step, the
-//   impulse of this force evaluation stands for d / v + dt / 2 instead of dt.
+/// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
+inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
 
 /// in   features   ascending keys, depth > 0
-/// in   dt         step of the run [s], for damping (see above); 0: none is made
+/// in   dt         step of the run [s], for damping (laws/damping.hpp); 0: no correction for the step
 /// in   friction_dt  step of the friction update [s]: dt, or 0 to leave the springs as they are
-/// inout springs   sorted by key; replaced by those of the present features (left empty when friction is 0)
+/// inout springs   sorted by key; replaced by those of the present features (left empty without friction and rolling)
 /// out  outputs    one per feature when not null
-PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
-                     double dt, double friction_dt, std::vector<FrictionSpring>& springs,
-                     std::vector<ContactOutput>* outputs);
+using PairForceFunction = PairForce (*)(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion,
+                                        double dt, double friction_dt, std::vector<FrictionSpring>& springs,
+                                        std::vector<ContactOutput>* outputs);
+
+/// The function for a scene's law, with what the scene does not need left out of it.
+PairForceFunction pair_force_function(const LawChoice& choice);
 
 }  // namespace scree

@@ -5,32 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/laws/restitution.hpp"
+
 namespace scree {
-
-double restitution_of_damping_ratio(double zeta) {
-  if (zeta <= 0) return 1;
-  if (zeta < 1) {
-    const double s = std::sqrt(1 - zeta * zeta);
-    return std::exp(-zeta / s * (std::numbers::pi - std::atan2(2 * zeta * s, 1 - 2 * zeta * zeta)));
-  }
-  // The limit of both branches; within 1e-6 of zeta = 1 they lose digits to s -> 0.
-  if (zeta - 1 < 1e-6) return std::exp(-2.0);
-  const double s = std::sqrt(zeta * zeta - 1);
-  return std::exp(-zeta / s * std::log((zeta + s) / (zeta - s)));
-}
-
-double damping_ratio_of_restitution(double restitution) {
-  if (restitution >= 1) return 0;
-  double low = 0, high = 1;
-  while (restitution_of_damping_ratio(high) > restitution) high *= 2;
-  // 200 halvings reach the last bit from any start: the map is monotone.
-  for (int i = 0; i < 200 && low < high; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle == low || middle == high) break;
-    (restitution_of_damping_ratio(middle) > restitution ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
 
 namespace {
 
@@ -62,6 +39,7 @@ SolverShape make_solver_shape(const Shape& source) {
     // A ball's normal passes its centre: only friction, with its softer spring, turns it.
     shape.rotational_mobility += kTangentialStiffnessRatio * shape.rounding * shape.rounding * inverse(0);
     shape.isotropic = high - low <= kIsotropicTolerance * high;
+    shape.equivalent_radius = 0.5 * source.equivalent_diameter();
   }
   shape.features = find_features(shape.mesh);
   for (std::int32_t v : shape.features.corners) shape.corner.push_back(shape.mesh.vertices[static_cast<std::size_t>(v)]);
@@ -179,12 +157,37 @@ void fit_zones_to_period(const Periodicity& periodicity, const Wall& wall, std::
 
 }  // namespace
 
+namespace {
+
+/// Finds a word of the case language in the list of laws.
+LawChoice choose_law(const std::string& name) {
+  LawChoice choice;
+  std::string known;
+  int index = 0;
+  bool found = false;
+  std::apply([&](const auto&... entry) {
+    const auto look = [&](const auto& e) {
+      if (name == e.name) {
+        choice.law = index;
+        choice.needs_radius = e.needs_radius;
+        found = true;
+      }
+      known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", e.name);
+      ++index;
+    };
+    (look(entry), ...);
+  }, kLaws);
+  if (!found) throw UsageError("contact.law = \"{}\" is not known; use one of {}", name, known);
+  return choice;
+}
+
+}  // namespace
+
 SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(scene.materials.size()) {
   const Settings& settings = scene.settings;
   const auto refuse = [](const std::string& what, const std::string& found, const std::string& available) {
     throw UsageError("{} = \"{}\" is not available in this version; use {}", what, found, available);
   };
-  if (settings.law != "linear") refuse("contact.law", settings.law, "\"linear\"");
   if (settings.gather != "potential") refuse("contact.gather", settings.gather, "\"potential\"");
   const auto& periodic = settings.domain.periodic;
   if (!settings.domain.bounded && (periodic[0] || periodic[1] || periodic[2])) {
@@ -213,27 +216,76 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }
 
+  law_choice_ = choose_law(settings.law);
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene.pairs) {
-    PairLaw law;
-    law.stiffness = pair.stiffness;
-    law.damping_ratio = damping_ratio_of_restitution(pair.restitution);
-    law.friction = pair.friction;
-    law.friction_sliding = pair.friction_sliding < 0 ? pair.friction : pair.friction_sliding;
-    if (pair.rolling_friction > 0) {
-      throw UsageError("pairs: rolling_friction = {:g} is not available in this version; use 0", pair.rolling_friction);
-    }
-    has_friction_ = has_friction_ || law.friction > 0;
-    has_damping_ = has_damping_ || law.damping_ratio > 0;
+    const PairLaw law = make_pair_law(pair);
+    law_choice_.friction = law_choice_.friction || law.friction > 0;
+    law_choice_.rolling = law_choice_.rolling || law.rolling_friction > 0 || law.torsional_friction > 0;
+    has_damping_ = has_damping_ || law.damping_ratio > 0 || law.damping_slope > 0;
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     laws_[a * material_count_ + b] = law;
     laws_[b * material_count_ + a] = law;
   }
+  law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     add_zones(scene.walls[w], static_cast<std::int32_t>(w), zones_);
     fit_zones_to_period(periodicity_, scene.walls[w], static_cast<std::int32_t>(w), zones_, dropped_zones_);
     has_driven_walls_ = has_driven_walls_ || scene.walls[w].motion.kind != WallMotion::Kind::none;
   }
+}
+
+PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
+  const Settings& settings = scene_->settings;
+  const Material& a = scene_->materials[static_cast<std::size_t>(pair.a)];
+  const Material& b = scene_->materials[static_cast<std::size_t>(pair.b)];
+  PairLaw law;
+  law.stiffness = pair.stiffness;
+  law.friction = pair.friction;
+  law.friction_sliding = pair.friction_sliding < 0 ? pair.friction : pair.friction_sliding;
+  if (pair.tangential_ratio >= 0) law.tangential_ratio = pair.tangential_ratio;
+  law.tangential_damping = pair.tangential_damping;
+  law.rolling_friction = pair.rolling_friction;
+  law.torsional_friction = pair.torsional_friction;
+  law.rolling_spring = pair.rolling_model != "constant";
+  law.radius = pair.contact_radius;
+  law.step_stiffness = pair.stiffness;
+  if (settings.law == "hunt-crossley") {
+    if (pair.restitution < 1) {
+      if (!(pair.restitution_speed > 0)) {
+        throw UsageError("pairs: '{}' and '{}': restitution_speed is missing; with Hunt-Crossley damping restitution depends on the "
+                         "speed of the impact, so give the speed at which it is {:g}", a.name, b.name, pair.restitution);
+      }
+      law.damping_slope = hunt_crossley_number_of_restitution(pair.restitution) / pair.restitution_speed;
+    }
+    return law;
+  }
+  law.damping_ratio = damping_ratio_of_restitution(pair.restitution);
+  if (settings.law != "hertz-mindlin") return law;
+  if (!(a.young > 0 && b.young > 0)) {
+    throw UsageError("materials: '{}' and '{}' need young (Young's modulus) for contact.law = \"hertz-mindlin\"", a.name, b.name);
+  }
+  const double modulus = effective_modulus(a, b);
+  law.stiffness = 4.0 / 3 * modulus;
+  if (pair.tangential_ratio < 0) law.tangential_ratio = 6 * effective_shear_modulus(a, b) / modulus;
+  // The stiffest tangent 2 E* sqrt(R* d), at the depth of the fastest impact of the heaviest bodies.
+  double mass = 0, radius = 0, speed = settings.impact_speed;
+  const BodyTable& bodies = scene_->bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies.material[i] != pair.a && bodies.material[i] != pair.b) continue;
+    radius = std::max(radius, bodies.scale[i] * shape(bodies.shape[i]).equivalent_radius);
+    if (bodies.fixed[i] == 0) mass = std::max(mass, scene_->mass(i));
+    if (settings.impact_speed == 0) speed = std::max(speed, 2 * length(bodies.velocity[i]));
+  }
+  if (pair.contact_radius > 0) radius = pair.contact_radius;
+  double depth = hertz_impact_depth(modulus, radius, mass, speed);
+  if (margin_ > 0) depth = speed > 0 ? std::min(depth, 2 * margin_) : 2 * margin_;
+  if (!(depth > 0) && !(settings.step > 0) && mass > 0) {
+    throw UsageError("contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its depth; "
+                     "give the speed of the fastest impact, or time.step");
+  }
+  law.step_stiffness = 2 * modulus * std::sqrt(radius * depth);
+  return law;
 }
 
 WallState wall_state(const Wall& wall, double time) {

@@ -10,6 +10,7 @@
 #include "core/geometry/features.hpp"
 #include "core/geometry/periodic.hpp"
 #include "core/storage/scene_file.hpp"
+#include "solver/laws/laws.hpp"
 
 namespace scree {
 
@@ -34,6 +35,7 @@ struct SolverShape {
   std::vector<Vec3> spoke;                       ///< mesh edges that leave each corner, as vectors
   double radius = 0;                ///< bounding radius about the origin, rounding included [m]
   double volume = 0;                ///< [m^3]
+  double equivalent_radius = 0;     ///< of the ball of equal volume [m]; 0 for a surface
   Vec3 inertia;                     ///< principal moments for density 1 [m^5]
   Quat body_from_principal;
   /// Largest [r]x^T I^-1 [r]x over all surface points r, density 1, scale 1 [1/m^3]: what rotation adds to the inverse
@@ -41,17 +43,6 @@ struct SolverShape {
   double rotational_mobility = 0;
   bool isotropic = false;           ///< all three moments equal: no gyroscopic splitting needed
 };
-
-/// How two materials meet, turned into what the force loop needs.
-struct PairLaw {
-  double stiffness = 0;             ///< k of one contact [N/m]
-  double damping_ratio = 0;         ///< zeta from restitution by the exact map
-  double friction = 0;              ///< mu, static
-  double friction_sliding = 0;      ///< mu, sliding
-};
-
-/// Ratio of tangential to normal stiffness: equal periods for a ball (CONTACT.md section 3.4, rho = 2/7).
-inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
 
 /// One smooth piece of a wall; each carries its own potential with a body, so that a body in a corner rests on
 /// two walls and not on one shared spring.
@@ -63,15 +54,6 @@ struct WallZone {
   Vec3 point, direction;            ///< wall frame: plane point and unit normal; cylinder point and unit axis; sphere centre
   double radius = 0;                ///< cylinder, sphere [m]
 };
-
-/// Damping ratio zeta that gives restitution e in (0, 1] for an impact without tension.
-///
-/// How: bisection and Newton on e = exp(-zeta/s (pi - atan2(2 zeta s, 1 - 2 zeta^2))), s = sqrt(1 - zeta^2), and
-/// its continuation for zeta > 1. Holds for every potential U(d) with the energy-scaled damping used here.
-/// Source: Schwager & Poeschel, Granul. Matter 9 (2007) 465.
-double damping_ratio_of_restitution(double restitution);
-/// The forward map.
-double restitution_of_damping_ratio(double zeta);
 
 class SolverScene {
  public:
@@ -90,11 +72,14 @@ class SolverScene {
   double largest_radius() const { return largest_radius_; }  ///< bounding, of all bodies [m]
   /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
   const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
-  bool has_friction() const { return has_friction_; }
+  const LawChoice& law_choice() const { return law_choice_; }
+  bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }
 
  private:
+  PairLaw make_pair_law(const MaterialPair& pair) const;
+
   const Scene* scene_;
   std::vector<SolverShape> shapes_;
   std::vector<PairLaw> laws_;
@@ -103,7 +88,8 @@ class SolverScene {
   std::vector<std::string> dropped_zones_;
   Periodicity periodicity_;
   double margin_ = 0, largest_radius_ = 0;
-  bool has_friction_ = false, has_damping_ = false, has_driven_walls_ = false;
+  LawChoice law_choice_;
+  bool has_damping_ = false, has_driven_walls_ = false;
 };
 
 /// Pose and motion of a wall at a time, from its prescribed motion.

@@ -34,7 +34,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
   for (const MaterialPair& pair : source.pairs) {
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     const double w = mobility[a].value + mobility[b].value;
-    const double omega2 = pair.stiffness * features * w;
+    const double omega2 = scene.law(pair.a, pair.b).step_stiffness * features * w;
     if (omega2 <= stiffest) continue;
     stiffest = omega2;
     const auto name = [&](std::size_t m) {

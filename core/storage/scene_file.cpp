@@ -96,6 +96,7 @@ class Object {
     if (it == value_.end()) throw InputError("{}: '{}' is missing; the file is damaged", where_, key);
     return *it;
   }
+  bool has(const char* key) const { return value_.contains(key); }
   Object object(const char* key) const { return {at(key), where_ + "." + key}; }
   std::vector<Object> objects(const char* key) const {
     const json& list = at(key);
@@ -227,6 +228,7 @@ Settings read_settings(const Object& o) {
   s.domain.outside = domain.one_of("outside", {"stop", "remove", "keep"});
   s.law = o.one_of("law", {"linear", "hunt-crossley", "hertz-mindlin"});
   s.gather = o.one_of("gather", {"potential", "area", "pairs"});
+  if (o.has("impact_speed")) s.impact_speed = o.at_least("impact_speed", 0);
   s.margin = o.at_least("margin", 0);
   s.integrator = o.one_of("integrator", {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
   s.distance_method = o.one_of("distance_method", {"brute-force", "penalty", "hybrid"});
@@ -430,6 +432,7 @@ json settings_json(const Scene& scene) {
   domain["outside"] = s.domain.outside;
   t["law"] = s.law;
   t["gather"] = s.gather;
+  t["impact_speed"] = s.impact_speed;
   t["margin"] = s.margin;
   t["integrator"] = s.integrator;
   t["distance_method"] = s.distance_method;
@@ -446,11 +449,26 @@ json settings_json(const Scene& scene) {
   for (const MaterialPair& p : scene.pairs) {
     j["pairs"].push_back({{"a", p.a}, {"b", p.b}, {"stiffness", p.stiffness}, {"restitution", p.restitution},
                           {"friction", p.friction}, {"friction_sliding", p.friction_sliding},
-                          {"rolling_friction", p.rolling_friction}});
+                          {"rolling_friction", p.rolling_friction}, {"torsional_friction", p.torsional_friction},
+                          {"rolling_model", p.rolling_model}, {"tangential_ratio", p.tangential_ratio},
+                          {"tangential_damping", p.tangential_damping},
+                          {"restitution_speed", p.restitution_speed}, {"contact_radius", p.contact_radius}});
   }
   j["walls"] = json::array();
   for (const Wall& wall : scene.walls) j["walls"].push_back(wall_json(wall));
   return j;
+}
+
+double effective_modulus(const Material& a, const Material& b) {
+  return 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
+}
+
+double effective_shear_modulus(const Material& a, const Material& b) {
+  return 1 / (2 * (2 - a.poisson) * (1 + a.poisson) / a.young + 2 * (2 - b.poisson) * (1 + b.poisson) / b.young);
+}
+
+double hertz_impact_depth(double modulus, double radius, double mass, double speed) {
+  return std::pow(15 * mass * speed * speed / (16 * modulus * std::sqrt(radius)), 0.4);
 }
 
 void write_scene_file(const std::string& path, const Scene& scene) {
@@ -492,12 +510,20 @@ Scene read_scene(const std::string& path) {
     MaterialPair p;
     p.a = o.index("a", material_count, "materials");
     p.b = o.index("b", material_count, "materials");
-    p.stiffness = o.positive("stiffness");
+    // a Hertz contact has no stiffness of its own: it comes from the materials
+    p.stiffness = scene.settings.law == "hertz-mindlin" ? o.at_least("stiffness", 0) : o.positive("stiffness");
     p.restitution = o.positive("restitution");
     if (p.restitution > 1) throw InputError("{}.restitution: {:g} found, a value in (0, 1] expected", o.where(), p.restitution);
     p.friction = o.at_least("friction", 0);
     p.friction_sliding = o.number("friction_sliding");
     p.rolling_friction = o.at_least("rolling_friction", 0);
+    // added later: files without them mean the defaults
+    if (o.has("torsional_friction")) p.torsional_friction = o.at_least("torsional_friction", 0);
+    if (o.has("rolling_model")) p.rolling_model = o.one_of("rolling_model", {"elastic-plastic", "constant"});
+    if (o.has("tangential_ratio")) p.tangential_ratio = o.number("tangential_ratio");
+    if (o.has("tangential_damping")) p.tangential_damping = o.at_least("tangential_damping", 0);
+    if (o.has("restitution_speed")) p.restitution_speed = o.at_least("restitution_speed", 0);
+    if (o.has("contact_radius")) p.contact_radius = o.at_least("contact_radius", 0);
     scene.pairs.push_back(p);
   }
   for (const Object& o : all.objects("walls")) scene.walls.push_back(read_wall(o, material_count, scene.shapes));

@@ -27,8 +27,21 @@ struct MaterialPair {
   double restitution = 1;         ///< [-], in (0, 1]
   double friction = 0;            ///< [-] static
   double friction_sliding = -1;   ///< [-], < 0: as static
-  double rolling_friction = 0;    ///< [-]
+  double rolling_friction = 0;    ///< [-] rolling moment at most this times R* times the normal force
+  double torsional_friction = 0;  ///< [-] the same for the moment about the normal
+  std::string rolling_model = "elastic-plastic";  ///< elastic-plastic (type C) | constant (type A)
+  double tangential_ratio = -1;   ///< [-] tangential over normal stiffness, < 0: that of the law
+  double tangential_damping = 1;  ///< [-] factor on the tangential damping that goes with restitution
+  double restitution_speed = 0;   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
+  double contact_radius = 0;      ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
 };
+
+/// E* [Pa] of two materials: 1/E* = sum of (1 - poisson^2) / young.
+double effective_modulus(const Material& a, const Material& b);
+/// G* [Pa] of two materials: 1/G* = sum of 2 (2 - poisson) (1 + poisson) / young.
+double effective_shear_modulus(const Material& a, const Material& b);
+/// Greatest depth [m] of an elastic Hertz impact: (15 m v^2 / (16 E* sqrt(R*)))^(2/5).
+double hertz_impact_depth(double modulus, double radius, double mass, double speed);
 
 /// Bodies, one row each. Orientation and position are those of the mesh as the user knows it.
 struct BodyTable {
@@ -100,6 +113,7 @@ struct Settings {
   Domain domain;
   std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
   std::string gather = "potential";          ///< potential | area | pairs
+  double impact_speed = 0;                   ///< [m/s] of the fastest impact expected; 0 when not known
   double margin = 0;                         ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
   std::string integrator = "kdk-dlm";
   std::string distance_method = "brute-force", distance_precision = "mixed";

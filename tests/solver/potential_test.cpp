@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "solver/laws/restitution.hpp"
 #include "tests/solver/two_bodies.hpp"
 
 namespace scree {
@@ -92,7 +93,7 @@ TEST(PairPotential, feature_forces_never_pull) {
       pair.step(1e-4);
       for (const ContactOutput& c : pair.outputs) {
         EXPECT_GE(c.normal_force, 0);
-        EXPECT_LE(length(c.tangential_force), 0.5 * c.normal_force * (1 + 1e-12));  // Coulomb, of the damped force
+        EXPECT_LE(length(c.tangential_force), 0.5 * c.normal_force * (1 + 1e-12));
         ++looked_at;
         separating += c.normal_force == 0 ? 1 : 0;
       }

@@ -48,7 +48,7 @@ class TwoBodies {
     m.inverse_inertia_a = inverse_inertia[0];
     m.inverse_inertia_b = inverse_inertia[1];
     m.b_to_a = matrix_of(to_a * body[1].q);
-    PairForce f = pair_force(features, prepared_->law(0, 0), m, dt, dt, springs_, &outputs);
+    PairForce f = pair_force_function(prepared_->law_choice())(features, prepared_->law(0, 0), m, dt, dt, springs_, &outputs);
     last_ = f;
     return f;
   }

@@ -1,0 +1,23 @@
+// From the restitution that a user asks for to the damping of a law. Both maps are exact for every energy U(D).
+#pragma once
+
+namespace scree {
+
+/// Damping ratio zeta that gives restitution e in (0, 1] for an impact without tension.
+///
+/// How: bisection on e = exp(-zeta/s (pi - atan2(2 zeta s, 1 - 2 zeta^2))), s = sqrt(1 - zeta^2), and its continuation
+/// for zeta > 1. Holds for every potential U(d) with the energy-scaled damping used here: in the pseudo-time
+/// d sigma = F / sqrt(2U) dt every such impact is the linear damped oscillator.
+/// Source: Schwager & Poeschel, Granul. Matter 9 (2007) 465; CONTACT.md section 3.3.
+double damping_ratio_of_restitution(double restitution);
+/// The forward map.
+double restitution_of_damping_ratio(double zeta);
+
+/// alpha = chi v of Hunt-Crossley damping, f (1 + chi * approach speed), that gives restitution e in (0, 1] at approach
+/// speed v: alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)).
+///
+/// How: bisection; alpha lies in (0, 1/e). The energy integral of m v dv / (1 + chi v) = -F dd does not contain F, so the
+/// map holds for every U(d) and every mass.   Source: VALIDATION.md C2.
+double hunt_crossley_number_of_restitution(double restitution);
+
+}  // namespace scree
