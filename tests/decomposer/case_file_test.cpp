@@ -267,13 +267,26 @@ TEST(CaseFile, names_that_do_not_exist_are_refused_with_the_nearest) {
 TEST(CaseFile, what_is_not_built_yet_is_refused_with_what_is) {
   expect_refusal(replaced("[contact]", "[contact]\ngather = \"area\""), {"case.toml:21: contact.gather = \"area\"", "not available", "potential"});
   expect_refusal(replaced("[contact]", "[contact]\ngather = \"pairs\""), {"not available"});
-  expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hertz-mindlin\""), {"not available", "linear"});
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"liniar\""), {"did you mean 'linear'"});
   expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"not available", "brute-force"});
   expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"w\"]\n", {"periodic", "expected \"x\""});
   expect_refusal(kCase + "[domain]\nperiodic = [\"x\"]\n", {"periodic", "needs min and max"});
   expect_refusal(replaced("count = 10", "count = 10\nmethod = \"lattice\""), {"not available", "random"});
-  expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrolling_friction = 0.1"), {"rolling_friction", "not available"});
+}
+
+TEST(CaseFile, contact_laws_ask_for_what_they_need) {
+  expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hertz-mindlin\""), {"stiffness", "not used", "young"});
+  expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hunt-crossley\""), {"restitution", "restitution_speed"});
+  expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrestitution_speed = 1"), {"restitution_speed", "hunt-crossley"});
+  expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrolling_model = \"elastic\""), {"rolling_model"});
+  const Case c = parse(replaced("friction = 0.4", "friction = 0.4\nrolling_friction = 0.1\ntorsional_friction = 0.2\nrolling_model = "
+                                                  "\"constant\"\ntangential_ratio = 0.8\ntangential_damping = 0\ncontact_radius = \"3 mm\""));
+  EXPECT_DOUBLE_EQ(c.pairs[0].pair.rolling_friction, 0.1);
+  EXPECT_DOUBLE_EQ(c.pairs[0].pair.torsional_friction, 0.2);
+  EXPECT_EQ(c.pairs[0].pair.rolling_model, "constant");
+  EXPECT_DOUBLE_EQ(c.pairs[0].pair.tangential_ratio, 0.8);
+  EXPECT_DOUBLE_EQ(c.pairs[0].pair.tangential_damping, 0);
+  EXPECT_DOUBLE_EQ(c.pairs[0].pair.contact_radius, 0.003);
 }
 
 TEST(CaseFile, broken_toml_is_refused_with_line_and_column) {
