@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""Draws the plots P1, P2, P4, P5, P6, P8 of VALIDATION 4.5. usage: plots.py FOLDER (reads *.json, writes P*.svg and P*.png)
+
+The front of a plot: settings for which no other is both faster and more exact; marked by a grey line and rings.
+"""
+import json
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy  # noqa: E402
+
+FOLDER = sys.argv[1]
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
+plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": .3, "svg.hashsalt": "scree", "legend.fontsize": 8, "legend.framealpha": .8})
+
+
+def load(name):
+    with open(os.path.join(FOLDER, name + ".json")) as file:
+        return [row for row in json.load(file) if "refused" not in row]
+
+
+def save(figure, name):
+    figure.tight_layout()
+    figure.savefig(os.path.join(FOLDER, name + ".svg"), metadata={"Date": None})
+    figure.savefig(os.path.join(FOLDER, name + ".png"), dpi=110)
+    plt.close(figure)
+
+
+def curves(rows):
+    """Names of the curves in the order they come."""
+    return list(dict.fromkeys(row["curve"] for row in rows))
+
+
+def front(points):
+    """Indices of the points that no other beats in both coordinates, by growing x."""
+    order, best, found = numpy.lexsort((points[:, 1], points[:, 0])), numpy.inf, []
+    for i in order:
+        if points[i, 1] < best:
+            best = points[i, 1]
+            found.append(i)
+    return found
+
+
+def draw(axes, rows, x, y, label=True, mark_front=False, floor=1e-17):
+    names = curves(rows)
+    for n, name in enumerate(names):
+        own = sorted((row for row in rows if row["curve"] == name), key=lambda row: row[x])
+        axes.loglog([row[x] for row in own], [max(row[y], floor) for row in own], color=COLOURS[n % 7], marker=MARKERS[n % 7], markersize=4, linewidth=1.2,
+                    label=name if label else None)
+    if mark_front and rows:
+        points = numpy.array([(row[x], max(row[y], floor)) for row in rows])
+        best = points[front(points)]
+        axes.plot(best[:, 0], best[:, 1], color="0.35", linewidth=4, alpha=.25, zorder=0, label="front" if label else None)
+        axes.plot(best[:, 0], best[:, 1], linestyle="", marker="o", markersize=9, markerfacecolor="none", markeredgecolor="0.35")
+
+
+def slope(own, x, y):
+    """Order in x of a curve's finer half, where it is above rounding."""
+    own = sorted((row for row in own if row[y] > 1e-12), key=lambda row: row[x])[:4]
+    if len(own) < 3:
+        return None
+    return numpy.polyfit(numpy.log([row[x] for row in own]), numpy.log([row[y] for row in own]), 1)[0]
+
+
+def p1_p2():
+    panels = [("integrators", "R1", "error_traj", "free rotation (R1): orientation error [rad]"),
+              ("integrators", "R2", "error_traj", "about the middle axis (R2): orientation error [rad]"),
+              ("impact", "linear", "error_e", "impact, linear law: |e - 0.5|, worst phase"),
+              ("impact", "hunt-crossley", "error_e", "impact, Hunt-Crossley: |e - 0.5|, worst phase"),
+              ("collision", "rocks", "error_traj", "12 pairs of concave rocks: position error [m]")]
+    panels = [(rows, title, key) for study, case, key, title in panels if (rows := [row for row in load(study) if row["case"] == case])]
+    for name, x, xlabel in (("P1", "seconds", "time of the steps [s]"), ("P2", "step", "step [s]")):
+        columns = (len(panels) + 1) // 2
+        figure, axes = plt.subplots(2, columns, figsize=(4.3 * columns, 7.4))
+        for ax in axes.flat[len(panels):]:
+            ax.set_axis_off()
+        for ax, (rows, title, key) in zip(axes.flat, panels):
+            if name == "P2":
+                rows = [dict(row) for row in rows]
+                for curve in curves(rows):
+                    order = slope([row for row in rows if row["curve"] == curve], "step", key)
+                    for row in rows:
+                        if row["curve"] == curve and order is not None:
+                            row["curve"] = f"{curve}: order {order:.2f}"
+            draw(ax, rows, x, key, mark_front=name == "P1")
+            ax.set_title(title)
+            ax.set_xlabel(xlabel)
+            ax.legend()
+        save(figure, name)
+
+
+def p4():
+    rows = load("mesh")
+    finest = max(row["steps_per_contact"] for row in rows)
+    figure, axes = plt.subplots(2, 2, figsize=(9.5, 7.4))
+    for ax, kind in zip(axes[0], ("icosphere", "cube")):
+        own = [dict(row, curve=f"{row['curve']}, {row['steps_per_contact']} steps a contact") for row in rows if row["case"] == kind]
+        draw(ax, own, "triangles", "error_e")
+        ax.set_title(f"{kind}, rotation locked: |e - 0.5|")
+        ax.set_xlabel("triangles")
+        ax.legend()
+    own = [dict(row, curve=row["curve"]) for row in rows if row["steps_per_contact"] == finest]
+    for n, (kind, style) in enumerate((("icosphere", "-"), ("cube", "--"))):
+        for name in curves(own):
+            points = sorted((row["triangles"], row["duration"]) for row in own if row["case"] == kind and row["curve"] == name)
+            axes[1, 0].semilogx(*zip(*points), style, color=COLOURS[n], marker=MARKERS[n], markersize=4, label=f"{kind}, {name}")
+    axes[1, 0].set_ylim(0)
+    axes[1, 0].set_title(f"duration of the contact [s], {finest} steps a contact")
+    axes[1, 0].set_xlabel("triangles")
+    axes[1, 0].legend()
+    own = [dict(row, curve=f"{row['case']}, {row['steps_per_contact']} steps") for row in rows if row["curve"] == "potential"]
+    draw(axes[1, 1], own, "seconds", "error_e", mark_front=True)
+    axes[1, 1].set_title("|e - 0.5| against time, all refinements")
+    axes[1, 1].set_xlabel("time of the steps [s]")
+    axes[1, 1].legend(fontsize=7)
+    save(figure, "P4")
+
+
+def p5():
+    rows = load("margin")
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4))
+    for ax, x, y, title, xlabel in ((axes[0], "margin", "error_traj", "angular momentum after a corner impact:\nerror against the rigid body", "margin sum over smallest size"),
+                                    (axes[1], "margin", "step", "step [s]", "margin sum over smallest size"),
+                                    (axes[2], "seconds", "error_traj", "error against time", "time of the steps [s]")):
+        draw(ax, rows, x, y, mark_front=x == "seconds")
+        ax.set_title(title)
+        ax.set_xlabel(xlabel)
+        ax.legend()
+    save(figure, "P5")
+
+
+def p6():
+    rows = load("precision")
+    figure, axes = plt.subplots(figsize=(6.4, 3.2))
+    names = [row["curve"] for row in rows]
+    base = rows[0]["seconds"]
+    axes.barh(names, [row["seconds"] / base for row in rows], color=COLOURS[:len(rows)])
+    for i, row in enumerate(rows):
+        same = "the same bits" if row["hash"] == rows[0]["hash"] else f"differs by {row['error_traj']:.1g} m"
+        axes.text(.02, i, f"{same}; {row['seconds'] * 1e6 / row['steps'] / 27:.2f} us a body and step", va="center", color="white", fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlabel("time over that of the default")
+    axes.set_title("27 rocks of 320 triangles, 0.5 s of settling")
+    save(figure, "P6")
+
+
+def p8():
+    rows = load("drift")
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    figure, axes = plt.subplots(1, len(cases), figsize=(5 * len(cases), 4))
+    for ax, case in zip(numpy.atleast_1d(axes), cases):
+        for n, row in enumerate(row for row in rows if row["case"] == case):
+            ax.loglog(numpy.array(row["time"])[1:], numpy.maximum(row["error"], 1e-17)[1:], color=COLOURS[n], linewidth=1, label=row["curve"])
+        ax.set_title(f"{case}: |dE|/E")
+        ax.set_xlabel("time [s]")
+        ax.legend()
+    save(figure, "P8")
+
+
+def table():
+    """What the front says, as Markdown: per panel the cheapest setting that reaches an error."""
+    lines = ["| study | error at most | cheapest setting | its error | s |", "|---|---|---|---|---|"]
+    for study, key, goals in (("integrators", "error_traj", (1e-2, 1e-3, 1e-4)), ("impact", "error_e", (1e-2, 1e-3, 1e-4)), ("collision", "error_traj", (1e-2, 1e-3, 1e-4)),
+                              ("margin", "error_traj", (5e-3, 2e-3, 1e-3))):
+        rows = load(study)
+        for case in dict.fromkeys(row["case"] for row in rows):
+            for goal in goals:
+                fit = [row for row in rows if row["case"] == case and row[key] <= goal]
+                if fit:
+                    best = min(fit, key=lambda row: row["seconds"])
+                    what = f"{best['curve']}, " + (f"{best['steps_per_contact']} steps a contact" if "steps_per_contact" in best else
+                                                    f"margin {best['margin']:g}" if "margin" in best else f"step {best['step']:g} s")
+                    lines.append(f"| {study}, {case} | {goal:g} | {what} | {best[key]:.2g} | {best['seconds']:.2g} |")
+    with open(os.path.join(FOLDER, "fronts.md"), "w") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+for part in (p1_p2, p4, p5, p6, p8, table):
+    part()
