@@ -113,6 +113,55 @@ def f3(tools, report):
     report.at_most("speed at the end [m/s]", numpy.linalg.norm(run.v[-1, 0]), 1e-6)
 
 
+@case("F8", "U", "rolling resistance of constant moment brakes a rolling ball", "LAMMPS granular test suite; VALIDATION F8")
+def f8(tools, report):
+    R, k, mu_r, w0 = .1, 1e6, .02, 10.0
+    mass = 1000 * 4 / 3 * math.pi * R**3
+    c = Case("F8", duration=1.0, steps_per_contact=30, gravity=(0, 0, -G), margin=2e-4, every=.02)
+    c.sphere("ball", R)
+    c.material("m", 1000.0)
+    # friction is high, so it rolls without slip: (7/5) m R^2 w' = -mu_r R m g
+    c.pair_all(stiffness=k, restitution=.5, friction=1.0, rolling_friction=mu_r, rolling_model="constant", contact_radius=R)
+    c.body("ball", "m", (0, 0, R + 4e-4 - mass * G / k), velocity=(w0 * R, 0, 0), angular_velocity=(0, w0, 0))
+    c.floor()
+    run = report.run(c.run(tools))
+    late = (run.times > .1) & (run.w[:, 0, 1] > 1)
+    rate = -numpy.polyfit(run.times[late], run.w[late, 0, 1], 1)[0]
+    report.check("rolls free: w' [rad/s^2], closed form (5/7) mu_r g/R", rate, 5 / 7 * mu_r * G / R, 5e-3)
+    # without friction it spins in its place: (2/5) m R^2 w' = -mu_r R m g, the formula of the reference
+    c = Case("F8-spin", duration=1.0, steps_per_contact=30, gravity=(0, 0, -G), margin=2e-4, every=.02)
+    c.sphere("ball", R)
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.5, friction=0.0, rolling_friction=mu_r, rolling_model="constant", contact_radius=R)
+    c.body("ball", "m", (0, 0, R + 4e-4 - mass * G / k), angular_velocity=(0, w0, 0))
+    c.floor()
+    run = report.run(c.run(tools))
+    late = (run.times > .1) & (run.w[:, 0, 1] > 1)
+    rate = -numpy.polyfit(run.times[late], run.w[late, 0, 1], 1)[0]
+    report.check("spins without friction: w' [rad/s^2], closed form (5/2) mu_r g/R", rate, 2.5 * mu_r * G / R, 5e-3)
+
+
+@case("F9", "U", "rolling resistance holds a ball on a slope below tan a = mu_r", "Ai et al. 2011; VALIDATION F9")
+def f9(tools, report):
+    R, k, mu_r, margin = .1, 1e6, .1, 1e-4
+    mass = 1000 * 4 / 3 * math.pi * R**3
+    limit = math.degrees(math.atan(mu_r))
+    c = Case("F9", duration=6.0, steps_per_contact=30, gravity=(0, 0, -G), margin=margin, every=.1)
+    c.sphere("ball", R)
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.2, friction=.8, rolling_friction=mu_r, rolling_model="elastic-plastic", contact_radius=R)
+    offsets = (-.1, .1)
+    inclines = []
+    for i, offset in enumerate(offsets):
+        s = Incline(c, math.radians(limit + offset), (0, 0, 30 * i), 40.0, "m")
+        c.body("ball", "m", s.point(-6, R + 2 * margin - mass * G / k), orientation=s.q)
+        inclines.append(s)
+    run = report.run(c.run(tools))
+    way = [s.along(run.x[-1, i] - run.x[run.times > 4][0, i])[0] for i, s in enumerate(inclines)]
+    report.at_most(f"{limit - .1:.3f} degrees: rolls in the last 2 s by [m]", abs(way[0]), 1e-6)
+    report.at_least(f"{limit + .1:.3f} degrees: rolls in the last 2 s by [m]", way[1], 1e-3)
+
+
 @case("F10", "U", "friction knows no direction: F3 every 15 degrees")
 def f10(tools, report):
     angles = [math.radians(15 * i) for i in range(24)]

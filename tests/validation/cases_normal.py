@@ -83,6 +83,65 @@ def c1(tools, report):
         report.check(f"d_max omega / v at zeta = {z:g}", depth.max() * math.sqrt(k), cf.deepest(z), 5e-3, "relative")
 
 
+@case("C2", "U", "Hunt-Crossley: restitution by speed, phase, steps", "Hunt and Crossley 1975; VALIDATION C2")
+def c2(tools, report):
+    k, e_sum, R = 1e4, .02, .5
+    density = 1 / (4 / 3 * math.pi * R**3)
+    contact = math.pi / math.sqrt(k)
+    alpha = cf.hunt_crossley_alpha(.5)
+    # alpha = chi v: at half and twice the speed of the asked restitution the law itself says another one
+    factors = (1.0, .5, 2.0)
+    expected = [.5, cf.hunt_crossley_restitution(alpha / 2), cf.hunt_crossley_restitution(2 * alpha)]
+    for steps, limit in ((20, 1.2e-3), (50, 2.2e-4), (100, 5e-5)):
+        dt = contact / steps
+        c = Case(f"C2-{steps}", duration=1.8 * contact, step=dt, margin=e_sum, law="hunt-crossley", every=1.0)
+        c.sphere("ball", R)
+        c.material("m", density)
+        c.pair_all(stiffness=k, restitution=.5, restitution_speed=1.0)
+        for i, f in enumerate(factors):
+            for j in range(PHASES):
+                c.body("ball", "m", (2 * j, 2 * i, R + 2 * e_sum + f * dt * (1 + (j + .5) / PHASES)), velocity=(0, 0, -f), lock_rotation=True)
+        c.floor()
+        run = c.run(tools)
+        e = run.v[-1, :, 2].reshape(len(factors), PHASES) / numpy.array(factors)[:, None]
+        report.run(run, error_e=numpy.abs(e[0] - .5).max())
+        report.at_most(f"|e - 0.5|, worst of {PHASES} phases, {steps} steps a contact", numpy.abs(e[0] - .5).max(), limit)
+        if steps == 100:
+            for i in (1, 2):
+                report.check(f"e at {factors[i]:g} of the speed asked for", e[i].mean(), expected[i], 1e-3, "absolute")
+
+
+@case("C3", "U", "Hertz: a sphere and a fine mesh of it", "Hertz; VALIDATION C3")
+def c3(tools, report):
+    young, poisson, density, R, speed = 1e7, .3, 1000.0, .1, .5
+    E = 1 / (2 * (1 - poisson**2) / young)
+    sphere_mass = density * 4 / 3 * math.pi * R**3
+    for name in ("analytic sphere", "icosphere L4"):
+        mesh = meshes.icosphere(4, R)
+        mass = sphere_mass if name[0] == "a" else density * meshes.mass_properties(mesh)[0]
+        depth, force, duration = cf.hertz_impact(mass, speed, E, R)
+        margin = 0 if name[0] == "a" else depth
+        dt = duration / 600
+        c = Case(f"C3-{name.split()[0]}", duration=1.3 * duration, step=dt, margin=margin, law="hertz-mindlin", every=4 * dt, contacts=True)
+        if name[0] == "a":
+            c.sphere("ball", R)
+        else:
+            c.mesh("ball", mesh)
+        c.material("m", density, young=young, poisson=poisson)
+        c.pair_all(restitution=1.0, contact_radius=R)
+        c.body("ball", "m", (0, 0, (R if name[0] == "a" else mesh[0][:, 2].max()) + 2 * margin + 1e-9 * R), velocity=(0, 0, -speed), lock_rotation=True)
+        c.floor()
+        run = c.run(tools)
+        total = numpy.array([contacts["normal_force"].sum() for contacts in run.contacts])
+        touching = run.times[total > 0]
+        deepest = run.x[0, 0, 2] - run.x[:, 0, 2].min()
+        tolerance = 5e-3 if name[0] == "a" else .02
+        report.run(run, error_e=abs(run.v[-1, 0, 2] / speed - 1), error_t=abs((touching[-1] - touching[0]) / duration - 1))
+        report.check(f"{name}: largest depth [m]", deepest, depth, tolerance)
+        report.check(f"{name}: largest force [N]", total.max(), force, tolerance)
+        report.check(f"{name}: duration [s]", touching[-1] - touching[0] + 4 * dt, duration, 2 * tolerance)
+
+
 @case("C13", "N", "elastic bouncing for a long time: no drift of energy")
 def c13(tools, report):
     k, g = 1e4, 9.81

@@ -82,6 +82,17 @@ def oblique_impact(angle, speed, radius, e, mu, rho=2 / 7, density=1000.0, dashp
     return vt / (speed * math.sin(angle)), w
 
 
+def hunt_crossley_restitution(alpha):
+    """Inverse of hunt_crossley_alpha()."""
+    low, high = 1e-9, 1.0
+    for _ in range(200):
+        e = (low + high) / 2
+        # the force stops to act where 1 - alpha e' = 0; e below 1/alpha always
+        value = alpha * (1 + e) - math.log((1 + alpha) / (1 - alpha * e)) if alpha * e < 1 else -1.0
+        low, high = (e, high) if value > 0 else (low, e)
+    return (low + high) / 2
+
+
 # --- Hertz
 def hertz_impact(mass, speed, young, radius):
     """Largest depth, force, duration of an elastic impact; effective mass, effective modulus and effective radius."""
