@@ -189,7 +189,7 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
   choose_skin(std::min(static_cast<double>(tree_a.radius), b_in_a.scale * static_cast<double>(tree_b.radius)), margin);
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
   const double allowance = static_cast<double>(frame.allowance), reach = margin + skin_;
-  s.descent.forget_leaves();
+  s.descent.forget_placed();
   s.descent.candidates.clear();
   s.listed.clear();
   collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent);

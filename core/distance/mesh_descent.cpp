@@ -58,8 +58,7 @@ HWY_INLINE std::uint32_t near_boxes(const float lower[3][kWideWidth], const floa
   return bits;
 }
 
-/// Boxes of the children of a node of B in A's frame.
-HWY_INLINE void place_boxes(const WideNode& node, const DescentFrame& frame, float lower[3][kWideWidth], float upper[3][kWideWidth]) {
+void place_boxes(const WideNode& node, const DescentFrame& frame, PlacedNode& out) {
   const Vec8 half_of = all(0.5f);
   for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
     Vec8 centre[3], half[3];
@@ -71,8 +70,8 @@ HWY_INLINE void place_boxes(const WideNode& node, const DescentFrame& frame, flo
     for (int c = 0; c < 3; ++c) {
       const Vec8 x = hn::Add(all(frame.translation[c]), dot(all(frame.linear[c][0]), all(frame.linear[c][1]), all(frame.linear[c][2]), centre[0], centre[1], centre[2]));
       const Vec8 e = dot(all(frame.absolute[c][0]), all(frame.absolute[c][1]), all(frame.absolute[c][2]), half[0], half[1], half[2]);
-      hn::StoreU(hn::Sub(x, e), Tag8(), lower[c] + part);
-      hn::StoreU(hn::Add(x, e), Tag8(), upper[c] + part);
+      hn::StoreU(hn::Sub(x, e), Tag8(), out.lower[c] + part);
+      hn::StoreU(hn::Add(x, e), Tag8(), out.upper[c] + part);
     }
   }
 }
@@ -190,7 +189,7 @@ HWY_INLINE void copy_box(const float lower[3][kWideWidth], const float upper[3][
 /// Calls visit for each pair of children within reach.
 template <class Visit>
 HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,
-                          const Visit& visit) {
+                          DescentScratch& scratch, const Visit& visit) {
   const float reach2 = reach * reach;
   float gap2[kWideWidth];
   SubtreePair next = pair;
@@ -210,13 +209,17 @@ HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame
     return;
   }
   const WideNode& node = b.nodes[static_cast<std::size_t>(pair.b)];
-  alignas(32) float lower[3][kWideWidth], upper[3][kWideWidth];
-  place_boxes(node, frame, lower, upper);
-  std::uint32_t rows = near_boxes(lower, upper, pair.box_a, reach2, gap2) & first_bits(node.count);
+  const auto slot = static_cast<std::size_t>(pair.b % DescentScratch::kCacheSize);
+  PlacedNode& placed = scratch.node_cache[slot];
+  if (scratch.cached_nodes[slot] != pair.b) {
+    place_boxes(node, frame, placed);
+    scratch.cached_nodes[slot] = pair.b;
+  }
+  std::uint32_t rows = near_boxes(placed.lower, placed.upper, pair.box_a, reach2, gap2) & first_bits(node.count);
   for (; rows != 0; rows &= rows - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(rows));
     next.b = node.child[j];
-    copy_box(lower, upper, j, next.box_b);
+    copy_box(placed.lower, placed.upper, j, next.box_b);
     if (pair.a >= 0) {
       open_a(next);
     } else {
@@ -232,7 +235,7 @@ HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFram
     meet_leaves(a, b, frame, ~pair.a, ~pair.b, pair.box_a, reach, scratch);
     return;
   }
-  open_pair(a, b, frame, pair, reach, [&](const SubtreePair& next) { scratch.pairs.push_back(next); });
+  open_pair(a, b, frame, pair, reach, scratch, [&](const SubtreePair& next) { scratch.pairs.push_back(next); });
 }
 
 HWY_NOINLINE bool open_all(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root, float reach,
@@ -242,7 +245,7 @@ HWY_NOINLINE bool open_all(const WideBvh& a, const WideBvh& b, const DescentFram
   while (!scratch.pairs.empty()) {
     const SubtreePair pair = scratch.pairs.back();
     scratch.pairs.pop_back();
-    open_pair(a, b, frame, pair, reach, [&](const SubtreePair& next) {
+    open_pair(a, b, frame, pair, reach, scratch, [&](const SubtreePair& next) {
       if (next.a < 0 && next.b < 0) {
         meet_leaves(a, b, frame, ~next.a, ~next.b, next.box_a, reach, scratch);
       } else {

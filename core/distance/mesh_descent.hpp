@@ -42,15 +42,24 @@ struct alignas(32) PlacedLeaf {
   float normal[3][kWideWidth], low[kWideWidth], high[kWideWidth];
 };
 
+/// Boxes of the children of a node of B in A's frame.
+struct alignas(32) PlacedNode {
+  float lower[3][kWideWidth], upper[3][kWideWidth];
+};
+
 struct DescentScratch {
-  /// Leaves of B placed lately; the same leaf meets several of A in a row.
+  /// Leaves and nodes of B placed lately: the same one meets several of A.
   static constexpr std::int32_t kCacheSize = 32;
-  std::array<std::int32_t, kCacheSize> cached;
+  std::array<std::int32_t, kCacheSize> cached, cached_nodes;
   std::array<PlacedLeaf, kCacheSize> cache;
+  std::array<PlacedNode, kCacheSize> node_cache;
   std::vector<SubtreePair> pairs;
   std::vector<TrianglePair> candidates;
   /// To be called when another tree, placement or larger reach begins.
-  void forget_leaves() { cached.fill(-1); }
+  void forget_placed() {
+    cached.fill(-1);
+    cached_nodes.fill(-1);
+  }
 };
 
 /// The two roots, taken as within any reach. Both trees must have triangles.

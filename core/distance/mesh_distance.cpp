@@ -102,7 +102,7 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
   const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
-  s.descent.forget_leaves();
+  s.descent.forget_placed();
   s.descent.candidates.clear();
   collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent);
   bool intersecting = false;
@@ -174,7 +174,7 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
     best = distance;
     found = pair;
   };
-  s.descent.forget_leaves();
+  s.descent.forget_placed();
   s.descent.candidates.clear();
   // a bound: the pair that was nearest last time, or one pair of leaves
   if (start.a >= 0 && start.a < a.mesh->triangle_count() && start.b >= 0 && start.b < b.mesh->triangle_count()) {
@@ -192,7 +192,7 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   constexpr int kProbes = 4;
   double reach = best;
   for (int probe = 0; best > 0; ++probe) {
-    s.descent.forget_leaves();
+    s.descent.forget_placed();
     const bool all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent,
                                         probe < kProbes ? kManyCandidates : ~std::size_t{0});
     exact.solve_candidates(take);

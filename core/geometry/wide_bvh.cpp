@@ -1,6 +1,7 @@
 #include "core/geometry/wide_bvh.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +10,9 @@ namespace {
 
 /// Above this many triangles a median serves: the top of a large tree matters little.
 constexpr std::int32_t kSweepLimit = 4096;
+
+/// Cost of visiting a leaf in units of visiting a node. From 0.5 to 2 the trees hardly differ.
+constexpr double kLeafCost = 1;
 
 // volatile: GCC 12 at -O3 was seen to drop a conversion to float and back
 float to_nearest(double x) {
@@ -35,6 +39,14 @@ struct BinaryNode {
   std::int32_t begin = 0, end = 0, left = -1, right = -1;
 };
 
+/// Of a binary node: the least cost of standing for it by at most so many children of a wide node, how many are really
+/// used, and how many of these stand for its left child.
+struct Plan {
+  std::array<double, kWideWidth + 1> cost{};
+  std::array<std::uint8_t, kWideWidth + 1> roots{}, left_share{};  // left_share only where all roots are used
+  std::uint8_t whole_share = 0;                                    // the same where the node becomes a wide node itself
+};
+
 class Builder {
  public:
   explicit Builder(const TriangleMesh& mesh) : mesh_(mesh) {
@@ -47,6 +59,7 @@ class Builder {
       order_[static_cast<std::size_t>(t)] = t;
     }
     split(0, count);
+    plan();
     collapse(0);
     const Box3& root = binary_[0].box;
     for (int c = 0; c < 3; ++c)
@@ -130,24 +143,64 @@ class Builder {
     return best_cut;
   }
 
-  /// Makes a wide node of a binary one and returns its index.
-  std::int32_t collapse(std::int32_t root) {
-    std::vector<std::int32_t> children = {root};
-    while (children.size() < static_cast<std::size_t>(kWideWidth)) {
-      // open the largest inner child
-      std::size_t best = children.size();
-      double largest = -1;
-      for (std::size_t k = 0; k < children.size(); ++k) {
-        const BinaryNode& child = binary_[static_cast<std::size_t>(children[k])];
-        if (child.left >= 0 && half_area(child.box) > largest) {
-          largest = half_area(child.box);
-          best = k;
+  /// Least costs of making each binary node into 1 to 8 children of a wide one.
+  void plan() {
+    plan_.resize(binary_.size());
+    for (std::size_t n = binary_.size(); n-- > 0;) {  // children come after their parents
+      const BinaryNode& node = binary_[n];
+      Plan& plan = plan_[n];
+      const double area = half_area(node.box);
+      if (node.left < 0) {
+        plan.cost.fill(kLeafCost * area);
+        plan.roots.fill(1);
+        continue;
+      }
+      const Plan &left = plan_[static_cast<std::size_t>(node.left)], &right = plan_[static_cast<std::size_t>(node.right)];
+      for (std::size_t roots = 2; roots <= kWideWidth; ++roots) {
+        plan.cost[roots] = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 1; k < roots; ++k) {
+          const double cost = left.cost[k] + right.cost[roots - k];
+          if (cost < plan.cost[roots]) {
+            plan.cost[roots] = cost;
+            plan.left_share[roots] = static_cast<std::uint8_t>(k);
+          }
         }
       }
-      if (best == children.size()) break;
-      const BinaryNode& opened = binary_[static_cast<std::size_t>(children[best])];
-      children[best] = opened.left;
-      children.push_back(opened.right);
+      plan.whole_share = plan.left_share[kWideWidth];
+      // one root: a node of its own; and a node may stay whole where several roots are allowed
+      plan.cost[1] = area + plan.cost[kWideWidth];
+      plan.roots[1] = 1;
+      for (std::size_t roots = 2; roots <= kWideWidth; ++roots) {
+        const bool fewer = plan.cost[roots - 1] <= plan.cost[roots];
+        if (fewer) plan.cost[roots] = plan.cost[roots - 1];
+        plan.roots[roots] = fewer ? plan.roots[roots - 1] : static_cast<std::uint8_t>(roots);
+      }
+    }
+  }
+
+  /// Binary nodes that stand for a node which may have so many roots.
+  void gather_children(std::int32_t index, std::size_t roots, std::vector<std::int32_t>& children) const {
+    const BinaryNode& node = binary_[static_cast<std::size_t>(index)];
+    const Plan& plan = plan_[static_cast<std::size_t>(index)];
+    roots = plan.roots[roots];
+    if (roots == 1) {
+      children.push_back(index);
+      return;
+    }
+    gather_children(node.left, plan.left_share[roots], children);
+    gather_children(node.right, roots - plan.left_share[roots], children);
+  }
+
+  /// Makes a wide node of a binary one and returns its index.
+  std::int32_t collapse(std::int32_t root) {
+    std::vector<std::int32_t> children;
+    const BinaryNode& top = binary_[static_cast<std::size_t>(root)];
+    if (top.left < 0) {
+      children.push_back(root);
+    } else {
+      const std::size_t share = plan_[static_cast<std::size_t>(root)].whole_share;
+      gather_children(top.left, share, children);
+      gather_children(top.right, kWideWidth - share, children);
     }
     const std::size_t index = tree_.nodes.size();
     tree_.nodes.emplace_back();
@@ -186,6 +239,7 @@ class Builder {
   std::vector<Box3> boxes_;
   std::vector<std::int32_t> order_;
   std::vector<BinaryNode> binary_;
+  std::vector<Plan> plan_;
   WideBvh tree_;
 };
 
