@@ -1,12 +1,15 @@
 #include "decomposer/commands.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "decomposer/build_scene.hpp"
+#include "decomposer/compare_cuts.hpp"
 #include "decomposer/predicted_work.hpp"
+#include "decomposer/tile_scene.hpp"
 
 namespace scree {
 
@@ -78,7 +81,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   PackedScene packed = build_scene(c, progress);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;
-  if (options.ranks > 0) partition_scene(scene, options.ranks);
+  if (options.ranks > 0) partition_scene(scene, options.ranks, options.cut);
   scene.provenance = record(command, c.text, packed.inputs, c.settings.seed);
   write_scene_file(options.output, scene);
 
@@ -102,7 +105,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
 CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command) {
   check_output(options.output);
   Scene scene = read_scene_file(options.scene_path);
-  partition_scene(scene, options.ranks);
+  partition_scene(scene, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
   const std::string configuration = scene.provenance.value("configuration", std::string{});
   scene.provenance = record(command, configuration, {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}},
@@ -112,6 +115,41 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());
   result.output += solid_fraction_line(solid_volume(scene), container_volume(scene));
   result.output += partition_line(scene);
+  return result;
+}
+
+CommandResult compare_command(const CompareOptions& options) {
+  const Scene scene = read_scene_file(options.scene_path);
+  if (scene.bodies.size() == 0) throw InputError("{}: holds no bodies to cut", options.scene_path);
+  const std::vector<double> radius = bounding_radii(scene);
+  const double skin = options.skin * *std::min_element(radius.begin(), radius.end());
+  std::vector<CutMeasures> cuts;
+  for (const std::string& name : options.cuts) {
+    for (const int parts : options.parts) cuts.push_back(measure_cut(scene, cut_method_of(name), parts, skin));
+  }
+  CommandResult result;
+  result.output = cut_table(cuts);
+  return result;
+}
+
+CommandResult tile_command(const TileOptions& options, const std::vector<std::string>& command) {
+  check_output(options.output);
+  const Scene scene = read_scene_file(options.scene_path);
+  std::vector<InputRecord> inputs{{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}};
+  FrameBodies now;
+  if (!options.frame_path.empty()) {
+    Frame frame = read_frame_file(options.frame_path);
+    inputs.push_back({options.frame_path, sha256_of_file(options.frame_path), frame.provenance});
+    now = std::move(frame.bodies);
+  }
+  Scene tiled = tile_scene(scene, now, options.copies);
+  if (options.duration >= 0) tiled.settings.duration = options.duration;
+  tiled.provenance = record(command, scene.provenance.value("configuration", std::string{}), inputs, scene.settings.seed);
+  write_scene_file(options.output, tiled);
+  CommandResult result;
+  result.output = fmt::format("{}: {} bodies, {} x {} x {} copies of {}\n", options.output, tiled.bodies.size(), options.copies[0],
+                              options.copies[1], options.copies[2], scene.bodies.size());
+  result.output += solid_fraction_line(solid_volume(tiled), container_volume(tiled));
   return result;
 }
 

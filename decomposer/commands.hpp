@@ -1,9 +1,12 @@
 // The commands of the tool, without printing: main prints what they return.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "core/partition/partition.hpp"
 
 namespace scree {
 
@@ -15,10 +18,24 @@ struct CommandResult {
 struct PackOptions {
   std::string case_path, output;
   int ranks = 0;   ///< 0: not cut
+  CutMethod cut = CutMethod::rcb;
 };
 struct PartitionOptions {
   std::string scene_path, output;
   int ranks = 0;
+  CutMethod cut = CutMethod::rcb;
+};
+struct CompareOptions {
+  std::string scene_path;
+  std::vector<int> parts;
+  std::vector<std::string> cuts;   ///< names of cut methods
+  double skin = 0.1;               ///< of the smallest radius
+};
+struct TileOptions {
+  std::string scene_path, output;
+  std::string frame_path;          ///< "": the scene as it is
+  std::array<int, 3> copies{1, 1, 1};
+  double duration = -1;            ///< of the new scene [s]; < 0: as in the old one
 };
 
 /// in   command   words of the command line, for the provenance
@@ -26,5 +43,7 @@ CommandResult check_command(const std::string& case_path);
 CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command,
                            const std::function<void(double, double)>& progress = {});
 CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command);
+CommandResult compare_command(const CompareOptions& options);
+CommandResult tile_command(const TileOptions& options, const std::vector<std::string>& command);
 
 }  // namespace scree

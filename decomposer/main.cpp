@@ -8,6 +8,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/progress.hpp"
+#include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "decomposer/commands.hpp"
 
@@ -30,7 +31,9 @@ int run(int argc, char** argv) {
       {{"scree-decomposer check case.toml", "is the case file right?"},
        {"scree-decomposer pack case.toml -o box.scene.h5", "place all bodies"},
        {"scree-decomposer pack case.toml -o box.scene.h5 --ranks 4", "and cut the scene for 4 ranks"},
-       {"scree-decomposer partition box.scene.h5 --ranks 8 -o box8.scene.h5", "cut it for another number"}});
+       {"scree-decomposer partition box.scene.h5 --ranks 8 -o box8.scene.h5", "cut it for another number"},
+       {"scree-decomposer compare box.scene.h5 --parts 16,256", "count ghosts and imbalance of four ways to cut it"},
+       {"scree-decomposer tile box.scene.h5 --frame box.run/frame_000100.hdf --copies 4,4,1 -o bed.scene.h5", "repeat a settled box"}});
   app->require_subcommand(1);
 
   std::string case_path;
@@ -49,9 +52,34 @@ int run(int argc, char** argv) {
   partition_command->add_option("-o,--output", partition.output, "NAME.scene.h5")->required();
   partition_command->add_option("--ranks", partition.ranks, "Ranks of the solver")->required()->check(CLI::PositiveNumber);
 
+  const auto add_cut = [](CLI::App* command_line, std::string& name) {
+    command_line->add_option("--cut", name, "rcb (default), rib, hsfc or body")->check(CLI::IsMember(scree::cut_method_names()));
+  };
+  std::string cut = "rcb";
+  add_cut(pack_command, cut);
+  add_cut(partition_command, cut);
+
+  scree::CompareOptions compare;
+  compare.cuts = scree::cut_method_names();
+  auto* compare_command = app->add_subcommand("compare", "Cut a scene in several ways; print what each would cost, as a table");
+  compare_command->add_option("SCENE", compare.scene_path, "NAME.scene.h5")->required();
+  compare_command->add_option("--parts", compare.parts, "Numbers of parts, for instance 16,64,256")->required()->delimiter(',')->check(CLI::PositiveNumber);
+  compare_command->add_option("--cuts", compare.cuts, "Ways to cut (default all)")->delimiter(',')->check(CLI::IsMember(scree::cut_method_names()));
+  compare_command->add_option("--skin", compare.skin, "Skin of the body lists, of the smallest radius (default 0.1)")->check(CLI::Range(0.0, 1.0));
+
+  scree::TileOptions tile;
+  std::string duration;
+  auto* tile_command = app->add_subcommand("tile", "Repeat a box of bodies side by side");
+  tile_command->add_option("SCENE", tile.scene_path, "NAME.scene.h5 with one wall, box_inside")->required();
+  tile_command->add_option("--frame", tile.frame_path, "Frame of a run of that scene to take the bodies from");
+  tile_command->add_option("--copies", tile.copies, "Copies along x, y and z, for instance 4,4,1")->required()->delimiter(',')->check(CLI::PositiveNumber);
+  tile_command->add_option("--duration", duration, "Of the new scene, for instance \"2 ms\" (default: as the old one)");
+  tile_command->add_option("-o,--output", tile.output, "NAME.scene.h5")->required();
+
   // 2. run the one that was asked for; results to stdout, notes to stderr
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
   const std::vector<std::string> command = scree::command_words(argc, argv);
+  pack.cut = partition.cut = scree::cut_method_of(cut);
   scree::CommandResult result;
   if (*check) {
     result = scree::check_command(case_path);
@@ -64,6 +92,11 @@ int run(int argc, char** argv) {
       if (done >= total) progress->finish("all bodies placed");
       else progress->update(done, fmt::format("{:.0f} of {:.0f} bodies", done, total));
     });
+  } else if (*compare_command) {
+    result = scree::compare_command(compare);
+  } else if (*tile_command) {
+    if (!duration.empty()) tile.duration = scree::parse_quantity(duration, scree::Dimension::time, "--duration");
+    result = scree::tile_command(tile, command);
   } else {
     result = scree::partition_command(partition, command);
   }

@@ -22,18 +22,19 @@ std::vector<double> predicted_work(const Scene& scene) {
   return work;
 }
 
-void partition_scene(Scene& scene, int ranks) {
+void partition_scene(Scene& scene, int ranks, CutMethod method) {
   const std::vector<double> work = predicted_work(scene);
-  Partitioner partitioner(MPI_COMM_SELF, ranks);
+  Partitioner partitioner(MPI_COMM_SELF, ranks, method);
   const CutBoxes boxes = partitioner.cut(scene.bodies.id, scene.bodies.position, work);
   std::vector<double> per_rank(static_cast<std::size_t>(ranks), 0.0);
   scene.bodies.owner.clear();
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const int owner = boxes.rank_of(scene.bodies.position[i]);
+    const int owner = partitioner.part_of(scene.bodies.id[i], scene.bodies.position[i]);
     scene.bodies.owner.push_back(owner);
     per_rank[static_cast<std::size_t>(owner)] += work[i];
   }
   scene.partition.ranks = ranks;
+  scene.partition.method = cut_method_name(boxes.lower.empty() ? method : CutMethod::rcb);
   scene.partition.lower = boxes.lower;
   scene.partition.upper = boxes.upper;
   scene.partition.predicted_imbalance = imbalance(per_rank);

@@ -1,6 +1,7 @@
 // The first cut of a scene: what each body is expected to cost, and who owns it.
 #pragma once
 
+#include "core/partition/partition.hpp"
 #include "core/storage/scene_file.hpp"
 
 namespace scree {
@@ -12,6 +13,6 @@ namespace scree {
 std::vector<double> predicted_work(const Scene& scene);
 
 /// Fills scene.partition and bodies.owner. Collective over MPI_COMM_SELF only: MPI must be started.
-void partition_scene(Scene& scene, int ranks);
+void partition_scene(Scene& scene, int ranks, CutMethod method = CutMethod::rcb);
 
 }  // namespace scree

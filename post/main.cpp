@@ -10,6 +10,7 @@
 #include "post/contact_statistics.hpp"
 #include "post/report.hpp"
 #include "post/run_folder.hpp"
+#include "post/scaling.hpp"
 #include "post/tables.hpp"
 #include "post/vtk_or_not.hpp"
 
@@ -47,6 +48,7 @@ int run(int argc, char** argv) {
        {"scree-post paraview boulders.run", "then: paraview --script=boulders.run/paraview/open_in_paraview.py"},
        {"scree-post contacts boulders.run -o contacts.csv", "all contacts, and their statistics"},
        {"scree-post bodies boulders.run -o bodies.csv", "all positions, orientations and velocities"},
+       {"scree-post scaling r1.run r2.run r4.run -o scaling", "speedup and efficiency of the same scene on 1, 2 and 4 ranks"},
        {"scree-post picture boulders.run -o rocks.png --frame 20", "one picture (needs an X display)"}},
       scree::vtk_version());
   app->require_subcommand(1);
@@ -68,6 +70,11 @@ int run(int argc, char** argv) {
   CLI::App* picture = add("picture", "Draw one frame with true shapes", "Picture to write (.png)", true);
   picture->add_option("--frame", frame, "Number of the frame; -1 is the last (default)");
   CLI::App* report = add("report", "Write a self-contained page about the run", "Page to write (.html)", true);
+  std::vector<std::string> folders;
+  std::string scaling_output = "scaling";
+  CLI::App* scaling = app->add_subcommand("scaling", "Compare runs on different numbers of ranks and threads: a table, two charts");
+  scaling->add_option("RUN", folders, "NAME.run of the same bodies, or of as many more as cores")->required();
+  scaling->add_option("-o,--output", scaling_output, "Folder (default scaling)");
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
 
   // 2. what this build and this machine can do
@@ -77,6 +84,11 @@ int run(int argc, char** argv) {
   }
 
   // 3. read, and write what was asked for
+  if (*scaling) {
+    std::fputs(scree::write_scaling(folders, scaling_output).c_str(), stdout);
+    fmt::print(stderr, "{}: wrote {}/scaling.csv, strong.svg and weak.svg\n", kTool, scaling_output);
+    return 0;
+  }
   const scree::Run the_run = open(folder);
   if (*paraview) {
     fmt::print("{}\n", scree::make_paraview_files(the_run, output, surfaces));

@@ -268,4 +268,15 @@ std::string svg_of(const BarChart& chart) {
   return svg + "</svg>\n";
 }
 
+std::string standalone_svg(const LineChart& chart) {
+  // the classes of report_style.hpp that charts use, in the same colours
+  constexpr const char* kStyle =
+      "<style>.chart-title{font-size:15px;font-weight:600;fill:#1c2430}.chart-text{font-size:12.5px;fill:#37424e}"
+      ".tick{font-size:11.5px;fill:#56616f}.grid{stroke:#e4e9ee;stroke-width:1}.axis{stroke:#6b7785;stroke-width:1;fill:none}"
+      ".limit{stroke:#b3261e;stroke-width:1.2;stroke-dasharray:6 4}.limit-text{font-size:11.5px;fill:#8c1d17}"
+      "text{font-family:system-ui,'Liberation Sans',Arial,sans-serif}</style><rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+  std::string svg = svg_of(chart);
+  return svg.insert(svg.find('\n') + 1, kStyle);
+}
+
 }  // namespace scree

@@ -40,6 +40,9 @@ struct BarChart {
 };
 std::string svg_of(const BarChart& chart);
 
+/// A chart with its colours and fonts inside, on white: for a file of its own, outside report.html.
+std::string standalone_svg(const LineChart& chart);
+
 /// Text with <, >, & and quotes escaped for HTML and SVG.
 std::string escaped(const std::string& text);
 

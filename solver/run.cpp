@@ -354,6 +354,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                        {"error_relative", scale > 0 ? worst_balance / scale : 0.0}};
       run["peak_rss_bytes"] = memory;
       run["memory"] = memory_json(ranks);
+      run["parallel"] = {{"halo", options.parallel.strategy == HaloStrategy::overlap ? "overlap" : "blocking"},
+                         {"send", options.parallel.selection == HaloSelection::all ? "all" : "selected"},
+                         {"cut", cut_method_name(options.parallel.cut)}};
       run["settings"] = settings_json(scene);
       run["provenance"] = provenance;
       h5::write_text_file(options.run_folder + "/run.json", run.dump(1) + "\n");

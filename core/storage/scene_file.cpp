@@ -482,7 +482,8 @@ void write_scene_file(const std::string& path, const Scene& scene) {
   const h5::Group partition = root.create_group("partition");
   partition.write_attribute("ranks", scene.partition.ranks);
   partition.write_attribute("predicted_imbalance", scene.partition.predicted_imbalance);
-  if (scene.partition.ranks > 0) {
+  partition.write_attribute("method", scene.partition.method);
+  if (scene.partition.ranks > 0 && scene.partition.method == "rcb") {
     partition.write_array("lower", scene.partition.lower, "m");
     partition.write_array("upper", scene.partition.upper, "m");
   }
@@ -533,7 +534,8 @@ Scene read_scene(const std::string& path) {
   if (ranks < 0 || ranks > 100000000) throw InputError("{}: {} ranks cannot be right", partition.path(), ranks);
   scene.partition.ranks = static_cast<std::int32_t>(ranks);
   scene.partition.predicted_imbalance = partition.read_double_attribute("predicted_imbalance");
-  if (ranks > 0) {
+  if (partition.has_attribute("method")) scene.partition.method = partition.read_text_attribute("method");
+  if (ranks > 0 && scene.partition.method == "rcb") {
     scene.partition.lower = partition.read_vectors("lower");
     scene.partition.upper = partition.read_vectors("upper");
     for (const auto* side : {&scene.partition.lower, &scene.partition.upper}) {

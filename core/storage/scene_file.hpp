@@ -122,10 +122,11 @@ struct Settings {
   double checkpoint_every = 0;               ///< [s], 0: only at the end
 };
 
-/// The pre-partition: one leaf box per rank of a recursive bisection.
+/// The pre-partition. Owners are with the bodies; a recursive coordinate bisection has one leaf box per rank too.
 struct Partition {
   std::int32_t ranks = 0;                    ///< 0: not partitioned
-  std::vector<Vec3> lower, upper;            ///< ranks x 3 [m]; outer sides are +-1e300
+  std::string method = "rcb";                ///< see CutMethod
+  std::vector<Vec3> lower, upper;            ///< ranks x 3 [m], rcb only; outer sides are +-1e300
   double predicted_imbalance = 1;            ///< largest over mean predicted work
 };
 

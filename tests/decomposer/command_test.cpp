@@ -1,5 +1,6 @@
 // The tool as a user runs it: exit codes, messages, files.
 #include <gtest/gtest.h>
+#include <cmath>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -7,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "core/base/provenance.hpp"
 #include "core/storage/scene_file.hpp"
@@ -58,6 +60,10 @@ class Command : public ::testing::Test {
     write("case.toml", kCase);
   }
   ~Command() override { fs::remove_all(folder_); }
+  Scene read_scene_after_pack() {
+    expect("pack case.toml -o a.scene.h5", 0, {});
+    return read_scene_file((folder_ / "a.scene.h5").string());
+  }
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
   void write_changed(const std::string& from, const std::string& to) const {
     std::string text = kCase;
@@ -106,6 +112,50 @@ TEST_F(Command, partition_cuts_a_scene_again_and_changes_nothing_else) {
   EXPECT_EQ(settings_json(a), settings_json(b));
   EXPECT_EQ(b.provenance["inputs"][0]["history"], a.provenance);
   EXPECT_EQ(b.provenance["configuration"], kCase);
+}
+
+TEST_F(Command, partition_by_other_methods_gives_every_body_an_owner_that_reads_back) {
+  expect("pack case.toml -o a.scene.h5", 0, {});
+  for (const char* method : {"rib", "hsfc", "body"}) {
+    expect(std::string("partition a.scene.h5 --ranks 3 --cut ") + method + " -o b.scene.h5", 0, {"ranks              3"});
+    const Scene b = read_scene_file((folder_ / "b.scene.h5").string());
+    EXPECT_EQ(b.partition.method, method);
+    EXPECT_TRUE(b.partition.lower.empty());
+    EXPECT_EQ(std::set<std::int32_t>(b.bodies.owner.begin(), b.bodies.owner.end()), (std::set<std::int32_t>{0, 1, 2}));
+    EXPECT_LT(b.partition.predicted_imbalance, 1.2);  // 40 equal cubes in three parts: 14 / 13.33 at best
+  }
+}
+
+// Counted by hand: 10 unit-spaced cubes in a row, cut in the middle. Reach of a ghost: radius 0.05 x sqrt(3) / 2 each, far below the spacing.
+TEST_F(Command, compare_counts_the_ghosts_of_a_row_of_bodies) {
+  Scene scene = read_scene_after_pack();
+  BodyTable& b = scene.bodies;
+  const double radius = 0.5 * std::sqrt(3.0) * b.scale[0];
+  for (std::size_t i = 0; i < b.size(); ++i) b.position[i] = {2.1 * radius * static_cast<double>(i), 0, 0};
+  scene.settings.margin = 0.04 * radius;   // sums of reach: 2.08 radii: nobody touches
+  write_scene_file((folder_ / "row.scene.h5").string(), scene);
+  expect("compare row.scene.h5 --parts 2 --cuts rcb --skin 0", 0, {"rcb,2,1.0000,20.0,20,0.00,0,0.0,0,0,0"});
+  expect("compare row.scene.h5 --parts 2 --cuts rcb --skin 0.1", 0, {"rcb,2,1.0000,20.0,20,1.00,1,1.0,1,104,104"});
+  expect("compare row.scene.h5 --parts 4 --cuts rcb --skin 0.1", 0, {"rcb,4,1.0000,10.0,10,1.50,2,1.5,2,156,208"});
+  // dealt out by id the row is cut in the same places
+  expect("compare row.scene.h5 --parts 4 --cuts body --skin 0.1", 0, {"body,4,1.0000,10.0,10,1.50,2,1.5,2,156,208"});
+  expect("compare row.scene.h5 --parts 0", 2, {});
+}
+
+TEST_F(Command, tile_repeats_the_bodies_and_grows_the_box) {
+  expect("pack case.toml -o a.scene.h5 --ranks 2", 0, {});
+  expect("tile a.scene.h5 --copies 2,1,3 --duration 5ms -o t.scene.h5", 0, {"240 bodies"});
+  const Scene a = read_scene_file((folder_ / "a.scene.h5").string()), t = read_scene_file((folder_ / "t.scene.h5").string());
+  EXPECT_EQ(t.walls[0].upper, (Vec3{1.0, 0.5, 1.5}));
+  EXPECT_EQ(t.partition.ranks, 0);
+  EXPECT_DOUBLE_EQ(t.settings.duration, 0.005);
+  EXPECT_EQ(t.bodies.position[40 + 7], a.bodies.position[7] + (Vec3{0.5, 0, 0}));
+  EXPECT_EQ(t.bodies.position[200 + 7], a.bodies.position[7] + (Vec3{0.5, 0, 1.0}));
+  EXPECT_EQ(std::set<std::int64_t>(t.bodies.id.begin(), t.bodies.id.end()).size(), 240u);
+  EXPECT_EQ(t.provenance["inputs"][0]["history"], a.provenance);
+  write_changed("[[walls]]\nshape = { box_inside = [[0, 0, 0], [0.5, 0.5, 0.5]] }\nmaterial = \"stone\"\n", "");
+  expect("pack case.toml -o a.scene.h5", 0, {});
+  expect("tile a.scene.h5 --copies 2,1,1 -o u.scene.h5", 2, {"0 walls"});
 }
 
 TEST_F(Command, check_reads_a_case_and_needs_no_other_file) {

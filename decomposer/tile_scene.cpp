@@ -1,0 +1,57 @@
+#include "decomposer/tile_scene.hpp"
+
+#include "core/base/error.hpp"
+
+namespace scree {
+
+Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<int, 3>& copies) {
+  if (scene.walls.size() != 1 || scene.walls[0].kind != WallKind::box_inside) {
+    throw UsageError("tile: the scene has {} walls; expected one, box_inside, whose inside is the tile", scene.walls.size());
+  }
+  if (frame.size() != 0 && frame.size() != scene.bodies.size()) {
+    throw UsageError("tile: the frame has {} bodies, the scene {}; give a frame of a run of this scene", frame.size(), scene.bodies.size());
+  }
+  Scene result = scene;
+  result.partition = {};
+  Wall& box = result.walls[0];
+  const Vec3 width = box.upper - box.lower;
+  for (int k = 0; k < 3; ++k) {
+    const double grown = (copies[static_cast<std::size_t>(k)] - 1) * width[k];
+    box.upper[k] += grown;
+    result.settings.domain.upper[k] += grown;
+  }
+  // where each body of the scene is now
+  BodyTable tile = scene.bodies;
+  tile.owner.clear();
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    if (frame.shape[i] != tile.shape[i]) throw UsageError("tile: body {} has another shape in the frame than in the scene", frame.id[i]);
+    tile.position[i] = frame.position[i];
+    tile.orientation[i] = frame.orientation[i];
+    tile.velocity[i] = frame.velocity[i];
+    tile.angular_velocity[i] = frame.angular_velocity[i];
+  }
+  box.id = 0;
+  BodyTable& all = result.bodies;
+  all = {};
+  for (int z = 0; z < copies[2]; ++z)
+    for (int y = 0; y < copies[1]; ++y)
+      for (int x = 0; x < copies[0]; ++x) {
+        const Vec3 shift{x * width.x, y * width.y, z * width.z};
+        for (std::size_t i = 0; i < tile.size(); ++i) {
+          all.id.push_back(static_cast<std::int64_t>(all.id.size()) + 1);
+          all.shape.push_back(tile.shape[i]);
+          all.material.push_back(tile.material[i]);
+          all.scale.push_back(tile.scale[i]);
+          all.position.push_back(tile.position[i] + shift);
+          all.orientation.push_back(tile.orientation[i]);
+          all.velocity.push_back(tile.velocity[i]);
+          all.angular_velocity.push_back(tile.angular_velocity[i]);
+          all.fixed.push_back(tile.fixed[i]);
+          all.lock_rotation.push_back(tile.lock_rotation[i]);
+          all.population.push_back(tile.population[i]);
+        }
+      }
+  return result;
+}
+
+}  // namespace scree
