@@ -70,6 +70,32 @@ Expansion<4 * kA> product(const Expansion<kA>& a, const Expansion<2>& b) {
   return sum(scaled(a, b.count > 0 ? b.part[0] : 0), scaled(a, b.count > 1 ? b.part[1] : 0));
 }
 
+/// A number of twice the precision, high + low: relative error of a product or a sum at most 2^-102 of its operands.
+struct Double2 {
+  double high, low;
+};
+Double2 difference2(double a, double b) {
+  Double2 d{};
+  two_sum(a, -b, d.high, d.low);
+  return d;
+}
+Double2 operator*(const Double2& a, const Double2& b) {
+  const double high = a.high * b.high;
+  Double2 p{};
+  two_sum(high, std::fma(a.high, b.high, -high) + (a.high * b.low + a.low * b.high), p.high, p.low);
+  return p;
+}
+Double2 operator+(const Double2& a, const Double2& b) {
+  double high = 0, low = 0, rest_high = 0, rest_low = 0;
+  two_sum(a.high, b.high, high, low);
+  two_sum(a.low, b.low, rest_high, rest_low);
+  Double2 s{};
+  two_sum(high, low + rest_high, s.high, s.low);
+  two_sum(s.high, s.low + rest_low, s.high, s.low);
+  return s;
+}
+Double2 operator-(const Double2& a, const Double2& b) { return a + Double2{-b.high, -b.low}; }
+
 /// Sign of (a - c) x (b - c) with coordinate `axis` left out.
 int orient2d(Corner a, Corner b, Corner c, int axis) {
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
@@ -93,6 +119,17 @@ int orient3d(Corner a, Corner b, Corner c, Corner d) {
   const double bound = 0x1.dp-51 * permanent + 0x1p-1000;
   if (determinant > bound) return 1;
   if (determinant < -bound) return -1;
+
+  // most pairs that touch by accident are decided by twice the digits; the constant covers what underflows
+  const Double2 a2[3] = {difference2(a[0], d[0]), difference2(a[1], d[1]), difference2(a[2], d[2])};
+  const Double2 b2[3] = {difference2(b[0], d[0]), difference2(b[1], d[1]), difference2(b[2], d[2])};
+  const Double2 c2[3] = {difference2(c[0], d[0]), difference2(c[1], d[1]), difference2(c[2], d[2])};
+  const auto minor2 = [](const Double2* u, const Double2* v) { return u[0] * v[1] - v[0] * u[1]; };
+  const Double2 sum2 = minor2(b2, c2) * a2[2] + minor2(c2, a2) * b2[2] + minor2(a2, b2) * c2[2];
+  const double bound2 = 0x1p-95 * permanent + 0x1p-700;
+  if (sum2.high > bound2) return 1;
+  if (sum2.high < -bound2) return -1;
+
   const Expansion<2> p[3] = {difference(a[0], d[0]), difference(a[1], d[1]), difference(a[2], d[2])};
   const Expansion<2> q[3] = {difference(b[0], d[0]), difference(b[1], d[1]), difference(b[2], d[2])};
   const Expansion<2> r[3] = {difference(c[0], d[0]), difference(c[1], d[1]), difference(c[2], d[2])};

@@ -69,11 +69,11 @@ int run(int argc, char** argv) {
 
   // 3 what the core can do
   std::string csv = "case,method,precision,simd,pairs,ns_per_pair,million_pairs_per_s,fma_peak_gflops,error_median,error_p99,error_max,"
-                    "wrong_flags,uncertified,fell_back,not_a_number,commit,compiler\n";
+                    "wrong_flags,uncertified,fell_back,not_a_number,commit,compiler,share_of_fma_peak\n";
   const std::array<double, 2> peak = {scree::measured_fma_peak(false), scree::measured_fma_peak(true)};
   fmt::print("{}: measured FMA peak of one core: {:.1f} GFLOP/s double, {:.1f} single\n", scree::simd_target(), peak[0], peak[1]);
-  fmt::print("{:<15}{:<22}{:<8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}\n", "case", "method", "real", "ns/pair", "M/s", "median", "p99",
-             "max error", "flags%", "uncert%", "fell%");
+  fmt::print("{:<15}{:<22}{:<8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}{:>8}\n", "case", "method", "real", "ns/pair", "M/s", "median", "p99",
+             "max error", "flags%", "uncert%", "fell%", "peak%");
 
   // 4 run, 5 write
   std::vector<scree::AnswerRecord> answers;
@@ -83,13 +83,14 @@ int run(int argc, char** argv) {
       const scree::StudyCase study = scree::make_study_case(name, pairs, single, checked);
       for (const std::string& method : methods) {
         const scree::StudyRow row = scree::run_study(study, method, seconds, answers_file.empty() ? nullptr : &answers);
-        fmt::print("{:<15}{:<22}{:<8}{:>8.2f}{:>9.1f}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2f}{:>8.2f}{:>8.2f}{}\n", name, method, precision,
+        const double share = scree::operations_of(method, single) / row.nanoseconds / peak[single ? 1 : 0];
+        fmt::print("{:<15}{:<22}{:<8}{:>8.2f}{:>9.1f}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2f}{:>8.2f}{:>8.2f}{:>8}{}\n", name, method, precision,
                    row.nanoseconds, 1e3 / row.nanoseconds, row.error_median, row.error_p99, row.error_max, 100 * row.wrong_flags,
-                   100 * row.uncertified, 100 * row.fell_back, row.not_a_number > 0 ? fmt::format("  {} NaN", row.not_a_number) : "");
-        csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.2f},{:.4e},{:.4e},{:.4e},{:.6f},{:.6f},{:.6f},{},{},{}\n", name, method, precision,
+                   100 * row.uncertified, 100 * row.fell_back, share > 0 ? fmt::format("{:.1f}", 100 * share) : "", row.not_a_number > 0 ? fmt::format("  {} NaN", row.not_a_number) : "");
+        csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.2f},{:.4e},{:.4e},{:.4e},{:.6f},{:.6f},{:.6f},{},{},{},{:.4f}\n", name, method, precision,
                            scree::simd_target(), pairs.size(), row.nanoseconds, 1e3 / row.nanoseconds, peak[single ? 1 : 0], row.error_median,
                            row.error_p99, row.error_max, row.wrong_flags, row.uncertified, row.fell_back, row.not_a_number, scree::kGitHash,
-                           scree::kCompiler);
+                           scree::kCompiler, share);
       }
     }
   const auto write = [](const std::string& path, const char* data, std::size_t size) {
