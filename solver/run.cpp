@@ -164,6 +164,7 @@ LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path) {
 }
 
 int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
+  catch_signals();
   const LoadedScene loaded = load_scene(comm, options.scene_path);
   const Scene& scene = loaded.scene;
   const std::string& scene_hash = loaded.sha256;
@@ -193,7 +194,6 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
 
   Watchdog watchdog(comm, options.stall_limit, options.stalled);
   Simulation simulation(comm, *loaded.prepared, options.parallel);
-  catch_signals();
   const std::string checkpoint_path = checkpoint.path;
   double max_ratio = checkpoint.max_depth_ratio, kinetic_peak = checkpoint.kinetic_peak, worst_balance = checkpoint.energy_error;
   double reference = checkpoint.energy_reference;

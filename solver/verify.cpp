@@ -256,8 +256,10 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
       if (where.empty() && !totals) where = "the accumulated work and impulse of walls differ";
       if (where.empty() && recorded.state_hash != now.state_hash) where = "the hash that the checkpoint tells differs";
       ++checkpoints;
-    } else if (!record.frame.empty()) {
-      where = sum_up(comm, compare_with_frame(comm, simulation, now, record.frame));
+    }
+    if (!record.frame.empty()) {
+      const std::string in_frame = sum_up(comm, compare_with_frame(comm, simulation, now, record.frame));
+      if (where.empty() && !in_frame.empty()) where = fmt::format("{} (in its frame)", in_frame);
       ++frames;
     }
     const bool hash_differs = !record.hash.empty() && record.hash != now.state_hash;
