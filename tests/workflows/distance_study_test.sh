@@ -5,7 +5,7 @@ set -euo pipefail
 rm -rf "$3"
 SCREE_BIN=$2 "$1" distance-study --out "$3" --config pairs=64 seconds=0.001
 page=$3/distance-study.md
-[[ $(wc -l <"$3/distance-study.csv") -eq $((1 + 12 * 8 * 2)) ]]  # regimes, methods, precisions
+[[ $(wc -l <"$3/distance-study.csv") -eq $((1 + 12 * (8 * 2 + 1))) ]]  # regimes, methods in two precisions and one in one
 if grep -n '{[a-z_0-9]*}' "$page"; then echo "placeholders left in $page" >&2; exit 1; fi
 grep -q '^| `pen7-hybrid` |' "$page"
 [[ $(head -c 4 "$3/distance-study.png" | tail -c 3) == PNG ]]

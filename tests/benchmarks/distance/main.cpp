@@ -45,7 +45,7 @@ int run(int argc, char** argv) {
   app->add_option("--pairs", pairs_file, "File of pairs: 18 little-endian doubles each (A0 A1 A2 B0 B1 B2)")->type_name("FILE");
   app->add_option("--regime", regimes, "Generated regimes (default: all)")->type_name("NAME");
   app->add_option("--count", count, "Pairs a regime")->capture_default_str()->check(CLI::PositiveNumber);
-  app->add_option("--method", methods, "brute-force, brute-force-distance, penalty, hybrid, pen4, pen7, pen4-hybrid, pen7-hybrid")->type_name("M");
+  app->add_option("--method", methods, "brute-force, brute-force-distance, penalty, hybrid, pen4, pen7, pen4-hybrid, pen7-hybrid, brute-force-indexed (single)")->type_name("M");
   app->add_option("--precision", precisions, "double, single")->check(CLI::IsMember({"double", "single"}))->capture_default_str();
   app->add_option("--simd", simd, "best, avx512, avx2, sse4, scalar")->capture_default_str();
   app->add_option("--seconds", seconds, "Time each method and set for this long")->capture_default_str();
@@ -54,7 +54,8 @@ int run(int argc, char** argv) {
   app->add_option("--answers", answers_file, "Write the answers, 64 bytes a pair (one set, method and precision)")->type_name("FILE");
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
   scree::limit_simd(simd);
-  if (methods.empty()) methods = scree::study_methods();
+  const bool all_methods = methods.empty();
+  if (all_methods) methods = scree::study_methods();
   if (regimes.empty()) regimes = scree::regime_names();
   if (!answers_file.empty() && (methods.size() != 1 || precisions.size() != 1 || (pairs_file.empty() && regimes.size() != 1)))
     throw scree::UsageError("--answers: needs one --method, one --precision and one set of pairs (--pairs or one --regime)");
@@ -82,6 +83,7 @@ int run(int argc, char** argv) {
       const bool single = precision == "single";
       const scree::StudyCase study = scree::make_study_case(name, pairs, single, checked);
       for (const std::string& method : methods) {
+        if (all_methods && !scree::has_precision(method, single)) continue;
         const scree::StudyRow row = scree::run_study(study, method, seconds, answers_file.empty() ? nullptr : &answers);
         const double share = scree::operations_of(method, single) / row.nanoseconds / peak[single ? 1 : 0];
         fmt::print("{:<15}{:<22}{:<8}{:>8.2f}{:>9.1f}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2f}{:>8.2f}{:>8.2f}{:>8}{}\n", name, method, precision,

@@ -3,17 +3,46 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <memory>
 
 #include "core/base/error.hpp"
-#include "core/distance/distance_methods.hpp"
+#include "core/distance/indexed_distance.hpp"
 #include "tests/benchmarks/distance/published_methods.hpp"
 #include "tests/distance/exact_oracle.hpp"
 
 namespace scree {
 namespace {
 
+constexpr const char* kIndexed = "brute-force-indexed";
+
+/// All triangles A as one shape, all B as another that lies turned and shifted in its own frame; pairs by index, the
+/// triangles in a random order.
+std::function<void(const AnswerBatch<float>&)> indexed_runner(const std::vector<Pair18>& pairs) {
+  Random random(5);
+  Placement placement;
+  const Quat turn = random.rotation();
+  placement.rotation = matrix_of(turn);
+  placement.translation = {0.5, -0.25, 0.125};
+  std::vector<std::size_t> order(pairs.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.bits() % i]);
+  TriangleMesh meshes[2];
+  std::vector<TrianglePair> indices(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto t = static_cast<std::int32_t>(i);
+    for (int k = 0; k < 3; ++k) {
+      meshes[0].vertices.push_back(corner(pairs[order[i]], k));
+      meshes[1].vertices.push_back(rotate_inverse(turn, corner(pairs[order[i]], 3 + k) - placement.translation));
+    }
+    for (TriangleMesh& mesh : meshes) mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    indices[order[i]] = {t, t};
+  }
+  const auto a = std::make_shared<TriangleRows>(meshes[0]), b = std::make_shared<TriangleRows>(meshes[1]);
+  return [=](const AnswerBatch<float>& out) { triangle_distances(*a, *b, placement, indices, out); };
+}
+
 template <class Real>
-std::function<void(const PairBatch<Real>&, const AnswerBatch<Real>&)> runner_of(const std::string& method) {
+std::function<void(const PairBatch<Real>&, const AnswerBatch<Real>&)> runner_of(const std::string& method, const std::vector<Pair18>& pairs) {
   using In = PairBatch<Real>;
   using Out = AnswerBatch<Real>;
   const auto published = [](PublishedMethod m) {
@@ -23,6 +52,10 @@ std::function<void(const PairBatch<Real>&, const AnswerBatch<Real>&)> runner_of(
   if (method == "pen7") return published(PublishedMethod::pen7);
   if (method == "pen4-hybrid") return published(PublishedMethod::pen4_hybrid);
   if (method == "pen7-hybrid") return published(PublishedMethod::pen7_hybrid);
+  if (method == kIndexed) {
+    if constexpr (sizeof(Real) == 4) return [run = indexed_runner(pairs)](const In&, const Out& out) { run(out); };
+    throw UsageError("--method {}: in single precision only; add --precision single", method);
+  }
   if (method == "brute-force-distance") return [](const In& in, const Out& out) { triangle_distances(in, out.distance); };
   const DistanceMethod own = distance_method_of(method);
   return [own](const In& in, const Out& out) { triangle_distances(own, in, out); };
@@ -42,7 +75,7 @@ StudyRow run_typed(const StudyCase& study, const std::string& method, double sec
   std::vector<Real> distance(padded), points(6 * padded), code(padded);
   const PairBatch<Real> in{input.data(), stride, static_cast<std::int64_t>(count)};
   const AnswerBatch<Real> out{distance.data(), points.data(), code.data(), stride};
-  const auto run = runner_of<Real>(method);
+  const auto run = runner_of<Real>(method, study.pairs);
 
   StudyRow row;
   run(in, out);
@@ -100,9 +133,10 @@ StudyRow run_typed(const StudyCase& study, const std::string& method, double sec
 
 const std::vector<std::string>& study_methods() {
   static const std::vector<std::string> names = {"brute-force", "brute-force-distance", "penalty",     "hybrid",
-                                                 "pen4",        "pen7",                 "pen4-hybrid", "pen7-hybrid"};
+                                                 "pen4",        "pen7",                 "pen4-hybrid", "pen7-hybrid", kIndexed};
   return names;
 }
+bool has_precision(const std::string& method, bool single) { return single || method != kIndexed; }
 
 double operations_of(const std::string& method, bool single) {
   if (method != "brute-force") return 0;

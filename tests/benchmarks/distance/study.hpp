@@ -8,8 +8,11 @@
 
 namespace scree {
 
-/// brute-force, brute-force-distance (no points), penalty, hybrid, and the published pen4, pen7, pen4-hybrid, pen7-hybrid.
+/// brute-force, brute-force-distance (no points), penalty, hybrid, the published pen4, pen7, pen4-hybrid, pen7-hybrid, and
+/// brute-force-indexed: brute-force from indices into two shapes, B turned and shifted, in single precision only. The
+/// rounding of its placed corners counts as error.
 const std::vector<std::string>& study_methods();
+bool has_precision(const std::string& method, bool single);
 
 struct StudyRow {
   double nanoseconds = 0;   ///< per pair, best of the repetitions
