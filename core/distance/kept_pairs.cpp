@@ -125,9 +125,9 @@ namespace {
 constexpr std::int64_t kBatchPairs = KeptPairsScratch::kBatchPairs, kStride = KeptPairsScratch::kStride;
 
 template <class Real>
-void load_corners(const TriangleMesh& mesh, std::int32_t triangle, Real* column) {
+void load_corners(const TriangleMesh& mesh, const Vec3& origin, std::int32_t triangle, Real* column) {
   for (int k = 0; k < 3; ++k) {
-    const Vec3& corner = mesh.corner(triangle, k);
+    const Vec3 corner = mesh.corner(triangle, k) - origin;
     column[(3 * k) * kStride] = static_cast<Real>(corner.x);
     column[(3 * k + 1) * kStride] = static_cast<Real>(corner.y);
     column[(3 * k + 2) * kStride] = static_cast<Real>(corner.z);
@@ -142,8 +142,8 @@ void filter_pairs(const MeshView& a, const MeshView& b, const DescentFrame& fram
     const auto size = static_cast<std::int64_t>(std::min(count - begin, static_cast<std::size_t>(kBatchPairs)));
     for (std::int64_t i = 0; i < size; ++i) {
       const TrianglePair pair = pair_of(begin + static_cast<std::size_t>(i));
-      load_corners(*a.mesh, pair.a, s.single.data() + i);
-      load_corners(*b.mesh, pair.b, s.single.data() + 9 * kStride + i);
+      load_corners(*a.mesh, a.bvh->wide.middle, pair.a, s.single.data() + i);
+      load_corners(*b.mesh, b.bvh->wide.middle, pair.b, s.single.data() + 9 * kStride + i);
     }
     HWY_DYNAMIC_DISPATCH(place_float)(s.single.data(), kStride, size, frame.linear, frame.translation);
     triangle_distances(PairBatch<float>{s.single.data(), kStride, size}, s.single_distance.data());
@@ -283,7 +283,7 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
     const auto size = static_cast<std::int64_t>(std::min(s.decide_entry.size() - begin, static_cast<std::size_t>(kBatchPairs)));
     for (std::int64_t i = 0; i < size; ++i) {
       const TrianglePair pair = pair_at(static_cast<std::size_t>(s.decide_entry[begin + static_cast<std::size_t>(i)]));
-      load_corners(*a.mesh, pair.a, s.exact.data() + i);
+      load_corners(*a.mesh, Vec3{}, pair.a, s.exact.data() + i);
       double* column = s.exact.data() + 9 * kStride + i;
       for (int k = 0; k < 3; ++k) {
         const Vec3 placed = linear * b.mesh->corner(pair.b, k) + b_in_a.translation;

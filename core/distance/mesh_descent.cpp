@@ -276,18 +276,21 @@ constexpr double kLargestReach = 1e18;
 DescentFrame make_descent_frame(const WideBvh& a, const WideBvh& b, const Placement& b_in_a) {
   DescentFrame frame;
   double size = static_cast<double>(a.size);
+  const Vec3 place = b_in_a.scale * (b_in_a.rotation * b.middle) + b_in_a.translation, translation = place - a.middle;
+  double lost = 0;  // by the difference of two places far from A's origin
   for (int i = 0; i < 3; ++i) {
-    double coordinate = std::abs(b_in_a.translation[i]);
+    double coordinate = std::abs(translation[i]);
     for (int j = 0; j < 3; ++j) {
       const double m = b_in_a.scale * b_in_a.rotation[i][j];
       frame.linear[i][j] = static_cast<float>(m);
       frame.absolute[i][j] = std::abs(frame.linear[i][j]);
       coordinate += std::abs(m) * static_cast<double>(b.size);
     }
-    frame.translation[i] = static_cast<float>(b_in_a.translation[i]);
+    frame.translation[i] = static_cast<float>(translation[i]);
     size = std::max(size, coordinate);
+    lost = std::max({lost, std::abs(b_in_a.translation[i]), std::abs(a.middle[i]), b_in_a.scale * length(b.middle)});
   }
-  frame.allowance = static_cast<float>(kAllowanceRoundoffs * 0x1p-24 * size);
+  frame.allowance = static_cast<float>(kAllowanceRoundoffs * (0x1p-24 * size + 0x1p-53 * lost));
   return frame;
 }
 

@@ -1,7 +1,7 @@
 // The single-precision descent of two eight-wide hierarchies: candidates for the exact distance. Internal to
 // core/distance.
 //
-// Everything happens in A's frame. A filter may keep a pair too many, never lose one: every comparison allows for
+// Everything happens in A's frame, from the middle of A's tree. A filter may keep a pair too many, never lose one: every comparison allows for
 // `allowance`, a bound on what rounding to single precision can do to any distance in this frame.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace scree {
 struct TrianglePair;
 struct Placement;
 
-/// The placement of B in A's frame in single precision, and its error.
+/// The placement of B's tree in the frame of A's in single precision, each from its own middle, and its error.
 struct DescentFrame {
   float linear[3][3], absolute[3][3], translation[3];
   float allowance;  ///< [units of A's shape]

@@ -116,6 +116,22 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
   return intersecting;
 }
 
+bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_in_a, MeshDistanceScratch& s) {
+  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
+  const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
+  ExactStage exact(a, b, b_in_a, s);
+  bool intersecting = false, all = false;
+  // a few candidates often tell; then four times as many
+  for (std::size_t limit = 32; !all && !intersecting; limit *= 4) {
+    s.descent.forget_placed();
+    s.descent.candidates.clear();
+    all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, 0), s.descent, limit);
+    exact.solve_candidates([&](const TrianglePair&, double distance) { intersecting = intersecting || distance == 0; });
+  }
+  return intersecting;
+}
+
 namespace {
 
 /// Squared distance of the centres of two boxes.

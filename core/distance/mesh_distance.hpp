@@ -58,6 +58,10 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
 double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
                      MeshDistanceScratch& scratch, TrianglePair* nearest = nullptr);
 
+/// Whether the surfaces intersect anywhere. A body inside a closed shell that touches nothing does not.
+/// Cost: stops at the first few triangles that do.
+bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_in_a, MeshDistanceScratch& scratch);
+
 /// Smallest distance from a point to the surface, or upper_bound; nearest triangle and point by reference.
 double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest,
                            std::int32_t& triangle);

@@ -52,10 +52,14 @@ class Builder {
   explicit Builder(const TriangleMesh& mesh) : mesh_(mesh) {
     const std::int32_t count = mesh.triangle_count();
     if (count == 0) return;
+    Box3 whole;
+    for (std::int32_t t = 0; t < count; ++t)
+      for (int k = 0; k < 3; ++k) whole.add(mesh.corner(t, k));
+    tree_.middle = whole.centre();
     boxes_.resize(static_cast<std::size_t>(count));
     order_.resize(static_cast<std::size_t>(count));
     for (std::int32_t t = 0; t < count; ++t) {
-      for (int k = 0; k < 3; ++k) boxes_[static_cast<std::size_t>(t)].add(mesh.corner(t, k));
+      for (int k = 0; k < 3; ++k) boxes_[static_cast<std::size_t>(t)].add(mesh.corner(t, k) - tree_.middle);
       order_[static_cast<std::size_t>(t)] = t;
     }
     split(0, count);
@@ -229,7 +233,7 @@ class Builder {
     for (std::int32_t slot = 0; slot < kWideWidth; ++slot) {
       const std::int32_t t = order_[static_cast<std::size_t>(slot < leaf.count ? node.begin + slot : node.begin)];
       leaf.triangle[slot] = t;
-      for (int k = 0; k < 9; ++k) leaf.corner[k][slot] = to_nearest(mesh_.corner(t, k / 3)[k % 3]);
+      for (int k = 0; k < 9; ++k) leaf.corner[k][slot] = to_nearest((mesh_.corner(t, k / 3) - tree_.middle)[k % 3]);
     }
     tree_.leaves.push_back(leaf);
     return static_cast<std::int32_t>(tree_.leaves.size()) - 1;

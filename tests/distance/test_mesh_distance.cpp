@@ -290,8 +290,8 @@ TEST(WideBvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) 
         for (const std::int32_t t : child)
           for (int v = 0; v < 3; ++v)
             for (int c = 0; c < 3; ++c) {
-              EXPECT_LE(static_cast<double>(node.lower[c][k]), rock.mesh.corner(t, v)[c]);
-              EXPECT_GE(static_cast<double>(node.upper[c][k]), rock.mesh.corner(t, v)[c]);
+              EXPECT_LE(static_cast<double>(node.lower[c][k]), (rock.mesh.corner(t, v) - tree.middle)[c]);
+              EXPECT_GE(static_cast<double>(node.upper[c][k]), (rock.mesh.corner(t, v) - tree.middle)[c]);
             }
         triangles.insert(triangles.end(), child.begin(), child.end());
       }
