@@ -155,16 +155,48 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
   }
 }
 
+/// Exponent of the effective depth in the normal force of the scene's law.
+double normal_exponent(const LawChoice& choice) {
+  double exponent = 1;
+  int index = 0;
+  const auto look = [&]<class Entry>(const Entry&) {
+    if (index++ == choice.law) exponent = Entry::Normal::kExponent;
+  };
+  std::apply([&](const auto&... entry) { (look(entry), ...); }, kLaws);
+  return exponent;
+}
+
+/// Whether a pair of meshes may have passed through each other since the last step. Closer than the margin but not yet
+/// through is always seen at motions below the margin sum a step; above it, nothing may have come within the margin at all.
+bool can_pass_through(const PairView& view, double dt, double motion, const CandidateLists& lists) {
+  if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) return false;  // a body behind a plane or cylinder is still seen
+  if (is_sphere_pair(view)) return false;
+  constexpr double kRounding = 1 + 1e-9;
+  const PairMotion& m = view.motion;
+  const double small = std::min(view.radius_a, view.radius_b), limit = kRounding * view.margin / dt;
+  // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): no root for the many that are slow
+  if (3 * (squared_length(m.v_a - m.v_b) + small * small * (squared_length(m.w_a) + squared_length(m.w_b))) <= limit * limit) return false;
+  if (length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small <= limit) return false;
+  double slack = lists.skin;  // what is not listed was further away than margin and skin
+  for (const auto* corners : {&lists.corners_a, &lists.corners_b}) {
+    for (const CornerCandidate& c : *corners) slack = std::min(slack, static_cast<double>(c.slack));
+  }
+  for (const EdgeCandidate& e : lists.edges) slack = std::min(slack, static_cast<double>(e.slack));
+  return motion > slack;
+}
+
 }  // namespace
 
 void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                     std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
-                    ForceScratch& scratch, PairList& list, FrameContacts* out) {
+                    ForceScratch& scratch, PairList& list, FrameContacts* out, const PairLooker* look) {
   const auto count = static_cast<std::ptrdiff_t>(which.size());
-  std::atomic<std::int32_t> intersecting{-1};
+  std::atomic<std::int32_t> intersecting{-1}, passing{-1};
+  const bool only_looks = out != nullptr || look != nullptr;
   const PairForceFunction force_of = pair_force_function(scene.law_choice());
   const bool needs_radius = scene.law_choice().needs_radius;
-#pragma omp parallel if (out == nullptr)
+  const double exponent = normal_exponent(scene.law_choice());
+#pragma omp parallel if (!only_looks)
   {
     std::vector<ContactFeature> features;
     std::vector<ContactOutput> outputs;
@@ -180,6 +212,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       PairView view = view_of(scene, p, walls, pair);
       double motion = 0;
       if (pair.lists.skin >= 0) motion = motion_since_listed(pair.lists, view.a, view.b, view.radius_a, view.radius_b);
+      if (motion > 0 && can_pass_through(view, dt, motion, pair.lists)) passing.store(k);
       if (pair.lists.skin < 0 || motion > pair.lists.skin) {
         if (!renew_lists(view, dt, distance, pair.lists)) {
           intersecting.store(k);
@@ -197,7 +230,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
         mesh_pair_features(view.a, view.b, view.margin, motion, pair.lists, features);
       }
       if (features.empty()) {
-        if (out == nullptr) pair.springs.clear();
+        if (!only_looks) pair.springs.clear();
         continue;
       }
       std::int32_t material_b = 0;
@@ -209,11 +242,12 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       const PairLaw& law = scene.law(p.material[static_cast<std::size_t>(pair.a)], material_b);
       PairMotion& relative = view.motion;
       if (needs_radius) relative.radius = law.radius > 0 ? law.radius : contact_radius(view);
-      // Looking must not change anything: an output works on a copy of the springs.
+      // Looking must not change anything: it works on a copy of the springs.
       std::vector<FrictionSpring> copy;
-      if (out != nullptr) copy = pair.springs;
-      const PairForce f = force_of(features, law, relative, dt, friction_dt, out != nullptr ? copy : pair.springs,
+      if (only_looks) copy = pair.springs;
+      const PairForce f = force_of(features, law, relative, dt, friction_dt, only_looks ? copy : pair.springs,
                                      out != nullptr ? &outputs : nullptr);
+      if (look != nullptr) (*look)({pair, features, f, relative, exponent, law.friction > 0 ? law.tangential_ratio : 0.0});
       const Quat& q = view.a.q;
       result.active = true;
       result.contact_count = static_cast<std::int32_t>(features.size());
@@ -236,6 +270,10 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
   if (intersecting.load() >= 0) {
     throw RunInvalid("step {}: {} intersect; {}", step, describe(list.pairs()[static_cast<std::size_t>(intersecting.load())].key), cure);
   }
+  if (passing.load() >= 0) {
+    throw RunInvalid("step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "
+                     "unseen; reduce the step", step, describe(list.pairs()[static_cast<std::size_t>(passing.load())].key), dt);
+  }
   for (std::int32_t k : which) {
     const PairResult& r = list.results()[static_cast<std::size_t>(k)];
     if (r.active && !(r.depth_ratio < kStopDepthRatio)) {
@@ -243,6 +281,14 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
                        describe(list.pairs()[static_cast<std::size_t>(k)].key), r.depth_ratio, kStopDepthRatio, cure);
     }
   }
+}
+
+void look_at_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                   std::span<const std::int32_t> which, std::int64_t step, ForceScratch& scratch, PairList& list,
+                   const PairLooker& look) {
+  const std::vector<PairResult> kept = list.results();
+  evaluate_pairs(scene, p, walls, which, 0, 0, step, scratch, list, nullptr, &look);
+  list.results() = kept;
 }
 
 }  // namespace scree

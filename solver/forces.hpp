@@ -1,6 +1,7 @@
 // Distances, features and forces of a list of pairs: the heart of a step.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 
@@ -20,16 +21,33 @@ struct ForceScratch {
   ForceScratch();
 };
 
+/// A pair in contact as it is looked at: borrowed, valid during the call.
+struct PairLook {
+  const BodyPair& pair;
+  std::span<const ContactFeature> features;   ///< frame of A
+  const PairForce& force;
+  const PairMotion& motion;
+  double exponent;                            ///< of the normal force in the effective depth
+  double tangential_ratio;                    ///< of tangential to normal stiffness; 0 without friction
+};
+using PairLooker = std::function<void(const PairLook&)>;
+
 /// Evaluates the pairs named by `which` and fills their results. Renews the candidate lists whose skin is used up.
 ///
 /// in   dt        step of the run [s]
 /// in   friction_dt  dt, or 0: friction springs stay as they are
 /// in   out       when not null (one thread): every contact is appended to it
-/// Throws RunInvalid naming both bodies when two meshes intersect or the depth passes kStopDepthRatio.
+/// Throws RunInvalid naming both bodies when two meshes intersect, when they move so fast that they could have passed through each
+/// other since the last step, or when the depth passes kStopDepthRatio.
 /// Threads: parallel inside.   Ranks: local.
 void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                     std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
-                    ForceScratch& scratch, PairList& list, FrameContacts* out = nullptr);
+                    ForceScratch& scratch, PairList& list, FrameContacts* out = nullptr, const PairLooker* look = nullptr);
+
+/// Shows every pair in contact to `look`, one after another; changes neither springs nor results. Damping is shown
+/// without its corrections for the step.
+void look_at_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                   std::span<const std::int32_t> which, std::int64_t step, ForceScratch& scratch, PairList& list, const PairLooker& look);
 
 /// Whether this rank counts a pair in sums over the scene: the owner of A does.
 inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }

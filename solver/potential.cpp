@@ -102,6 +102,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     if (mobility > 0) damping = Damp::of(law, result.elastic, normal_sum, mobility, dt);
   }
   const double chi = damping.chi;
+  result.damping = chi;
   const bool frictional = kFriction && law.friction > 0;
   const bool rolls = kRolling && (law.rolling_friction > 0 || law.torsional_friction > 0);
   if (chi == 0 && !frictional && !rolls) {

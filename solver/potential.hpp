@@ -35,6 +35,7 @@ struct PairForce {
   double elastic = 0;                    ///< U [J]
   double tangential_elastic = 0;         ///< stored in friction springs [J]
   double deepest = 0;                    ///< largest depth [m]
+  double damping = 0;                    ///< chi: the damping force of a feature is its normal force times chi times its speed [s/m]
 };
 
 /// One contact as it is written to frames.

@@ -24,6 +24,11 @@ namespace scree {
 
 namespace {
 
+// The guard of the energy. A step above the critical one multiplies energy within tens of steps: a tenth of what there is tells
+// it from the error of a coarse but stable step. Whatever the cause, a run in which half of all energy came from nowhere is worth nothing.
+constexpr double kUnstableGain = 0.1, kAnyGain = 0.5;
+constexpr double kEnergyRounding = 1e-12;  // of the potential energy, which cancels in the balance
+
 /// How often things happen, in steps.
 struct Schedule {
   std::int64_t last, frame, log, checkpoint;
@@ -74,7 +79,7 @@ void prepare_folder(const RunOptions& options) {
   h5::publish_file(temporary.string(), copy.string());
 }
 
-Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number, const nlohmann::json& provenance, int rank) {
+Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number, const nlohmann::json& provenance, int rank, bool with_contacts) {
   Frame frame;
   frame.number = number;
   frame.step = simulation.step();
@@ -96,7 +101,7 @@ Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number,
     frame.bodies.velocity.push_back(p.v[i]);
     frame.bodies.angular_velocity.push_back(p.w[i]);
   }
-  if (simulation.scene().source().settings.output_contacts) frame.contacts = simulation.contacts();
+  if (with_contacts) frame.contacts = simulation.contacts();
   const std::vector<WallLoad> loads = simulation.wall_loads();
   for (std::size_t w = 0; w < loads.size(); ++w) {
     frame.walls.id.push_back(simulation.scene().source().walls[w].id);
@@ -222,6 +227,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   std::unique_ptr<RunLog> log;
   std::unique_ptr<RankLog> rank_log;
   const std::string removed_path = options.run_folder + "/removed.csv";
+  CriticalStep stiffest;   // of all log rows
+  double elastic_peak = 0;
   const bool removes = settings.domain.bounded && settings.domain.outside == "remove";
   mpi::on_root(comm, [&] {
     frames = trim_folder(options.run_folder, schedule, dt, restarted ? simulation.step() : -1);
@@ -258,12 +265,26 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const std::vector<RemovedBody> bodies = simulation.take_removed();
     mpi::on_root(comm, [&] { append_to_table(removed_path, removed_rows(bodies)); });
   };
+  const auto guard_energy = [&](double error) {
+    const double scale = std::max({kinetic_peak, energies.dissipated, elastic_peak, std::abs(energies.wall_work)}) +
+                         kEnergyRounding * std::abs(energies.potential);
+    const bool unstable = dt > stiffest.step && error > kUnstableGain * scale;
+    const bool gains = error - simulation.shadow_energy_gap() > kAnyGain * scale;
+    if (!unstable && !gains) return;
+    const auto [fastest, kinetic] = simulation.fastest_body();
+    mpi::on_root(comm, [&] {
+      throw RunInvalid("step {}: energy grew by {:.3g} J, {:.2g} of all that was in motion or stored, without a cause; body {} has the most, {:.3g} J. "
+                       "The critical step of {} is {:.4g} s, the step is {:.4g} s{}", simulation.step(), error, error / scale, fastest, kinetic,
+                       stiffest.name(), stiffest.step, dt, unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
+    });
+  };
   const auto write_log = [&] {
     simulation.agree_on_failures();
     write_removed();
     energies = simulation.energies();
     const double kinetic = energies.translational + energies.rotational;
     kinetic_peak = std::max(kinetic_peak, kinetic);
+    elastic_peak = std::max(elastic_peak, energies.elastic + energies.tangential_elastic);
     const double error = energies.balance() - reference;
     worst_balance = std::max(worst_balance, std::abs(error));
     const double ratio = simulation.take_max_depth_ratio(), imbalance = simulation.take_imbalance();
@@ -275,20 +296,28 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const std::string hash = simulation.state_hash();
     const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
     const RemovedTotals removed = simulation.removed();
+    const CriticalStep critical = simulation.critical_step();
+    if (critical.step < stiffest.step) stiffest = critical;
     const double elapsed = seconds_since(interval_start);
     const double rate = elapsed > 0 ? static_cast<double>(simulation.step() - interval_step) / elapsed : 0;
     interval_start = std::chrono::steady_clock::now();
     interval_step = simulation.step();
     mpi::on_root(comm, [&] {
-      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, loads,
+      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, critical.step, loads,
                    simulation.walls(), hash);
       rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last);
+      if (dt > critical.step) {
+        warn_once("scree-solver", fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
+                                              "log.csv; the run ends when their energy grows", dt));
+      }
     });
+    guard_energy(error);
   };
-  const auto write_frame = [&](std::int64_t number) {
-    simulation.agree_on_failures();
+  const auto write_frame = [&](std::int64_t number, bool is_valid = true) {
+    if (is_valid) simulation.agree_on_failures();
     const std::string path = fmt::format("{}/frame_{:06}.hdf", options.run_folder, number);
-    const Frame frame = make_frame(simulation, simulation.energies(), number, provenance, comm.rank());
+    const Frame frame = make_frame(simulation, simulation.energies(), number, provenance, comm.rank(),
+                                   is_valid && settings.output_contacts);
     mpi::on_all(comm, [&] { write_frame_file(comm.get(), path, frame); });
     mpi::on_root(comm, [&] {
       std::erase_if(frames, [&](const FrameEntry& entry) { return entry.path == path; });  // a restart at the end writes the last one again
@@ -325,6 +354,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       run["steps"] = simulation.step();
       run["step_size"] = dt;
       run["step_limited_by"] = simulation.step_size().limited_by;
+      run["critical_step"] = std::isfinite(stiffest.step) ? nlohmann::json(stiffest.step) : nlohmann::json();
+      run["critical_contact"] = stiffest.name();
       run["time"] = simulation.time();
       run["state_hash"] = hash;
       run["ranks"] = comm.size();
@@ -397,6 +428,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     if (e.code() == ExitCode::run_invalid) {
       const double ratio = simulation.take_max_depth_ratio();
       max_ratio = std::max(max_ratio, ratio);
+      // the last state as a frame without contacts, to be looked at; a restart goes on from the checkpoint before it
+      write_frame(simulation.step() / schedule.frame + 1, false);
       write_outcome("invalid", e.what(), static_cast<int>(e.code()));
     }
     throw;

@@ -22,8 +22,8 @@ std::string header_of(const Scene& scene) {
     names += std::string(",t_") + phase_name(static_cast<Phase>(p));
     units += ",s";
   }
-  names += ",t_wait_longest,ghosts,bytes_sent,steps_per_second,removed_bodies,removed_mass,state_hash";
-  units += ",s,-,B,1/s,-,kg,-";
+  names += ",t_wait_longest,ghosts,bytes_sent,steps_per_second,removed_bodies,removed_mass,critical_step,state_hash";
+  units += ",s,-,B,1/s,-,kg,s,-";
   for (const Wall& wall : scene.walls) {
     for (const char* quantity : {"force", "torque", "impulse"}) {
       for (const char* axis : {"x", "y", "z"}) names += fmt::format(",wall{}_{}_{}", wall.id, quantity, axis);
@@ -62,7 +62,7 @@ RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up
 
 void RunLog::add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
                      double max_depth_ratio, double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second,
-                     const RemovedTotals& removed, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
+                     const RemovedTotals& removed, double critical_step, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
                      const std::string& state_hash) {
   std::string row = fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{},{:.9g},{:.6g}",
                                 step, time, e.translational, e.rotational, e.potential, e.elastic, e.tangential_elastic,
@@ -79,7 +79,8 @@ void RunLog::add_row(std::int64_t step, double time, const Energies& e, double e
     ghosts += m.ghosts;
     bytes += m.bytes + m.renewal_bytes;
   }
-  row += fmt::format(",{:.6g},{},{},{:.6g},{:.0f},{:.17g},{}", longest_wait, ghosts, bytes, steps_per_second, removed.count, removed.mass, state_hash);
+  row += fmt::format(",{:.6g},{},{},{:.6g},{:.0f},{:.17g},{:.6g},{}", longest_wait, ghosts, bytes, steps_per_second, removed.count, removed.mass,
+                     critical_step, state_hash);
   for (std::size_t w = 0; w < loads.size(); ++w) {
     for (const Vec3& v : {loads[w].force, loads[w].torque, loads[w].impulse}) row += fmt::format(",{:.17g},{:.17g},{:.17g}", v.x, v.y, v.z);
     row += fmt::format(",{:.17g}", loads[w].power(walls[w]));

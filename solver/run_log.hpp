@@ -22,7 +22,7 @@ class RunLog {
   /// in   ranks   measures of all ranks: the row has the mean of their times
   void add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
                double max_depth_ratio, double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second,
-               const RemovedTotals& removed, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
+               const RemovedTotals& removed, double critical_step, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
                const std::string& state_hash);
 
  private:

@@ -177,6 +177,7 @@ void Simulation::advance() {
     begin_step(integrator_, p_, dt);
     if (scene_.periodicity().any()) wrap_positions(scene_.periodicity(), p_);
     ++step_;
+    check_displacement();
     if (scene_.has_driven_walls()) set_walls(time());
   }
   StepNews news = exchange_news();

@@ -9,6 +9,7 @@
 
 #include "solver/agreement.hpp"
 #include "solver/balance.hpp"
+#include "solver/critical_step.hpp"
 #include "solver/exact_sum.hpp"
 #include "solver/forces.hpp"
 #include "solver/halo.hpp"
@@ -102,6 +103,13 @@ class Simulation {
   double take_max_depth_ratio();           ///< largest since the last call, at every step
   double take_imbalance();                 ///< largest over mean computing time of the ranks since the last call
   std::int64_t bodies_outside() const;     ///< of the domain
+  /// Largest stable step of the contacts that there are now, and the pair that sets it.
+  CriticalStep critical_step();
+  /// What the energies of a leapfrog swing by at this step [J]: h^2 / 8 times the sum of squared forces over masses. The
+  /// difference of both is kept exactly by linear contacts at any stable step.
+  double shadow_energy_gap() const;
+  /// The body with the most kinetic energy, and that energy [J].
+  std::pair<std::int64_t, double> fastest_body() const;
   RemovedTotals removed() const;           ///< since the start
   /// Bodies removed since the last call, by step and id; on rank 0. Collective.
   std::vector<RemovedBody> take_removed();
@@ -138,6 +146,7 @@ class Simulation {
   double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
   /// Whether something that must happen at the same step in every run is due, such as the removal of bodies: asks for new lists.
   bool review();
+  void check_displacement();
 
   // domain.cpp
   bool is_outside(const Vec3& x) const;

@@ -1,56 +1,120 @@
 #include "solver/step_size.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace scree {
 
-StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
-  const Scene& source = scene.source();
-  const std::size_t materials = source.materials.size();
-  // largest mobility W of a body of each material, and who has it
-  struct Entry { double value; int rank; };
-  std::vector<Entry> mobility(materials, {0, comm.rank()});
-  std::vector<std::int64_t> body(materials, -1);
-  for (std::size_t i = 0; i < p.owned; ++i) {
-    if (p.fixed[i]) continue;
-    const auto m = static_cast<std::size_t>(p.material[i]);
-    const double s = p.scale[i], density = source.materials[m].density;
-    const double turning = p.lock_rotation[i] ? 0.0 : scene.shape(p.shape[i]).rotational_mobility / (density * s * s * s);
-    const double w = p.inverse_mass[i] + turning;
-    if (w > mobility[m].value) {
-      mobility[m].value = w;
-      body[m] = p.id[i];
+namespace {
+
+/// What of one material can be touched, by smoothness: analytic spheres and walls without edges, or everything else.
+struct Touchable {
+  std::array<double, 2> mobility{0, 0};       ///< the two largest of moving bodies [1/kg]
+  std::array<std::int64_t, 2> body{-1, -1};   ///< whose
+  std::int64_t still = 0;                     ///< fixed bodies and walls
+
+  void add(double w, std::int64_t id) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (body[i] == id) return;
+      // the lower id wins among equals: the name does not depend on ranks
+      if (w > mobility[i] || (w == mobility[i] && (body[i] < 0 || id < body[i]))) {
+        std::swap(w, mobility[i]);
+        std::swap(id, body[i]);
+      }
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, mobility.data(), static_cast<int>(materials), MPI_DOUBLE_INT, MPI_MAXLOC, comm.get());
-  for (std::size_t m = 0; m < materials; ++m) MPI_Bcast(&body[m], 1, MPI_INT64_T, mobility[m].rank, comm.get());
+};
 
-  // n^(2/q) for n = 4 corners of a face, q = 8
-  const double features = std::sqrt(std::sqrt(4.0));
+/// Inverse mass of the easiest contact on a body [1/kg].
+double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i) {
+  const SolverShape& shape = scene.shape(p.shape[i]);
+  if (shape.kind == ShapeKind::sphere) {
+    // A ball's normal passes its centre; only friction, with its softer spring, turns it. The two do not add up.
+    const double r = p.radius[i], turning = p.lock_rotation[i] ? 0.0 : r * r * p.inverse_inertia[i].x;
+    const double tangential = scene.has_friction() ? kTangentialStiffnessRatio * (p.inverse_mass[i] + turning) : 0.0;
+    return std::max(p.inverse_mass[i], tangential);
+  }
+  const double s = p.scale[i], density = scene.source().materials[static_cast<std::size_t>(p.material[i])].density;
+  return p.inverse_mass[i] + (p.lock_rotation[i] ? 0.0 : shape.rotational_mobility / (density * s * s * s));
+}
+
+/// Of every material, smooth then rough; the same on every rank.
+std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
+  const Scene& source = scene.source();
+  std::vector<Touchable> mine(2 * source.materials.size());
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    Touchable& t = mine[2 * static_cast<std::size_t>(p.material[i]) + (scene.shape(p.shape[i]).kind == ShapeKind::sphere ? 0 : 1)];
+    if (p.fixed[i]) ++t.still;
+    else t.add(mobility_of(scene, p, i), p.id[i]);
+  }
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<Touchable> all(mine.size());
+  for (const auto& block : comm.exchange(std::vector<std::vector<Touchable>>(ranks, mine))) {
+    for (std::size_t k = 0; k < block.size(); ++k) {
+      all[k].still += block[k].still;
+      for (std::size_t i = 0; i < 2; ++i) {
+        if (block[k].body[i] >= 0) all[k].add(block[k].mobility[i], block[k].body[i]);
+      }
+    }
+  }
+  for (const Wall& wall : source.walls) ++all[2 * static_cast<std::size_t>(wall.material) + (wall.kind == WallKind::mesh ? 1 : 0)].still;
+  return all;
+}
+
+/// Smallest of a quantity over all bodies, and whose it is.
+struct Least {
+  double value = 1e300;
+  std::int64_t body = -1;
+};
+Least least_over_ranks(const mpi::Communicator& comm, Least mine) {
+  const double value = -comm.max(-mine.value);
+  const double none = 1e18;  // above every id
+  const double id = -comm.max(-(mine.value == value && mine.body >= 0 ? static_cast<double>(mine.body) : none));
+  return {value, id < none ? static_cast<std::int64_t>(id) : -1};
+}
+
+}  // namespace
+
+StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
+  const Scene& source = scene.source();
+  const std::vector<Touchable> all = touchables(comm, scene, p);
   StepSize result;
   double stiffest = 0;
   for (const MaterialPair& pair : source.pairs) {
-    const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
-    const double w = mobility[a].value + mobility[b].value;
-    const double omega2 = scene.law(pair.a, pair.b).step_stiffness * features * w;
-    if (omega2 <= stiffest) continue;
-    stiffest = omega2;
-    const auto name = [&](std::size_t m) {
-      return body[m] < 0 ? "fixed " + source.materials[m].name : fmt::format("body {} ({})", body[m], source.materials[m].name);
-    };
-    result.limited_by = name(a) + " on " + name(b);
+    for (std::size_t roughness = 0; roughness < 4; ++roughness) {
+      const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
+      const Touchable &a = all[2 * static_cast<std::size_t>(pair.a) + rough_a], &b = all[2 * static_cast<std::size_t>(pair.b) + rough_b];
+      // n^(2/q), q = 8: a face on a face has n = 4 corners, a smooth body on a smooth one touches once
+      const double features = rough_a + rough_b == 0 ? 1.0 : std::sqrt(std::sqrt(4.0));
+      const auto consider = [&](double mobility, const std::string& name) {
+        const double omega2 = scene.law(pair.a, pair.b).step_stiffness * features * mobility;
+        if (!(omega2 > stiffest)) return;
+        stiffest = omega2;
+        result.limited_by = name;
+      };
+      const auto body = [&](const Touchable& t, std::size_t i, std::int32_t material) {
+        return fmt::format("body {} ({})", t.body[i], source.materials[static_cast<std::size_t>(material)].name);
+      };
+      const auto still = [&](std::int32_t material) { return "fixed " + source.materials[static_cast<std::size_t>(material)].name; };
+      if (&a == &b) {
+        if (a.body[1] >= 0) consider(a.mobility[0] + a.mobility[1], body(a, 0, pair.a) + " on " + body(a, 1, pair.a));
+      } else if (a.body[0] >= 0 && b.body[0] >= 0) {
+        consider(a.mobility[0] + b.mobility[0], body(a, 0, pair.a) + " on " + body(b, 0, pair.b));
+      }
+      if (a.body[0] >= 0 && b.still > 0) consider(a.mobility[0], body(a, 0, pair.a) + " on " + still(pair.b));
+      if (b.body[0] >= 0 && a.still > 0) consider(b.mobility[0], body(b, 0, pair.b) + " on " + still(pair.a));
+    }
   }
   if (stiffest > 0) result.contact_time = std::numbers::pi / std::sqrt(stiffest);
   if (source.settings.step > 0) {
     result.step = source.settings.step;
     result.given = true;
-    // Below four steps per contact the leapfrog is past its stability limit (2 / omega) for stacked contacts.
-    constexpr double kFewestSteps = 4;
-    if (stiffest > 0 && result.contact_time / result.step < kFewestSteps) {
-      throw UsageError("time.step = {:g} s is {:.2g} steps per contact of {} ({:g} s); use at least {}, better 30",
-                       result.step, result.contact_time / result.step, result.limited_by, result.contact_time, kFewestSteps);
+    if (stiffest > 0 && result.step > kMostCritical * result.critical()) {
+      throw UsageError("time.step = {:g} s is {:.3g} times the critical step {:.4g} s of {}; use at most {:.3g} s (20 steps a contact), "
+                       "or leave it out", result.step, result.step / result.critical(), result.critical(), result.limited_by,
+                       result.contact_time / 20);
     }
     return result;
   }
@@ -59,6 +123,26 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
   } else {
     result.step = source.settings.duration > 0 ? source.settings.duration / 1000 : 1;
     result.limited_by = "no contact can occur: a thousandth of the duration";
+  }
+
+  Least speed, spin;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (p.fixed[i]) continue;
+    const double turning = length(p.w[i]), surface = length(p.v[i]) + p.radius[i] * turning;
+    const double by_speed = scene.margin() > 0 && surface > 0 ? kMarginPerStep * scene.margin() / surface : 1e300;
+    const double by_spin = turning > 0 && !p.isotropic[i] ? kTurnPerStep / turning : 1e300;
+    if (by_speed < speed.value || (by_speed == speed.value && p.id[i] < speed.body)) speed = {by_speed, p.id[i]};
+    if (by_spin < spin.value || (by_spin == spin.value && p.id[i] < spin.body)) spin = {by_spin, p.id[i]};
+  }
+  speed = least_over_ranks(comm, speed);
+  spin = least_over_ranks(comm, spin);
+  if (stiffest > 0 && speed.value < result.step) {
+    result.step = speed.value;
+    result.limited_by = fmt::format("the speed of body {} against its margin", speed.body);
+  }
+  if (spin.value < result.step) {
+    result.step = spin.value;
+    result.limited_by = fmt::format("the spin of body {}", spin.body);
   }
   return result;
 }

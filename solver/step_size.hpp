@@ -1,4 +1,4 @@
-// The step size, derived from the stiffest contact that can occur.
+// The step size, derived from the stiffest contact that can occur, from speed against margin, and from spin.
 #pragma once
 
 #include <string>
@@ -10,16 +10,31 @@ namespace scree {
 
 struct StepSize {
   double step = 0;             ///< [s]
-  double contact_time = 0;     ///< half period of the limiting contact [s]
-  std::string limited_by;      ///< "boulder 17 (fels) on steel", for the user
+  double contact_time = 0;     ///< half period of the limiting contact [s]; 0: no contact can occur
+  std::string limited_by;      ///< "body 17 (rock) on fixed steel", for the user
   bool given = false;          ///< taken from the case
+  /// Step above which the limiting contact is unstable, damping left out [s]: 2 / omega.
+  double critical() const { return contact_time * 2 / 3.14159265358979323846; }
 };
 
-/// dt = pi / sqrt(k n^(2/q) W) / steps_per_contact, W = sum over both bodies of the largest inverse mass of a contact
-/// anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x|, n = 4 features (a face on a face).
+/// Share of its margin that a body, its spin included, may use up in a step: two bodies then use up a fifth of the sum.
+inline constexpr double kMarginPerStep = 0.2;
+/// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
+inline constexpr double kTurnPerStep = 0.1;
+
+/// The smallest of
+///   contact   pi / sqrt(k n^(2/q) W) / steps_per_contact over all materials that can meet; W sums over both bodies the
+///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x|; n = 4 features (a face
+///             on a face), 1 for spheres and walls without edges
+///   speed     kMarginPerStep margin / (|v| + R |w|), of the bodies as they start
+///   spin      kTurnPerStep / |w|
 /// Source: CONTACT.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
-/// reach (a factor 2.6 for an elongated asteroid). Collective.
-/// Throws UsageError when a given step is too large to be stable (less than 4 steps per contact).
+/// reach (a factor 2.6 for an elongated asteroid); VALIDATION.md section 4.3. Collective.
+/// A given step is taken as it is. Throws UsageError when it is more than kMostCritical critical steps.
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
+
+/// Beyond this many critical steps of the stiffest contact that can occur a given step is refused at the start. In between it
+/// is warned of: the contacts that do occur may be softer, and the guard of the energy watches them.
+inline constexpr double kMostCritical = 2.5;
 
 }  // namespace scree

@@ -86,6 +86,7 @@ TEST(Impact, dissipates_what_the_energies_lose) {
 // VALIDATION.md F3: v0 = 2, mu = 0.2 stops after v0^2 / (2 mu g) = 1.019368 m.
 TEST(Friction, stops_a_sliding_block_where_coulomb_says) {
   TestRun run(test::empty_scene(1e6, 0.5, 0.2, 0.005));
+  run.scene.settings.steps_per_contact = 50;
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("block", test::grid_box(2, {0.4, 0.4, 0.1}))};
   // at rest four corners carry the weight: U = k sqrt(2) d^2 / 2 (n = 4, q = 8), so d = m g / (sqrt(2) k)

@@ -1,0 +1,134 @@
+#include "solver/critical_step.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Mat12 = Eigen::Matrix<double, 12, 12, Eigen::RowMajor>;
+
+template <class Matrix>
+double largest_eigenvalue(const Matrix& m) {
+  return std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix>(m, Eigen::EigenvaluesOnly).eigenvalues()(m.rows() - 1));
+}
+
+Eigen::Map<const Mat12> matrix(const std::array<double, 144>& values) { return Eigen::Map<const Mat12>(values.data()); }
+
+/// Wrench of a unit force f on A at x (and -f on B), mass-normalised in the principal axes of both.
+std::array<double, 12> mode_of(const PairMotion& m, const Vec3& x, const Vec3& f) {
+  const auto root = [](double v) { return std::sqrt(v); };
+  const Vec3 torque_a = cross(x, f);
+  const Vec3 force_b = transpose_times(m.b_to_a, -f), torque_b = transpose_times(m.b_to_a, cross(x - m.centre_b, -f));
+  const double ma = root(m.inverse_mass_a), mb = root(m.inverse_mass_b);
+  return {ma * f.x, ma * f.y, ma * f.z,
+          root(m.inverse_inertia_a.x) * torque_a.x, root(m.inverse_inertia_a.y) * torque_a.y, root(m.inverse_inertia_a.z) * torque_a.z,
+          mb * force_b.x, mb * force_b.y, mb * force_b.z,
+          root(m.inverse_inertia_b.x) * torque_b.x, root(m.inverse_inertia_b.y) * torque_b.y, root(m.inverse_inertia_b.z) * torque_b.z};
+}
+
+}  // namespace
+
+void PairStiffness::add_mode(double s, double c, const std::array<double, 12>& mode) {
+  for (std::size_t i = 0; i < 12; ++i) {
+    for (std::size_t j = 0; j < 12; ++j) {
+      const double product = mode[i] * mode[j];
+      stiffness[12 * i + j] += s * product;
+      damping[12 * i + j] += c * product;
+    }
+  }
+}
+
+PairStiffness linearise(const PairLook& look) {
+  PairStiffness result;
+  result.key = look.pair.key;
+  result.a = look.pair.a;
+  result.b = look.pair.b;
+  const PairForce& force = look.force;
+  // U(D) of exponent p in the force has U' = (p + 1) U / D and U'' = p U' / D; D from the features
+  double sum = 0;
+  for (const ContactFeature& f : look.features) sum += f.weight * std::pow(f.depth / force.deepest, kNorm);
+  const double D = force.deepest * std::pow(sum, 1.0 / kNorm), p = look.exponent;
+  if (!(D > 0)) return result;
+  const double slope = (p + 1) * force.elastic / (D * D);   // U' / D
+  std::array<double, 12> common{};
+  for (std::size_t j = 0; j < look.features.size(); ++j) {
+    const ContactFeature& f = look.features[j];
+    const double r = f.depth / D, r6 = std::pow(r, kNorm - 2);
+    const double normal = slope * D * f.weight * r6 * r;
+    const auto along = mode_of(look.motion, f.x, f.n);
+    for (std::size_t i = 0; i < 12; ++i) common[i] += f.weight * r6 * r * along[i];
+    result.add_mode((kNorm - 1) * slope * f.weight * r6, force.damping * normal, along);
+    if (!(look.tangential_ratio > 0)) continue;
+    // any two directions across the normal
+    const Vec3 other = std::abs(f.n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    const Vec3 u = normalised(cross(f.n, other)), v = cross(f.n, u);
+    const double kappa = look.tangential_ratio * normal / D, c = std::sqrt(look.tangential_ratio) * force.damping * normal;
+    result.add_mode(kappa, c, mode_of(look.motion, f.x, u));
+    result.add_mode(kappa, c, mode_of(look.motion, f.x, v));
+  }
+  result.add_mode(-(kNorm - 1 - p) * slope, 0, common);
+  return result;
+}
+
+std::vector<BodyBound> body_bounds(std::span<const PairStiffness> pairs, std::size_t rows) {
+  std::vector<Mat6> stiffness(rows, Mat6::Zero()), damping(rows, Mat6::Zero());
+  std::vector<BodyBound> bounds(rows);
+  for (const PairStiffness& pair : pairs) {
+    for (int side = 0; side < 2; ++side) {
+      const std::int32_t row = side == 0 ? pair.a : pair.b;
+      if (row < 0) continue;
+      const auto i = static_cast<std::size_t>(row);
+      stiffness[i] += matrix(pair.stiffness).block<6, 6>(6 * side, 6 * side);
+      damping[i] += matrix(pair.damping).block<6, 6>(6 * side, 6 * side);
+      ++bounds[i].pairs;
+    }
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (bounds[i].pairs == 0) continue;
+    bounds[i].lambda = largest_eigenvalue(stiffness[i]);
+    bounds[i].gamma = largest_eigenvalue(damping[i]);
+  }
+  return bounds;
+}
+
+CriticalStep critical_step_of(std::span<const PairStiffness> pairs, std::span<const BodyBound> bounds, bool corrected) {
+  CriticalStep result;
+  for (const PairStiffness& pair : pairs) {
+    const BodyBound& a = bounds[static_cast<std::size_t>(pair.a)];
+    double lambda = a.lambda, gamma = a.gamma;
+    if (pair.b >= 0) {
+      const BodyBound& b = bounds[static_cast<std::size_t>(pair.b)];
+      if (a.pairs == 1 && b.pairs == 1) {
+        lambda = largest_eigenvalue(Mat12(matrix(pair.stiffness)));
+        gamma = largest_eigenvalue(Mat12(matrix(pair.damping)));
+      } else {
+        lambda += b.lambda;
+        gamma += b.gamma;
+      }
+    }
+    const double step = largest_stable_step(lambda, gamma, corrected);
+    if (step < result.step) result = {step, pair.key};
+  }
+  return result;
+}
+
+double largest_stable_step(double lambda, double gamma, bool corrected) {
+  if (!(lambda > 0) && !(gamma > 0)) return std::numeric_limits<double>::infinity();
+  if (!corrected) return 4 / (gamma + std::sqrt(gamma * gamma + 4 * lambda));
+  if (!(lambda > 0)) return 4 / gamma;   // 2 s / (1 + s / 4) = 4 at s = 4
+  const auto excess = [&](double h) { return h * h * lambda + 2 * h * gamma / (1 + 0.25 * h * gamma) - 4; };
+  // the left side grows with h, and 2 / omega is an upper bound
+  double low = 0, high = 2 / std::sqrt(lambda);
+  for (int i = 0; i < 100 && low < high; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (excess(middle) > 0 ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace scree

@@ -1,0 +1,237 @@
+// The critical step: exact for one contact, and a bound for networks, against the dense eigenvalues of the whole network.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "solver/critical_step.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/test_run.hpp"
+
+namespace scree {
+namespace {
+
+using test::TestRun;
+
+struct RandomNetwork {
+  std::vector<PairStiffness> pairs;
+  std::size_t bodies = 0;
+};
+
+/// Bodies of very different masses and inertias, contacts with random levers, normals and stiffnesses; some on fixed walls.
+RandomNetwork random_network(std::mt19937& g) {
+  std::uniform_real_distribution<double> u(0, 1), s(-1, 1);
+  RandomNetwork net;
+  net.bodies = 2 + g() % 12;
+  std::vector<std::array<double, 4>> inverse(net.bodies);
+  for (auto& m : inverse) {
+    const double mass = std::pow(10, 2 * s(g)), size = std::pow(mass, 1.0 / 3);
+    m = {1 / mass, 0, 0, 0};
+    for (std::size_t k = 1; k < 4; ++k) m[k] = 1 / (mass * size * size * (0.1 + u(g)));
+  }
+  const auto vector = [&] { return Vec3{s(g), s(g), s(g)}; };
+  const auto add = [&](std::int32_t a, std::int32_t b, std::int64_t key) {
+    PairStiffness pair;
+    pair.key = {a, b < 0 ? 1000000 + key : b, b < 0 ? 0 : -1};
+    pair.a = a;
+    pair.b = b;
+    const int contacts = 1 + static_cast<int>(g() % 4);
+    for (int c = 0; c < contacts; ++c) {
+      const Vec3 n = normalised(vector()), other = normalised(cross(n, vector())), last = cross(n, other);
+      const Vec3 ra = vector(), rb = vector();
+      const double k = std::pow(10, 4 + u(g));
+      for (const auto& [direction, stiffness] : {std::pair(n, k), std::pair(other, 2.0 / 7 * k), std::pair(last, 2.0 / 7 * k)}) {
+        std::array<double, 12> mode{};
+        const auto half = [&](std::int32_t body, const Vec3& lever, double sign, std::size_t at) {
+          const auto& m = inverse[static_cast<std::size_t>(body)];
+          const Vec3 torque = cross(std::pow(m[0], -1.0 / 3) * lever, direction);
+          for (int i = 0; i < 3; ++i) {
+            mode[at + static_cast<std::size_t>(i)] = sign * std::sqrt(m[0]) * direction[i];
+            mode[at + 3 + static_cast<std::size_t>(i)] = sign * std::sqrt(m[1 + static_cast<std::size_t>(i)]) * torque[i];
+          }
+        };
+        half(a, ra, 1, 0);
+        if (b >= 0) half(b, rb, -1, 6);
+        pair.add_mode(stiffness, 0, mode);
+      }
+    }
+    net.pairs.push_back(pair);
+  };
+  for (std::int32_t b = 1; b < static_cast<std::int32_t>(net.bodies); ++b) add(static_cast<std::int32_t>(g() % static_cast<unsigned>(b)), b, 0);
+  const int more = static_cast<int>(g() % (2 * net.bodies));
+  for (int c = 0; c < more; ++c) {
+    const auto a = static_cast<std::int32_t>(g() % net.bodies), b = static_cast<std::int32_t>(g() % net.bodies);
+    if (g() % 4 == 0) add(a, -1, c);
+    else if (a != b) add(std::min(a, b), std::max(a, b), c);
+  }
+  std::sort(net.pairs.begin(), net.pairs.end(), [](const PairStiffness& l, const PairStiffness& r) { return l.key < r.key; });
+  return net;
+}
+
+double true_critical_step(const RandomNetwork& net) {
+  const auto size = static_cast<Eigen::Index>(6 * net.bodies);
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
+  for (const PairStiffness& pair : net.pairs) {
+    for (std::size_t i = 0; i < 12; ++i) {
+      for (std::size_t j = 0; j < 12; ++j) {
+        if (pair.b < 0 && (i >= 6 || j >= 6)) continue;
+        const auto at = [&](std::size_t k) { return static_cast<Eigen::Index>(6 * static_cast<std::size_t>(k < 6 ? pair.a : pair.b) + k % 6); };
+        K(at(i), at(j)) += pair.stiffness[12 * i + j];
+      }
+    }
+  }
+  return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff());
+}
+
+TEST(CriticalStep, of_300_random_networks_is_never_above_the_true_one_and_at_least_70_percent_of_it) {
+  std::mt19937 g(1);
+  double least = 1, most = 0, mean = 0;
+  for (int n = 0; n < 300; ++n) {
+    const RandomNetwork net = random_network(g);
+    const double ratio = critical_step_of(net.pairs, body_bounds(net.pairs, net.bodies)).step / true_critical_step(net);
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
+    mean += ratio / 300;
+  }
+  EXPECT_LE(most, 1 + 1e-12);
+  EXPECT_GE(least, 0.7);
+  RecordProperty("least", std::to_string(least));
+  std::printf("critical step over the true one: %.3f to %.3f, mean %.3f\n", least, most, mean);
+}
+
+// Kick, drift, kick of x'' = -x with the solver's damping is stable below 2 / omega, and damping lowers the limit.
+TEST(CriticalStep, of_one_spring_is_where_the_leapfrog_becomes_unstable) {
+  EXPECT_DOUBLE_EQ(largest_stable_step(1, 0), 2);
+  EXPECT_DOUBLE_EQ(largest_stable_step(1e8, 0), 2e-4);
+  for (const double zeta : {0.05, 0.3, 1.0, 3.0}) {
+    const double limit = largest_stable_step(1, 2 * zeta);
+    for (const double share : {0.99, 1.01}) {
+      const double h = share * limit, c = 2 * zeta / (1 + 0.25 * 2 * zeta * h);
+      double x = 1, v = 0;
+      for (int i = 0; i < 4000; ++i) {
+        x += h * v;
+        v += h * (-x - c * v);
+      }
+      if (share < 1) {
+        EXPECT_LE(std::abs(x), 10) << zeta;
+      } else {
+        EXPECT_FALSE(std::abs(x) <= 100) << zeta;  // infinite after long
+      }
+    }
+  }
+}
+
+/// A ball of 1 kg that swings in its contact with a floor (X1), with the step a share of the critical one.
+TestRun swinging_ball(double share) {
+  const double k = 1e4, radius = 0.5, mass = 1;
+  TestRun run(test::empty_scene(k, 1, 0, 0.01, mass / (4.0 / 3 * M_PI * radius * radius * radius)));
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.settings.step = share * 2 / std::sqrt(k / mass);
+  run.scene.shapes = {make_sphere("ball", radius)};
+  test::add_body(run.scene, 0, {0, 0, radius + 0.02 - 0.5 * mass * 9.81 / k});
+  run.scene.bodies.lock_rotation[0] = 1;
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  return run;
+}
+
+TEST(CriticalStep, of_a_single_contact_is_the_true_one_when_told_and_when_derived) {
+  TestRun run = swinging_ball(0.5);
+  run.start();
+  EXPECT_NEAR(run.simulation->critical_step().step, 2e-2, 1e-10);
+  EXPECT_NEAR(run.simulation->step_size().critical(), 2e-2, 1e-10);
+  // the energy stays bounded just below, and grows just above
+  for (const double share : {0.99, 1.01}) {
+    TestRun swing = swinging_ball(share);
+    swing.start();
+    double most = 0;
+    for (int n = 0; n < 20; ++n) {
+      swing.simulation->advance();
+      most = std::max(most, std::abs(swing.position(0).z - 0.52 + 9.81e-4) / (0.5 * 9.81e-4));
+    }
+    if (share < 1) {
+      EXPECT_LE(most, 1.01);
+    } else {
+      EXPECT_GT(most, 2);
+    }
+  }
+}
+
+// Two locked cubes of unequal mass face to face: eight features in one potential, k_eff = 8^(1/4) k, reduced mass.
+TEST(CriticalStep, of_two_bodies_face_to_face_is_that_of_their_reduced_mass) {
+  TestRun run(test::empty_scene(1e6, 1, 0, 0.002));
+  run.scene.shapes = {make_solid("cube", test::grid_box(2, {0.1, 0.1, 0.1}))};
+  test::add_body(run.scene, 0, {0, 0, 0.103});
+  test::add_body(run.scene, 0, {0, 0, 0}, {}, {}, {}, 1.0);
+  run.scene.materials.push_back({"heavy", 9000, 0, 0});
+  run.scene.pairs.push_back({0, 1, 1e6, 1, 0, -1, 0});
+  run.scene.bodies.material[1] = 1;
+  run.scene.bodies.lock_rotation = {1, 1};
+  run.start();
+  const double reduced = 1 / (1 / 1.0 + 1 / 9.0), stiffness = 1e6 * std::pow(8, 0.25);
+  EXPECT_NEAR(run.simulation->critical_step().step, 2 / std::sqrt(stiffness / reduced), 1e-6 * 2e-3);
+}
+
+// X8: what moves too fast for its step is refused by name, whether or not the pair is known.
+TEST(Guards, name_the_body_that_could_pass_through_another_unseen) {
+  for (const double share : {0.5, 3.0, 20.0, 250.0, 600.0}) {  // of the margin sum in a step
+    TestRun run(test::empty_scene(1e6, 0.5, 0, 2e-4));
+    run.scene.settings.step = 2e-5;
+    const double speed = share * 4e-4 / 2e-5;
+    // stiff enough for the impact where that is possible at all
+    run.scene.pairs[0].stiffness = share < 1 ? 4 * speed * speed / (4e-4 * 4e-4) : 1e7;
+    run.scene.settings.step = share < 1 ? 1e-6 : 2e-5;
+    run.scene.shapes = {make_solid("cube", test::grid_box(1, {0.1, 0.1, 0.1})), make_solid("plate", test::grid_box(1, {1, 1, 0.001}))};
+    test::add_body(run.scene, 0, {0, 0, 0.2}, {}, {0, 0, share < 1 ? -10.0 : -speed});
+    test::add_body(run.scene, 1, {0, 0, 0});
+    run.scene.bodies.fixed[1] = 1;
+    run.scene.bodies.lock_rotation[0] = 1;
+    run.start();
+    std::string said;
+    try {
+      for (int n = 0; n < (share < 1 ? 30000 : 2000); ++n) run.simulation->advance();
+      run.simulation->agree_on_failures();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::run_invalid);
+      said = e.what();
+    }
+    if (share < 1) {
+      EXPECT_EQ(said, "");
+      EXPECT_GT(run.velocity(0).z, 0) << "no rebound";
+    } else {
+      const bool named = said.find("body 0") != std::string::npos || said.find("bodies 0 and 1") != std::string::npos;
+      EXPECT_TRUE(named) << said;
+      EXPECT_NE(said.find("step "), std::string::npos);
+    }
+  }
+}
+
+// X22 and section 4.3: the derived step follows spin and speed, and says so.
+TEST(StepSize, follows_spin_and_speed_where_they_limit_it) {
+  TestRun run(test::empty_scene(1e2, 0.5, 0.3, 0.001));
+  run.scene.shapes = {make_solid("rod", test::grid_box(1, {0.1, 0.01, 0.01}))};
+  test::add_body(run.scene, 0, {0, 0, 0.1}, {}, {}, {0, 0, 1});
+  test::add_body(run.scene, 0, {0, 0, 0.5}, {}, {}, {0, 0, 1e4});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.start();
+  EXPECT_LE(1e4 * run.simulation->step_size().step, 0.1);
+  EXPECT_NE(run.simulation->step_size().limited_by.find("body 1"), std::string::npos) << run.simulation->step_size().limited_by;
+  run.scene.bodies.angular_velocity[1] = {};
+  run.scene.bodies.velocity[0] = {0, 0, 100};
+  run.start();
+  EXPECT_LE(100 * run.simulation->step_size().step, 0.2 * 0.001 * (1 + 1e-12));
+  EXPECT_NE(run.simulation->step_size().limited_by.find("body 0"), std::string::npos) << run.simulation->step_size().limited_by;
+}
+
+// X27: a step far too large is refused at the start, naming who cannot bear it.
+TEST(StepSize, far_too_large_is_refused_with_the_pair_that_limits_it) {
+  TestRun run = swinging_ball(3);
+  try {
+    run.start();
+    FAIL() << "not refused";
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("body 0 (rock) on fixed rock"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace scree
