@@ -195,17 +195,21 @@ class Case:
         self.pack_text = tools.call("scree-decomposer", "pack", path, "-o", scene)
         return scene
 
-    def run(self, tools, *arguments, keep=False, timeout=900):
-        """Packs and solves. Throws ToolError when a tool refuses or the run becomes invalid."""
+    def solve(self, tools, scene, *arguments, timeout=900):
+        """Runs a packed scene. Throws ToolError when the solver refuses or the run becomes invalid."""
         started = time.time()
-        scene = self.pack(tools)
         folder = os.path.join(tools.scratch, f"{self.name}.run")
         shutil.rmtree(folder, ignore_errors=True)
         text = tools.call("scree-solver", scene, "-o", folder, *arguments, timeout=timeout)
         run = Run(folder, self, text, time.time() - started)
-        if not keep:
-            shutil.rmtree(folder, ignore_errors=True)
-            os.remove(scene)
+        shutil.rmtree(folder, ignore_errors=True)
+        return run
+
+    def run(self, tools, *arguments, timeout=900):
+        """Packs and solves. Throws ToolError when a tool refuses or the run becomes invalid."""
+        scene = self.pack(tools)
+        run = self.solve(tools, scene, *arguments, timeout=timeout)
+        os.remove(scene)
         return run
 
 

@@ -47,7 +47,10 @@ class Study:
                 if "refused" in s:
                     continue
                 try:
-                    run = s["make"]().run(self.tools)
+                    if n == 0:
+                        s["case"] = s["make"]()
+                        s["scene"] = s["case"].pack(self.tools)
+                    run = s["case"].solve(self.tools, s["scene"])
                 except ToolError as failure:
                     s["refused"] = failure.text.strip().splitlines()[-1]
                     print(f"{self.name} {s['labels']}: refused: {s['refused']}", flush=True)
@@ -99,7 +102,7 @@ def impact(study):
                     c = Case(f"impact-{law}-{name}-{steps}", duration=2.0 * contact, step=dt, margin=e_sum / 2, law=law, every=2.0 * contact, integrator=name)
                     c.sphere("ball", R)
                     c.material("m", density)
-                    c.pair_all(stiffness=k, restitution=e)
+                    c.pair_all(stiffness=k, restitution=e, **({"restitution_speed": 1.0} if law == "hunt-crossley" else {}))
                     for j in range(41):
                         c.body("ball", "m", (2 * j, 0, R + e_sum + dt * (1 + (j + .5) / 41)), velocity=(0, 0, -1))
                     c.floor()

@@ -109,7 +109,7 @@ def p4():
         for name in curves(own):
             points = sorted((row["triangles"], row["duration"]) for row in own if row["case"] == kind and row["curve"] == name)
             axes[1, 0].semilogx(*zip(*points), style, color=COLOURS[n], marker=MARKERS[n], markersize=4, label=f"{kind}, {name}")
-    axes[1, 0].set_ylim(0)
+    axes[1, 0].set_ylim(0, 1.15 * max(row["duration"] for row in own))
     axes[1, 0].set_title(f"duration of the contact [s], {finest} steps a contact")
     axes[1, 0].set_xlabel("triangles")
     axes[1, 0].legend()
@@ -155,7 +155,8 @@ def p8():
     figure, axes = plt.subplots(1, len(cases), figsize=(5 * len(cases), 4))
     for ax, case in zip(numpy.atleast_1d(axes), cases):
         for n, row in enumerate(row for row in rows if row["case"] == case):
-            ax.loglog(numpy.array(row["time"])[1:], numpy.maximum(row["error"], 1e-17)[1:], color=COLOURS[n], linewidth=1, label=row["curve"])
+            # thinner curves on top, since some integrators coincide
+            ax.loglog(numpy.array(row["time"])[1:], numpy.maximum(row["error"], 1e-17)[1:], color=COLOURS[n], linewidth=3 - .5 * n, label=row["curve"])
         ax.set_title(f"{case}: |dE|/E")
         ax.set_xlabel("time [s]")
         ax.legend()

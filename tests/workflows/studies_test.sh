@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# The studies of validation, stability and work-precision start, run one case each and write their tables.
+# usage: studies_test.sh RUNNER BIN SCRATCH
+set -euo pipefail
+runner=$1; export SCREE_BIN=$2; scratch=$3
+rm -rf "$scratch"
+
+"$runner" validation --config only=G2 --out "$scratch/validation" --cores 1 >"$scratch.log" 2>&1 || { cat "$scratch.log"; exit 1; }
+grep -q '| G2 | regular tetrahedron | U | 2 | 0 |' "$scratch/validation/validation.md"
+test -f "$scratch/validation/errors.csv"
+
+"$runner" stability --config only=X9 --out "$scratch/stability" --cores 1 >"$scratch.log" 2>&1 || { cat "$scratch.log"; exit 1; }
+grep -q '2 held, 0 refused with a named reason, 0 failed' "$scratch/stability/stability.md"
+
+"$runner" work-precision --config studies=margin repeats=1 --out "$scratch/work-precision" --cores 1 >"$scratch.log" 2>&1 || { cat "$scratch.log"; exit 1; }
+test "$(grep -c '^margin corner' "$scratch/work-precision/errors.csv")" -eq 24
+rm -rf "$scratch" "$scratch.log"
