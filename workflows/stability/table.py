@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
 """Markdown table of the results of stability.py --json. usage: table.py RESULT.json... (to stdout)"""
 import json
+import os
 import sys
 
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "table_header.md")) as file:
+    print(file.read(), end="")
 rows, titles = [], {}
 for path in sys.argv[1:]:
     with open(path) as file:
