@@ -69,29 +69,44 @@ HWY_EXPORT(place_float);
 /// Shapes with more triangles than this need the wide pairs.
 constexpr std::int32_t kNarrowTriangles = 65536;
 
-// Relative costs of the model in the header, in units of one scanned pair: measured with scree-bench-candidates on an
-// AVX-512 core. Twice or half of any of them moves the skin by 1.4 and the cost by a few percent.
-constexpr double kDescentCost = 4000, kListingCost = 12, kScanCost = 1;
+// Relative costs of the model in the header, in units of one scanned pair (about 1 ns): measured with scree-bench-candidates
+// on an AVX-512 core. Twice or half of any of them moves the skin by 1.26 and the cost by a few percent.
+constexpr double kDescentCost = 6000, kListingCost = 55, kScanCost = 1;
 
 /// The skin stays between these parts of the smaller body's radius; the first one is the square root of their product.
 constexpr double kThinnestSkin = 1e-4, kWidestSkin = 0.25, kFirstSkin = 0.02;
-/// And moves by at most this factor from one list to the next: one odd step must not spoil it.
+/// The skin is twice as wide at this part of the smaller body's radius, at least, from where bodies touch.
+constexpr double kShortestLever = 0.1;
+/// The skin changes by at most this factor from one list to the next: one odd step must not spoil it.
 constexpr double kSkinChange = 4;
 
 /// Bounds are raised by this part, and by this part of the placement's size, so that rounding cannot make them too small.
 constexpr double kBoundRounding = 1e-6, kPlaceRounding = 1e-15;
 
+/// Chord of the turn between two placements: 2 sin(half the angle).
+double chord_of(const Placement& from, const Placement& to) {
+  double turn = 0;
+  for (int i = 0; i < 3; ++i) turn += squared_length(to.rotation[i] - from.rotation[i]);
+  return std::sqrt(0.5 * turn);
+}
+
+/// Shift of a point of B in A's frame.
+double shift_of(const Placement& from, const Placement& to, const Vec3& point) {
+  return length(to.scale * (to.rotation * point) + to.translation - (from.scale * (from.rotation * point) + from.translation));
+}
+
+/// A bound, made safe against the rounding of what it was computed from.
+double raised(double bound, const Placement& p, const Vec3& on_a, const Vec3& on_b) {
+  const double size = std::abs(p.translation.x) + std::abs(p.translation.y) + std::abs(p.translation.z) + length(on_a) + p.scale * length(on_b);
+  return bound * (1 + kBoundRounding) + kPlaceRounding * size;
+}
+
 /// Bound on the motion of A's patch and B's patch against each other from one placement of B in A's frame to another: the
 /// points of B in A's frame, or those of A in B's frame, whichever is the smaller bound [units of A's shape].
 double motion_bound(const Placement& from, const Placement& to, const SurfacePatch& a, const SurfacePatch& b) {
-  double turn = 0;
-  for (int i = 0; i < 3; ++i) turn += squared_length(to.rotation[i] - from.rotation[i]);
-  const double chord = std::sqrt(0.5 * turn);  // 2 sin(half the angle)
-  const Vec3 b_before = from.scale * (from.rotation * b.centre) + from.translation, b_after = to.scale * (to.rotation * b.centre) + to.translation;
+  const double chord = chord_of(from, to);
   const Vec3 a_before = transpose_times(from.rotation, a.centre - from.translation), a_after = transpose_times(to.rotation, a.centre - to.translation);
-  const double of_b = length(b_after - b_before) + chord * to.scale * b.radius, of_a = length(a_after - a_before) + chord * a.radius;
-  const double size = std::abs(to.translation.x) + std::abs(to.translation.y) + std::abs(to.translation.z) + length(a.centre) + to.scale * length(b.centre);
-  return std::min(of_a, of_b) * (1 + kBoundRounding) + kPlaceRounding * size;
+  return raised(std::min(shift_of(from, to, b.centre) + chord * to.scale * b.radius, length(a_after - a_before) + chord * a.radius), to, a.centre, b.centre);
 }
 
 /// Floats on the safe side: an expiry too early, a way too long.
@@ -164,9 +179,9 @@ void KeptPairs::choose_skin(double smallest_radius, double margin) {
   } else if (steps_listed_ == 0) {
     if (skin_ <= 0) skin_ = std::max(kFirstSkin * smallest_radius, margin);
   } else {
-    const double pairs = static_cast<double>(close_count_), more = static_cast<double>(expiry_.size() - close_count_) / skin_;
-    const double way = moved_ / static_cast<double>(steps_listed_);
-    const double best = more > 0 ? std::sqrt((kDescentCost + kListingCost * pairs) * way / (kScanCost * more)) : kSkinChange * skin_;
+    const double more = static_cast<double>(expiry_.size() - close_count_) / (skin_ * skin_), way = moved_ / static_cast<double>(steps_listed_);
+    const double per_pair = kScanCost + 0.5 * kListingCost * way / skin_;
+    const double best = more > 0 ? std::cbrt(0.5 * kDescentCost * way / (per_pair * more)) : kSkinChange * skin_;
     skin_ = std::clamp(best, skin_ / kSkinChange, skin_ * kSkinChange);
   }
   if (fixed_skin_ <= 0) skin_ = std::clamp(skin_, kThinnestSkin * smallest_radius, kWidestSkin * smallest_radius);
@@ -186,18 +201,30 @@ void KeptPairs::find_patches(const MeshView& a, const MeshView& b) {
 
 void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s) {
   const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
-  choose_skin(std::min(static_cast<double>(tree_a.radius), b_in_a.scale * static_cast<double>(tree_b.radius)), margin);
+  const double smallest_radius = std::min(static_cast<double>(tree_a.radius), b_in_a.scale * static_cast<double>(tree_b.radius));
+  choose_skin(smallest_radius, margin);
+  // where the bodies touched last; nothing is known of bodies that have not
+  centre_ = patch_b_.centre;
+  lever_ = expiry_.empty() ? 0 : std::max(b_in_a.scale * patch_b_.radius, kShortestLever * smallest_radius);
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
   const double allowance = static_cast<double>(frame.allowance), reach = margin + skin_;
   s.descent.forget_placed();
   s.descent.candidates.clear();
   s.listed.clear();
-  collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent);
+  const double growth = lever_ > 0 ? skin_ / lever_ : 0;
+  const Vec3 centre_in_a = b_in_a.scale * (b_in_a.rotation * centre_) + b_in_a.translation - tree_a.middle;
+  collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), DescentReach(filter_reach(frame, reach), growth, centre_in_a, frame), s.descent);
   const std::vector<TrianglePair>& candidates = s.descent.candidates;
   close_count_ = 0;
   filter_pairs(a, b, frame, candidates.size(), [&](std::size_t k) { return candidates[k]; }, s, [&](std::size_t k, float distance) {
     const double least = static_cast<double>(distance) - allowance;
-    if (least > reach) return;
+    double reach_here = reach;
+    if (growth > 0 && least > reach) {
+      double farthest = 0;
+      for (int c = 0; c < 3; ++c) farthest = std::max(farthest, squared_length(b.mesh->corner(candidates[k].b, c) - centre_));
+      reach_here += growth * b_in_a.scale * std::sqrt(farthest);
+    }
+    if (least > reach_here) return;
     if (least <= margin) ++close_count_;
     s.listed.push_back({candidates[k], round_down(least - margin)});
   });
@@ -238,7 +265,8 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
   ++counts_.steps;
   if (has_list_) {
     ++steps_listed_;
-    moved_ = motion_bound(listed_at_, b_in_a, {{}, static_cast<double>(tree_a.radius)}, {{}, static_cast<double>(tree_b.radius)});
+    moved_ = lever_ > 0 ? raised(std::max(shift_of(listed_at_, b_in_a, centre_), lever_ * chord_of(listed_at_, b_in_a)), b_in_a, {}, centre_)
+                        : motion_bound(listed_at_, b_in_a, {{}, static_cast<double>(tree_a.radius)}, {{}, static_cast<double>(tree_b.radius)});
     way_ += motion_bound(last_, b_in_a, patch_a_, patch_b_);
     last_ = b_in_a;
   }

@@ -5,16 +5,20 @@
 //   filter    distances in single precision of the pairs that expired: most are put off again
 //   decision  distances in double precision of the rest: exact, whatever the list or the filter did
 //
-// The way is the sum over steps of how far any point of the listed triangles has moved against the other body. The list
-// is used up, and made anew, when any point of a body has moved further than the skin from where it was when listed.
-// Both bounds hold translation and rotation: |shift of a point| + (chord of the turn) * (largest distance from that
-// point). The point is the middle of the listed triangles for the way, the body's own centre for the list; each is taken
-// in the frame of either body and the smaller bound counts.
+// The way is the sum over steps of how far any point of the listed triangles has moved against the other body. It holds
+// translation and rotation: |shift of their middle| + (chord of the turn) * (largest distance from it), in the frame of
+// either body, whichever is smaller.
 //
-// Skin: a wide one makes longer lists, a narrow one makes them often. With n pairs within the margin, n' more for a unit
-// of skin s, and v the way of a step, a step costs about
-//   C(s) = scan * (n + n' s) + (descent + listing * n) * v / s + constant,
-// least at s = sqrt((descent + listing n) v / (scan n')). Every new list measures n, n' and v and takes that skin.
+// The list is used up, and made anew, when a triangle that is not in it may have come within the margin. The skin at a
+// point p of B is s (1 + |p - c| / lever), c being where the bodies touched last: points far from there move more when
+// bodies roll, and are farther apart. So the list serves while c has not moved further than s, and B not turned by more
+// than a chord of s / lever, both from when it was made: bodies that roll on one another keep it long.
+//
+// Skin: a wide one makes longer lists, a narrow one makes them often. With n pairs within the margin, n' s^2 more in a
+// skin s (the patch and the pairs of each of its triangles both grow with s), and v the way of a step, a step costs about
+//   C(s) = scan (n + n' s^2) + (descent + listing (n + n' s^2)) v / s + constant,
+// least at s^3 = descent v / (2 n' (scan + listing v / (2 s))). Every new list measures n' and v and takes that skin, with
+// the last one on the right.
 // Source: M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, section 5.3 (neighbour lists); the expiry of a
 // single pair is that of KERNEL.md section 4. Departure: the way is measured at the listed triangles.
 #pragma once
@@ -96,6 +100,8 @@ class KeptPairs {
   std::vector<TrianglePair> wide_;
   Placement listed_at_, last_;
   SurfacePatch patch_a_, patch_b_;   // the listed triangles
+  Vec3 centre_;                      // of B, in its own frame: what the skin is measured at
+  double lever_ = 0;                 // at this distance from it the skin is twice as wide; 0: the same everywhere
   double margin_ = 0, skin_ = 0, fixed_skin_ = 0;
   double way_ = 0, moved_ = 0;       // of the listed triangles, step by step; of the bodies, from where they were listed
   std::int64_t steps_listed_ = 0;    // steps that the list has served

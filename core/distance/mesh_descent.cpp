@@ -46,19 +46,45 @@ HWY_INLINE Vec8 gaps_squared(const float lower[3][kWideWidth], const float upper
   return sum;
 }
 
-/// Which of the eight boxes lie within reach of the one; their squared distances.
-HWY_INLINE std::uint32_t near_boxes(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
-                                    float reach2, float gap2[kWideWidth]) {
+/// Which of the eight boxes lie within reach of the one, the same for all or each its own; their squared distances.
+template <class ReachOf>
+HWY_INLINE std::uint32_t boxes_within(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
+                                      const ReachOf& reach_of, float gap2[kWideWidth]) {
   std::uint32_t bits = 0;
   for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
-    const Vec8 gap = gaps_squared(lower, upper, part, box);
+    const Vec8 gap = gaps_squared(lower, upper, part, box), reach = reach_of(part);
     hn::StoreU(gap, Tag8(), gap2 + part);
-    bits |= bits_of(hn::Le(gap, all(reach2))) << part;
+    bits |= bits_of(hn::Le(gap, hn::Mul(reach, reach))) << part;
   }
   return bits;
 }
+HWY_INLINE std::uint32_t near_boxes(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
+                                    float reach, float gap2[kWideWidth]) {
+  return boxes_within(lower, upper, box, [reach](std::size_t) { return all(reach); }, gap2);
+}
+HWY_INLINE std::uint32_t near_boxes(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
+                                    const float reach[kWideWidth], float gap2[kWideWidth]) {
+  return boxes_within(lower, upper, box, [reach](std::size_t part) { return load(reach + part); }, gap2);
+}
 
-void place_boxes(const WideNode& node, const DescentFrame& frame, PlacedNode& out) {
+/// The largest reach in each of eight boxes of B.
+HWY_INLINE void reaches(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const DescentReach& reach, float out[kWideWidth]) {
+  for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+    Vec8 result = all(reach.base);
+    if (reach.slope > 0) {
+      // to the farthest corner
+      Vec8 sum = hn::Zero(Tag8());
+      for (int c = 0; c < 3; ++c) {
+        const Vec8 far = hn::Max(hn::Sub(load(upper[c] + part), all(reach.centre[c])), hn::Sub(all(reach.centre[c]), load(lower[c] + part)));
+        sum = hn::MulAdd(far, far, sum);
+      }
+      result = hn::MulAdd(all(reach.slope), hn::Sqrt(sum), result);
+    }
+    hn::StoreU(result, Tag8(), out + part);
+  }
+}
+
+void place_boxes(const WideNode& node, const DescentFrame& frame, const DescentReach& reach, PlacedNode& out) {
   const Vec8 half_of = all(0.5f);
   for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
     Vec8 centre[3], half[3];
@@ -74,12 +100,14 @@ void place_boxes(const WideNode& node, const DescentFrame& frame, PlacedNode& ou
       hn::StoreU(hn::Add(x, e), Tag8(), out.upper[c] + part);
     }
   }
+  reaches(out.lower, out.upper, reach, out.reach);
 }
 
 /// Normals of eight triangles and the slabs n . x in low..high that hold each one and its surroundings up to reach.
 /// Any direction separates soundly, so the rounding of n itself does not matter; one too short to trust gets an
 /// endless slab.
-HWY_INLINE void make_slabs(const float corner[9][kWideWidth], float reach, float normal[3][kWideWidth], float* low, float* high) {
+template <class ReachOf>
+HWY_INLINE void make_slabs(const float corner[9][kWideWidth], const ReachOf& reach_of, float normal[3][kWideWidth], float* low, float* high) {
   constexpr float kShortestNormal2 = 1e-30f, kEndless = 3e38f;
   for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
     const auto at = [&](int k) { return load(corner[k] + part); };
@@ -90,7 +118,7 @@ HWY_INLINE void make_slabs(const float corner[9][kWideWidth], float reach, float
     const Vec8 n2 = hn::MulSub(e1x, e2y, hn::Mul(e1y, e2x));
     const Vec8 h0 = dot(n0, n1, n2, at(0), at(1), at(2)), h1 = dot(n0, n1, n2, at(3), at(4), at(5)),
                h2 = dot(n0, n1, n2, at(6), at(7), at(8));
-    const Vec8 nn = dot(n0, n1, n2, n0, n1, n2), width = hn::Mul(all(reach), hn::Sqrt(nn));
+    const Vec8 nn = dot(n0, n1, n2, n0, n1, n2), width = hn::Mul(reach_of(part), hn::Sqrt(nn));
     const hn::Mask<Tag8> trusted = hn::Gt(nn, all(kShortestNormal2));
     hn::StoreU(n0, Tag8(), normal[0] + part);
     hn::StoreU(n1, Tag8(), normal[1] + part);
@@ -100,7 +128,7 @@ HWY_INLINE void make_slabs(const float corner[9][kWideWidth], float reach, float
   }
 }
 
-void place_leaf(const WideLeaf& leaf, const DescentFrame& frame, float reach, PlacedLeaf& out) {
+void place_leaf(const WideLeaf& leaf, const DescentFrame& frame, const DescentReach& reach, PlacedLeaf& out) {
   for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
     for (int v = 0; v < 3; ++v)
       for (int c = 0; c < 3; ++c) {
@@ -114,7 +142,10 @@ void place_leaf(const WideLeaf& leaf, const DescentFrame& frame, float reach, Pl
       hn::StoreU(hn::Max(hn::Max(x0, x1), x2), Tag8(), out.upper[c] + part);
     }
   }
-  make_slabs(out.corner, reach, out.normal, out.low, out.high);
+  reaches(out.lower, out.upper, reach, out.reach);
+  out.largest_reach = out.reach[0];
+  for (const float r : out.reach) out.largest_reach = std::max(out.largest_reach, r);
+  make_slabs(out.corner, [&](std::size_t part) { return load(out.reach + part); }, out.normal, out.low, out.high);
 }
 
 /// Three corners of eight triangles against eight slabs: bits of those that lie on one side.
@@ -126,7 +157,7 @@ HWY_INLINE std::uint32_t outside_slabs(const Vec8 h[3], Vec8 low, Vec8 high) {
 HWY_INLINE std::uint32_t first_bits(std::int32_t count) { return (1u << count) - 1u; }
 
 void meet_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, std::int32_t leaf_a, std::int32_t leaf_b,
-                 const float box_a[6], float reach, DescentScratch& scratch) {
+                 const float box_a[6], const DescentReach& reach, DescentScratch& scratch) {
   const WideLeaf& la = a.leaves[static_cast<std::size_t>(leaf_a)];
   const WideLeaf& lb = b.leaves[static_cast<std::size_t>(leaf_b)];
   const auto slot = static_cast<std::size_t>(leaf_b % DescentScratch::kCacheSize);
@@ -135,9 +166,8 @@ void meet_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, 
     place_leaf(lb, frame, reach, placed);
     scratch.cached[slot] = leaf_b;
   }
-  const float reach2 = reach * reach;
   float gap2[kWideWidth];
-  std::uint32_t rows = near_boxes(placed.lower, placed.upper, box_a, reach2, gap2) & first_bits(lb.count);
+  std::uint32_t rows = near_boxes(placed.lower, placed.upper, box_a, placed.reach, gap2) & first_bits(lb.count);
   if (rows == 0) return;
 
   float lower[3][kWideWidth], upper[3][kWideWidth];
@@ -153,10 +183,10 @@ void meet_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, 
     const auto j = static_cast<std::size_t>(std::countr_zero(rows));
     const float box[6] = {placed.lower[0][j], placed.lower[1][j], placed.lower[2][j],
                           placed.upper[0][j], placed.upper[1][j], placed.upper[2][j]};
-    std::uint32_t hits = near_boxes(lower, upper, box, reach2, gap2) & first_bits(la.count);
+    std::uint32_t hits = near_boxes(lower, upper, box, placed.reach[j], gap2) & first_bits(la.count);
     if (hits == 0) continue;
     if (!has_slabs) {
-      make_slabs(la.corner, reach, normal, low, high);
+      make_slabs(la.corner, [&](std::size_t) { return all(placed.largest_reach); }, normal, low, high);
       has_slabs = true;
     }
     // separated by the plane of one or of the other
@@ -188,14 +218,13 @@ HWY_INLINE void copy_box(const float lower[3][kWideWidth], const float upper[3][
 
 /// Calls visit for each pair of children within reach.
 template <class Visit>
-HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,
+HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                           DescentScratch& scratch, const Visit& visit) {
-  const float reach2 = reach * reach;
   float gap2[kWideWidth];
   SubtreePair next = pair;
   const auto open_a = [&](const SubtreePair& with) {
     const WideNode& node = a.nodes[static_cast<std::size_t>(pair.a)];
-    std::uint32_t hits = near_boxes(node.lower, node.upper, with.box_b, reach2, gap2) & first_bits(node.count);
+    std::uint32_t hits = near_boxes(node.lower, node.upper, with.box_b, with.reach, gap2) & first_bits(node.count);
     for (; hits != 0; hits &= hits - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(hits));
       next.a = node.child[i];
@@ -212,13 +241,14 @@ HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame
   const auto slot = static_cast<std::size_t>(pair.b % DescentScratch::kCacheSize);
   PlacedNode& placed = scratch.node_cache[slot];
   if (scratch.cached_nodes[slot] != pair.b) {
-    place_boxes(node, frame, placed);
+    place_boxes(node, frame, reach, placed);
     scratch.cached_nodes[slot] = pair.b;
   }
-  std::uint32_t rows = near_boxes(placed.lower, placed.upper, pair.box_a, reach2, gap2) & first_bits(node.count);
+  std::uint32_t rows = near_boxes(placed.lower, placed.upper, pair.box_a, placed.reach, gap2) & first_bits(node.count);
   for (; rows != 0; rows &= rows - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(rows));
     next.b = node.child[j];
+    next.reach = placed.reach[j];
     copy_box(placed.lower, placed.upper, j, next.box_b);
     if (pair.a >= 0) {
       open_a(next);
@@ -229,7 +259,7 @@ HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame
   }
 }
 
-HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,
+HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                            DescentScratch& scratch) {
   if (pair.a < 0 && pair.b < 0) {
     meet_leaves(a, b, frame, ~pair.a, ~pair.b, pair.box_a, reach, scratch);
@@ -238,10 +268,10 @@ HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFram
   open_pair(a, b, frame, pair, reach, scratch, [&](const SubtreePair& next) { scratch.pairs.push_back(next); });
 }
 
-HWY_NOINLINE bool open_all(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root, float reach,
+HWY_NOINLINE bool open_all(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root, const DescentReach& reach,
                            DescentScratch& scratch, std::size_t limit) {
   scratch.pairs.clear();
-  if (root.gap2 <= reach * reach) scratch.pairs.push_back(root);
+  scratch.pairs.push_back(root);
   while (!scratch.pairs.empty()) {
     const SubtreePair pair = scratch.pairs.back();
     scratch.pairs.pop_back();
@@ -300,7 +330,7 @@ float filter_reach(const DescentFrame& frame, double reach) {
 
 SubtreePair root_pair(const WideBvh& a) {
   // B's box is the whole space: the first step places the boxes of its children
-  SubtreePair root{0, 0, 0, {}, {}};
+  SubtreePair root{0, 0, 0, 0, {}, {}};  // its children get a reach
   const float far = 1e18f;
   for (int c = 0; c < 3; ++c) {
     root.box_a[c] = a.nodes[0].lower[c][0];
@@ -316,11 +346,11 @@ SubtreePair root_pair(const WideBvh& a) {
 }
 
 bool collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
-                        float reach, DescentScratch& scratch, std::size_t limit) {
+                        const DescentReach& reach, DescentScratch& scratch, std::size_t limit) {
   return HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, root, reach, scratch, limit);
 }
 
-void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,
+void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                    DescentScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(open_one)(a, b, frame, pair, reach, scratch);
 }

@@ -27,10 +27,22 @@ DescentFrame make_descent_frame(const WideBvh& a, const WideBvh& b, const Placem
 /// What a search for pairs within `reach` compares with, and the reach up to which single precision can square.
 float filter_reach(const DescentFrame& frame, double reach);
 
+/// How near a pair counts: at a point of B, base + slope * (its distance from a centre). All in A's tree frame, base a
+/// filter_reach; without a slope the same everywhere.
+struct DescentReach {
+  float base, slope = 0, centre[3] = {};
+  DescentReach(float everywhere) : base(everywhere) {}
+  /// Rounding of the distances included.
+  DescentReach(float at_centre, double growth, const Vec3& place, const DescentFrame& frame)
+      : base(at_centre + static_cast<float>(growth) * frame.allowance), slope(static_cast<float>(growth * (1 + 0x1p-18))),
+        centre{static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)} {}
+};
+
 /// Two subtrees to visit: >= 0 a node, < 0 leaf ~code; with their boxes (lower, upper) in A's frame.
 struct SubtreePair {
   std::int32_t a, b;
-  float gap2;  ///< squared distance of the boxes
+  float gap2;   ///< squared distance of the boxes
+  float reach;  ///< the largest in B's box
   float box_a[6], box_b[6];
 };
 
@@ -40,11 +52,13 @@ struct alignas(32) PlacedLeaf {
   float corner[9][kWideWidth];
   float lower[3][kWideWidth], upper[3][kWideWidth];
   float normal[3][kWideWidth], low[kWideWidth], high[kWideWidth];
+  float reach[kWideWidth], largest_reach;
 };
 
 /// Boxes of the children of a node of B in A's frame.
 struct alignas(32) PlacedNode {
   float lower[3][kWideWidth], upper[3][kWideWidth];
+  float reach[kWideWidth];
 };
 
 struct DescentScratch {
@@ -65,13 +79,13 @@ struct DescentScratch {
 /// The two roots, taken as within any reach. Both trees must have triangles.
 SubtreePair root_pair(const WideBvh& a);
 
-/// Appends to scratch.candidates every pair of triangles within reach (a filter_reach) below the pair of subtrees. Gives up
-/// and returns false once there are more than `limit`.
+/// Appends to scratch.candidates every pair of triangles within reach below the pair of subtrees. Gives up and returns
+/// false once there are more than `limit`.
 bool collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
-                        float reach, DescentScratch& scratch, std::size_t limit = ~std::size_t{0});
+                        const DescentReach& reach, DescentScratch& scratch, std::size_t limit = ~std::size_t{0});
 
 /// One step of it: two leaves give candidates, anything else gives smaller pairs within reach, in scratch.pairs.
-void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, float reach,
+void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                    DescentScratch& scratch);
 
 }  // namespace scree
