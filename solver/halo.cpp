@@ -197,8 +197,8 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
   for (std::size_t n = 0; n < ranks.size(); ++n) {
     if (rows[n].empty() && incoming[n].empty()) continue;
     Neighbour neighbour{ranks[n], std::move(rows[n]), p.size(), incoming[n].size(), {}, {}};
-    neighbour.send_buffer.resize(neighbour.send_rows.size());
-    neighbour.receive_buffer.resize(neighbour.ghost_count);
+    neighbour.send_buffer.resize(neighbour.send_rows.size() * kGhostBytes);
+    neighbour.receive_buffer.resize(neighbour.ghost_count * kGhostBytes);
     for (const ParticleRecord& record : incoming[n]) append_record(p, record, scene);
     neighbours_.push_back(std::move(neighbour));
   }
@@ -211,16 +211,13 @@ void Halo::start_refresh(const ParticleSet& p, PhaseTimes& times) {
   constexpr int kTag = 23;
   for (Neighbour& n : neighbours_) {
     if (n.ghost_count == 0) continue;
-    MPI_Irecv(n.receive_buffer.data(), static_cast<int>(n.ghost_count * sizeof(GhostState)), MPI_BYTE, n.rank, kTag,
+    MPI_Irecv(n.receive_buffer.data(), static_cast<int>(n.receive_buffer.size()), MPI_BYTE, n.rank, kTag,
               comm_.get(), &requests_.emplace_back());
   }
   for (Neighbour& n : neighbours_) {
     if (n.send_rows.empty()) continue;
-    for (std::size_t k = 0; k < n.send_rows.size(); ++k) {
-      const auto i = static_cast<std::size_t>(n.send_rows[k]);
-      n.send_buffer[k] = {p.x[i], p.v[i], p.w[i], p.q[i]};
-    }
-    const auto bytes = static_cast<int>(n.send_rows.size() * sizeof(GhostState));
+    pack_ghosts(p, n.send_rows, n.send_buffer.data());
+    const auto bytes = static_cast<int>(n.send_buffer.size());
     MPI_Isend(n.send_buffer.data(), bytes, MPI_BYTE, n.rank, kTag, comm_.get(), &requests_.emplace_back());
     ++traffic_.messages;
     traffic_.bytes += bytes;
@@ -235,15 +232,7 @@ void Halo::finish_refresh(ParticleSet& p, PhaseTimes& times) {
   }
   requests_.clear();
   const PhaseTimer timer(times, Phase::halo);
-  for (const Neighbour& n : neighbours_) {
-    for (std::size_t k = 0; k < n.ghost_count; ++k) {
-      const std::size_t i = n.first_ghost + k;
-      p.x[i] = n.receive_buffer[k].x;
-      p.v[i] = n.receive_buffer[k].v;
-      p.w[i] = n.receive_buffer[k].w;
-      p.q[i] = n.receive_buffer[k].q;
-    }
-  }
+  for (const Neighbour& n : neighbours_) unpack_ghosts(p, n.first_ghost, n.ghost_count, n.receive_buffer.data());
 }
 
 }  // namespace scree

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/partition/partition.hpp"
+#include "solver/ghost_packing.hpp"
 #include "solver/mpi_session.hpp"
 #include "solver/pair_list.hpp"
 #include "solver/phases.hpp"
@@ -33,12 +34,6 @@ struct ParallelOptions {
   HaloStrategy strategy;
   HaloSelection selection;
   CutMethod cut;
-};
-
-/// What travels of a ghost in every step. One record a body: packing an array for each field costs more (docs/scaling.md).
-struct GhostState {
-  Vec3 x, v, w;
-  Quat q;
 };
 
 /// Counted since the start, of this rank.
@@ -77,7 +72,7 @@ class Halo {
     int rank;
     std::vector<std::int32_t> send_rows;     ///< our rows that are ghosts there
     std::size_t first_ghost, ghost_count;    ///< our rows that are ghosts from there
-    std::vector<GhostState> send_buffer, receive_buffer;
+    std::vector<char> send_buffer, receive_buffer;   // see ghost_packing.hpp
   };
 
   Vec3 inside_domain(const Vec3& x) const;   ///< the image of a point within the periodic axes

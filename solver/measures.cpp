@@ -158,7 +158,7 @@ RankMeasures Simulation::rank_measures() const {
     (with_ghost ? ghost_pairs : own_pairs) += memory_of(pair);
   }
   m.body_bytes = static_cast<std::int64_t>(p_.owned * row + own_pairs);
-  m.ghost_bytes = static_cast<std::int64_t>(p_.ghost_count() * (row + 2 * sizeof(GhostState)) + ghost_pairs);  // sent there, received here
+  m.ghost_bytes = static_cast<std::int64_t>(p_.ghost_count() * (row + 2 * kGhostBytes) + ghost_pairs);  // sent there, received here
   for (std::size_t k = 0; k < pairs_.pairs().size(); ++k) {
     if (counts_here(pairs_.pairs()[k], p_) && pairs_.results()[k].active) m.contacts += pairs_.results()[k].contact_count;
   }

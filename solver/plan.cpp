@@ -51,7 +51,7 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   else in("rotation", fmt::format("five-rotation splitting{}", locked > 0 ? fmt::format(", {} bodies locked", locked) : ""));
   if (prepared.has_driven_walls()) in("driven walls", "positions from their motion at every step");
   else out("driven walls", "no wall moves");
-  if (comm.size() > 1) in("halo and migration", fmt::format("{} bytes per ghost and step", sizeof(GhostState)));
+  if (comm.size() > 1) in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else out("halo and migration", "one rank: no messages");
   if (!s.domain.bounded) out("domain checks", "the domain is unbounded");
   else in("domain checks", "outside = " + s.domain.outside);

@@ -111,9 +111,15 @@ void Simulation::compute_forces(double friction_dt, bool refresh) {
   const PhaseTimer timer(times_, Phase::gather);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   pairs_.gather(scene_.source().settings.gravity, p_);
-  for (const PairResult& r : pairs_.results()) {
-    if (r.active) max_depth_ratio_ = std::max(max_depth_ratio_, r.depth_ratio);
+  const std::vector<PairResult>& results = pairs_.results();
+  const auto count = static_cast<std::ptrdiff_t>(results.size());
+  double deepest = max_depth_ratio_;
+#pragma omp parallel for schedule(static) reduction(max : deepest)
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const PairResult& r = results[static_cast<std::size_t>(n)];
+    if (r.active) deepest = std::max(deepest, r.depth_ratio);
   }
+  max_depth_ratio_ = deepest;
 }
 
 void Simulation::fail(const Error& error) {
