@@ -95,8 +95,9 @@ def main():
             table.append(f'{name},{mean * parts:.0f},{r["cut"]},{parts},{mean:.0f},{r["imbalance"]},{r["ghosts_max"]},{r["neighbours_max"]},'
                          f'{r["bytes_max"]},{step:.4g},{compute / step:.3f},{doubled / step:.3f},{messages / step:.3f},{efficiency:.3f}')
             if r["cut"] == "rcb":
+                if not drawn:
+                    bodies = mean * parts   # of the fewest parts: the mean is rounded
                 drawn.append((parts, efficiency))
-                bodies = mean * parts
         lines.append((f"{bodies:.0f} bodies, {name}", drawn))
     with open(os.path.join(folder, "prediction.csv"), "w") as f:
         f.write("\n".join(table) + "\n")
