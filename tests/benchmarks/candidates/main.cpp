@@ -192,6 +192,19 @@ Row measure_packing(const BenchShape& shape, const Options& options) {
     grid.for_each_partner(i, [&](std::int32_t j) { pairs.push_back({i, j, {}}); });
   std::sort(pairs.begin(), pairs.end(), [](const Pair& l, const Pair& r) { return l.a != r.a ? l.a < r.a : l.b < r.b; });
   if (pairs.empty()) return row;
+  // grow every body until it nearly touches: a packing without intersections, in which every body has neighbours in contact
+  std::vector<double> scale(x.size(), 0.8);
+  const MeshDistanceScratchPtr distance_scratch = make_mesh_distance_scratch();
+  for (int sweep = 0; sweep < 6; ++sweep) {
+    std::vector<double> room(x.size(), 1e308);
+    for (const Pair& pair : pairs) {
+      const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
+      const Placement p = relative_placement(x[a], q[a], scale[a], x[b], q[b], scale[b]);
+      const double gap = scale[a] * mesh_distance(shape.view(), shape.view(), p, 10.0, *distance_scratch) - 0.5 * options.margin;
+      for (const std::size_t i : {a, b}) room[i] = std::min(room[i], gap);
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) scale[i] += 0.45 * std::max(0.0, room[i]) / radius;
+  }
   const KeptPairsScratchPtr scratch = make_kept_pairs_scratch();
   AllPairs reference;
   std::vector<ClosePair> close;
@@ -202,21 +215,23 @@ Row measure_packing(const BenchShape& shape, const Options& options) {
   for (std::size_t i = 0; i < x.size(); ++i) axis.push_back(random.direction());
   for (int step = 0; step < steps; ++step) {
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const double phase = 10 * options.speed * step;
-      x[i] = home[i] + (0.05 * std::sin(phase + static_cast<double>(i))) * axis[i];
-      q[i] = normalised(quaternion_of(axis[i], options.speed) * q[i]);
+      // swings through a third of the margin, at the speed, and as much of a turn
+      const double swing = options.margin / 3 * std::sin(3 * options.speed / options.margin * step + static_cast<double>(i));
+      x[i] = home[i] + swing * axis[i];
+      q[i] = normalised(quaternion_of(axis[i], 0.3 * options.speed * std::cos(static_cast<double>(i))) * q[i]);
     }
     for (Pair& pair : pairs) {
       const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
-      const Placement p = relative_placement(x[a], q[a], 1, x[b], q[b], 1);
+      const Placement p = relative_placement(x[a], q[a], scale[a], x[b], q[b], scale[b]);
+      const double margin = options.margin / scale[a];
       if (step == 0) pair.kept.fix_skin(options.skin);
       const double start = seconds();
-      pair.kept.update(shape.view(), shape.view(), p, options.margin, *scratch, close);
+      pair.kept.update(shape.view(), shape.view(), p, margin, *scratch, close);
       time += seconds() - start;
       touching += !close.empty();
       double least = 0;
       if (options.check > 0 && step % (50 * options.check) == 0)
-        row.misses += count_differences(close, reference.below(shape.view(), shape.view(), p, options.margin, least), options.margin, 1e-14);
+        row.misses += count_differences(close, reference.below(shape.view(), shape.view(), p, margin, least), margin, 1e-14);
     }
   }
   KeptPairs::Counts sum;
