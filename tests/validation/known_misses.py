@@ -10,7 +10,7 @@ TANGENTIAL_DASHPOT = ("The reference is a tangential spring without a dashpot; t
 
 KNOWN = {
     ("C3", "icosphere L4, rubber"):
-        "The potential counts every corner that carries: an impact that is dozens of facets deep (here 3 mm, facets 0.05 mm high, 60 corners) "
+        "The potential counts every corner that carries: an impact that is dozens of facets deep (here 3 mm, facets 0.05 mm high) "
         "has D = (sum d^8)^(1/8) above the largest depth, so the mesh is stiffer than the sphere it stands for. An impact about as deep as a "
         "facet is high agrees to 3e-6. Use the analytic sphere for soft balls.",
     ("F3", "velocity reversal over v0"):

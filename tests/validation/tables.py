@@ -26,8 +26,9 @@ def load(paths):
     for path in paths:
         with open(path) as file:
             data = json.load(file)
-        cases += data["cases"]
-        checks += data["checks"]
+        again = {c["case"] for c in data["cases"]}  # a later file replaces what an earlier one says of its cases
+        cases = [c for c in cases if c["case"] not in again] + data["cases"]
+        checks = [k for k in checks if k["case"] not in again] + data["checks"]
     order = {name: i for i, name in enumerate("GCIFRSN")}
     cases.sort(key=lambda c: (order.get(c["case"][0], 9), int(re.sub(r"\D", "", c["case"]) or 0)))
     return cases, checks
