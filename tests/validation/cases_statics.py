@@ -114,7 +114,7 @@ def s6(tools, report):
     for name, scale, start in (("base", 1.0, 1.0), ("pushed harder", 1.0, 2.0), ("four times larger", 4.0, 1.0)):
         height, thickness, width, gap = .048 * scale, .0075 * scale, .024 * scale, .016 * scale
         # mass and weight grow with scale^3: the same share of the margin is used up when k grows with scale^2
-        margin, k = 1e-4 * scale, 2e4 * scale**2
+        margin, k = 2e-4 * scale, 1e5 * scale**2
         count = 20
         c = Case(f"S6-{scale:g}-{start:g}", duration=.8 * math.sqrt(scale), steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.004 * math.sqrt(scale))
         c.mesh("domino", meshes.box((thickness, width, height)))
