@@ -189,6 +189,15 @@ std::int64_t Group::array_size(const std::string& name, std::int64_t columns) co
   H5Sget_simple_extent_dims(space.id(), extent, nullptr);
   const std::int64_t found = rank == 1 ? 1 : static_cast<std::int64_t>(extent[1]);
   if (found != columns) throw InputError("{}/{}: {} columns found, {} expected", path_, name, found, columns);
+  // A damaged header can ask for any number of rows: no file holds more than deflate can press into it.
+  constexpr double kMostDeflated = 1032;  // RFC 1951: 258 bytes from two bits, at best
+  const Handle type(H5Dget_type(dataset.id()), H5Tclose, what), file(H5Iget_file_id(dataset.id()), H5Fclose, what);
+  hsize_t file_bytes = 0;
+  check(H5Fget_filesize(file.id(), &file_bytes), what);
+  const double bytes = static_cast<double>(extent[0]) * static_cast<double>(extent[1]) * static_cast<double>(H5Tget_size(type.id()));
+  if (bytes > kMostDeflated * static_cast<double>(file_bytes)) {
+    throw InputError("{}/{}: {} rows found, more than the file can hold; it is damaged", path_, name, extent[0]);
+  }
   return static_cast<std::int64_t>(extent[0]) * columns;
 }
 
