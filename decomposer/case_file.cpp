@@ -340,7 +340,7 @@ WallMotion read_motion(const CaseTable& t) {
 }
 
 void read_walls(const CaseTable& top, const std::string& folder, const std::vector<std::string>& materials, Case& c) {
-  for (const CaseTable& t : top.tables("walls", {"name", "shape", "material", "motion", "position", "orientation", "scale"})) {
+  for (const CaseTable& t : top.tables("walls", {"name", "shape", "material", "motion", "position", "orientation", "scale", "cell_size"})) {
     CaseWall w;
     w.where = t.where();
     w.wall.material = t.reference("material", materials, "material");
@@ -373,8 +373,9 @@ void read_walls(const CaseTable& top, const std::string& folder, const std::vect
       w.wall.position = t.vector_or("position", Dimension::length, {});
       w.wall.orientation = read_orientation(t);
       w.wall.scale = t.number_or("scale", Dimension::none, 1, Range::positive);
+      w.wall.cell_size = t.number_or("cell_size", Dimension::length, 0, Range::positive);
     }
-    for (const char* key : {"position", "orientation", "scale"}) {
+    for (const char* key : {"position", "orientation", "scale", "cell_size"}) {
       if (kind != "file" && t.has(key)) throw t.error(key, "is for walls from a file; a " + kind + " says itself where it is");
     }
     if (t.has("motion")) w.wall.motion = read_motion(t.table("motion", {"rotate", "translate", "oscillate", "table", "start", "stop"}));

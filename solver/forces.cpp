@@ -44,6 +44,7 @@ struct PairView {
   PairMotion motion;
   double radius_a = 0, radius_b = 0, margin = 0;
   const WallZone* zone = nullptr;
+  double cell_size = 0;           // of a mesh wall that has cells [m]
 };
 
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
@@ -76,6 +77,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     if (view.zone->kind == WallZone::Kind::mesh) {
       view.b.shape = &scene.shape(wall.shape);
       view.b.scale = wall.scale;
+      view.cell_size = wall.cell_size;
       view.radius_b = std::max(view.radius_b, wall.scale * view.b.shape->radius);
     }
     v_b = state.velocity;
@@ -200,6 +202,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
   {
     std::vector<ContactFeature> features;
     std::vector<ContactOutput> outputs;
+    std::vector<CellShare> cells;
     MeshDistanceScratch& distance = *scratch.distance[static_cast<std::size_t>(omp_get_thread_num())];
 #pragma omp for schedule(dynamic, 8)
     for (std::ptrdiff_t n = 0; n < count; ++n) {
@@ -242,6 +245,10 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       const PairLaw& law = scene.law(p.material[static_cast<std::size_t>(pair.a)], material_b);
       PairMotion& relative = view.motion;
       if (needs_radius) relative.radius = law.radius > 0 ? law.radius : contact_radius(view);
+      if (view.cell_size > 0) {
+        find_cell_shares(view.a, view.b, view.cell_size, features, cells);
+        relative.cells = &cells;
+      }
       // Looking must not change anything: it works on a copy of the springs.
       std::vector<FrictionSpring> copy;
       if (only_looks) copy = pair.springs;

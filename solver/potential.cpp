@@ -25,8 +25,8 @@ double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torqu
 }
 
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
-void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum, double depth,
-                 double tangential_damping, double dt, double friction_dt, const std::vector<FrictionSpring>& springs,
+void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum,
+                 const std::vector<double>& per_depth,                 double tangential_damping, double dt, double friction_dt, const std::vector<FrictionSpring>& springs,
                  std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(elastic_force);
   if (!(size > 0)) return;
@@ -34,7 +34,9 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
   state.n = (1 / size) * elastic_force;
   state.relative_spin = m.w_a - m.w_b;
   state.normal_force = normal_sum;
-  state.depth = depth;
+  double stiffness = 0;
+  for (const double s : per_depth) stiffness += s;
+  state.depth = normal_sum / stiffness;
   state.radius = m.radius;
   state.damping = tangential_damping;
   const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
@@ -48,6 +50,79 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
   if (!law.rolling_spring) return;
   next.push_back({kRollingKey, moment.spring, moment.stiffness});
   if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
+}
+
+/// The potential of all features: energy, forces and wrench. Returns the sum of the forces.
+template <class Normal>
+double add_potential(const std::vector<ContactFeature>& features, const Normal& law_of_depth, std::vector<double>& normal,
+                     std::vector<double>& per_depth, PairForce& result) {
+  // U(D), D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
+  for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
+  double sum = 0;
+  for (const ContactFeature& f : features) {
+    const double r = f.depth / result.deepest;
+    sum += f.weight * power7(r) * r;
+  }
+  const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
+  result.elastic = law_of_depth.energy(D);
+  const double dU = law_of_depth.force(D);
+  double normal_sum = 0;
+  for (std::size_t j = 0; j < features.size(); ++j) {
+    const ContactFeature& f = features[j];
+    const double r7 = power7(f.depth / D);
+    normal[j] = dU * f.weight * r7;
+    per_depth[j] = normal[j] / D;
+    normal_sum += normal[j];
+    result.force += normal[j] * f.n;
+    result.torque += cross(f.x, normal[j] * f.n);
+    if (f.faded) {
+      const double c = dU * D / kNorm * r7 * (f.depth / D);  // dU/da_j
+      result.force -= c * f.weight_gradient.force;
+      result.torque -= c * f.weight_gradient.couple;
+    }
+  }
+  return normal_sum;
+}
+
+/// The same with one potential per cell of the wall (wall_cells.hpp).
+template <class Normal>
+double add_cell_potentials(const std::vector<ContactFeature>& features, const std::vector<CellShare>& shares, const Normal& law_of_depth,
+                           std::vector<double>& normal, std::vector<double>& per_depth, PairForce& result) {
+  constexpr double kPower = kNorm / (1 + Normal::kExponent);  // a single feature's energies then sum to U(d)
+  for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
+  double normal_sum = 0;
+  for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
+    double sum = 0;
+    for (end = begin; end < shares.size() && shares[end].cell == shares[begin].cell; ++end) {
+      const ContactFeature& f = features[static_cast<std::size_t>(shares[end].feature)];
+      const double r = f.depth / result.deepest;
+      sum += f.weight * std::pow(shares[end].weight, kPower) * power7(r) * r;
+    }
+    const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
+    if (!(D > 0)) continue;
+    result.elastic += law_of_depth.energy(D);
+    const double dU = law_of_depth.force(D);
+    for (std::size_t s = begin; s < end; ++s) {
+      const CellShare& share = shares[s];
+      const auto j = static_cast<std::size_t>(share.feature);
+      const ContactFeature& f = features[j];
+      const double ratio = f.depth / D, slope = kPower * std::pow(share.weight, kPower - 1), weight = std::pow(share.weight, kPower);
+      const double r7 = power7(ratio), force = dU * f.weight * weight * r7;
+      normal[j] += force;
+      per_depth[j] += force / D;
+      normal_sum += force;
+      result.force += force * f.n;
+      result.torque += cross(f.x, force * f.n);
+      const double c = dU * D / kNorm * r7 * ratio;  // dU / d(a_j w^power)
+      if (f.faded) {
+        result.force -= (c * weight) * f.weight_gradient.force;
+        result.torque -= (c * weight) * f.weight_gradient.couple;
+      }
+      result.force -= (c * f.weight * slope) * share.gradient.force;
+      result.torque -= (c * f.weight * slope) * share.gradient.couple;
+    }
+  }
+  return normal_sum;
 }
 
 /// Friction and rolling are compiled in or left out; a scene without them pays nothing for either.
@@ -65,34 +140,12 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     return result;
   }
 
-  // U(D), D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
-  for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
-  double sum = 0;
-  for (const ContactFeature& f : features) {
-    const double r = f.depth / result.deepest;
-    sum += f.weight * power7(r) * r;
-  }
-  const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
   const Normal law_of_depth(law, motion.radius);
-  result.elastic = law_of_depth.energy(D);
-  const double dU = law_of_depth.force(D);
-
-  thread_local std::vector<double> normal;
-  normal.resize(count);
-  double normal_sum = 0;
-  for (std::size_t j = 0; j < count; ++j) {
-    const ContactFeature& f = features[j];
-    const double r7 = power7(f.depth / D);
-    normal[j] = dU * f.weight * r7;
-    normal_sum += normal[j];
-    result.force += normal[j] * f.n;
-    result.torque += cross(f.x, normal[j] * f.n);
-    if (f.faded) {
-      const double c = dU * D / kNorm * r7 * (f.depth / D);  // dU/da_j
-      result.force -= c * f.weight_gradient.force;
-      result.torque -= c * f.weight_gradient.couple;
-    }
-  }
+  thread_local std::vector<double> normal, per_depth;  // f_j, and f_j / D for the tangential stiffness
+  normal.assign(count, 0);
+  per_depth.assign(count, 0);
+  const double normal_sum = motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, result)
+                                                    : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, result);
 
   // damping of a feature is f_j chi v_n, never more than f_j itself
   Damping damping;
@@ -130,7 +183,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     Vec3 lossy = (damped - normal[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
-      const double kappa = law.tangential_ratio * normal[j] / D;
+      const double kappa = law.tangential_ratio * per_depth[j];
       FrictionSpring spring{f.key, Vec3{}, kappa};
       while (old < springs.size() && springs[old].key < f.key) ++old;
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
@@ -168,7 +221,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     result.lossy_torque += cross(f.x, lossy);
     if (outputs != nullptr) (*outputs)[j] = {damped, tangential};
   }
-  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, D, tangential_damping, dt, friction_dt, springs, next, result);
+  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_damping, dt, friction_dt, springs, next, result);
   springs.swap(next);
   result.force += result.lossy_force;
   result.torque += result.lossy_torque;

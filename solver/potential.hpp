@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/pair_features.hpp"
+#include "solver/wall_cells.hpp"
 
 namespace scree {
 
@@ -25,6 +25,7 @@ struct PairMotion {
   Vec3 inverse_inertia_a;                ///< principal
   Vec3 inverse_inertia_b;                ///< principal of B
   Mat3 b_to_a;
+  const std::vector<CellShare>* cells = nullptr;  ///< B is a wall with cells: one potential for each
   double radius = 0;                     ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
 };
 

@@ -75,6 +75,7 @@ json wall_json(const Wall& wall) {
     case WallKind::mesh:
       j["shape"] = wall.shape;
       j["scale"] = wall.scale;
+      j["cell_size"] = wall.cell_size;
       j["position"] = to_json(wall.position);
       j["orientation"] = to_json(wall.orientation);
       break;
@@ -299,6 +300,7 @@ Wall read_wall(const Object& o, std::size_t material_count, const std::vector<Sh
     case WallKind::mesh:
       wall.shape = o.index("shape", shapes.size(), "shapes");
       wall.scale = o.positive("scale");
+      if (o.has("cell_size")) wall.cell_size = o.at_least("cell_size", 0);  // added later
       wall.position = o.vector("position");
       wall.orientation = o.quaternion("orientation");
       break;

@@ -90,6 +90,7 @@ struct Wall {
   double radius = 0;             ///< cylinder_inside, sphere_inside (centre is `point`) [m]
   std::int32_t shape = -1;       ///< mesh: index into shapes
   double scale = 1;              ///< mesh
+  double cell_size = 0;          ///< mesh: contacts of one body further apart than this do not share stiffness [m]; 0: one potential
   Vec3 position;                 ///< mesh: where the origin of its file is placed [m]
   Quat orientation;              ///< mesh
   WallMotion motion;

@@ -48,6 +48,10 @@ class TwoBodies {
     m.inverse_inertia_a = inverse_inertia[0];
     m.inverse_inertia_b = inverse_inertia[1];
     m.b_to_a = matrix_of(to_a * body[1].q);
+    if (cell_size > 0) {
+      find_cell_shares(body[0], body[1], cell_size, features, cells_);
+      m.cells = &cells_;
+    }
     PairForce f = pair_force_function(prepared_->law_choice())(features, prepared_->law(0, 0), m, dt, dt, springs_, &outputs);
     last_ = f;
     return f;
@@ -118,6 +122,7 @@ class TwoBodies {
   Vec3 v[2], L[2], inverse_inertia[2];
   double inverse_mass[2];
   Vec3 gravity;               // on A only [m/s^2]
+  double cell_size = 0;       // of B, as if it were a very large wall [m]
   std::vector<ContactFeature> features;
   std::vector<ContactOutput> outputs;
 
@@ -127,6 +132,7 @@ class TwoBodies {
   double margin_;
   CandidateLists lists_;
   std::vector<FrictionSpring> springs_;
+  std::vector<CellShare> cells_;
   MeshDistanceScratchPtr scratch_ = make_mesh_distance_scratch();
   PairForce last_;
 };
