@@ -20,8 +20,9 @@
 // neighbours in the batch: those where the signs say that an edge pierces a face, those that all but touch, and those
 // whose size would overflow or underflow a fourth power of a length. Whether a pair intersects is then decided
 // exactly (triangle_intersection.hpp): distance 0 means a common point, touching included, and nothing else does.
-// In double precision thin triangles are rare lanes as well: the sums for a.b, and a vertex-face solution without
-// correction, need a bounded aspect. In single precision rare lanes are settled in double.
+// Thin triangles are rare lanes as well: in double precision the sums for a.b, and a vertex-face solution without
+// correction, need a bounded aspect; in single precision their rounding is too large. Single precision settles its
+// rare lanes in double.
 #if defined(SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
 #undef SCREE_CORE_DISTANCE_BRUTE_FORCE_INL_HPP_
@@ -50,16 +51,22 @@ struct Limits<double> {
   /// Squared sizes handled without scaling: fourth powers, slivers included, stay normal numbers.
   static constexpr double smallest_squared = 0x1p-300, largest_squared = 0x1p+300;
   static constexpr double huge = 1e300, tiny = 1e-300;
-  /// Pairs closer than this times the longest edge are looked at exactly. Far above the error of a distance, so that
-  /// also a pierced sliver of aspect up to a million is found; far below any margin, so that it costs nothing.
-  static constexpr double contact_ratio = 0x1p-30;
+  /// Pairs closer than this times the longest edge are looked at exactly. The sign of a determinant is wrong when two
+  /// lines are nearer than its error e over the sine of their angle, and the triangles then are at most sqrt(e) apart:
+  /// 2e-7 for 400 roundoffs (counted: 150). Far below any margin, so that it costs nothing.
+  static constexpr double contact_ratio = 0x1p-22;
 };
 template <>
 struct Limits<float> {
   static constexpr float u = 5.9604645e-8f;
   static constexpr float smallest_squared = 0x1p-24f, largest_squared = 0x1p+40f;
   static constexpr float huge = 3e38f, tiny = 1e-37f;
+  /// Here sqrt(e) would be a hundredth: signs are taken with their error instead (see the end of brute_force), and this only keeps
+  /// distances exact that are all rounding.
   static constexpr float contact_ratio = 0x1p-20f;
+  /// Errors of the signed volumes and of the heights of pairs that meet, in cubes of the longest edge (counted: 150 and 30
+  /// roundoffs).
+  static constexpr float slack = 192 * u, height_slack = 64 * u;
 };
 
 /// Crossings of an edge and a face that agree within this times the longest edge make up the point of an intersection.
@@ -395,14 +402,14 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
     SCREE_UNROLL_3
     for (int k = 0; k < 3; ++k) q[k] = pair.corner(k) - b0;
     const V nn = vertex_face<T, false, !kShortCuts>(f0, f2, q, kCodeVertexA, o.height_a, best);
-    rare.thin = kShortCuts ? nn < V(T(kThinnest2)) * (lb2 * lb2) : zero < zero;
+    rare.thin = nn <= V(T(kThinnest2)) * lb2 * lb2;
   }
   {
     const Pack3<T> a0 = pair.corner(0), f0 = pair.corner(1) - a0, f2 = a0 - pair.corner(2);
     SCREE_UNROLL_3
     for (int k = 0; k < 3; ++k) q[k] = a0 - pair.corner(3 + k);
     const V nn = vertex_face<T, true, !kShortCuts>(f0, f2, q, kCodeVertexB, o.height_b, best);
-    if (kShortCuts) rare.thin = rare.thin | (nn < V(T(kThinnest2)) * (la2 * la2));
+    rare.thin = rare.thin | (nn <= V(T(kThinnest2)) * la2 * la2);
   }
 
   Solution<T> out;
@@ -443,14 +450,35 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
     SCREE_UNROLL_3
     for (int j = 0; j < 3; ++j) o.w[2][j] = (o.height_b[(j + 1) % 3] - o.height_b[j]) - (o.w[0][j] + o.w[1][j]);
   }
-  V through[3], back[3];
-  SCREE_UNROLL_3
-  for (int i = 0; i < 3; ++i) {
-    const int k = (i + 1) % 3;
-    through[i] = sign_differs_and(sign_all_equal(o.w[i][0], o.w[i][1], o.w[i][2]), o.height_a[i], o.height_a[k]);
-    back[i] = sign_differs_and(sign_all_equal(o.w[0][i], o.w[1][i], o.w[2][i]), o.height_b[i], o.height_b[k]);
+  V signs;
+  if constexpr (kShort && sizeof(T) == 4) {
+    // beyond doubt no edge does: for each, the sum of both tests
+    const V l2 = max(la2, lb2), l3 = l2 * sqrt(l2), slack = V(Limits<T>::slack) * l3, height_slack = V(Limits<T>::height_slack) * l3;
+    const auto one_side = [&](V lowest, V highest) { return max(lowest, zero - highest); };
+    V apart;
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+      const int k = (i + 1) % 3;
+      const V low_a = min(min(o.w[i][0], o.w[i][1]), o.w[i][2]), high_a = max(max(o.w[i][0], o.w[i][1]), o.w[i][2]);
+      const V low_b = min(min(o.w[0][i], o.w[1][i]), o.w[2][i]), high_b = max(max(o.w[0][i], o.w[1][i]), o.w[2][i]);
+      const V ends_a = one_side(min(o.height_a[i], o.height_a[k]), max(o.height_a[i], o.height_a[k]));
+      const V ends_b = one_side(min(o.height_b[i], o.height_b[k]), max(o.height_b[i], o.height_b[k]));
+      // negative where the line passes the face, or where both ends are on one side
+      const V both = sign_and(sign_or(one_side(low_a, high_a) + slack, height_slack - ends_a), sign_or(one_side(low_b, high_b) + slack, height_slack - ends_b));
+      apart = i == 0 ? both : sign_and(apart, both);
+    }
+    // what meets is nearer than twice the smaller triangle is long
+    signs = sign_not(sign_or(apart, mul_sub(V(T(4)), min(la2, lb2), best.squared)));
+  } else {
+    V through[3], back[3];
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+      const int k = (i + 1) % 3;
+      through[i] = sign_differs_and(sign_all_equal(o.w[i][0], o.w[i][1], o.w[i][2]), o.height_a[i], o.height_a[k]);
+      back[i] = sign_differs_and(sign_all_equal(o.w[0][i], o.w[1][i], o.w[2][i]), o.height_b[i], o.height_b[k]);
+    }
+    signs = sign_or(through[0], through[1], sign_or(through[2], back[0], sign_or(back[1], back[2])));
   }
-  const V signs = sign_or(through[0], through[1], sign_or(through[2], back[0], sign_or(back[1], back[2], back[2])));
   rare.contact = mask_of_sign(signs) | (best.squared <= max(la2, lb2) * V(Limits<T>::contact_ratio * Limits<T>::contact_ratio));
   // a sum, not a maximum, so that a coordinate that is no number shows; all six vertices are in it
   const V all2 = size2 + best.squared;

@@ -22,6 +22,8 @@
 #define SCREE_CORE_DISTANCE_PENALTY_INL_HPP_
 #endif
 
+#include <algorithm>
+
 #include "core/distance/brute_force-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -237,8 +239,9 @@ HWY_INLINE Solution<T> penalty(const TrianglePack<T>& A, const TrianglePack<T>& 
   Mask<T> certified = (!unusual) & (mul_sub(g.m00, g.m11, g.m01 * g.m01) >= thinnest * la2 * la2) &
                       (mul_sub(g.m22, g.m33, g.m23 * g.m23) >= thinnest * lb2 * lb2) & (out.distance > zero);
   if constexpr (kStrict) {
-    // below the contact ratio nothing is proven: brute force decides exactly
-    const V least2 = V(Limits<T>::contact_ratio * Limits<T>::contact_ratio) * max(la2, lb2);
+    // nearer than this nothing is proven: brute force decides exactly. Four levels: one of each triangle, and twice that
+    constexpr T least = std::max(Limits<T>::contact_ratio, 4 * PenaltySettings<T>::level);
+    const V least2 = V(least * least) * max(la2, lb2);
     certified = certified & (dot(d, d) > least2) & (condition >= V(PenaltySettings<T>::conditioned)) & is_optimal(g1, g2, x[0], x[1], unit_a) &
                 is_optimal(h1, h2, x[2], x[3], unit_b);
   } else {

@@ -104,6 +104,12 @@ HWY_INLINE Pack<T> sign_differs_and(Pack<T> condition, Pack<T> a, Pack<T> b) {
 }
 template <class T>
 HWY_INLINE Pack<T> sign_or(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::Or(a.v, hn::Or(b.v, c.v)); }
+template <class T>
+HWY_INLINE Pack<T> sign_or(Pack<T> a, Pack<T> b) { return hn::Or(a.v, b.v); }
+template <class T>
+HWY_INLINE Pack<T> sign_and(Pack<T> a, Pack<T> b) { return hn::And(a.v, b.v); }
+template <class T>
+HWY_INLINE Pack<T> sign_not(Pack<T> a) { return hn::Not(a.v); }
 /// The bits may be those of a NaN, so the sign is tested as an integer's.
 template <class T>
 HWY_INLINE Mask<T> mask_of_sign(Pack<T> a) {
