@@ -141,6 +141,7 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
   check_format(root, kCheckpointFormat, kCheckpointFormatVersion);
   c.step = root.read_integer_attribute("step");
   c.step_size = root.read_double_attribute("step_size");
+  c.totals.level = root.read_integer_attribute("step_level");
   c.energy_reference = root.read_double_attribute("energy_reference");
   c.kinetic_peak = root.read_double_attribute("kinetic_peak");
   c.max_depth_ratio = root.read_double_attribute("max_depth_ratio");
@@ -198,6 +199,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       root.write_attribute("format_version", kCheckpointFormatVersion);
       root.write_attribute("step", simulation.step());
       root.write_attribute("step_size", simulation.step_size().step);
+      root.write_attribute("step_level", totals.level);
       root.write_attribute("energy_reference", so_far.energy_reference);
       root.write_attribute("kinetic_peak", so_far.kinetic_peak);
       root.write_attribute("max_depth_ratio", so_far.max_depth_ratio);

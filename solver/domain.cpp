@@ -50,7 +50,7 @@ void Simulation::remove_outside() {
       continue;
     }
     // Removal falls between the two kicks of a step: the second is that of free flight.
-    if (integrator_ != Integrator::euler) p_.v[i] += (0.5 * step_size_.step) * scene_.source().settings.gravity;
+    if (integrator_ != Integrator::euler) p_.v[i] += (0.5 * dt_) * scene_.source().settings.gravity;
     removed_.push_back({p_.id[i], step_, time(), p_.mass[i], p_.x[i], p_.v[i]});
     wall_sums_[RunTotals::kRemovedCount].add(1);
     wall_sums_[RunTotals::kRemovedMass].add(p_.mass[i]);

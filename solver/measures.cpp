@@ -73,7 +73,7 @@ Energies Simulation::energies() const {
   }
   add_over_ranks(comm_.get(), e);
   std::vector<ExactSum> walls = wall_sums_;
-  add_wall_totals(-0.5 * step_size_.step, walls);
+  add_wall_totals(-0.5 * dt_, walls);
   add_over_ranks(comm_.get(), walls);
   const double stored = e[tangential].value();
   // What friction took out of the motion is in part stored in its springs: that part is not lost.
@@ -83,7 +83,7 @@ Energies Simulation::energies() const {
 }
 
 RunTotals Simulation::totals() const {
-  RunTotals totals{wall_sums_, comm_.max(max_depth_ratio_)};
+  RunTotals totals{wall_sums_, comm_.max(max_depth_ratio_), level_};
   add_over_ranks(comm_.get(), totals.sums);
   return totals;
 }
@@ -100,7 +100,7 @@ std::vector<WallLoad> Simulation::wall_loads() const {
     const double parts[6] = {-r.force_a.x, -r.force_a.y, -r.force_a.z, torque_origin.x, torque_origin.y, torque_origin.z};
     for (std::size_t i = 0; i < 6; ++i) now[6 * w + i].add(parts[i]);
   }
-  add_wall_totals(-0.5 * step_size_.step, since_start);
+  add_wall_totals(-0.5 * dt_, since_start);
   add_over_ranks(comm_.get(), now);
   add_over_ranks(comm_.get(), since_start);
   std::vector<WallLoad> loads(walls);
@@ -209,8 +209,8 @@ std::string Simulation::state_hash() const {
 
 FrameContacts Simulation::contacts() {
   FrameContacts out;
-  evaluate_pairs(scene_, p_, walls_, pairs_.inner(), step_size_.step, 0, step_, scratch_, pairs_, &out);
-  evaluate_pairs(scene_, p_, walls_, pairs_.outer(), step_size_.step, 0, step_, scratch_, pairs_, &out);
+  evaluate_pairs(scene_, p_, walls_, pairs_.inner(), dt_, 0, step_, scratch_, pairs_, &out);
+  evaluate_pairs(scene_, p_, walls_, pairs_.outer(), dt_, 0, step_, scratch_, pairs_, &out);
   return out;
 }
 

@@ -48,11 +48,14 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   if (fixed > 0) out("motion of fixed bodies", fmt::format("{} bodies; no fixed-fixed pairs", fixed));
   if (locked == bodies && bodies > 0) out("rotation", "every body has lock_rotation");
   else if (isotropic == bodies && bodies > 0) out("gyroscopic splitting", "every inertia is isotropic: one exact rotation");
-  else in("rotation", fmt::format("five-rotation splitting{}", locked > 0 ? fmt::format(", {} bodies locked", locked) : ""));
+  else in("rotation", fmt::format("{}{}", s.integrator == "kdk-dlm" ? "five-rotation splitting" : s.integrator + " rotor", locked > 0 ? fmt::format(", {} bodies locked", locked) : ""));
   if (prepared.has_driven_walls()) in("driven walls", "positions from their motion at every step");
   else out("driven walls", "no wall moves");
   if (comm.size() > 1) in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else out("halo and migration", "one rank: no messages");
+  if (prepared.periodicity().any()) in("periodic axes", "positions wrapped, pairs by their nearest images");
+  else out("periodic axes", "no axis is periodic: no images");
+  for (const std::string& zone : prepared.dropped_zones()) out("wall face", zone + ": the seam takes its place");
   if (!s.domain.bounded) out("domain checks", "the domain is unbounded");
   else in("domain checks", "outside = " + s.domain.outside);
   if (s.output_contacts) in("contacts in frames", "output.contacts = true");
@@ -68,6 +71,8 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   text += fmt::format("\n  step          {} ({}; contact time {}, {:.3g} steps per contact)\n", format_quantity(step.step, Dimension::time),
                       step.given ? "given" : "limited by " + step.limited_by, format_quantity(step.contact_time, Dimension::time),
                       step.contact_time / step.step);
+  if (s.step_control == "quantised") text += fmt::format("                quantised: now {}\n", format_quantity(simulation.part_size(), Dimension::time));
+  text += fmt::format("                critical step of that contact {}\n", format_quantity(step.critical(), Dimension::time));
   text += fmt::format("  steps         {:.0f} for {}\n", steps, format_quantity(s.duration, Dimension::time));
   text += fmt::format("  memory        {} bytes per body, {} per body pair, shapes {:.1f} kB, candidates now {:.1f} kB in {} pairs\n",
                       sizeof(ParticleRecord) + 8 * sizeof(Vec3), sizeof(BodyPair) + sizeof(PairResult), static_cast<double>(shape_bytes) / 1e3,

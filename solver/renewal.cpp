@@ -51,7 +51,7 @@ double Simulation::fastest_wall() const {
 }
 
 StepNews Simulation::look_at_lists() {
-  const double limit = 0.5 * skin_, dt = step_size_.step;
+  const double limit = 0.5 * skin_, dt = dt_;
   bool beyond = walls_moved(walls_) > limit, soon = beyond;
   if (looks_ahead_ && scene_.has_driven_walls()) {
     std::vector<WallState> next;
@@ -103,7 +103,7 @@ void Simulation::renew_lists(const StepNews& news) {
     }
     if (removal_due_) remove_outside();
     removal_due_ = false;
-    skin_ = std::clamp(2 * kListSteps * news.fastest * step_size_.step, kSmallestListSkin * smallest_radius_,
+    skin_ = std::clamp(2 * kListSteps * news.fastest * dt_, kSmallestListSkin * smallest_radius_,
                        kLargestListSkin * smallest_radius_);
     // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
     for (int k = 0; k < 3; ++k) {

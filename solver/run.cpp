@@ -227,6 +227,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   std::unique_ptr<RunLog> log;
   std::unique_ptr<RankLog> rank_log;
   const std::string removed_path = options.run_folder + "/removed.csv";
+  const std::string steps_path = options.run_folder + "/steps.csv";
+  const bool quantised = settings.step_control == "quantised";
   CriticalStep stiffest;   // of all log rows
   double elastic_peak = 0;
   const bool removes = settings.domain.bounded && settings.domain.outside == "remove";
@@ -234,6 +236,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     frames = trim_folder(options.run_folder, schedule, dt, restarted ? simulation.step() : -1);
     log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
     rank_log = std::make_unique<RankLog>(options.run_folder + "/ranks.csv", comm.size(), restarted ? simulation.step() : -1);
+    if (quantised) start_table(steps_path, step_header(), restarted ? simulation.step() : -1);
     if (removes) start_table(removed_path, removed_header(), restarted ? simulation.step() : -1);
   });
   if (root) {
@@ -260,7 +263,11 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     watchdog.progress(simulation.step());
     simulation.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
   };
-  const auto write_removed = [&] {
+  const auto write_events = [&] {
+    if (quantised) {
+      const std::string rows = step_rows(simulation.take_step_changes());
+      mpi::on_root(comm, [&] { append_to_table(steps_path, rows); });
+    }
     if (!removes) return;
     const std::vector<RemovedBody> bodies = simulation.take_removed();
     mpi::on_root(comm, [&] { append_to_table(removed_path, removed_rows(bodies)); });
@@ -268,19 +275,19 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const auto guard_energy = [&](double error) {
     const double scale = std::max({kinetic_peak, energies.dissipated, elastic_peak, std::abs(energies.wall_work)}) +
                          kEnergyRounding * std::abs(energies.potential);
-    const bool unstable = dt > stiffest.step && error > kUnstableGain * scale;
+    const bool unstable = simulation.part_size() > stiffest.step && error > kUnstableGain * scale;
     const bool gains = error - simulation.shadow_energy_gap() > kAnyGain * scale;
     if (!unstable && !gains) return;
     const auto [fastest, kinetic] = simulation.fastest_body();
     mpi::on_root(comm, [&] {
       throw RunInvalid("step {}: energy grew by {:.3g} J, {:.2g} of all that was in motion or stored, without a cause; body {} has the most, {:.3g} J. "
                        "The critical step of {} is {:.4g} s, the step is {:.4g} s{}", simulation.step(), error, error / scale, fastest, kinetic,
-                       stiffest.name(), stiffest.step, dt, unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
+                       stiffest.name(), stiffest.step, simulation.part_size(), unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
     });
   };
   const auto write_log = [&] {
     simulation.agree_on_failures();
-    write_removed();
+    write_events();
     energies = simulation.energies();
     const double kinetic = energies.translational + energies.rotational;
     kinetic_peak = std::max(kinetic_peak, kinetic);
@@ -306,9 +313,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, critical.step, loads,
                    simulation.walls(), hash);
       rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last);
-      if (dt > critical.step) {
+      if (simulation.part_size() > critical.step) {
         warn_once("scree-solver", fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
-                                              "log.csv; the run ends when their energy grows", dt));
+                                              "log.csv; the run ends when their energy grows", simulation.part_size()));
       }
     });
     guard_energy(error);
@@ -327,7 +334,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   };
   const auto save_state = [&] {
     simulation.agree_on_failures();
-    write_removed();
+    write_events();
     Checkpoint so_far;
     so_far.energy_reference = reference;
     so_far.kinetic_peak = kinetic_peak;

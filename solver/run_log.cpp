@@ -88,6 +88,14 @@ void RunLog::add_row(std::int64_t step, double time, const Energies& e, double e
   append_to_table(path_, row + "\n");
 }
 
+std::string step_header() { return "step,time,step_size,reason\n# units: -,s,s,-\n"; }
+
+std::string step_rows(const std::vector<StepChange>& changes) {
+  std::string rows;
+  for (const StepChange& c : changes) rows += fmt::format("{},{:.17g},{:.17g},{}\n", c.step, c.time, c.step_size, c.reason);
+  return rows;
+}
+
 std::string removed_header() {
   return "step,time,id,mass,x,y,z,velocity_x,velocity_y,velocity_z\n# units: -,s,-,kg,m,m,m,m/s,m/s,m/s\n";
 }

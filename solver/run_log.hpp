@@ -29,6 +29,10 @@ class RunLog {
   std::string path_;
 };
 
+/// steps.csv: every change of a quantised step.
+std::string step_header();
+std::string step_rows(const std::vector<StepChange>& changes);
+
 /// removed.csv: the bodies that left the domain and were taken out.
 std::string removed_header();
 std::string removed_rows(const std::vector<RemovedBody>& bodies);

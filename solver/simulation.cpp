@@ -12,6 +12,8 @@ volatile std::sig_atomic_t g_signal = 0;
 
 // Bodies may be this many steps outside before they are removed; the longest of it is a part of a contact's duration.
 constexpr std::int64_t kReviewSteps = 16;
+// The contacts are looked at this often, for a few percent of the time; only then may the step grow: after 128 quiet steps.
+constexpr std::int64_t kContactReviewSteps = 128;
 
 extern "C" void note_signal(int number) { g_signal = number; }
 
@@ -50,7 +52,7 @@ void Simulation::start_from_scene() {
   begin(mine, 0, 0, halo_->has_cut());
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   compute_forces(0, false);
-  add_wall_totals(0.5 * step_size_.step, wall_sums_);  // the first kick is by half a step
+  add_wall_totals(0.5 * dt_, wall_sums_);  // the first kick is by half a step
   agree_on_failures();
 }
 
@@ -59,6 +61,7 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   pairs_.pending() = std::move(springs);
   max_depth_ratio_ = totals.max_depth_ratio;
   if (comm_.rank() == 0) wall_sums_ = totals.sums;
+  level_ = totals.level;
   begin(records, step, step_size, false);
 }
 
@@ -69,9 +72,11 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   step_ = step;
   step_size_ = derive_step_size(comm_, scene_, p_);
   if (step_size > 0) step_size_.step = step_size;  // a run keeps the step that it began with
+  dt_ = std::ldexp(step_size_.step, -static_cast<int>(level_));
   constexpr double kFewSteps = 10;
   looks_ahead_ = comm_.size() > 1 && step_size_.contact_time >= kFewSteps * step_size_.step;
   set_walls(time());
+  if (step == 0) choose_level(false);
   walls_listed_ = walls_;
   if (!is_cut && comm_.size() > 1) cut_anew();
   agreement_.start(look_at_lists());
@@ -89,7 +94,7 @@ void Simulation::compute_pairs(std::span<const std::int32_t> which, double frict
   const PhaseTimer timer(times_, phase);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   try {
-    evaluate_pairs(scene_, p_, walls_, which, step_size_.step, friction_dt, step_, scratch_, pairs_);
+    evaluate_pairs(scene_, p_, walls_, which, dt_, friction_dt, step_, scratch_, pairs_);
   } catch (const Error& e) {
     fail(e);
   }
@@ -136,7 +141,7 @@ void Simulation::agree_on_failures() {
   mpi::agree(comm_, failure_ && static_cast<double>(failure_step_) <= first ? failure_.get() : nullptr);
 }
 
-StepNews Simulation::exchange_news() {
+StepNews Simulation::exchange_news(bool forced) {
   StepNews known;
   const bool behind = looks_ahead_ && (news_ || agreement_.is_under_way());
   if (behind) {
@@ -144,6 +149,7 @@ StepNews Simulation::exchange_news() {
     known = news_ ? *news_ : agreement_.finish();
     news_.reset();
   }
+  if (forced) known.renew = 1;
   StepNews mine = look_at_lists();
   // lists that are renewed in this step need no renewal in the next
   if (known.renew != 0) mine.renew = 0;
@@ -162,7 +168,8 @@ StepNews Simulation::exchange_news() {
 bool Simulation::review() {
   // Lists are renewed at other steps on other numbers of ranks and after a restart; what changes the result must not.
   const Domain& domain = scene_.source().settings.domain;
-  if (step_ % kReviewSteps != 0 || !domain.bounded) return false;
+  const bool renew = std::exchange(level_changed_, false);  // lists are made for the step
+  if (part_ != 0 || step_ % kReviewSteps != 0 || !domain.bounded) return renew;
   if (domain.outside == "stop" && any_left_domain()) {
     try {
       check_domain();
@@ -170,24 +177,34 @@ bool Simulation::review() {
       fail(e);
     }
   }
-  if (domain.outside != "remove") return false;
+  if (domain.outside != "remove") return renew;
   removal_due_ = comm_.max(any_left_domain() ? 1.0 : 0.0) > 0;
-  return removal_due_;
+  return renew || removal_due_;
 }
 
 void Simulation::advance() {
-  const double dt = step_size_.step;
+  const std::int64_t next = step_ + 1;
+  while (step_ < next) advance_part();
+  if (step_ % kReviewSteps == 0) choose_level(step_ % kContactReviewSteps == 0);
+}
+
+void Simulation::advance_part() {
+  const double dt = dt_;
   {
     const PhaseTimer timer(times_, Phase::integrate);
     const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
     begin_step(integrator_, p_, dt);
     if (scene_.periodicity().any()) wrap_positions(scene_.periodicity(), p_);
-    ++step_;
+    if (++part_ == std::int64_t{1} << level_) {
+      part_ = 0;
+      ++step_;
+    }
     check_displacement();
     if (scene_.has_driven_walls()) set_walls(time());
   }
-  StepNews news = exchange_news();
-  if (review()) news.renew = 1;
+  const bool forced = review();
+  StepNews news = exchange_news(forced);
+  if (forced) news.renew = 1;
   signal_ = static_cast<int>(news.signal);
   if (news.failed != 0) agree_on_failures();
   if (news.renew != 0) renew_lists(news);

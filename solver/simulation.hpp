@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solver/agreement.hpp"
@@ -42,6 +43,13 @@ struct WallLoad {
   }
 };
 
+/// The step changed, at the end of a step.
+struct StepChange {
+  std::int64_t step;
+  double time, step_size;
+  std::string reason;
+};
+
 /// A body that left the domain and was taken out.
 struct RemovedBody {
   std::int64_t id, step;
@@ -63,6 +71,7 @@ struct RunTotals {
   /// mass [kg], their kinetic and potential energy, what they had dissipated [J]; then three components of the impulse on each wall [N s]. The forces of the last step count in full; the measures below take half of them back.
   std::vector<ExactSum> sums;
   double max_depth_ratio = 0;   ///< since it was last taken
+  std::int64_t level = 0;       ///< of the step, see Simulation::advance
 };
 
 class Simulation {
@@ -75,7 +84,7 @@ class Simulation {
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
                           std::int64_t step, double step_size, const RunTotals& totals);
 
-  /// One step: kick, drift, lists or ghosts, forces, kick. Collective.
+  /// One step, in 2^level equal parts of: kick, drift, lists or ghosts, forces, kick. Collective.
   void advance();
 
   /// Throws on every rank what one of them met in the last step. Called before anything is written, so that no rank waits in
@@ -86,7 +95,9 @@ class Simulation {
   int pending_signal() const { return signal_; }
 
   std::int64_t step() const { return step_; }
-  double time() const { return static_cast<double>(step_) * step_size_.step; }
+  double time() const { return static_cast<double>(step_) * step_size_.step + static_cast<double>(part_) * dt_; }
+  /// What the bodies move by at once [s]: step_size().step, or with quantised steps that divided by a power of two.
+  double part_size() const { return dt_; }
   const StepSize& step_size() const { return step_size_; }
   const ParticleSet& particles() const { return p_; }
   const PairList& pairs() const { return pairs_; }
@@ -111,6 +122,8 @@ class Simulation {
   /// The body with the most kinetic energy, and that energy [J].
   std::pair<std::int64_t, double> fastest_body() const;
   RemovedTotals removed() const;           ///< since the start
+  /// Changes of the step since the last call, the same on every rank.
+  std::vector<StepChange> take_step_changes() { return std::exchange(step_changes_, {}); }
   /// Bodies removed since the last call, by step and id; on rank 0. Collective.
   std::vector<RemovedBody> take_removed();
   /// 128-bit hash over the bits of all bodies and friction springs, the same for any distribution over ranks.
@@ -133,7 +146,8 @@ class Simulation {
 
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
-  StepNews exchange_news();
+  void advance_part();
+  StepNews exchange_news(bool forced);
   StepNews look_at_lists();
   void renew_lists(const StepNews& news);
   void cut_anew();
@@ -146,6 +160,7 @@ class Simulation {
   double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
   /// Whether something that must happen at the same step in every run is due, such as the removal of bodies: asks for new lists.
   bool review();
+  void choose_level(bool with_contacts);
   void check_displacement();
 
   // domain.cpp
@@ -176,6 +191,10 @@ class Simulation {
   bool lists_overrun_ = false, renewal_asked_ = false;
   std::vector<RemovedBody> removed_;          // by this rank, not taken yet
   bool removal_due_ = false;
+  double dt_ = 0;                             // the step divided by 2^level_
+  std::int64_t level_ = 0, part_ = 0;         // parts of the present step that are done
+  bool level_changed_ = false;
+  std::vector<StepChange> step_changes_;
   int signal_ = 0;
   std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together, a step or two later
   PhaseTimes times_{};

@@ -1,5 +1,6 @@
 // Whether the step is small enough for the contacts that there are, and the guards against what it is not.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
 
@@ -67,7 +68,7 @@ double Simulation::shadow_energy_gap() const {
     sum[0].add(squared_length(p_.force[i]) * p_.inverse_mass[i] + torque.x * torque.x * w.x + torque.y * torque.y * w.y + torque.z * torque.z * w.z);
   }
   add_over_ranks(comm_.get(), sum);
-  return sum[0].value() * step_size_.step * step_size_.step / 8;
+  return sum[0].value() * dt_ * dt_ / 8;
 }
 
 std::pair<std::int64_t, double> Simulation::fastest_body() const {
@@ -87,17 +88,93 @@ std::pair<std::int64_t, double> Simulation::fastest_body() const {
   return {lowest < none ? static_cast<std::int64_t>(lowest) : -1, overall};
 }
 
+void Simulation::choose_level(bool with_contacts) {
+  const Settings& settings = scene_.source().settings;
+  if (settings.step_control != "quantised") return;
+  // what each reason asks for [1/s], and the body that does
+  enum : std::size_t { speed, spin, contact, count };
+  std::array<double, count> rate{};
+  std::array<std::int64_t, count> body{-1, -1, -1};
+  const auto ask = [&](std::size_t reason, double value, std::int64_t id) {
+    if (value > rate[reason] || (value == rate[reason] && id < body[reason])) {
+      rate[reason] = value;
+      body[reason] = id;
+    }
+  };
+  const double way = kMarginPerStep * scene_.margin();
+  const bool can_touch = step_size_.contact_time > 0 && way > 0;
+  for (std::size_t i = 0; i < p_.owned; ++i) {
+    if (p_.fixed[i]) continue;
+    const double turning = length(p_.w[i]);
+    if (can_touch) ask(speed, (length(p_.v[i]) + p_.radius[i] * turning) / way, p_.id[i]);
+    if (!p_.isotropic[i]) ask(spin, turning / kTurnPerStep, p_.id[i]);
+  }
+  if (can_touch) {
+    const double walls = fastest_wall() / way;
+    if (walls > rate[speed]) ask(speed, walls, -1);
+  }
+  for (const std::size_t reason : {std::size_t{speed}, std::size_t{spin}}) {
+    const double most = comm_.max(rate[reason]);
+    const double none = 1e18;
+    const double id = -comm_.max(-(rate[reason] == most ? static_cast<double>(body[reason]) : none));
+    rate[reason] = most;
+    body[reason] = static_cast<std::int64_t>(id);
+  }
+  CriticalStep critical;
+  if (with_contacts) {
+    // steps_per_contact of half a period pi / omega, with omega = 2 / critical step
+    critical = critical_step();
+    rate[contact] = 2 * settings.steps_per_contact / (3.14159265358979323846 * critical.step);
+  }
+
+  constexpr double kSlack = 0.99;       // of a factor of two: rounding of the step that was derived from the same contact
+  constexpr double kHysteresis = 1.25;  // the step grows only when it would not shrink again at once
+  constexpr std::int64_t kFinest = 20;
+  const auto level_for = [&](double asked) {
+    return asked > 0 ? std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(std::log2(kSlack * asked * step_size_.step)))) : 0;
+  };
+  const auto strictest = static_cast<std::size_t>(std::max_element(rate.begin(), rate.end()) - rate.begin());
+  std::int64_t level = level_for(rate[strictest]);
+  std::string reason = strictest == contact ? "contact of " + critical.name()
+                       : body[strictest] < 0 ? std::string("speed of a wall")
+                                             : fmt::format("{} of body {}", strictest == speed ? "speed" : "spin", body[strictest]);
+  if (level > kFinest) {
+    fail(RunInvalid("step {}: the {} asks for a step of {:.3g} s, 2^{} times smaller than {:.3g} s; nothing real moves like that", step_, reason,
+                    1 / rate[strictest], level, step_size_.step));
+    return;
+  }
+  if (level < level_) {
+    if (!with_contacts || level_for(kHysteresis * rate[strictest]) >= level_) return;
+    level = level_ - 1;
+    reason = "quiet";
+  }
+  if (level == level_) return;
+
+  // The forces of this step act half before and half after the change.
+  const double before = dt_;
+  level_ = level;
+  dt_ = std::ldexp(step_size_.step, -static_cast<int>(level_));
+  level_changed_ = true;
+  step_changes_.push_back({step_, time(), dt_, reason});
+  if (step_ == 0) return;
+  const double difference = 0.5 * (dt_ - before);
+  add_wall_totals(difference, wall_sums_);
+  for (std::size_t i = 0; i < p_.owned; ++i) {
+    if (!p_.fixed[i]) p_.dissipated[i] -= difference * (dot(p_.lossy_force[i], p_.v[i]) + dot(p_.lossy_torque[i], p_.w[i]));
+  }
+}
+
 void Simulation::check_displacement() {
   // Two bodies must not pass each other between two looks at who is near: at this share of its radius a step, what a body could
   // miss is smaller than the skin of the lists. Pairs that are listed are watched by evaluate_pairs.
   constexpr double kRadiusPerStep = 0.1;
   if (!(step_size_.contact_time > 0)) return;   // nothing can meet
-  const double dt2 = step_size_.step * step_size_.step;
+  const double dt2 = dt_ * dt_;
   for (std::size_t i = 0; i < p_.owned; ++i) {
     const double limit = kRadiusPerStep * p_.radius[i];
     if (!(squared_length(p_.v[i]) * dt2 > limit * limit)) continue;
     fail(RunInvalid("step {}: body {} moves {:.3g} m in a step of {:.3g} s, more than a tenth of its radius of {:.3g} m; it could pass through "
-                    "others unseen: give a step of at most {:.3g} s", step_, p_.id[i], length(p_.v[i]) * step_size_.step, step_size_.step,
+                    "others unseen: give a step of at most {:.3g} s", step_, p_.id[i], length(p_.v[i]) * dt_, dt_,
                     p_.radius[i], limit / length(p_.v[i])));
     return;
   }

@@ -124,6 +124,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.step = source.settings.duration > 0 ? source.settings.duration / 1000 : 1;
     result.limited_by = "no contact can occur: a thousandth of the duration";
   }
+  if (source.settings.step_control == "quantised") return result;   // speed and spin choose the level
 
   Least speed, spin;
   for (std::size_t i = 0; i < p.owned; ++i) {

@@ -211,6 +211,7 @@ Settings read_settings(const Object& o) {
   s.duration = o.at_least("duration", 0);
   s.steps_per_contact = o.positive("steps_per_contact");
   s.step = o.at_least("step", 0);
+  if (o.has("step_control")) s.step_control = o.one_of("step_control", {"fixed", "quantised"});
   const Object domain = o.object("domain");
   s.domain.bounded = domain.boolean("bounded");
   if (s.domain.bounded) {
@@ -424,6 +425,7 @@ json settings_json(const Scene& scene) {
   t["duration"] = s.duration;
   t["steps_per_contact"] = s.steps_per_contact;
   t["step"] = s.step;
+  t["step_control"] = s.step_control;
   json& domain = t["domain"];
   domain["bounded"] = s.domain.bounded;
   if (s.domain.bounded) {

@@ -111,6 +111,7 @@ struct Settings {
   double duration = 0;                       ///< [s]
   double steps_per_contact = 30;
   double step = 0;                           ///< [s], 0: derived
+  std::string step_control = "fixed";        ///< fixed | quantised: halved where speed, spin or contacts ask for it
   Domain domain;
   std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
   std::string gather = "potential";          ///< potential | area | pairs

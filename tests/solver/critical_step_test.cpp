@@ -222,6 +222,35 @@ TEST(StepSize, follows_spin_and_speed_where_they_limit_it) {
   EXPECT_NE(run.simulation->step_size().limited_by.find("body 0"), std::string::npos) << run.simulation->step_size().limited_by;
 }
 
+// A ball spins on a floor until friction has slowed it: the level is chosen at the start, and the step grows again.
+TEST(StepSize, quantised_is_halved_for_speed_and_grows_back_when_quiet) {
+  TestRun run(test::empty_scene(1e4, 0.3, 0.5, 0.002));
+  run.scene.settings.step_control = "quantised";
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_sphere("ball", 0.05)};
+  test::add_body(run.scene, 0, {0, 0, 0.054}, {}, {}, {40, 0, 0});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.scene.settings.step = 1e-3;
+  run.start();
+  const double base = run.simulation->step_size().step;
+  EXPECT_LE((40 * 0.05) * run.simulation->part_size(), 0.2 * 0.002);
+  const double start = run.simulation->energies().balance();
+  double kinetic = 0;
+  std::vector<StepChange> changes = run.simulation->take_step_changes();
+  for (int n = 0; n < 3000; ++n) {
+    run.simulation->advance();
+    EXPECT_DOUBLE_EQ(run.simulation->time(), (n + 1) * base);
+    const Energies e = run.simulation->energies();
+    kinetic = std::max(kinetic, e.translational + e.rotational);
+    EXPECT_LE(std::abs(e.balance() - start), 0.02 * kinetic);
+    for (const StepChange& c : run.simulation->take_step_changes()) changes.push_back(c);
+  }
+  ASSERT_GE(changes.size(), 2u);
+  EXPECT_EQ(changes.front().reason, "speed of body 0");
+  for (const StepChange& c : changes) EXPECT_EQ(std::exp2(std::round(std::log2(base / c.step_size))), base / c.step_size);
+  EXPECT_GT(run.simulation->part_size(), changes.front().step_size) << "never grew back";
+}
+
 // X27: a step far too large is refused at the start, naming who cannot bear it.
 TEST(StepSize, far_too_large_is_refused_with_the_pair_that_limits_it) {
   TestRun run = swinging_ball(3);

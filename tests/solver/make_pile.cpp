@@ -1,5 +1,5 @@
 // Writes a scene of N bumpy rocks on a jittered lattice above the floor of a box: input of the end-to-end tests.
-// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain]]]
+// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised]]]
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -12,7 +12,7 @@
 int main(int argc, char** argv) {
   using namespace scree;
   return run_main("scree_make_pile", [&] {
-    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain]]]");
+    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised]]]");
     const int count = std::atoi(argv[1]), level = argc > 4 ? std::atoi(argv[4]) : 2;
     Scene scene = test::empty_scene(argc > 5 ? std::atof(argv[5]) : 3e5, 0.3, 0.5, 0.002, 2700);
     scene.settings.title = "pile of rocks";
@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
     box.upper = {spacing * side, spacing * side, 100};
     scene.walls.push_back(box);
     const std::string domain = argc > 6 ? argv[6] : "";
-    scene.settings.domain.bounded = !domain.empty();
+    scene.settings.domain.bounded = domain == "periodic" || domain == "drain";
+    if (domain == "quantised") scene.settings.step_control = domain;
     scene.settings.domain.lower = {0, 0, 0};
     scene.settings.domain.upper = {box.upper.x, box.upper.y, 100};
     if (domain == "periodic") {  // a chute around both axes, so that bodies pass the seams

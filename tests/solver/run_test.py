@@ -173,6 +173,34 @@ def same_state_through_periodic_axes_and_with_removed_bodies():
             assert again["removed_bodies"] == result["removed_bodies"], again["removed_bodies"]
 
 
+def same_state_with_quantised_steps():
+    """Levels are chosen at the same steps on any number of ranks and after a restart, and every change is told."""
+    subprocess.run([PILE, "12", "0.15", "quantised.scene.h5", "1", "3e5", "quantised"], check=True)
+    hashes, tables = set(), set()
+    for ranks in (1, 2, 3):
+        folder = f"quantised{ranks}.run"
+        run(ranks, "quantised.scene.h5", "-o", folder)
+        hashes.add(outcome(folder)["state_hash"])
+        with open(os.path.join(folder, "steps.csv")) as f:
+            tables.add(f.read())
+    assert len(hashes) == 1, hashes
+    assert len(tables) == 1, tables
+    rows = [line.split(",") for line in tables.copy().pop().splitlines()[2:]]
+    assert rows, "the step never changed"
+    base = outcome("quantised1.run")["step_size"]
+    for row in rows:
+        share = base / float(row[2])
+        assert share in (1, 2, 4, 8, 16, 32), row
+    folder = "quantised1.run"
+    checkpoints = sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
+    os.remove(os.path.join(folder, checkpoints[-1]))
+    run(2, "quantised.scene.h5", "-o", folder, "--restart", "latest")
+    assert outcome(folder)["state_hash"] in hashes, "a restart ends elsewhere"
+    with open(os.path.join(folder, "steps.csv")) as f:
+        assert {f.read()} == tables
+    assert abs(outcome(folder)["energy"]["error_relative"]) < 0.02, outcome(folder)["energy"]
+
+
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
@@ -186,7 +214,7 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code, bad_input_is_told_once_with_its_exit_code,
          a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
          a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
-         same_state_through_periodic_axes_and_with_removed_bodies,
+         same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
          the_plan_says_what_is_in_and_out]
 
 main(TESTS)
