@@ -254,8 +254,8 @@ def f5(tools, report):
 @case("F6", "U", "rolling down an incline; slip limits of ball and cylinder")
 def f6(tools, report):
     R, k, mu = .1, 1e6, .3
-    margin = 1e-4
-    c = Case("F6", duration=1.0, steps_per_contact=30, gravity=(0, 0, -G), margin=margin, every=.05)
+    margin = 1e-4  # thin, so the steps are short: the solver refuses a motion of more than both margins in one
+    c = Case("F6", duration=1.0, steps_per_contact=300, gravity=(0, 0, -G), margin=margin, every=.05)
     c.sphere("ball", R)
     ball_mass = 1000 * 4 / 3 * math.pi * R**3
     c.material("m", 1000.0)
@@ -285,7 +285,7 @@ def f6(tools, report):
     # needs, mu D / rho, over the length for which a corner carries, sqrt(8 R D): small depths D creep little, if the facets
     # (height R (pi/n)^2 / 2 = 2e-6 m) are smaller still. A 128-gon on a contact of the same stiffness creeps by 1 to 2 %.
     for sides in (512,):
-        c = Case(f"F6-{sides}", duration=.7, steps_per_contact=30, gravity=(0, 0, -G), margin=margin, every=.01)
+        c = Case(f"F6-{sides}", duration=.7, steps_per_contact=150, gravity=(0, 0, -G), margin=margin, every=.01)
         mesh = meshes.cylinder(R, .1, sides, turn=.5)
         volume, _, inertia = meshes.mass_properties(mesh)
         c.mesh("cylinder", mesh)

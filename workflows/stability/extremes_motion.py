@@ -189,7 +189,7 @@ def x7(tools, table):
     R, k, margin, alpha = .1, 1e6, 1e-5, math.radians(20)
     mass = 1000 * 4 / 3 * math.pi * R**3
     for mu in (0.0, 10.0):
-        c = simple("X7", .5, k * 100, e=.5, mu=mu, gravity=(0, 0, -G), margin=margin, every=.05)
+        c = simple("X7", .5, k * 100, e=.5, mu=mu, gravity=(0, 0, -G), margin=margin, steps_per_contact=120, every=.05)
         c.sphere("ball", R)
         s = Incline(c, alpha, (0, 0, 0), 20.0, "m")
         c.body("ball", "m", s.point(-6, R + 2 * margin - mass * G * math.cos(alpha) / (100 * k)), orientation=s.q)

@@ -16,7 +16,7 @@ import numpy  # noqa: E402
 FOLDER = sys.argv[1]
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
-plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": .3, "svg.hashsalt": "scree", "legend.fontsize": 8, "legend.framealpha": .8})
+plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": .3, "svg.hashsalt": "scree", "legend.fontsize": 8, "legend.framealpha": .8, "axes.titlesize": 9.5})
 
 
 def load(name):
