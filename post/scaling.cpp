@@ -72,6 +72,7 @@ LineChart weak_chart(const std::vector<ScalingRow>& rows) {
     }
     chart.lines.push_back(std::move(drawn));
   }
+  if (chart.lines.size() == 1) chart.title += ": " + chart.lines[0].name;  // a chart of one line has no legend
   return chart;
 }
 

@@ -7,18 +7,26 @@ namespace scree {
 
 namespace {
 
-// A pair that was interrupted while it was timed must not weigh as much as thousands. The renewal of a pair's lists is honest
-// work and takes up to some hundred times an average pair.
-constexpr double kLongestPair = 300;  // of the average pair of the sample
+// A pair that was interrupted while it was timed must not weigh as much as thousands: on a busy machine one such pair spoilt a
+// cut. The renewal of a pair's lists is honest work, but rare, and takes up to some hundred times a common pair.
+constexpr double kLongestPair = 50;   // of the median pair of the sample
+// A first look at the pairs says too little to cut by.
+constexpr std::int64_t kFewestSamples = 4;
+// Where a cut leaves more than this, since single bodies weigh too much, the next one must be worth twice as much, and so on.
+constexpr double kPoorCut = 1.1, kMostPatience = 64;
 // Below this imbalance a cut could not gain what measuring noise hides.
 constexpr double kSmallestImbalance = 1.03;
 
 }  // namespace
 
 void Balance::add_sample(std::span<const float> pair_seconds, const std::vector<BodyPair>& pairs, ParticleSet& p) {
-  double all = 0, sum = 0;
-  for (const float s : pair_seconds) all += s;
-  const double longest = kLongestPair * all / static_cast<double>(std::max<std::size_t>(1, pair_seconds.size()));
+  double sum = 0, longest = 0;
+  if (!pair_seconds.empty()) {
+    std::vector<float> sorted(pair_seconds.begin(), pair_seconds.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    longest = kLongestPair * *middle;
+  }
   for (std::size_t k = 0; k < pair_seconds.size(); ++k) {
     const double half = 0.5 * std::min<double>(pair_seconds[k], longest);
     sum += 2 * half;
@@ -47,14 +55,14 @@ void Balance::tell(StepNews& news) const {
 }
 
 bool Balance::is_cut_due(const StepNews& all) const {
-  if (ranks_ == 1 || samples_ == 0) return false;
+  if (ranks_ == 1 || samples_ < kFewestSamples) return false;
   const double mean = static_cast<double>(all.work) / ranks_, largest = static_cast<double>(all.largest_work);
-  return largest > kSmallestImbalance * mean && largest - expected_ * mean > static_cast<double>(all.cut_cost);
+  return largest > kSmallestImbalance * mean && largest - mean > patience_ * static_cast<double>(all.cut_cost);
 }
 
 void Balance::note_cut(double seconds, double expected, ParticleSet& p) {
   cut_cost_ = seconds;
-  expected_ = expected;
+  patience_ = expected > kPoorCut ? std::min(2 * patience_, kMostPatience) : 1;
   computing_at_cut_ = computing_;
   pair_seconds_ = 0;
   samples_ = 0;

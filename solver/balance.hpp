@@ -12,9 +12,9 @@ namespace scree {
 /// Measured work of the bodies of one rank, and the decision of all ranks.
 ///
 /// How: every kSampleEvery steps each pair is timed by itself, and each of its bodies bears half. What integration, sums and
-/// search take is shared out evenly. A cut is due when what the imbalance has cost since the last one, beyond the imbalance that
-/// a cut leaves anyway, exceeds what the last one took: whatever happens later, the two together are then at most twice the
-/// best that could have been done. The states of a run never depend on it.
+/// search take is shared out evenly. A cut is due when what the imbalance has cost since the last one exceeds what the last
+/// one took: whatever happens later, the two together are then at most twice the best that could have been done. Where cuts do
+/// not help, each waits for twice as much as the one before. The states of a run never depend on it.
 class Balance {
  public:
   explicit Balance(int ranks) : ranks_(ranks) {}
@@ -47,7 +47,7 @@ class Balance {
   std::int64_t samples_ = 0;        // since the last cut
   double computing_ = 0, computing_at_cut_ = 0;
   double pair_seconds_ = 0;         // of the samples since the last cut
-  double cut_cost_ = 0, expected_ = 1;
+  double cut_cost_ = 0, patience_ = 1;
 };
 
 }  // namespace scree
