@@ -77,7 +77,9 @@ inline constexpr int kWidestLanes = 16;
 inline constexpr int kCertainRoundoffs = 16;
 /// The short cuts of the common case need triangles whose height is at least 2^-9 of their longest edge: then the
 /// error they make, (2^9 roundoffs)^2 / 2 over a distance of at least the contact ratio, is far below a roundoff.
-inline constexpr double kThinnest2 = 0x1p-18;
+/// In single precision the limit is 2^-7: there the corrected foot of a vertex on a thin face is off as much.
+template <class T>
+inline constexpr T kThinnest2 = sizeof(T) == 8 ? T(0x1p-18) : T(0x1p-14);
 
 /// Pairs in the lanes of one vector, in eighteen rows of a batch, read where they are needed.
 template <class T>
@@ -402,14 +404,14 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
     SCREE_UNROLL_3
     for (int k = 0; k < 3; ++k) q[k] = pair.corner(k) - b0;
     const V nn = vertex_face<T, false, !kShortCuts>(f0, f2, q, kCodeVertexA, o.height_a, best);
-    rare.thin = nn <= V(T(kThinnest2)) * lb2 * lb2;
+    rare.thin = nn <= V(kThinnest2<T>) * lb2 * lb2;
   }
   {
     const Pack3<T> a0 = pair.corner(0), f0 = pair.corner(1) - a0, f2 = a0 - pair.corner(2);
     SCREE_UNROLL_3
     for (int k = 0; k < 3; ++k) q[k] = a0 - pair.corner(3 + k);
     const V nn = vertex_face<T, true, !kShortCuts>(f0, f2, q, kCodeVertexB, o.height_b, best);
-    rare.thin = rare.thin | (nn <= V(T(kThinnest2)) * la2 * la2);
+    rare.thin = rare.thin | (nn <= V(kThinnest2<T>) * la2 * la2);
   }
 
   Solution<T> out;
