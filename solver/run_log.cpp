@@ -51,9 +51,17 @@ void start_table(const std::string& path, const std::string& header, std::int64_
 void append_to_table(const std::string& path, const std::string& rows) {
   std::FILE* file = std::fopen(path.c_str(), "ab");
   if (file == nullptr) throw SystemError("cannot write {}: {}", path, std::strerror(errno));
+  const long size = std::ftell(file);
+  errno = 0;
   const bool written = std::fwrite(rows.data(), 1, rows.size(), file) == rows.size();
+  int reason = errno;
   const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) throw SystemError("cannot write {}: {}", path, std::strerror(errno));
+  if (written && closed) return;
+  if (reason == 0) reason = errno;
+  // a row that a full disk cut short must not stay
+  std::error_code error;
+  if (size >= 0) std::filesystem::resize_file(path, static_cast<std::uintmax_t>(size), error);
+  throw SystemError("cannot write {}: {}; free some space and restart from the last checkpoint", path, std::strerror(reason));
 }
 
 RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up_to_step) : path_(path) {

@@ -12,7 +12,7 @@ namespace scree {
 /// Begins a table anew with this header, and with the rows up to a step of the one that is there; a negative step keeps none.
 /// The first column is the step.
 void start_table(const std::string& path, const std::string& header, std::int64_t keep_up_to_step);
-/// Adds rows and flushes them: a killed run keeps whole rows. Throws SystemError (disk full).
+/// Adds rows and flushes them: all of them or, on a full disk, none. Throws SystemError (disk full).
 void append_to_table(const std::string& path, const std::string& rows);
 
 /// Rank 0 writes; others hold an empty log. A restart keeps the rows up to its step and drops later ones.

@@ -150,7 +150,7 @@ Differences compare_with_checkpoint(const Checkpoint& now, const Checkpoint& rec
   Differences differences;
   match_bodies(ids_of(recorded.bodies), ids_of(now.bodies), differences, [&](std::size_t i, std::size_t j) {
     const ParticleRecord &a = recorded.bodies[i], &b = now.bodies[j];
-    compare_fields(b.id, differences, field("position", a.x, b.x), field("orientation", a.q, b.q), field("velocity", a.v, b.v),
+    compare_fields(b.id, differences, field("position", a.x, b.x), field("periods gone", a.image, b.image), field("orientation", a.q, b.q), field("velocity", a.v, b.v),
                    field("angular momentum", a.L, b.L), field("angular velocity", a.w, b.w), field("force", a.force, b.force),
                    field("torque", a.torque, b.torque), field("dissipated energy", a.dissipated, b.dissipated));
   });
