@@ -1,0 +1,145 @@
+// Driven walls: where they are, how fast they move, what they do to bodies and what that costs.
+#include <gtest/gtest.h>
+
+#include "tests/support/shapes.hpp"
+#include "tests/support/test_run.hpp"
+
+namespace scree {
+namespace {
+
+using test::TestRun;
+
+std::vector<WallMotion> all_motions() {
+  std::vector<WallMotion> motions(4);
+  motions[0].kind = WallMotion::Kind::rotate;
+  motions[0].axis = normalised(Vec3{1, 2, 3});
+  motions[0].centre = {0.1, -0.2, 0.3};
+  motions[0].rate = 5;
+  motions[1].kind = WallMotion::Kind::translate;
+  motions[1].axis = {0, 1, 0};
+  motions[1].rate = -2;
+  motions[2].kind = WallMotion::Kind::oscillate;
+  motions[2].axis = {1, 0, 0};
+  motions[2].amplitude = 0.02;
+  motions[2].frequency = 7;
+  motions[2].phase = 0.4;
+  motions[3].kind = WallMotion::Kind::table;
+  motions[3].table_time = {0, 0.3, 0.5, 0.9};
+  motions[3].table_position = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.2, 0}, {0, 0, -0.1}};
+  for (WallMotion& m : motions) {
+    m.start = 0.2;
+    m.stop = 0.9;
+  }
+  return motions;
+}
+
+// The velocities that contacts see are the derivatives of the pose, by central differences; outside of start and stop a wall
+// stands where it began or ended.
+TEST(DrivenWall, moves_as_fast_as_its_pose_changes) {
+  for (const WallMotion& motion : all_motions()) {
+    Wall wall;
+    wall.position = {0.5, 0.1, 0};
+    wall.orientation = quaternion_of(normalised(Vec3{0, 1, 1}), 0.3);
+    wall.motion = motion;
+    const int kind = static_cast<int>(motion.kind);
+    for (const double time : {0.05, 0.21, 0.33, 0.47, 0.62, 0.85, 0.95, 3.0}) {
+      const double h = 1e-6;
+      const WallState before = wall_state(wall, time - h), now = wall_state(wall, time), after = wall_state(wall, time + h);
+      const Vec3 velocity = (1 / (2 * h)) * (after.position - before.position);
+      EXPECT_LE(length(velocity - now.velocity), 1e-6) << "motion " << kind << " at " << time;
+      const Quat turn = after.orientation * conjugate(before.orientation);
+      const Vec3 spin = (1 / h) * Vec3{turn.x, turn.y, turn.z};
+      EXPECT_LE(length(spin - now.angular_velocity), 1e-6) << "motion " << kind << " at " << time;
+    }
+    EXPECT_EQ(wall_state(wall, 0).position, wall_state(wall, 0.2).position) << kind;
+    EXPECT_EQ(wall_state(wall, 0.9).position, wall_state(wall, 7).position) << kind;
+  }
+  // in numbers: a quarter of a period after the start, and in the table
+  std::vector<WallMotion> motions = all_motions();
+  Wall wall;
+  wall.motion = motions[2];
+  wall.motion.phase = 0;
+  EXPECT_NEAR(wall_state(wall, 0.2 + 1 / 28.0).position.x, 0.02, 1e-15);
+  wall.motion = motions[3];
+  EXPECT_NEAR(wall_state(wall, 0.2 + 0.4).position.y, 0.1, 1e-15);
+}
+
+// A plate lifts a block at constant speed: force m g, power m g v, work m g h.
+TEST(DrivenWall, that_lifts_a_block_gives_the_power_it_takes) {
+  TestRun run(test::empty_scene(1e6, 0.3, 0.5, 0.005));
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_solid("block", test::grid_box(1, {0.4, 0.4, 0.1}))};
+  const double mass = 16, depth = mass * 9.81 / (std::sqrt(2.0) * 1e6);
+  test::add_body(run.scene, 0, {0, 0, 0.05 + 0.01 - depth}, {}, {0, 0, 0.5});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.scene.walls[0].motion.kind = WallMotion::Kind::translate;
+  run.scene.walls[0].motion.axis = {0, 0, 1};
+  run.scene.walls[0].motion.rate = 0.5;
+  run.start();
+  const Energies start = run.simulation->energies();
+  run.run_for(1.0);
+  const WallLoad load = run.simulation->wall_loads()[0];
+  EXPECT_NEAR(load.force.z, -mass * 9.81, 1e-6 * mass * 9.81);
+  EXPECT_NEAR(load.power(run.simulation->walls()[0]), mass * 9.81 * 0.5, 1e-6 * mass * 9.81);
+  const Energies end = run.simulation->energies();
+  const double height = 0.5 * run.simulation->time();
+  EXPECT_NEAR(end.wall_work, mass * 9.81 * height, 1e-5 * mass * 9.81 * height);
+  EXPECT_NEAR(end.balance(), start.balance(), 1e-5 * mass * 9.81 * height);
+}
+
+// F12: on a table that turns, a block keeps its place while the friction it needs, r Omega^2, stays below mu g. The plane
+// turns about its normal: only the velocity of its points tells. Torque and power vanish once all turns together.
+TEST(DrivenWall, that_turns_carries_a_block_round_by_friction) {
+  TestRun run(test::empty_scene(1e6, 0.3, 0.5, 0.005));
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_solid("block", test::grid_box(1, {0.1, 0.1, 0.04}))};
+  const double mass = 0.4, depth = mass * 9.81 / (std::sqrt(2.0) * 1e6), r = 0.5, omega = 2;
+  test::add_body(run.scene, 0, {r, 0, 0.02 + 0.01 - depth}, {}, {0, r * omega, 0}, {0, 0, omega});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  WallMotion& m = run.scene.walls[0].motion;
+  m.kind = WallMotion::Kind::rotate;
+  m.axis = {0, 0, 1};
+  m.rate = omega;
+  run.start();
+  run.run_for(2.0);
+  const Vec3 x = run.position(0);
+  const double angle = omega * run.simulation->time();
+  EXPECT_NEAR(std::hypot(x.x, x.y), r, 1e-3 * r);
+  EXPECT_NEAR(std::remainder(std::atan2(x.y, x.x) - angle, 2 * M_PI), 0, 2e-3);
+  const WallLoad load = run.simulation->wall_loads()[0];
+  EXPECT_NEAR(std::hypot(load.force.x, load.force.y), mass * omega * omega * r, 2e-2 * mass * omega * omega * r);
+  EXPECT_LE(std::abs(load.power(run.simulation->walls()[0])), 2e-2 * mass * omega * omega * r * r * omega);
+}
+
+// A wall that swings by a table and one that swings by the same sine give the same bounces as the table gets finer.
+TEST(DrivenWall, given_as_a_table_goes_to_the_motion_it_samples) {
+  const auto height = [](int rows) {
+    TestRun run(test::empty_scene(1e5, 0.5, 0, 0.002));
+    run.scene.settings.gravity = {0, 0, -9.81};
+    run.scene.shapes = {make_sphere("ball", 0.05)};
+    test::add_body(run.scene, 0, {0, 0, 0.06}, {}, {0, 0, -0.2});
+    test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+    WallMotion& m = run.scene.walls[0].motion;
+    m.axis = {0, 0, 1};
+    if (rows == 0) {
+      m.kind = WallMotion::Kind::oscillate;
+      m.amplitude = 0.002;
+      m.frequency = 10;
+    } else {
+      m.kind = WallMotion::Kind::table;
+      for (int i = 0; i <= rows; ++i) {
+        m.table_time.push_back(0.1 * i / rows);
+        m.table_position.push_back({0, 0, 0.002 * std::sin(2 * M_PI * 10 * m.table_time.back())});
+      }
+    }
+    run.start();
+    run.run_for(0.1);
+    return run.velocity(0).z;
+  };
+  const double smooth = height(0);
+  EXPECT_LE(std::abs(height(1000) - smooth), 1e-4);
+  EXPECT_LE(std::abs(height(1000) - smooth), 0.5 * std::abs(height(20) - smooth));
+}
+
+}  // namespace
+}  // namespace scree
