@@ -32,9 +32,9 @@ void Simulation::check_domain() const {
                        step_, p_.id[i]);
     }
     if (domain.outside == "stop" && !p_.fixed[i] && is_outside(p_.x[i])) {
-      const Vec3& x = p_.x[i];
-      throw RunInvalid("step {}: body {} left the domain at ({:g}, {:g}, {:g}) m; widen domain, or set outside = \"remove\" "
-                       "or \"keep\"", step_, p_.id[i], x.x, x.y, x.z);
+      const Vec3 over = component_max(domain.lower - p_.x[i], p_.x[i] - domain.upper);
+      throw RunInvalid("step {}: body {} left the domain and is {:g} m outside; widen domain, or set outside = \"remove\" or \"keep\"", step_,
+                       p_.id[i], std::max({over.x, over.y, over.z}));
     }
   }
 }

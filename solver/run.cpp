@@ -16,6 +16,7 @@
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/h5.hpp"
 #include "solver/checkpoint.hpp"
+#include "solver/origin.hpp"
 #include "solver/rank_log.hpp"
 #include "solver/run_log.hpp"
 #include "solver/watchdog.hpp"
@@ -79,7 +80,8 @@ void prepare_folder(const RunOptions& options) {
   h5::publish_file(temporary.string(), copy.string());
 }
 
-Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number, const nlohmann::json& provenance, int rank, bool with_contacts) {
+Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number, const nlohmann::json& provenance, int rank, bool with_contacts,
+                 const Vec3& origin) {
   Frame frame;
   frame.number = number;
   frame.step = simulation.step();
@@ -96,16 +98,19 @@ Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number,
     frame.bodies.material.push_back(p.material[i]);
     frame.bodies.rank.push_back(rank);
     frame.bodies.scale.push_back(p.scale[i]);
-    frame.bodies.position.push_back(p.x[i]);
+    frame.bodies.position.push_back(p.x[i] + origin);
     frame.bodies.orientation.push_back(mesh_orientation(simulation.scene(), p.shape[i], p.q[i]));
     frame.bodies.velocity.push_back(p.v[i]);
     frame.bodies.angular_velocity.push_back(p.w[i]);
   }
   if (with_contacts) frame.contacts = simulation.contacts();
-  const std::vector<WallLoad> loads = simulation.wall_loads();
+  for (Vec3& point : frame.contacts.point) point += origin;
+  std::vector<WallLoad> loads = simulation.wall_loads();
+  std::vector<WallState> walls = simulation.walls();
+  move_loads_to_world(loads, walls, origin);
   for (std::size_t w = 0; w < loads.size(); ++w) {
     frame.walls.id.push_back(simulation.scene().source().walls[w].id);
-    frame.walls.position.push_back(simulation.walls()[w].position);
+    frame.walls.position.push_back(wall_position_in_world(simulation.scene().source().walls[w], simulation.walls()[w], origin));
     frame.walls.orientation.push_back(simulation.walls()[w].orientation);
     frame.walls.force.push_back(loads[w].force);
     frame.walls.torque.push_back(loads[w].torque);
@@ -161,6 +166,8 @@ LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path) {
   const auto read = [&] {
     loaded.scene = read_scene_file(path);
     loaded.sha256 = sha256_of_file(path);
+    loaded.origin = choose_origin(loaded.scene);
+    move_scene(loaded.scene, loaded.origin);
     loaded.prepared = std::make_unique<SolverScene>(loaded.scene);
   };
   mpi::on_root(comm, read);
@@ -269,7 +276,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       mpi::on_root(comm, [&] { append_to_table(steps_path, rows); });
     }
     if (!removes) return;
-    const std::vector<RemovedBody> bodies = simulation.take_removed();
+    std::vector<RemovedBody> bodies = simulation.take_removed();
+    for (RemovedBody& b : bodies) b.x += loaded.origin;
     mpi::on_root(comm, [&] { append_to_table(removed_path, removed_rows(bodies)); });
   };
   const auto guard_energy = [&](double error) {
@@ -299,7 +307,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     imbalance_sum += imbalance;
     ++log_rows;
     const std::int64_t contacts = simulation.contact_count();
-    const std::vector<WallLoad> loads = simulation.wall_loads();
+    std::vector<WallLoad> loads = simulation.wall_loads();
+    std::vector<WallState> walls = simulation.walls();
+    move_loads_to_world(loads, walls, loaded.origin);
     const std::string hash = simulation.state_hash();
     const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
     const RemovedTotals removed = simulation.removed();
@@ -311,7 +321,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     interval_step = simulation.step();
     mpi::on_root(comm, [&] {
       log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, critical.step, loads,
-                   simulation.walls(), hash);
+                   walls, hash);
       rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last);
       if (simulation.part_size() > critical.step) {
         warn_once("scree-solver", fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
@@ -324,7 +334,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     if (is_valid) simulation.agree_on_failures();
     const std::string path = fmt::format("{}/frame_{:06}.hdf", options.run_folder, number);
     const Frame frame = make_frame(simulation, simulation.energies(), number, provenance, comm.rank(),
-                                   is_valid && settings.output_contacts);
+                                   is_valid && settings.output_contacts, loaded.origin);
     mpi::on_all(comm, [&] { write_frame_file(comm.get(), path, frame); });
     mpi::on_root(comm, [&] {
       std::erase_if(frames, [&](const FrameEntry& entry) { return entry.path == path; });  // a restart at the end writes the last one again
@@ -395,7 +405,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       run["parallel"] = {{"halo", options.parallel.strategy == HaloStrategy::overlap ? "overlap" : "blocking"},
                          {"send", options.parallel.selection == HaloSelection::all ? "all" : "selected"},
                          {"cut", cut_method_name(options.parallel.cut)}};
-      run["settings"] = settings_json(scene);
+      Scene as_given = scene;
+      move_scene(as_given, -loaded.origin);
+      run["settings"] = settings_json(as_given);
       run["provenance"] = provenance;
       h5::write_text_file(options.run_folder + "/run.json", run.dump(1) + "\n");
     });

@@ -15,6 +15,7 @@ struct LoadedScene {
   Scene scene;
   std::string sha256;
   std::unique_ptr<SolverScene> prepared;
+  Vec3 origin;   ///< of the scene as it is computed, in the world [m], see origin.hpp
 };
 
 /// Reads and checks; what is wrong is told once, by rank 0. Collective.
