@@ -1,5 +1,7 @@
 #include "solver/forces.hpp"
 
+#include "solver/triangle_contacts.hpp"
+
 #include <omp.h>
 
 #include <algorithm>
@@ -117,7 +119,7 @@ bool is_sphere_mesh_pair(const PairView& view) {
 }
 
 /// Renews the lists of one pair. Returns false when its meshes intersect.
-bool renew_lists(const PairView& view, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
+bool renew_lists(const PairView& view, bool triangles, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
   const PairMotion& m = view.motion;
   const double small = std::min(view.radius_a, view.radius_b);
   const double speed = length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small;
@@ -134,6 +136,7 @@ bool renew_lists(const PairView& view, double dt, MeshDistanceScratch& scratch, 
   if (is_sphere_mesh_pair(view)) {
     return list_sphere_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
   }
+  if (triangles) return list_triangle_contacts(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
   return list_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
 }
 
@@ -196,6 +199,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
   const bool only_looks = out != nullptr || look != nullptr;
   const PairForceFunction force_of = pair_force_function(scene.law_choice());
+  const bool independent = scene.law_choice().independent;
   const bool needs_radius = scene.law_choice().needs_radius;
   const double exponent = normal_exponent(scene.law_choice());
 #pragma omp parallel if (!only_looks)
@@ -217,7 +221,7 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       if (pair.lists.skin >= 0) motion = motion_since_listed(pair.lists, view.a, view.b, view.radius_a, view.radius_b);
       if (motion > 0 && can_pass_through(view, dt, motion, pair.lists)) passing.store(k);
       if (pair.lists.skin < 0 || motion > pair.lists.skin) {
-        if (!renew_lists(view, dt, distance, pair.lists)) {
+        if (!renew_lists(view, independent, dt, distance, pair.lists)) {
           intersecting.store(k);
           continue;
         }
@@ -229,6 +233,8 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
         zone_pair_features(view.a, view.b, *view.zone, view.margin, motion, pair.lists, features);
       } else if (is_sphere_mesh_pair(view)) {
         sphere_mesh_features(view.a, view.b, view.margin, motion, pair.lists, features);
+      } else if (independent) {
+        triangle_contact_features(view.a, view.b, view.margin, motion, pair.lists, features);
       } else {
         mesh_pair_features(view.a, view.b, view.margin, motion, pair.lists, features);
       }
@@ -245,7 +251,12 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       const PairLaw& law = scene.law(p.material[static_cast<std::size_t>(pair.a)], material_b);
       PairMotion& relative = view.motion;
       if (needs_radius) relative.radius = law.radius > 0 ? law.radius : contact_radius(view);
-      if (view.cell_size > 0) {
+      if (independent) {
+        cells.clear();
+        for (std::size_t j = 0; j < features.size(); ++j) cells.push_back({static_cast<std::int64_t>(j), static_cast<std::int32_t>(j), 1, {}});
+        relative.independent = true;
+        relative.cells = &cells;
+      } else if (view.cell_size > 0) {
         find_cell_shares(view.a, view.b, view.cell_size, features, cells);
         relative.cells = &cells;
       }

@@ -154,7 +154,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
                                      wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
     if (mobility > 0) damping = Damp::of(law, result.elastic, normal_sum, mobility, dt);
   }
-  const double chi = damping.chi;
+  double chi = damping.chi;
   result.damping = chi;
   const bool frictional = kFriction && law.friction > 0;
   const bool rolls = kRolling && (law.rolling_friction > 0 || law.torsional_friction > 0);
@@ -167,7 +167,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   }
 
   // against the tangent stiffness of the normal force, as in the normal direction
-  const double tangential_damping = law.tangential_damping * (std::sqrt(law.tangential_ratio / Normal::kExponent) * chi);
+  const double tangential_share = law.tangential_damping * std::sqrt(law.tangential_ratio / Normal::kExponent);
   const Vec3 elastic_force = result.force;
   const Vec3 relative_spin = motion.w_b - motion.w_a;
   thread_local std::vector<FrictionSpring> next;
@@ -179,6 +179,11 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
     const Vec3 velocity = motion.v_a + turning_a - motion.v_b - turning_b;
     const double vn = dot(velocity, f.n);
+    if (motion.independent && Damp::acts(law)) {
+      // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
+      damping = Damp::of(law, law_of_depth.energy(f.depth), normal[j], motion.inverse_mass_a + motion.inverse_mass_b, dt);
+      chi = damping.chi;
+    }
     const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(damping.most_onset, onset_weight(f.depth, vn, dt)) * vn);
     Vec3 lossy = (damped - normal[j]) * f.n;
     Vec3 tangential;
@@ -209,7 +214,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
       const double stretched = length(spring.force);
       bool slides = stretched > limit;
       if (slides) spring.force *= sliding / stretched;
-      tangential = spring.force - (tangential_damping * normal[j]) * vt;
+      tangential = spring.force - (tangential_share * chi * normal[j]) * vt;
       const double total = length(tangential);
       const double cap = slides ? sliding : limit;
       if (total > cap) tangential *= cap / total;
@@ -221,7 +226,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     result.lossy_torque += cross(f.x, lossy);
     if (outputs != nullptr) (*outputs)[j] = {damped, tangential};
   }
-  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_damping, dt, friction_dt, springs, next, result);
+  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_share * chi, dt, friction_dt, springs, next, result);
   springs.swap(next);
   result.force += result.lossy_force;
   result.torque += result.lossy_torque;

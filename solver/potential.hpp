@@ -25,6 +25,7 @@ struct PairMotion {
   Vec3 inverse_inertia_a;                ///< principal
   Vec3 inverse_inertia_b;                ///< principal of B
   Mat3 b_to_a;
+  bool independent = false;              ///< gather = "pairs": `cells` holds one for every feature
   const std::vector<CellShare>* cells = nullptr;  ///< B is a wall with cells: one potential for each
   double radius = 0;                     ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
 };

@@ -188,7 +188,7 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   const auto refuse = [](const std::string& what, const std::string& found, const std::string& available) {
     throw UsageError("{} = \"{}\" is not available in this version; use {}", what, found, available);
   };
-  if (settings.gather != "potential") refuse("contact.gather", settings.gather, "\"potential\"");
+  if (settings.gather == "area") refuse("contact.gather", settings.gather, "\"potential\" or \"pairs\"");
   const auto& periodic = settings.domain.periodic;
   if (!settings.domain.bounded && (periodic[0] || periodic[1] || periodic[2])) {
     throw UsageError("domain.periodic: a periodic axis needs domain.min and domain.max");
@@ -217,6 +217,7 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   }
 
   law_choice_ = choose_law(settings.law);
+  law_choice_.independent = settings.gather == "pairs";
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene.pairs) {
     const PairLaw law = make_pair_law(pair);

@@ -30,6 +30,7 @@ struct LawChoice {
   int law = 0;               ///< index in kLaws
   bool friction = false;     ///< some pair has friction
   bool rolling = false;      ///< some pair has rolling or torsional resistance
+  bool independent = false;  ///< gather = "pairs": every contact its own spring and dashpot
   bool needs_radius = false; ///< R* of the bodies enters
 };
 

@@ -1,6 +1,7 @@
 // Closed forms of VALIDATION.md that need whole runs: impulses off centre, mesh independence, stacks, rolling.
 #include <gtest/gtest.h>
 
+#include "solver/laws/restitution.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
@@ -88,6 +89,32 @@ TEST(MeshIndependence, restitution_of_a_cube_on_its_face_does_not_know_the_mesh)
   for (const double e : rebounds) {
     EXPECT_NEAR(e, 0.5, 5e-3);
     EXPECT_NEAR(e, rebounds[0], 1e-5);
+  }
+}
+
+// M0: one spring and dashpot for each of N coincident triangle pairs have the damping ratio sqrt(N) zeta: the restitution
+// depends on the mesh, which is why it is not the default.
+TEST(MeshIndependence, one_spring_per_triangle_pair_rebounds_by_the_number_of_triangles) {
+  for (const int n : {1, 2}) {
+    TestRun run(test::empty_scene(1e4, 0.744079, 0, 0.01, 1));
+    run.scene.settings.gather = "pairs";
+    run.scene.settings.step = 1e-5;
+    run.scene.shapes = {make_solid("cube", test::grid_box(n, {1, 1, 1})), make_solid("floor", test::grid_box(1, {3, 3, 1}))};
+    test::add_body(run.scene, 0, {0, 0, 1.0201}, {}, {0, 0, -1});
+    test::add_body(run.scene, 1, {0, 0, 0});
+    run.scene.bodies.lock_rotation[0] = 1;
+    run.scene.bodies.fixed[1] = 1;
+    run.start();
+    std::int64_t coincident = 0;
+    for (int step = 0; step < 6000; ++step) {
+      run.simulation->advance();
+      coincident = std::max(coincident, run.simulation->contact_count());
+    }
+    const double zeta = std::sqrt(static_cast<double>(coincident)) * damping_ratio_of_restitution(0.744079);
+    std::printf("M0: %d subdivisions, %d triangle pairs, e = %.5f, expected %.5f\n", n, static_cast<int>(coincident), run.velocity(0).z,
+                restitution_of_damping_ratio(zeta));
+    EXPECT_GE(coincident, 4);
+    EXPECT_NEAR(run.velocity(0).z, restitution_of_damping_ratio(zeta), 2e-3) << n;
   }
 }
 
