@@ -138,16 +138,23 @@ class MultilevelGrid {
     return static_cast<std::int32_t>(turns);
   }
 
-  /// The eight cells of a block get consecutive values.
-  std::uint64_t hash(int level, const Cell& cell) const {
-    std::uint64_t h = (hash_seed_ + static_cast<std::uint64_t>(level)) * 0x9E3779B97F4A7C15ull;
-    for (const std::int64_t v : cell) {
-      h ^= static_cast<std::uint64_t>(v >> 1);
-      h *= 0xBF58476D1CE4E5B9ull;
-      h ^= h >> 29;
-    }
-    return (h & ~7ull) | static_cast<std::uint64_t>((cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2);
+  /// The hash of a cell is made of a part for each axis, so that eight cells around a corner share six parts: the block's
+  /// coordinate times an odd constant, and which half of the block. The eight cells of a block get consecutive values.
+  struct HashPart {
+    std::uint64_t product, half;
+  };
+  HashPart hash_part(std::size_t axis, std::int64_t cell) const {
+    constexpr std::array<std::uint64_t, 3> kOdd = {0x9E3779B97F4A7C15ull, 0xC2B2AE3D27D4EB4Full, 0xD6E8FEB86659FD93ull};
+    return {static_cast<std::uint64_t>(cell >> 1) * (kOdd[axis] + hash_seed_), static_cast<std::uint64_t>(cell & 1) << axis};
   }
+  static std::uint64_t join(int level, const HashPart& x, const HashPart& y, const HashPart& z) {
+    std::uint64_t h = x.product + y.product + z.product + (static_cast<std::uint64_t>(level) << 56);
+    h ^= h >> 32;
+    h *= 0xBF58476D1CE4E5B9ull;
+    h ^= h >> 29;
+    return (h & ~7ull) | x.half | y.half | z.half;
+  }
+  std::uint64_t hash(int level, const Cell& cell) const { return join(level, hash_part(0, cell[0]), hash_part(1, cell[1]), hash_part(2, cell[2])); }
   Slot& slot_at(std::uint64_t slot) { return table_[static_cast<std::size_t>(slot >> 2)].slot[static_cast<std::size_t>(slot & 3)]; }
   const Slot& slot_at(std::uint64_t slot) const { return table_[static_cast<std::size_t>(slot >> 2)].slot[static_cast<std::size_t>(slot & 3)]; }
   /// Cells that hold balls have different tags (see lay_out_cells); one that holds none may share its tag with one that
@@ -212,8 +219,11 @@ class MultilevelGrid {
       if constexpr (kPeriodic)
         for (std::size_t k = 0; k < 2; ++k) axis.image[k] = wrap_cell(axis.cell[k], static_cast<int>(c), depth);
     }
+    std::array<std::array<HashPart, 2>, 3> part;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t k = 0; k < 2; ++k) part[c][k] = hash_part(c, corner.axis[c].cell[k]);
     for (std::size_t k = 0; k < 8; ++k) {
-      corner.tag[k] = hash(level, corner.cell(k));
+      corner.tag[k] = join(level, part[0][k & 1], part[1][k >> 1 & 1], part[2][k >> 2]);
       __builtin_prefetch(&slot_at(corner.tag[k] & mask_));
     }
   }
