@@ -98,7 +98,10 @@ def kill_at_random(runs, seed):
     run(3, "pile.scene.h5", "-o", "whole.run")
     usual = time.time() - begin
     whole, random_state, killed = physics_of_log("whole.run"), random.Random(seed), 0
-    for number in range(runs):
+    number = 0
+    while killed < runs:  # a run that ends before its time to be killed does not count
+        number += 1
+        assert number <= 4 * runs, "runs end before they can be killed"
         folder = f"killed{number}.run"
         child = start(3, "pile.scene.h5", "-o", folder, OMPI_MCA_odls_base_sigkill_timeout="1")
         ranks = rank_processes(child, 3)
@@ -119,8 +122,7 @@ def kill_at_random(runs, seed):
         assert physics_of_log(folder) == whole, f"run {number} (rank {victim} killed, checkpoints {kept}) is another run"
         assert not [n for n in os.listdir(folder) if n.endswith(".tmp")], "temporary files stay behind"
         shutil.rmtree(folder)
-    print(f"{killed} of {runs} runs were killed before their end; all ended alike")
-    assert killed >= runs / 2
+    print(f"{killed} runs were killed before their end, {number - killed} were too fast for that; all ended alike")
 
 
 def killed_ranks_lose_only_the_steps_since_the_last_checkpoint():
