@@ -215,6 +215,17 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     simulation.start_from_scene();
   }
   const double dt = simulation.step_size().step;
+  constexpr double kMostSteps = 0x1p53;   // counted exactly everywhere
+  if (!(settings.duration / dt < kMostSteps)) {
+    throw InputError("{}: {:g} s in steps of {:.3g} s ({}) are more steps than can be counted; check density, stiffness and sizes",
+                     options.scene_path, settings.duration, dt, simulation.step_size().limited_by);
+  }
+  const double unevenness = simulation.step_size().slowest_contact_time / std::max(simulation.step_size().contact_time, dt);
+  if (unevenness > kUnevenContacts && comm.rank() == 0) {
+    warn_once("scree-solver", fmt::format("{} sets the step, and the contact of the heaviest body lasts {:.0f} times as long: a mass ratio that "
+                                          "costs as many times the steps; a softer pair or a larger light body makes the run shorter",
+                                          simulation.step_size().limited_by, unevenness));
+  }
   const Schedule schedule = make_schedule(settings, dt);
 
   Provenance record;

@@ -13,6 +13,7 @@ namespace {
 struct Touchable {
   std::array<double, 2> mobility{0, 0};       ///< the two largest of moving bodies [1/kg]
   std::array<std::int64_t, 2> body{-1, -1};   ///< whose
+  double least = 1e300;                       ///< mobility of the most sluggish moving body [1/kg]
   std::int64_t still = 0;                     ///< fixed bodies and walls
 
   void add(double w, std::int64_t id) {
@@ -47,13 +48,18 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
   for (std::size_t i = 0; i < p.owned; ++i) {
     Touchable& t = mine[2 * static_cast<std::size_t>(p.material[i]) + (scene.shape(p.shape[i]).kind == ShapeKind::sphere ? 0 : 1)];
     if (p.fixed[i]) ++t.still;
-    else t.add(mobility_of(scene, p, i), p.id[i]);
+    else {
+      const double mobility = mobility_of(scene, p, i);
+      t.add(mobility, p.id[i]);
+      t.least = std::min(t.least, mobility);
+    }
   }
   const auto ranks = static_cast<std::size_t>(comm.size());
   std::vector<Touchable> all(mine.size());
   for (const auto& block : comm.exchange(std::vector<std::vector<Touchable>>(ranks, mine))) {
     for (std::size_t k = 0; k < block.size(); ++k) {
       all[k].still += block[k].still;
+      all[k].least = std::min(all[k].least, block[k].least);
       for (std::size_t i = 0; i < 2; ++i) {
         if (block[k].body[i] >= 0) all[k].add(block[k].mobility[i], block[k].body[i]);
       }
@@ -81,7 +87,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
   const Scene& source = scene.source();
   const std::vector<Touchable> all = touchables(comm, scene, p);
   StepSize result;
-  double stiffest = 0;
+  double stiffest = 0, softest = 1e300;   // omega^2 of contacts that can occur [1/s^2]
   for (const MaterialPair& pair : source.pairs) {
     for (std::size_t roughness = 0; roughness < 4; ++roughness) {
       const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
@@ -98,6 +104,9 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
         return fmt::format("body {} ({})", t.body[i], source.materials[static_cast<std::size_t>(material)].name);
       };
       const auto still = [&](std::int32_t material) { return "fixed " + source.materials[static_cast<std::size_t>(material)].name; };
+      if (a.body[0] >= 0 && (b.body[0] >= 0 || b.still > 0)) {
+        softest = std::min(softest, scene.law(pair.a, pair.b).step_stiffness * features * a.least);
+      }
       if (&a == &b) {
         if (a.body[1] >= 0) consider(a.mobility[0] + a.mobility[1], body(a, 0, pair.a) + " on " + body(a, 1, pair.a));
       } else if (a.body[0] >= 0 && b.body[0] >= 0) {
@@ -107,7 +116,14 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
       if (b.body[0] >= 0 && a.still > 0) consider(b.mobility[0], body(b, 0, pair.b) + " on " + still(pair.a));
     }
   }
-  if (stiffest > 0) result.contact_time = std::numbers::pi / std::sqrt(stiffest);
+  if (stiffest > 0) {
+    result.contact_time = std::numbers::pi / std::sqrt(stiffest);
+    result.slowest_contact_time = std::numbers::pi / std::sqrt(std::min(softest, stiffest));
+    if (!(result.contact_time > 0) || !std::isfinite(result.contact_time)) {
+      throw InputError("the stiffest contact that can occur, {}, would last {} s: stiffness and mass are too far apart for a step; check "
+                       "density, stiffness and sizes", result.limited_by, result.contact_time);
+    }
+  }
   if (source.settings.step > 0) {
     result.step = source.settings.step;
     result.given = true;

@@ -11,6 +11,7 @@ namespace scree {
 struct StepSize {
   double step = 0;             ///< [s]
   double contact_time = 0;     ///< half period of the limiting contact [s]; 0: no contact can occur
+  double slowest_contact_time = 0;  ///< half period of the most sluggish body's contact [s]; 0: no contact can occur
   std::string limited_by;      ///< "body 17 (rock) on fixed steel", for the user
   bool given = false;          ///< taken from the case
   /// Step above which the limiting contact is unstable, damping left out [s]: 2 / omega.
@@ -32,6 +33,10 @@ inline constexpr double kTurnPerStep = 0.1;
 /// reach (a factor 2.6 for an elongated asteroid); VALIDATION.md section 4.3. Collective.
 /// A given step is taken as it is. Throws UsageError when it is more than kMostCritical critical steps.
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
+
+/// Warned of from here on: the most sluggish body's contact lasts this many times the one that limits the step. A grading of
+/// 1 : 10 in size has 30; a run beyond 300 spends nearly all its steps on a few light bodies.
+inline constexpr double kUnevenContacts = 300;
 
 /// Beyond this many critical steps of the stiffest contact that can occur a given step is refused at the start. In between it
 /// is warned of: the contacts that do occur may be softer, and the guard of the energy watches them.
