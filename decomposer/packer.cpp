@@ -146,6 +146,19 @@ bool Packer::is_free(const PlacedBody& body, const Region& region) {
   });
 }
 
+Box3 Packer::box_of_centres(const Region& region, const Box3& extent) const {
+  const Domain& domain = case_.settings.domain;
+  Box3 box{region.box.lower - extent.lower, region.box.upper - extent.upper};
+  for (int k = 0; k < 3; ++k) {
+    // a region as long as a periodic axis has no sides there
+    const bool around = domain.periodic[static_cast<std::size_t>(k)] && region.box.lower[k] <= domain.lower[k] && region.box.upper[k] >= domain.upper[k];
+    if (!around || region.is_mesh) continue;
+    box.lower[k] = domain.lower[k];
+    box.upper[k] = domain.upper[k];
+  }
+  return box;
+}
+
 VacancyMap& Packer::vacancy(std::size_t population) {
   std::optional<VacancyMap>& map = vacancies_[population];
   if (!map) {
@@ -154,10 +167,7 @@ VacancyMap& Packer::vacancy(std::size_t population) {
       if (d.population == population) smallest_body = std::min(smallest_body, d.scale * parts_.shape(d.shape).radius);
     }
     const double ball = smallest_ball_[population];
-    Box3 box = parts_.regions[population].box;   // of centres: the inner ball lies in the region as well
-    box.lower += Vec3{ball, ball, ball};
-    box.upper -= Vec3{ball, ball, ball};
-    map.emplace(box, ball, smallest_body);
+    map.emplace(box_of_centres(parts_.regions[population], {{-ball, -ball, -ball}, {ball, ball, ball}}), ball, smallest_body);
     for (const PlacedBody& body : placed_) map->close(body.position, inner_ball(body) + ball + gap());
   }
   return *map;
@@ -171,16 +181,8 @@ bool Packer::try_place(const Draw& d, PlacedBody& body) {
     body.orientation = random.orientation(kOrientation);
     body.position = {};
     // the centre is drawn from where the turned body fits between the sides of the region
-    const Box3 extent = body.world_box();
-    Vec3 low = region.box.lower - extent.lower, high = region.box.upper - extent.upper;
-    // a region as long as a periodic axis has no sides there
-    const Domain& domain = case_.settings.domain;
-    for (int k = 0; k < 3; ++k) {
-      const bool around = domain.periodic[static_cast<std::size_t>(k)] && region.box.lower[k] <= domain.lower[k] && region.box.upper[k] >= domain.upper[k];
-      if (!around || region.is_mesh) continue;
-      low[k] = domain.lower[k];
-      high[k] = domain.upper[k];
-    }
+    const Box3 box = box_of_centres(region, body.world_box());
+    const Vec3 &low = box.lower, &high = box.upper;
     if (low.x > high.x || low.y > high.y || low.z > high.z) continue;
     const Vec3 place{random.uniform(kPlace), random.uniform(kPlace + 1), random.uniform(kPlace + 2)};
     if (attempt <= kPlainDraws) {

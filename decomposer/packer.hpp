@@ -38,6 +38,8 @@ class Packer {
   bool walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing = nullptr);
   bool is_free(const PlacedBody& body, const Region& region);   // fills near_ and vertices_
   bool try_place(const Draw& d, PlacedBody& body);
+  /// Where the centre of a body that reaches `extent` about it may lie between the sides of a region.
+  Box3 box_of_centres(const Region& region, const Box3& extent) const;
   VacancyMap& vacancy(std::size_t population);
   [[noreturn]] void fail(const Draw& d, std::uint64_t attempts, std::size_t placed, const std::vector<std::size_t>& count,
                          const std::vector<double>& volume);

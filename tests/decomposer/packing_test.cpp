@@ -253,6 +253,28 @@ region = { box = [[0, 0, 0], [4, 4, 4]] }
   EXPECT_GE(smallest_gap(packed.scene), 2 * packed.scene.settings.margin * (1 - 1e-9));
 }
 
+TEST_F(Packing, a_place_at_the_seam_of_a_periodic_axis_is_found) {
+  // a ball of diameter 1 m in a channel of its own width leaves 8 mm, around the seam, for the centre of another
+  const std::string channel = R"(
+[domain]
+min = [0, -1, -1]
+max = [2.016, 2, 2]
+periodic = ["x"]
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [1.008, 0.5, 0.5]
+[[populations]]
+shape = "ball"
+material = "stone"
+count = 1
+region = { box = [[0, 0, 0], [2.016, 1, 1]] }
+)";
+  const PackedScene packed = pack(kHead + channel);
+  EXPECT_GE(std::abs(packed.scene.bodies.position[1].x - 1.008), 1.004);
+  EXPECT_GT(packed.report.attempts, 32u);   // plain draws missed it: the vacancy map has the seam
+}
+
 TEST_F(Packing, a_body_larger_than_its_region_is_an_impossible_packing) {
   std::string text = kHead + kMixture + kBox;
   text.replace(text.find("[[-0.1, -0.1, -0.1], [0.6, 0.6, 0.6]]"), 37, "[[0.2, 0.2, 0.2], [0.25, 0.25, 0.25]]");
