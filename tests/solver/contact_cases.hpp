@@ -31,12 +31,8 @@ inline Statistics nested_bowls(int count) {
       s.deepest = std::max(s.deepest, pair.last().deepest / kMargin);
     }
     if (!touched) continue;
-    const double error = std::abs(pair.energy() / before - 1);
-    s.mean += error;
-    s.worst = std::max(s.worst, error);
-    ++s.hits;
+    s.add(std::abs(pair.energy() / before - 1));
   }
-  s.mean /= std::max(1, s.hits);
   return s;
 }
 
@@ -63,12 +59,8 @@ inline Statistics size_ratio_ten(int count) {
       quiet = touched && pair.features.empty() ? quiet + 1 : 0;
     }
     if (!touched) continue;
-    const double error = std::abs(pair.energy() / before - 1);
-    s.mean += error;
-    s.worst = std::max(s.worst, error);
-    ++s.hits;
+    s.add(std::abs(pair.energy() / before - 1));
   }
-  s.mean /= std::max(1, s.hits);
   return s;
 }
 

@@ -152,6 +152,11 @@ struct Statistics {
   double mean = 0, worst = 0;
   int hits = 0;
   double deepest = 0;  // of the margin sum
+  void add(double error) {
+    ++hits;
+    mean += (error - mean) / hits;
+    worst = std::max(worst, error);
+  }
 };
 
 inline Statistics elastic_impacts(int level, int flat_levels, double steps_per_contact, int count, std::vector<double>* trace = nullptr) {
@@ -173,13 +178,9 @@ inline Statistics elastic_impacts(int level, int flat_levels, double steps_per_c
       quiet = pair.features.empty() && touched ? quiet + 1 : 0;
     }
     if (!touched) continue;
-    const double error = std::abs(pair.energy() / before - 1);
-    s.mean += error;
-    s.worst = std::max(s.worst, error);
-    ++s.hits;
+    s.add(std::abs(pair.energy() / before - 1));
     if (trace != nullptr) trace->insert(trace->end(), {pair.v[0].x, pair.v[0].y, pair.v[0].z, pair.L[1].x});
   }
-  s.mean /= std::max(1, s.hits);
   return s;
 }
 

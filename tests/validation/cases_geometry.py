@@ -8,25 +8,15 @@ import numpy
 
 import meshes
 from registry import case_of
-from scene import ToolError
+from scene import ToolError, import_mesh
 
 CASES = []
 case = case_of(CASES)
 
 
 def imported(tools, name, mesh, *arguments, text=None):
-    """Writes an OFF file with all digits, imports it, and gives volume, centre, inertia, principal moments (density 1)."""
-    path = os.path.join(tools.scratch, name + ".off")
-    if text is None:
-        meshes.write_off(path, *mesh)
-    else:
-        with open(path, "w") as file:
-            file.write(text)
-    out = os.path.join(tools.scratch, name + ".shape.h5")
-    if os.path.exists(out):
-        os.remove(out)
-    tools.call("scree-mesher", "import", path, "-o", out, *arguments)
-    return properties(out)
+    """Imports a mesh (see import_mesh) and gives volume, centre, inertia, principal moments (density 1)."""
+    return properties(import_mesh(tools, mesh, *arguments, text=text, name=name)[0])
 
 
 def properties(path):

@@ -260,6 +260,20 @@ class Run:
         return log["kinetic_translational"] + log["kinetic_rotational"] + log["potential"] + log["elastic"] + log["elastic_tangential"]
 
 
+def import_mesh(tools, mesh, *arguments, text=None, name="x"):
+    """Writes an OFF file with all digits, or the text given, and imports it. Gives the shape file and what the tool said."""
+    path = os.path.join(tools.scratch, name + ".off")
+    if text is None:
+        meshes.write_off(path, *mesh)
+    else:
+        with open(path, "w") as file:
+            file.write(text)
+    out = os.path.join(tools.scratch, name + ".shape.h5")
+    if os.path.exists(out):
+        os.remove(out)
+    return out, tools.call("scree-mesher", "import", path, "-o", out, *arguments)
+
+
 def read_log(path):
     with open(path, newline="") as file:
         rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]

@@ -7,7 +7,7 @@ import numpy
 import closed_forms as cf
 import meshes
 from registry import case_of
-from scene import Case, ToolError, quaternion, rotated
+from scene import Case, ToolError, import_mesh, quaternion, rotated
 from extremes_motion import simple
 from stability import finite
 
@@ -18,19 +18,6 @@ G = cf.GRAVITY
 
 def case(name, title):
     return _mark(name, "X", title)
-
-
-def import_mesh(tools, mesh, *arguments, text=None, name="x"):
-    path = os.path.join(tools.scratch, name + ".off")
-    if text is None:
-        meshes.write_off(path, *mesh)
-    else:
-        with open(path, "w") as file:
-            file.write(text)
-    out = os.path.join(tools.scratch, name + ".shape.h5")
-    if os.path.exists(out):
-        os.remove(out)
-    return out, tools.call("scree-mesher", "import", path, "-o", out, *arguments)
 
 
 @case("X10", "deep overlap at the start")

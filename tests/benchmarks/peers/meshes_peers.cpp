@@ -8,7 +8,6 @@
 #include <fcl/narrowphase/distance.h>
 
 #include <cstdio>
-#include <fstream>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
@@ -159,11 +158,7 @@ int run(int argc, char** argv) {
   std::string csv = "triangles,gap,program,us_least,us_median,fcl_over_it,error_max,checked\n";
   for (const int t : triangles)
     for (const double gap : gaps) csv += measure(t, gap, poses, checked, rounds);
-  if (csv_file.empty()) return 0;
-  std::ofstream file(csv_file);
-  file << csv;
-  file.close();
-  if (!file) throw scree::SystemError("{}: cannot be written", csv_file);
+  scree::write_table(csv_file, csv);
   return 0;
 }
 

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <ctime>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "core/base/error.hpp"
 
 namespace scree {
 
@@ -43,6 +46,15 @@ inline void run_rounds(std::vector<Contender>& contenders, int rounds, double tu
       } while (cpu_seconds() - begin < turn);
       c.seconds.push_back(best / static_cast<double>(c.items));
     }
+}
+
+/// Writes a table; nothing when no file was asked for. Throws SystemError when the disk does not take it.
+inline void write_table(const std::string& path, const std::string& csv) {
+  if (path.empty()) return;
+  std::ofstream file(path);
+  file << csv;
+  file.close();
+  if (!file) throw SystemError("{}: cannot be written", path);
 }
 
 }  // namespace scree

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
@@ -203,11 +202,7 @@ int run(int argc, char** argv) {
              "max error", "wrong", scree::simd_target());
   std::string csv = "pairs,program,count,ns_least,ns_median,times_scree,error_max,wrong_touches,checked\n";
   for (const auto& [name, pairs] : sets) csv += measure(name, pairs, checked, rounds);
-  if (csv_file.empty()) return 0;
-  std::ofstream file(csv_file);
-  file << csv;
-  file.close();
-  if (!file) throw scree::SystemError("{}: cannot be written", csv_file);
+  scree::write_table(csv_file, csv);
   return 0;
 }
 
