@@ -1,5 +1,6 @@
 #include "solver/forces.hpp"
 
+#include "solver/pass_through.hpp"
 #include "solver/triangle_contacts.hpp"
 
 #include <omp.h>
@@ -171,25 +172,6 @@ double normal_exponent(const LawChoice& choice) {
   return exponent;
 }
 
-/// Whether a pair of meshes may have passed through each other since the last step. Closer than the margin but not yet
-/// through is always seen at motions below the margin sum a step; above it, nothing may have come within the margin at all.
-bool can_pass_through(const PairView& view, double dt, double motion, const CandidateLists& lists) {
-  if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) return false;  // a body behind a plane or cylinder is still seen
-  if (is_sphere_pair(view)) return false;
-  constexpr double kRounding = 1 + 1e-9;
-  const PairMotion& m = view.motion;
-  const double small = std::min(view.radius_a, view.radius_b), limit = kRounding * view.margin / dt;
-  // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): no root for the many that are slow
-  if (3 * (squared_length(m.v_a - m.v_b) + small * small * (squared_length(m.w_a) + squared_length(m.w_b))) <= limit * limit) return false;
-  if (length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small <= limit) return false;
-  double slack = lists.skin;  // what is not listed was further away than margin and skin
-  for (const auto* corners : {&lists.corners_a, &lists.corners_b}) {
-    for (const CornerCandidate& c : *corners) slack = std::min(slack, static_cast<double>(c.slack));
-  }
-  for (const EdgeCandidate& e : lists.edges) slack = std::min(slack, static_cast<double>(e.slack));
-  return motion > slack;
-}
-
 }  // namespace
 
 void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
@@ -219,7 +201,12 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       PairView view = view_of(scene, p, walls, pair);
       double motion = 0;
       if (pair.lists.skin >= 0) motion = motion_since_listed(pair.lists, view.a, view.b, view.radius_a, view.radius_b);
-      if (motion > 0 && can_pass_through(view, dt, motion, pair.lists)) passing.store(k);
+      const bool has_mesh = view.zone == nullptr ? !is_sphere_pair(view) : view.zone->kind == WallZone::Kind::mesh;
+      // a body behind a plane or in a cylinder is still seen
+      if (motion > 0 && has_mesh && dt > 0 &&
+          may_have_passed_through(view.a, view.b, view.motion, view.radius_a, view.radius_b, view.margin, dt, motion, pair.lists, distance)) {
+        passing.store(k);
+      }
       if (pair.lists.skin < 0 || motion > pair.lists.skin) {
         if (!renew_lists(view, independent, dt, distance, pair.lists)) {
           intersecting.store(k);

@@ -205,6 +205,53 @@ TEST(Guards, name_the_body_that_could_pass_through_another_unseen) {
   }
 }
 
+// What moves along a surface by many margins a step stays above it: a ball that rolls on a meshed floor, and a box that slides.
+TEST(Guards, let_bodies_roll_and_slide_by_many_margins_a_step) {
+  for (const bool ball : {true, false}) {
+    TestRun run(test::empty_scene(1e4, 0.5, ball ? 0.5 : 0.0, 1e-5, ball ? 1 / (4.0 / 3 * M_PI * 1e-3) : 1000));
+    run.scene.settings.gravity = {0, 0, -0.05};
+    run.scene.settings.step = 1e-4;
+    run.scene.shapes = {ball ? make_sphere("ball", 0.1) : make_solid("box", test::grid_box(1, {0.1, 0.1, 0.1})),
+                        make_solid("floor", test::grid_box(3, {4, 4, 0.1}))};
+    const double speed = 1.1;  // 5.5 margin sums a step
+    const double above = 2e-5 - 0.05 / (ball ? 1e4 : 1e4 * std::sqrt(2.0));
+    test::add_body(run.scene, 0, {0, 0.01, (ball ? 0.15 : 0.1) + above}, {}, {speed, 0, 0},
+                   {0, ball ? speed / (0.1 + 0.5 * above) : 0.0, 0});  // rolls about the middle of the gap
+    test::add_body(run.scene, 1, {0, 0, 0});
+    run.scene.bodies.fixed[1] = 1;
+    run.start();
+    for (int n = 0; n < 1000; ++n) run.simulation->advance();
+    run.simulation->agree_on_failures();
+    EXPECT_NEAR(run.position(0).x, 0.1 * speed, 1e-6 * speed) << ball;
+    EXPECT_NEAR(run.velocity(0).x, speed, 1e-6 * speed) << ball;
+  }
+}
+
+// Two thin plates that turn and fly through each other between two looks, and one that passes just beside the other.
+TEST(Guards, tell_a_passage_from_a_near_miss) {
+  for (const double aside : {0.0, 0.1003}) {
+    TestRun run(test::empty_scene(1e4, 0.5, 0, 1e-5));
+    run.scene.settings.step = 1e-3;
+    run.scene.shapes = {make_solid("plate", test::grid_box(1, {0.1, 0.1, 1e-3}))};
+    // 4 mm a step, 200 margin sums; the first step ends 2.5 mm beyond the other plate
+    test::add_body(run.scene, 0, {aside, 0, 0.0025}, {}, {0, 0, -4}, {0, 0, 0.1});
+    test::add_body(run.scene, 0, {0, 0, 0}, {}, {}, {0, 0, -0.1});
+    run.start();
+    std::string said;
+    try {
+      for (int n = 0; n < 20; ++n) run.simulation->advance();
+      run.simulation->agree_on_failures();
+    } catch (const Error& e) {
+      said = e.what();
+    }
+    if (aside > 0) {
+      EXPECT_EQ(said, "");
+    } else {
+      EXPECT_NE(said.find("could have passed through each other"), std::string::npos) << said;
+    }
+  }
+}
+
 // X22 and section 4.3: the derived step follows spin and speed, and says so.
 TEST(StepSize, follows_spin_and_speed_where_they_limit_it) {
   TestRun run(test::empty_scene(1e2, 0.5, 0.3, 0.001));
