@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/base/error.hpp"
+#include "core/base/tool_manual.hpp"
 #include "core/base/version.hpp"
 
 namespace scree {
@@ -14,16 +15,37 @@ namespace {
 // Puts the examples between the purpose and the list of options: most readers need nothing else.
 class ExamplesFirst : public CLI::Formatter {
  public:
-  explicit ExamplesFirst(std::string examples) : examples_(std::move(examples)) { column_width(34); }
+  using Examples = std::vector<std::pair<std::string, std::string>>;
+  explicit ExamplesFirst(Examples examples) : examples_(std::move(examples)) { column_width(34); }
+  const Examples& examples() const { return examples_; }
   std::string make_description(const CLI::App* app) const override {
     std::string text = CLI::Formatter::make_description(app);
-    if (app->get_parent() == nullptr && !examples_.empty()) text += "\nExamples:\n" + examples_ + "\n";
-    return text;
+    if (app->get_parent() != nullptr || examples_.empty()) return text;
+    std::size_t widest = 0;
+    for (const auto& [command, comment] : examples_) widest = std::max(widest, command.size());
+    text += "\nExamples:\n";
+    for (const auto& [command, comment] : examples_) text += fmt::format("  {:<{}}   # {}\n", command, widest, comment);
+    return text + "\n";
   }
 
  private:
-  std::string examples_;
+  Examples examples_;
 };
+
+// What the build asks of a tool to make its manual page and its completion. Not in --help: no user needs them.
+bool print_manual(const CLI::App& app, int argc, char** argv) {
+  if (argc != 2) return false;
+  const std::string word = argv[1];
+  std::string text;
+  if (word == "--print-manual-page") {
+    const auto* formatter = dynamic_cast<const ExamplesFirst*>(app.get_formatter().get());
+    text = manual_page(app, formatter != nullptr ? formatter->examples() : ExamplesFirst::Examples{});
+  } else if (word == "--print-completion") {
+    text = bash_completion(app);
+  }
+  std::fputs(text.c_str(), stdout);
+  return !text.empty();
+}
 
 void collect_names(const CLI::App& app, bool options, std::vector<std::string>& names) {
   if (options) {
@@ -67,11 +89,7 @@ std::unique_ptr<CLI::App> make_command_line(const std::string& tool, const std::
                                             const std::vector<std::pair<std::string, std::string>>& examples,
                                             const std::string& libraries) {
   auto app = std::make_unique<CLI::App>(purpose, tool);
-  std::size_t widest = 0;
-  for (const auto& [command, comment] : examples) widest = std::max(widest, command.size());
-  std::string text;
-  for (const auto& [command, comment] : examples) text += fmt::format("  {:<{}}   # {}\n", command, widest, comment);
-  app->formatter(std::make_shared<ExamplesFirst>(text));
+  app->formatter(std::make_shared<ExamplesFirst>(examples));
   app->set_help_flag("-h,--help", "Print this help and exit");
   app->set_version_flag("--version", [tool, libraries] { return version_text(tool, libraries); },
                         "Print the version of the tool and of its libraries, and exit");
@@ -79,6 +97,7 @@ std::unique_ptr<CLI::App> make_command_line(const std::string& tool, const std::
 }
 
 bool parse_command_line(CLI::App& app, int argc, char** argv) {
+  if (print_manual(app, argc, argv)) return false;
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {  // --help, --version: prints to stdout

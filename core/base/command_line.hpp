@@ -19,7 +19,8 @@ std::unique_ptr<CLI::App> make_command_line(const std::string& tool, const std::
                                             const std::vector<std::pair<std::string, std::string>>& examples,
                                             const std::string& libraries = "");
 
-/// Parses. Returns true when the tool should go on; false after --help or --version was printed.
+/// Parses. Returns true when the tool should go on; false after --help or --version was printed, or what the build asks
+/// for with --print-manual-page or --print-completion (tool_manual.hpp).
 /// Throws UsageError (exit 2) with the nearest known option named when something is not understood.
 bool parse_command_line(CLI::App& app, int argc, char** argv);
 
