@@ -5,6 +5,7 @@ import numpy
 
 import closed_forms as cf
 import meshes
+from cases_rotation import product
 from registry import case_of
 from scene import Case, inverse, quaternion, rotated
 
@@ -294,7 +295,6 @@ def f6(tools, report):
         angles = [math.radians(20), math.atan(3 * mu * .9), math.atan(3 * mu * 1.1)]
         inclines = []
         lie = quaternion((1, 0, 0), math.pi / 2)
-        from cases_rotation import product
         for i, alpha in enumerate(angles):
             s = Incline(c, alpha, (0, 0, 30 * i), 20.0, "m")
             down = -rotated(lie, mesh[0])[:, 2].min()
@@ -314,6 +314,67 @@ def f6(tools, report):
                 report.at_most(f"{sides}-gon, tan a = {math.tan(alpha) / mu:.3g} mu: creep over speed", slip, 1e-2)
             else:
                 report.check(f"{sides}-gon, tan a = {math.tan(alpha) / mu:.3g} mu: slips with a [m/s^2]", a, G * (math.sin(alpha) - mu * math.cos(alpha)), 5e-3)
+
+
+@case("F7", "U", "a twelve-sided prism rolls down; a six-sided one tips at pi/6", "McGeer 1990, rimless wheel; impulse about the new edge")
+def f7(tools, report):
+    R, depth, k, margin, mu, density = .1, .1, 1e7, 2e-4, 1.0, 1000.0
+    lie = quaternion((1, 0, 0), math.pi / 2)
+    # At rest on a face: tips when tan a passes tan(pi/n), the angle from the middle of the face to its edge.
+    mesh = meshes.cylinder(R, depth, 6)
+    mass = density * meshes.mass_properties(mesh)[0]
+    c = Case("F7-tips", duration=1.5, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.05)
+    c.mesh("prism", mesh)
+    c.material("m", density)
+    c.pair_all(stiffness=k, restitution=.1, friction=mu)
+    inclines = [Incline(c, math.radians(30 + offset), (0, 0, 20 * i), 10.0, "m") for i, offset in enumerate((-.5, .5))]
+    for s in inclines:
+        c.body("prism", "m", s.point(-2, R * math.cos(math.pi / 6) + 2 * margin - mass * G * .87 / (k * 4**.25)), orientation=product(s.q, lie))
+    run = report.run(c.run(tools))
+    turned = [math.degrees(2 * math.acos(min(1.0, abs(run.q[-1, i] @ run.q[0, i])))) for i in range(2)]
+    report.at_most("six sides, 29.5 degrees: turns in 1.5 s by [degrees]", turned[0], .05)
+    report.at_least("six sides, 30.5 degrees: turns in 1.5 s by [degrees]", turned[1], 20.0)
+    # Rolling from edge to edge: every landing keeps eta of the spin (angular momentum about the new edge), every step of length
+    # s = 2 R sin(pi/n) gives m g s sin a. Started at the steady speed, it must keep it.
+    n, alpha = 12, math.radians(8)
+    mesh = meshes.cylinder(R, depth, n, turn=.5)
+    volume, _, inertia = meshes.mass_properties(mesh)
+    gyration = inertia[2, 2] / volume
+    eta = (gyration + R * R * math.cos(2 * math.pi / n)) / (gyration + R * R)
+    before = math.sqrt(4 * G * R * math.sin(math.pi / n) * math.sin(alpha) / ((gyration + R * R) * (1 - eta * eta)))
+    c = Case("F7-rolls", duration=1.6, steps_per_contact=30, gravity=(0, 0, -G), margin=margin, every=.001)
+    c.mesh("prism", mesh)
+    c.material("m", density)
+    c.pair_all(stiffness=k, restitution=.02, friction=mu)
+    starts = (1.0, 1.2)  # times the steady spin after a landing
+    inclines = [Incline(c, alpha, (0, 0, 20 * i), 16.0, "m") for i in range(len(starts))]
+    for s, share in zip(inclines, starts):
+        # just landed: it turns about the edge in front, its face a milliradian up
+        w = share * eta * before
+        q = product(s.q, product(quaternion((0, 1, 0), 1e-3), lie))
+        low = -rotated(inverse(s.q), rotated(q, mesh[0]))[:, 2].min()
+        foot = numpy.array([R * math.sin(math.pi / n), 0, -low])
+        v = numpy.cross([0, w, 0], -foot)
+        c.body("prism", "m", s.point(-6, low + 2 * margin - density * volume * G / (k * 2**.25)), orientation=q,
+               velocity=rotated(s.q, v), angular_velocity=rotated(s.q, numpy.array([0, w, 0])))
+    run = report.run(c.run(tools))
+    print(f"    eta {eta:.4f}, steady spin before a landing {before:.4f} rad/s")
+    for i, share in enumerate(starts):
+        w = run.w[:, i, 1]
+        # landings: the spin falls by more than half of (1 - eta) within 3 ms
+        drop = numpy.nonzero(w[:-3] - w[3:] > .5 * (1 - eta) * before * .8)[0]
+        landings = [int(drop[0])] + [int(b) for a, b in zip(drop[:-1], drop[1:]) if b - a > 20]
+        peaks = [w[max(0, j - 6):j + 4].max() for j in landings]
+        valleys = [w[j:j + 10].min() for j in landings]
+        last = slice(-7, -1)
+        report.at_least(f"start at {share} of the steady spin: landings", len(landings), 12)
+        report.check(f"start at {share} of the steady spin: spin kept by a landing", numpy.mean(numpy.array(valleys[last]) / peaks[last]), eta, .02)
+        if share == 1.0:
+            report.check("steady spin before a landing [rad/s]", numpy.mean(peaks[last]), before, .02)
+        else:
+            # the surplus of w^2 falls by eta^2 at every step
+            expected = before * math.sqrt(1 + (share**2 - 1) * eta ** (2 * (len(landings) - 4)))
+            report.check("faster start: comes to the same spin [rad/s]", numpy.mean(peaks[last]), expected, .02)
 
 
 @case("F11", "U", "spinning disc: torsion of a flat contact")

@@ -5,8 +5,9 @@ import numpy
 
 import closed_forms as cf
 import meshes
+from cases_rotation import product
 from registry import case_of
-from scene import Case, quaternion
+from scene import Case, ToolError, quaternion
 
 CASES = []
 case = case_of(CASES)
@@ -94,6 +95,44 @@ def n4(tools, report):
     # a bowl of outer radius .1 rests, a gap of both margins away, on the inner edge, radius .08, of the one below
     report.check("distance of the two lowest [m]", z[1] - z[0], math.sqrt((.1 + 2 * margin)**2 - .08**2), .0015, "absolute", "24 sides flatten the circles by 1 %")
     report.at_most("largest depth over the margins", run.max_depth_ratio, 1.0)
+
+
+@case("N5", "N", "two staples pulled apart: the force follows the pull, up to what the contact can carry")
+def n5(tools, report):
+    margin, k, density, pull = .001, 1e5, 1000.0, 100.0
+    mesh = meshes.centred(meshes.prism(meshes.u_outline(.06, .08, .015), .015))
+    mass = density * meshes.mass_properties(mesh)[0]
+    inner = mesh[0][:, 1].min() + .015  # the inner face of the web, from the centre of mass
+    upright = quaternion((1, 0, 0), math.pi / 2)  # arms up: y of the outline to z
+    hooked = product(quaternion((0, 0, 1), math.pi / 2), quaternion((1, 0, 0), -math.pi / 2))  # arms down, a quarter turn away
+
+    def pulled(name, gravity, k, duration):
+        c = Case(name, duration=duration, steps_per_contact=30, gravity=gravity, margin=margin, every=duration / 10, contacts=True)
+        c.mesh("staple", mesh)
+        c.material("m", density)
+        c.pair_all(stiffness=k, restitution=.2, friction=.4)
+        c.body("staple", "m", (0, 0, 0), orientation=upright, fixed=True)
+        depth = mass * numpy.linalg.norm(gravity) / (k * 4**.25)
+        c.body("staple", "m", (0, 0, 2 * inner + 2 * margin - min(depth, 1.9 * margin)), orientation=hooked)
+        return c.run(tools)
+    # the pull leans by less than the webs' half width over the lever of the weight, and less than the friction angle
+    for name, lean in (("straight", (0, 0)), ("leaning", (.08, .05))):
+        direction = numpy.array([*lean, -1.0]) / math.sqrt(1 + lean[0]**2 + lean[1]**2)
+        run = report.run(pulled(f"N5-{name}", pull * direction, k, 2.0))
+        last = run.contacts[-1]
+        side = numpy.where(last["body_a"] == 1, 1, -1)
+        force = ((last["normal_force"][:, None] * last["normal"] + last["tangential_force"]) * side[:, None]).sum(axis=0)
+        report.at_most(f"{name}: error of the force over the pull", numpy.linalg.norm(force + mass * pull * direction) / (mass * pull), 1e-6)
+        report.at_most(f"{name}: speed at the end [m/s]", numpy.linalg.norm(run.v[-1, 1]), 1e-9)
+        report.check(f"{name}: contacts, the edges of two webs crossing", len(last["depth"]), 4, 0, "absolute")
+    # the limit: a depth of 0.97 of both margins, where the solver must stop by name before the staples pass through each other
+    for share in (.9, 1.1):
+        soft = mass * pull / (4**.25 * share * 2 * margin)
+        try:
+            run = pulled(f"N5-{share}", numpy.array([0, 0, -pull]), soft, 1.0)
+            report.check(f"pull that needs {share} of the margins: depth over the margins", run.max_depth_ratio, share, .01, "absolute")
+        except ToolError as error:
+            report.check(f"pull that needs {share} of the margins: refused by name (exit code)", error.code if "too soft" in error.text else -1, 5 if share > 1 else 0, 0, "absolute")
 
 
 @case("N7", "U", "thin plate between boxes from both sides")

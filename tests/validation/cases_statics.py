@@ -5,6 +5,7 @@ import numpy
 
 import closed_forms as cf
 import meshes
+from cases_rotation import product
 from registry import case_of
 from scene import Case, quaternion, rotated
 
@@ -108,6 +109,89 @@ def s4(tools, report):
             report.check(f"theta0 = {f} alpha: w after over w before the impact", after / before, 1 - 1.5 * math.sin(alpha) ** 2, .02)
 
 
+LIE = quaternion((1, 0, 0), math.pi / 2)  # an outline (x, y) of a prism comes to stand upright: y to z
+
+
+def upright(angle):
+    """Turned from the vertical towards +x by the angle."""
+    return quaternion((0, 1, 0), angle)
+
+
+@case("S5", "N", "block set in rotation about its lower edge: comes back or topples", "energy: w^2 = 3 g (1 - cos a) / (2 R)")
+def s5(tools, report):
+    b, h, k, margin = .1, .3, 1e8, 2e-4
+    alpha, R = math.atan2(b, h), math.hypot(b, h)
+    critical = math.sqrt(1.5 * G * (1 - math.cos(alpha)) / R)
+    c = Case("S5", duration=2.5, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.02)
+    c.mesh("block", meshes.box((2 * b, .2, 2 * h)))
+    mass = 1000 * 2 * b * .2 * 2 * h
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.02, friction=5.0)
+    shares = (.98, 1.02)
+    for i, share in enumerate(shares):
+        w = share * critical  # about the edge at +x: the centre goes up and over
+        c.body("block", "m", (0, i, h + 2 * margin - mass * G / (k * 4**.25)), velocity=(w * h, 0, w * b), angular_velocity=(0, w, 0))
+    c.floor()
+    run = report.run(c.run(tools))
+    lean = numpy.arccos(numpy.clip(rotated(run.q, numpy.array([0, 0, 1.0]))[..., 2], -1, 1))
+    report.at_most("0.98 of the critical spin: largest lean over alpha", lean[:, 0].max() / alpha, 1.0)
+    report.check("0.98: largest lean over alpha, from the energy", lean[:, 0].max() / alpha,
+                 (alpha - math.acos(math.cos(alpha) + shares[0]**2 * (1 - math.cos(alpha)))) / alpha, .02, "absolute")
+    report.at_least("1.02 of the critical spin: lean at the end [degrees]", math.degrees(lean[-1, 1]), 80)
+
+
+@case("S7", "N", "stack that hangs over the edge by the harmonic series", "Hall 2005: block i over the one below by L / (2 i)")
+def s7(tools, report):
+    length, height, count, k, margin = .2, .05, 4, 1e8, 1e-4
+    mass = 1000 * length * .1 * height
+    for name, share in (("stands", .98), ("falls", 1.02)):
+        c = Case(f"S7-{name}", duration=2.0, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.1)
+        c.mesh("block", meshes.box((length, .1, height)))
+        c.material("m", 1000.0)
+        c.pair_all(stiffness=k, restitution=.2, friction=.6)
+        # the table is the lowest block, fixed; from the bottom up block `level` carries level - 1 others and hangs over by L/(2 level)
+        c.body("block", "m", (0, 0, -height / 2), fixed=True)
+        x, z = 0.0, 0.0
+        for level in range(count, 0, -1):
+            x += share * length / (2 * level)
+            z += 2 * margin - level * mass * G / (k * 8**.25)
+            c.body("block", "m", (x, 0, z + height / 2))
+            z += height
+        run = report.run(c.run(tools))
+        sunk = (run.x[0] - run.x[-1])[1:, 2].max()
+        if share < 1:
+            report.at_most(f"{share} of the limit: any block sinks by, over its height", sunk / height, .01)
+            report.at_most(f"{share} of the limit: speed at the end [m/s]", numpy.linalg.norm(run.v[-1, 1:], axis=1).max(), 1e-6)
+        else:
+            report.at_least(f"{share} of the limit: a block sinks by, over its height", sunk / height, 1.0)
+    report.check("overhang of the top block over L at the limit", sum(1 / (2 * i) for i in range(1, count + 1)), 25 / 24, 1e-12)
+
+
+@case("S8", "N", "ladder between floor and wall slides below tan a = (1 - mu^2) / (2 mu)", "statics, both contacts at their limit")
+def s8(tools, report):
+    length, thickness, k, margin, mu = 1.0, .01, 1e7, 1e-4, .4
+    limit = cf.ladder_angle(length, thickness, margin, mu)
+    report.check("limit without thickness, closed form [degrees]", math.degrees(cf.ladder_angle(length, 0.0, 0.0, mu)),
+                 math.degrees(math.atan((1 - mu * mu) / (2 * mu))), 1e-9)
+    c = Case("S8", duration=1.0, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.1)
+    c.mesh("ladder", meshes.box((thickness, .1, length)))
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.1, friction=mu)
+    offsets = (-.5, .5)
+    for i, offset in enumerate(offsets):
+        q = upright(math.pi / 2 - limit - math.radians(offset))
+        corners = rotated(q, c.solids["ladder"][0])
+        c.body("ladder", "m", (-corners[:, 0].max() - 1.99 * margin, i, -corners[:, 2].min() + 1.99 * margin), orientation=q)
+    c.floor()
+    c.wall({"plane": {"point": [0, 0, 0], "normal": [-1, 0, 0]}}, "m")
+    run = report.run(c.run(tools))
+    sunk = run.x[0, :, 2] - run.x[-1, :, 2]
+    degrees = [math.degrees(limit) + offset for offset in offsets]
+    report.at_least(f"{degrees[0]:.2f} degrees: sinks by, over its length", sunk[0] / length, .02)
+    report.at_most(f"{degrees[1]:.2f} degrees: sinks by, over its length", sunk[1] / length, 1e-3)
+    report.at_most(f"{degrees[1]:.2f} degrees: speed at the end [m/s]", numpy.linalg.norm(run.v[-1, 1]), 1e-6)
+
+
 @case("S6", "N", "row of dominoes: steady wave, speed scales with sqrt(g l)")
 def s6(tools, report):
     speeds = {}
@@ -143,8 +227,14 @@ def s6(tools, report):
     print(f"    speed over sqrt(g l): {speeds['base']:.3f} at d/l = {16 / 48:.2f}")
 
 
-@case("S9", "N", "pyramid of three cylinders stands above tan 15 degrees")
+@case("S9", "N", "pyramid of three cylinders, arch of five stones, house of cards: stand by friction", "statics; Heyman 1966, static theorem")
 def s9(tools, report):
+    pyramid(tools, report)
+    arch(tools, report)
+    card_house(tools, report)
+
+
+def pyramid(tools, report):
     R, k, margin, sides = .1, 1e6, 2e-4, 512
     limit = math.tan(math.radians(15))
     mesh = meshes.cylinder(R, .1, sides)
@@ -169,3 +259,81 @@ def s9(tools, report):
         else:
             report.at_most("mu = 1.1 tan 15: the top sinks by [m]", abs(sunk), 4 * margin)
             report.at_most("mu = 1.1 tan 15: speed after 3 s [m/s]", numpy.linalg.norm(run.v[-1], axis=1).max(), 1e-6)
+
+
+def arch(tools, report):
+    """Half a circle of five stones on a plane. Loads at the corners of the joints, the least friction by linear programming."""
+    inner, outer, depth, count, k, margin = .4, .6, .2, 5, 1e8, 2e-4
+    half = math.pi / (2 * count)
+    s, c_ = math.sin(half), math.cos(half)
+    outline = [(-inner * s, inner * c_), (inner * s, inner * c_), (outer * s, outer * c_), (-outer * s, outer * c_)]
+    stone = meshes.prism(outline, depth)
+    volume, centre, _ = meshes.mass_properties(stone)
+    mass, radius = 1000 * volume, centre[1]
+    middles = [(2 * i + 1) * half for i in range(count)]
+    blocks = [(radius * math.cos(a), radius * math.sin(a), mass) for a in middles]
+    contacts = []
+    for joint in range(count + 1):
+        a = 2 * half * joint
+        for r in (inner, outer):
+            point, along = (r * math.cos(a), r * math.sin(a)), (-math.sin(a), math.cos(a))
+            if joint < count:
+                contacts.append((joint - 1 if joint else None, joint, point, along))
+            else:
+                contacts.append((None, joint - 1, point, (-along[0], -along[1])))
+    least = cf.least_friction(blocks, contacts)
+    report.check("arch, least friction by linear programming against that of its mirror image", cf.least_friction(
+        [(-x, z, w) for x, z, w in blocks], [(a, b, (-p[0], p[1]), (-n[0], n[1])) for a, b, p, n in contacts]), least, 1e-6)
+    for share in (.9, 1.15):
+        gap = 1.9 * margin  # thrusts are some hundred newton: depths of some micrometres, 1 % of the margins
+        c = Case(f"S9-arch-{share}", duration=1.5, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.1)
+        c.mesh("stone", meshes.centred(stone))
+        c.material("m", 1000.0)
+        c.pair_all(stiffness=k, restitution=.1, friction=share * least)
+        for a in middles:
+            # pushed outward and up, so that the gap is the same in every joint
+            r = radius + gap / (2 * s)
+            c.body("stone", "m", (r * math.cos(a), 0, r * math.sin(a) + gap / 2), orientation=product(upright(math.pi / 2 - a), LIE))
+        c.floor()
+        run = report.run(c.run(tools))
+        sunk = (run.x[0] - run.x[-1])[:, 2].max()
+        if share < 1:
+            report.at_least(f"arch, mu = {share} of the least, {least:.4f}: a stone has fallen in 1.5 s by, over the rise", sunk / inner, .1)
+        else:
+            report.at_most(f"arch, mu = {share} of the least: a stone sinks by, over the rise", sunk / inner, .005)
+            report.at_most(f"arch, mu = {share} of the least: speed after 1.5 s [m/s]", numpy.linalg.norm(run.v[-1], axis=1).max(), 1e-6)
+
+
+def card_house(tools, report):
+    """One card leans against the face of another: two bodies, three lines of contact, so every load is known."""
+    length, thick, k, margin = .1, .002, 1e6, 1e-5
+    a, b = math.radians(20), math.radians(15)
+    first, second = numpy.array([math.sin(a), math.cos(a)]), numpy.array([-math.sin(b), math.cos(b)])  # upwards along the cards
+    side, face = numpy.array([math.cos(a), -math.sin(a)]), numpy.array([math.cos(b), math.sin(b)])  # to their right
+    foot = -length / 2 * first + thick / 2 * side
+    one = numpy.array([0, 2 * margin]) - foot
+    top = one + length / 2 * first + thick / 2 * side  # this corner lies against the left face of the second card
+    height = 2 * margin + length / 2 * math.cos(b) + thick / 2 * math.sin(b)
+    wall = top + 2 * margin * face
+    along = (wall[1] - height + thick / 2 * math.sin(b)) / math.cos(b)
+    two = wall + thick / 2 * face - along * second
+    contacts = [(None, 0, one + foot - [0, margin], (0, 1)), (None, 1, two - length / 2 * second - thick / 2 * face - [0, margin], (0, 1)),
+                (0, 1, top + margin * face, face)]
+    weights = [.06, .1]  # as the depths along y, which differ so that the cards' edges are not flush
+    least = cf.least_friction([(*one, weights[0]), (*two, weights[1])], contacts)
+    for share in (.95, 1.05):
+        c = Case(f"S9-cards-{share}", duration=.5, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.05)
+        c.mesh("one", meshes.box((thick, weights[0], length)))
+        c.mesh("two", meshes.box((thick, weights[1], length)))
+        c.material("m", 1000.0)
+        c.pair_all(stiffness=k, restitution=.1, friction=share * least)
+        c.body("one", "m", (one[0], 0, one[1]), orientation=upright(a))
+        c.body("two", "m", (two[0], 0, two[1]), orientation=upright(-b))
+        c.floor()
+        run = report.run(c.run(tools))
+        sunk = (run.x[0] - run.x[-1])[:, 2].max()
+        if share < 1:
+            report.at_least(f"cards, mu = {share} of the least, {least:.4f}: a card has sunk in 0.5 s by, over its length", sunk / length, .05)
+        else:
+            report.at_most(f"cards, mu = {share} of the least: a card sinks by, over its length", sunk / length, .01)
+            report.at_most(f"cards, mu = {share} of the least: speed after 0.5 s [m/s]", numpy.linalg.norm(run.v[-1], axis=1).max(), 1e-6)

@@ -3,6 +3,7 @@ import math
 
 import numpy
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, linprog
 from scipy.special import ellipj, ellipk, ellipkinc
 
 GRAVITY = 9.81
@@ -175,3 +176,47 @@ def housner_quarter(alpha, p, fraction):
     s = solve_ivp(lambda _, y: [y[1], -p * p * math.sin(alpha - y[0])], [0, 100], [fraction * alpha, 0.0], events=upright,
                   rtol=1e-12, atol=1e-14)
     return s.t_events[0][0], abs(s.y_events[0][0][1])
+
+
+# --- rigid blocks in a plane: loads at given points (Heyman's static theorem)
+def least_friction(blocks, contacts, highest=4.0):
+    """Smallest coefficient of friction for which blocks can be in equilibrium under their weights, by linear programming.
+
+    blocks [(x, z, weight)]; contacts [(a, b, point, normal)]: load on block b (an index, or None for the ground) comes from a,
+    unit normal into b. Below it nothing can stand; above it a set of loads exists. None if friction alone cannot help.
+    """
+    def possible(mu):
+        columns = []
+        for a, b, point, normal in contacts:
+            n = numpy.asarray(normal, float)
+            t = numpy.array([n[1], -n[0]])
+            for direction in (n + mu * t, n - mu * t):  # the edges of the cone
+                column = numpy.zeros(3 * len(blocks))
+                for body, sign in ((a, -1), (b, 1)):
+                    if body is not None:
+                        rx, rz = numpy.asarray(point, float) - blocks[body][:2]
+                        column[3 * body:3 * body + 3] += sign * numpy.array([*direction, rx * direction[1] - rz * direction[0]])
+                columns.append(column)
+        load = numpy.concatenate([[0, weight, 0] for _, _, weight in blocks])
+        scale = max(weight for _, _, weight in blocks)
+        result = linprog(numpy.ones(len(columns)), A_eq=numpy.array(columns).T, b_eq=load / scale, bounds=(0, None), method="highs")
+        return result.status == 0
+    if not possible(highest):
+        return None
+    low, high = 0.0, highest
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (low, middle) if possible(middle) else (middle, high)
+    return high
+
+
+def ladder_angle(length, thickness, margin, mu):
+    """Steepness from the floor [rad] below which a uniform ladder slides, floor and wall with the same friction. It touches with
+    the corners below and behind; loads act in the middle of the gaps. Without thickness tan a = (1 - mu^2) / (2 mu)."""
+    def surplus(a):
+        along, across = numpy.array([math.cos(a), math.sin(a)]), numpy.array([math.sin(a), -math.cos(a)])
+        foot = -length / 2 * along + thickness / 2 * across + [0, -margin]
+        head = length / 2 * along + thickness / 2 * across + [margin, 0]
+        wall = mu / (1 + mu * mu)  # normal load of the wall over the weight when both slide
+        return -foot[0] * 1.0 - wall * (head[1] - foot[1]) - mu * wall * (head[0] - foot[0])
+    return brentq(surplus, math.radians(5), math.radians(85))

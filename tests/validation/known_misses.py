@@ -5,9 +5,6 @@ missed that is not here, and also when one that is here holds again, so that the
 The key is (case, start of the line that is printed).
 """
 
-TANGENTIAL_DASHPOT = ("The reference is a tangential spring without a dashpot; the law has one, sqrt(rho) times the normal one, as VALIDATION 3.1 "
-                      "writes it. Held against the same spring with that dashpot the values agree to 0.1 %.")
-
 KNOWN = {
     ("C3", "icosphere L4, rubber"):
         "The potential counts every corner that carries: an impact that is dozens of facets deep (here 3 mm, facets 0.05 mm high) "
@@ -16,9 +13,6 @@ KNOWN = {
     ("F3", "velocity reversal over v0"):
         "A block that stops keeps the stretch of its friction springs, mu m g, and springs back with v = mu g sqrt(m/k_t): 9e-4 v0 "
         "at k = 1e6 N/m. It falls with 1/sqrt(k): 1e-6 would need k = 1e12 N/m. Any elastic-plastic friction law does this.",
-    ("C7", "5 degrees, sub-slip, spring without dashpot"): TANGENTIAL_DASHPOT,
-    ("C7", "10 degrees, sub-slip, spring without dashpot"): TANGENTIAL_DASHPOT,
-    ("C7", "15 degrees, sub-slip, spring without dashpot"): TANGENTIAL_DASHPOT,
 }
 
 

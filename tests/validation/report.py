@@ -8,7 +8,8 @@ import numpy
 COLUMNS = ["case", "commit", "compiler", "isa", "precision", "threads", "ranks", "integrator", "law", "ttd", "steps_per_contact", "step",
            "margin", "triangles", "steps", "contacts_per_step", "pairs_per_step", "wall_median", "wall_min", "t_search", "t_contact",
            "t_integrate", "t_halo", "t_migrate", "t_output", "error_e", "error_t", "error_traj", "energy_drift_slope", "energy_drift_rms",
-           "angular_momentum_drift", "momentum_drift", "max_depth_ratio", "max_residual"]
+           "angular_momentum_drift", "momentum_drift", "max_depth_ratio", "max_residual",
+           "checks", "missed", "worst_check", "measured", "expected", "tolerance", "error_over_tolerance"]
 
 
 class Check:
@@ -29,6 +30,11 @@ class Check:
             raise ValueError(kind)
         # a NaN holds nothing
         self.holds = bool(self.error <= (-tolerance if kind == "at least" else tolerance))
+        # how much of the tolerance is used: 1 at the limit; nothing to tell apart where a tolerance is 0
+        if kind == "at least":
+            self.used = tolerance / measured if measured > 0 else float("inf")
+        else:
+            self.used = self.error / tolerance if tolerance > 0 else (0.0 if self.holds else float("inf"))
 
     def cells(self):
         limit = f"{self.tolerance:.3g}"
@@ -49,10 +55,11 @@ class Report:
     """Collects checks and runs. explained: {(case, what): why} for misses that physics explains; they are still misses."""
 
     def __init__(self, csv_path=None):
-        self.checks, self.csv_path, self.rows = [], csv_path, []
+        self.checks, self.csv_path, self.rows = [], csv_path, []  # rows: of the case at work, written when it ends
         self.case, self.seconds, self.steps, self.contacts, self.runs = "", 0.0, 0, 0.0, 0
 
     def begin(self, case):
+        self.rows = []
         self.case, self.seconds, self.steps, self.contacts, self.runs = case, 0.0, 0, 0.0, 0
 
     def check(self, what, measured, expected=0.0, tolerance=0.0, kind="relative", note=""):
@@ -75,11 +82,20 @@ class Report:
         self.runs += 1
         contacts = float(numpy.mean(run.log["contacts"])) if len(run.log["contacts"]) else 0.0
         self.contacts = max(self.contacts, contacts)
-        row = row_of(self.case, run, **errors)
-        self.rows.append(row)
-        if self.csv_path:
-            append_row(self.csv_path, row)
+        self.rows.append(row_of(self.case, run, run.walls, **errors))
         return run
+
+    def end(self):
+        """Writes the rows of the case, each with the check that came closest to its limit: no time without an error."""
+        own = [c for c in self.checks if c.case == self.case]
+        worst = max(own, key=lambda c: c.used, default=None)
+        for row in self.rows:
+            row.update(checks=len(own), missed=len(self.misses(self.case)))
+            if worst:
+                row.update(worst_check=worst.what, measured=worst.measured, expected=worst.expected if worst.kind in ("relative", "absolute") else "",
+                           tolerance=worst.tolerance, error_over_tolerance=worst.used)
+            if self.csv_path:
+                append_row(self.csv_path, row)
 
     def misses(self, case=None):
         return [c for c in self.checks if not c.holds and case in (None, c.case)]

@@ -31,8 +31,8 @@ class Tools:
     """Where the executables are, where files go. Run folders are short-lived: they live in memory where there is room,
     since the solver renames and flushes every frame, which costs 20 ms a frame on a disk that is busy."""
 
-    def __init__(self, bin_folder, out, ranks=1, threads=1):
-        self.bin, self.out, self.ranks, self.threads = bin_folder, os.path.abspath(out), ranks, threads
+    def __init__(self, bin_folder, out, ranks=1, threads=1, repeat=1):
+        self.bin, self.out, self.ranks, self.threads, self.repeat = bin_folder, os.path.abspath(out), ranks, threads, repeat
         os.makedirs(self.out, exist_ok=True)
         memory = "/dev/shm"
         in_memory = os.path.isdir(memory) and os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 2**30
@@ -196,12 +196,16 @@ class Case:
         return scene
 
     def solve(self, tools, scene, *arguments, timeout=900):
-        """Runs a packed scene. Throws ToolError when the solver refuses or the run becomes invalid."""
-        started = time.time()
+        """Runs a packed scene, as often as the tools are to time it. Throws ToolError when the solver refuses or the run becomes invalid."""
         folder = os.path.join(tools.scratch, f"{self.name}.run")
-        shutil.rmtree(folder, ignore_errors=True)
-        text = tools.call("scree-solver", scene, "-o", folder, *arguments, timeout=timeout)
-        run = Run(folder, self, text, time.time() - started)
+        walls = []
+        for _ in range(tools.repeat):
+            started = time.time()
+            shutil.rmtree(folder, ignore_errors=True)
+            text = tools.call("scree-solver", scene, "-o", folder, *arguments, timeout=timeout)
+            run = Run(folder, self, text, time.time() - started)
+            walls.append(run.wall_seconds)
+        run.walls = walls
         shutil.rmtree(folder, ignore_errors=True)
         return run
 

@@ -60,12 +60,13 @@ def main():
     print(HEADER)
     print("## Summary\n")
     print("Times are seconds in the solver, on a machine that does other work too; steps and contacts (largest mean of a run) tell the size.\n")
-    print(row("case", "what", "tier", "checks", "missed", "steps", "contacts", "s"))
-    print(row(*["---"] * 8))
+    print("The last column tells how much of the tolerance the check closest to its limit uses.\n")
+    print(row("case", "what", "tier", "checks", "missed", "steps", "contacts", "s", "of the tolerance"))
+    print(row(*["---"] * 9))
     for c in cases:
         missed = f"**{c['misses']}**" if c["misses"] else "0"
         print(row(c["case"], c["title"], c["tier"], c["checks"], f"**did not run**: {c['failure']}" if c["failure"] else missed,
-                  c["steps"], f"{c['contacts']:.3g}", f"{c['solver_seconds']:.2f}"))
+                  c["steps"], f"{c['contacts']:.3g}", f"{c['solver_seconds']:.2f}", f"{max((k['used'] for k in own[c['case']]), default=0):.0%}"))
     misses = [k for k in checks if not k["holds"]]
     print(f"\n{len(cases)} cases, {len(checks)} checks, {len(misses)} missed.\n")
     if misses:
@@ -75,6 +76,16 @@ def main():
         for k in misses:
             print(row(k["case"], k["what"], number(k["measured"]), expected(k), tolerance(k), known_misses.reason(k["case"], k["what"]) or "not explained yet"))
         print()
+    print("## Published values\n")
+    print("Of every case with a source, the comparison of two values that lies furthest off, measured in its tolerance.\n")
+    print(row("case", "source", "quantity", "measured", "published or closed form", "tolerance", "error"))
+    print(row(*["---"] * 7))
+    for c in cases:
+        compared = [k for k in own[c["case"]] if k["kind"] in ("relative", "absolute") and k["tolerance"] > 0]
+        if c["source"] and compared:
+            k = max(compared, key=lambda k: k["used"])
+            print(row(c["case"], c["source"], k["what"], number(k["measured"]), expected(k), tolerance(k), error(k)))
+    print()
     for c in cases:
         if not own[c["case"]]:
             continue

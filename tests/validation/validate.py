@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Runs validation cases through the tools, as a user would, and holds them against closed forms.
 
-usage: validate.py BIN OUT [--tier U|N|W] [--only C1,F2] [--csv FILE] [--markdown FILE] [--json FILE] [--list]
+usage: validate.py BIN OUT [--tier U|N|W] [--only C1,F2] [--wp FILE] [--repeat N] [--json FILE] [--list]
 
-BIN holds the executables, OUT gets the case files, errors.csv and tables. A case prints what was measured, what was
+BIN holds the executables, OUT gets the case files and errors.csv. --wp appends the rows of error against time to FILE instead,
+--repeat times every run so often (five for figures of speed). A case prints what was measured, what was
 expected, the tolerance of VALIDATION.md, wall time, steps and contacts. Exit: 0 all demands met but those of known_misses.py, 1 a new miss, 2 usage.
 """
 import argparse
@@ -37,8 +38,8 @@ def main():
     parser.add_argument("out")
     parser.add_argument("--tier", default="", help="only cases of these tiers, for instance U or UN")
     parser.add_argument("--only", default="", help="only these cases, comma separated")
-    parser.add_argument("--csv", default="")
-    parser.add_argument("--markdown", default="")
+    parser.add_argument("--wp", default="", help="file for the rows of error against time, one per run; rows are appended")
+    parser.add_argument("--repeat", type=int, default=1, help="how often each run is timed")
     parser.add_argument("--json", default="", help="all checks, for tables")
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
@@ -54,8 +55,8 @@ def main():
             print(f"{c.id:5} {c.tier}  {c.title}")
         return 0
 
-    tools = Tools(arguments.bin, arguments.out)
-    report = Report(arguments.csv or os.path.join(tools.out, "errors.csv"))
+    tools = Tools(arguments.bin, arguments.out, repeat=arguments.repeat)
+    report = Report(arguments.wp or os.path.join(tools.out, "errors.csv"))
     summary, failed = [], []
     try:
         for c in chosen:
@@ -70,6 +71,7 @@ def main():
             except Exception:  # a checker that breaks is a failure of the case, and the others still run
                 traceback.print_exc()
                 failed.append((c.id, traceback.format_exc().strip().splitlines()[-1]))
+            report.end()
             elapsed = time.time() - started
             own = [k for k in report.checks if k.case == c.id]
             print(f"  {len(own)} checks, {len(report.misses(c.id))} misses; {report.runs} runs, {report.steps} steps, {report.contacts:.3g} contacts, "
