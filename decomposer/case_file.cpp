@@ -9,6 +9,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "decomposer/case_settings.hpp"
 #include "decomposer/case_table.hpp"
 
 namespace scree {
@@ -434,18 +435,19 @@ void check_pairs(Case& c) {
 
 }  // namespace
 
-Case parse_case(const std::string& text, const std::string& path, const std::string& folder) {
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes) {
   toml::table file;
   try {
     file = toml::parse(text, path);
   } catch (const toml::parse_error& e) {
     throw UsageError("{}:{}:{}: {}", path, e.source().begin.line, e.source().begin.column, e.description());
   }
+  apply_settings(file, changes);
   const CaseTable top(file, path, "", {"title", "seed", "gravity", "time", "domain", "shapes", "materials", "pairs", "contact", "motion",
                                        "distance", "bodies", "populations", "walls", "output"});
   Case c;
   c.path = path;
-  c.text = text;
+  c.text = changes.empty() ? text : text_with_settings(file, path, changes);
   read_settings(top, c);
   read_shapes(top, folder, c);
   read_materials(top, c);
@@ -460,12 +462,12 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
   return c;
 }
 
-Case read_case(const std::string& path) {
+Case read_case(const std::string& path, const std::vector<std::string>& changes) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path)) throw InputError("{}: cannot be read; expected a case file such as case.toml", path);
   std::ostringstream text;
   text << stream.rdbuf();
-  return parse_case(text.str(), path, std::filesystem::path(path).parent_path().string());
+  return parse_case(text.str(), path, std::filesystem::path(path).parent_path().string(), changes);
 }
 
 }  // namespace scree

@@ -58,7 +58,8 @@ struct CasePair {
 };
 
 struct Case {
-  std::string path, text;
+  std::string path;
+  std::string text;   ///< word for word, or written anew when keys were changed
   Settings settings;
   bool margin_given = false;
   std::vector<CaseShape> shapes;
@@ -72,8 +73,9 @@ struct Case {
 /// Reads and checks a case; opens no other file.
 /// Throws InputError when the file cannot be read, UsageError for everything that is wrong in it: syntax, unknown
 /// keys, types, units, ranges, names, features that are not built yet, material pairs that can meet and are missing.
-Case read_case(const std::string& path);
+/// in   changes   keys set on the command line (case_settings.hpp)
+Case read_case(const std::string& path, const std::vector<std::string>& changes = {});
 /// The same from text; relative paths are taken from `folder`.
-Case parse_case(const std::string& text, const std::string& path, const std::string& folder);
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes = {});
 
 }  // namespace scree

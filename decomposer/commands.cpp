@@ -59,8 +59,8 @@ std::string solid_fraction_line(double volume, double container) {
 
 }  // namespace
 
-CommandResult check_command(const std::string& case_path) {
-  const Case c = read_case(case_path);
+CommandResult check_command(const std::string& case_path, const std::vector<std::string>& changes) {
+  const Case c = read_case(case_path, changes);
   double count = 0;
   bool by_count = true;
   for (const CasePopulation& p : c.populations) {
@@ -77,7 +77,7 @@ CommandResult check_command(const std::string& case_path) {
 CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command,
                            const std::function<void(double, double)>& progress) {
   check_output(options.output);
-  const Case c = read_case(options.case_path);
+  const Case c = read_case(options.case_path, options.changes);
   PackedScene packed = build_scene(c, progress);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;

@@ -17,6 +17,7 @@ struct CommandResult {
 
 struct PackOptions {
   std::string case_path, output;
+  std::vector<std::string> changes;   ///< "KEY=VALUE" each (case_settings.hpp)
   int ranks = 0;   ///< 0: not cut
   CutMethod cut = CutMethod::rcb;
 };
@@ -39,7 +40,7 @@ struct TileOptions {
 };
 
 /// in   command   words of the command line, for the provenance
-CommandResult check_command(const std::string& case_path);
+CommandResult check_command(const std::string& case_path, const std::vector<std::string>& changes);
 CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command,
                            const std::function<void(double, double)>& progress = {});
 CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command);

@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
       {{"scree-decomposer check case.toml", "is the case file right?"},
        {"scree-decomposer pack case.toml -o box.scene.h5", "place all bodies"},
        {"scree-decomposer pack case.toml -o box.scene.h5 --ranks 4", "and cut the scene for 4 ranks"},
+       {"scree-decomposer pack case.toml -o wet.scene.h5 --set pairs.*.friction=0.8", "with another friction"},
        {"scree-decomposer partition box.scene.h5 --ranks 8 -o box8.scene.h5", "cut it for another number"},
        {"scree-decomposer compare box.scene.h5 --parts 16,256", "count ghosts and imbalance of four ways to cut it"},
        {"scree-decomposer tile box.scene.h5 --frame box.run/frame_000100.hdf --copies 4,4,1 -o bed.scene.h5", "repeat a settled box"}});
@@ -41,9 +42,15 @@ int run(int argc, char** argv) {
   check->add_option("CASE", case_path, "case.toml")->required();
 
   scree::PackOptions pack;
+  const auto add_changes = [&pack](CLI::App* command_line) {
+    command_line->add_option("--set", pack.changes, "KEY=VALUE instead of what the case says, for instance pairs.*.friction=0.4; may be repeated")
+        ->take_all()->expected(1)->allow_extra_args(false);
+  };
+  add_changes(check);
   auto* pack_command = app->add_subcommand("pack", "Place all bodies of a case and write the scene");
   pack_command->add_option("CASE", pack.case_path, "case.toml")->required();
   pack_command->add_option("-o,--output", pack.output, "NAME.scene.h5")->required();
+  add_changes(pack_command);
   pack_command->add_option("--ranks", pack.ranks, "Cut the scene for so many ranks of the solver")->check(CLI::PositiveNumber);
 
   scree::PartitionOptions partition;
@@ -82,7 +89,7 @@ int run(int argc, char** argv) {
   pack.cut = partition.cut = scree::cut_method_of(cut);
   scree::CommandResult result;
   if (*check) {
-    result = scree::check_command(case_path);
+    result = scree::check_command(case_path, pack.changes);
   } else if (*pack_command) {
     std::unique_ptr<scree::Progress> progress;
     result = scree::pack_command(pack, command, [&](double done, double total) {
