@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # The workflow runner as a user meets it, as far as nothing has to be simulated: wrong words, help, dry run, lock.
-#   runner_test.sh RUNNER SCRATCH
+#   runner_test.sh RUNNER SCRATCH BIN
 set -uo pipefail
 runner=$1
 scratch=$2
+bin=$3
 failures=0
 rm -rf "$scratch"; mkdir -p "$scratch"
 
@@ -29,6 +30,23 @@ expect 0 "scree-decomposer pack boulders.toml" "$runner" boulders --dry-run --ou
 expect 0 "boulders-small.scene.h5" "$runner" boulders --dry-run --out "$scratch/out" --config size=small
 expect 1 "use one of: full, small" "$runner" boulders --dry-run --out "$scratch/out" --config size=huge
 [[ ! -e "$scratch/out" ]] || { echo "FAILED: a dry run left $scratch/out behind"; failures=$((failures + 1)); }
+
+# the profile for Slurm, with a queue that runs at once what it is sent: the words reach sbatch, the outcome comes back
+expect 2 "there are:" "$runner" boulders --dry-run --profile none
+mkdir -p "$scratch/queue"
+cat >"$scratch/queue/sbatch" <<'QUEUE'
+#!/usr/bin/env bash
+echo "$@" >>"$(dirname "$0")/log"
+code=0; bash "${@: -1}" >&2 || code=$?
+echo "$code" >"$(dirname "$0")/job.$$"; echo "$$"
+QUEUE
+cat >"$scratch/queue/sacct" <<'QUEUE'
+#!/usr/bin/env bash
+[[ "$(cat "$(dirname "$0")/job.${@: -1}")" == 0 ]] && echo COMPLETED || echo FAILED
+QUEUE
+chmod +x "$scratch/queue/sbatch" "$scratch/queue/sacct"
+expect 0 "steps (100%) done" env PATH="$scratch/queue:$PATH" SCREE_BIN="$bin" "$runner" boulders boulders-small.toml --profile slurm --out "$scratch/slurm" --config size=small
+expect 0 "--ntasks=1 --cpus-per-task=1" cat "$scratch/queue/log"
 
 [[ $failures -eq 0 ]] && echo "all as expected"
 exit "$((failures > 0))"

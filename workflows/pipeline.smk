@@ -1,0 +1,127 @@
+# The chain from meshes to answers, for the cases that include it. Before the include a Snakefile defines
+#
+#   SHAPES   name -> words of scree-mesher that make the shape, without "scree-mesher" and "-o", {} if the case needs none:
+#            {"fels": "import /usr/share/assimp/models/3DS/fels.3ds", "cube": 'generate box --size "1 cm, 1 cm, 1 cm"'}
+#   RUNS     name -> (file of the case, words for scree-decomposer pack): {"drum": ("case.toml", ""), ...}
+#
+# and may use result("drum") for the list of all that the chain makes of a run. Settings: --config ranks=2 threads=1
+# minutes=1440 (of the solver's job in a queue).
+# Every step is a command line that also runs by hand, in the folder out/.
+import os
+import re
+from snakemake.utils import min_version
+
+min_version("7.0")
+
+RANKS = int(config.get("ranks", 2))
+THREADS = int(config.get("threads", 1))  # of each rank
+
+# pictures are drawn without a screen; -noreset since a reset of Xvfb between two clients kills the second
+SCREEN = 'xvfb-run -a -s "-screen 0 1280x1024x24 -noreset"'
+
+
+wildcard_constraints:
+    shape="|".join(map(re.escape, SHAPES)) or "no_shape",
+    run="|".join(map(re.escape, RUNS)),
+
+
+# The record of the run is asked for by name: Snakemake does not rebuild a missing file in the middle of a chain.
+def result(run):
+    return [f"{run}.run/run.json", f"{run}.run/paraview/{run}.pvd", f"{run}.png", f"{run}.bodies.csv", f"{run}.contacts.csv",
+            f"{run}.report.html"]
+
+
+# The file that a shape is imported from, so that it is made anew when the file changes; none for a generated one.
+def mesh_of(wildcards):
+    words = SHAPES[wildcards.shape].split()
+    return [word for word in words[1:] if words[0] == "import" and not word.startswith("-") and os.path.exists(word)]
+
+
+rule shape:
+    input: mesh_of
+    output: "{shape}.shape.h5"
+    params: words=lambda wildcards: SHAPES[wildcards.shape]
+    shell: "scree-mesher {params.words} -o {output} --name {wildcards.shape}"
+
+
+# The case names its shapes relative to itself, so it moves to where they are.
+rule case:
+    input: lambda wildcards: os.path.join(workflow.basedir, RUNS[wildcards.run][0])
+    output: "{run}.toml"
+    shell: "cp {input} {output}"
+
+
+rule pack:
+    input:
+        case="{run}.toml",
+        shapes=expand("{shape}.shape.h5", shape=SHAPES),
+    output: "{run}.scene.h5"
+    params: words=lambda wildcards: RUNS[wildcards.run][1], ranks=RANKS
+    shell: "scree-decomposer pack {input.case} -o {output} --ranks {params.ranks} {params.words}"
+
+
+# The output is a file in the folder, never the folder, which Snakemake would remove with the checkpoints in it.
+# A checkpoint that is younger than the scene belongs to it and is continued; a folder without one is begun anew.
+# The lock passes to mpirun: a solver that outlives its killed workflow is never joined by a second one.
+# Open MPI 4 passes SIGUSR1 on at once, SIGTERM and SIGINT only after its grace time; so mpirun gets a process group of
+# its own (set -m), and the shell turns the signals that it is sent, or Ctrl-C, into SIGUSR1: the solver then writes a checkpoint. A queue
+# sends SIGUSR1 itself when the time of a job runs out.
+# A failed run loses its run.json to Snakemake, so the outcome is kept under another name.
+rule solve:
+    input: "{run}.scene.h5"
+    output: "{run}.run/run.json"
+    threads: RANKS * THREADS
+    resources: tasks=RANKS, cpus_per_task=THREADS, runtime=int(config.get("minutes", 1440))  # for a queue
+    params:
+        ranks=RANKS,
+        threads=THREADS,  # said to each rank: Snakemake itself exports OMP_NUM_THREADS = all threads of the rule
+        run="{run}.run",
+        failed="{run}.failed.json",
+        lock=".{run}.solver.lock",
+    shell:
+        """
+        exec 9>{params.lock}
+        flock --nonblock 9 || {{ echo "a solver of a run that was killed is still at work here" >&2; exit 4; }}
+        restart="--restart latest"
+        last=$(ls -t {params.run}/checkpoint_*.h5 2>/dev/null | head -n 1 || true)
+        if [ -z "$last" ] || [ "$last" -ot {input} ]; then restart=""; rm -rf {params.run}; fi
+        rm -f {params.failed}
+        code=0
+        set -m
+        OMP_NUM_THREADS={params.threads} mpirun -n {params.ranks} scree-solver {input} -o {params.run} $restart &
+        trap "kill -USR1 $!" TERM INT USR1
+        wait $! || code=$?
+        while kill -0 $! 2>/dev/null; do code=0; wait $! || code=$?; done
+        if [ $code -ne 0 ] && [ -f {params.run}/run.json ]; then cp {params.run}/run.json {params.failed}; fi
+        exit $code
+        """
+
+
+rule paraview:
+    input: "{run}.run/run.json"
+    output: "{run}.run/paraview/{run}.pvd"
+    shell: "scree-post paraview {wildcards.run}.run"
+
+
+rule bodies:
+    input: "{run}.run/run.json"
+    output: "{run}.bodies.csv"
+    shell: "scree-post bodies {wildcards.run}.run -o {output}"
+
+
+rule contacts:
+    input: "{run}.run/run.json"
+    output: "{run}.contacts.csv"
+    shell: "scree-post contacts {wildcards.run}.run -o {output}"
+
+
+rule report:
+    input: "{run}.run/run.json"
+    output: "{run}.report.html"
+    shell: "{SCREEN} scree-post report {wildcards.run}.run -o {output}"
+
+
+rule picture:
+    input: "{run}.run/run.json"
+    output: "{run}.png"
+    shell: "{SCREEN} scree-post picture {wildcards.run}.run -o {output}"
