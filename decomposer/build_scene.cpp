@@ -11,6 +11,7 @@
 #include "decomposer/margin_rule.hpp"
 #include "decomposer/packer.hpp"
 #include "decomposer/random_numbers.hpp"
+#include "decomposer/relax.hpp"
 
 namespace scree {
 
@@ -30,7 +31,9 @@ class Builder {
     load_regions();
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
-    Packer packer(case_, parts_, progress_, scene(), report());
+    Case placed = case_;
+    if (placed.relax) relax(placed);
+    Packer packer(placed, parts_, progress_, scene(), report());
     packer.place_given_bodies();
     packer.place_particles();
     fill_report();
@@ -38,6 +41,15 @@ class Builder {
   }
 
  private:
+  void relax(Case& placed) {
+    double gap = 2 * scene().settings.margin;
+    for (const CaseBody& b : placed.bodies) gap = std::max(gap, kTouch * b.scale * parts_.shape(b.shape).radius);
+    const Relaxation done = relax_given_bodies(placed, parts_, scene(), gap);
+    if (done.moved == 0) return;
+    report().notices.push_back(fmt::format("contact.relax: {} bodies parted in {} sweeps, by up to {}; their potential energy changed by {:.3g} J",
+                                           done.moved, done.sweeps, format_quantity(done.furthest, Dimension::length), done.potential_change));
+  }
+
   Scene& scene() { return out_.scene; }
   PackingReport& report() { return out_.report; }
 

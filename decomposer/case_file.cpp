@@ -70,11 +70,12 @@ void read_settings(const CaseTable& top, Case& c) {
     }
   }
   if (top.has("contact")) {
-    const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed"});
+    const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed", "relax"});
     s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear", "hunt-crossley", "hertz-mindlin"});
     s.impact_speed = contact.number_or("impact_speed", Dimension::velocity, 0, Range::positive);
     s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential", "pairs"});
     c.margin_given = contact.has("margin");
+    c.relax = contact.boolean_or("relax", false);
     s.margin = contact.number_or("margin", Dimension::length, 0, Range::not_negative);
   }
   if (top.has("motion")) {

@@ -62,6 +62,7 @@ struct Case {
   std::string text;   ///< word for word, or written anew when keys were changed
   Settings settings;
   bool margin_given = false;
+  bool relax = false;                                   ///< part given bodies that overlap
   std::vector<CaseShape> shapes;
   std::vector<Material> materials;
   std::vector<CasePair> pairs;

@@ -99,9 +99,9 @@ void Packer::place_given_bodies() {
     // a fixed body may stand in a wall: nothing ever computes their contact
     std::size_t wall = 0;
     const std::vector<Vec3> vertices = body.world_vertices();
-    const double touch = 1e-9 * body.radius();
+    const double touch = kTouch * body.radius();
     if (!b.fixed && !walls_allow(body, vertices, touch, &wall)) {
-      throw InputError("{}: overlaps {} (wall '{}') or lies behind it; move it", b.where, case_.walls[wall].where, scene_.walls[wall].name);
+      throw InputError("{}: overlaps {} (wall '{}') or lies behind it; move it, or set contact.relax = true", b.where, case_.walls[wall].where, scene_.walls[wall].name);
     }
     if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
       report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
@@ -111,7 +111,7 @@ void Packer::place_given_bodies() {
       if (b.fixed && other.fixed) continue;
       if (length(placed_[j].position - body.position) > placed_[j].radius() + body.radius() + gap()) continue;
       const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
-      if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them", b.where, other.where);
+      if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them, or set contact.relax = true", b.where, other.where);
       if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
     }
     keep(body, static_cast<std::int32_t>(i));

@@ -15,6 +15,9 @@ namespace scree {
 /// from rounding in the search (1e-16 relative); a larger value only makes searches longer.
 inline constexpr double kJustAbove = 1 + 1e-9;
 
+/// Of a body's radius: closer counts as touching.
+inline constexpr double kTouch = 1e-9;
+
 /// A shape with its tree, shared by all bodies of that shape.
 struct PackShape {
   Shape shape;

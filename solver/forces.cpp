@@ -271,7 +271,8 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
   const auto describe = [&](const PairKey& key) {
     return key.zone < 0 ? fmt::format("bodies {} and {}", key.a, key.b) : fmt::format("body {} and wall {}", key.a, key.b);
   };
-  const char* cure = "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
+  const char* cure = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
+                               : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
   if (intersecting.load() >= 0) {
     throw RunInvalid("step {}: {} intersect; {}", step, describe(list.pairs()[static_cast<std::size_t>(intersecting.load())].key), cure);
   }

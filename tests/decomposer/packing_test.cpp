@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fmt/ranges.h>
+
 #include <filesystem>
 #include <numbers>
 #include <set>
@@ -356,6 +358,50 @@ TEST_F(Packing, a_body_inside_the_solid_of_another_is_refused_but_one_in_a_hollo
   EXPECT_NE(failure(kHead + cube_at(0, 0.3) + cube_at(0, 1)).find("overlaps"), std::string::npos);
   EXPECT_NO_THROW(pack(kHead + cube_at(0, 1, "", "shell") + cube_at(0, 0.3)));
   EXPECT_NE(failure(kHead + cube_at(0, 1, "", "ball") + cube_at(0, 0.3)).find("overlaps"), std::string::npos);
+}
+
+const std::string kRelaxed = [] {
+  std::string text = kHead;
+  return text.replace(text.find("margin = "), 0, "relax = true\n");
+}();
+
+std::string told(const PackedScene& packed) { return fmt::format("{}", fmt::join(packed.report.notices, "\n")); }
+
+// X10 relaxed: along the axis with the shortest way out, each in inverse proportion to its mass, to two margins exactly.
+TEST_F(Packing, bodies_that_overlap_are_parted_the_shortest_way_where_the_case_asks_for_it) {
+  for (const double scale : {1.0, 0.5}) {
+    const PackedScene packed = pack(kRelaxed + cube_at(0, 1) + cube_at(0.4, scale));
+    const std::vector<Vec3>& x = packed.scene.bodies.position;
+    const double apart = 0.5 + 0.5 * scale + 0.004, mass = scale * scale * scale;
+    EXPECT_NEAR(x[1].x - x[0].x, apart, 1e-10);
+    EXPECT_NEAR(x[0].x + mass * x[1].x, mass * 0.4, 1e-12) << "the centre of mass moved";
+    for (const Vec3& p : x) EXPECT_EQ(std::abs(p.y) + std::abs(p.z), 0);
+    EXPECT_NE(told(packed).find("2 bodies parted"), std::string::npos) << told(packed);
+    EXPECT_NE(told(packed).find("changed by 0 J"), std::string::npos) << told(packed);
+    EXPECT_EQ(told(packed).find("starts in contact"), std::string::npos) << told(packed);
+  }
+}
+
+TEST_F(Packing, bodies_at_one_place_inside_each_other_and_behind_walls_are_parted) {
+  const PackedScene same = pack(kRelaxed + cube_at(0, 1) + cube_at(0, 1) + cube_at(0.1, 0.3));
+  EXPECT_GE(smallest_gap(same.scene), 0.004 * (1 - 1e-12));
+  // an L around the end of a fixed one, not convex
+  const PackedScene hooked = pack(kRelaxed + cube_at(0, 1, "fixed = true", "l") + cube_at(0.1, 1, "", "l"));
+  EXPECT_GE(smallest_gap(hooked.scene), 0.004 * (1 - 1e-12));
+  EXPECT_EQ(hooked.scene.bodies.position[0], (Vec3{0, 0, 0}));
+  // behind a plane and too near to the sides of a box; the way up costs 2500 kg 9.81 m/s^2 2.504 m
+  const std::string plane = "[[walls]]\nshape = { plane = { point = [0, 0, 2], normal = [0, 0, 1] } }\nmaterial = \"stone\"\n";
+  const PackedScene lifted = pack(kRelaxed + plane + cube_at(0, 1));
+  EXPECT_NEAR(lifted.scene.bodies.position[0].z, 2.504, 1e-10);
+  EXPECT_NE(told(lifted).find(fmt::format("changed by {:.3g} J", 2500 * 9.81 * 2.504)), std::string::npos) << told(lifted);
+  // what is legal stays: a cube in the hollow of a shell
+  const PackedScene shell = pack(kRelaxed + cube_at(0, 1, "", "shell") + cube_at(0, 0.3));
+  EXPECT_EQ(shell.scene.bodies.position[1], (Vec3{0, 0, 0}));
+}
+
+TEST_F(Packing, bodies_without_room_to_be_parted_are_refused_by_name) {
+  std::string box = "[[walls]]\nshape = { box_inside = [[-0.6, -0.6, -0.6], [0.6, 0.6, 0.6]] }\nmaterial = \"stone\"\n";
+  EXPECT_NE(failure(kRelaxed + box + cube_at(0, 1) + cube_at(0, 1)).find("still overlaps"), std::string::npos);
 }
 
 TEST_F(Packing, a_body_behind_a_wall_is_refused) {
