@@ -148,7 +148,7 @@ View view_of(const Box3& room, const Vec3& gravity) {
 }
 
 Vec3 shape_colour(std::int32_t shape) {
-  static constexpr std::array<Vec3, 8> kStone{{{0.84, 0.70, 0.50}, {0.44, 0.55, 0.66}, {0.72, 0.42, 0.30}, {0.86, 0.85, 0.81},
+  static constexpr std::array<Vec3, kShapeColours> kStone{{{0.84, 0.70, 0.50}, {0.44, 0.55, 0.66}, {0.72, 0.42, 0.30}, {0.86, 0.85, 0.81},
                                                {0.36, 0.36, 0.40}, {0.58, 0.63, 0.42}, {0.62, 0.52, 0.62}, {0.95, 0.80, 0.36}}};
   return kStone[static_cast<std::size_t>(shape) % kStone.size()];
 }

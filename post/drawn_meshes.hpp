@@ -44,5 +44,6 @@ View view_of(const Box3& room, const Vec3& gravity);
 
 /// Colour of a shape, red green blue in 0..1: tones of stone that also differ in brightness.
 Vec3 shape_colour(std::int32_t shape);
+inline constexpr std::int32_t kShapeColours = 8;   ///< then they begin again
 
 }  // namespace scree

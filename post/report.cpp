@@ -147,7 +147,7 @@ std::string picture_section(const Run& run, std::vector<std::string>& notes) {
   std::string obstacle = picture_obstacle();
   if (obstacle.empty()) {
     const std::string png = (std::filesystem::temp_directory_path() / fmt::format("scree-post-{}.png", getpid())).string();
-    make_picture(run, run.frames.size() - 1, png);
+    make_picture(run, run.frames.size() - 1, png, {});
     std::ifstream stream(png, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     std::remove(png.c_str());

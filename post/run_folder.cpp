@@ -111,6 +111,20 @@ Run open_run(const std::string& folder) {
   return run;
 }
 
+void drop_damaged_frames(Run& run) {
+  std::vector<FrameEntry> whole;
+  for (const FrameEntry& entry : run.frames) {
+    try {
+      const h5::File file(entry.path);
+      whole.push_back(entry);
+    } catch (const InputError& error) {
+      run.damaged.emplace_back(error.what());
+    }
+  }
+  if (whole.empty()) throw InputError("{}: none of its {} frames can be read; the first: {}", run.folder, run.frames.size(), run.damaged.front());
+  run.frames = std::move(whole);
+}
+
 Frame load_frame(const Run& run, std::size_t index) {
   const std::string& path = run.frames.at(index).path;
   Frame frame = read_frame_file(path);

@@ -31,6 +31,7 @@ struct Run {
   std::vector<FrameEntry> frames;  ///< ascending in time, each complete on disk
   LogTable log;                    ///< empty when there is no log.csv
   nlohmann::json outcome;          ///< run.json; null while the run is being written or when it was killed
+  std::vector<std::string> damaged;  ///< messages of frames that were left out because they cannot be read; see drop_damaged_frames
   std::unordered_set<std::int64_t> boundary_ids;  ///< walls and fixed bodies: no particles
 
   bool is_finished() const { return outcome.is_object(); }
@@ -41,6 +42,11 @@ struct Run {
 /// Opens a run folder. A run that is still being written is opened with the frames it has so far.
 /// Throws InputError when something in it is missing, damaged or of a newer version, with the file named.
 Run open_run(const std::string& folder);
+
+/// Takes out of `frames` those that cannot be opened (truncated, missing, no frames), and keeps their messages in `damaged`.
+/// A frame of a newer version is not damaged: it stays, and is refused when it is read.
+/// Throws InputError when none is left.   Cost: opens every frame.
+void drop_damaged_frames(Run& run);
 
 /// Frame by index from 0, checked against the scene. Throws InputError with the file named.
 Frame load_frame(const Run& run, std::size_t index);

@@ -23,3 +23,8 @@ done
 if cmp -s "$folder/frame0.png" "$folder/frame2.png"; then echo "FAILED: frames 0 and 2 look the same"; exit 1; fi
 xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" --picture "$folder/full.png"
 test -s "$folder/full.png"
+for option in "--colour velocity" "--colour rank" "--colour material" --network "--network --frame 0"; do  # frame 0 has no contacts
+  picture="$folder/$(echo "$option" | tr -d ' -').png"
+  xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" $option --picture "$picture"
+  if cmp -s "$folder/full.png" "$picture"; then echo "FAILED: $option changes nothing"; exit 1; fi
+done

@@ -31,6 +31,12 @@ expect 4 "No such file" "$post" bodies sample.run -o nowhere/x.csv
 absent x.csv
 if [[ $vtk == 1 ]]; then
   expect 0 "3 frames" "$post" paraview sample.run;  there sample.run/paraview/sample.pvd;  there sample.run/paraview/open_in_paraview.py
+  expect 0 "network.pvd" "$post" vtk sample.run -o vtk --what network,walls --frames 1:2 --jobs 2;  there vtk/network_000002.vtp;  absent vtk/network_000000.vtp
+  expect 2 "it has: box, wedge, ball" "$post" vtk sample.run -o vtk2 --shape bol
+  expect 2 "region 'ring:1'" "$post" vtk sample.run -o vtk2 --region ring:1
+  expect 0 "wrote forces.png" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o forces.png --network --time \
+    --from 0 0 1 --at 0.1 0.1 0.1 --zoom 2 --size 320 240;  there forces.png
+  expect 0 "wrote speed.png" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o speed.png --colour velocity;  there speed.png
   expect 2 "--frame 9" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o x.png --frame 9
   expect 4 "xvfb-run" env -u DISPLAY "$post" picture sample.run -o x.png
   absent x.png
@@ -46,6 +52,7 @@ expect 0 "still being written" "$post" bodies running.run -o running.csv;  there
 # damage
 cp -r sample.run cut.run && truncate -s 3000 cut.run/frame_000002.hdf
 expect 3 "frame_000002.hdf" "$post" bodies cut.run -o cut.csv;  absent cut.csv
+expect 0 "left out: cut.run/frame_000002.hdf" "$post" bodies cut.run -o cut.csv --skip-damaged;  there cut.csv
 cp -r sample.run newer.run && sed -i 's/"format_version": 1,/"format_version": 7,/' newer.run/run.json
 expect 3 "version 7" "$post" report newer.run -o newer.html;  absent newer.html
 

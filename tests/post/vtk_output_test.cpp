@@ -35,6 +35,40 @@ vtkSmartPointer<vtkPolyData> read_vtp(const fs::path& path) {
   return reader->GetOutput();
 }
 
+TEST(VtkFiles, any_part_of_any_frame_is_written_with_its_times_by_any_number_of_processes) {
+  const fs::path folder = sample("vtk_part");
+  const auto run = open_run(folder.string());
+  for (const int jobs : {1, 2}) {
+    VtkOptions options;
+    options.folder = (folder / fmt::format("vtk{}", jobs)).string();
+    options.kinds = {"bodies", "contacts", "network", "walls", "surfaces"};
+    options.frames = {1, 2};
+    options.bodies.ids = {"3-6"};
+    options.pool = {jobs, false};
+    const VtkResult result = write_vtk_files(run, options);
+    EXPECT_EQ(result.frames, 2u);
+    EXPECT_EQ(result.lists.size(), 5u);
+    std::ifstream list(fs::path(options.folder) / "network.pvd");
+    const std::string text((std::istreambuf_iterator<char>(list)), std::istreambuf_iterator<char>());
+    EXPECT_NE(text.find("timestep=\"0.2\" part=\"0\" file=\"network_000002.vtp\""), std::string::npos) << text;
+    EXPECT_FALSE(fs::exists(fs::path(options.folder) / "network_000000.vtp"));
+
+    const Frame frame = load_frame(run, 2);
+    const auto bodies = read_vtp(fs::path(options.folder) / "bodies_000002.vtp");
+    ASSERT_EQ(bodies->GetNumberOfPoints(), 4);
+    EXPECT_EQ(bodies->GetPointData()->GetArray("id")->GetComponent(1, 0), 4);
+    EXPECT_NEAR(bodies->GetPointData()->GetArray("quat")->GetComponent(1, 3), frame.bodies.orientation[4].z, 1e-7);
+    const auto contacts = read_vtp(fs::path(options.folder) / "contacts_000002.vtp");
+    ASSERT_EQ(contacts->GetNumberOfPoints(), 3);  // 3-4, 4-5, 5-6
+    EXPECT_EQ(contacts->GetPointData()->GetArray("normal_force")->GetComponent(0, 0), 4);
+    const auto network = read_vtp(fs::path(options.folder) / "network_000002.vtp");
+    ASSERT_EQ(network->GetNumberOfLines(), 3);
+    double end[3];
+    network->GetPoint(1, end);
+    EXPECT_LT(length(Vec3{end[0], end[1], end[2]} - frame.bodies.position[4]), 1e-7);
+  }
+}
+
 TEST(ParaviewFiles, every_triangle_is_where_its_bodys_transform_puts_it) {
   const fs::path folder = sample("surfaces");
   const auto run = open_run(folder.string());
@@ -128,7 +162,9 @@ TEST(Picture, a_ball_is_as_large_as_perspective_makes_it) {
   write_frame_file(MPI_COMM_SELF, (folder / "frame_000000.hdf").string(), frame);
   write_frame_series(folder.string(), {{(folder / "frame_000000.hdf").string(), 0}});
   const std::string png = (folder / "ball.png").string();
-  draw_picture(open_run(folder.string()), 0, png, {400, 400, true});
+  PictureOptions options;
+  options.width = options.height = 400;
+  draw_picture(open_run(folder.string()), 0, png, options);
 
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName(png.c_str());

@@ -1,0 +1,85 @@
+#include <filesystem>
+#include <memory>
+
+#include "core/base/error.hpp"
+#include "core/storage/h5.hpp"
+#include "post/commands.hpp"
+#include "post/contact_statistics.hpp"
+#include "post/scaling.hpp"
+#include "post/tables.hpp"
+
+namespace scree {
+
+namespace {
+
+/// A command that turns a run into one table.
+struct TableOptions {
+  RunOptions run;
+  std::string output;
+  CLI::App* add(CLI::App& app, const char* name, const char* purpose) {
+    CLI::App* command = app.add_subcommand(name, purpose);
+    run.add_to(*command, nullptr);
+    command->add_option("-o,--output", output, "Table to write (.csv)")->required();
+    return command;
+  }
+};
+
+Command add_bodies(CLI::App& app) {
+  const auto o = std::make_shared<TableOptions>();
+  CLI::App* command = o->add(app, "bodies", "Write a table of all bodies in all frames");
+  return {command, [o] {
+            CommandResult result;
+            write_bodies_table(o->run.open(result.notices), o->output);
+            result.notices.push_back("wrote " + o->output);
+            return result;
+          }};
+}
+
+Command add_contacts(CLI::App& app) {
+  const auto o = std::make_shared<TableOptions>();
+  CLI::App* command = o->add(app, "contacts", "Write a table of all contacts, and print their statistics");
+  return {command, [o] {
+            CommandResult result;
+            const Run run = o->run.open(result.notices);
+            if (!run.scene.settings.output_contacts) {
+              throw InputError("{}: the run kept no contacts; set contacts = true in [output] of the case and run it again", run.folder);
+            }
+            write_contacts_table(run, o->output);
+            nlohmann::json frames = nlohmann::json::array();
+            ContactStatistics last;
+            for (std::size_t f = 0; f < run.frames.size(); ++f) {
+              last = contact_statistics(load_frame(run, f), run.boundary_ids);
+              frames.push_back(json_of(last));
+            }
+            std::filesystem::path path(o->output);
+            path.replace_extension(".summary.json");
+            const nlohmann::json summary = {{"run", run.name}, {"last", json_of(last)}, {"frames", frames}};
+            h5::write_text_file(path.string(), summary.dump(1) + "\n");
+            result.output = table_of(last);
+            result.notices.push_back("wrote " + o->output + " and " + path.string());
+            return result;
+          }};
+}
+
+Command add_scaling(CLI::App& app) {
+  struct Options {
+    std::vector<std::string> folders;
+    std::string output = "scaling";
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("scaling", "Compare runs on different numbers of ranks and threads: a table, two charts");
+  command->add_option("RUN", o->folders, "NAME.run of the same bodies, or of as many more as cores")->required();
+  command->add_option("-o,--output", o->output, "Folder (default scaling)");
+  return {command, [o] {
+            CommandResult result;
+            result.output = write_scaling(o->folders, o->output);
+            result.notices.push_back(fmt::format("wrote {}/scaling.csv, strong.svg and weak.svg", o->output));
+            return result;
+          }};
+}
+
+}  // namespace
+
+std::vector<Command> add_number_commands(CLI::App& app) { return {add_bodies(app), add_contacts(app), add_scaling(app)}; }
+
+}  // namespace scree
