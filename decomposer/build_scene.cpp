@@ -106,6 +106,29 @@ class Builder {
     }
   }
 
+  /// A wall or region keeps the coordinates of its file, also when it was imported as a solid.
+  static TriangleMesh mesh_of_file(const Shape& source) {
+    TriangleMesh mesh = source.mesh;
+    if (source.kind == ShapeKind::solid) {
+      for (Vec3& p : mesh.vertices) p += source.origin_shift;
+    }
+    return mesh;
+  }
+
+  Shape load_wall_surface(const CaseWall& wall, std::size_t index) {
+    if (wall.form) return make_surface(wall.wall.name, wall.form->surface);
+    const ShapeFile& file = open_shapes(wall.file, wall.where);
+    if (file.shapes.size() != 1) {
+      throw InputError("{}: {} holds {} shapes; a wall is made of one", wall.where, wall.file, file.shapes.size());
+    }
+    const Shape& source = file.shapes.front();
+    if (source.kind == ShapeKind::sphere) throw InputError("{}: {} is an analytic sphere; use a fixed body", wall.where, wall.file);
+    parts_.wall_is_solid[index] = source.kind == ShapeKind::solid;
+    Shape surface = make_surface(source.name, mesh_of_file(source));
+    surface.verdict = source.verdict;
+    return surface;
+  }
+
   void load_walls() {
     auto id = static_cast<std::int64_t>(case_.bodies.size());
     parts_.wall_shapes.resize(case_.walls.size());
@@ -115,23 +138,8 @@ class Builder {
       Wall wall = case_.walls[i].wall;
       wall.id = id++;
       if (wall.kind == WallKind::mesh) {
-        const ShapeFile& file = open_shapes(case_.walls[i].file, case_.walls[i].where);
-        if (file.shapes.size() != 1) {
-          throw InputError("{}: {} holds {} shapes; a wall is made of one", case_.walls[i].where, case_.walls[i].file, file.shapes.size());
-        }
-        const Shape& source = file.shapes.front();
-        if (source.kind == ShapeKind::sphere) {
-          throw InputError("{}: {} is an analytic sphere; use a fixed body", case_.walls[i].where, case_.walls[i].file);
-        }
-        // a wall keeps the coordinates of its file, also when it was imported as a solid
-        TriangleMesh mesh = source.mesh;
-        if (source.kind == ShapeKind::solid) {
-          for (Vec3& p : mesh.vertices) p += source.origin_shift;
-          parts_.wall_is_solid[i] = true;
-        }
         wall.shape = static_cast<std::int32_t>(scene().shapes.size());
-        Shape surface = make_surface(source.name, std::move(mesh));
-        surface.verdict = source.verdict;
+        Shape surface = load_wall_surface(case_.walls[i], i);
         parts_.wall_shapes[i] = make_pack_shape(surface);
         parts_.wall_bodies[i] = {&parts_.wall_shapes[i], wall.scale, wall.position, wall.orientation};
         scene().shapes.push_back(std::move(surface));
@@ -142,28 +150,30 @@ class Builder {
 
   void load_regions() {
     for (const CasePopulation& p : case_.populations) {
-      Region region;
-      region.box = p.region;
-      if (!p.region_file.empty()) {
-        const ShapeFile& file = open_shapes(p.region_file, p.where);
-        const Shape& source = file.shapes.front();
-        region.is_mesh = true;
-        region.mesh.shape = source;
-        for (Vec3& v : region.mesh.shape.mesh.vertices) v += source.kind == ShapeKind::solid ? source.origin_shift : Vec3{};
-        region.volume = mass_properties(region.mesh.shape.mesh).volume;
-        if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere || !(region.volume > 0)) {
-          throw InputError("{}: {} cannot be a region; expected one closed mesh with outward triangles", p.where, p.region_file);
-        }
-        region.mesh.shape.kind = ShapeKind::surface;
-        region.mesh.bvh = build_bvh(region.mesh.shape.mesh);
-        region.mesh.radius = bounding_radius(region.mesh.shape.mesh);
-        region.box = bounding_box(region.mesh.shape.mesh);
+      if (p.region.shape) {
+        parts_.regions.push_back(region_of(*p.region.shape));
+      } else if (p.region.wall >= 0) {
+        parts_.regions.push_back(inside_of(case_.walls[static_cast<std::size_t>(p.region.wall)]));
       } else {
-        const Vec3 e = region.box.extent();
-        region.volume = e.x * e.y * e.z;
+        const ShapeFile& file = open_shapes(p.region.file, p.where);
+        const Shape& source = file.shapes.front();
+        if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
+          throw InputError("{}: {} cannot be a region; expected one closed mesh", p.where, p.region.file);
+        }
+        try {
+          parts_.regions.push_back(region_of(mesh_of_file(source)));
+        } catch (const InputError& e) {
+          throw InputError("{}: {} {}", p.where, p.region.file, e.what());
+        }
       }
-      parts_.regions.push_back(std::move(region));
     }
+  }
+
+  static Region inside_of(const CaseWall& wall) {
+    if (!wall.form) return region_of(wall.wall);
+    TriangleMesh mesh = wall.form->inside;
+    for (Vec3& p : mesh.vertices) p = wall.wall.position + wall.wall.scale * rotate(wall.wall.orientation, p);
+    return region_of(std::move(mesh));
   }
 
   // ---- what is to be placed ----

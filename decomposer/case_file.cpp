@@ -9,8 +9,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "decomposer/case_sections.hpp"
 #include "decomposer/case_settings.hpp"
-#include "decomposer/case_table.hpp"
 
 namespace scree {
 
@@ -18,6 +18,8 @@ namespace {
 
 // A quaternion typed by hand has few digits; a wrong one is off by far more.
 constexpr double kTypedQuaternionTolerance = 1e-3;
+
+}  // namespace
 
 std::string resolved(const std::string& folder, const std::string& file) {
   const std::filesystem::path path(file);
@@ -34,6 +36,8 @@ Quat read_orientation(const CaseTable& t) {
   }
   return normalised(found);
 }
+
+namespace {
 
 void read_settings(const CaseTable& top, Case& c) {
   Settings& s = c.settings;
@@ -199,193 +203,6 @@ void read_bodies(const CaseTable& top, const std::vector<std::string>& shapes, c
   }
 }
 
-SizeDistribution read_size(const CaseTable& population) {
-  SizeDistribution d;
-  const auto fixed = [&](double diameter) { d.first = d.min = d.max = diameter; };
-  const std::vector<std::string> keys = {"distribution", "diameter", "mean", "median", "sigma", "scale", "shape", "exponent", "min", "max"};
-  if (!population.is_table("size")) {
-    fixed(population.number("size", Dimension::length, Range::positive));
-    return d;
-  }
-  const CaseTable t = population.table("size", keys);
-  const std::string kind = t.has("distribution") ? t.text("distribution") : "";
-  std::vector<std::string> used = {"distribution"};
-  const auto length_of = [&](const char* key) {
-    used.emplace_back(key);
-    return t.number(key, Dimension::length, Range::positive);
-  };
-  const auto plain = [&](const char* key, Range range) {
-    used.emplace_back(key);
-    return t.number(key, Dimension::none, range);
-  };
-  if (kind == "fixed") {
-    fixed(length_of("diameter"));
-  } else {
-    if (kind == "uniform") {
-      d.kind = SizeDistribution::Kind::uniform;
-    } else if (kind == "normal") {
-      d.kind = SizeDistribution::Kind::normal;
-      d.first = length_of("mean");
-      d.second = length_of("sigma");
-    } else if (kind == "lognormal") {
-      d.kind = SizeDistribution::Kind::lognormal;
-      d.first = length_of("median");
-      d.second = plain("sigma", Range::positive);
-    } else if (kind == "weibull") {
-      d.kind = SizeDistribution::Kind::weibull;
-      d.first = length_of("scale");
-      d.second = plain("shape", Range::positive);
-    } else if (kind == "power") {
-      d.kind = SizeDistribution::Kind::power;
-      d.first = plain("exponent", Range::any);
-    } else {
-      t.word_or("distribution", "", {"fixed", "uniform", "normal", "lognormal", "weibull", "power"}, {});
-      throw UsageError("{}: expected a distribution, for instance {{ distribution = \"uniform\", min = \"8 mm\", max = \"20 mm\" }}",
-                       t.where());
-    }
-    // without bounds a tail asks, sooner or later, for a body larger than the box
-    d.min = length_of("min");
-    d.max = length_of("max");
-    if (!(d.min <= d.max)) throw t.error("min", "must not be above max");
-    const auto share = [&](double u) { return d.quantile(u); };
-    if (!std::isfinite(share(0.5))) throw t.error("distribution", "has no sizes between min and max");
-  }
-  for (const std::string& key : keys) {
-    if (t.has(key) && std::find(used.begin(), used.end(), key) == used.end()) {
-      throw t.error(key, fmt::format("is not part of a {} distribution", kind));
-    }
-  }
-  return d;
-}
-
-void read_populations(const CaseTable& top, const std::string& folder, const std::vector<std::string>& shapes,
-                      const std::vector<std::string>& materials, Case& c) {
-  for (const CaseTable& t : top.tables("populations", {"shapes", "shape", "material", "count", "mass", "solid_fraction", "size",
-                                                       "region", "method", "velocity", "angular_velocity"})) {
-    CasePopulation p;
-    p.where = t.where();
-    if (t.only_one_of({"shapes", "shape"}) == "shape") {
-      p.shares = {{t.reference("shape", shapes, "shape"), 1.0}};
-    } else {
-      double sum = 0;
-      for (const auto& [name, share] : t.named_numbers("shapes", Range::positive)) {
-        p.shares.emplace_back(t.find_name("shapes", name, shapes, "shape"), share);
-        sum += share;
-      }
-      for (auto& share : p.shares) share.second /= sum;
-    }
-    p.material = t.reference("material", materials, "material");
-    const std::string amount = t.only_one_of({"count", "mass", "solid_fraction"});
-    if (amount == "count") p.value = static_cast<double>(t.integer("count", 0));
-    if (amount == "mass") {
-      p.amount = CasePopulation::Amount::mass;
-      p.value = t.number("mass", Dimension::mass, Range::positive);
-    }
-    if (amount == "solid_fraction") {
-      p.amount = CasePopulation::Amount::solid_fraction;
-      p.value = t.number("solid_fraction", Dimension::none, Range::fraction);
-    }
-    if (t.has("size")) p.size = read_size(t);
-    const CaseTable region = t.table("region", {"box", "inside"});
-    if (region.only_one_of({"box", "inside"}) == "box") {
-      const auto [lower, upper] = region.corners("box");
-      p.region.add(lower);
-      p.region.add(upper);
-    } else {
-      p.region_file = resolved(folder, region.text("inside"));
-    }
-    t.word_or("method", "random", {"random", "lattice", "settle"}, {"random"});
-    p.velocity = t.vector_or("velocity", Dimension::velocity, {});
-    p.angular_velocity = t.vector_or("angular_velocity", Dimension::angular_velocity, {});
-    c.populations.push_back(p);
-  }
-}
-
-WallMotion read_motion(const CaseTable& t) {
-  WallMotion m;
-  const std::string kind = t.only_one_of({"rotate", "translate", "oscillate", "table"});
-  if (kind == "rotate") {
-    const CaseTable r = t.table("rotate", {"axis", "centre", "rate"});
-    m.kind = WallMotion::Kind::rotate;
-    m.axis = r.direction("axis");
-    m.centre = r.vector_or("centre", Dimension::length, {});
-    m.rate = r.number("rate", Dimension::angular_velocity);
-  } else if (kind == "translate") {
-    const CaseTable r = t.table("translate", {"velocity"});
-    m.kind = WallMotion::Kind::translate;
-    const Vec3 velocity = r.vector("velocity", Dimension::velocity);
-    m.rate = length(velocity);
-    if (m.rate > 0) m.axis = normalised(velocity);
-  } else if (kind == "oscillate") {
-    const CaseTable r = t.table("oscillate", {"direction", "amplitude", "frequency", "phase"});
-    m.kind = WallMotion::Kind::oscillate;
-    m.axis = r.direction("direction");
-    m.amplitude = r.number("amplitude", Dimension::length, Range::not_negative);
-    m.frequency = r.number("frequency", Dimension::frequency, Range::not_negative);
-    m.phase = r.number_or("phase", Dimension::angle, 0);
-  } else {
-    const CaseTable r = t.table("table", {"time", "position"});
-    m.kind = WallMotion::Kind::table;
-    m.table_time = r.numbers("time", Dimension::time);
-    m.table_position = r.vectors("position", Dimension::length);
-    if (m.table_time.size() != m.table_position.size() || m.table_time.empty()) {
-      throw r.error("time", fmt::format("has {} rows and position {}; expected as many, and at least one", m.table_time.size(),
-                                        m.table_position.size()));
-    }
-    for (std::size_t i = 1; i < m.table_time.size(); ++i) {
-      if (!(m.table_time[i - 1] < m.table_time[i])) throw r.error("time", "must ascend");
-    }
-  }
-  m.start = t.number_or("start", Dimension::time, 0);
-  m.stop = t.number_or("stop", Dimension::time, m.stop);
-  if (!(m.start < m.stop)) throw t.error("stop", "must come after start");
-  return m;
-}
-
-void read_walls(const CaseTable& top, const std::string& folder, const std::vector<std::string>& materials, Case& c) {
-  for (const CaseTable& t : top.tables("walls", {"name", "shape", "material", "motion", "position", "orientation", "scale", "cell_size"})) {
-    CaseWall w;
-    w.where = t.where();
-    w.wall.material = t.reference("material", materials, "material");
-    const CaseTable shape = t.table("shape", {"plane", "box_inside", "cylinder_inside", "sphere_inside", "file"});
-    const std::string kind = shape.only_one_of({"plane", "box_inside", "cylinder_inside", "sphere_inside", "file"});
-    w.wall.name = t.has("name") ? t.text("name") : fmt::format("{} {}", kind == "file" ? "mesh" : kind, c.walls.size());
-    if (kind == "plane") {
-      const CaseTable s = shape.table("plane", {"point", "normal"});
-      w.wall.kind = WallKind::plane;
-      w.wall.point = s.vector("point", Dimension::length);
-      w.wall.normal = s.direction("normal");
-    } else if (kind == "box_inside") {
-      w.wall.kind = WallKind::box_inside;
-      std::tie(w.wall.lower, w.wall.upper) = shape.corners("box_inside");
-    } else if (kind == "cylinder_inside") {
-      const CaseTable s = shape.table("cylinder_inside", {"start", "end", "radius"});
-      w.wall.kind = WallKind::cylinder_inside;
-      w.wall.axis_start = s.vector("start", Dimension::length);
-      w.wall.axis_end = s.vector("end", Dimension::length);
-      w.wall.radius = s.number("radius", Dimension::length, Range::positive);
-      if (w.wall.axis_start == w.wall.axis_end) throw s.error("end", "is the same as start; the axis needs a length");
-    } else if (kind == "sphere_inside") {
-      const CaseTable s = shape.table("sphere_inside", {"centre", "radius"});
-      w.wall.kind = WallKind::sphere_inside;
-      w.wall.point = s.vector("centre", Dimension::length);
-      w.wall.radius = s.number("radius", Dimension::length, Range::positive);
-    } else {
-      w.wall.kind = WallKind::mesh;
-      w.file = resolved(folder, shape.text("file"));
-      w.wall.position = t.vector_or("position", Dimension::length, {});
-      w.wall.orientation = read_orientation(t);
-      w.wall.scale = t.number_or("scale", Dimension::none, 1, Range::positive);
-      w.wall.cell_size = t.number_or("cell_size", Dimension::length, 0, Range::positive);
-    }
-    for (const char* key : {"position", "orientation", "scale", "cell_size"}) {
-      if (kind != "file" && t.has(key)) throw t.error(key, "is for walls from a file; a " + kind + " says itself where it is");
-    }
-    if (t.has("motion")) w.wall.motion = read_motion(t.table("motion", {"rotate", "translate", "oscillate", "table", "start", "stop"}));
-    c.walls.push_back(w);
-  }
-}
-
 /// Every pair of materials that can touch must be given; pairs that cannot are dropped.
 void check_pairs(Case& c) {
   // what uses a material: movers may touch everything else, fixed things only movers
@@ -457,8 +274,8 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
   for (const Material& m : c.materials) materials.push_back(m.name);
   read_pairs(top, materials, c);
   read_bodies(top, shapes, materials, c);
-  read_populations(top, folder, shapes, materials, c);
   read_walls(top, folder, materials, c);
+  read_populations(top, folder, shapes, materials, c);
   check_pairs(c);
   return c;
 }

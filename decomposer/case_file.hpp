@@ -10,6 +10,7 @@
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/storage/scene_file.hpp"
 #include "decomposer/size_distribution.hpp"
+#include "decomposer/wall_forms.hpp"
 
 namespace scree {
 
@@ -31,6 +32,13 @@ struct CaseBody {
   bool fixed = false, lock_rotation = false;
 };
 
+/// Where a population may lie: one of these.
+struct CaseRegion {
+  std::optional<Wall> shape;      ///< inside of a box, cylinder or sphere
+  std::string file;               ///< closed mesh
+  std::int32_t wall = -1;         ///< inside of one of the walls
+};
+
 /// [[populations]]
 struct CasePopulation {
   enum class Amount { count, mass, solid_fraction };
@@ -40,16 +48,16 @@ struct CasePopulation {
   Amount amount = Amount::count;
   double value = 0;                                     ///< count [-], mass [kg] or solid fraction of the region [-]
   std::optional<SizeDistribution> size;                 ///< of the equivalent sphere; none: shapes as they are
-  Box3 region;                                          ///< [m], when region_file is empty
-  std::string region_file;                              ///< closed mesh
+  CaseRegion region;
   Vec3 velocity, angular_velocity;
 };
 
-/// [[walls]]: a Wall without its id and shape index, and the file of its mesh.
+/// [[walls]]: a Wall without its id and shape index, and where its mesh comes from.
 struct CaseWall {
   std::string where;
   Wall wall;
-  std::string file;
+  std::string file;               ///< of a mesh wall, unless it is made from numbers
+  std::optional<WallForm> form;   ///< of a mesh wall that is
 };
 
 struct CasePair {

@@ -5,7 +5,6 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "core/geometry/periodic.hpp"
 #include "decomposer/random_numbers.hpp"
 
 namespace scree {
@@ -24,22 +23,22 @@ std::string metres(double value) { return format_quantity(value, Dimension::leng
 
 Packer::Packer(const Case& c, const SceneParts& parts, const std::function<void(double, double)>& progress, Scene& scene,
                PackingReport& report)
-    : case_(c), parts_(parts), progress_(progress), scene_(scene), report_(report), scratch_(make_mesh_distance_scratch()) {}
+    : case_(c), parts_(parts), progress_(progress), scene_(scene), report_(report),
+      periodicity_(c.settings.domain.lower, c.settings.domain.upper, c.settings.domain.periodic), scratch_(make_mesh_distance_scratch()) {}
 
 void Packer::keep(const PlacedBody& body, std::int32_t given) {
   const Domain& d = case_.settings.domain;
-  const Periodicity periodicity(d.lower, d.upper, d.periodic);
-  const auto turns = [&](int k) { return periodicity.is_periodic(k) ? 1 : 0; };
+  const auto turns = [&](int k) { return periodicity_.is_periodic(k) ? 1 : 0; };
   for (int i = -turns(0); i <= turns(0); ++i) {
     for (int j = -turns(1); j <= turns(1); ++j) {
       for (int k = -turns(2); k <= turns(2); ++k) {
         PlacedBody image = body;
-        image.position = periodicity.way_of(body.position, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        image.position = periodicity_.way_of(body.position, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
         // the solver wants a period of two diameters, so nothing that reaches further in can be met
         bool in_reach = true;
         for (int axis = 0; axis < 3; ++axis) {
-          const double reach = 0.5 * periodicity.period()[axis];
-          in_reach = in_reach && (!periodicity.is_periodic(axis) ||
+          const double reach = 0.5 * periodicity_.period()[axis];
+          in_reach = in_reach && (!periodicity_.is_periodic(axis) ||
                                   (image.position[axis] >= d.lower[axis] - reach && image.position[axis] <= d.upper[axis] + reach));
         }
         if (in_reach) keep_one(image, given);
@@ -134,11 +133,7 @@ bool Packer::is_free(const PlacedBody& body, const Region& region) {
   });
   if (!free) return false;
   body.world_vertices(vertices_);
-  if (region.is_mesh) {
-    const PlacedBody hull{&region.mesh, 1, {}, {}};
-    if (!is_inside(region.mesh.shape.mesh, vertices_.front())) return false;
-    if (!(gap_between(hull, body, 1e-6 * body.radius(), *scratch_) > 0)) return false;
-  }
+  if (!region.is_box() && !region.holds(body, vertices_, 0, *scratch_)) return false;   // a box holds what was drawn
   if (!walls_allow(body, vertices_, gap())) return false;
   const double touch = std::max(gap(), 1e-12 * body.radius());
   return std::all_of(near_.begin(), near_.end(), [&](std::int32_t j) {
@@ -152,7 +147,7 @@ Box3 Packer::box_of_centres(const Region& region, const Box3& extent) const {
   for (int k = 0; k < 3; ++k) {
     // a region as long as a periodic axis has no sides there
     const bool around = domain.periodic[static_cast<std::size_t>(k)] && region.box.lower[k] <= domain.lower[k] && region.box.upper[k] >= domain.upper[k];
-    if (!around || region.is_mesh) continue;
+    if (!around || !region.is_box()) continue;
     box.lower[k] = domain.lower[k];
     box.upper[k] = domain.upper[k];
   }

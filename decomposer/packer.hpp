@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 
+#include "core/geometry/periodic.hpp"
 #include "decomposer/build_scene.hpp"
 #include "decomposer/scene_parts.hpp"
 #include "decomposer/vacancy_map.hpp"
@@ -49,6 +50,7 @@ class Packer {
   const std::function<void(double, double)>& progress_;
   Scene& scene_;
   PackingReport& report_;
+  Periodicity periodicity_;
   std::vector<PlacedBody> placed_;                      // and images
   std::vector<std::int32_t> given_;                     // of each placed one, see keep
   PlacedGrid grid_;

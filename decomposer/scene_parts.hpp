@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "decomposer/case_file.hpp"
-#include "decomposer/placed_body.hpp"
+#include "decomposer/region.hpp"
 
 namespace scree {
 
@@ -15,14 +15,6 @@ struct Draw {
   std::size_t population = 0;
   std::int32_t shape = 0;     ///< index into the case's shapes
   double scale = 1, volume = 0;
-};
-
-/// Where a population may lie.
-struct Region {
-  Box3 box;
-  double volume = 0;          ///< [m^3]
-  PackShape mesh;             ///< when the region is a mesh
-  bool is_mesh = false;
 };
 
 struct SceneParts {

@@ -86,7 +86,7 @@ TEST(CaseFile, a_case_is_read_in_si) {
   ASSERT_EQ(c.populations.size(), 1u);
   EXPECT_DOUBLE_EQ(c.populations[0].value, 10);
   EXPECT_DOUBLE_EQ(c.populations[0].size->first, 0.012);
-  EXPECT_EQ(c.populations[0].region.lower, (Vec3{-0.1, -0.1, 0.05}));
+  EXPECT_EQ(c.populations[0].region.shape->lower, (Vec3{-0.1, -0.1, 0.05}));
   EXPECT_EQ(c.shapes[0].file, "cases/rock.shape.h5");  // relative to the case
   EXPECT_EQ(c.walls[0].wall.kind, WallKind::box_inside);
   EXPECT_EQ(c.walls[0].wall.material, 1);

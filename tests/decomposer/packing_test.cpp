@@ -303,6 +303,40 @@ TEST_F(Packing, a_solid_used_as_a_wall_keeps_the_place_of_its_file_and_holds_nob
   for (const Vec3& x : s.bodies.position) EXPECT_GT(length(x - Vec3{0.25, 0.25, 0.25}), 0.19);
 }
 
+TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
+  const std::string population = "\n[[populations]]\nshape = \"ball\"\nmaterial = \"stone\"\ncount = 60\nsize = \"30 mm\"\n";
+  const Vec3 axis = normalised(Vec3{1, 2, 2});
+  const Scene in_cylinder = pack(kHead + population + "region = { cylinder = { start = [0, 0, 0], end = [0.1, 0.2, 0.2], radius = 0.1 } }\n").scene;
+  for (const Vec3& p : in_cylinder.bodies.position) {
+    const double along = dot(p, axis);
+    EXPECT_LE(length(p - along * axis), 0.1 - 0.015);
+    EXPECT_GE(along, 0.015);
+    EXPECT_LE(along, 0.3 - 0.015);
+  }
+  const Scene in_sphere = pack(kHead + population + "region = { sphere = { centre = [1, 0, 0], radius = 0.15 } }\n").scene;
+  for (const Vec3& p : in_sphere.bodies.position) EXPECT_LE(length(p - Vec3{1, 0, 0}), 0.15 - 0.015);
+
+  // lifters as wide as they are, hollow to the solver: no ball may start in one, where its surface alone would let it lie
+  const std::string drum = "\n[[walls]]\nname = \"mill\"\nmaterial = \"stone\"\nshape = { drum = { start = [0, 0, 0], end = [0, 0, 0.2], radius = 0.2, "
+                           "lifters = { count = 4, height = 0.08, width = 0.15, top_width = 0.1 } } }\nposition = [2, 0, 0]\n";
+  const Scene in_drum = pack(kHead + population + "region = { inside_wall = \"mill\" }\n" + drum).scene;
+  ASSERT_EQ(in_drum.bodies.size(), 60u);
+  int beside_lifters = 0;
+  for (const Vec3& p : in_drum.bodies.position) {
+    const double x = p.x - 2, radius = std::hypot(x, p.y);
+    EXPECT_LE(radius, 0.2 - 0.015);
+    EXPECT_GE(p.z, 0.015);
+    EXPECT_LE(p.z, 0.185);
+    beside_lifters += radius > 0.12 ? 1 : 0;
+    for (const auto& [along, side] : {std::pair{x, p.y}, {-x, p.y}, {p.y, x}, {-p.y, x}}) {
+      EXPECT_FALSE(along > 0.12 && std::abs(side) < 0.05) << "in a lifter: " << p.x << ' ' << p.y;
+    }
+  }
+  EXPECT_GT(beside_lifters, 0);
+  EXPECT_NE(failure(kHead + population + "region = { inside_wall = \"drum\" }\n" + drum, ExitCode::usage).find("there is no wall named 'drum'"),
+            std::string::npos);
+}
+
 TEST_F(Packing, a_region_may_be_a_closed_mesh) {
   std::string text = kHead + kMixture;
   text.replace(text.find("{ box = [[-0.1, -0.1, -0.1], [0.6, 0.6, 0.6]] }"), 47, "{ inside = \"lump.shape.h5\" }");
