@@ -253,7 +253,8 @@ void check_pairs(Case& c) {
 
 }  // namespace
 
-Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes) {
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes,
+                CaseReads* reads) {
   toml::table file;
   try {
     file = toml::parse(text, path);
@@ -262,7 +263,7 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
   }
   apply_settings(file, changes);
   const CaseTable top(file, path, "", {"title", "seed", "gravity", "time", "domain", "shapes", "materials", "pairs", "contact", "motion",
-                                       "distance", "bodies", "populations", "walls", "output"});
+                                       "distance", "bodies", "populations", "walls", "output"}, reads);
   Case c;
   c.path = path;
   c.text = changes.empty() ? text : text_with_settings(file, path, changes);

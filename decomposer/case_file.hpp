@@ -9,6 +9,7 @@
 
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/storage/scene_file.hpp"
+#include "decomposer/case_reads.hpp"
 #include "decomposer/size_distribution.hpp"
 #include "decomposer/wall_forms.hpp"
 
@@ -84,7 +85,8 @@ struct Case {
 /// keys, types, units, ranges, names, features that are not built yet, material pairs that can meet and are missing.
 /// in   changes   keys set on the command line (case_settings.hpp)
 Case read_case(const std::string& path, const std::vector<std::string>& changes = {});
-/// The same from text; relative paths are taken from `folder`.
-Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes = {});
+/// The same from text; relative paths are taken from `folder`. `reads`, where not null, notes what was asked of the case.
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes = {},
+                CaseReads* reads = nullptr);
 
 }  // namespace scree

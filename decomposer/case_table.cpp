@@ -60,9 +60,11 @@ std::string dimension_of(const std::string& text) {
 
 }  // namespace
 
-CaseTable::CaseTable(const toml::table& table, std::string file, std::string path, std::vector<std::string> keys)
-    : table_(&table), file_(std::move(file)), path_(std::move(path)) {
+CaseTable::CaseTable(const toml::table& table, std::string file, std::string path, std::string pattern, std::vector<std::string> keys,
+                     CaseReads* reads)
+    : table_(&table), file_(std::move(file)), path_(std::move(path)), pattern_(std::move(pattern)), reads_(reads) {
   if (keys.empty()) return;  // names of the user's choice
+  for (const std::string& key : keys) note(key, CaseRead::Kind::allowed);
   for (const auto& [name, value] : table) {
     const std::string key(name.str());
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
@@ -70,6 +72,10 @@ CaseTable::CaseTable(const toml::table& table, std::string file, std::string pat
     throw UsageError("{}: unknown key{}", where(key),
                      near.empty() ? "; expected one of: " + list_of(keys) : ", did you mean '" + near + "'?");
   }
+}
+
+void CaseTable::note(const std::string& key, CaseRead::Kind kind, Dimension dimension, Range range, std::vector<std::string> words) const {
+  if (reads_ != nullptr) reads_->push_back({pattern_, key, kind, dimension, range, std::move(words)});
 }
 
 std::string CaseTable::where(const std::string& key) const {
@@ -127,6 +133,7 @@ double CaseTable::number_of(const toml::node& value, const std::string& key, Dim
 }
 
 double CaseTable::number(const std::string& key, Dimension dimension, Range range) const {
+  note(key, CaseRead::Kind::number, dimension, range);
   if (!has(key)) throw UsageError("{}: is missing; expected {}", where(key), dimension_name(dimension));
   const double value = number_of(node(key), key, dimension);
   check_range(key, value, range);
@@ -134,10 +141,13 @@ double CaseTable::number(const std::string& key, Dimension dimension, Range rang
 }
 
 double CaseTable::number_or(const std::string& key, Dimension dimension, double value, Range range) const {
-  return has(key) ? number(key, dimension, range) : value;
+  if (has(key)) return number(key, dimension, range);
+  note(key, CaseRead::Kind::number, dimension, range);
+  return value;
 }
 
 std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) const {
+  note(key, CaseRead::Kind::integer, Dimension::none, smallest > 0 ? Range::positive : smallest == 0 ? Range::not_negative : Range::any);
   const toml::node& value = node(key);
   const auto number = value.is_integer() ? value.value<std::int64_t>() : std::optional<std::int64_t>{};
   if (!number) throw wrong_type(key, "a whole number");
@@ -146,12 +156,14 @@ std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) c
 }
 
 bool CaseTable::boolean_or(const std::string& key, bool value) const {
+  note(key, CaseRead::Kind::boolean);
   if (!has(key)) return value;
   if (!node(key).is_boolean()) throw wrong_type(key, "true or false");
   return *node(key).value<bool>();
 }
 
 std::string CaseTable::text(const std::string& key) const {
+  note(key, CaseRead::Kind::text);
   if (!node(key).is_string()) throw wrong_type(key, "a text in quotes");
   return *node(key).value<std::string>();
 }
@@ -168,10 +180,15 @@ Vec3 CaseTable::vector_of(const toml::node& value, const std::string& key, Dimen
   return {number_of(*list->get(0), key, dimension), number_of(*list->get(1), key, dimension), number_of(*list->get(2), key, dimension)};
 }
 
-Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const { return vector_of(node(key), key, dimension); }
+Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const {
+  note(key, CaseRead::Kind::vector, dimension);
+  return vector_of(node(key), key, dimension);
+}
 
 Vec3 CaseTable::vector_or(const std::string& key, Dimension dimension, const Vec3& value) const {
-  return has(key) ? vector(key, dimension) : value;
+  if (has(key)) return vector(key, dimension);
+  note(key, CaseRead::Kind::vector, dimension);
+  return value;
 }
 
 Vec3 CaseTable::direction(const std::string& key) const {
@@ -181,18 +198,21 @@ Vec3 CaseTable::direction(const std::string& key) const {
 }
 
 std::vector<double> CaseTable::numbers(const std::string& key, Dimension dimension) const {
+  note(key, CaseRead::Kind::numbers, dimension);
   std::vector<double> values;
   for (const toml::node& value : array(key, 0, "a list of numbers")) values.push_back(number_of(value, key, dimension));
   return values;
 }
 
 std::vector<Vec3> CaseTable::vectors(const std::string& key, Dimension dimension) const {
+  note(key, CaseRead::Kind::vectors, dimension);
   std::vector<Vec3> values;
   for (const toml::node& value : array(key, 0, "a list of vectors [x, y, z]")) values.push_back(vector_of(value, key, dimension));
   return values;
 }
 
 std::vector<std::string> CaseTable::texts(const std::string& key) const {
+  note(key, CaseRead::Kind::texts);
   std::vector<std::string> values;
   for (const toml::node& value : array(key, 0, "a list of texts")) {
     if (!value.is_string()) throw error(key, "expected a list of texts in quotes");
@@ -202,6 +222,7 @@ std::vector<std::string> CaseTable::texts(const std::string& key) const {
 }
 
 std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
+  note(key, CaseRead::Kind::corners, Dimension::length);
   const toml::array& list = array(key, 2, "two opposite corners [[x, y, z], [x, y, z]]");
   const Vec3 lower = vector_of(*list.get(0), key, Dimension::length), upper = vector_of(*list.get(1), key, Dimension::length);
   for (int k = 0; k < 3; ++k) {
@@ -212,9 +233,10 @@ std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
 
 std::string CaseTable::word_or(const std::string& key, const std::string& value, std::initializer_list<const char*> known,
                                std::initializer_list<const char*> available) const {
+  const std::vector<std::string> all(known.begin(), known.end()), built(available.begin(), available.end());
+  note(key, CaseRead::Kind::word, Dimension::none, Range::any, built);
   if (!has(key)) return value;
   const std::string found = text(key);
-  const std::vector<std::string> all(known.begin(), known.end()), built(available.begin(), available.end());
   if (std::find(built.begin(), built.end(), found) != built.end()) return found;
   if (std::find(all.begin(), all.end(), found) != all.end()) {
     throw error(key, "is not available in this version; use " + list_of(built));
@@ -241,18 +263,21 @@ std::int32_t CaseTable::reference(const std::string& key, const std::vector<std:
 CaseTable CaseTable::table(const std::string& key, std::vector<std::string> keys) const {
   const toml::table* found = node(key).as_table();
   if (found == nullptr) throw wrong_type(key, "a table, for instance { " + (keys.empty() ? "name" : keys.front()) + " = ... }");
-  return {*found, file_, path_.empty() ? key : path_ + "." + key, std::move(keys)};
+  note(key, CaseRead::Kind::table);
+  const std::string dot = path_.empty() ? "" : ".";
+  return {*found, file_, path_ + dot + key, pattern_ + dot + key, std::move(keys), reads_};
 }
 
 std::vector<CaseTable> CaseTable::tables(const std::string& key, const std::vector<std::string>& keys) const {
   std::vector<CaseTable> result;
+  note(key, CaseRead::Kind::tables);
   if (!has(key)) return result;
   const toml::array* list = node(key).as_array();
   if (list == nullptr) throw wrong_type(key, "[[" + key + "]] sections");
   for (std::size_t i = 0; i < list->size(); ++i) {
     const toml::table* found = list->get(i)->as_table();
     if (found == nullptr) throw wrong_type(key, "[[" + key + "]] sections");
-    result.emplace_back(*found, file_, fmt::format("{}[{}]", key, i), keys);
+    result.push_back({*found, file_, fmt::format("{}[{}]", key, i), key + "[]", keys, reads_});
   }
   return result;
 }
@@ -260,17 +285,20 @@ std::vector<CaseTable> CaseTable::tables(const std::string& key, const std::vect
 std::vector<std::pair<std::string, CaseTable>> CaseTable::named_tables(const std::string& key,
                                                                        const std::vector<std::string>& keys) const {
   std::vector<std::pair<std::string, CaseTable>> result;
+  note(key, CaseRead::Kind::named_tables);
   if (!has(key)) return result;
   const CaseTable all = table(key, {});
   for (const auto& [name, value] : *all.table_) {
     const std::string word(name.str());
-    if (!value.is_table()) throw all.wrong_type(word, "a section [" + key + "." + word + "]");
-    result.emplace_back(word, all.table(word, keys));
+    const toml::table* found = value.as_table();
+    if (found == nullptr) throw all.wrong_type(word, "a section [" + key + "." + word + "]");
+    result.emplace_back(word, CaseTable(*found, file_, key + "." + word, key + ".*", keys, reads_));
   }
   return result;
 }
 
 std::vector<std::pair<std::string, double>> CaseTable::named_numbers(const std::string& key, Range range) const {
+  note(key, CaseRead::Kind::named_numbers, Dimension::none, range);
   const CaseTable all = table(key, {});
   std::vector<std::pair<std::string, double>> result;
   for (const auto& [name, value] : *all.table_) {

@@ -11,18 +11,18 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/vec3.hpp"
+#include "decomposer/case_reads.hpp"
 
 namespace scree {
-
-/// Range that a number must lie in, with the words for it.
-enum class Range { any, positive, not_negative, unit_interval, fraction };
 
 /// One table of a case file. Borrows the parsed file, which must outlive it.
 class CaseTable {
  public:
   /// in   file   name of the case as given, for messages     in   path   "materials.rock"; "" for the whole file
   /// in   keys   all keys that may occur.   Throws UsageError for any other, naming the nearest.
-  CaseTable(const toml::table& table, std::string file, std::string path, std::vector<std::string> keys);
+  /// in/out  reads   where not null: everything that is asked of this table and those below it is noted there
+  CaseTable(const toml::table& table, std::string file, std::string path, std::vector<std::string> keys, CaseReads* reads = nullptr)
+      : CaseTable(table, std::move(file), path, path, std::move(keys), reads) {}
 
   bool has(const std::string& key) const { return table_->contains(key); }
   bool is_table(const std::string& key) const { return has(key) && node(key).is_table(); }
@@ -65,6 +65,9 @@ class CaseTable {
   std::string only_one_of(std::initializer_list<const char*> keys) const;
 
  private:
+  CaseTable(const toml::table& table, std::string file, std::string path, std::string pattern, std::vector<std::string> keys, CaseReads* reads);
+  void note(const std::string& key, CaseRead::Kind kind, Dimension dimension = Dimension::none, Range range = Range::any,
+            std::vector<std::string> words = {}) const;
   const toml::node& node(const std::string& key) const;
   const toml::array& array(const std::string& key, std::size_t size, const std::string& expected) const;
   double number_of(const toml::node& value, const std::string& key, Dimension dimension) const;
@@ -74,6 +77,8 @@ class CaseTable {
 
   const toml::table* table_;
   std::string file_, path_;
+  std::string pattern_;   ///< path_ with [] for a number and * for a name of the user's choice
+  CaseReads* reads_;
 };
 
 }  // namespace scree
