@@ -20,8 +20,9 @@ def same_state_for_any_ranks_and_threads():
             hashes[folder] = outcome(folder)["state_hash"]
     run(2, "pile.scene.h5", "-o", "blocking.run", "--halo", "blocking")
     hashes["blocking.run"] = outcome("blocking.run")["state_hash"]
-    run(1, "pile.scene.h5", "-o", "avx2.run", "--simd", "avx2")
-    hashes["avx2.run"] = outcome("avx2.run")["state_hash"]
+    for width in ("avx2", "sse4", "scalar"):  # VALIDATION.md P7: any vector width, with and without fused multiply-add
+        run(1, "pile.scene.h5", "-o", f"{width}.run", "--simd", width)
+        hashes[f"{width}.run"] = outcome(f"{width}.run")["state_hash"]
     assert len(set(hashes.values())) == 1, hashes
     result = outcome("r1t1.run")
     assert result["max_depth_ratio"] < 1 and result["energy"]["error_relative"] < 0.01, result["energy"]

@@ -31,8 +31,8 @@ class Tools:
     """Where the executables are, where files go. Run folders are short-lived: they live in memory where there is room,
     since the solver renames and flushes every frame, which costs 20 ms a frame on a disk that is busy."""
 
-    def __init__(self, bin_folder, out, ranks=1, threads=1, repeat=1):
-        self.bin, self.out, self.ranks, self.threads, self.repeat = bin_folder, os.path.abspath(out), ranks, threads, repeat
+    def __init__(self, bin_folder, out, ranks=1, threads=1, repeat=1, size="small"):
+        self.bin, self.out, self.ranks, self.threads, self.repeat, self.size = bin_folder, os.path.abspath(out), ranks, threads, repeat, size
         os.makedirs(self.out, exist_ok=True)
         memory = "/dev/shm"
         in_memory = os.path.isdir(memory) and os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 2**30
@@ -74,6 +74,10 @@ class Tools:
         self.call("scree-mesher", "import", *files, *names, "-o", path, *(["--surface"] if surface else []), *(["--flip"] if flip else []))
         return path
 
+    def sized(self, small, real):
+        """What a bulk case takes at the size asked for."""
+        return real if self.size == "real" else small
+
     def clean(self):
         shutil.rmtree(self.scratch, ignore_errors=True)
 
@@ -111,7 +115,7 @@ class Case:
         if domain is not None:
             self.tables["domain"] = domain
         self.shapes, self.solids, self.surfaces, self.files = {}, {}, {}, {}
-        self.materials, self.pairs, self.bodies, self.walls = {}, {}, [], []
+        self.materials, self.pairs, self.bodies, self.walls, self.populations = {}, {}, [], [], []
 
     # shapes: each gives its name, so that a call can stand where a body is made
     def sphere(self, name, radius):
@@ -145,6 +149,10 @@ class Case:
                             **{k: list(v) if isinstance(v, (tuple, numpy.ndarray)) else v for k, v in more.items()}})
         return len(self.bodies) - 1
 
+    def population(self, **words):
+        """Bodies that the decomposer places; `count` and `region` as in the case language."""
+        self.populations.append(words)
+
     def wall(self, shape, material, **more):
         self.walls.append({"shape": shape, "material": material, **more})
         return len(self.walls) - 1
@@ -172,6 +180,8 @@ class Case:
             lines += ["[[pairs]]", f"between = {toml([a, b])}"] + [f"{key} = {toml(value)}" for key, value in table.items()]
         for table in self.bodies:
             lines += ["[[bodies]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
+        for table in self.populations:
+            lines += ["[[populations]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
         for table in self.walls:
             table = dict(table)
             if table["shape"].get("file") in self.surfaces:
@@ -255,7 +265,7 @@ class Run:
 
     def wall_column(self, wall, quantity):
         """F x 3 of 'force', 'torque' or 'impulse' on a wall, from the log (one row per log interval)."""
-        bodies = len(self.case.bodies)
+        bodies = self.x.shape[1]
         return numpy.stack([self.log[f"wall{bodies + wall}_{quantity}_{axis}"] for axis in "xyz"], axis=1)
 
     def energy(self):

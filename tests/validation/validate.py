@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs validation cases through the tools, as a user would, and holds them against closed forms.
 
-usage: validate.py BIN OUT [--tier U|N|W] [--only C1,F2] [--wp FILE] [--repeat N] [--json FILE] [--list]
+usage: validate.py BIN OUT [--tier U|N|W] [--only C1,F2] [--wp FILE] [--repeat N] [--size small|real] [--json FILE] [--list]
 
 BIN holds the executables, OUT gets the case files and errors.csv. --wp appends the rows of error against time to FILE instead,
 --repeat times every run so often (five for figures of speed). A case prints what was measured, what was
@@ -20,7 +20,7 @@ from report import Report
 from scene import ToolError, Tools
 
 GROUPS = ["cases_geometry", "cases_normal", "cases_chung_ooi", "cases_impulse", "cases_friction", "cases_rotation", "cases_statics",
-          "cases_nonconvex"]
+          "cases_nonconvex", "cases_bulk"]
 
 
 def all_cases():
@@ -40,6 +40,7 @@ def main():
     parser.add_argument("--only", default="", help="only these cases, comma separated")
     parser.add_argument("--wp", default="", help="file for the rows of error against time, one per run; rows are appended")
     parser.add_argument("--repeat", type=int, default=1, help="how often each run is timed")
+    parser.add_argument("--size", choices=["small", "real"], default="small", help="of the bulk cases")
     parser.add_argument("--json", default="", help="all checks, for tables")
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
@@ -55,7 +56,7 @@ def main():
             print(f"{c.id:5} {c.tier}  {c.title}")
         return 0
 
-    tools = Tools(arguments.bin, arguments.out, repeat=arguments.repeat)
+    tools = Tools(arguments.bin, arguments.out, repeat=arguments.repeat, size=arguments.size)
     report = Report(arguments.wp or os.path.join(tools.out, "errors.csv"))
     summary, failed = [], []
     try:
