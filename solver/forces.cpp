@@ -42,34 +42,26 @@ class PairClock {
   Clock::time_point start_;
 };
 
+/// Where both sides of a pair are: all that finding its features takes.
 struct PairView {
   PairBody a, b;
-  PairMotion motion;
+  RelativePose pose;
   double radius_a = 0, radius_b = 0, margin = 0;
   const WallZone* zone = nullptr;
   double cell_size = 0;           // of a mesh wall that has cells [m]
 };
 
-PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
-                 const BodyPair& pair) {
+PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, const BodyPair& pair) {
   PairView view;
   const auto i = static_cast<std::size_t>(pair.a);
   view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i]};
   view.radius_a = p.radius[i];
   view.margin = 2 * scene.margin();
-  PairMotion& m = view.motion;
-  const Quat to_a = conjugate(p.q[i]);
-  Vec3 v_b, w_b, inverse_inertia_b;
-  double inverse_mass_b = 0;
   if (pair.b >= 0) {
     const auto j = static_cast<std::size_t>(pair.b);
     view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j]};
     if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
     view.radius_b = p.radius[j];
-    v_b = p.v[j];
-    w_b = p.w[j];
-    inverse_mass_b = p.inverse_mass[j];
-    inverse_inertia_b = p.inverse_inertia[j];
   } else {
     view.zone = &scene.zones()[static_cast<std::size_t>(pair.key.zone)];
     const Wall& wall = scene.source().walls[static_cast<std::size_t>(view.zone->wall)];
@@ -83,20 +75,45 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
       view.cell_size = wall.cell_size;
       view.radius_b = std::max(view.radius_b, wall.scale * view.b.shape->radius);
     }
-    v_b = state.velocity;
-    w_b = state.angular_velocity;
   }
-  m.v_a = rotate(to_a, p.v[i]);
-  m.w_a = rotate(to_a, p.w[i]);
-  m.v_b = rotate(to_a, v_b);
-  m.w_b = rotate(to_a, w_b);
-  m.centre_b = rotate(to_a, view.b.x - view.a.x);
-  m.inverse_mass_a = p.inverse_mass[i];
-  m.inverse_mass_b = inverse_mass_b;
-  m.inverse_inertia_a = p.inverse_inertia[i];
-  m.inverse_inertia_b = inverse_inertia_b;
-  m.b_to_a = matrix_of(to_a * view.b.q);
+  view.pose = RelativePose(view.a, view.b);
   return view;
+}
+
+/// Velocities of both sides, world axes.
+struct PairVelocities {
+  Vec3 v_a, w_a, v_b, w_b;
+};
+
+PairVelocities velocities_of(const ParticleSet& p, const std::vector<WallState>& walls, const BodyPair& pair, const PairView& view) {
+  const auto i = static_cast<std::size_t>(pair.a);
+  if (pair.b >= 0) {
+    const auto j = static_cast<std::size_t>(pair.b);
+    return {p.v[i], p.w[i], p.v[j], p.w[j]};
+  }
+  const WallState& state = walls[static_cast<std::size_t>(view.zone->wall)];
+  return {p.v[i], p.w[i], state.velocity, state.angular_velocity};
+}
+
+/// All that the law asks for, A frame.
+PairMotion motion_of(const ParticleSet& p, const BodyPair& pair, const PairView& view, const PairVelocities& world, const Mat3& a_to_world) {
+  PairMotion m;
+  m.v_a = transpose_times(a_to_world, world.v_a);
+  m.w_a = transpose_times(a_to_world, world.w_a);
+  m.v_b = transpose_times(a_to_world, world.v_b);
+  m.w_b = transpose_times(a_to_world, world.w_b);
+  m.centre_b = view.pose.centre;
+  m.b_to_a = view.pose.rotation;
+  const auto i = static_cast<std::size_t>(pair.a);
+  m.inverse_mass_a = p.inverse_mass[i];
+  m.inverse_inertia_a = p.inverse_inertia[i];
+  m.inverse_mass_b = 0;
+  if (pair.b >= 0) {
+    const auto j = static_cast<std::size_t>(pair.b);
+    m.inverse_mass_b = p.inverse_mass[j];
+    m.inverse_inertia_b = p.inverse_inertia[j];
+  }
+  return m;
 }
 
 /// R* of the bodies' equivalent spheres [m]: 1/R* = 1/R_a + 1/R_b. A wall is flat, but for the inside of a sphere.
@@ -119,9 +136,18 @@ bool is_sphere_mesh_pair(const PairView& view) {
   return (view.a.shape->kind == ShapeKind::sphere) != (view.b.shape->kind == ShapeKind::sphere);
 }
 
+/// First look of may_have_passed_through, without its frames: false only where it says false.
+bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
+  const bool frame_is_a = view.radius_a > view.radius_b;
+  const double small = frame_is_a ? view.radius_b : view.radius_a;
+  const Vec3 velocity = (m.v_a - m.v_b) + cross(frame_is_a ? m.w_a : m.w_b, view.b.x - view.a.x);
+  constexpr double kRounding = 1 - 1e-9;  // these velocities are rounded otherwise than those
+  const double limit = kRounding * view.margin / dt;
+  return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b)) > limit * limit;
+}
+
 /// Renews the lists of one pair. Returns false when its meshes intersect.
-bool renew_lists(const PairView& view, bool triangles, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
-  const PairMotion& m = view.motion;
+bool renew_lists(const PairView& view, const PairVelocities& m, bool triangles, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
   const double small = std::min(view.radius_a, view.radius_b);
   const double speed = length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small;
   const double lower = std::min(kSmallestSkin * view.margin, kLargestSkin * small);
@@ -131,7 +157,7 @@ bool renew_lists(const PairView& view, bool triangles, double dt, MeshDistanceSc
     return true;
   }
   if (is_sphere_pair(view)) {
-    list_sphere_pair(view.a, view.b, skin, view.radius_a, view.radius_b, lists);
+    list_sphere_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, lists);
     return true;
   }
   if (is_sphere_mesh_pair(view)) {
@@ -174,7 +200,7 @@ double normal_exponent(const LawChoice& choice) {
 
 }  // namespace
 
-void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                     std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
                     ForceScratch& scratch, PairList& list, FrameContacts* out, const PairLooker* look) {
   const auto count = static_cast<std::ptrdiff_t>(which.size());
@@ -184,7 +210,11 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
   const bool independent = scene.law_choice().independent;
   const bool needs_radius = scene.law_choice().needs_radius;
   const double exponent = normal_exponent(scene.law_choice());
-#pragma omp parallel if (!only_looks)
+  const BodyWays& ways = list.ways();
+  const auto way_of = [&ways](const PairRest& rest) { return ways[rest.a] + (rest.b >= 0 ? ways[rest.b] : 0.0); };
+  double deepest = 0;
+  bool too_deep = false;
+#pragma omp parallel if (!only_looks) reduction(max : deepest) reduction(|| : too_deep)
   {
     std::vector<ContactFeature> features;
     std::vector<ContactOutput> outputs;
@@ -193,37 +223,49 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
 #pragma omp for schedule(dynamic, 8)
     for (std::ptrdiff_t n = 0; n < count; ++n) {
       const std::int32_t k = which[static_cast<std::size_t>(n)];
+      PairRest& rest = list.rests()[static_cast<std::size_t>(k)];
+      if (way_of(rest) < rest.way) continue;  // its result says so already
       const PairClock clock(scratch.pair_seconds, k);
       BodyPair& pair = list.pairs()[static_cast<std::size_t>(k)];
       PairResult& result = list.results()[static_cast<std::size_t>(k)];
       result.active = false;
       result.contact_count = 0;
-      PairView view = view_of(scene, p, walls, pair);
-      double motion = 0;
-      if (pair.lists.skin >= 0) motion = motion_since_listed(pair.lists, view.a, view.b, view.radius_a, view.radius_b);
+      const PairView view = view_of(scene, p, walls, pair);
+      const PairVelocities velocities = velocities_of(p, walls, pair, view);
+      double moved = 0;
+      if (pair.lists.skin >= 0) moved = motion_since_listed(pair.lists, view.pose, view.radius_a, view.radius_b);
       const bool has_mesh = view.zone == nullptr ? !is_sphere_pair(view) : view.zone->kind == WallZone::Kind::mesh;
       // a body behind a plane or in a cylinder is still seen
-      if (motion > 0 && has_mesh && dt > 0 &&
-          may_have_passed_through(view.a, view.b, view.motion, view.radius_a, view.radius_b, view.margin, dt, motion, pair.lists, distance)) {
+      if (has_mesh && dt > 0 && moved > pair.lists.first_slack && is_fast(view, velocities, dt) &&
+          may_have_passed_through(view.a, view.b, motion_of(p, pair, view, velocities, matrix_of(view.a.q)), view.radius_a, view.radius_b,
+                                  view.margin, dt, moved, pair.lists, distance)) {
         passing.store(k);
       }
-      if (pair.lists.skin < 0 || motion > pair.lists.skin) {
-        if (!renew_lists(view, independent, dt, distance, pair.lists)) {
+      if (pair.lists.skin < 0 || moved > pair.lists.skin) {
+        if (!renew_lists(view, velocities, independent, dt, distance, pair.lists)) {
           intersecting.store(k);
           continue;
         }
-        motion = 0;
+        moved = 0;
       }
+      if (moved < pair.lists.first_slack) {
+        // nothing can be within the margin before both have gone what is left
+        if (only_looks) continue;
+        if (pair.b >= 0 || !scene.has_driven_walls()) rest.way = way_of(rest) + (pair.lists.first_slack - moved);
+        pair.springs.clear();
+        continue;
+      }
+      rest.way = kNoRest;
       if (is_sphere_pair(view)) {
         sphere_pair_features(view.a, view.b, view.margin, features);
       } else if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) {
-        zone_pair_features(view.a, view.b, *view.zone, view.margin, motion, pair.lists, features);
+        zone_pair_features(view.a, view.pose, *view.zone, view.margin, moved, pair.lists, features);
       } else if (is_sphere_mesh_pair(view)) {
-        sphere_mesh_features(view.a, view.b, view.margin, motion, pair.lists, features);
+        sphere_mesh_features(view.a, view.b, view.margin, moved, pair.lists, features);
       } else if (independent) {
-        triangle_contact_features(view.a, view.b, view.margin, motion, pair.lists, features);
+        triangle_contact_features(view.a, view.b, view.margin, moved, pair.lists, features);
       } else {
-        mesh_pair_features(view.a, view.b, view.margin, motion, pair.lists, features);
+        mesh_pair_features(view.a, view.b, view.pose, view.margin, moved, pair.lists, features);
       }
       if (features.empty()) {
         if (!only_looks) pair.springs.clear();
@@ -236,7 +278,8 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
         material_b = scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
       }
       const PairLaw& law = scene.law(p.material[static_cast<std::size_t>(pair.a)], material_b);
-      PairMotion& relative = view.motion;
+      const Mat3 a_to_world = matrix_of(view.a.q);
+      PairMotion relative = motion_of(p, pair, view, velocities, a_to_world);
       if (needs_radius) relative.radius = law.radius > 0 ? law.radius : contact_radius(view);
       if (independent) {
         cells.clear();
@@ -253,18 +296,21 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
       const PairForce f = force_of(features, law, relative, dt, friction_dt, only_looks ? copy : pair.springs,
                                      out != nullptr ? &outputs : nullptr);
       if (look != nullptr) (*look)({pair, features, f, relative, exponent, law.friction > 0 ? law.tangential_ratio : 0.0});
-      const Quat& q = view.a.q;
       result.active = true;
       result.contact_count = static_cast<std::int32_t>(features.size());
-      result.force_a = rotate(q, f.force);
-      result.torque_a = rotate(q, f.torque);
-      result.torque_b = rotate(q, cross(view.motion.centre_b, f.force) - f.torque);
-      result.lossy_force_a = rotate(q, f.lossy_force);
-      result.lossy_torque_a = rotate(q, f.lossy_torque);
-      result.lossy_torque_b = rotate(q, cross(view.motion.centre_b, f.lossy_force) - f.lossy_torque);
+      // torques about B's centre: T_B = (x_B - x_A) x F - T_A
+      const Vec3 branch = view.b.x - view.a.x;
+      result.force_a = a_to_world * f.force;
+      result.torque_a = a_to_world * f.torque;
+      result.torque_b = cross(branch, result.force_a) - result.torque_a;
+      result.lossy_force_a = a_to_world * f.lossy_force;
+      result.lossy_torque_a = a_to_world * f.lossy_torque;
+      result.lossy_torque_b = cross(branch, result.lossy_force_a) - result.lossy_torque_a;
       result.elastic = f.elastic;
       result.tangential_elastic = f.tangential_elastic;
       result.depth_ratio = view.margin > 0 ? f.deepest / view.margin : 0;
+      deepest = std::max(deepest, result.depth_ratio);
+      if (!(result.depth_ratio < kStopDepthRatio)) too_deep = true;  // or not a number
       if (out != nullptr && counts_here(pair, p)) append_contacts(pair, view, features, outputs, *out);
     }
   }
@@ -280,13 +326,15 @@ void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::v
     throw RunInvalid("step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "
                      "unseen; reduce the step", step, describe(list.pairs()[static_cast<std::size_t>(passing.load())].key), dt);
   }
-  for (std::int32_t k : which) {
+  for (std::size_t n = 0; n < which.size() && too_deep; ++n) {
+    const std::int32_t k = which[n];
     const PairResult& r = list.results()[static_cast<std::size_t>(k)];
     if (r.active && !(r.depth_ratio < kStopDepthRatio)) {
       throw RunInvalid("step {}: {} touch to {:.3f} of their margin (limit {}); {}", step,
                        describe(list.pairs()[static_cast<std::size_t>(k)].key), r.depth_ratio, kStopDepthRatio, cure);
     }
   }
+  return deepest;
 }
 
 void look_at_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

@@ -36,11 +36,12 @@ using PairLooker = std::function<void(const PairLook&)>;
 ///
 /// in   dt        step of the run [s]
 /// in   friction_dt  dt, or 0: friction springs stay as they are
+/// Returns the largest depth over its margin sum.
 /// in   out       when not null (one thread): every contact is appended to it
 /// Throws RunInvalid naming both bodies when two meshes intersect, when they move so fast that they could have passed through each
 /// other since the last step, or when the depth passes kStopDepthRatio.
 /// Threads: parallel inside.   Ranks: local.
-void evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                     std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
                     ForceScratch& scratch, PairList& list, FrameContacts* out = nullptr, const PairLooker* look = nullptr);
 

@@ -13,16 +13,6 @@ constexpr std::int64_t kCornerOfA = 0, kCornerOfB = 1, kEdgeEdge = 2;
 
 std::int64_t make_key(std::int64_t kind, std::int64_t i, std::int64_t j) { return (kind << 60) | (i << 30) | j; }
 
-/// Pose of B in the frame of A.
-struct RelativePose {
-  Mat3 rotation;   // B to A
-  Vec3 centre;     // of B, A frame
-  RelativePose(const PairBody& a, const PairBody& b)
-      : rotation(matrix_of(conjugate(a.q) * b.q)), centre(rotate_inverse(a.q, b.x - a.x)) {}
-  Vec3 a_from_b(const Vec3& p) const { return rotation * p + centre; }
-  Vec3 b_from_a(const Vec3& p) const { return transpose_times(rotation, p - centre); }
-};
-
 /// Squared distance of two segments. Source: Ericson (2005), section 5.1.9.
 double squared_segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3& v) {
   const Vec3 r = p - q;
@@ -49,16 +39,6 @@ const Vec3& triangle_corner(const SolverShape& shape, std::int32_t t, int k) { r
 /// floor uses up its own radius, not the floor's.
 bool larger_is_a(double radius_a, double radius_b) { return radius_a > radius_b; }
 
-void note_pose(const PairBody& a, const PairBody& b, double radius_a, double radius_b, double skin,
-               CandidateLists& lists) {
-  const bool frame_is_a = larger_is_a(radius_a, radius_b);
-  const PairBody& large = frame_is_a ? a : b;
-  const PairBody& small = frame_is_a ? b : a;
-  lists.centre = rotate_inverse(large.q, small.x - large.x);
-  lists.orientation = conjugate(large.q) * small.q;
-  lists.skin = skin;
-}
-
 }  // namespace
 
 float slack_below(double distance, double margin, double size) {
@@ -67,25 +47,39 @@ float slack_below(double distance, double margin, double size) {
   return slack <= 0 ? 0.0f : std::nextafterf(static_cast<float>(slack), 0.0f);
 }
 
-double motion_since_listed(const CandidateLists& lists, const PairBody& a, const PairBody& b, double radius_a,
-                           double radius_b) {
-  const bool frame_is_a = larger_is_a(radius_a, radius_b);
-  const PairBody& large = frame_is_a ? a : b;
-  const PairBody& small = frame_is_a ? b : a;
-  const double shift = length(rotate_inverse(large.q, small.x - large.x) - lists.centre);
-  // A point at distance R from the centre moves by at most 2 R sin(angle/2) = 2 R |vector part|.
-  const Quat turn = conjugate(lists.orientation) * (conjugate(large.q) * small.q);
-  const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
-  return shift + chord * std::min(radius_a, radius_b);
+double motion_since_listed(const CandidateLists& lists, const RelativePose& pose, double radius_a, double radius_b) {
+  const Vec3 centre = larger_is_a(radius_a, radius_b) ? pose.centre : -transpose_times(pose.rotation, pose.centre);
+  // A point at distance R from the centre moves by 2 R sin(angle / 2), and two unit quaternions differ by 2 sin(angle / 4):
+  // twice that is never less. Of the two quaternions of a rotation the nearer one counts.
+  const Quat &p = pose.turn, &q = lists.turn;
+  const double side = p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z < 0 ? -1 : 1;
+  const double w = p.w - side * q.w, x = p.x - side * q.x, y = p.y - side * q.y, z = p.z - side * q.z;
+  return length(centre - lists.centre) + 2 * std::sqrt(w * w + x * x + y * y + z * z) * std::min(radius_a, radius_b);
+}
+
+void begin_lists(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b, CandidateLists& lists) {
+  lists.corners_a.clear();
+  lists.corners_b.clear();
+  lists.edges.clear();
+  const RelativePose pose(a, b);
+  lists.centre = larger_is_a(radius_a, radius_b) ? pose.centre : -transpose_times(pose.rotation, pose.centre);
+  lists.turn = pose.turn;
+  lists.skin = skin;
+  lists.first_slack = skin;
+}
+
+void end_lists(CandidateLists& lists) {
+  double first = lists.skin;
+  for (const auto* corners : {&lists.corners_a, &lists.corners_b}) {
+    for (const CornerCandidate& c : *corners) first = std::min(first, static_cast<double>(c.slack));
+  }
+  for (const EdgeCandidate& e : lists.edges) first = std::min(first, static_cast<double>(e.slack));
+  lists.first_slack = first;
 }
 
 bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
                     double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists) {
-  lists.corners_a.clear();
-  lists.corners_b.clear();
-  lists.edges.clear();
-  note_pose(a, b, radius_a, radius_b, skin, lists);
-
+  begin_lists(a, b, skin, radius_a, radius_b, lists);
   const SolverShape& shape_a = *a.shape;
   const SolverShape& shape_b = *b.shape;
   const Placement placement = relative_placement(a.x, a.q, a.scale, b.x, b.q, b.scale);
@@ -144,6 +138,7 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
                                   return l.edge_a == r.edge_a && l.edge_b == r.edge_b;
                                 }),
                     lists.edges.end());
+  end_lists(lists);
   return true;
 }
 
@@ -178,10 +173,7 @@ double zone_gap(const WallZone& zone, const Vec3& p, Vec3& normal) {
 
 void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin,
                     double radius_a, CandidateLists& lists) {
-  lists.corners_a.clear();
-  lists.corners_b.clear();
-  lists.edges.clear();
-  note_pose(a, b, radius_a, 2 * radius_a, skin, lists);  // the wall is the frame
+  begin_lists(a, b, skin, radius_a, 2 * radius_a, lists);  // the wall is the frame
   const RelativePose pose(a, b);
   for (std::size_t c = 0; c < a.shape->corner.size(); ++c) {
     Vec3 normal;
@@ -190,14 +182,14 @@ void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, 
       lists.corners_a.push_back({static_cast<std::int32_t>(c), -1, slack_below(gap, margin, radius_a)});
     }
   }
+  end_lists(lists);
 }
 
-void list_sphere_pair(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b,
+void list_sphere_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
                       CandidateLists& lists) {
-  lists.corners_a.clear();
-  lists.corners_b.clear();
-  lists.edges.clear();
-  note_pose(a, b, radius_a, radius_b, skin, lists);
+  begin_lists(a, b, skin, radius_a, radius_b, lists);
+  const double gap = length(a.x - b.x) - a.scale * a.shape->rounding - b.scale * b.shape->rounding;
+  lists.first_slack = std::min(skin, static_cast<double>(slack_below(gap, margin, radius_a + radius_b)));
 }
 
 void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features) {
@@ -216,10 +208,9 @@ void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, s
   features.push_back(f);
 }
 
-void zone_pair_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion,
+void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features) {
   features.clear();
-  const RelativePose pose(a, b);
   for (const CornerCandidate& candidate : lists.corners_a) {
     if (candidate.slack > motion) continue;
     const Vec3 p = a.scale * a.shape->corner[static_cast<std::size_t>(candidate.corner)];
@@ -376,11 +367,9 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
 
 }  // namespace
 
-void mesh_pair_features(const PairBody& a, const PairBody& b, double margin, double motion,
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features) {
   features.clear();
-  if (lists.corners_a.empty() && lists.corners_b.empty() && lists.edges.empty()) return;
-  const RelativePose pose(a, b);
   corner_features(
       *a.shape, a.scale, *b.shape, b.scale, kCornerOfA, lists.corners_a, margin, motion,
       [&](const Vec3& p) { return pose.b_from_a(p); },

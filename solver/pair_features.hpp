@@ -22,6 +22,18 @@ struct PairBody {
   Quat q;
 };
 
+/// Pose of B in the frame of A: what every function on a pair needs, made once a pair and step.
+struct RelativePose {
+  Quat turn;       ///< B to A
+  Mat3 rotation;   ///< the same
+  Vec3 centre;     ///< of B, A frame [m]
+  RelativePose() = default;
+  RelativePose(const PairBody& a, const PairBody& b)
+      : turn(conjugate(a.q) * b.q), rotation(matrix_of(turn)), centre(rotate_inverse(a.q, b.x - a.x)) {}
+  Vec3 a_from_b(const Vec3& p) const { return rotation * p + centre; }
+  Vec3 b_from_a(const Vec3& p) const { return transpose_times(rotation, p - centre); }
+};
+
 /// Corner of one side against one triangle of the other (triangle -1: an analytic zone or a sphere's point).
 struct CornerCandidate {
   std::int32_t corner, triangle;
@@ -38,8 +50,9 @@ struct CandidateLists {
   std::vector<CornerCandidate> corners_a, corners_b;  ///< sorted by (corner, triangle)
   std::vector<EdgeCandidate> edges;                   ///< sorted by (edge_a, edge_b)
   Vec3 centre;                ///< of the smaller body in the larger one's frame, when listed [m]
-  Quat orientation;           ///< of the smaller body in the larger one's frame
+  Quat turn;                  ///< B to A, when listed
   double skin = -1;           ///< [m]; < 0: no lists yet
+  double first_slack = 0;     ///< motion at which the first candidate, or what is not listed, can come within the margin [m]
 };
 
 /// One feature below the margin.
@@ -69,8 +82,7 @@ inline constexpr double kFadeWedge = 0.2;
 
 /// Motion that a pair has made since its lists were made: no point of the smaller body has moved further against
 /// the larger one [m].
-double motion_since_listed(const CandidateLists& lists, const PairBody& a, const PairBody& b, double radius_a,
-                           double radius_b);
+double motion_since_listed(const CandidateLists& lists, const RelativePose& pose, double radius_a, double radius_b);
 
 /// Makes the lists of two meshes: every feature pair that can come below `margin` (sum of both) while the motion
 /// stays within `skin`. Returns false when triangles of the two bodies intersect.
@@ -82,17 +94,23 @@ void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, 
                     double radius_a, CandidateLists& lists);
 
 /// Same for two analytic spheres.
-void list_sphere_pair(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b,
+void list_sphere_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
                       CandidateLists& lists);
+
+/// Empties the lists and notes the pose that they are made at: how each of these functions begins. With nothing listed
+/// first_slack is the skin.
+void begin_lists(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b, CandidateLists& lists);
+/// Fills first_slack from the candidates: how each of these functions ends.
+void end_lists(CandidateLists& lists);
 
 /// Same for an analytic sphere and a mesh, in either order.
 bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
                            double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists);
 
 /// Features below the margin at the present pose, in ascending key order. `motion` is motion_since_listed.
-void mesh_pair_features(const PairBody& a, const PairBody& b, double margin, double motion,
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
-void zone_pair_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion,
+void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
 /// Every local minimum of the distance between the centre and the surface: flat regions, convex edges and corners whose
 /// own part of space holds the centre. As the centre goes from one part to the next the depth is continuous.

@@ -34,7 +34,7 @@ bool near_zone(const SolverScene& scene, const WallZone& zone, const WallState& 
 }  // namespace
 
 std::size_t memory_of(const BodyPair& pair) {
-  return sizeof(BodyPair) + sizeof(PairResult) + (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
+  return sizeof(BodyPair) + sizeof(PairResult) + sizeof(PairRest) + (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
          pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.springs.capacity() * sizeof(FrictionSpring);
 }
 
@@ -101,6 +101,9 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   pending_.clear();
   pairs_ = std::move(next);
   results_.assign(pairs_.size(), PairResult{});
+  ways_.restart(p);
+  rests_.clear();
+  for (const BodyPair& pair : pairs_) rests_.push_back({pair.a, pair.b, kNoRest});
 
   inner_.clear();
   outer_.clear();
@@ -159,6 +162,7 @@ void PairList::gather(const Vec3& gravity, ParticleSet& p) const {
 
 void PairList::forget_candidates() {
   for (BodyPair& pair : pairs_) pair.lists = CandidateLists{};
+  for (PairRest& rest : rests_) rest.way = kNoRest;
 }
 
 }  // namespace scree

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/search/multilevel_grid.hpp"
+#include "solver/body_ways.hpp"
 #include "solver/particle_set.hpp"
 #include "solver/phases.hpp"
 #include "solver/potential.hpp"
@@ -28,15 +29,22 @@ struct BodyPair {
   std::vector<FrictionSpring> springs;
 };
 
-/// Written by one thread per pair and step, read by the gather. World axes.
+/// Written by one thread per pair and step, read by the gather. World axes. What every pair is asked for comes first.
 struct PairResult {
+  bool active = false;
+  std::int32_t contact_count = 0;
+  double depth_ratio = 0;                 ///< deepest over margin sum
+  double elastic = 0, tangential_elastic = 0;
   Vec3 force_a, torque_a, torque_b;       ///< force on b is -force_a; torques about each body's centre
   Vec3 lossy_force_a, lossy_torque_a, lossy_torque_b;
-  double elastic = 0, tangential_elastic = 0;
-  double depth_ratio = 0;                 ///< deepest over margin sum
-  std::int32_t contact_count = 0;
-  bool active = false;
 };
+
+/// What a step reads of a pair that nothing can happen to: kept apart from all else, 16 bytes.
+struct PairRest {
+  std::int32_t a, b;                      ///< as in BodyPair
+  double way;                             ///< of both together: until they have gone it the pair has no features [m]
+};
+inline constexpr double kNoRest = -1;     ///< such a pair is looked at in every step
 
 /// Bytes that a pair holds, its lists, springs and result included.
 std::size_t memory_of(const BodyPair& pair);
@@ -57,6 +65,8 @@ class PairList {
   const std::vector<BodyPair>& pairs() const { return pairs_; }
   std::vector<PairResult>& results() { return results_; }
   const std::vector<PairResult>& results() const { return results_; }
+  std::vector<PairRest>& rests() { return rests_; }
+  BodyWays& ways() { return ways_; }
   std::vector<PendingSprings>& pending() { return pending_; }
   /// Indices of pairs among owned bodies and walls; of pairs with a ghost that this rank counts; and of those that the ghost's
   /// owner counts, and computes too.
@@ -74,6 +84,8 @@ class PairList {
  private:
   std::vector<BodyPair> pairs_;
   std::vector<PairResult> results_;
+  std::vector<PairRest> rests_;
+  BodyWays ways_;
   std::vector<PendingSprings> pending_;
   std::vector<std::int32_t> inner_, outer_, twice_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order

@@ -63,12 +63,7 @@ bool may_have_passed_through(const PairBody& a, const PairBody& b, const PairMot
   // velocity changes as the frame turns under the smaller body
   const double way = dt * (length(velocity) + length(frame_spin) * length(between) * dt + small * length(spin));
   if (way <= kRounding * (margin + room)) return false;
-  double slack = lists.skin;  // what is not listed was further away than margin and skin
-  for (const auto* corners : {&lists.corners_a, &lists.corners_b}) {
-    for (const CornerCandidate& c : *corners) slack = std::min(slack, static_cast<double>(c.slack));
-  }
-  for (const EdgeCandidate& e : lists.edges) slack = std::min(slack, static_cast<double>(e.slack));
-  if (motion <= slack + room) return false;
+  if (motion <= lists.first_slack + room) return false;
 
   const double unsure = unsteadiness(a, m.w_a, radius_a, dt) + unsteadiness(b, m.w_b, radius_b, dt);
   TrianglePair nearest{-1, -1};

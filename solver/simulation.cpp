@@ -94,10 +94,17 @@ void Simulation::compute_pairs(std::span<const std::int32_t> which, double frict
   const PhaseTimer timer(times_, phase);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   try {
-    evaluate_pairs(scene_, p_, walls_, which, dt_, friction_dt, step_, scratch_, pairs_);
+    max_depth_ratio_ = std::max(max_depth_ratio_, evaluate_pairs(scene_, p_, walls_, which, dt_, friction_dt, step_, scratch_, pairs_));
   } catch (const Error& e) {
     fail(e);
   }
+}
+
+void Simulation::add_ways(std::size_t begin, std::size_t end) {
+  if (begin == end) return;
+  const PhaseTimer timer(times_, Phase::distance);
+  const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
+  pairs_.ways().add_motion(p_, scene_.periodicity(), begin, end);
 }
 
 void Simulation::compute_forces(double friction_dt, bool refresh) {
@@ -105,8 +112,10 @@ void Simulation::compute_forces(double friction_dt, bool refresh) {
   if (timed) scratch_.pair_seconds.assign(pairs_.pairs().size(), 0.0f);
   if (refresh) halo_->start_refresh(p_, times_);
   if (refresh && options_.strategy == HaloStrategy::blocking) halo_->finish_refresh(p_, times_);
+  if (refresh) add_ways(0, p_.owned);
   compute_pairs(pairs_.inner(), friction_dt, Phase::distance);
   if (refresh && options_.strategy == HaloStrategy::overlap) halo_->finish_refresh(p_, times_);
+  if (refresh) add_ways(p_.owned, p_.size());
   compute_pairs(pairs_.outer(), friction_dt, Phase::distance);
   compute_pairs(pairs_.twice(), friction_dt, Phase::twice);
   if (timed) {
@@ -116,15 +125,6 @@ void Simulation::compute_forces(double friction_dt, bool refresh) {
   const PhaseTimer timer(times_, Phase::gather);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   pairs_.gather(scene_.source().settings.gravity, p_);
-  const std::vector<PairResult>& results = pairs_.results();
-  const auto count = static_cast<std::ptrdiff_t>(results.size());
-  double deepest = max_depth_ratio_;
-#pragma omp parallel for schedule(static) reduction(max : deepest)
-  for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const PairResult& r = results[static_cast<std::size_t>(n)];
-    if (r.active) deepest = std::max(deepest, r.depth_ratio);
-  }
-  max_depth_ratio_ = deepest;
 }
 
 void Simulation::fail(const Error& error) {

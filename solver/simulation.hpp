@@ -152,6 +152,7 @@ class Simulation {
   void renew_lists(const StepNews& news);
   void cut_anew();
   void compute_forces(double friction_dt, bool refresh);
+  void add_ways(std::size_t begin, std::size_t end);
   void compute_pairs(std::span<const std::int32_t> which, double friction_dt, Phase phase);
   void fail(const Error& error);
   void set_walls(double time);

@@ -91,7 +91,7 @@ bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& c
 
 bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
                            double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists) {
-  list_sphere_pair(a, b, skin, radius_a, radius_b, lists);  // clears, and notes the pose
+  begin_lists(a, b, skin, radius_a, radius_b, lists);
   const Roles roles(a, b);
   // the centre as a mesh of one triangle that is a point: the same descent serves
   static const TriangleMesh point{{Vec3{}}, {Triangle{0, 0, 0}}};
@@ -109,6 +109,7 @@ bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, 
     const double gap = roles.mesh->scale * length(placement.translation - nearest.point) - radius;
     lists.corners_a.push_back({0, pair.a, slack_below(gap, margin, std::max(radius_a, radius_b))});
   }
+  end_lists(lists);
   return true;
 }
 

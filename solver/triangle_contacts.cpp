@@ -22,7 +22,7 @@ TriangleDistance distance_of(const PairBody& a, const PairBody& b, const Mat3& b
 
 bool list_triangle_contacts(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
                             MeshDistanceScratch& scratch, CandidateLists& lists) {
-  list_sphere_pair(a, b, skin, radius_a, radius_b, lists);  // clears, and notes the pose
+  begin_lists(a, b, skin, radius_a, radius_b, lists);
   const Placement placement = relative_placement(a.x, a.q, a.scale, b.x, b.q, b.scale);
   thread_local std::vector<TrianglePair> pairs;
   if (triangle_pairs_within({&a.shape->mesh, &a.shape->bvh}, {&b.shape->mesh, &b.shape->bvh}, placement, (margin + skin) / a.scale, scratch, pairs)) {
@@ -37,6 +37,7 @@ bool list_triangle_contacts(const PairBody& a, const PairBody& b, double margin,
   std::sort(lists.edges.begin(), lists.edges.end(), [](const EdgeCandidate& l, const EdgeCandidate& r) {
     return l.edge_a != r.edge_a ? l.edge_a < r.edge_a : l.edge_b < r.edge_b;
   });
+  end_lists(lists);
   return true;
 }
 

@@ -29,13 +29,14 @@ class TwoBodies {
     }
   }
   PairForce force(double dt) {
-    const double motion = lists_.skin < 0 ? 1e300 : motion_since_listed(lists_, body[0], body[1], radius(0), radius(1));
+    const RelativePose pose(body[0], body[1]);
+    const double motion = lists_.skin < 0 ? 1e300 : motion_since_listed(lists_, pose, radius(0), radius(1));
     double used = motion;
     if (motion > lists_.skin) {
       EXPECT_TRUE(list_mesh_pair(body[0], body[1], margin_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
       used = 0;
     }
-    mesh_pair_features(body[0], body[1], margin_, used, lists_, features);
+    mesh_pair_features(body[0], body[1], pose, margin_, used, lists_, features);
     PairMotion m;
     const Quat to_a = conjugate(body[0].q);
     m.v_a = rotate(to_a, v[0]);
