@@ -9,8 +9,8 @@
 // around the corner nearest to a ball's centre, hold all that it can touch: hash look-ups and mispredicted branches
 // cost more than distance tests. The hash keeps a block of 2 x 2 x 2 cells on one cache line. Cells are anchored at the
 // largest radius, so that balls of one size fit them. Balls are sorted along a Z-order curve of the cells, so that balls
-// which meet lie close in memory, whatever order they came in.
-//
+// which meet lie close in memory, whatever order they came in. Where sizes differ much, most levels hold nothing near a
+// given ball: a bitmap, two bytes a cell, tells so for one look-up instead of eight.
 #pragma once
 
 #include <array>
@@ -85,7 +85,8 @@ class MultilevelGrid {
     double radius;
   };
   struct Level {
-    int depth;  // cells are the coarsest ones divided by 2^depth
+    int depth = 0;  // cells are the coarsest ones divided by 2^depth
+    double largest_radius = 0, cell_halves = 0;       // width of a cell in half cells of the finest depth
     std::int32_t begin = 0, end = 0, cell_count = 0;  // its balls, and how many cells hold them
   };
   struct Slot {
@@ -102,6 +103,11 @@ class MultilevelGrid {
   };
 
   static constexpr PeriodicImage kHome = {0, 0, 0};
+  /// Deeper levels than this join it; it has to fit the sort key.
+  static constexpr int kDeepest = 100;
+  /// Cells are wider than the diameters they hold by this part, so that two balls that touch never lie two cells apart by
+  /// the rounding of their cells: that is below 2^-12 cells up to kFarthestCell.
+  static constexpr double kCellSlack = 0x1p-10;
 
   void check_period(double largest_radius) const;
   void sort_balls();
@@ -166,6 +172,18 @@ class MultilevelGrid {
       if (at.end == 0) return nullptr;
     }
   }
+  /// Whether the cells around a corner may hold balls of the level. Bits stand for blocks of 2 x 2 x 2 corners; a corner has
+  /// the number of the upper of its two cells on each axis.
+  std::uint64_t block_bit(std::int32_t level, const Cell& corner) const {
+    return join(level, hash_part(0, corner[0]), hash_part(1, corner[1]), hash_part(2, corner[2])) >> 24 & near_mask_;
+  }
+  bool may_hold(const Cell& finest, std::int32_t level) const {
+    const int shift = depth_ - levels_[static_cast<std::size_t>(level)].depth;
+    const Cell corner = {((finest[0] >> shift) + 1) >> 1, ((finest[1] >> shift) + 1) >> 1, ((finest[2] >> shift) + 1) >> 1};
+    const std::uint64_t bit = block_bit(level, corner);
+    return (near_[static_cast<std::size_t>(bit >> 6)] >> (bit & 63) & 1) != 0;
+  }
+  void mark_neighbourhoods();
   bool is_in(std::size_t place, std::int32_t level, const Cell& cell) const {
     return level_[place] == level && cell_of(finest_halves(balls_[place].centre), levels_[static_cast<std::size_t>(level)].depth) == cell;
   }
@@ -206,16 +224,30 @@ class MultilevelGrid {
   struct Corner {
     std::array<Neighbours, 3> axis;
     std::array<std::uint64_t, 8> tag;
+    std::uint32_t needed;  // bit k: something in cell k may be in reach
     Cell cell(std::size_t k) const { return {axis[0].cell[k & 1], axis[1].cell[k >> 1 & 1], axis[2].cell[k >> 2]}; }
     PeriodicImage image(std::size_t k) const { return {axis[0].image[k & 1], axis[1].image[k >> 1 & 1], axis[2].image[k >> 2]}; }
   };
-  template <bool kPeriodic>
-  void find_corner(const Cell& finest, std::int32_t level, Corner& corner) const {
-    const int depth = levels_[static_cast<std::size_t>(level)].depth;
+  /// Of a coarser level than the ball's own some cells can be left out. On its own level nearly all are needed, and a number
+  /// of them that changes costs more than it saves: mispredicted branches.
+  template <bool kPeriodic, bool kCoarser>
+  void find_corner(const Ball& ball, const Cell& finest, std::int32_t level, Corner& corner) const {
+    // cells on the lower and on the upper side of each axis
+    constexpr std::array<std::array<std::uint32_t, 2>, 3> kCells = {{{0x55, 0xAA}, {0x33, 0xCC}, {0x0F, 0xF0}}};
+    const Level& at = levels_[static_cast<std::size_t>(level)];
+    const int depth = at.depth;
+    corner.needed = 0xFF;
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::int64_t half = finest[c] >> (depth_ - depth);
+      const std::int64_t half = finest[c] >> (depth_ - depth), upper = (half + 1) >> 1;
       Neighbours& axis = corner.axis[c];
-      axis.cell = {((half + 1) >> 1) - 1, (half + 1) >> 1};
+      axis.cell = {upper - 1, upper};
+      if constexpr (kCoarser) {
+        // how far into the upper cell; the cell on the other side is needed when the border is within reach
+        const int a = static_cast<int>(c);
+        const double into = ball.centre[a] * inverse_half_[a] - static_cast<double>(upper) * at.cell_halves;
+        const bool border_in_reach = std::abs(into) < (ball.radius + at.largest_radius) * inverse_half_[a] + kCellSlack * at.cell_halves;
+        corner.needed &= border_in_reach ? 0xFFu : kCells[c][into < 0 ? 0 : 1];
+      }
       if constexpr (kPeriodic)
         for (std::size_t k = 0; k < 2; ++k) axis.image[k] = wrap_cell(axis.cell[k], static_cast<int>(c), depth);
     }
@@ -223,6 +255,7 @@ class MultilevelGrid {
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t k = 0; k < 2; ++k) part[c][k] = hash_part(c, corner.axis[c].cell[k]);
     for (std::size_t k = 0; k < 8; ++k) {
+      if ((corner.needed >> k & 1) == 0) continue;
       corner.tag[k] = join(level, part[0][k & 1], part[1][k >> 1 & 1], part[2][k >> 2]);
       __builtin_prefetch(&slot_at(corner.tag[k] & mask_));
     }
@@ -235,16 +268,24 @@ class MultilevelGrid {
     const PeriodicImage turns = kPeriodic ? turns_[here] : kHome;
     const Cell finest = finest_halves(ball.centre);
     const std::int32_t own = level_[here];
+    std::array<std::int32_t, kDeepest + 1> levels;  // to look into
+    std::size_t level_count = 0;
+    levels[level_count++] = own;
+    for (std::int32_t level = own - 1; level >= 0; --level) {
+      levels[level_count] = level;
+      level_count += may_hold(finest, level) ? 1 : 0;
+    }
     // one level ahead, so that its slots are on their way while this level's balls are tested
     std::array<Corner, 2> corners;
-    find_corner<kPeriodic>(finest, own, corners[0]);
-    std::size_t turn = 0;
-    for (std::int32_t level = own; level >= 0; --level, turn ^= 1) {
-      if (level > 0) find_corner<kPeriodic>(finest, level - 1, corners[turn ^ 1]);
-      const Corner& corner = corners[turn];
+    find_corner<kPeriodic, false>(ball, finest, own, corners[0]);
+    for (std::size_t turn = 0; turn < level_count; ++turn) {
+      const std::int32_t level = levels[turn];
+      if (turn + 1 < level_count) find_corner<kPeriodic, true>(ball, finest, levels[turn + 1], corners[(turn + 1) & 1]);
+      const Corner& corner = corners[turn & 1];
       // of two balls of one level, the earlier finds the later
       const std::int32_t least = level == own ? place + 1 : 0;
       for (std::size_t k = 0; k < 8; ++k) {
+        if ((corner.needed >> k & 1) == 0) continue;
         const Slot* slot = find_slot(corner.tag[k]);
         if (slot == nullptr) continue;
         visit_touching<kPeriodic>(ball, turns, corner.image(k), slot->begin > least ? slot->begin : least, slot->end,
@@ -259,7 +300,7 @@ class MultilevelGrid {
     const Ball ball{kPeriodic ? wrap(centre, turns) : centre, radius};
     for (std::int32_t index = 0; index < level_count(); ++index) {
       const Level& level = levels_[static_cast<std::size_t>(index)];
-      const double reach = radius + std::ldexp(coarsest_radius_, -level.depth);
+      const double reach = radius + level.largest_radius;
       Cell low, high;
       double box = 1;
       for (std::size_t c = 0; c < 3; ++c) {
@@ -307,6 +348,8 @@ class MultilevelGrid {
   std::vector<Level> levels_;            // that hold balls, coarsest first
   std::vector<SlotLine> table_ = std::vector<SlotLine>(1);  // cells that hold balls: open addressing, at most half full
   std::uint64_t mask_ = 3, hash_seed_ = 0;
+  std::vector<std::uint64_t> near_;      // bits of blocks of corners with a cell that holds balls, of all levels but the finest
+  std::uint64_t near_mask_ = 0;
 
   // scratch of build
   struct Key {
@@ -323,7 +366,6 @@ class MultilevelGrid {
 
   Vec3 period_, inverse_half_;           // half the width of the finest cells
   Cell cell_count_ = {0, 0, 0};          // coarsest cells along a periodic axis; 0 where not periodic
-  double coarsest_radius_ = 0;
   int depth_ = 0;                        // of the finest level
   bool is_periodic_ = false;
 };
