@@ -9,7 +9,17 @@ namespace scree {
 
 namespace {
 
-bool overlap(const BvhNode& a, const BvhNode& b) {
+/// Box of a node's child or of a leaf, from the middle of the tree; rounded outward, or monotonically, so that boxes which
+/// overlap still do.
+struct Box {
+  float lower[3], upper[3];
+};
+
+Box child_box(const BvhNode& node, std::int32_t k) {
+  return {{node.lower[0][k], node.lower[1][k], node.lower[2][k]}, {node.upper[0][k], node.upper[1][k], node.upper[2][k]}};
+}
+
+bool overlap(const Box& a, const Box& b) {
   for (int i = 0; i < 3; ++i) {
     if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
   }
@@ -48,25 +58,34 @@ std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh) {
     const Vec3 b[3] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
     if (triangle_distance(a, b).intersecting) found.push_back({s, t});
   };
-  std::vector<std::pair<std::int32_t, std::int32_t>> stack{{0, 0}};
+  // pairs of subtrees whose boxes overlap: >= 0 a node, < 0 leaf ~code; one and the same to begin with
+  struct Subtrees {
+    std::int32_t a, b;
+    Box box_a, box_b;
+  };
+  std::vector<Subtrees> stack{{0, 0, {}, {}}};
   while (!stack.empty()) {
-    const auto [i, j] = stack.back();
+    const Subtrees pair = stack.back();
     stack.pop_back();
-    const BvhNode &a = bvh.nodes[static_cast<std::size_t>(i)], &b = bvh.nodes[static_cast<std::size_t>(j)];
-    if (i != j && !overlap(a, b)) continue;
-    const bool a_is_leaf = a.second_child < 0, b_is_leaf = b.second_child < 0;
-    if (a_is_leaf && b_is_leaf) {
-      for (std::int32_t m = a.first; m < a.first + a.count; ++m) {
-        for (std::int32_t n = i == j ? m + 1 : b.first; n < b.first + b.count; ++n) {
-          test(bvh.order[static_cast<std::size_t>(m)], bvh.order[static_cast<std::size_t>(n)]);
+    if (pair.a < 0 && pair.b < 0) {
+      const BvhLeaf &a = bvh.leaves[static_cast<std::size_t>(~pair.a)], &b = bvh.leaves[static_cast<std::size_t>(~pair.b)];
+      for (std::int32_t m = 0; m < a.count; ++m)
+        for (std::int32_t n = pair.a == pair.b ? m + 1 : 0; n < b.count; ++n) test(a.triangle[m], b.triangle[n]);
+    } else if (pair.a == pair.b) {
+      const BvhNode& node = bvh.nodes[static_cast<std::size_t>(pair.a)];
+      for (std::int32_t k = 0; k < node.count; ++k)
+        for (std::int32_t l = k; l < node.count; ++l) {
+          const Box first = child_box(node, k), second = child_box(node, l);
+          if (overlap(first, second)) stack.push_back({node.child[k], node.child[l], first, second});
         }
-      }
-    } else if (i == j) {
-      stack.insert(stack.end(), {{i + 1, i + 1}, {a.second_child, a.second_child}, {i + 1, a.second_child}});
-    } else if (b_is_leaf) {
-      stack.insert(stack.end(), {{i + 1, j}, {a.second_child, j}});
     } else {
-      stack.insert(stack.end(), {{i, j + 1}, {i, b.second_child}});
+      const bool opens_a = pair.a >= 0;
+      const BvhNode& node = bvh.nodes[static_cast<std::size_t>(opens_a ? pair.a : pair.b)];
+      for (std::int32_t k = 0; k < node.count; ++k) {
+        const Box child = child_box(node, k);
+        if (!overlap(child, opens_a ? pair.box_b : pair.box_a)) continue;
+        stack.push_back(opens_a ? Subtrees{node.child[k], pair.b, child, pair.box_b} : Subtrees{pair.a, node.child[k], pair.box_a, child});
+      }
     }
   }
   std::sort(found.begin(), found.end(), [](const CrossingPair& p, const CrossingPair& q) {

@@ -95,27 +95,29 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
   for (const TrianglePair& pair : pairs) {
     const auto ta = static_cast<std::size_t>(pair.a), tb = static_cast<std::size_t>(pair.b);
     for (std::size_t k = 0; k < 3; ++k) {
-      if (const std::int32_t c = shape_a.features.owned_corner[ta][k]; c >= 0) {
-        const Vec3 p = (1 / b.scale) * pose.b_from_a(a.scale * shape_a.corner[static_cast<std::size_t>(c)]);
+      if (shape_a.features.owns_corner(ta, k)) {
+        const std::int32_t c = shape_a.features.corner_of[static_cast<std::size_t>(shape_a.mesh.triangles[ta][k])];
+        const Vec3 p = (1 / b.scale) * pose.b_from_a(a.scale * shape_a.corner(c));
         const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_b, pair.b, 0), triangle_corner(shape_b, pair.b, 1),
                                                  triangle_corner(shape_b, pair.b, 2)).point;
         const double distance = b.scale * length(p - nearest);
         if (distance < reach) lists.corners_a.push_back({c, pair.b, slack_below(distance, margin, size)});
       }
-      if (const std::int32_t c = shape_b.features.owned_corner[tb][k]; c >= 0) {
-        const Vec3 p = (1 / a.scale) * pose.a_from_b(b.scale * shape_b.corner[static_cast<std::size_t>(c)]);
+      if (shape_b.features.owns_corner(tb, k)) {
+        const std::int32_t c = shape_b.features.corner_of[static_cast<std::size_t>(shape_b.mesh.triangles[tb][k])];
+        const Vec3 p = (1 / a.scale) * pose.a_from_b(b.scale * shape_b.corner(c));
         const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_a, pair.a, 0), triangle_corner(shape_a, pair.a, 1),
                                                  triangle_corner(shape_a, pair.a, 2)).point;
         const double distance = a.scale * length(p - nearest);
         if (distance < reach) lists.corners_b.push_back({c, pair.a, slack_below(distance, margin, size)});
       }
-      const std::int32_t ea = shape_a.features.owned_edge[ta][k];
+      const std::int32_t ea = shape_a.features.owned_edge(ta, k);
       if (ea < 0) continue;
-      const ShapeEdge& edge_a = shape_a.edge[static_cast<std::size_t>(ea)];
+      const ShapeEdge edge_a = shape_a.edge(ea);
       for (std::size_t m = 0; m < 3; ++m) {
-        const std::int32_t eb = shape_b.features.owned_edge[tb][m];
+        const std::int32_t eb = shape_b.features.owned_edge(tb, m);
         if (eb < 0) continue;
-        const ShapeEdge& edge_b = shape_b.edge[static_cast<std::size_t>(eb)];
+        const ShapeEdge edge_b = shape_b.edge(eb);
         const double distance = std::sqrt(
             squared_segment_distance(a.scale * edge_a.start, a.scale * edge_a.along, pose.a_from_b(b.scale * edge_b.start),
                                      pose.rotation * (b.scale * edge_b.along)));
@@ -175,11 +177,12 @@ void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, 
                     double radius_a, CandidateLists& lists) {
   begin_lists(a, b, skin, radius_a, 2 * radius_a, lists);  // the wall is the frame
   const RelativePose pose(a, b);
-  for (std::size_t c = 0; c < a.shape->corner.size(); ++c) {
+  const auto corner_count = static_cast<std::int32_t>(a.shape->features.corners.size());
+  for (std::int32_t c = 0; c < corner_count; ++c) {
     Vec3 normal;
-    const double gap = zone_gap(zone, pose.b_from_a(a.scale * a.shape->corner[c]), normal) - a.scale * a.shape->rounding;
+    const double gap = zone_gap(zone, pose.b_from_a(a.scale * a.shape->corner(c)), normal) - a.scale * a.shape->rounding;
     if (gap < margin + skin) {
-      lists.corners_a.push_back({static_cast<std::int32_t>(c), -1, slack_below(gap, margin, radius_a)});
+      lists.corners_a.push_back({c, -1, slack_below(gap, margin, radius_a)});
     }
   }
   end_lists(lists);
@@ -213,7 +216,7 @@ void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZ
   features.clear();
   for (const CornerCandidate& candidate : lists.corners_a) {
     if (candidate.slack > motion) continue;
-    const Vec3 p = a.scale * a.shape->corner[static_cast<std::size_t>(candidate.corner)];
+    const Vec3 p = a.scale * a.shape->corner(candidate.corner);
     Vec3 normal;
     const double gap = zone_gap(zone, pose.b_from_a(p), normal) - a.scale * a.shape->rounding;
     if (gap >= margin) continue;
@@ -246,7 +249,7 @@ void corner_features(const SolverShape& corner_shape, double corner_scale, const
     for (; i < candidates.size() && candidates[i].corner == corner; ++i) {
       if (candidates[i].slack > motion) continue;
       if (!placed) {
-        p = (1 / surface_scale) * to_triangle_frame(corner_scale * corner_shape.corner[static_cast<std::size_t>(corner)]);
+        p = (1 / surface_scale) * to_triangle_frame(corner_scale * corner_shape.corner(corner));
         placed = true;
       }
       const std::int32_t t = candidates[i].triangle;
@@ -277,8 +280,8 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
                    const std::vector<EdgeCandidate>& candidates, std::vector<ContactFeature>& features) {
   for (const EdgeCandidate& candidate : candidates) {
     if (candidate.slack > motion) continue;
-    const ShapeEdge& ea = a.shape->edge[static_cast<std::size_t>(candidate.edge_a)];
-    const ShapeEdge& eb = b.shape->edge[static_cast<std::size_t>(candidate.edge_b)];
+    const ShapeEdge ea = a.shape->edge(candidate.edge_a);
+    const ShapeEdge eb = b.shape->edge(candidate.edge_b);
     // letters of CONTACT.md section 3.2: u, v edge vectors, s, t parameters, r = x_A - x_B = g n
     const Vec3 pa = a.scale * ea.start, u = a.scale * ea.along;
     const Vec3 pb = pose.a_from_b(b.scale * eb.start), v = pose.rotation * (b.scale * eb.along);
@@ -296,7 +299,8 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
     const double g = length(r);
     if (g >= margin || !(g > 0)) continue;
     const Vec3 n = (1 / g) * r;
-    const Vec3 conormal[4] = {ea.conormal[0], ea.conormal[1], pose.rotation * eb.conormal[0], pose.rotation * eb.conormal[1]};
+    const Vec3 conormal[4] = {a.shape->edge_conormal(candidate.edge_a, 0), a.shape->edge_conormal(candidate.edge_a, 1),
+                              pose.rotation * b.shape->edge_conormal(candidate.edge_b, 0), pose.rotation * b.shape->edge_conormal(candidate.edge_b, 1)};
     double y[4];
     bool outside = false;
     for (int i = 0; i < 4; ++i) {

@@ -26,11 +26,7 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   }
   for (const SolverShape& shape : prepared.shapes()) {
     triangles += shape.mesh.triangles.size();
-    shape_bytes += shape.mesh.vertices.size() * sizeof(Vec3) + shape.mesh.triangles.size() * sizeof(Triangle) +
-                   shape.bvh.nodes.size() * sizeof(BvhNode) + shape.bvh.wide.nodes.size() * sizeof(WideNode) +
-                   shape.bvh.wide.leaves.size() * sizeof(WideLeaf) + shape.corner.size() * sizeof(Vec3) + shape.edge.size() * sizeof(ShapeEdge) +
-                   shape.mesh.triangles.size() * (3 * sizeof(Triangle) + 3 + sizeof(std::int32_t)) +
-                   (shape.spoke.size() + shape.features.edges.size() * 3) * sizeof(Vec3);
+    shape_bytes += shape.memory();
   }
   const std::size_t bodies = scene.bodies.size();
   text += fmt::format("Plan of \"{}\": {} bodies of {} shapes ({} triangles), {} walls, {} ranks x {} threads\n", s.title, bodies,

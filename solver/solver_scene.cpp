@@ -9,13 +9,11 @@
 
 namespace scree {
 
-namespace {
-
 SolverShape make_solver_shape(const Shape& source) {
   SolverShape shape;
   shape.kind = source.kind;
   shape.rounding = source.sphere_radius;
-  shape.mesh = source.mesh;
+  shape.mesh = source.mesh;  // a copy holds what it needs and no more
   if (source.kind != ShapeKind::surface) {
     shape.volume = source.mass.volume;
     shape.inertia = source.mass.principal_moments;
@@ -42,40 +40,35 @@ SolverShape make_solver_shape(const Shape& source) {
     shape.equivalent_radius = 0.5 * source.equivalent_diameter();
   }
   shape.features = find_features(shape.mesh);
-  for (std::int32_t v : shape.features.corners) shape.corner.push_back(shape.mesh.vertices[static_cast<std::size_t>(v)]);
-  for (const FeatureEdge& e : shape.features.edges) {
-    ShapeEdge edge;
-    edge.start = shape.mesh.vertices[static_cast<std::size_t>(e.vertex_a)];
-    edge.along = shape.mesh.vertices[static_cast<std::size_t>(e.vertex_b)] - edge.start;
-    edge.conormal[0] = e.conormal[0];
-    edge.conormal[1] = e.conormal[1];
-    shape.edge.push_back(edge);
-  }
-  shape.corner_of.assign(shape.mesh.vertices.size(), -1);
-  for (std::size_t c = 0; c < shape.features.corners.size(); ++c) {
-    shape.corner_of[static_cast<std::size_t>(shape.features.corners[c])] = static_cast<std::int32_t>(c);
-  }
-  // both edges of every triangle at a corner; an inner mesh edge is found twice, which costs a comparison only
-  std::vector<std::vector<Vec3>> spokes(shape.corner.size());
+  // the other two vertices of every triangle at a corner, each once
+  std::vector<std::vector<std::int32_t>> spokes(shape.features.corners.size());
   for (const Triangle& t : shape.mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t c = shape.corner_of[static_cast<std::size_t>(t[k])];
+      const std::int32_t c = shape.features.corner_of[static_cast<std::size_t>(t[k])];
       if (c < 0) continue;
-      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) {
-        spokes[static_cast<std::size_t>(c)].push_back(shape.mesh.vertices[static_cast<std::size_t>(t[other])] -
-                                                      shape.corner[static_cast<std::size_t>(c)]);
-      }
+      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) spokes[static_cast<std::size_t>(c)].push_back(t[other]);
     }
   }
   shape.spoke_start = {0};
-  for (const auto& of_corner : spokes) {
-    shape.spoke.insert(shape.spoke.end(), of_corner.begin(), of_corner.end());
-    shape.spoke_start.push_back(static_cast<std::int32_t>(shape.spoke.size()));
+  for (auto& of_corner : spokes) {
+    std::sort(of_corner.begin(), of_corner.end());
+    of_corner.erase(std::unique(of_corner.begin(), of_corner.end()), of_corner.end());
+    shape.spoke_end.insert(shape.spoke_end.end(), of_corner.begin(), of_corner.end());
+    shape.spoke_start.push_back(static_cast<std::int32_t>(shape.spoke_end.size()));
   }
+  shape.spoke_start.shrink_to_fit();
+  shape.spoke_end.shrink_to_fit();
   shape.bvh = build_bvh(shape.mesh);
   shape.radius = bounding_radius(shape.mesh) + shape.rounding;
   return shape;
 }
+
+std::size_t SolverShape::memory() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(spoke_start) + bytes(spoke_end);
+}
+
+namespace {
 
 void add_zones(const Wall& wall, std::int32_t index, std::vector<WallZone>& zones) {
   const auto add = [&](WallZone::Kind kind, const Vec3& point, const Vec3& direction, double radius) {

@@ -14,10 +14,9 @@
 
 namespace scree {
 
-/// A feature edge of a shape, ready for use: from `start` along `along` (not unit), conormals into the faces.
+/// A feature edge of a shape: from `start` along `along` (not unit).
 struct ShapeEdge {
   Vec3 start, along;
-  Vec3 conormal[2];
 };
 
 /// A shape in its principal frame (origin at the centre of mass, inertia diagonal), scale 1.
@@ -28,11 +27,8 @@ struct SolverShape {
   TriangleMesh mesh;
   Bvh bvh;
   FeatureTable features;
-  std::vector<Vec3> corner;         ///< positions of features.corners
-  std::vector<ShapeEdge> edge;      ///< of features.edges
-  std::vector<std::int32_t> corner_of;           ///< V: corner index of a vertex, or -1
-  std::vector<std::int32_t> spoke_start;         ///< corners + 1: ranges in spoke
-  std::vector<Vec3> spoke;                       ///< mesh edges that leave each corner, as vectors
+  std::vector<std::int32_t> spoke_start;         ///< corners + 1: ranges in spoke_end
+  std::vector<std::int32_t> spoke_end;           ///< vertices to which mesh edges lead from each corner
   double radius = 0;                ///< bounding radius about the origin, rounding included [m]
   double volume = 0;                ///< [m^3]
   double equivalent_radius = 0;     ///< of the ball of equal volume [m]; 0 for a surface
@@ -42,7 +38,23 @@ struct SolverShape {
   /// mass of a contact at worst. It is convex in r, so the corners decide. See derive_step_size.
   double rotational_mobility = 0;
   bool isotropic = false;           ///< all three moments equal: no gyroscopic splitting needed
+
+  /// A corner, and an edge, of `features`.
+  const Vec3& corner(std::int32_t c) const { return mesh.vertices[static_cast<std::size_t>(features.corners[static_cast<std::size_t>(c)])]; }
+  ShapeEdge edge(std::int32_t e) const {
+    const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
+    const Vec3& start = mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
+    return {start, mesh.vertices[static_cast<std::size_t>(ends.vertex_b)] - start};
+  }
+  /// Across an edge into one of its two faces (see core/geometry/features.hpp).
+  Vec3 edge_conormal(std::int32_t e, int side) const { return conormal(mesh, features.edges[static_cast<std::size_t>(e)], side); }
+
+  /// Bytes held: at most 160 a triangle.
+  std::size_t memory() const;
 };
+
+/// What the solver keeps of a shape as read.
+SolverShape make_solver_shape(const Shape& source);
 
 /// One smooth piece of a wall; each carries its own potential with a body, so that a body in a corner rests on
 /// two walls and not on one shared spring.

@@ -37,9 +37,8 @@ struct Minimum {
 };
 
 bool edge_holds(const SolverShape& shape, std::int32_t edge, const Vec3& outward) {
-  const ShapeEdge& e = shape.edge[static_cast<std::size_t>(edge)];
   const double allowed = kNeighbourCosine * length(outward);
-  return dot(outward, e.conormal[0]) <= allowed && dot(outward, e.conormal[1]) <= allowed;
+  return dot(outward, shape.edge_conormal(edge, 0)) <= allowed && dot(outward, shape.edge_conormal(edge, 1)) <= allowed;
 }
 
 bool is_perpendicular(const SolverShape& shape, std::int32_t triangle, const Vec3& outward) {
@@ -58,7 +57,7 @@ bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& c
   minimum = {kRegion, shape.features.region[t], nearest.point};
   if (nearest.place < 0) return true;
   const auto take_edge = [&](std::size_t k) {
-    switch (shape.features.edge_kind[t][k]) {
+    switch (shape.features.edge_kind(t, k)) {
       case EdgeKind::flat:
         return is_perpendicular(shape, triangle, outward);  // inside the flat region, if this is its foot
       case EdgeKind::concave:
@@ -72,16 +71,16 @@ bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& c
   };
   if (nearest.place < 3) return take_edge(static_cast<std::size_t>(nearest.place));
   const auto k = static_cast<std::size_t>(nearest.place - 3);
-  const std::int32_t corner = shape.corner_of[static_cast<std::size_t>(shape.mesh.triangles[t][k])];
+  const std::int32_t corner = shape.features.corner_of[static_cast<std::size_t>(shape.mesh.triangles[t][k])];
   if (corner < 0) {  // inside a flat region or on a straight edge
-    if (shape.features.edge_kind[t][k] != EdgeKind::flat) return take_edge(k);
+    if (shape.features.edge_kind(t, k) != EdgeKind::flat) return take_edge(k);
     return take_edge((k + 2) % 3);
   }
   minimum.kind = kCorner;
   minimum.index = corner;
   const auto c = static_cast<std::size_t>(corner);
   for (std::int32_t s = shape.spoke_start[c]; s < shape.spoke_start[c + 1]; ++s) {
-    const Vec3& spoke = shape.spoke[static_cast<std::size_t>(s)];
+    const Vec3 spoke = shape.mesh.vertices[static_cast<std::size_t>(shape.spoke_end[static_cast<std::size_t>(s)])] - shape.corner(corner);
     if (dot(outward, spoke) > kNeighbourCosine * length(outward) * length(spoke)) return false;
   }
   return true;

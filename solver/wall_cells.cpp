@@ -36,16 +36,16 @@ Anchor anchor_of(const PairBody& a, const PairBody& b, const ContactFeature& f) 
   const auto in_wall = [&](const Vec3& p) { return rotate_inverse(b.q, a.x + rotate(a.q, p) - b.x); };
   if (a.shape->kind == ShapeKind::sphere) return {in_wall({}), {}, true};
   constexpr std::int64_t kMask = (std::int64_t{1} << 30) - 1;
-  const auto i = static_cast<std::size_t>((f.key >> 30) & kMask), j = static_cast<std::size_t>(f.key & kMask);
+  const auto i = static_cast<std::int32_t>((f.key >> 30) & kMask), j = static_cast<std::int32_t>(f.key & kMask);
   switch (f.key >> 60) {
     case 0: {
-      const Vec3 p = a.scale * a.shape->corner[i];
+      const Vec3 p = a.scale * a.shape->corner(i);
       return {in_wall(p), p, true};
     }
     case 1:
-      return {b.scale * b.shape->corner[i], {}, false};
+      return {b.scale * b.shape->corner(i), {}, false};
     default: {
-      const ShapeEdge& edge = b.shape->edge[j];
+      const ShapeEdge edge = b.shape->edge(j);
       return {b.scale * (edge.start + 0.5 * edge.along), {}, false};
     }
   }

@@ -157,8 +157,8 @@ void filter_pairs(const MeshView& a, const MeshView& b, const DescentFrame& fram
     const auto size = static_cast<std::int64_t>(std::min(count - begin, static_cast<std::size_t>(kBatchPairs)));
     for (std::int64_t i = 0; i < size; ++i) {
       const TrianglePair pair = pair_of(begin + static_cast<std::size_t>(i));
-      load_corners(*a.mesh, a.bvh->wide.middle, pair.a, s.single.data() + i);
-      load_corners(*b.mesh, b.bvh->wide.middle, pair.b, s.single.data() + 9 * kStride + i);
+      load_corners(*a.mesh, a.bvh->middle, pair.a, s.single.data() + i);
+      load_corners(*b.mesh, b.bvh->middle, pair.b, s.single.data() + 9 * kStride + i);
     }
     HWY_DYNAMIC_DISPATCH(place_float)(s.single.data(), kStride, size, frame.linear, frame.translation);
     triangle_distances(PairBatch<float>{s.single.data(), kStride, size}, s.single_distance.data());
@@ -200,7 +200,7 @@ void KeptPairs::find_patches(const MeshView& a, const MeshView& b) {
 }
 
 void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s) {
-  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   const double smallest_radius = std::min(static_cast<double>(tree_a.radius), b_in_a.scale * static_cast<double>(tree_b.radius));
   choose_skin(smallest_radius, margin);
   // where the bodies touched last; nothing is known of bodies that have not
@@ -260,7 +260,7 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
 
 bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s, std::vector<ClosePair>& close) {
   close.clear();
-  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
   ++counts_.steps;
   if (has_list_) {

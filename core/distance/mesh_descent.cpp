@@ -19,7 +19,7 @@ namespace scree::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // eight floats as one vector, or as several where vectors are shorter
-using Tag8 = hn::CappedTag<float, kWideWidth>;
+using Tag8 = hn::CappedTag<float, kBvhWidth>;
 using Vec8 = hn::Vec<Tag8>;
 constexpr std::size_t kLanes = hn::MaxLanes(Tag8());
 
@@ -35,7 +35,7 @@ HWY_INLINE Vec8 dot(Vec8 ax, Vec8 ay, Vec8 az, Vec8 bx, Vec8 by, Vec8 bz) {
 }
 
 /// Squared distances of eight boxes (component by component) from one.
-HWY_INLINE Vec8 gaps_squared(const float lower[3][kWideWidth], const float upper[3][kWideWidth], std::size_t part,
+HWY_INLINE Vec8 gaps_squared(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], std::size_t part,
                              const float box[6]) {
   Vec8 sum = hn::Zero(Tag8());
   for (int c = 0; c < 3; ++c) {
@@ -48,28 +48,28 @@ HWY_INLINE Vec8 gaps_squared(const float lower[3][kWideWidth], const float upper
 
 /// Which of the eight boxes lie within reach of the one, the same for all or each its own; their squared distances.
 template <class ReachOf>
-HWY_INLINE std::uint32_t boxes_within(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
-                                      const ReachOf& reach_of, float gap2[kWideWidth]) {
+HWY_INLINE std::uint32_t boxes_within(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const float box[6],
+                                      const ReachOf& reach_of, float gap2[kBvhWidth]) {
   std::uint32_t bits = 0;
-  for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+  for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
     const Vec8 gap = gaps_squared(lower, upper, part, box), reach = reach_of(part);
     hn::StoreU(gap, Tag8(), gap2 + part);
     bits |= bits_of(hn::Le(gap, hn::Mul(reach, reach))) << part;
   }
   return bits;
 }
-HWY_INLINE std::uint32_t near_boxes(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
-                                    float reach, float gap2[kWideWidth]) {
+HWY_INLINE std::uint32_t near_boxes(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const float box[6],
+                                    float reach, float gap2[kBvhWidth]) {
   return boxes_within(lower, upper, box, [reach](std::size_t) { return all(reach); }, gap2);
 }
-HWY_INLINE std::uint32_t near_boxes(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const float box[6],
-                                    const float reach[kWideWidth], float gap2[kWideWidth]) {
+HWY_INLINE std::uint32_t near_boxes(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const float box[6],
+                                    const float reach[kBvhWidth], float gap2[kBvhWidth]) {
   return boxes_within(lower, upper, box, [reach](std::size_t part) { return load(reach + part); }, gap2);
 }
 
 /// The largest reach in each of eight boxes of B.
-HWY_INLINE void reaches(const float lower[3][kWideWidth], const float upper[3][kWideWidth], const DescentReach& reach, float out[kWideWidth]) {
-  for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+HWY_INLINE void reaches(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const DescentReach& reach, float out[kBvhWidth]) {
+  for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
     Vec8 result = all(reach.base);
     if (reach.slope > 0) {
       // to the farthest corner
@@ -84,9 +84,9 @@ HWY_INLINE void reaches(const float lower[3][kWideWidth], const float upper[3][k
   }
 }
 
-void place_boxes(const WideNode& node, const DescentFrame& frame, const DescentReach& reach, PlacedNode& out) {
+void place_boxes(const BvhNode& node, const DescentFrame& frame, const DescentReach& reach, PlacedNode& out) {
   const Vec8 half_of = all(0.5f);
-  for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+  for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
     Vec8 centre[3], half[3];
     for (int c = 0; c < 3; ++c) {
       const Vec8 l = load(node.lower[c] + part), u = load(node.upper[c] + part);
@@ -107,9 +107,9 @@ void place_boxes(const WideNode& node, const DescentFrame& frame, const DescentR
 /// Any direction separates soundly, so the rounding of n itself does not matter; one too short to trust gets an
 /// endless slab.
 template <class ReachOf>
-HWY_INLINE void make_slabs(const float corner[9][kWideWidth], const ReachOf& reach_of, float normal[3][kWideWidth], float* low, float* high) {
+HWY_INLINE void make_slabs(const float corner[9][kBvhWidth], const ReachOf& reach_of, float normal[3][kBvhWidth], float* low, float* high) {
   constexpr float kShortestNormal2 = 1e-30f, kEndless = 3e38f;
-  for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+  for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
     const auto at = [&](int k) { return load(corner[k] + part); };
     const Vec8 e1x = hn::Sub(at(3), at(0)), e1y = hn::Sub(at(4), at(1)), e1z = hn::Sub(at(5), at(2));
     const Vec8 e2x = hn::Sub(at(6), at(0)), e2y = hn::Sub(at(7), at(1)), e2z = hn::Sub(at(8), at(2));
@@ -128,8 +128,8 @@ HWY_INLINE void make_slabs(const float corner[9][kWideWidth], const ReachOf& rea
   }
 }
 
-void place_leaf(const WideLeaf& leaf, const DescentFrame& frame, const DescentReach& reach, PlacedLeaf& out) {
-  for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+void place_leaf(const BvhLeaf& leaf, const DescentFrame& frame, const DescentReach& reach, PlacedLeaf& out) {
+  for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
     for (int v = 0; v < 3; ++v)
       for (int c = 0; c < 3; ++c) {
         const Vec8 x = dot(all(frame.linear[c][0]), all(frame.linear[c][1]), all(frame.linear[c][2]), load(leaf.corner[3 * v] + part),
@@ -156,28 +156,28 @@ HWY_INLINE std::uint32_t outside_slabs(const Vec8 h[3], Vec8 low, Vec8 high) {
 
 HWY_INLINE std::uint32_t first_bits(std::int32_t count) { return (1u << count) - 1u; }
 
-void meet_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, std::int32_t leaf_a, std::int32_t leaf_b,
+void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int32_t leaf_a, std::int32_t leaf_b,
                  const float box_a[6], const DescentReach& reach, DescentScratch& scratch) {
-  const WideLeaf& la = a.leaves[static_cast<std::size_t>(leaf_a)];
-  const WideLeaf& lb = b.leaves[static_cast<std::size_t>(leaf_b)];
+  const BvhLeaf& la = a.leaves[static_cast<std::size_t>(leaf_a)];
+  const BvhLeaf& lb = b.leaves[static_cast<std::size_t>(leaf_b)];
   const auto slot = static_cast<std::size_t>(leaf_b % DescentScratch::kCacheSize);
   PlacedLeaf& placed = scratch.cache[slot];
   if (scratch.cached[slot] != leaf_b) {
     place_leaf(lb, frame, reach, placed);
     scratch.cached[slot] = leaf_b;
   }
-  float gap2[kWideWidth];
+  float gap2[kBvhWidth];
   std::uint32_t rows = near_boxes(placed.lower, placed.upper, box_a, placed.reach, gap2) & first_bits(lb.count);
   if (rows == 0) return;
 
-  float lower[3][kWideWidth], upper[3][kWideWidth];
-  for (std::size_t part = 0; part < kWideWidth; part += kLanes)
+  float lower[3][kBvhWidth], upper[3][kBvhWidth];
+  for (std::size_t part = 0; part < kBvhWidth; part += kLanes)
     for (int c = 0; c < 3; ++c) {
       const Vec8 x0 = load(la.corner[c] + part), x1 = load(la.corner[3 + c] + part), x2 = load(la.corner[6 + c] + part);
       hn::StoreU(hn::Min(hn::Min(x0, x1), x2), Tag8(), lower[c] + part);
       hn::StoreU(hn::Max(hn::Max(x0, x1), x2), Tag8(), upper[c] + part);
     }
-  alignas(32) float normal[3][kWideWidth], low[kWideWidth], high[kWideWidth];
+  alignas(32) float normal[3][kBvhWidth], low[kBvhWidth], high[kBvhWidth];
   bool has_slabs = false;
   for (; rows != 0; rows &= rows - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(rows));
@@ -191,7 +191,7 @@ void meet_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, 
     }
     // separated by the plane of one or of the other
     std::uint32_t apart = 0;
-    for (std::size_t part = 0; part < kWideWidth; part += kLanes) {
+    for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
       Vec8 h[3];
       for (std::size_t v = 0; v < 3; ++v)
         h[v] = dot(load(normal[0] + part), load(normal[1] + part), load(normal[2] + part), all(placed.corner[3 * v][j]), all(placed.corner[3 * v + 1][j]), all(placed.corner[3 * v + 2][j]));
@@ -209,7 +209,7 @@ void meet_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, 
   }
 }
 
-HWY_INLINE void copy_box(const float lower[3][kWideWidth], const float upper[3][kWideWidth], std::size_t k, float box[6]) {
+HWY_INLINE void copy_box(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], std::size_t k, float box[6]) {
   for (std::size_t c = 0; c < 3; ++c) {
     box[c] = lower[c][k];
     box[3 + c] = upper[c][k];
@@ -218,12 +218,12 @@ HWY_INLINE void copy_box(const float lower[3][kWideWidth], const float upper[3][
 
 /// Calls visit for each pair of children within reach.
 template <class Visit>
-HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
+HWY_INLINE void open_pair(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                           DescentScratch& scratch, const Visit& visit) {
-  float gap2[kWideWidth];
+  float gap2[kBvhWidth];
   SubtreePair next = pair;
   const auto open_a = [&](const SubtreePair& with) {
-    const WideNode& node = a.nodes[static_cast<std::size_t>(pair.a)];
+    const BvhNode& node = a.nodes[static_cast<std::size_t>(pair.a)];
     std::uint32_t hits = near_boxes(node.lower, node.upper, with.box_b, with.reach, gap2) & first_bits(node.count);
     for (; hits != 0; hits &= hits - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(hits));
@@ -237,7 +237,7 @@ HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame
     open_a(pair);
     return;
   }
-  const WideNode& node = b.nodes[static_cast<std::size_t>(pair.b)];
+  const BvhNode& node = b.nodes[static_cast<std::size_t>(pair.b)];
   const auto slot = static_cast<std::size_t>(pair.b % DescentScratch::kCacheSize);
   PlacedNode& placed = scratch.node_cache[slot];
   if (scratch.cached_nodes[slot] != pair.b) {
@@ -259,7 +259,7 @@ HWY_INLINE void open_pair(const WideBvh& a, const WideBvh& b, const DescentFrame
   }
 }
 
-HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
+HWY_NOINLINE void open_one(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                            DescentScratch& scratch) {
   if (pair.a < 0 && pair.b < 0) {
     meet_leaves(a, b, frame, ~pair.a, ~pair.b, pair.box_a, reach, scratch);
@@ -268,7 +268,7 @@ HWY_NOINLINE void open_one(const WideBvh& a, const WideBvh& b, const DescentFram
   open_pair(a, b, frame, pair, reach, scratch, [&](const SubtreePair& next) { scratch.pairs.push_back(next); });
 }
 
-HWY_NOINLINE bool open_all(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root, const DescentReach& reach,
+HWY_NOINLINE bool open_all(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root, const DescentReach& reach,
                            DescentScratch& scratch, std::size_t limit) {
   scratch.pairs.clear();
   scratch.pairs.push_back(root);
@@ -303,7 +303,7 @@ constexpr double kAllowanceRoundoffs = 64;
 constexpr double kLargestReach = 1e18;
 }  // namespace
 
-DescentFrame make_descent_frame(const WideBvh& a, const WideBvh& b, const Placement& b_in_a) {
+DescentFrame make_descent_frame(const Bvh& a, const Bvh& b, const Placement& b_in_a) {
   DescentFrame frame;
   double size = static_cast<double>(a.size);
   const Vec3 place = b_in_a.scale * (b_in_a.rotation * b.middle) + b_in_a.translation, translation = place - a.middle;
@@ -328,7 +328,7 @@ float filter_reach(const DescentFrame& frame, double reach) {
   return static_cast<float>(std::min(reach, kLargestReach) * (1 + 0x1p-20)) + frame.allowance;
 }
 
-SubtreePair root_pair(const WideBvh& a) {
+SubtreePair root_pair(const Bvh& a) {
   // B's box is the whole space: the first step places the boxes of its children
   SubtreePair root{0, 0, 0, 0, {}, {}};  // its children get a reach
   const float far = 1e18f;
@@ -345,12 +345,12 @@ SubtreePair root_pair(const WideBvh& a) {
   return root;
 }
 
-bool collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
+bool collect_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root,
                         const DescentReach& reach, DescentScratch& scratch, std::size_t limit) {
   return HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, root, reach, scratch, limit);
 }
 
-void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
+void open_subtrees(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                    DescentScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(open_one)(a, b, frame, pair, reach, scratch);
 }

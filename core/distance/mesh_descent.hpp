@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/wide_bvh.hpp"
+#include "core/geometry/bvh.hpp"
 
 namespace scree {
 
@@ -22,7 +22,7 @@ struct DescentFrame {
   float linear[3][3], absolute[3][3], translation[3];
   float allowance;  ///< [units of A's shape]
 };
-DescentFrame make_descent_frame(const WideBvh& a, const WideBvh& b, const Placement& b_in_a);
+DescentFrame make_descent_frame(const Bvh& a, const Bvh& b, const Placement& b_in_a);
 
 /// What a search for pairs within `reach` compares with, and the reach up to which single precision can square.
 float filter_reach(const DescentFrame& frame, double reach);
@@ -49,16 +49,16 @@ struct SubtreePair {
 /// A leaf of B in A's frame, with its triangles' boxes and separating slabs: n . x in low..high holds the triangle
 /// and everything within reach of its plane's triangle.
 struct alignas(32) PlacedLeaf {
-  float corner[9][kWideWidth];
-  float lower[3][kWideWidth], upper[3][kWideWidth];
-  float normal[3][kWideWidth], low[kWideWidth], high[kWideWidth];
-  float reach[kWideWidth], largest_reach;
+  float corner[9][kBvhWidth];
+  float lower[3][kBvhWidth], upper[3][kBvhWidth];
+  float normal[3][kBvhWidth], low[kBvhWidth], high[kBvhWidth];
+  float reach[kBvhWidth], largest_reach;
 };
 
 /// Boxes of the children of a node of B in A's frame.
 struct alignas(32) PlacedNode {
-  float lower[3][kWideWidth], upper[3][kWideWidth];
-  float reach[kWideWidth];
+  float lower[3][kBvhWidth], upper[3][kBvhWidth];
+  float reach[kBvhWidth];
 };
 
 struct DescentScratch {
@@ -77,15 +77,15 @@ struct DescentScratch {
 };
 
 /// The two roots, taken as within any reach. Both trees must have triangles.
-SubtreePair root_pair(const WideBvh& a);
+SubtreePair root_pair(const Bvh& a);
 
 /// Appends to scratch.candidates every pair of triangles within reach below the pair of subtrees. Gives up and returns
 /// false once there are more than `limit`.
-bool collect_candidates(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& root,
+bool collect_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root,
                         const DescentReach& reach, DescentScratch& scratch, std::size_t limit = ~std::size_t{0});
 
 /// One step of it: two leaves give candidates, anything else gives smaller pairs within reach, in scratch.pairs.
-void open_subtrees(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
+void open_subtrees(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                    DescentScratch& scratch);
 
 }  // namespace scree

@@ -99,7 +99,7 @@ class ExactStage {
 bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach,
                            MeshDistanceScratch& s, std::vector<TrianglePair>& pairs) {
   pairs.clear();
-  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
   s.descent.forget_placed();
@@ -117,7 +117,7 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
 }
 
 bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_in_a, MeshDistanceScratch& s) {
-  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
   ExactStage exact(a, b, b_in_a, s);
@@ -147,7 +147,7 @@ float centre_distance2(const SubtreePair& pair) {
 /// Goes down both trees along the few nearest pairs of boxes and, among boxes that overlap, of centres. Calls solve(pair)
 /// for the pairs of leaves that it comes to: it opens them, and returns the reach from then on.
 template <class Solve>
-void descend_to_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
+void descend_to_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
                        std::vector<SubtreePair>& beam, const Solve& solve) {
   constexpr std::size_t kBeam = 4;
   beam.assign(1, root_pair(a));
@@ -177,7 +177,7 @@ void descend_to_leaves(const WideBvh& a, const WideBvh& b, const DescentFrame& f
 
 double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
                      MeshDistanceScratch& s, TrianglePair* nearest) {
-  const WideBvh &tree_a = a.bvh->wide, &tree_b = b.bvh->wide;
+  const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   TrianglePair found{-1, -1};
   const TrianglePair start = nearest != nullptr ? *nearest : found;
   if (nearest != nullptr) *nearest = found;
@@ -220,73 +220,55 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   return best;
 }
 
-namespace {
-
-// the binary tree, for one point
-
-struct NodeBox {
-  double lower[3], upper[3];
-};
-
-NodeBox box_of(const BvhNode& node) {
-  return {{node.lower[0], node.lower[1], node.lower[2]}, {node.upper[0], node.upper[1], node.upper[2]}};
-}
-
-double gap_squared(const NodeBox& a, const NodeBox& b) {
-  double sum = 0;
-  for (int c = 0; c < 3; ++c) {
-    const double gap = std::max({a.lower[c] - b.upper[c], b.lower[c] - a.upper[c], 0.0});
-    sum += gap * gap;
-  }
-  return sum;
-}
-
-}  // namespace
-
 double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest,
                            std::int32_t& triangle) {
   struct Entry {
-    std::int32_t node;
     double gap2;
+    std::int32_t code;  // >= 0 node, < 0 leaf ~code
   };
   triangle = -1;
-  if (mesh.bvh->nodes.empty()) return upper_bound;
-  const NodeBox here{{point.x, point.y, point.z}, {point.x, point.y, point.z}};
-  const auto entry = [&](std::int32_t n) {
-    return Entry{n, gap_squared(box_of(mesh.bvh->nodes[static_cast<std::size_t>(n)]), here)};
-  };
+  const Bvh& tree = *mesh.bvh;
+  if (tree.nodes.empty()) return upper_bound;
+  const Vec3 here = point - tree.middle;
+  // what the difference and its square can lose: a box must not seem farther than it is
+  constexpr double kGapRounding = 0x1p-49;
+  const double lost = kGapRounding * (std::abs(here.x) + std::abs(here.y) + std::abs(here.z) + static_cast<double>(tree.size));
   // a point is a triangle whose corners coincide: the same kernel, the same rounding
   alignas(64) double values[18 * kBatchPadding], distance[kBatchPadding];
-  static_assert(kBvhLeafSize <= kBatchPadding);
+  static_assert(kBvhWidth <= kBatchPadding);
   for (int k = 0; k < 9; ++k) {
     std::fill_n(values + k * kBatchPadding, kBatchPadding, 0.0);
     std::fill_n(values + (9 + k) * kBatchPadding, kBatchPadding, point[k % 3]);
   }
-  std::array<Entry, 2 * kBvhMaxDepth> stack;
-  std::size_t size = 0;
-  stack[size++] = entry(0);
+  thread_local std::vector<Entry> stack;
+  stack.assign(1, {0, 0});
   double best = upper_bound;
-  while (size > 0) {
-    const Entry top = stack[--size];
+  while (!stack.empty()) {
+    const Entry top = stack.back();
+    stack.pop_back();
     if (top.gap2 >= best * best) continue;
-    const BvhNode& node = mesh.bvh->nodes[static_cast<std::size_t>(top.node)];
-    if (node.second_child >= 0) {
-      Entry near = entry(top.node + 1), far = entry(node.second_child);
-      if (far.gap2 < near.gap2) std::swap(near, far);
-      SCREE_ASSERT(size + 2 <= stack.size());
-      stack[size++] = far;
-      stack[size++] = near;
+    if (top.code >= 0) {
+      const BvhNode& node = tree.nodes[static_cast<std::size_t>(top.code)];
+      const auto first = static_cast<std::ptrdiff_t>(stack.size());
+      for (std::int32_t k = 0; k < node.count; ++k) {
+        double sum = 0;
+        for (int c = 0; c < 3; ++c) {
+          const double gap = std::max({static_cast<double>(node.lower[c][k]) - here[c], here[c] - static_cast<double>(node.upper[c][k]), lost}) - lost;
+          sum += gap * gap;
+        }
+        if (sum < best * best) stack.push_back({sum, node.child[k]});
+      }
+      std::sort(stack.begin() + first, stack.end(), [](const Entry& l, const Entry& r) { return l.gap2 > r.gap2; });  // the nearest is next
       continue;
     }
-    for (std::int32_t i = 0; i < node.count; ++i) {
-      const std::int32_t t = mesh.bvh->order[static_cast<std::size_t>(node.first + i)];
-      for (int k = 0; k < 9; ++k) values[k * kBatchPadding + i] = mesh.mesh->corner(t, k / 3)[k % 3];
-    }
-    triangle_distances(PairBatch<double>{values, kBatchPadding, node.count}, distance);
-    for (std::int32_t i = 0; i < node.count; ++i) {
+    const BvhLeaf& leaf = tree.leaves[static_cast<std::size_t>(~top.code)];
+    for (std::int32_t i = 0; i < leaf.count; ++i)
+      for (int k = 0; k < 9; ++k) values[k * kBatchPadding + i] = mesh.mesh->corner(leaf.triangle[i], k / 3)[k % 3];
+    triangle_distances(PairBatch<double>{values, kBatchPadding, leaf.count}, distance);
+    for (std::int32_t i = 0; i < leaf.count; ++i) {
       if (!(distance[i] < best)) continue;
       best = distance[i];
-      triangle = mesh.bvh->order[static_cast<std::size_t>(node.first + i)];
+      triangle = leaf.triangle[i];
     }
   }
   if (triangle >= 0) {

@@ -34,29 +34,61 @@ std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t i) {
   return i;
 }
 
+Vec3 unit_normal(const TriangleMesh& mesh, std::int32_t t) {
+  const Vec3 n = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+  const double l = length(n);
+  return l > 0 ? (1 / l) * n : Vec3{};
+}
+
+/// Of a face with this normal at the edge from a along u: the corner farthest from the edge tells which side it is on.
+Vec3 conormal_of(const TriangleMesh& mesh, std::int32_t face, const Vec3& normal, const Vec3& a, const Vec3& u) {
+  Vec3 t = cross(normal, u);
+  const double l = length(t);
+  if (!(l > 0)) return Vec3{};
+  t = (1 / l) * t;
+  double farthest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double across = dot(t, mesh.corner(face, k) - a);
+    if (std::abs(across) > std::abs(farthest)) farthest = across;
+  }
+  return farthest < 0 ? -t : t;
+}
+
+// bits of FeatureTable::marks: 0-2 owned corners, 3-5 owned edges, 6-14 kinds
+std::uint16_t corner_mark(std::size_t k) { return static_cast<std::uint16_t>(1u << k); }
+std::uint16_t edge_mark(std::size_t k) { return static_cast<std::uint16_t>(1u << (3 + k)); }
+std::uint16_t kind_mark(EdgeKind kind, std::size_t k) { return static_cast<std::uint16_t>(static_cast<unsigned>(kind) << (6 + 3 * k)); }
+
 }  // namespace
+
+Vec3 conormal(const TriangleMesh& mesh, const FeatureEdge& edge, int side) {
+  const std::int32_t face = edge.face[side];
+  if (face < 0) return {};
+  const Vec3& a = mesh.vertices[static_cast<std::size_t>(edge.vertex_a)];
+  return conormal_of(mesh, face, unit_normal(mesh, face), a, mesh.vertices[static_cast<std::size_t>(edge.vertex_b)] - a);
+}
+
+std::size_t FeatureTable::memory() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return bytes(corners) + bytes(corner_of) + bytes(edges) + bytes(edge_of) + bytes(marks) + bytes(region);
+}
 
 FeatureTable find_features(const TriangleMesh& mesh) {
   const auto triangle_count = static_cast<std::size_t>(mesh.triangle_count());
   const auto vertex_count = static_cast<std::size_t>(mesh.vertex_count());
   FeatureTable table;
-  table.owned_corner.assign(triangle_count, {-1, -1, -1});
-  table.owned_edge.assign(triangle_count, {-1, -1, -1});
+  table.corner_of.assign(vertex_count, -1);
   table.edge_of.assign(triangle_count, {-1, -1, -1});
-  table.edge_kind.assign(triangle_count, {EdgeKind::flat, EdgeKind::flat, EdgeKind::flat});
+  table.marks.assign(triangle_count, 0);
   table.region.assign(triangle_count, 0);
   if (triangle_count == 0) {  // a lone point (the centre of an analytic sphere) is a corner
-    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) table.corners.push_back(v);
+    std::iota(table.corner_of.begin(), table.corner_of.end(), 0);
+    table.corners = table.corner_of;
     return table;
   }
 
   std::vector<Vec3> normal(triangle_count);
-  for (std::size_t t = 0; t < triangle_count; ++t) {
-    const auto i = static_cast<std::int32_t>(t);
-    const Vec3 n = cross(mesh.corner(i, 1) - mesh.corner(i, 0), mesh.corner(i, 2) - mesh.corner(i, 0));
-    const double l = length(n);
-    normal[t] = l > 0 ? (1 / l) * n : Vec3{};
-  }
+  for (std::size_t t = 0; t < triangle_count; ++t) normal[t] = unit_normal(mesh, static_cast<std::int32_t>(t));
 
   // mesh edges from sorted half edges
   std::vector<HalfEdge> half;
@@ -99,20 +131,6 @@ FeatureTable find_features(const TriangleMesh& mesh) {
   }
 
   // kind of each edge, and the sharp edges around each vertex
-  const auto conormal = [&](std::int32_t face, const MeshEdge& edge) {
-    const Vec3& a = mesh.vertices[static_cast<std::size_t>(edge.low)];
-    const Vec3 u = mesh.vertices[static_cast<std::size_t>(edge.high)] - a;
-    Vec3 t = cross(normal[static_cast<std::size_t>(face)], u);
-    const double l = length(t);
-    if (!(l > 0)) return Vec3{};
-    t = (1 / l) * t;
-    std::int32_t opposite = -1;
-    for (std::int32_t v : mesh.triangles[static_cast<std::size_t>(face)]) {
-      if (v != edge.low && v != edge.high) opposite = v;
-    }
-    if (opposite >= 0 && dot(t, mesh.vertices[static_cast<std::size_t>(opposite)] - a) < 0) t = -t;
-    return t;
-  };
   std::vector<std::vector<std::int32_t>> sharp_at(vertex_count);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     MeshEdge& edge = edges[e];
@@ -122,7 +140,9 @@ FeatureTable find_features(const TriangleMesh& mesh) {
       edge.kind = EdgeKind::non_manifold;
     } else if (table.region[static_cast<std::size_t>(edge.faces[0])] !=
                table.region[static_cast<std::size_t>(edge.faces[1])]) {
-      const double side = dot(normal[static_cast<std::size_t>(edge.faces[0])], conormal(edge.faces[1], edge));
+      const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
+      const Vec3 into = conormal_of(mesh, edge.faces[1], normal[static_cast<std::size_t>(edge.faces[1])], a, b - a);
+      const double side = dot(normal[static_cast<std::size_t>(edge.faces[0])], into);
       edge.kind = side > 0 ? EdgeKind::concave : EdgeKind::convex;
     }
     if (edge.kind != EdgeKind::flat) {
@@ -131,7 +151,7 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     }
     for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
       const HalfEdge& he = half[static_cast<std::size_t>(h)];
-      table.edge_kind[static_cast<std::size_t>(he.face)][static_cast<std::size_t>(he.k)] = edge.kind;
+      table.marks[static_cast<std::size_t>(he.face)] |= kind_mark(edge.kind, static_cast<std::size_t>(he.k));
     }
   }
 
@@ -150,7 +170,7 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     const Vec3 b = mesh.vertices[static_cast<std::size_t>(other_end(sharp[1], v))] - p;
     return dot(a, b) > -flat_cosine * length(a) * length(b);
   };
-  std::vector<std::int32_t> corner_of(vertex_count, -1);
+  std::vector<std::int32_t>& corner_of = table.corner_of;
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (!is_corner(v)) continue;
     corner_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(table.corners.size());
@@ -162,7 +182,7 @@ FeatureTable find_features(const TriangleMesh& mesh) {
       const std::int32_t c = corner_of[static_cast<std::size_t>(mesh.triangles[t][k])];
       if (c < 0 || corner_taken[static_cast<std::size_t>(c)]) continue;
       corner_taken[static_cast<std::size_t>(c)] = 1;
-      table.owned_corner[t][k] = c;
+      table.marks[t] |= corner_mark(k);
     }
   }
 
@@ -185,21 +205,20 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     FeatureEdge feature;
     feature.vertex_a = walk(edge.low, static_cast<std::int32_t>(e), edge.feature);
     feature.vertex_b = walk(edge.high, static_cast<std::int32_t>(e), edge.feature);
-    if (edge.kind != EdgeKind::non_manifold) {
-      feature.conormal[0] = conormal(edge.faces[0], edge);
-      if (edge.faces[1] >= 0) feature.conormal[1] = conormal(edge.faces[1], edge);
-    }
+    if (edge.kind != EdgeKind::non_manifold) std::copy(edge.faces, edge.faces + 2, feature.face);
     table.edges.push_back(feature);
   }
   for (const MeshEdge& edge : edges) {
     if (edge.feature < 0) continue;
     const HalfEdge& owner = half[static_cast<std::size_t>(edge.first_face)];
-    table.owned_edge[static_cast<std::size_t>(owner.face)][static_cast<std::size_t>(owner.k)] = edge.feature;
+    table.marks[static_cast<std::size_t>(owner.face)] |= edge_mark(static_cast<std::size_t>(owner.k));
     for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
       const HalfEdge& he = half[static_cast<std::size_t>(h)];
       table.edge_of[static_cast<std::size_t>(he.face)][static_cast<std::size_t>(he.k)] = edge.feature;
     }
   }
+  table.corners.shrink_to_fit();
+  table.edges.shrink_to_fit();
   return table;
 }
 

@@ -27,20 +27,36 @@ enum class EdgeKind : std::uint8_t { flat = 0, convex = 1, concave = 2, boundary
 /// smallest real crease; a larger value would turn finely faceted curved surfaces into flat ones.
 inline constexpr double kFlatAngle = 1e-4;
 
+/// A maximal straight run of mesh edges, as indices: what it is made of follows from the mesh (see conormal).
 struct FeatureEdge {
   std::int32_t vertex_a = 0, vertex_b = 0;  ///< vertices at its ends
-  Vec3 conormal[2];  ///< unit, in the plane of each face, across the edge, into the face; zero where there is no face
+  std::int32_t face[2] = {-1, -1};          ///< the two triangles at its first piece; -1: none, or more than two
 };
 
+/// Unit, in the plane of the edge's face, across the edge, into the face; zero where there is no face.
+Vec3 conormal(const TriangleMesh& mesh, const FeatureEdge& edge, int side);
+
+/// About 38 bytes a triangle of a closed surface on which every edge is sharp and two of three are convex.
 struct FeatureTable {
   std::vector<std::int32_t> corners;      ///< vertex index of each corner, ascending
+  std::vector<std::int32_t> corner_of;    ///< V: corner index of the vertex, or -1
   std::vector<FeatureEdge> edges;         ///< convex and boundary edges only: a concave edge is never closest
-  std::vector<std::array<std::int32_t, 3>> owned_corner;  ///< T x 3: corner index owned by vertex k of the triangle, or -1
-  std::vector<std::array<std::int32_t, 3>> owned_edge;    ///< T x 3: feature edge owned through edge k -> k+1, or -1
-  std::vector<std::array<std::int32_t, 3>> edge_of;       ///< T x 3: feature edge that edge k -> k+1 is a piece of, or -1
-  std::vector<std::array<EdgeKind, 3>> edge_kind;         ///< T x 3: kind of edge k -> k+1
-  std::vector<std::int32_t> region;                       ///< T: flat region of the triangle
+  std::vector<std::array<std::int32_t, 3>> edge_of;  ///< T x 3: feature edge that edge k -> k+1 is a piece of, or -1
+  std::vector<std::uint16_t> marks;       ///< T: who owns what and kinds of edges; read them by the functions below
+  std::vector<std::int32_t> region;       ///< T: flat region of the triangle
   std::int32_t region_count = 0;
+
+  /// Whether the triangle owns the corner at its vertex k; corner_of tells which one.
+  bool owns_corner(std::size_t triangle, std::size_t k) const { return (marks[triangle] >> k & 1) != 0; }
+  /// Feature edge owned through edge k -> k+1 of the triangle, or -1.
+  std::int32_t owned_edge(std::size_t triangle, std::size_t k) const {
+    return (marks[triangle] >> (3 + k) & 1) != 0 ? edge_of[triangle][k] : -1;
+  }
+  /// Kind of edge k -> k+1 of the triangle.
+  EdgeKind edge_kind(std::size_t triangle, std::size_t k) const { return static_cast<EdgeKind>(marks[triangle] >> (6 + 3 * k) & 7); }
+
+  /// Bytes held.
+  std::size_t memory() const;
 };
 
 /// Finds corners, feature edges and flat regions.

@@ -93,8 +93,8 @@ void write_shapes(const h5::Group& group, const std::vector<Shape>& shapes) {
     const FeatureTable features = find_features(shape.mesh);
     std::vector<std::uint8_t> corner(shape.mesh.vertices.size(), 0), edge_kind;
     for (std::int32_t v : features.corners) corner[static_cast<std::size_t>(v)] = 1;
-    for (const auto& kinds : features.edge_kind) {
-      for (EdgeKind kind : kinds) edge_kind.push_back(static_cast<std::uint8_t>(kind));
+    for (std::size_t t = 0; t < shape.mesh.triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) edge_kind.push_back(static_cast<std::uint8_t>(features.edge_kind(t, k)));
     }
     g.write_array("vertex_is_corner", corner, 1, "");
     g.write_array("edge_kind", edge_kind, 3, "");

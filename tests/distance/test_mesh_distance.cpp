@@ -238,53 +238,21 @@ TEST(PointDistance, to_a_rock_is_the_least_over_its_triangles) {
 TEST(Bvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) {
   for (const int level : {0, 1, 3}) {
     const Shape rock(make_rock(level, 17, 0.2));
-    std::vector<int> seen(static_cast<std::size_t>(rock.mesh.triangle_count()), 0);
-    // each node holds all triangles below it
-    const auto check = [&](const auto& self, std::int32_t index, int depth) -> std::vector<std::int32_t> {
-      EXPECT_LE(depth, kBvhMaxDepth);
-      const BvhNode& node = rock.bvh.nodes[static_cast<std::size_t>(index)];
-      std::vector<std::int32_t> below;
-      if (node.second_child < 0) {
-        EXPECT_GE(node.count, 1);
-        EXPECT_LE(node.count, kBvhLeafSize);
-        for (std::int32_t i = 0; i < node.count; ++i) below.push_back(rock.bvh.order[static_cast<std::size_t>(node.first + i)]);
-        for (const std::int32_t t : below) ++seen[static_cast<std::size_t>(t)];
-      } else {
-        below = self(self, index + 1, depth + 1);
-        const std::vector<std::int32_t> more = self(self, node.second_child, depth + 1);
-        below.insert(below.end(), more.begin(), more.end());
-      }
-      for (const std::int32_t t : below)
-        for (int k = 0; k < 3; ++k)
-          for (int c = 0; c < 3; ++c) {
-            EXPECT_LE(static_cast<double>(node.lower[c]), rock.mesh.corner(t, k)[c]);
-            EXPECT_GE(static_cast<double>(node.upper[c]), rock.mesh.corner(t, k)[c]);
-          }
-      return below;
-    };
-    check(check, 0, 0);
-    EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
-  }
-}
-
-TEST(WideBvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) {
-  for (const int level : {0, 1, 3}) {
-    const Shape rock(make_rock(level, 17, 0.2));
-    const WideBvh& tree = rock.bvh.wide;
+    const Bvh& tree = rock.bvh;
     std::vector<int> seen(static_cast<std::size_t>(rock.mesh.triangle_count()), 0);
     const auto below = [&](const auto& self, std::int32_t code) -> std::vector<std::int32_t> {
       std::vector<std::int32_t> triangles;
       if (code < 0) {
-        const WideLeaf& leaf = tree.leaves[static_cast<std::size_t>(~code)];
+        const BvhLeaf& leaf = tree.leaves[static_cast<std::size_t>(~code)];
         EXPECT_GE(leaf.count, 1);
-        EXPECT_LE(leaf.count, kWideWidth);
+        EXPECT_LE(leaf.count, kBvhWidth);
         for (std::int32_t k = 0; k < leaf.count; ++k) {
           triangles.push_back(leaf.triangle[k]);
           ++seen[static_cast<std::size_t>(leaf.triangle[k])];
         }
         return triangles;
       }
-      const WideNode& node = tree.nodes[static_cast<std::size_t>(code)];
+      const BvhNode& node = tree.nodes[static_cast<std::size_t>(code)];
       for (std::int32_t k = 0; k < node.count; ++k) {
         const std::vector<std::int32_t> child = self(self, node.child[k]);
         for (const std::int32_t t : child)
@@ -299,11 +267,9 @@ TEST(WideBvh, holds_every_triangle_once_inside_boxes_that_were_rounded_outward) 
     };
     below(below, 0);
     EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
-    // the promise of the header, with the binary tree, in bytes a triangle
-    const std::size_t bytes = tree.nodes.size() * sizeof(WideNode) + tree.leaves.size() * sizeof(WideLeaf) +
-                              rock.bvh.nodes.size() * sizeof(BvhNode) + rock.bvh.order.size() * sizeof(std::int32_t);
+    // the promise of the header
     if (level == 3) {
-      EXPECT_LE(bytes, 160 * seen.size());
+      EXPECT_LE(tree.memory(), 52 * seen.size());
     }
   }
 }

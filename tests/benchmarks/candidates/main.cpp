@@ -167,7 +167,7 @@ Row measure_path(const BenchShape& a, const BenchShape& b, const std::string& na
 Row measure_packing(const BenchShape& shape, const Options& options) {
   Row row{fmt::format("packing of {}", options.bodies), shape.mesh.triangle_count()};
   Random random(5);
-  const double radius = static_cast<double>(shape.bvh.wide.radius), mean = 0.5 * (1 + radius);
+  const double radius = static_cast<double>(shape.bvh.radius), mean = 0.5 * (1 + radius);
   std::vector<Vec3> home, x;
   std::vector<Quat> q;
   const int edge = static_cast<int>(std::ceil(std::cbrt(options.bodies / 4.0)));
@@ -256,15 +256,11 @@ Row measure_packing(const BenchShape& shape, const Options& options) {
 
 /// What a shape costs, in bytes a triangle.
 void print_memory(const BenchShape& shape) {
-  const auto bytes = [](const auto& v) { return static_cast<double>(v.size() * sizeof(v[0])); };
-  const FeatureTable f = find_features(shape.mesh);
   const double count = shape.mesh.triangle_count();
-  const double mesh = (bytes(shape.mesh.vertices) + bytes(shape.mesh.triangles)) / count;
-  const double binary = (bytes(shape.bvh.nodes) + bytes(shape.bvh.order)) / count;
-  const double wide = (bytes(shape.bvh.wide.nodes) + bytes(shape.bvh.wide.leaves)) / count;
-  const double features = (bytes(f.corners) + bytes(f.edges) + bytes(f.owned_corner) + bytes(f.owned_edge) + bytes(f.edge_of) + bytes(f.edge_kind) + bytes(f.region)) / count;
-  fmt::print("{:>9} triangles: bytes a triangle: mesh {:.1f}, binary tree {:.1f}, wide tree {:.1f}, together {:.1f}; features {:.1f}\n", shape.mesh.triangle_count(), mesh,
-             binary, wide, mesh + binary + wide, features);
+  const double mesh = static_cast<double>(shape.mesh.vertices.size() * sizeof(Vec3) + shape.mesh.triangles.size() * sizeof(Triangle)) / count;
+  const double tree = static_cast<double>(shape.bvh.memory()) / count, features = static_cast<double>(find_features(shape.mesh).memory()) / count;
+  fmt::print("{:>9} triangles: bytes a triangle: mesh {:.1f}, tree {:.1f}, features {:.1f}, together {:.1f}\n", shape.mesh.triangle_count(), mesh, tree,
+             features, mesh + tree + features);
 }
 
 int run(int argc, char** argv) {
