@@ -189,7 +189,7 @@ def x7(tools, table):
     R, k, margin, alpha = .1, 1e6, 1e-5, math.radians(20)
     mass = 1000 * 4 / 3 * math.pi * R**3
     for mu in (0.0, 10.0):
-        c = simple("X7", .5, k * 100, e=.5, mu=mu, gravity=(0, 0, -G), margin=margin, steps_per_contact=120, every=.05)
+        c = simple("X7", .5, k * 100, e=.5, mu=mu, gravity=(0, 0, -G), margin=margin, steps_per_contact=30, every=.05)
         c.sphere("ball", R)
         s = Incline(c, alpha, (0, 0, 0), 20.0, "m")
         c.body("ball", "m", s.point(-6, R + 2 * margin - mass * G * math.cos(alpha) / (100 * k)), orientation=s.q)
@@ -242,6 +242,24 @@ def x8(tools, table):
                 table.add(name, "failed", f"went through unnoticed, z = {run.x[-1, 1, 2]:.3g} m")
             else:
                 table.truth(name, finite(run) and run.v[-1, 1, 2] >= -1e-9 * speed, f"bounced, rebound {run.v[-1, 1, 2] / speed:.3f}")
+        except ToolError as error:
+            table.refusal(name, error)
+
+
+    # the same by spin: the tip of a rod sweeps into a thin plate that stands in its way
+    length = .1
+    for ratio in (.05, 1.0, 20.0, 600.0):
+        spin = ratio * 2 * margin / dt / (length / 2)
+        c = simple("X8-spin", 2.0 / spin, k * length * .004**2 / L**3 / 10, e=.5, step=dt, margin=margin, every=2.0 / spin)
+        c.mesh("rod", meshes.box((length, .004, .004)))
+        c.mesh("wall", meshes.box((.02, thick, .1)))
+        c.body("wall", "m", (.045, 0, 0), fixed=True)
+        c.body("rod", "m", (0, 0, 0), orientation=quaternion((0, 0, 1), -.5), angular_velocity=(0, 0, spin))
+        name = f"tip of a rod, R w dt / margin sum = {ratio:g} (w = {spin:.3g} rad/s)"
+        try:
+            run = c.run(tools)
+            hit = abs(run.w[-1, 1, 2] / spin - 1) > .1
+            table.truth(name, finite(run) and hit, f"struck, spin after over before {run.w[-1, 1, 2] / spin:.3f}" if hit else "went through unnoticed")
         except ToolError as error:
             table.refusal(name, error)
 

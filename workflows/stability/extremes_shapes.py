@@ -33,6 +33,15 @@ def x10(tools, table):
     table.must_refuse("two boxes that overlap by half", lambda: scene("X10a", ("cube", "m", (0, 0, 0)), ("cube", "m", (.05, 0, 0))).run(tools))
     table.must_refuse("two bodies at the same place", lambda: scene("X10b", ("cube", "m", (0, 0, 0)), ("cube", "m", (0, 0, 0))).run(tools))
     table.must_refuse("a small box inside a solid one", lambda: scene("X10c", ("big", "m", (0, 0, 0)), ("cube", "m", (0, 0, 0)), meshes_={"big": meshes.box((1, 1, 1))}).run(tools))
+    # parted on request, before the first step: the parted bodies start at rest, two margins apart
+    c = scene("X10e", ("cube", "m", (0, 0, 0)), ("cube", "m", (.05, .01, 0)))
+    c.tables["contact"]["relax"] = True
+    try:
+        run = c.run(tools)
+        table.truth("two boxes that overlap by half, with relax", finite(run) and run.max_depth_ratio <= 1e-6 and numpy.abs(run.v[-1]).max() < 1e-9,
+                    f"parted to {numpy.linalg.norm(run.x[0, 1] - run.x[0, 0]):.4g} m between centres; speed {numpy.abs(run.v[-1]).max():.2g} m/s")
+    except ToolError as error:
+        table.refusal("two boxes that overlap by half, with relax", error)
     # legal: inside a hollow shell
     outer, inner = meshes.box((1, 1, 1)), meshes.box((.8, .8, .8))
     shell = meshes.joined(outer, (inner[0], inner[1][:, ::-1]))
@@ -275,17 +284,20 @@ def x23(tools, table):
 
 @case("X24", "faces that touch exactly at the start")
 def x24(tools, table):
-    for gap in (0.0, 1e-15, 1e-12, 1e-9):
-        c = simple("X24", .001, 1e4, e=.5, margin=.002, step=1e-5, every=1e-4, contacts=True)
-        c.mesh("cube", meshes.box((.125, .125, .125)))
-        c.body("cube", "m", (0, 0, .0625 + .0625))
-        c.body("cube", "m", (0, 0, .1875 + .0625 + gap))
-        name = f"gap {gap:g} m between identical boxes"
-        try:
-            run = c.run(tools)
-            table.truth(name, finite(run), f"finite, depth {run.max_depth_ratio:.3g} of the margins")
-        except ToolError as error:
-            table.refusal(name, error)
+    for relax in (False, True):
+        for gap in (0.0, 1e-15, 1e-12, 1e-9):
+            c = simple("X24", .001, 1e4, e=.5, margin=.002, step=1e-5, every=1e-4, contacts=True)
+            if relax:
+                c.tables["contact"]["relax"] = True
+            c.mesh("cube", meshes.box((.125, .125, .125)))
+            c.body("cube", "m", (0, 0, .0625 + .0625))
+            c.body("cube", "m", (0, 0, .1875 + .0625 + gap))
+            name = f"gap {gap:g} m between identical boxes{', with relax' if relax else ''}"
+            try:
+                run = c.run(tools)
+                table.truth(name, finite(run), f"finite, depth at most {run.max_depth_ratio:.3g} of the margins" + (", parted along the common normal" if relax else ""))
+            except ToolError as error:
+                table.refusal(name, error)
 
 
 @case("X25", "aligned boxes slide on each other")
