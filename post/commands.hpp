@@ -34,7 +34,8 @@ struct RunOptions {
 
 /// Looking at a run: report, paraview, vtk, picture.
 std::vector<Command> add_view_commands(CLI::App& app);
-/// Numbers: bodies, contacts, scaling.
+Command add_statistics(CLI::App& app);
+/// Numbers: statistics, bodies, contacts, scaling.
 std::vector<Command> add_number_commands(CLI::App& app);
 
 }  // namespace scree

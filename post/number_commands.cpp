@@ -80,6 +80,6 @@ Command add_scaling(CLI::App& app) {
 
 }  // namespace
 
-std::vector<Command> add_number_commands(CLI::App& app) { return {add_bodies(app), add_contacts(app), add_scaling(app)}; }
+std::vector<Command> add_number_commands(CLI::App& app) { return {add_statistics(app), add_bodies(app), add_contacts(app), add_scaling(app)}; }
 
 }  // namespace scree

@@ -16,7 +16,7 @@ constexpr std::array<const char*, 7> kColours{"#0072B2", "#D55E00", "#009E73", "
 constexpr std::array<const char*, 7> kDashes{"", "7 3", "2 3", "10 3 2 3", "", "7 3", "2 3"};
 
 constexpr double kWidth = 640, kHeight = 320;
-constexpr double kLeft = 74, kRight = 16, kTop = 62, kBottom = 48;
+constexpr double kLeft = 74, kRight = 16, kTop = 62, kBottom = 48;  // two rows of legend fit above
 constexpr std::size_t kMostPoints = 1500;  // more than two points a pixel only make the page heavy
 
 struct Prefix {
@@ -48,7 +48,7 @@ std::string power_of_ten(int exponent) { return fmt::format("10<tspan dy=\"-5\" 
 
 /// Keeps the smallest and the largest of each run of points, so that no peak is lost.
 ChartLine thinned(const ChartLine& line) {
-  if (line.x.size() <= kMostPoints) return line;
+  if (line.x.size() <= kMostPoints || line.style != ChartLine::Style::line) return line;
   ChartLine result{line.name, {}, {}};
   const std::size_t runs = kMostPoints / 2;
   for (std::size_t r = 0; r < runs; ++r) {
@@ -64,6 +64,18 @@ ChartLine thinned(const ChartLine& line) {
     }
   }
   return result;
+}
+
+/// Circle, square, triangle, diamond: shapes tell the lines apart where colours do not.
+std::string marker(std::size_t line, double x, double y, const char* colour) {
+  constexpr double r = 4;
+  switch (line % 4) {
+    case 0: return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n", x, y, r, colour);
+    case 1: return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", x - 3.6, y - 3.6, 7.2, 7.2, colour);
+    case 2: return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}h{}z\" fill=\"{}\"/>\n", x, y - 1.2 * r, 1.1 * r, 2 * r, -2.2 * r, colour);
+    default: return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}l{} {}l{} {}z\" fill=\"{}\"/>\n", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r, -1.3 * r,
+                                 -1.3 * r, colour);
+  }
 }
 
 std::string svg_head(const std::string& title, double height) {
@@ -106,34 +118,45 @@ std::vector<double> round_ticks(double low, double high, int count) {
 std::string svg_of(const LineChart& chart) {
   // ranges
   double x_low = std::numeric_limits<double>::infinity(), x_high = -x_low, y_low = x_low, y_high = -x_low;
-  const auto is_drawn = [&](double x, double y) { return std::isfinite(x) && std::isfinite(y) && (!chart.logarithmic || y > 0); };
+  const auto is_drawn = [&](double x, double y) {
+    return std::isfinite(x) && std::isfinite(y) && (!chart.logarithmic || y > 0) && (!chart.logarithmic_x || x > 0);
+  };
+  const auto spread_at = [](const ChartLine& line, std::size_t i) {
+    return i < line.spread.size() && std::isfinite(line.spread[i]) ? line.spread[i] : 0.0;
+  };
   for (const ChartLine& line : chart.lines) {
     for (std::size_t i = 0; i < line.x.size(); ++i) {
       if (!is_drawn(line.x[i], line.y[i])) continue;
       x_low = std::min(x_low, line.x[i]);
       x_high = std::max(x_high, line.x[i]);
-      y_low = std::min(y_low, line.y[i]);
-      y_high = std::max(y_high, line.y[i]);
+      const double spread = chart.logarithmic ? 0 : spread_at(line, i);  // half a decade of doubt must not make ten decades of axis
+      // what cannot be negative keeps its axis at 0, whatever the doubt
+      y_low = std::min(y_low, chart.from_zero && line.y[i] >= 0 ? std::max(0.0, line.y[i] - spread) : line.y[i] - spread);
+      y_high = std::max(y_high, line.y[i] + spread);
     }
   }
   std::string svg = svg_head(chart.title, kHeight);
   if (!(x_high >= x_low)) return svg + "<text x=\"0\" y=\"60\" class=\"chart-text\">nothing to draw</text>\n</svg>\n";
   for (const ChartLimit& limit : chart.limits) {
-    if (is_drawn(0, limit.y)) {
+    if (is_drawn(1, limit.y)) {
       y_low = std::min(y_low, limit.y);
       y_high = std::max(y_high, limit.y);
     }
   }
   if (chart.from_zero && !chart.logarithmic) y_low = std::min(0.0, y_low);
+  const auto whole_decades = [](double& low, double& high) {
+    low = std::pow(10.0, std::floor(std::log10(low) + 1e-12));
+    high = std::pow(10.0, std::ceil(std::log10(high) - 1e-12));
+    if (high <= low) high = 10 * low;
+  };
+  if (chart.logarithmic_x) whole_decades(x_low, x_high);
   if (x_high == x_low) x_high = x_low + 1;
-  const Prefix xp = prefix_for(std::max(std::abs(x_low), std::abs(x_high)), chart.x_unit);
+  const Prefix xp = chart.logarithmic_x ? Prefix{1, chart.x_unit} : prefix_for(std::max(std::abs(x_low), std::abs(x_high)), chart.x_unit);
   const Prefix yp = chart.logarithmic ? Prefix{1, chart.y_unit} : prefix_for(std::max(std::abs(y_low), std::abs(y_high)), chart.y_unit);
   if (chart.logarithmic) {
     constexpr double kMostDecades = 14;  // a value at rounding level must not squeeze the rest
     y_low = std::max(y_low, y_high * std::pow(10.0, -kMostDecades));
-    y_low = std::pow(10.0, std::floor(std::log10(y_low)));
-    y_high = std::pow(10.0, std::ceil(std::log10(y_high) + 1e-12));
-    if (y_high <= y_low) y_high = 10 * y_low;
+    whole_decades(y_low, y_high);
   } else {
     if (!(y_high > y_low)) {
       const double pad = y_high != 0 ? 0.5 * std::abs(y_high) : 1;
@@ -145,7 +168,10 @@ std::string svg_of(const LineChart& chart) {
     y_high = ticks.back() * yp.factor;
   }
   const double width = kWidth - kLeft - kRight, height = kHeight - kTop - kBottom;
-  const auto px = [&](double x) { return kLeft + width * (x - x_low) / (x_high - x_low); };
+  const auto px = [&](double x) {
+    const double part = chart.logarithmic_x ? std::log(x / x_low) / std::log(x_high / x_low) : (x - x_low) / (x_high - x_low);
+    return kLeft + width * part;
+  };
   const auto py = [&](double y) {
     const double part = chart.logarithmic ? std::log(y / y_low) / std::log(y_high / y_low) : (y - y_low) / (y_high - y_low);
     return kTop + height * (1 - part);
@@ -165,13 +191,20 @@ std::string svg_of(const LineChart& chart) {
     const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
     for (double t : ticks) level(t * yp.factor, number(t, step));
   }
-  const std::vector<double> x_ticks = round_ticks(x_low / xp.factor, x_high / xp.factor, 7);
-  const double x_step = x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1;
-  for (double t : x_ticks) {
-    if (t * xp.factor < x_low - 1e-9 * (x_high - x_low) || t * xp.factor > x_high + 1e-9 * (x_high - x_low)) continue;
+  const auto mark = [&](double x, const std::string& text) {
     svg += fmt::format("<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" class=\"axis\"/><text x=\"{0:.1f}\" y=\"{3}\" class=\"tick\" "
-                       "text-anchor=\"middle\">{4}</text>\n", px(t * xp.factor), kTop + height, kTop + height + 5, kTop + height + 18,
-                       number(t, x_step));
+                       "text-anchor=\"middle\">{4}</text>\n", px(x), kTop + height, kTop + height + 5, kTop + height + 18, text);
+  };
+  if (chart.logarithmic_x) {
+    const int low = static_cast<int>(std::lround(std::log10(x_low))), high = static_cast<int>(std::lround(std::log10(x_high)));
+    for (int e = low; e <= high; e += std::max(1, (high - low + 7) / 8)) mark(std::pow(10.0, e), power_of_ten(e));
+  } else {
+    const std::vector<double> x_ticks = round_ticks(x_low / xp.factor, x_high / xp.factor, 7);
+    const double x_step = x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1;
+    for (double t : x_ticks) {
+      if (t * xp.factor < x_low - 1e-9 * (x_high - x_low) || t * xp.factor > x_high + 1e-9 * (x_high - x_low)) continue;
+      mark(t * xp.factor, number(t, x_step));
+    }
   }
   svg += fmt::format("<polyline points=\"{0},{1} {0},{2} {3},{2}\" class=\"axis\"/>\n", kLeft, kTop, kTop + height, kLeft + width);
   svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\" text-anchor=\"middle\">{}</text>\n", kLeft + width / 2, kHeight - 8,
@@ -180,18 +213,30 @@ std::string svg_of(const LineChart& chart) {
                      kTop + height / 2, escaped(axis_text(chart.y_label, yp.text)));
 
   for (const ChartLimit& limit : chart.limits) {
-    if (!is_drawn(0, limit.y)) continue;
+    if (!is_drawn(1, limit.y)) continue;
     svg += fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" class=\"limit\"/><text x=\"{1}\" y=\"{3:.1f}\" "
                        "class=\"limit-text\" text-anchor=\"end\">{4}</text>\n", kLeft, kLeft + width, py(limit.y), py(limit.y) - 5,
                        escaped(limit.text));
   }
 
-  // lines, then the legend above the frame
-  double legend_x = kLeft;
+  // bands, lines and points, then the legend above the frame
+  double legend_x = kLeft, legend_y = 42;
   for (std::size_t s = 0; s < chart.lines.size(); ++s) {
     const ChartLine line = thinned(chart.lines[s]);
+    const bool has_line = line.style != ChartLine::Style::points, has_points = line.style != ChartLine::Style::line;
     const char* colour = kColours[s % kColours.size()];
     const char* dash = kDashes[s % kDashes.size()];
+    const auto y_at = [&](double y) { return py(std::clamp(y, y_low, y_high)); };
+    if (!line.spread.empty()) {
+      std::string upper, lower;
+      for (std::size_t i = 0; i < line.x.size(); ++i) {
+        if (!is_drawn(line.x[i], line.y[i])) continue;
+        const double spread = spread_at(line, i);
+        upper += fmt::format("{:.1f},{:.1f} ", px(line.x[i]), y_at(line.y[i] + spread));
+        lower.insert(0, fmt::format("{:.1f},{:.1f} ", px(line.x[i]), y_at(line.y[i] - spread)));
+      }
+      svg += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.22\" stroke=\"none\"/>\n", upper, lower, colour);
+    }
     std::string path;
     bool pen_down = false;
     for (std::size_t i = 0; i < line.x.size(); ++i) {
@@ -199,16 +244,32 @@ std::string svg_of(const LineChart& chart) {
         pen_down = false;
         continue;
       }
-      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", px(line.x[i]), py(std::clamp(line.y[i], y_low, y_high)));
+      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", px(line.x[i]), y_at(line.y[i]));
       pen_down = true;
+      if (has_points) svg += marker(s, px(line.x[i]), y_at(line.y[i]), colour);
+      if (i < line.labels.size() && !line.labels[i].empty()) {
+        const bool left = px(line.x[i]) > kLeft + 0.75 * width;
+        svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"tick\" text-anchor=\"{}\">{}</text>\n", px(line.x[i]) + (left ? -8 : 8), y_at(line.y[i]) - 6,
+                           left ? "end" : "start", escaped(line.labels[i]));
+      }
     }
-    svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-dasharray=\"{}\"/>\n", path,
-                       colour, dash);
-    if (chart.lines.size() > 1) {
-      svg += fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"42\" y2=\"42\" stroke=\"{2}\" stroke-width=\"2.4\" stroke-dasharray=\"{3}\"/>"
-                         "<text x=\"{4}\" y=\"46\" class=\"chart-text\">{5}</text>\n", legend_x, legend_x + 26, colour, dash, legend_x + 32,
-                         escaped(line.name));
-      legend_x += 32 + 6.8 * static_cast<double>(line.name.size()) + 20;
+    if (has_line) {
+      svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-dasharray=\"{}\"/>\n", path,
+                         colour, dash);
+    }
+    if (chart.lines.size() > 1 || !line.spread.empty()) {
+      const double long_name = 32 + 6.8 * static_cast<double>(line.name.size()) + 20;
+      if (legend_x > kLeft && legend_x + long_name > kWidth) {
+        legend_x = kLeft;
+        legend_y += 15;
+      }
+      if (has_line) {
+        svg += fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{4}\" y2=\"{4}\" stroke=\"{2}\" stroke-width=\"2.4\" stroke-dasharray=\"{3}\"/>", legend_x,
+                           legend_x + 26, colour, dash, legend_y);
+      }
+      if (has_points) svg += marker(s, legend_x + 13, legend_y, colour);
+      svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\">{}</text>\n", legend_x + 32, legend_y + 4, escaped(line.name));
+      legend_x += long_name;
     }
   }
   return svg + "</svg>\n";

@@ -11,6 +11,9 @@ namespace scree {
 struct ChartLine {
   std::string name;
   std::vector<double> x, y;
+  std::vector<double> spread{};             ///< half width of a band about y; empty: none
+  enum class Style { line, points, points_and_line } style = Style::line;
+  std::vector<std::string> labels{};        ///< a text beside each point; empty: none
 };
 
 struct ChartLimit {
@@ -26,6 +29,7 @@ struct LineChart {
   bool from_zero = false;           ///< y axis starts at 0
   std::vector<ChartLine> lines;
   std::vector<ChartLimit> limits;   ///< dashed level lines with a text
+  bool logarithmic_x = false;       ///< the unit then gets no prefix
 };
 std::string svg_of(const LineChart& chart);
 

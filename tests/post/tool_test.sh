@@ -20,6 +20,12 @@ absent() { [[ ! -e $1 ]] || { echo "FAILED: $1 should not be there"; failures=$(
 
 expect 0 "wrote bodies.csv" "$post" bodies sample.run -o bodies.csv;  there bodies.csv
 expect 0 "coordination number" "$post" contacts sample.run/ -o contacts.csv;  there contacts.csv;  there contacts.summary.json
+expect 0 "coordination_number" "$post" statistics sample.run -o st --by-material --profile r:4 --profile z --region "low=box:-1,-1,-1,1,1,0.1" --repose cone --discharge "z=6 cm"
+for file in summary.csv series.csv walls.csv profile_r.csv profile_z_over_time.csv force_distribution.csv pair_correlation.csv statistics.json stress.svg; do there st/$file; done
+if command -v rsvg-convert >/dev/null; then there st/stress.png; fi
+expect 0 "SVG only" env PATH=/nowhere "$(command -v "$post")" statistics sample.run -o st2 --frames last
+expect 2 "no frame between" "$post" statistics sample.run -o st3 --from 7
+expect 2 "is no axis" "$post" statistics sample.run -o st3 --profile q:4
 expect 0 "Energy balance" env -u DISPLAY "$post" report sample.run -o report.html;  there report.html
 expect 0 "scree-post report" "$post" --help
 expect 0 "scree-post" "$post" --version
@@ -52,6 +58,7 @@ expect 0 "still being written" "$post" bodies running.run -o running.csv;  there
 # damage
 cp -r sample.run cut.run && truncate -s 3000 cut.run/frame_000002.hdf
 expect 3 "frame_000002.hdf" "$post" bodies cut.run -o cut.csv;  absent cut.csv
+expect 3 "frame_000002.hdf" "$post" statistics cut.run -o cut_st --no-charts;  absent cut_st/series.csv
 expect 0 "left out: cut.run/frame_000002.hdf" "$post" bodies cut.run -o cut.csv --skip-damaged;  there cut.csv
 cp -r sample.run newer.run && sed -i 's/"format_version": 1,/"format_version": 7,/' newer.run/run.json
 expect 3 "version 7" "$post" report newer.run -o newer.html;  absent newer.html

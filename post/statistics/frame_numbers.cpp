@@ -1,0 +1,323 @@
+#include "post/statistics/frame_numbers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+
+namespace scree {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kForceBins = 40, kShells = 80, kChainLengths = 18;
+constexpr double kLargestForce = 8;     // over the mean: what lies above is one in thousands
+constexpr double kPairReach = 4;        // mean diameters
+constexpr std::size_t kShortestChain = 3;
+
+// The order here is that of the columns; numbers_of fills them in the same order.
+std::vector<Quantity> group_quantities() {
+  std::vector<Quantity> q{{"particle_count", "-", "bodies that are free to move"},
+                          {"mass", "kg", "of the particles"},
+                          {"coordination_number", "-", "neighbours per particle, walls included"},
+                          {"coordination_number_without_rattlers", "-", "of particles with two neighbours or more"},
+                          {"rattler_fraction", "-", "share of particles with fewer than two neighbours"},
+                          {"contact_points_per_particle", "-", "several per neighbour for meshes"},
+                          {"mean_normal_force", "N", "per contact point"},
+                          {"max_normal_force", "N", "per contact point"},
+                          {"mean_tangential_force", "N", "per contact point"}};
+  const auto tensor = [&q](const std::string& name, const std::string& unit, const std::string& meaning) {
+    for (const char* ij : {"xx", "yy", "zz", "xy", "xz", "yz"}) q.push_back({name + "_" + ij, unit, meaning});
+  };
+  tensor("fabric", "-", "mean of n n over contact points among particles");
+  q.push_back({"fabric_anisotropy", "-", "sqrt(3/2 A:A), A = 15/2 deviator of the fabric"});
+  tensor("force_fabric", "-", "sum of f_n n n over sum of f_n");
+  q.push_back({"force_fabric_anisotropy", "-", "the same of the force fabric"});
+  tensor("stress", "Pa", "contact stress, compression positive");
+  q.insert(q.end(), {{"pressure", "Pa", "a third of the trace of the stress"},
+                     {"deviatoric_stress", "Pa", "sqrt(3/2 s:s) of the deviator"},
+                     {"kinetic_pressure", "Pa", "of the velocity fluctuations: density times granular temperature"},
+                     {"solid_fraction", "-", "of the inner 80 % of the bed; of a region: of its volume"},
+                     {"velocity_x", "m/s", "mean by mass"},
+                     {"velocity_y", "m/s", "mean by mass"},
+                     {"velocity_z", "m/s", "mean by mass"},
+                     {"mean_speed", "m/s", "mean by mass"},
+                     {"mean_spin", "rad/s", "mean by number"},
+                     {"granular_temperature", "m^2/s^2", "a third of the mean square of the velocity about its mean"},
+                     {"centre_of_mass_x", "m", "of the particles"},
+                     {"centre_of_mass_y", "m", "of the particles"},
+                     {"centre_of_mass_z", "m", "of the particles"},
+                     {"force_chain_share", "-", "particles in force chains over all"},
+                     {"force_chain_count", "-", "chains of three or more"},
+                     {"force_chain_length", "-", "mean number of particles in a chain"},
+                     {"mixing_index", "-", "Lacey: 0 apart, 1 mixed at random"},
+                     {"angle_of_repose", "deg", "of the free surface"},
+                     {"discharged_mass", "kg", "gone through the level since the start"},
+                     {"discharge_rate", "kg/s", "since the frame before"},
+                     {"kinetic_energy", "J", "of the scene"},
+                     {"potential_energy", "J", "of the scene"},
+                     {"elastic_energy", "J", "of the contacts"},
+                     {"dissipated_energy", "J", "since the start"},
+                     {"energy_error", "J", "of the balance, from log.csv"}});
+  return q;
+}
+
+/// Value of a column of the log at a time, between its rows; NaN outside or without it.
+double log_value(const LogTable& log, const std::string& name, double time) {
+  if (!log.has(name) || log.rows() == 0) return kNaN;
+  const std::vector<double>&t = log.column("time"), &v = log.column(name);
+  const double slack = 1e-9 * std::max(std::abs(t.front()), std::abs(t.back()));
+  if (time < t.front() - slack || time > t.back() + slack) return kNaN;
+  const auto it = std::lower_bound(t.begin(), t.end(), time);
+  const auto i = static_cast<std::size_t>(it - t.begin());
+  if (i >= t.size()) return v.back();
+  if (i == 0 || t[i] == time) return v[i];
+  return v[i - 1] + (v[i] - v[i - 1]) * (time - t[i - 1]) / (t[i] - t[i - 1]);
+}
+
+std::vector<double> centres(double low, double width, std::size_t count) {
+  std::vector<double> c(count);
+  for (std::size_t i = 0; i < count; ++i) c[i] = low + (static_cast<double>(i) + 0.5) * width;
+  return c;
+}
+
+ProfileBins bins_of(const std::string& text, const Container& container, double low, double high) {
+  ProfileBins bins;
+  const std::size_t colon = text.find(':');
+  const std::string axis = text.substr(0, colon);
+  bins.count = 20;
+  if (colon != std::string::npos) {
+    char* end = nullptr;
+    const long count = std::strtol(text.c_str() + colon + 1, &end, 10);
+    if (*end != '\0' || count < 1 || count > 10000) throw UsageError("--profile {}: '{}' is no number of bins between 1 and 10000", text, text.substr(colon + 1));
+    bins.count = static_cast<std::size_t>(count);
+  }
+  if (axis != "x" && axis != "y" && axis != "z" && axis != "r") throw UsageError("--profile {}: '{}' is no axis; expected x, y, z or r, as in z:20", text, axis);
+  bins.axis = axis[0];
+  const Box3 box = container.room.bounds();
+  if (bins.axis == 'r') {
+    bins.high = container.room.kind == Region::Kind::cylinder ? container.room.radius : 0;
+    for (int k = 0; k < 3 && container.room.kind != Region::Kind::cylinder; ++k) {
+      if (k != container.vertical) bins.high = bins.high > 0 ? std::min(bins.high, 0.5 * box.extent()[k]) : 0.5 * box.extent()[k];
+    }
+  } else {
+    const int k = bins.axis - 'x';
+    bins.low = k == container.vertical ? low : box.lower[k];
+    bins.high = k == container.vertical ? high : box.upper[k];
+  }
+  return bins;
+}
+
+}  // namespace
+
+StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_options) : run(the_run), options(the_options) {
+  const Scene& scene = run.scene;
+  const Frame first = load_frame(run, options.frames.front());
+  facts = std::make_unique<SceneFacts>(run, options.container, first);
+  quantities = group_quantities();
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] == 0) scene_mass += scene.mass(i);
+  }
+
+  // groups
+  groups.push_back({"all", nullptr, -1, -1});
+  for (const Region& region : options.regions) groups.push_back({"region " + region.name, &region, -1, -1});  // in our own copy of the options
+  for (std::size_t m = 0; options.by_material && m < scene.materials.size(); ++m) {
+    groups.push_back({"material " + scene.materials[m].name, nullptr, static_cast<std::int32_t>(m), -1});
+  }
+  for (std::size_t s = 0; options.by_shape && s < scene.shapes.size(); ++s) {
+    if (scene.shapes[s].kind != ShapeKind::surface) groups.push_back({"shape " + scene.shapes[s].name, nullptr, -1, static_cast<std::int32_t>(s)});
+  }
+  // profiles, from the lowest to the highest place of the bodies at the first and at the last frame
+  const FrameView view(*facts, first);
+  double low = view.lowest, high = view.highest;
+  double diameter = view.mean_diameter;
+  {
+    const Frame last = load_frame(run, options.frames.back());
+    const FrameView end(*facts, last);
+    low = std::min(low, end.lowest);
+    high = std::max(high, end.highest);
+    if (!(diameter > 0)) diameter = end.mean_diameter;
+  }
+  std::vector<std::string> wanted = options.profiles;
+  if (wanted.empty()) wanted.push_back(std::string(1, static_cast<char>('x' + facts->container.vertical)));
+  for (const std::string& text : wanted) {
+    const ProfileBins bins = bins_of(text, facts->container, low, high);
+    if (!(bins.high > bins.low)) continue;  // no bodies
+    profiles.push_back(bins);
+    const std::string axis(1, bins.axis);
+    StatisticsTable table{"profile_" + axis, "Profile along " + axis, {bins.axis == 'r' ? "distance_from_axis" : axis, "m", "middle of the layer"},
+                          centres(bins.low, bins.width(), bins.count), {}, {}};
+    table.columns = {{"solid_fraction", "-", "of the layer"},
+                     {"particle_count", "-", "centres in the layer"},
+                     {"velocity_x", "m/s", "mean by mass"},
+                     {"velocity_y", "m/s", "mean by mass"},
+                     {"velocity_z", "m/s", "mean by mass"},
+                     {"granular_temperature", "m^2/s^2", "about the mean velocity of the layer"}};
+    tables.push_back(std::move(table));
+  }
+  tables.push_back({"force_distribution", "Distribution of contact forces", {"force_over_mean_normal_force", "-", "middle of the bin"},
+                    centres(0, kLargestForce / kForceBins, kForceBins),
+                    {{"probability_density_normal", "-", "of the normal force"}, {"probability_density_tangential", "-", "of the tangential force"}}, {}});
+  const double reach = kPairReach * diameter;
+  tables.push_back({"pair_correlation", "Pair correlation of the centres", {"distance", "m", "middle of the shell"},
+                    centres(0, reach / kShells, kShells), {{"pair_correlation", "-", "1 where places do not depend on one another"}}, {}});
+  tables.push_back({"force_chain_lengths", "Force chains by length", {"particles", "-", "in a chain; the last row holds all longer ones"},
+                    centres(kShortestChain - 0.5, 1, kChainLengths), {{"chain_count", "-", "chains of that length"}}, {}});
+
+  // mixing: kinds of the first frame
+  std::string mixing = options.mixing;
+  if (mixing == "auto") {
+    bool several = false;
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) several = several || scene.bodies.material[i] != scene.bodies.material[0];
+    mixing = several ? "material" : std::string("half-") + static_cast<char>('x' + facts->container.vertical);
+  }
+  std::int64_t largest_id = -1;
+  for (const std::int64_t id : first.bodies.id) largest_id = std::max(largest_id, id);
+  kind.assign(static_cast<std::size_t>(largest_id + 1), 2);
+  if (mixing != "none") {
+    std::vector<double> places;
+    const int axis = mixing.back() - 'x';
+    const bool halves = mixing.starts_with("half-");
+    for (std::size_t i = 0; halves && i < first.bodies.size(); ++i) {
+      if (view.is_particle[i] != 0) places.push_back(first.bodies.position[i][axis]);
+    }
+    if (!places.empty()) std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2), places.end());
+    std::int32_t one = -1;
+    for (std::size_t i = 0; i < first.bodies.size(); ++i) {
+      if (view.is_particle[i] == 0) continue;
+      const std::int32_t sort = mixing == "shape" ? first.bodies.shape[i] : first.bodies.material[i];
+      if (one < 0) one = sort;
+      const bool first_kind = halves ? first.bodies.position[i][axis] >= places[places.size() / 2] : sort == one;
+      kind[static_cast<std::size_t>(first.bodies.id[i])] = first_kind ? 1 : 0;
+    }
+  }
+
+  if (!options.discharge.empty()) {
+    const std::string& text = options.discharge;
+    if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') {
+      throw UsageError("--discharge {}: expected an axis and a height along it, as in z=0.1 or \"z=5 cm\"", text);
+    }
+    discharge_axis = text[0] - 'x';
+    discharge_level = parse_quantity(text.substr(2), Dimension::length, "--discharge " + text);
+  }
+
+  for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("force_{}", component), "N", "on the wall"});
+  for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
+  wall_quantities.push_back({"power", "W", "of the wall on the bodies, from log.csv"});
+  wall_begin = table_begin(tables.size());
+}
+
+std::size_t StatisticsPlan::index_of(const std::string& quantity) const {
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
+    if (quantities[q].name == quantity) return q;
+  }
+  throw InternalError("no quantity " + quantity);
+}
+
+std::size_t StatisticsPlan::table_begin(std::size_t table) const {
+  std::size_t begin = groups.size() * quantities.size();
+  for (std::size_t t = 0; t < table; ++t) begin += tables[t].coordinates.size() * tables[t].columns.size();
+  return begin;
+}
+
+std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
+  const FrameView view(*facts, frame);
+  const bool has_contacts = run.scene.settings.output_contacts;
+  const ForceChains chains = has_contacts ? force_chains(view) : ForceChains{};
+  const double height = view.highest - view.lowest;
+  std::vector<double> row;
+  row.reserve(size());
+  const auto add_vector = [&row](const Vec3& v) { row.insert(row.end(), {v.x, v.y, v.z}); };
+  const auto add_tensor = [&row](const Mat3& t) {
+    row.insert(row.end(), {t[0].x, t[1].y, t[2].z, 0.5 * (t[0].y + t[1].x), 0.5 * (t[0].z + t[2].x), 0.5 * (t[1].z + t[2].y)});
+  };
+
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Group& group = groups[g];
+    const double room = group.region != nullptr ? group.region->volume() : facts->container.cross_section * height;
+    const MotionMeasures motion = motion_measures(view, group);
+    ContactMeasures c;
+    if (has_contacts) {
+      c = contact_measures(view, group, room);
+    }
+    const std::size_t begin = row.size();
+    row.insert(row.end(), {motion.particles, motion.mass, c.coordination, c.coordination_without_rattlers, c.rattlers, c.points_per_particle,
+                           c.normal_force, c.largest_normal_force, c.tangential_force});
+    add_tensor(c.fabric);
+    row.push_back(c.fabric_anisotropy);
+    add_tensor(c.force_fabric);
+    row.push_back(c.force_fabric_anisotropy);
+    add_tensor(c.stress);
+    row.insert(row.end(), {c.pressure, c.deviatoric_stress});
+    if (!has_contacts) std::fill(row.begin() + static_cast<std::ptrdiff_t>(begin) + 2, row.end(), kNaN);
+    row.push_back(room > 0 ? motion.mass / room * motion.granular_temperature : kNaN);
+    double solid = kNaN;
+    if (group.region != nullptr) {
+      solid = region_solid_fraction(view, *group.region);
+    } else {
+      double own = 0;
+      for (std::size_t i = 0; i < view.volume.size(); ++i) own += group.holds(view, i) ? view.volume[i] : 0;
+      solid = bed_solid_fraction(view) * (view.particle_volume > 0 ? own / view.particle_volume : kNaN);
+    }
+    row.push_back(solid);
+    add_vector(motion.velocity);
+    row.insert(row.end(), {motion.speed, motion.spin, motion.granular_temperature});
+    add_vector(motion.centre);
+    const std::size_t whole_only = row.size();
+    if (g == 0) {
+      const double count = static_cast<double>(chains.chains.size());
+      row.insert(row.end(), {has_contacts && view.particles > 0 ? static_cast<double>(chains.members) / static_cast<double>(view.particles) : kNaN,
+                             has_contacts ? count : kNaN, count > 0 ? static_cast<double>(chains.members) / count : kNaN});
+      std::vector<std::uint8_t> kinds(frame.bodies.size(), 2);
+      for (std::size_t i = 0; i < kinds.size(); ++i) {
+        const auto id = static_cast<std::size_t>(frame.bodies.id[i]);
+        if (id < kind.size()) kinds[i] = kind[id];
+      }
+      row.push_back(mixing_index(view, kinds));
+      row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
+      double above = 0;
+      for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
+        if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
+      }
+      row.push_back(discharge_axis >= 0 ? scene_mass - above : kNaN);
+      row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
+      row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
+    }
+    row.resize(g == 0 ? row.size() : whole_only + (quantities.size() - (whole_only - begin)), kNaN);
+    SCREE_ASSERT(row.size() == (g + 1) * quantities.size(), "{} numbers", row.size());
+  }
+
+  for (const ProfileBins& bins : profiles) {
+    const Profile p = profile(view, bins);
+    for (std::size_t k = 0; k < bins.count; ++k) {
+      row.insert(row.end(), {p.solid_fraction[k], p.particles[k]});
+      add_vector(p.velocity[k]);
+      row.push_back(p.granular_temperature[k]);
+    }
+  }
+  const ForceDistribution forces = force_distribution(view, kForceBins, kLargestForce);
+  for (std::size_t k = 0; k < kForceBins; ++k) row.insert(row.end(), {forces.normal[k], forces.tangential[k]});
+  const StatisticsTable& pairs = tables[profiles.size() + 1];
+  const double shell = pairs.coordinates.size() > 1 ? pairs.coordinates[1] - pairs.coordinates[0] : 0;
+  const std::vector<double> g = pair_correlation(view, kShells, shell * kShells);
+  row.insert(row.end(), g.begin(), g.end());
+  std::vector<double> lengths(kChainLengths, has_contacts ? 0.0 : kNaN);
+  for (const auto& chain : chains.chains) lengths[std::min(chain.size() - kShortestChain, kChainLengths - 1)] += 1;
+  row.insert(row.end(), lengths.begin(), lengths.end());
+
+  const FrameWalls& walls = frame.walls;
+  for (const Wall& wall : run.scene.walls) {
+    const auto it = std::find(walls.id.begin(), walls.id.end(), wall.id);
+    const auto i = static_cast<std::size_t>(it - walls.id.begin());
+    add_vector(it != walls.id.end() ? walls.force[i] : Vec3{kNaN, kNaN, kNaN});
+    add_vector(it != walls.id.end() ? walls.torque[i] : Vec3{kNaN, kNaN, kNaN});
+    row.push_back(log_value(run.log, fmt::format("wall{}_power", wall.id), frame.time));
+  }
+  SCREE_ASSERT(row.size() == size(), "{} numbers, {} expected", row.size(), size());
+  return row;
+}
+
+}  // namespace scree

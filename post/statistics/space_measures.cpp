@@ -1,0 +1,326 @@
+#include "post/statistics/space_measures.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+namespace scree {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+int axis_index(char axis) { return axis - 'x'; }
+
+/// The vertical line in the middle of the container.
+Vec3 middle_of(const Container& c) { return c.room.bounds().centre(); }
+
+double distance_from_line(const Vec3& p, const Vec3& through, int vertical) {
+  Vec3 d = p - through;
+  d[vertical] = 0;
+  return length(d);
+}
+
+/// Area of the cut through the container across an axis, at a place along it.
+double cut_area(const Container& c, int axis, double low, double high, double bed_low, double bed_high) {
+  const Box3 bounds = c.room.bounds();
+  const Vec3 extent = bounds.extent();
+  if (axis != c.vertical) {
+    // the container is filled between the heights of the bed only
+    const int other = 3 - axis - c.vertical;
+    double width = extent[other];
+    if (c.room.kind == Region::Kind::cylinder) {
+      const double r = c.room.radius, x = 0.5 * (low + high) - bounds.centre()[axis];
+      width = 2 * std::sqrt(std::max(0.0, r * r - x * x));
+    }
+    return width * (bed_high - bed_low);
+  }
+  return c.cross_section;
+}
+
+}  // namespace
+
+MotionMeasures motion_measures(const FrameView& view, const Group& group) {
+  MotionMeasures m;
+  const FrameBodies& b = view.frame.bodies;
+  std::size_t count = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (!group.holds(view, i)) continue;
+    ++count;
+    m.mass += view.mass[i];
+    m.centre += view.mass[i] * b.position[i];
+    m.velocity += view.mass[i] * b.velocity[i];
+    m.speed += view.mass[i] * length(b.velocity[i]);
+    m.spin += length(b.angular_velocity[i]);
+  }
+  m.particles = static_cast<double>(count);
+  if (count == 0) {
+    m.centre = m.velocity = {kNaN, kNaN, kNaN};
+    m.speed = m.spin = m.granular_temperature = kNaN;
+    return m;
+  }
+  m.centre *= 1 / m.mass;
+  m.velocity *= 1 / m.mass;
+  m.speed /= m.mass;
+  m.spin /= static_cast<double>(count);
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (group.holds(view, i)) squares += view.mass[i] * squared_length(b.velocity[i] - m.velocity);
+  }
+  m.granular_temperature = squares / m.mass / 3;
+  return m;
+}
+
+double bed_solid_fraction(const FrameView& view) {
+  const double room = view.facts.container.cross_section * (view.solid_high - view.solid_low);
+  return room > 0 ? 0.8 * view.particle_volume / room : kNaN;
+}
+
+double region_solid_fraction(const FrameView& view, const Region& region) {
+  double solid = 0;
+  view.for_each_sample([&](const Vec3& p, double v, std::size_t) {
+    if (region.contains(p)) solid += v;
+  });
+  return solid / region.volume();
+}
+
+Profile profile(const FrameView& view, const ProfileBins& bins) {
+  const Container& container = view.facts.container;
+  const FrameBodies& b = view.frame.bodies;
+  const std::size_t n = bins.count;
+  const bool rings = bins.axis == 'r';
+  const int axis = rings ? 0 : axis_index(bins.axis);
+  const Vec3 middle = middle_of(container);
+  const double width = bins.width(), bed_low = view.solid_low, bed_high = view.solid_high;
+  const bool in_bed_only = rings || axis != container.vertical;
+  const auto bin_of = [&](const Vec3& p) {
+    if (in_bed_only && (p[container.vertical] < bed_low || p[container.vertical] >= bed_high)) return n;
+    const double place = ((rings ? distance_from_line(p, middle, container.vertical) : p[axis]) - bins.low) / width;
+    return place >= 0 && place < static_cast<double>(n) ? static_cast<std::size_t>(place) : n;
+  };
+  Profile p{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<Vec3>(n)};
+  view.for_each_sample([&](const Vec3& x, double v, std::size_t) {
+    if (const std::size_t k = bin_of(x); k < n) p.solid_fraction[k] += v;
+  });
+  std::vector<double> mass(n);
+  for (const int pass : {0, 1}) {
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      if (view.is_particle[i] == 0) continue;
+      const std::size_t k = bin_of(b.position[i]);
+      if (k == n) continue;
+      if (pass == 0) {
+        p.particles[k] += 1;
+        mass[k] += view.mass[i];
+        p.velocity[k] += view.mass[i] * b.velocity[i];
+      } else {
+        p.granular_temperature[k] += view.mass[i] * squared_length(b.velocity[i] - p.velocity[k]) / (3 * mass[k]);
+      }
+    }
+    for (std::size_t k = 0; pass == 0 && k < n; ++k) p.velocity[k] *= 1 / mass[k];  // NaN where nothing is
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const double low = bins.low + static_cast<double>(k) * width, high = low + width;
+    const double room = rings ? std::numbers::pi * (high * high - low * low) * (bed_high - bed_low)
+                              : width * cut_area(container, axis, low, high, bed_low, bed_high);
+    p.solid_fraction[k] = room > 0 ? p.solid_fraction[k] / room : kNaN;
+    if (p.particles[k] == 0) p.granular_temperature[k] = kNaN;
+  }
+  return p;
+}
+
+std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, double reach) {
+  std::vector<double> g(shells, kNaN);
+  const FrameBodies& b = view.frame.bodies;
+  const Domain& domain = view.facts.run->scene.settings.domain;
+  Box3 box;
+  for (int k = 0; k < 3; ++k) {
+    if (view.facts.period.is_periodic(k)) {
+      box.lower[k] = domain.lower[k];
+      box.upper[k] = domain.upper[k];
+      continue;
+    }
+    std::vector<double> places;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      if (view.is_particle[i] != 0) places.push_back(b.position[i][k]);
+    }
+    if (places.size() < 2) return g;
+    const std::size_t margin = places.size() / 20;
+    for (const std::size_t at : {margin, places.size() - 1 - margin}) {
+      std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(at), places.end());
+      (at == margin ? box.lower : box.upper)[k] = places[at];
+    }
+  }
+  const Vec3 extent = box.extent();
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (view.is_particle[i] == 0) continue;
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) inside = inside && (view.facts.period.is_periodic(k) || (b.position[i][k] >= box.lower[k] && b.position[i][k] < box.upper[k]));
+    if (inside) points.push_back(b.position[i]);
+  }
+  const std::size_t n = points.size();
+  if (n < 2 || !(extent.x > 0 && extent.y > 0 && extent.z > 0) || !(reach > 0)) return g;
+
+  // cells no smaller than the reach, points sorted by cell
+  int cells[3];
+  for (int k = 0; k < 3; ++k) cells[k] = std::clamp(static_cast<int>(extent[k] / reach), 1, 512);
+  const auto cell_of = [&](const Vec3& p, int k) {
+    return std::clamp(static_cast<int>((p[k] - box.lower[k]) / extent[k] * cells[k]), 0, cells[k] - 1);
+  };
+  const auto flat = [&](int x, int y, int z) { return static_cast<std::size_t>((x * cells[1] + y) * cells[2] + z); };
+  std::vector<std::size_t> start(static_cast<std::size_t>(cells[0] * cells[1] * cells[2]) + 1);
+  for (const Vec3& p : points) ++start[flat(cell_of(p, 0), cell_of(p, 1), cell_of(p, 2)) + 1];
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  std::vector<Vec3> sorted(n);
+  for (const Vec3& p : points) sorted[next[flat(cell_of(p, 0), cell_of(p, 1), cell_of(p, 2))]++] = p;
+
+  std::vector<double> seen(shells);
+  const double volume = extent.x * extent.y * extent.z, width = reach / static_cast<double>(shells);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3& p = sorted[i];
+    std::array<std::array<int, 3>, 3> near;
+    std::array<int, 3> count{};
+    for (int k = 0; k < 3; ++k) {
+      for (int step = -1; step <= 1; ++step) {
+        int at = cell_of(p, k) + step;
+        if (view.facts.period.is_periodic(k)) at = (at + cells[k]) % cells[k];
+        const auto axis = static_cast<std::size_t>(k);
+        const auto begin = near[axis].begin(), end = begin + count[axis];
+        if (at >= 0 && at < cells[k] && std::find(begin, end, at) == end) near[axis][static_cast<std::size_t>(count[axis]++)] = at;
+      }
+    }
+    for (int x = 0; x < count[0]; ++x) {
+      for (int y = 0; y < count[1]; ++y) {
+        for (int z = 0; z < count[2]; ++z) {
+          const std::size_t cell = flat(near[0][static_cast<std::size_t>(x)], near[1][static_cast<std::size_t>(y)], near[2][static_cast<std::size_t>(z)]);
+          for (std::size_t j = std::max(i + 1, start[cell]); j < start[cell + 1]; ++j) {
+            const Vec3 d = view.facts.period.nearest(sorted[j] - p);
+            const double square = squared_length(d);
+            if (square >= reach * reach) continue;
+            double common = volume;
+            for (int k = 0; k < 3; ++k) {
+              if (!view.facts.period.is_periodic(k)) common *= 1 - std::abs(d[k]) / extent[k];
+            }
+            seen[std::min(shells - 1, static_cast<std::size_t>(std::sqrt(square) / width))] += 2 / common;
+          }
+        }
+      }
+    }
+  }
+  for (std::size_t s = 0; s < shells; ++s) {
+    const double low = static_cast<double>(s) * width, high = low + width;
+    const double shell = 4.0 / 3.0 * std::numbers::pi * (high * high * high - low * low * low);
+    g[s] = seen[s] * volume * volume / (static_cast<double>(n) * static_cast<double>(n - 1) * shell);
+  }
+  return g;
+}
+
+double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind) {
+  constexpr double kPerCell = 12;
+  const FrameBodies& b = view.frame.bodies;
+  Box3 box;
+  double ones = 0, all = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (view.is_particle[i] == 0 || kind[i] > 1) continue;
+    box.add(b.position[i]);
+    ones += kind[i];
+    all += 1;
+  }
+  const double p = ones / all;
+  const Vec3 extent = box.extent();
+  if (!(p > 0 && p < 1)) return kNaN;
+  // an extent of 0 (a single layer) must not make the cell vanish
+  const double largest = std::max({extent.x, extent.y, extent.z});
+  const double room = std::max(extent.x, 1e-6 * largest) * std::max(extent.y, 1e-6 * largest) * std::max(extent.z, 1e-6 * largest);
+  const double side = std::cbrt(room * kPerCell / all);
+  struct Cell {
+    double count = 0, ones = 0;
+  };
+  std::map<std::array<std::int64_t, 3>, Cell> cells;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (view.is_particle[i] == 0 || kind[i] > 1) continue;
+    const Vec3 d = (1 / side) * (b.position[i] - box.lower);
+    Cell& cell = cells[{static_cast<std::int64_t>(d.x), static_cast<std::int64_t>(d.y), static_cast<std::int64_t>(d.z)}];
+    cell.count += 1;
+    cell.ones += kind[i];
+  }
+  double variance = 0;
+  for (const auto& [place, cell] : cells) variance += cell.count * std::pow(cell.ones / cell.count - p, 2) / all;
+  const double apart = p * (1 - p), random = apart * static_cast<double>(cells.size()) / all;
+  return apart > random ? (apart - variance) / (apart - random) : kNaN;
+}
+
+namespace {
+
+/// Highest sample point of each column of the plan, columns one mean diameter wide.
+std::vector<Vec3> surface_of(const FrameView& view) {
+  const int up_axis = view.facts.container.vertical, u = (up_axis + 1) % 3, v = (up_axis + 2) % 3;
+  const double up = view.facts.container.up, side = view.mean_diameter;
+  std::map<std::pair<std::int64_t, std::int64_t>, Vec3> highest;
+  view.for_each_sample([&](const Vec3& p, double, std::size_t) {
+    const auto [it, is_new] = highest.try_emplace({std::llround(p[u] / side), std::llround(p[v] / side)}, p);
+    if (!is_new && up * p[up_axis] > up * it->second[up_axis]) it->second = p;
+  });
+  std::vector<Vec3> points;
+  for (const auto& [place, p] : highest) points.push_back(p);
+  return points;
+}
+
+}  // namespace
+
+double angle_of_repose_cone(const FrameView& view) {
+  const std::vector<Vec3> surface = surface_of(view);
+  if (surface.size() < 8) return kNaN;
+  const Container& c = view.facts.container;
+  const Vec3 centre = motion_measures(view, {}).centre;
+  const double base = c.up > 0 ? view.lowest : -view.highest, height = view.highest - view.lowest;
+  // rings one column wide, so that the outer, with more columns, do not weigh more
+  std::map<std::int64_t, std::pair<double, double>> rings;
+  for (const Vec3& p : surface) {
+    auto& [sum, count] = rings[static_cast<std::int64_t>(distance_from_line(p, centre, c.vertical) / view.mean_diameter)];
+    sum += c.up * p[c.vertical] - base;
+    count += 1;
+  }
+  double n = 0, sr = 0, sh = 0, srr = 0, srh = 0;
+  for (const auto& [ring, heights] : rings) {
+    const double h = heights.first / heights.second;
+    if (h < 0.1 * height || h > 0.9 * height) continue;
+    const double r = (static_cast<double>(ring) + 0.5) * view.mean_diameter;
+    n += 1;
+    sr += r;
+    sh += h;
+    srr += r * r;
+    srh += r * h;
+  }
+  const double spread = n * srr - sr * sr;
+  return n >= 3 && spread > 0 ? kDegrees * std::atan(-(n * srh - sr * sh) / spread) : kNaN;
+}
+
+double angle_of_repose_slope(const FrameView& view) {
+  const std::vector<Vec3> surface = surface_of(view);
+  const Container& c = view.facts.container;
+  const int u = (c.vertical + 1) % 3, v = (c.vertical + 2) % 3;
+  Box3 plan;
+  for (const Vec3& p : surface) plan.add(p);
+  Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  const Vec3 centre = plan.centre(), extent = plan.extent();
+  for (const Vec3& p : surface) {
+    if (std::abs(p[u] - centre[u]) > 0.4 * extent[u] || std::abs(p[v] - centre[v]) > 0.4 * extent[v]) continue;
+    const Eigen::Vector3d row(p[u] - centre[u], p[v] - centre[v], 1);
+    left += row * row.transpose();
+    right += row * (p[c.vertical] - centre[c.vertical]);
+    ++count;
+  }
+  if (count < 8) return kNaN;
+  const Eigen::Vector3d slope = left.ldlt().solve(right);
+  return kDegrees * std::atan(std::hypot(slope[0], slope[1]));
+}
+
+}  // namespace scree

@@ -1,0 +1,88 @@
+// The statistics of a run: over time, by region, material and shape, with confidence intervals; tables, JSON and charts.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "post/frame_pool.hpp"
+#include "post/region.hpp"
+#include "post/run_folder.hpp"
+#include "post/statistics/block_average.hpp"
+#include "post/svg_chart.hpp"
+
+namespace scree {
+
+struct StatisticsOptions {
+  std::vector<std::size_t> frames;       ///< indices, ascending
+  std::vector<Region> regions;           ///< each a group
+  bool by_material = false, by_shape = false;   ///< a group of each
+  std::optional<Region> container;       ///< box or cylinder; else that of the scene (container_of)
+  std::vector<std::string> profiles;     ///< "z:20", "x", "r:10": axis and number of bins; empty: the axis of gravity
+  std::size_t blocks = 10;
+  std::string mixing = "auto";           ///< material | shape | half-x | half-y | half-z | none; auto: material when there are two, else halves along gravity
+  std::string repose = "none";           ///< cone | slope | none
+  std::string discharge;                 ///< "z=0.1": mass that has gone below that height; empty: none
+  FramePool pool{};
+};
+
+/// A number of the output by its standard name.
+struct Quantity {
+  std::string name, unit, meaning;
+};
+
+/// Averages of columns over a coordinate: a profile or a distribution.
+struct StatisticsTable {
+  std::string name, title;
+  Quantity coordinate;
+  std::vector<double> coordinates;
+  std::vector<Quantity> columns;
+  std::vector<std::vector<Average>> values;     ///< by column, by coordinate
+};
+
+/// A quantity over time, thinned so that it does not grow with the number of frames.
+struct Series {
+  std::vector<double> time, value;
+};
+
+struct Statistics {
+  std::vector<std::string> groups;              ///< "all" first
+  std::vector<Quantity> quantities;
+  std::vector<std::vector<Average>> averages;   ///< by group, by quantity
+  std::vector<StatisticsTable> tables;
+  std::vector<std::string> walls;               ///< names
+  std::vector<Quantity> wall_quantities;
+  std::vector<std::vector<Average>> wall_averages;   ///< by wall, by quantity
+  std::vector<Series> series;                   ///< of group "all", by quantity
+  std::vector<std::vector<Series>> wall_series;
+  std::vector<std::vector<std::int64_t>> chains;     ///< force chains at the last frame, ids
+  std::size_t frames = 0, blocks = 0;
+  double first_time = 0, last_time = 0;
+  std::vector<std::string> skipped;             ///< damaged frames
+  const Average& of(const std::string& quantity, std::size_t group = 0) const;
+};
+
+/// Reads the chosen frames once and works out everything.
+///
+/// in   folder   where series.csv, walls.csv and profiles.csv (values of every frame) go, row by row; empty: nowhere
+/// Fails: UsageError (an option that does not fit the run), InputError (a damaged frame, named), SystemError.
+/// Memory: one frame in each process and the averages, whatever the number of frames.
+Statistics run_statistics(const Run& run, const StatisticsOptions& options, const std::string& folder);
+
+/// summary.csv, a CSV for each table, force_chains.csv, energies.csv (from log.csv) and statistics.json.
+/// Returns the names of the files.
+std::vector<std::string> write_statistics(const Run& run, const Statistics& statistics, const std::string& folder);
+nlohmann::json json_of(const Run& run, const Statistics& statistics);
+
+/// A chart and the table that it shows: NAME.svg and the CSV beside it.
+struct NamedChart {
+  std::string name, csv;
+  LineChart chart;
+};
+std::vector<NamedChart> charts_of(const Statistics& statistics);
+
+/// The averages that matter most, some lines for the terminal.
+std::string summary_of(const Statistics& statistics);
+
+}  // namespace scree

@@ -1,0 +1,444 @@
+// Statistics against closed forms: lattices, two bodies, uniform random points, forces that were put there.
+#include "post/statistics/statistics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "post/choice.hpp"
+#include "post/statistics/space_measures.hpp"
+#include "post/statistics/volume_samples.hpp"
+#include "tests/post/sample_run.hpp"
+
+namespace scree {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Balls of one size in a box, by hand.
+struct Packing {
+  scree::Run run;
+  Frame frame;
+
+  Packing(double radius, const Vec3& lower, const Vec3& upper, const Vec3& gravity) {
+    Scene& scene = run.scene;
+    scene.settings.gravity = gravity;
+    scene.materials = {{"rock", 2000, 0, 0}, {"glass", 1000, 0, 0}};
+    scene.shapes = {make_sphere("ball", radius), make_solid("box", box_mesh({radius, 2 * radius, 3 * radius}))};
+    Wall box;
+    box.kind = WallKind::box_inside;
+    box.id = 1000000;
+    box.lower = lower;
+    box.upper = upper;
+    scene.walls = {box};
+    run.boundary_ids = {box.id};
+    frame.walls.id = {box.id};
+    frame.walls.position = {Vec3{}};
+    frame.walls.orientation = {Quat{}};
+    frame.walls.force = {Vec3{}};
+    frame.walls.torque = {Vec3{}};
+  }
+  void add(const Vec3& position, const Vec3& velocity = {}, std::int32_t material = 0, std::int32_t shape = 0, double scale = 1) {
+    FrameBodies& b = frame.bodies;
+    b.id.push_back(static_cast<std::int64_t>(b.id.size()));
+    b.shape.push_back(shape);
+    b.material.push_back(material);
+    b.rank.push_back(0);
+    b.scale.push_back(scale);
+    b.position.push_back(position);
+    b.orientation.push_back({});
+    b.velocity.push_back(velocity);
+    b.angular_velocity.push_back({});
+    BodyTable& t = run.scene.bodies;
+    t.id.push_back(b.id.back());
+    t.shape.push_back(shape);
+    t.material.push_back(material);
+    t.scale.push_back(scale);
+    t.position.push_back(position);
+    t.fixed.push_back(0);
+  }
+  void contact(std::int64_t a, std::int64_t b, const Vec3& point, const Vec3& normal, double normal_force, const Vec3& tangential = {}) {
+    test::add_contact(frame, a, b, 0, normal, normal_force);
+    frame.contacts.point.back() = point;
+    frame.contacts.tangential_force.back() = tangential;
+  }
+  /// n^3 balls on a cubic lattice that fill the box from (0, 0, 0), each pressing on its neighbours and on the walls with `force`.
+  void fill_lattice(int n, double diameter, const Vec3& force) {
+    for (int z = 0; z < n; ++z) {
+      for (int y = 0; y < n; ++y) {
+        for (int x = 0; x < n; ++x) add(diameter * Vec3{x + 0.5, y + 0.5, z + 0.5});
+      }
+    }
+    const int stride[3] = {1, n, n * n};
+    for (int i = 0; i < n * n * n; ++i) {
+      const int place[3] = {i % n, i / n % n, i / n / n};
+      const Vec3 x = frame.bodies.position[static_cast<std::size_t>(i)];
+      for (int k = 0; k < 3; ++k) {
+        Vec3 e;
+        e[k] = 1;
+        if (place[k] + 1 < n) contact(i, i + stride[k], x + (0.5 * diameter) * e, -e, force[k]);
+      }
+      for (int k = 0; k < 3; ++k) {
+        Vec3 e;
+        e[k] = 1;
+        if (place[k] == 0) contact(i, 1000000, x - (0.5 * diameter) * e, e, force[k]);
+        if (place[k] == n - 1) contact(i, 1000000, x + (0.5 * diameter) * e, -e, force[k]);
+      }
+    }
+  }
+};
+
+double trace(const Mat3& m) { return m[0].x + m[1].y + m[2].z; }
+
+TEST(ContactMeasures, a_cubic_lattice_has_the_neighbours_and_the_stress_of_its_walls) {
+  constexpr int n = 6;
+  constexpr double d = 0.1;
+  const Vec3 force{1, 2, 4};
+  Packing p(d / 2, {0, 0, 0}, {n * d, n * d, n * d}, {0, 0, 0});
+  p.fill_lattice(n, d, force);
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const ContactMeasures m = contact_measures(view, {}, std::pow(n * d, 3));
+  // six, but the box is one wall: a ball in an edge (12 (n-2)) has one neighbour less for it, in a corner (8) two
+  EXPECT_DOUBLE_EQ(m.coordination, 6.0 - (12.0 * (n - 2) + 8 * 2) / (n * n * n));
+  EXPECT_EQ(m.rattlers, 0);
+  EXPECT_DOUBLE_EQ(m.fabric[0].x, 1.0 / 3);  // as many contacts along each axis
+  EXPECT_NEAR(m.fabric_anisotropy, 0, 1e-12);
+  EXPECT_DOUBLE_EQ(m.force_fabric[2].z, 4.0 / 7);
+  EXPECT_NEAR(trace(m.fabric), 1, 1e-14);
+  EXPECT_NEAR(trace(m.force_fabric), 1, 1e-14);
+  // n^2 forces on each side over its area, which is what a gauge in the wall shows
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(m.stress[k][k], n * n * force[k] / (n * d * n * d), 1e-9 * m.stress[k][k]);
+    EXPECT_NEAR(m.stress[k][(k + 1) % 3], 0, 1e-12 * m.pressure);
+  }
+  // half of the box, cut through the middle of the balls: the same stress
+  const Region half = parse_region("half=box:0,0,0,0.6,0.6,0.25");
+  const ContactMeasures lower = contact_measures(view, {"half", &half, -1, -1}, half.volume());
+  EXPECT_NEAR(lower.stress[2].z, m.stress[2].z, 1e-9 * m.stress[2].z);
+  EXPECT_NEAR(lower.stress[0].x, m.stress[0].x * 36.0 / 30, 0.2 * m.stress[0].x) << "rows of balls are cut through their contacts along x";
+}
+
+TEST(ContactMeasures, materials_share_the_stress_between_them) {
+  Packing p(0.05, {0, 0, 0}, {0.2, 0.2, 0.2}, {0, 0, 0});
+  p.fill_lattice(2, 0.1, {3, 2, 1});
+  for (std::size_t i = 0; i < 4; ++i) p.frame.bodies.material[i] = 1;
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const ContactMeasures all = contact_measures(view, {}, 1), rock = contact_measures(view, {"rock", nullptr, 0, -1}, 1),
+                        glass = contact_measures(view, {"glass", nullptr, 1, -1}, 1);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(rock.stress[k][k] + glass.stress[k][k], all.stress[k][k], 1e-12);
+  EXPECT_NEAR(rock.stress[0].x, glass.stress[0].x, 1e-12);
+}
+
+TEST(ContactMeasures, two_bodies_have_the_stress_of_force_times_branch) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, 0});
+  p.add({1, 1, 1});
+  p.add({2, 1, 1});
+  p.contact(0, 1, {1.5, 1, 1}, {-1, 0, 0}, 3, {0, 2, 0});
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const ContactMeasures m = contact_measures(view, {}, 2);
+  EXPECT_DOUBLE_EQ(m.stress[0].x, 1.5);       // (-3) * (1 - 2) / 2
+  EXPECT_DOUBLE_EQ(m.stress[1].x, -1);        // 2 * (1 - 2) / 2
+  EXPECT_DOUBLE_EQ(m.pressure, 0.5);
+  EXPECT_DOUBLE_EQ(m.normal_force, 3);
+  EXPECT_DOUBLE_EQ(m.tangential_force, 2);
+  EXPECT_DOUBLE_EQ(m.coordination, 1);
+  EXPECT_DOUBLE_EQ(m.rattlers, 1);
+  // deviator of diag(1.5, 0, 0) with shear 0.5 (half of -1 twice): s:s = 1.5 + 0.5
+  EXPECT_NEAR(m.deviatoric_stress, std::sqrt(1.5 * 2.0), 1e-12);
+}
+
+TEST(ContactMeasures, the_stress_passes_through_a_periodic_side) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, 0});
+  Domain& domain = p.run.scene.settings.domain;
+  domain.bounded = true;
+  domain.upper = {4, 4, 4};
+  domain.periodic = {true, false, false};
+  p.add({0.2, 1, 1});
+  p.add({3.3, 1, 1});
+  p.contact(0, 1, {3.8, 1, 1}, {1, 0, 0}, 5);
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  EXPECT_DOUBLE_EQ(contact_measures(FrameView(facts, p.frame), {}, 1).stress[0].x, 5 * 0.9);
+}
+
+TEST(ContactMeasures, the_anisotropy_of_a_known_distribution_comes_back) {
+  // normals with density (1 + a P(n)) / 4 pi, A = diag(-a/2, -a/2, a): by weights on a fine grid of the sphere, carried by forces
+  constexpr double a = 0.6;
+  Mat3 fabric;
+  double total = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double z = -1 + (i + 0.5) / 500, r = std::sqrt(1 - z * z);
+    for (int j = 0; j < 8; ++j) {
+      const Vec3 normal{r * std::cos(kPi * j / 4), r * std::sin(kPi * j / 4), z};
+      const double weight = 1 + a * (1.5 * z * z - 0.5);
+      for (int k = 0; k < 3; ++k) fabric[k] += weight * normal[k] * normal;
+      total += weight;
+    }
+  }
+  for (int k = 0; k < 3; ++k) fabric[k] *= 1 / total;
+  EXPECT_NEAR(anisotropy(fabric), 1.5 * a, 1e-4);  // sqrt(3/2 A:A) = sqrt(3/2 * 3/2) a
+}
+
+TEST(ForceChains, a_loaded_column_is_a_chain_and_its_weak_neighbours_are_not) {
+  Packing p(0.5, {0, 0, 0}, {9, 9, 9}, {0, 0, 0});
+  for (int z = 0; z < 5; ++z) p.add({1, 1, 1.0 + z});
+  for (int z = 0; z < 5; ++z) p.add({2, 1, 1.0 + z});
+  for (int z = 0; z < 4; ++z) {
+    p.contact(z, z + 1, {1, 1, 1.5 + z}, {0, 0, -1}, 100);
+    p.contact(z, z + 5, {1.5, 1, 1.0 + z}, {-1, 0, 0}, 1);
+  }
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const ForceChains chains = force_chains(FrameView(facts, p.frame));
+  ASSERT_EQ(chains.chains.size(), 1u);
+  EXPECT_EQ(chains.chains[0], (std::vector<std::int64_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(chains.members, 5u);
+}
+
+TEST(ForceDistribution, densities_of_exponential_forces_are_those_of_the_exponential) {
+  Packing p(0.5, {0, 0, 0}, {9, 9, 9}, {0, 0, 0});
+  p.add({1, 1, 1});
+  p.add({2, 1, 1});
+  constexpr int n = 20000;
+  for (int i = 0; i < n; ++i) p.contact(0, 1, {}, {1, 0, 0}, -3 * std::log((i + 0.5) / n));  // quantiles of the exponential of mean 3
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const ForceDistribution d = force_distribution(FrameView(facts, p.frame), 16, 8);
+  for (std::size_t k = 0; k < 12; ++k) {
+    const double low = 0.5 * static_cast<double>(k), expected = (std::exp(-low) - std::exp(-low - 0.5)) / 0.5;
+    EXPECT_NEAR(d.normal[k], expected, 0.02 * expected + 2.0 / n) << k;
+  }
+}
+
+TEST(VolumeSamples, they_have_the_volume_of_any_part_of_a_ball_and_of_a_box) {
+  const Shape ball = make_sphere("ball", 1);
+  const std::vector<Vec3> points = volume_samples(ball, 2000);
+  EXPECT_NEAR(static_cast<double>(points.size()), 2000, 100);
+  constexpr double cap = 0.5;  // above z = 1/2: (2 + 1/2) (1/2)^2 pi / 3 over 4 pi / 3 = 5 / 32
+  EXPECT_NEAR(static_cast<double>(std::count_if(points.begin(), points.end(), [](const Vec3& q) { return q.z > cap; })) / static_cast<double>(points.size()), 5.0 / 32, 0.01);
+  const std::vector<Vec3> inside = volume_samples(make_solid("box", box_mesh({1, 2, 3})), 2000);
+  for (const Vec3& q : inside) {
+    EXPECT_LE(std::abs(q.x), 0.55);
+    EXPECT_LE(std::abs(q.z), 1.55);
+  }
+  EXPECT_NEAR(static_cast<double>(std::count_if(inside.begin(), inside.end(), [](const Vec3& q) { return q.z > 0.75; })) / static_cast<double>(inside.size()), 0.25, 0.02);
+}
+
+TEST(SpaceMeasures, a_cubic_lattice_fills_pi_over_six_of_bed_region_and_every_layer_by_the_balls_section) {
+  constexpr int n = 10;  // so that 10 % of the solid is one layer
+  Packing p(0.5, {0, 0, 0}, {n, n, n}, {0, 0, -9.81});
+  p.fill_lattice(n, 1, {1, 1, 1});
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  EXPECT_DOUBLE_EQ(view.lowest, 0);
+  EXPECT_DOUBLE_EQ(view.highest, n);
+  EXPECT_NEAR(bed_solid_fraction(view), kPi / 6, 0.01);
+  EXPECT_NEAR(region_solid_fraction(view, parse_region("box:1,1,1,6,6,6")), kPi / 6, 0.005);
+  const Profile layers = profile(view, {'z', 0, n, 4 * n});
+  for (std::size_t k = 0; k < layers.solid_fraction.size(); ++k) {
+    // a quarter of a ball's height: outer quarter pi h^2 (3 R - h) / 3 with h = 1/4, R = 1/2, inner the rest of the half
+    const double outer = kPi * (1.0 / 16) * (1.5 - 0.25) / 3, inner = kPi / 12 - outer;
+    const double expected = (k % 4 == 0 || k % 4 == 3 ? outer : inner) / 0.25;
+    EXPECT_NEAR(layers.solid_fraction[k], expected, 0.03) << k;
+  }
+  EXPECT_EQ(layers.particles[1] + layers.particles[2], n * n);  // the centres lie at the height of the middle of a ball
+}
+
+TEST(SpaceMeasures, the_temperature_of_a_layer_does_not_see_the_shear) {
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});
+  // velocity 2 z along x, and +-0.3 along y in turn: T = 0.09 / 3 in a layer, plus the shear's 4 var(z) / 3 in the whole
+  double z_square = 0;
+  for (int z = 0; z < 10; ++z) {
+    for (int i = 0; i < 20; ++i) {
+      p.add({0.05 * i + 0.025, 0.5, 0.1 * z + 0.05}, {2 * (0.1 * z + 0.05), i % 2 == 0 ? 0.3 : -0.3, 0});
+      z_square += std::pow(0.1 * z + 0.05 - 0.5, 2) / 200;
+    }
+  }
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const Profile layers = profile(view, {'z', 0, 1, 10});
+  for (std::size_t k = 0; k < 10; ++k) {
+    EXPECT_NEAR(layers.granular_temperature[k], 0.03, 1e-12);
+    EXPECT_NEAR(layers.velocity[k].x, 2 * (0.1 * static_cast<double>(k) + 0.05), 1e-12);
+  }
+  const MotionMeasures whole = motion_measures(view, {});
+  EXPECT_NEAR(whole.granular_temperature, 0.03 + 4 * z_square / 3, 1e-12);
+  EXPECT_NEAR(whole.mass, 200 * 2000 * 4 * kPi / 3 * 1.25e-4, 1e-9);
+}
+
+TEST(SpaceMeasures, uniform_random_points_have_a_pair_correlation_of_one) {
+  for (const bool periodic : {false, true}) {
+    Packing p(0.01, {0, 0, 0}, {1, 1, 1}, {0, 0, 0});
+    p.run.scene.settings.domain.bounded = periodic;
+    p.run.scene.settings.domain.upper = {1, 1, 1};
+    p.run.scene.settings.domain.periodic = {periodic, periodic, periodic};
+    std::mt19937_64 generator(5);
+    std::uniform_real_distribution<double> place(0, 1);
+    for (int i = 0; i < 6000; ++i) p.add({place(generator), place(generator), place(generator)});
+    const SceneFacts facts(p.run, std::nullopt, p.frame);
+    const std::vector<double> g = pair_correlation(FrameView(facts, p.frame), 10, 0.3);
+    for (std::size_t s = 2; s < g.size(); ++s) EXPECT_NEAR(g[s], 1, 0.03) << s << " periodic " << periodic;  // 4e4 pairs and more in each
+  }
+}
+
+TEST(SpaceMeasures, the_pair_correlation_of_a_lattice_holds_six_twelve_and_eight_neighbours) {
+  constexpr int n = 10;
+  Packing p(0.5, {0, 0, 0}, {n, n, n}, {0, 0, 0});
+  Domain& domain = p.run.scene.settings.domain;
+  domain.bounded = true;
+  domain.upper = {n, n, n};
+  domain.periodic = {true, true, true};
+  p.fill_lattice(n, 1, {1, 1, 1});
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const std::vector<double> g = pair_correlation(FrameView(facts, p.frame), 19, 1.9);
+  const auto neighbours = [&](std::size_t s) {  // density n^3 / V = 1, estimated from pairs: (n^3 - 1) / n^3
+    const double low = 0.1 * static_cast<double>(s), high = low + 0.1;
+    return g[s] * 4.0 / 3 * kPi * (high * high * high - low * low * low) * (n * n * n - 1) / (n * n * n);
+  };
+  EXPECT_NEAR(neighbours(10) + neighbours(9), 6, 1e-9);
+  EXPECT_NEAR(neighbours(14), 12, 1e-9);  // at 1.414
+  EXPECT_NEAR(neighbours(17), 8, 1e-9);   // at 1.732
+  EXPECT_EQ(g[5], 0);
+}
+
+TEST(SpaceMeasures, halves_that_lie_apart_have_index_zero_and_random_kinds_one) {
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, 0});
+  p.fill_lattice(16, 0.0625, {1, 1, 1});
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  std::vector<std::uint8_t> apart, random;
+  std::mt19937_64 generator(3);
+  for (std::size_t i = 0; i < p.frame.bodies.size(); ++i) {
+    apart.push_back(p.frame.bodies.position[i].x > 0.5 ? 1 : 0);
+    random.push_back(generator() % 2);
+  }
+  EXPECT_LT(mixing_index(view, apart), 0.2) << "of seven layers of cells only the one that the border cuts is mixed";
+  EXPECT_NEAR(mixing_index(view, random), 1, 0.02);
+}
+
+TEST(SpaceMeasures, a_heap_and_a_slope_have_the_angle_they_were_built_with) {
+  constexpr double degrees = 30;
+  const double slope = std::tan(degrees * kPi / 180);
+  Packing cone(0.01, {-1, -1, 0}, {1, 1, 1}, {0, 0, -9.81}), plane(0.01, {-1, -1, 0}, {1, 1, 2}, {0, 0, -9.81});
+  for (double x = -0.95; x < 1; x += 0.02) {
+    for (double y = -0.95; y < 1; y += 0.02) {
+      const double height = slope * (0.9 - std::hypot(x, y));
+      if (height > 0) cone.add({x, y, height});  // the surface is all that counts
+      plane.add({x, y, slope * (0.6 * x + 0.8 * y + 1)});
+    }
+  }
+  const SceneFacts cone_facts(cone.run, std::nullopt, cone.frame), plane_facts(plane.run, std::nullopt, plane.frame);
+  EXPECT_NEAR(angle_of_repose_cone(FrameView(cone_facts, cone.frame)), degrees, 0.5);
+  EXPECT_NEAR(angle_of_repose_slope(FrameView(plane_facts, plane.frame)), degrees, 0.5);
+}
+
+TEST(BlockAverage, the_interval_of_independent_numbers_is_students) {
+  BlockAverage average(1, 4, 2);  // two blocks: means 2 and 6
+  for (const double v : {1.0, 3.0, 5.0, 7.0}) average.add({v});
+  const Average a = average.of(0);
+  EXPECT_EQ(a.mean, 4);
+  EXPECT_EQ(a.smallest, 1);
+  EXPECT_EQ(a.largest, 7);
+  EXPECT_NEAR(a.ci95, 12.706 * 2, 1e-9);  // s / sqrt(n) = sqrt(8) / sqrt(2)
+}
+
+TEST(BlockAverage, intervals_hold_the_true_mean_in_ninety_five_of_a_hundred_correlated_series) {
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> random(0, 1);
+  int held = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    BlockAverage average(1, 2000, 10);
+    double x = 0;
+    for (int i = 0; i < 2000; ++i) average.add({x = 0.8 * x + random(generator)});  // remembers about five frames
+    held += std::abs(average.of(0).mean) <= average.of(0).ci95;
+  }
+  EXPECT_NEAR(held, 950, 30);  // four standard deviations of the count, and what is left of the correlation
+}
+
+TEST(BlockAverage, what_is_no_number_is_left_out) {
+  BlockAverage average(2, 2, 10);
+  average.add({1, std::nan("")});
+  average.add({std::nan(""), std::nan("")});
+  EXPECT_EQ(average.of(0).mean, 1);
+  EXPECT_TRUE(std::isnan(average.of(0).ci95));
+  EXPECT_EQ(average.of(1).count, 0u);
+}
+
+class StatisticsOfARun : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::path(SCREE_TEST_FOLDER) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    test::write_sample_run(folder / "sample.run");
+  }
+  std::filesystem::path folder;
+};
+
+TEST_F(StatisticsOfARun, tables_and_json_have_the_same_numbers_and_any_number_of_processes_gives_them) {
+  const scree::Run run = open_run((folder / "sample.run").string());
+  std::string texts[2];
+  for (const int jobs : {1, 2}) {
+    StatisticsOptions options;
+    options.frames = choose_frames(run, "all");
+    options.by_shape = true;
+    options.regions = {parse_region("left=box:-1,-1,-1,0.1,1,1")};
+    options.pool = {jobs, false};
+    const std::string out = (folder / fmt::format("out{}", jobs)).string();
+    const Statistics s = run_statistics(run, options, out);
+    write_statistics(run, s, out);
+    EXPECT_EQ(s.groups, (std::vector<std::string>{"all", "region left", "shape box", "shape wedge", "shape ball"}));
+    EXPECT_EQ(s.of("particle_count").mean, 12);
+    EXPECT_EQ(s.of("particle_count", 2).mean, 4);
+    // the bodies move by (0.1, 0.2, 0.3) t, the contacts of the sample press with 1..11 N in two of three frames
+    EXPECT_DOUBLE_EQ(s.of("mean_normal_force").mean, 6);
+    EXPECT_EQ(s.of("mean_normal_force").count, 2u);
+    EXPECT_DOUBLE_EQ(s.of("kinetic_energy").mean, 0);
+    std::ifstream json(out + "/statistics.json");
+    const nlohmann::json read = nlohmann::json::parse(json);
+    EXPECT_EQ(read["groups"]["all"]["mean_normal_force"]["mean"], 6.0);
+    EXPECT_EQ(read["groups"]["all"]["mean_normal_force"]["unit"], "N");
+    std::ifstream series(out + "/series.csv");
+    std::stringstream text;
+    text << series.rdbuf();
+    texts[jobs - 1] = text.str();
+    EXPECT_EQ(std::count(texts[jobs - 1].begin(), texts[jobs - 1].end(), '\n'), 2 + 3 * 5);
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST_F(StatisticsOfARun, mass_that_goes_below_a_level_gives_the_rate) {
+  const scree::Run run = open_run((folder / "sample.run").string());
+  StatisticsOptions options;
+  options.frames = choose_frames(run, "all");
+  options.discharge = "z=1 m";  // all bodies are below from the start: all mass has gone, and none goes on
+  const Statistics s = run_statistics(run, options, "");
+  double mass = 0;
+  for (std::size_t i = 0; i < run.scene.bodies.size(); ++i) mass += run.scene.mass(i);
+  EXPECT_DOUBLE_EQ(s.of("discharged_mass").mean, mass);
+  EXPECT_DOUBLE_EQ(s.of("discharge_rate").mean, 0);
+  // bodies start in layers at 0.05 + 0.07 k and rise by 0.03 a frame: through 0.06 goes the lowest layer, upwards
+  options.discharge = "z=6 cm";
+  const Statistics rising = run_statistics(run, options, "");
+  double lowest = 0;
+  for (std::size_t i = 0; i < 9; ++i) lowest += run.scene.mass(i);
+  EXPECT_NEAR(rising.of("discharge_rate").smallest, -lowest / 0.1, 1e-9);
+  options.discharge = "down";
+  EXPECT_THROW(run_statistics(run, options, ""), UsageError);
+}
+
+TEST_F(StatisticsOfARun, the_number_of_frames_does_not_change_what_is_kept) {
+  const scree::Run run = open_run((folder / "sample.run").string());
+  StatisticsOptions options;
+  options.pool = {1, false};
+  for (int i = 0; i < 900; ++i) options.frames.push_back(static_cast<std::size_t>(i % 3));
+  const Statistics s = run_statistics(run, options, "");
+  EXPECT_EQ(s.frames, 900u);
+  EXPECT_LE(s.series[0].time.size(), 600u);
+  EXPECT_EQ(s.of("mean_normal_force").count, 600u);
+}
+
+}  // namespace
+}  // namespace scree
