@@ -77,9 +77,11 @@ void read_settings(const CaseTable& top, Case& c) {
     const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed", "relax"});
     s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear", "hunt-crossley", "hertz-mindlin"});
     s.impact_speed = contact.number_or("impact_speed", Dimension::velocity, 0, Range::positive);
-    s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential", "pairs"});
+    s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential", "area", "pairs"});
     c.margin_given = contact.has("margin");
     c.relax = contact.boolean_or("relax", false);
+    if (s.gather == "area" && s.law == "hertz-mindlin") throw contact.error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");
+    if (s.gather == "area" && !contact.has("margin")) throw contact.error("gather", "\"area\" needs contact.margin, the thickness of the elastic layer");
     s.margin = contact.number_or("margin", Dimension::length, 0, Range::not_negative);
   }
   if (top.has("motion")) {
@@ -132,7 +134,7 @@ void read_materials(const CaseTable& top, Case& c) {
 void read_pairs(const CaseTable& top, const std::vector<std::string>& materials, Case& c) {
   for (const CaseTable& t : top.tables("pairs", {"between", "stiffness", "restitution", "friction", "friction_sliding",
                                                  "rolling_friction", "torsional_friction", "rolling_model", "tangential_ratio", "tangential_damping",
-                                                 "restitution_speed", "contact_radius"})) {
+                                                 "restitution_speed", "contact_radius", "layer_modulus"})) {
     CasePair p;
     p.where = t.where();
     const std::vector<std::string> between = t.texts("between");
@@ -147,7 +149,13 @@ void read_pairs(const CaseTable& top, const std::vector<std::string>& materials,
     if (hertz && t.has("stiffness")) {
       throw t.error("stiffness", "is not used with contact.law = \"hertz-mindlin\", whose stiffness follows from young and poisson of the materials; remove it");
     }
-    if (!hertz) p.pair.stiffness = t.number("stiffness", Dimension::stiffness, Range::positive);
+    const bool area = c.settings.gather == "area";
+    if (area && t.has("stiffness")) {
+      throw t.error("stiffness", "is not used with contact.gather = \"area\", whose stiffness is layer_modulus over the thickness of the margins; remove it");
+    }
+    if (!area && t.has("layer_modulus")) throw t.error("layer_modulus", "is for contact.gather = \"area\"");
+    if (area) p.pair.layer_modulus = t.number("layer_modulus", Dimension::pressure, Range::positive);
+    if (!hertz && !area) p.pair.stiffness = t.number("stiffness", Dimension::stiffness, Range::positive);
     p.pair.restitution = t.number("restitution", Dimension::none, Range::unit_interval);
     p.pair.friction = t.number_or("friction", Dimension::none, 0, Range::not_negative);
     p.pair.friction_sliding = t.number_or("friction_sliding", Dimension::none, -1);

@@ -136,7 +136,10 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
     margin_given = margin_given || (!has_meshes && !wall_meshes);
   } else {
-    for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
+    // a layer has no stiffness of one contact; its margin is given
+    if (c.settings.gather != "area") {
+      for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
+    }
   }
   const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
 

@@ -48,27 +48,54 @@ PairStiffness linearise(const PairLook& look) {
   result.a = look.pair.a;
   result.b = look.pair.b;
   const PairForce& force = look.force;
+  const double p = look.exponent;
+  /// A point with its tangent stiffness, its normal force and the chi of its damping, and friction of f / depth along.
+  const auto add_point = [&](const Vec3& x, const Vec3& n, double stiffness, double normal, double chi, double depth) {
+    result.add_mode(stiffness, chi * normal, mode_of(look.motion, x, n));
+    if (!(look.tangential_ratio > 0)) return;
+    // any two directions across the normal
+    const Vec3 other = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    const Vec3 u = normalised(cross(n, other)), v = cross(n, u);
+    const double kappa = look.tangential_ratio * normal / depth, c = look.tangential_share * chi * normal;
+    result.add_mode(kappa, c, mode_of(look.motion, x, u));
+    result.add_mode(kappa, c, mode_of(look.motion, x, v));
+  };
+  if (look.motion.area != nullptr) {
+    double energy = 0, pressed = 0;
+    for (const AreaPatch& patch : look.motion.area->patches) {
+      energy += patch.energy;
+      pressed += patch.force;
+    }
+    if (!(energy > 0)) return result;
+    const double modulus = force.elastic / energy, depth = 2 * energy / pressed;
+    for (const AreaPoint& point : look.motion.area->points) {
+      const double stiffness = modulus * point.area;
+      add_point(point.x, point.n, stiffness, stiffness * depth, force.damping, depth);
+    }
+    return result;
+  }
+  if (look.motion.independent) {
+    // U_j = c d_j^(p + 1), each with a dashpot by its own energy
+    double sum = 0;
+    for (const ContactFeature& f : look.features) sum += std::pow(f.depth, p + 1);
+    for (const ContactFeature& f : look.features) {
+      const double share = std::pow(f.depth, p + 1) / sum, normal = (p + 1) * share * force.elastic / f.depth;
+      add_point(f.x, f.n, p * normal / f.depth, normal, force.damping / std::sqrt(share), f.depth);
+    }
+    return result;
+  }
   // U(D) of exponent p in the force has U' = (p + 1) U / D and U'' = p U' / D; D from the features
   double sum = 0;
   for (const ContactFeature& f : look.features) sum += f.weight * std::pow(f.depth / force.deepest, kNorm);
-  const double D = force.deepest * std::pow(sum, 1.0 / kNorm), p = look.exponent;
+  const double D = force.deepest * std::pow(sum, 1.0 / kNorm);
   if (!(D > 0)) return result;
   const double slope = (p + 1) * force.elastic / (D * D);   // U' / D
   std::array<double, 12> common{};
-  for (std::size_t j = 0; j < look.features.size(); ++j) {
-    const ContactFeature& f = look.features[j];
-    const double r = f.depth / D, r6 = std::pow(r, kNorm - 2);
-    const double normal = slope * D * f.weight * r6 * r;
+  for (const ContactFeature& f : look.features) {
+    const double r = f.depth / D, r6 = std::pow(r, kNorm - 2), normal = slope * D * f.weight * r6 * r;
     const auto along = mode_of(look.motion, f.x, f.n);
     for (std::size_t i = 0; i < 12; ++i) common[i] += f.weight * r6 * r * along[i];
-    result.add_mode((kNorm - 1) * slope * f.weight * r6, force.damping * normal, along);
-    if (!(look.tangential_ratio > 0)) continue;
-    // any two directions across the normal
-    const Vec3 other = std::abs(f.n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    const Vec3 u = normalised(cross(f.n, other)), v = cross(f.n, u);
-    const double kappa = look.tangential_ratio * normal / D, c = std::sqrt(look.tangential_ratio) * force.damping * normal;
-    result.add_mode(kappa, c, mode_of(look.motion, f.x, u));
-    result.add_mode(kappa, c, mode_of(look.motion, f.x, v));
+    add_point(f.x, f.n, (kNorm - 1) * slope * f.weight * r6, normal, force.damping, D);
   }
   result.add_mode(-(kNorm - 1 - p) * slope, 0, common);
   return result;

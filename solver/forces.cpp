@@ -147,13 +147,14 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
 }
 
 /// Renews the lists of one pair. Returns false when its meshes intersect.
-bool renew_lists(const PairView& view, const PairVelocities& m, bool triangles, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
+bool renew_lists(const PairView& view, const PairVelocities& m, bool triangles, bool area, double dt, MeshDistanceScratch& scratch, CandidateLists& lists) {
   const double small = std::min(view.radius_a, view.radius_b);
   const double speed = length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small;
   const double lower = std::min(kSmallestSkin * view.margin, kLargestSkin * small);
   const double skin = std::clamp(kSkinSteps * speed * dt, lower, kLargestSkin * small);
   if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) {
-    list_zone_pair(view.a, view.b, *view.zone, view.margin, skin, view.radius_a, lists);
+    if (area && view.a.shape->kind != ShapeKind::sphere) list_area_zone(view.a, view.b, *view.zone, view.margin, skin, view.radius_a, lists);
+    else list_zone_pair(view.a, view.b, *view.zone, view.margin, skin, view.radius_a, lists);
     return true;
   }
   if (is_sphere_pair(view)) {
@@ -163,7 +164,7 @@ bool renew_lists(const PairView& view, const PairVelocities& m, bool triangles, 
   if (is_sphere_mesh_pair(view)) {
     return list_sphere_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
   }
-  if (triangles) return list_triangle_contacts(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
+  if (triangles || area) return list_triangle_contacts(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
   return list_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
 }
 
@@ -208,6 +209,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   const bool only_looks = out != nullptr || look != nullptr;
   const PairForceFunction force_of = pair_force_function(scene.law_choice());
   const bool independent = scene.law_choice().independent;
+  const bool is_area = scene.law_choice().area;
   const bool needs_radius = scene.law_choice().needs_radius;
   const double exponent = normal_exponent(scene.law_choice());
   const BodyWays& ways = list.ways();
@@ -219,6 +221,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
     std::vector<ContactFeature> features;
     std::vector<ContactOutput> outputs;
     std::vector<CellShare> cells;
+    AreaContact layer;
     MeshDistanceScratch& distance = *scratch.distance[static_cast<std::size_t>(omp_get_thread_num())];
 #pragma omp for schedule(dynamic, 8)
     for (std::ptrdiff_t n = 0; n < count; ++n) {
@@ -242,7 +245,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         passing.store(k);
       }
       if (pair.lists.skin < 0 || moved > pair.lists.skin) {
-        if (!renew_lists(view, velocities, independent, dt, distance, pair.lists)) {
+        if (!renew_lists(view, velocities, independent, is_area, dt, distance, pair.lists)) {
           intersecting.store(k);
           continue;
         }
@@ -256,12 +259,17 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         continue;
       }
       rest.way = kNoRest;
+      const bool has_layer = is_area && view.a.shape->kind != ShapeKind::sphere && (view.b.shape == nullptr || view.b.shape->kind != ShapeKind::sphere);
       if (is_sphere_pair(view)) {
         sphere_pair_features(view.a, view.b, view.margin, features);
+      } else if (has_layer && view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) {
+        area_zone_features(view.a, view.b, *view.zone, view.margin, moved, pair.lists, features, layer);
       } else if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) {
         zone_pair_features(view.a, view.pose, *view.zone, view.margin, moved, pair.lists, features);
       } else if (is_sphere_mesh_pair(view)) {
         sphere_mesh_features(view.a, view.b, view.margin, moved, pair.lists, features);
+      } else if (has_layer) {
+        area_features(view.a, view.b, view.margin, moved, view.radius_a <= view.radius_b, pair.lists, features, layer);
       } else if (independent) {
         triangle_contact_features(view.a, view.b, view.margin, moved, pair.lists, features);
       } else {
@@ -281,7 +289,9 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       const Mat3 a_to_world = matrix_of(view.a.q);
       PairMotion relative = motion_of(p, pair, view, velocities, a_to_world);
       if (needs_radius) relative.radius = law.radius > 0 ? law.radius : contact_radius(view);
-      if (independent) {
+      if (has_layer) {
+        relative.area = &layer;
+      } else if (independent) {
         cells.clear();
         for (std::size_t j = 0; j < features.size(); ++j) cells.push_back({static_cast<std::int64_t>(j), static_cast<std::int32_t>(j), 1, {}});
         relative.independent = true;
@@ -295,7 +305,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       if (only_looks) copy = pair.springs;
       const PairForce f = force_of(features, law, relative, dt, friction_dt, only_looks ? copy : pair.springs,
                                      out != nullptr ? &outputs : nullptr);
-      if (look != nullptr) (*look)({pair, features, f, relative, exponent, law.friction > 0 ? law.tangential_ratio : 0.0});
+      if (look != nullptr) (*look)({pair, features, f, relative, exponent, law.friction > 0 ? law.tangential_ratio : 0.0, tangential_damping_share(law, exponent)});
       result.active = true;
       result.contact_count = static_cast<std::int32_t>(features.size());
       // torques about B's centre: T_B = (x_B - x_A) x F - T_A

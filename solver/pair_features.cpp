@@ -144,9 +144,6 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
   return true;
 }
 
-namespace {
-
-/// Gap and normal (wall frame) of a point against an analytic zone; the point may lie behind it: gap < 0.
 double zone_gap(const WallZone& zone, const Vec3& p, Vec3& normal) {
   const Vec3 r = p - zone.point;
   switch (zone.kind) {
@@ -170,8 +167,6 @@ double zone_gap(const WallZone& zone, const Vec3& p, Vec3& normal) {
   SCREE_ASSERT(false, "a mesh zone has no closed-form gap");
   return 0;
 }
-
-}  // namespace
 
 void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin,
                     double radius_a, CandidateLists& lists) {

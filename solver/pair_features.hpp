@@ -89,6 +89,9 @@ double motion_since_listed(const CandidateLists& lists, const RelativePose& pose
 bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a,
                     double radius_b, MeshDistanceScratch& scratch, CandidateLists& lists);
 
+/// Gap and normal (wall frame) of a point against an analytic zone; the point may lie behind it: gap < 0.
+double zone_gap(const WallZone& zone, const Vec3& p, Vec3& normal);
+
 /// Same for a body against an analytic zone of a wall (b is the wall's pose).
 void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin,
                     double radius_a, CandidateLists& lists);

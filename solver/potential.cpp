@@ -125,6 +125,23 @@ double add_cell_potentials(const std::vector<ContactFeature>& features, const st
   return normal_sum;
 }
 
+/// The elastic layer of two meshes: energy, pressure and wrench as area_pressure.hpp found them.
+double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_depth, PairForce& result) {
+  double sum = 0;
+  for (std::size_t j = 0; j < contact.patches.size(); ++j) {
+    const AreaPatch& patch = contact.patches[j];
+    result.elastic += kappa * patch.energy;
+    result.deepest = std::max(result.deepest, patch.deepest);
+    result.force -= kappa * patch.gradient.force;
+    result.torque -= kappa * patch.gradient.couple;
+    normal[j] = kappa * patch.force;
+    sum += normal[j];
+  }
+  // F / D with U = F D / 2: kappa times the area where the depth is even
+  for (std::size_t j = 0; j < normal.size(); ++j) per_depth[j] = normal[j] * sum / (2 * result.elastic);
+  return sum;
+}
+
 /// Friction and rolling are compiled in or left out; a scene without them pays nothing for either.
 template <class Entry, bool kFriction, bool kRolling>
 PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw& law, const PairMotion& motion, double dt,
@@ -144,14 +161,19 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   thread_local std::vector<double> normal, per_depth;  // f_j, and f_j / D for the tangential stiffness
   normal.assign(count, 0);
   per_depth.assign(count, 0);
-  const double normal_sum = motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, result)
-                                                    : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, result);
+  const double normal_sum = [&] {
+    if constexpr (std::is_same_v<Normal, LayerLaw>) {
+      if (motion.area != nullptr) return add_patches(*motion.area, law_of_depth.kappa, normal, per_depth, result);
+    }
+    return motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, result)
+                                   : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, result);
+  }();
 
   // damping of a feature is f_j chi v_n, never more than f_j itself
   Damping damping;
   if (Damp::acts(law) && normal_sum > 0) {
-    const double mobility = std::max(motion.inverse_mass_a + motion.inverse_mass_b,
-                                     wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
+    double mobility = motion.inverse_mass_a + motion.inverse_mass_b;
+    if (!motion.independent) mobility = std::max(mobility, wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
     if (mobility > 0) damping = Damp::of(law, result.elastic, normal_sum, mobility, dt);
   }
   double chi = damping.chi;
@@ -166,8 +188,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     return result;
   }
 
-  // against the tangent stiffness of the normal force, as in the normal direction
-  const double tangential_share = law.tangential_damping * std::sqrt(law.tangential_ratio / Normal::kExponent);
+  const double tangential_share = tangential_damping_share(law, Normal::kExponent);
   const Vec3 elastic_force = result.force;
   const Vec3 relative_spin = motion.w_b - motion.w_a;
   thread_local std::vector<FrictionSpring> next;

@@ -3,9 +3,11 @@
 // The normal energy, the damping and the rolling resistance are those of laws/laws.hpp.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "solver/area_pressure.hpp"
 #include "solver/wall_cells.hpp"
 
 namespace scree {
@@ -26,6 +28,7 @@ struct PairMotion {
   Vec3 inverse_inertia_b;                ///< principal of B
   Mat3 b_to_a;
   bool independent = false;              ///< gather = "pairs": `cells` holds one for every feature
+  const AreaContact* area = nullptr;     ///< gather = "area": the layer between two meshes, patches as the features
   const std::vector<CellShare>* cells = nullptr;  ///< B is a wall with cells: one potential for each
   double radius = 0;                     ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
 };
@@ -51,6 +54,11 @@ inline constexpr int kNorm = 8;
 
 /// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
 inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
+
+/// Factor on chi in the damping of sliding: against the tangent stiffness of the normal force, as in the normal direction.
+inline double tangential_damping_share(const PairLaw& law, double exponent) {
+  return law.tangential_damping * std::sqrt(law.tangential_ratio / exponent);
+}
 
 /// in   features   ascending keys, depth > 0
 /// in   dt         step of the run [s], for damping (laws/damping.hpp); 0: no correction for the step

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/area_pressure.hpp"
 #include "solver/laws/restitution.hpp"
 
 namespace scree {
@@ -153,24 +154,25 @@ void fit_zones_to_period(const Periodicity& periodicity, const Wall& wall, std::
 namespace {
 
 /// Finds a word of the case language in the list of laws.
-LawChoice choose_law(const std::string& name) {
+LawChoice choose_law(const std::string& name, bool area) {
   LawChoice choice;
   std::string known;
   int index = 0;
   bool found = false;
   std::apply([&](const auto&... entry) {
     const auto look = [&](const auto& e) {
-      if (name == e.name) {
+      if (name == e.name && area == e.layer) {
         choice.law = index;
         choice.needs_radius = e.needs_radius;
         found = true;
       }
-      known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", e.name);
+      if (area == e.layer) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", e.name);
       ++index;
     };
     (look(entry), ...);
   }, kLaws);
-  if (!found) throw UsageError("contact.law = \"{}\" is not known; use one of {}", name, known);
+  if (!found) throw UsageError("contact.law = \"{}\" is not known{}; use one of {}", name, area ? " with contact.gather = \"area\"" : "", known);
+  choice.area = area;
   return choice;
 }
 
@@ -178,10 +180,6 @@ LawChoice choose_law(const std::string& name) {
 
 SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(scene.materials.size()) {
   const Settings& settings = scene.settings;
-  const auto refuse = [](const std::string& what, const std::string& found, const std::string& available) {
-    throw UsageError("{} = \"{}\" is not available in this version; use {}", what, found, available);
-  };
-  if (settings.gather == "area") refuse("contact.gather", settings.gather, "\"potential\" or \"pairs\"");
   const auto& periodic = settings.domain.periodic;
   if (!settings.domain.bounded && (periodic[0] || periodic[1] || periodic[2])) {
     throw UsageError("domain.periodic: a periodic axis needs domain.min and domain.max");
@@ -209,7 +207,11 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }
 
-  law_choice_ = choose_law(settings.law);
+  law_choice_ = choose_law(settings.law, settings.gather == "area");
+  if (law_choice_.area) {
+    if (!(margin_ > 0)) throw UsageError("contact.margin = 0: with contact.gather = \"area\" the margins are the elastic layer; give them a thickness");
+    for (SolverShape& shape : shapes_) shape.contact_area = largest_contact_area(shape, 2 * margin_);
+  }
   law_choice_.independent = settings.gather == "pairs";
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene.pairs) {
@@ -244,6 +246,12 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
   law.rolling_spring = pair.rolling_model != "constant";
   law.radius = pair.contact_radius;
   law.step_stiffness = pair.stiffness;
+  if (law_choice_.area) {
+    if (!(pair.layer_modulus > 0)) {
+      throw UsageError("pairs: '{}' and '{}': layer_modulus is missing; contact.gather = \"area\" needs it", a.name, b.name);
+    }
+    law.stiffness = law.step_stiffness = pair.layer_modulus / (2 * margin_);
+  }
   if (settings.law == "hunt-crossley") {
     if (pair.restitution < 1) {
       if (!(pair.restitution_speed > 0)) {

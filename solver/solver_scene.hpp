@@ -31,6 +31,7 @@ struct SolverShape {
   std::vector<std::int32_t> spoke_end;           ///< vertices to which mesh edges lead from each corner
   double radius = 0;                ///< bounding radius about the origin, rounding included [m]
   double volume = 0;                ///< [m^3]
+  double contact_area = 0;          ///< largest_contact_area at scale 1, with a margin sum of the scene's [m^2]; 0 but for gather = "area"
   double equivalent_radius = 0;     ///< of the ball of equal volume [m]; 0 for a surface
   Vec3 inertia;                     ///< principal moments for density 1 [m^5]
   Quat body_from_principal;

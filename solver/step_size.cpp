@@ -29,16 +29,18 @@ struct Touchable {
 };
 
 /// Inverse mass of the easiest contact on a body [1/kg].
+/// Of a layer: times the largest area that the body can have in contact.
 double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i) {
   const SolverShape& shape = scene.shape(p.shape[i]);
+  const double area = scene.law_choice().area ? shape.contact_area * p.scale[i] * p.scale[i] : 1;
   if (shape.kind == ShapeKind::sphere) {
     // A ball's normal passes its centre; only friction, with its softer spring, turns it. The two do not add up.
     const double r = p.radius[i], turning = p.lock_rotation[i] ? 0.0 : r * r * p.inverse_inertia[i].x;
     const double tangential = scene.has_friction() ? kTangentialStiffnessRatio * (p.inverse_mass[i] + turning) : 0.0;
-    return std::max(p.inverse_mass[i], tangential);
+    return area * std::max(p.inverse_mass[i], tangential);
   }
   const double s = p.scale[i], density = scene.source().materials[static_cast<std::size_t>(p.material[i])].density;
-  return p.inverse_mass[i] + (p.lock_rotation[i] ? 0.0 : shape.rotational_mobility / (density * s * s * s));
+  return area * (p.inverse_mass[i] + (p.lock_rotation[i] ? 0.0 : shape.rotational_mobility / (density * s * s * s)));
 }
 
 /// Of every material, smooth then rough; the same on every rank.
@@ -93,7 +95,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
       const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
       const Touchable &a = all[2 * static_cast<std::size_t>(pair.a) + rough_a], &b = all[2 * static_cast<std::size_t>(pair.b) + rough_b];
       // n^(2/q), q = 8: a face on a face has n = 4 corners, a smooth body on a smooth one touches once
-      const double features = rough_a + rough_b == 0 ? 1.0 : std::sqrt(std::sqrt(4.0));
+      const double features = rough_a + rough_b == 0 || scene.law_choice().area ? 1.0 : std::sqrt(std::sqrt(4.0));
       const auto consider = [&](double mobility, const std::string& name) {
         const double omega2 = scene.law(pair.a, pair.b).step_stiffness * features * mobility;
         if (!(omega2 > stiffest)) return;

@@ -456,7 +456,8 @@ json settings_json(const Scene& scene) {
                           {"rolling_friction", p.rolling_friction}, {"torsional_friction", p.torsional_friction},
                           {"rolling_model", p.rolling_model}, {"tangential_ratio", p.tangential_ratio},
                           {"tangential_damping", p.tangential_damping},
-                          {"restitution_speed", p.restitution_speed}, {"contact_radius", p.contact_radius}});
+                          {"restitution_speed", p.restitution_speed}, {"contact_radius", p.contact_radius},
+                          {"layer_modulus", p.layer_modulus}});
   }
   j["walls"] = json::array();
   for (const Wall& wall : scene.walls) j["walls"].push_back(wall_json(wall));
@@ -515,8 +516,9 @@ Scene read_scene(const std::string& path) {
     MaterialPair p;
     p.a = o.index("a", material_count, "materials");
     p.b = o.index("b", material_count, "materials");
-    // a Hertz contact has no stiffness of its own: it comes from the materials
-    p.stiffness = scene.settings.law == "hertz-mindlin" ? o.at_least("stiffness", 0) : o.positive("stiffness");
+    // a Hertz contact and a layer have no stiffness of their own: it comes from the materials
+    const bool no_stiffness = scene.settings.law == "hertz-mindlin" || scene.settings.gather == "area";
+    p.stiffness = no_stiffness ? o.at_least("stiffness", 0) : o.positive("stiffness");
     p.restitution = o.positive("restitution");
     if (p.restitution > 1) throw InputError("{}.restitution: {:g} found, a value in (0, 1] expected", o.where(), p.restitution);
     p.friction = o.at_least("friction", 0);
@@ -528,6 +530,7 @@ Scene read_scene(const std::string& path) {
     if (o.has("tangential_ratio")) p.tangential_ratio = o.number("tangential_ratio");
     if (o.has("tangential_damping")) p.tangential_damping = o.at_least("tangential_damping", 0);
     if (o.has("restitution_speed")) p.restitution_speed = o.at_least("restitution_speed", 0);
+    if (o.has("layer_modulus")) p.layer_modulus = o.at_least("layer_modulus", 0);
     if (o.has("contact_radius")) p.contact_radius = o.at_least("contact_radius", 0);
     scene.pairs.push_back(p);
   }

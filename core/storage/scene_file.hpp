@@ -33,6 +33,7 @@ struct MaterialPair {
   double tangential_ratio = -1;   ///< [-] tangential over normal stiffness, < 0: that of the law
   double tangential_damping = 1;  ///< [-] factor on the tangential damping that goes with restitution
   double restitution_speed = 0;   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
+  double layer_modulus = 0;       ///< [Pa] of the elastic layer that the margins are (gather = "area")
   double contact_radius = 0;      ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
 };
 

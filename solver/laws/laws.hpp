@@ -17,12 +17,15 @@ struct LawEntry {
   using Damp = DampingLaw;
   const char* name;
   bool needs_radius;
+  bool layer = false;      ///< for gather = "area"
 };
 
 inline constexpr std::tuple kLaws{
     LawEntry<LinearLaw, ViscousDamping>{"linear", false},
     LawEntry<LinearLaw, HuntCrossleyDamping>{"hunt-crossley", false},
     LawEntry<HertzLaw, ViscousDamping>{"hertz-mindlin", true},
+    LawEntry<LayerLaw, ViscousDamping>{"linear", true, true},
+    LawEntry<LayerLaw, HuntCrossleyDamping>{"hunt-crossley", true, true},
 };
 
 /// What a scene needs of the force loop; the choice is made once, outside of all loops.
@@ -31,6 +34,7 @@ struct LawChoice {
   bool friction = false;     ///< some pair has friction
   bool rolling = false;      ///< some pair has rolling or torsional resistance
   bool independent = false;  ///< gather = "pairs": every contact its own spring and dashpot
+  bool area = false;         ///< gather = "area"
   bool needs_radius = false; ///< R* of the bodies enters
 };
 

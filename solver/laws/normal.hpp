@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 #include "solver/laws/pair_law.hpp"
 
@@ -25,6 +26,15 @@ struct HertzLaw {
   HertzLaw(const PairLaw& law, double radius) : c(law.stiffness * std::sqrt(radius)) {}
   double energy(double D) const { return 0.4 * c * D * D * std::sqrt(D); }
   double force(double D) const { return c * D * std::sqrt(D); }
+};
+
+/// Elastic layer (gather = "area"): pressure kappa d; a smooth cap has F = kappa pi R* D^2, U = F D / 3. Meshes bring their own energy.
+struct LayerLaw {
+  static constexpr double kExponent = 2;
+  double kappa, c;                            ///< [N/m^3], and kappa pi R* [N/m^2]
+  LayerLaw(const PairLaw& law, double radius) : kappa(law.stiffness), c(law.stiffness * std::numbers::pi * radius) {}
+  double energy(double D) const { return c * D * D * D / 3; }
+  double force(double D) const { return c * D * D; }
 };
 
 }  // namespace scree

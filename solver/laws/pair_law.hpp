@@ -7,7 +7,7 @@ namespace scree {
 inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
 
 struct PairLaw {
-  double stiffness = 0;             ///< linear: k of one contact [N/m]; Hertz: 4/3 E* [Pa]
+  double stiffness = 0;             ///< linear: k of one contact [N/m]; Hertz: 4/3 E* [Pa]; layer: kappa [N/m^3]
   double damping_ratio = 0;         ///< viscous: zeta from restitution by the exact map
   double damping_slope = 0;         ///< Hunt-Crossley: chi [s/m], from restitution at the user's speed
   double friction = 0;              ///< mu, static
@@ -18,7 +18,7 @@ struct PairLaw {
   double torsional_friction = 0;    ///< mu_t: moment about the normal at most mu_t R* N
   bool rolling_spring = true;       ///< moments of type C (elastic, then plastic); false: type A (constant)
   double radius = 0;                ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
-  double step_stiffness = 0;        ///< stiffest tangent expected [N/m]: the step is derived from it
+  double step_stiffness = 0;        ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
 };
 
 }  // namespace scree

@@ -1,0 +1,243 @@
+// gather = "area": closed forms of an elastic layer, exact gradients, energy, and independence of the mesh.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "solver/motion.hpp"
+#include "solver/triangle_contacts.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/test_run.hpp"
+
+namespace scree {
+namespace {
+
+constexpr double kLayer = 1e6, kMargin = 0.01, kKappa = kLayer / (2 * kMargin);   // [Pa], [m] of each body, [N/m^3]
+
+Scene layer_scene(double restitution = 1, double friction = 0) {
+  Scene scene = test::empty_scene(0, restitution, friction, kMargin);
+  scene.settings.gather = "area";
+  scene.pairs[0].layer_modulus = kLayer;
+  return scene;
+}
+
+/// Two meshes, or a mesh and a zone of a wall, and the layer between them.
+struct Layer {
+  Scene scene = layer_scene();
+  std::unique_ptr<SolverScene> prepared;
+  PairBody body[2];
+  const WallZone* zone = nullptr;
+  MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
+  std::vector<ContactFeature> features;
+  AreaContact contact;
+
+  Layer(const TriangleMesh& a, const TriangleMesh& b) {
+    scene.shapes = {make_solid("a", a), make_solid("b", b)};
+    prepare();
+  }
+  explicit Layer(const TriangleMesh& a, const Wall& wall) {
+    scene.shapes = {make_solid("a", a)};
+    scene.walls = {wall};
+    prepare();
+    zone = &prepared->zones()[0];
+  }
+  void prepare() {
+    prepared = std::make_unique<SolverScene>(scene);
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+      body[i].shape = &prepared->shape(static_cast<std::int32_t>(i));
+      body[i].q = body[i].shape->body_from_principal;
+    }
+  }
+  PairForce force(bool by_a = true) {
+    CandidateLists lists;
+    const double ra = body[0].shape->radius, rb = zone != nullptr ? 2 * ra : body[1].shape->radius;
+    if (zone != nullptr) {
+      list_area_zone(body[0], body[1], *zone, 2 * kMargin, 0.01, ra, lists);
+      area_zone_features(body[0], body[1], *zone, 2 * kMargin, 0, lists, features, contact);
+    } else {
+      EXPECT_TRUE(list_triangle_contacts(body[0], body[1], 2 * kMargin, 0.01, ra, rb, *scratch, lists));
+      area_features(body[0], body[1], 2 * kMargin, 0, by_a, lists, features, contact);
+    }
+    PairMotion m{};
+    m.inverse_mass_a = 1;
+    m.inverse_inertia_a = {1, 1, 1};
+    m.centre_b = rotate_inverse(body[0].q, body[1].x - body[0].x);
+    m.b_to_a = matrix_of(conjugate(body[0].q) * body[1].q);
+    m.area = &contact;
+    std::vector<FrictionSpring> springs;
+    return pair_force_function(prepared->law_choice())(features, prepared->law(0, 0), m, 0, 0, springs, nullptr);
+  }
+  Vec3 world_force() {
+    const PairForce f = force();
+    return rotate(body[0].q, f.force);
+  }
+};
+
+Wall plane_wall() {
+  Wall wall;
+  wall.name = "plane";
+  wall.kind = WallKind::plane;
+  wall.normal = {0, 0, 1};
+  return wall;
+}
+
+// Winkler's foundation under a flat punch: kappa times area times depth, however both are meshed, and less where it overhangs.
+TEST(AreaPressure, of_a_flat_punch_is_the_foundation_stiffness_on_every_mesh) {
+  const double depth = 0.004, gap = 2 * kMargin - depth, expected = kKappa * 0.2 * 0.1 * depth;
+  for (const int n : {1, 2, 5}) {
+    for (const int m : {1, 3}) {
+      Layer layer(test::grid_box(n, {0.2, 0.1, 0.1}), test::grid_box(m, {1, 1, 0.1}));
+      layer.body[0].x = {0.03, -0.02, 0.1 + gap};
+      const PairForce f = layer.force(n == 2);
+      const Vec3 force = rotate(layer.body[0].q, f.force);
+      EXPECT_NEAR(force.z, expected, 1e-11 * expected);
+      EXPECT_NEAR(f.elastic, 0.5 * expected * depth, 1e-11 * expected * depth);
+      EXPECT_NEAR(length(force - Vec3{0, 0, force.z}), 0, 1e-11 * expected);
+      EXPECT_NEAR(length(f.torque), 0, 1e-11 * expected);
+      EXPECT_NEAR(f.deepest, depth, 1e-12);
+    }
+    Layer on_plane(test::grid_box(n, {0.2, 0.1, 0.1}), plane_wall());
+    on_plane.body[0].x = {0, 0, 0.05 + gap};
+    EXPECT_NEAR(on_plane.world_force().z, expected, 1e-11 * expected);
+    // a quarter of the face beyond the rim: less force, a moment, and a push off the rim by the energy of the depth
+    Layer rim(test::grid_box(n, {0.2, 0.1, 0.1}), test::grid_box(2, {1, 1, 0.1}));
+    rim.body[0].x = {0.45, 0, 0.1 + gap};
+    const PairForce f = rim.force();
+    EXPECT_NEAR(rotate(rim.body[0].q, f.force).z, 0.75 * expected, 1e-10 * expected);
+    EXPECT_NEAR(rotate(rim.body[0].q, f.force).x, 0.5 * kKappa * 0.1 * depth * depth, 1e-10 * expected);
+  }
+}
+
+// A ball on a plane: F = kappa pi R d^2, exactly for the analytic one, to second order in the facets for meshes.
+TEST(AreaPressure, of_a_ball_is_that_of_a_paraboloid) {
+  const double R = 0.5, depth = 0.01, expected = kKappa * std::numbers::pi * R * depth * depth;
+  double before = 1;
+  for (const int level : {3, 4, 5}) {
+    Layer ball(test::scaled(test::icosphere(level), R), plane_wall());
+    double error = 0;
+    std::mt19937 g(1);
+    for (int i = 0; i < 8; ++i) {
+      ball.body[0].q = test::random_quaternion(g);
+      double low = 0;
+      for (const Vec3& p : ball.body[0].shape->mesh.vertices) low = std::min(low, rotate(ball.body[0].q, p).z);
+      ball.body[0].x = {0, 0, R + 2 * kMargin - depth};
+      error = std::max(error, std::abs(ball.world_force().z / expected - 1));
+    }
+    EXPECT_LT(error, 0.45 * before) << level;
+    before = error;
+  }
+  EXPECT_LT(before, 0.05);
+  test::TestRun run(layer_scene());
+  run.scene.shapes = {make_sphere("ball", R)};
+  test::add_body(run.scene, 0, {0, 0, R + 2 * kMargin - depth});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.start();
+  EXPECT_NEAR(run.simulation->energies().elastic, expected * depth / 3, 1e-12 * expected * depth);
+}
+
+/// Force and torque on A against central differences of the energy over a small motion of A.
+void expect_gradient(Layer& layer, double scale) {
+  const PairForce f = layer.force();
+  const Vec3 x = layer.body[0].x;
+  const Quat q = layer.body[0].q;
+  constexpr double h = 1e-6;
+  for (int k = 0; k < 6; ++k) {
+    double u[2];
+    for (const int side : {0, 1}) {
+      Vec3 step;
+      step[k % 3] = side == 0 ? -h : h;
+      layer.body[0].x = x;
+      layer.body[0].q = q;
+      if (k < 3) layer.body[0].x = x + rotate(q, step);
+      else layer.body[0].q = q * rotation_by(step);
+      u[side] = layer.force().elastic;
+    }
+    layer.body[0].x = x;
+    layer.body[0].q = q;
+    EXPECT_NEAR((k < 3 ? f.force : f.torque)[k % 3], -(u[1] - u[0]) / (2 * h), 2e-6 * scale) << k;
+  }
+}
+
+TEST(AreaPressure, is_the_gradient_of_its_energy_on_meshes_and_walls) {
+  std::mt19937 g(3);
+  std::normal_distribution<double> n;
+  Wall cylinder, sphere;
+  cylinder.kind = WallKind::cylinder_inside;
+  cylinder.axis_start = {0, 0, -3};
+  cylinder.axis_end = {0, 0, 3};
+  sphere.kind = WallKind::sphere_inside;
+  cylinder.radius = sphere.radius = 1;
+  int touched = 0;
+  for (int i = 0; i < 40; ++i) {
+    const TriangleMesh rock = test::scaled(test::rock(1 + static_cast<unsigned>(i % 3), 2, 0.3), 0.5), other = test::scaled(test::rock(7, 1, 0.3), 0.5);
+    Layer layer = i % 4 == 0 ? Layer(rock, cylinder) : i % 4 == 1 ? Layer(rock, sphere) : Layer(rock, other);
+    layer.body[0].q = test::random_quaternion(g);
+    layer.body[1].q = i % 4 < 2 ? Quat{} : test::random_quaternion(g);
+    // towards each other until the layer is pressed
+    const Vec3 direction = normalised(Vec3{n(g), n(g), 0.3 * n(g)});
+    for (double way = i % 4 < 2 ? 0 : -1.6; way < 2; way += 0.004) {
+      layer.body[0].x = way * direction;
+      const PairForce f = layer.force();
+      if (!(f.deepest > 0.5 * kMargin)) continue;
+      ++touched;
+      expect_gradient(layer, length(f.force));
+      break;
+    }
+  }
+  EXPECT_EQ(touched, 40);
+}
+
+double rebound(const TriangleMesh& box, int floor_mesh, double restitution, double tilt = 0) {
+  test::TestRun run(layer_scene(restitution));
+  run.scene.settings.step = 1e-4;
+  run.scene.shapes = {make_solid("box", box)};
+  if (floor_mesh > 0) run.scene.shapes.push_back(make_solid("floor", test::grid_box(floor_mesh, {2, 2, 0.2})));
+  test::add_body(run.scene, 0, {0.013, 0.007, 0.5 + 0.0201 + 0.6 * tilt}, quaternion_of(normalised(Vec3{1, 0.4, 0}), tilt), {0, 0, -1});
+  if (floor_mesh > 0) {
+    test::add_body(run.scene, 1, {0, 0, -0.1});
+    run.scene.bodies.fixed[1] = 1;
+  } else {
+    test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  }
+  run.start();
+  const Energies before = run.simulation->energies();
+  const double steps_to_go = 4000;
+  for (int n = 0; n < steps_to_go; ++n) run.simulation->advance();
+  run.simulation->agree_on_failures();
+  const Energies after = run.simulation->energies();
+  EXPECT_EQ(after.elastic, 0) << "still in touch";
+  EXPECT_NEAR(after.balance(), before.balance(), 1e-3 * before.balance());
+  return tilt > 0 ? after.balance() - after.dissipated : run.velocity(0).z;
+}
+
+TEST(AreaPressure, rebounds_as_asked_from_any_mesh) {
+  const double reference = rebound(test::grid_box(1, {1, 1, 1}), 0, 0.6);
+  EXPECT_NEAR(reference, 0.6, 1e-3);
+  for (const int n : {2, 4}) EXPECT_NEAR(rebound(test::grid_box(n, {1, 1, 1}), 0, 0.6), reference, 1e-10);
+  for (const int m : {1, 3}) EXPECT_NEAR(rebound(test::grid_box(2, {1, 1, 1}), m, 0.6), reference, 1e-10);
+}
+
+TEST(AreaPressure, keeps_the_energy_of_an_elastic_impact_on_an_edge) {
+  EXPECT_NEAR(rebound(test::grid_box(2, {1, 1, 1}), 3, 1, 0.02), 500, 500 * 2e-4);
+}
+
+// A disc of triangles around its centre that spins on its face stops at 3 R w / (4 mu g): pressure all over it, M = 2/3 mu m g R.
+TEST(AreaPressure, stops_a_spinning_disc_as_uniform_pressure_does) {
+  const double R = 0.1, w0 = 20, mu = 0.3, g = 9.81;
+  test::TestRun run(layer_scene(0.5, mu));
+  run.scene.settings.gravity = {0, 0, -g};
+  run.scene.shapes = {make_solid("disc", test::revolved({{0, -0.02}, {R, -0.02}, {R, 0.02}, {0, 0.02}}, 96))};
+  const double mass = 1000 * run.scene.shapes[0].mass.volume, area = run.scene.shapes[0].mass.volume / 0.04;
+  test::add_body(run.scene, 0, {0, 0, 0.02 + 2 * kMargin - mass * g / (kKappa * area)}, {}, {}, {0, 0, w0});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  run.start();
+  const double stop = 3 * R * w0 / (4 * mu * g);
+  run.run_for(0.5 * stop);
+  EXPECT_NEAR(run.spin(0).z, 0.5 * w0, 0.01 * w0);
+  run.run_for(0.55 * stop);
+  EXPECT_NEAR(run.spin(0).z, 0, 0.01 * w0);
+}
+
+}  // namespace
+}  // namespace scree
