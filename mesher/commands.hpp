@@ -14,7 +14,7 @@ struct CommandResult {
 
 struct CheckOptions {
   std::string file;
-  std::string unit = "m";
+  std::string unit;  ///< one unit of the file, "mm"; empty: metres, and a question when that looks wrong
   double scale = 1;
   bool json = false;
 };
@@ -24,7 +24,7 @@ CommandResult check_command(const CheckOptions& options);
 struct ImportOptions {
   std::vector<std::string> files;
   std::string output;
-  std::string unit = "m";  ///< one unit of the file, "mm"
+  std::string unit;  ///< one unit of the file, "mm"; empty: metres
   double scale = 1;
   std::vector<std::string> names;  ///< one for each file, or none: then the stems of the file names
   bool surface = false;            ///< wall: may be open, no mass, coordinates kept
@@ -33,6 +33,42 @@ struct ImportOptions {
 /// Reads, cleans and checks meshes and writes them to one shape file. Nothing is written when one of them is
 /// refused.
 CommandResult import_command(const ImportOptions& options, const std::vector<std::string>& command);
+
+/// What the commands that change a mesh have in common. FILE is a mesh or a shape file, the output either, too.
+struct EditOptions {
+  std::string file, output;
+  std::string unit;
+  double scale = 1;
+  bool surface = false;  ///< the result may be open
+  std::string picture;   ///< PNG of before and after; empty: none
+};
+
+struct RepairOptions : EditOptions {
+  double weld = 0;            ///< also weld vertices nearer than this part of the extent; 0: only where open
+  double largest_fill = 0.2;  ///< most of the area that filled holes may make up
+  bool keep_largest = false;  ///< keep only the component of largest volume
+  int component = 0;          ///< keep only this one, from 1 in the order of check; 0: all
+  bool separate = false;      ///< one shape for each component
+};
+CommandResult repair_command(const RepairOptions& options, const std::vector<std::string>& command);
+
+struct SimplifyOptions : EditOptions {
+  std::vector<std::int32_t> triangles;  ///< targets; several make levels of detail in one shape file
+  bool keep_topology = false;           ///< keep even handles that are smaller than a triangle
+};
+CommandResult simplify_command(const SimplifyOptions& options, const std::vector<std::string>& command);
+
+struct RefineOptions : EditOptions {
+  std::string edge_length;  ///< longest edge of the result
+  int times = 0;            ///< or: split each triangle in four this often
+};
+CommandResult refine_command(const RefineOptions& options, const std::vector<std::string>& command);
+
+struct RemeshOptions : EditOptions {
+  std::string edge_length;
+  std::int32_t triangles = 0;
+};
+CommandResult remesh_command(const RemeshOptions& options, const std::vector<std::string>& command);
 
 struct GenerateOptions {
   std::string what;                               ///< "sphere", "box" or "cylinder"

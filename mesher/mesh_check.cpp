@@ -23,14 +23,23 @@ std::string counted(std::int32_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+void list_place(std::vector<Vec3>& places, const Vec3& place) {
+  if (places.size() < kListedPlaces) places.push_back(place);
+}
+
+Vec3 middle_of(const TriangleMesh& mesh, std::int32_t t) {
+  return (1.0 / 3) * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+}
+
 void count_triangles(const TriangleMesh& mesh, MeshCheck& check) {
-  std::vector<Triangle> sorted = mesh.triangles;
-  for (Triangle& t : sorted) std::sort(t.begin(), t.end());
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 1; i < sorted.size(); ++i)
-    check.duplicate_triangles += sorted[i] == sorted[i - 1] ? 1 : 0;
+  for (std::int32_t t : duplicate_triangles(mesh)) {
+    ++check.duplicate_triangles;
+    list_place(check.places.duplicate_triangles, middle_of(mesh, t));
+  }
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    if (is_degenerate(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))) ++check.degenerate_triangles;
+    if (!is_degenerate(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))) continue;
+    ++check.degenerate_triangles;
+    list_place(check.places.degenerate_triangles, middle_of(mesh, t));
   }
   std::vector<char> used(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles) {
@@ -41,7 +50,7 @@ void count_triangles(const TriangleMesh& mesh, MeshCheck& check) {
 
 /// Boundary vertices strictly inside a boundary edge: what is left where a neighbour was split and this side
 /// was not.
-std::int32_t count_t_junctions(const TriangleMesh& mesh, const std::vector<HalfEdge>& boundary) {
+std::set<std::int32_t> find_t_junctions(const TriangleMesh& mesh, const std::vector<HalfEdge>& boundary) {
   std::vector<std::int32_t> vertices;
   for (const HalfEdge& edge : boundary) {
     vertices.push_back(edge.low);
@@ -69,10 +78,23 @@ std::int32_t count_t_junctions(const TriangleMesh& mesh, const std::vector<HalfE
       if (length(d - s * u) <= reach) found.insert(*it);
     }
   }
-  return static_cast<std::int32_t>(found.size());
+  return found;
 }
 
-void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
+/// Component of each triangle from the sets that share edges, numbered by first triangle.
+std::vector<std::int32_t> numbered(DisjointSets& pieces, std::size_t triangle_count, std::int32_t& component_count) {
+  std::vector<std::int32_t> component(triangle_count, -1), number(triangle_count, -1);
+  component_count = 0;
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    const auto root = at(pieces.find(static_cast<std::int32_t>(t)));
+    if (number[root] < 0) number[root] = component_count++;
+    component[t] = number[root];
+  }
+  return component;
+}
+
+/// Fills everything that follows from which triangles share which edges; returns the component of each triangle.
+std::vector<std::int32_t> read_topology(const TriangleMesh& mesh, MeshCheck& check) {
   const std::vector<HalfEdge> half = sorted_half_edges(mesh);
   DisjointSets pieces(mesh.triangles.size()), fans(3 * mesh.triangles.size()), holes(mesh.vertices.size());
   const auto corner_at = [&](const HalfEdge& h, std::int32_t vertex) {
@@ -80,7 +102,7 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
     const std::int32_t k = t[at(h.k)] == vertex ? h.k : (h.k + 1) % 3;
     return 3 * h.triangle + k;
   };
-  const auto middle_of = [&](const HalfEdge& h) {
+  const auto middle_of_edge = [&](const HalfEdge& h) {
     return 0.5 * (mesh.vertices[at(h.low)] + mesh.vertices[at(h.high)]);
   };
 
@@ -95,15 +117,18 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
       fans.join(corner_at(half[i], half[i].high), corner_at(half[h], half[i].high));
     }
     if (j - i == 1) {
-      if (check.boundary_edges++ == 0) check.boundary_place = middle_of(half[i]);
+      ++check.boundary_edges;
+      list_place(check.places.boundary_edges, middle_of_edge(half[i]));
       boundary.push_back(half[i]);
       holes.join(half[i].low, half[i].high);
       open_triangles.push_back(half[i].triangle);
     } else if (j - i > 2) {
-      if (check.non_manifold_edges++ == 0) check.non_manifold_place = middle_of(half[i]);
+      ++check.non_manifold_edges;
+      list_place(check.places.non_manifold_edges, middle_of_edge(half[i]));
       open_triangles.push_back(half[i].triangle);
     } else if (half[i].is_forward == half[i + 1].is_forward) {
-      if (check.inconsistent_edges++ == 0) check.inconsistent_place = middle_of(half[i]);
+      ++check.inconsistent_edges;
+      list_place(check.places.inconsistent_edges, middle_of_edge(half[i]));
       turned_triangles.push_back(half[i].triangle);
     }
   });
@@ -111,7 +136,10 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
   std::set<std::int32_t> loops;
   for (const HalfEdge& edge : boundary) loops.insert(holes.find(edge.low));
   check.boundary_loops = static_cast<std::int32_t>(loops.size());
-  check.t_junctions = count_t_junctions(mesh, boundary);
+  for (std::int32_t v : find_t_junctions(mesh, boundary)) {
+    ++check.t_junctions;
+    list_place(check.places.t_junctions, mesh.vertices[at(v)]);
+  }
   check.euler_characteristic =
       mesh.vertex_count() - check.unreferenced_vertices - edge_count + mesh.triangle_count();
 
@@ -124,12 +152,13 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
     if (fan_of[at(v)] != fan && !counted_vertex[at(v)]) {
       counted_vertex[at(v)] = 1;
       ++check.non_manifold_vertices;
+      list_place(check.places.non_manifold_vertices, mesh.vertices[at(v)]);
     }
   }
 
   // components: closedness, orientation, signed volume about the centre of the bounding box
   std::int32_t count = 0;
-  const std::vector<std::int32_t> component = find_components(mesh, count);
+  std::vector<std::int32_t> component = numbered(pieces, mesh.triangles.size(), count);
   check.components.resize(at(count));
   for (std::int32_t t : open_triangles) check.components[at(component[at(t)])].is_closed = false;
   for (std::int32_t t : turned_triangles) check.components[at(component[at(t)])].is_oriented = false;
@@ -158,22 +187,20 @@ void read_topology(const TriangleMesh& mesh, MeshCheck& check) {
     if (should_be_inward && c.volume > 0) ++check.overlapping_components;
     if (!should_be_inward && c.volume < 0) ++check.inverted_components;
   }
+  return component;
 }
 
-void find_self_intersections(const TriangleMesh& mesh, MeshCheck& check) {
+void find_self_intersections(const TriangleMesh& mesh, const std::vector<std::int32_t>& component, MeshCheck& check) {
   const std::vector<CrossingPair> pairs = find_crossing_pairs(mesh);
   check.crossing_pairs = static_cast<std::int32_t>(pairs.size());
   if (pairs.empty()) return;
-  std::int32_t count = 0;
-  const std::vector<std::int32_t> component = find_components(mesh, count);
   std::set<std::pair<std::int32_t, std::int32_t>> crossing;
   for (const CrossingPair& pair : pairs) {
     const std::int32_t a = component[at(pair.first)], b = component[at(pair.second)];
     if (a != b) crossing.insert(std::minmax(a, b));
   }
   check.crossing_components = static_cast<std::int32_t>(crossing.size());
-  const std::int32_t t = pairs.front().first;
-  check.crossing_place = (1.0 / 3) * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+  for (const CrossingPair& pair : pairs) list_place(check.places.self_intersections, middle_of(mesh, pair.first));
 }
 
 void judge(MeshCheck& check) {
@@ -188,7 +215,7 @@ void judge(MeshCheck& check) {
     problems.push_back(fmt::format(
         "the mesh is open: {} in {}, first near {}{}",
         counted(check.boundary_edges, "boundary edge", "boundary edges"),
-        counted(check.boundary_loops, "loop", "loops"), text_of(check.boundary_place),
+        counted(check.boundary_loops, "loop", "loops"), text_of(check.places.boundary_edges.front()),
         check.t_junctions > 0 ? fmt::format("; {} (a vertex inside another triangle's edge)",
                                             counted(check.t_junctions, "T-junction", "T-junctions"))
                               : ""));
@@ -201,13 +228,13 @@ void judge(MeshCheck& check) {
     problems.push_back(
         fmt::format("{} with more than two triangles, first near {}",
                     counted(check.non_manifold_edges, "non-manifold edge", "non-manifold edges"),
-                    text_of(check.non_manifold_place)));
+                    text_of(check.places.non_manifold_edges.front())));
     advice.push_back("remove inner walls and fins, or separate bodies that share an edge");
   }
   if (check.inconsistent_edges > 0) {
     problems.push_back(fmt::format(
         "the orientation is not consistent: {} between triangles that face opposite ways, first near {}",
-        counted(check.inconsistent_edges, "edge", "edges"), text_of(check.inconsistent_place)));
+        counted(check.inconsistent_edges, "edge", "edges"), text_of(check.places.inconsistent_edges.front())));
     advice.push_back("import with --flip, which turns all triangles outward");
   }
   if (check.degenerate_triangles > 0) {
@@ -237,7 +264,7 @@ void judge(MeshCheck& check) {
     problems.push_back(fmt::format(
         "{} through each other, first near {}: their common volume would count twice",
         counted(check.crossing_components, "pair of components passes", "pairs of components pass"),
-        text_of(check.crossing_place)));
+        text_of(check.places.self_intersections.front())));
     advice.push_back("unite the parts in a mesh editor");
   }
   const Vec3 extent = check.bounds.extent();
@@ -263,7 +290,7 @@ void remark(MeshCheck& check) {
         fmt::format("{} through or touch each other, first near {}; where the surface is folded over, volume "
                     "counts twice",
                     counted(check.crossing_pairs, "pair of triangles passes", "pairs of triangles pass"),
-                    text_of(check.crossing_place)));
+                    text_of(check.places.self_intersections.front())));
   }
   const auto bodies = std::count_if(check.components.begin(), check.components.end(),
                                     [](const auto& c) { return c.depth % 2 == 0; });
@@ -305,14 +332,7 @@ std::vector<std::int32_t> find_components(const TriangleMesh& mesh, std::int32_t
   for_each_edge(half, [&](std::size_t i, std::size_t j) {
     for (std::size_t h = i + 1; h < j; ++h) pieces.join(half[i].triangle, half[h].triangle);
   });
-  std::vector<std::int32_t> component(mesh.triangles.size(), -1), number(mesh.triangles.size(), -1);
-  component_count = 0;
-  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    const auto root = at(pieces.find(t));
-    if (number[root] < 0) number[root] = component_count++;
-    component[at(t)] = number[root];
-  }
-  return component;
+  return numbered(pieces, mesh.triangles.size(), component_count);
 }
 
 MeshCheck check_mesh(const TriangleMesh& mesh) {
@@ -334,8 +354,8 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
   if (mesh.vertex_count() > 0) check.bounds = bounding_box(mesh);
   check.area = surface_area(mesh);
   count_triangles(mesh, check);
-  read_topology(mesh, check);
-  if (check.degenerate_triangles == 0) find_self_intersections(mesh, check);
+  const std::vector<std::int32_t> component = read_topology(mesh, check);
+  if (check.degenerate_triangles == 0) find_self_intersections(mesh, component, check);
   check.mass = mass_properties(mesh);
   judge(check);
   remark(check);
@@ -353,19 +373,24 @@ std::string table_of(const MeshCheck& check) {
     row("NaN vertices", fmt::format("{}", check.nonfinite_vertices));
     return text;
   }
+  const auto finding = [&](const char* title, const std::string& count, const std::vector<Vec3>& places) {
+    row(title, places.empty() ? count : fmt::format("{}, first near {}", count, text_of(places.front())));
+  };
   row("watertight", check.is_watertight() ? "yes" : "no");
-  row("boundary edges", fmt::format("{} in {} loops", check.boundary_edges, check.boundary_loops));
-  row("T-junctions", fmt::format("{}", check.t_junctions));
-  row("non-manifold edges", fmt::format("{}", check.non_manifold_edges));
-  row("non-manifold vertices", fmt::format("{}", check.non_manifold_vertices));
+  finding("boundary edges", fmt::format("{} in {} loops", check.boundary_edges, check.boundary_loops),
+          check.places.boundary_edges);
+  finding("T-junctions", fmt::format("{}", check.t_junctions), check.places.t_junctions);
+  finding("non-manifold edges", fmt::format("{}", check.non_manifold_edges), check.places.non_manifold_edges);
+  finding("non-manifold vertices", fmt::format("{}", check.non_manifold_vertices),
+          check.places.non_manifold_vertices);
   row("orientation", check.inconsistent_edges > 0
                          ? fmt::format("inconsistent at {} edges", check.inconsistent_edges)
                      : !check.is_watertight()                                            ? "consistent"
                      : check.inverted_components > 0 || check.overlapping_components > 0 ? "inward"
                                                                                          : "outward");
-  row("self-intersections", fmt::format("{}", check.crossing_pairs));
-  row("zero-area triangles", fmt::format("{}", check.degenerate_triangles));
-  row("duplicate triangles", fmt::format("{}", check.duplicate_triangles));
+  finding("self-intersections", fmt::format("{}", check.crossing_pairs), check.places.self_intersections);
+  finding("zero-area triangles", fmt::format("{}", check.degenerate_triangles), check.places.degenerate_triangles);
+  finding("duplicate triangles", fmt::format("{}", check.duplicate_triangles), check.places.duplicate_triangles);
   row("unreferenced vertices", fmt::format("{}", check.unreferenced_vertices));
   row("components", fmt::format("{}", check.components.size()));
   constexpr std::size_t kListed = 8;
@@ -424,6 +449,16 @@ nlohmann::json json_of(const MeshCheck& check) {
   json["inverted_components"] = check.inverted_components;
   json["overlapping_components"] = check.overlapping_components;
   json["euler_characteristic"] = check.euler_characteristic;
+  const MeshPlaces& p = check.places;
+  for (const auto& [kind, places] :
+       {std::pair("boundary_edges", &p.boundary_edges), std::pair("non_manifold_edges", &p.non_manifold_edges),
+        std::pair("inconsistent_edges", &p.inconsistent_edges),
+        std::pair("non_manifold_vertices", &p.non_manifold_vertices), std::pair("t_junctions", &p.t_junctions),
+        std::pair("degenerate_triangles", &p.degenerate_triangles),
+        std::pair("duplicate_triangles", &p.duplicate_triangles),
+        std::pair("self_intersections", &p.self_intersections)}) {
+    for (const Vec3& place : *places) json["places"][kind].push_back(array(place));
+  }
   json["components"] = nlohmann::json::array();
   for (const MeshComponent& c : check.components) {
     json["components"].push_back({{"triangles", c.triangle_count},

@@ -19,6 +19,13 @@ struct MeshComponent {
   std::int32_t depth = 0;   ///< number of other closed components around it: 0 is a body, 1 a cavity in it
 };
 
+/// Where findings are [m]: the first kListedPlaces of each kind, middles of edges and triangles.
+struct MeshPlaces {
+  std::vector<Vec3> boundary_edges, non_manifold_edges, inconsistent_edges, non_manifold_vertices, t_junctions,
+      degenerate_triangles, duplicate_triangles, self_intersections;
+};
+inline constexpr std::size_t kListedPlaces = 10;
+
 /// What was found. Counts are exact; places are the first ones found.
 struct MeshCheck {
   std::int32_t vertex_count = 0, triangle_count = 0;
@@ -40,7 +47,7 @@ struct MeshCheck {
   bool nesting_was_checked = true;        ///< false when there are too many components (kNestingWork)
   std::vector<MeshComponent> components;  ///< by first triangle
   std::int32_t euler_characteristic = 0;  ///< V - E + T of referenced vertices; 2 for one ball-like piece
-  Vec3 boundary_place, non_manifold_place, inconsistent_place, crossing_place;
+  MeshPlaces places;
   Box3 bounds;          ///< [m]
   double area = 0;      ///< [m^2]
   MassProperties mass;  ///< density 1; has a meaning only when problems is empty

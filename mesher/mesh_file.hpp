@@ -24,6 +24,13 @@ struct MeshFile {
 /// extension says, or breaks the importer.
 MeshFile read_mesh_file(const std::string& path);
 
+/// Whether write_mesh_file knows the extension: .stl .ply .obj .off.
+bool is_writable_format(const std::string& path);
+
+/// Writes a mesh whole or not at all. PLY (binary), OBJ and OFF keep every digit, STL single precision.
+/// Fails: SystemError when the file cannot be written.
+void write_mesh_file(const std::string& path, const TriangleMesh& mesh);
+
 /// ".stl", in lower case; "" when there is none.
 std::string extension_of(const std::string& path);
 

@@ -67,6 +67,21 @@ std::int32_t flip_slivers(TriangleMesh& mesh) {
   return flips;
 }
 
+}  // namespace
+
+void drop_triangles(TriangleMesh& mesh, const std::vector<std::int32_t>& ascending) {
+  if (ascending.empty()) return;
+  std::size_t kept = at(ascending.front()), next = 0;
+  for (std::size_t t = kept; t < mesh.triangles.size(); ++t) {
+    if (next < ascending.size() && at(ascending[next]) == t) {
+      ++next;
+    } else {
+      mesh.triangles[kept++] = mesh.triangles[t];
+    }
+  }
+  mesh.triangles.resize(kept);
+}
+
 std::int32_t drop_unreferenced(TriangleMesh& mesh) {
   std::vector<std::int32_t> number(mesh.vertices.size(), -1);
   for (const Triangle& t : mesh.triangles) {
@@ -85,8 +100,6 @@ std::int32_t drop_unreferenced(TriangleMesh& mesh) {
   }
   return dropped;
 }
-
-}  // namespace
 
 std::vector<std::string> RepairCounts::sentences() const {
   std::vector<std::string> result;
@@ -148,18 +161,9 @@ RepairCounts clean_mesh(TriangleMesh& mesh, bool drop_all) {
 
   counts.degenerate_dropped = static_cast<std::int32_t>(std::erase_if(mesh.triangles, has_repeated_vertex));
 
-  std::set<Triangle> seen;
-  const auto is_duplicate = [&](Triangle t) {
-    std::sort(t.begin(), t.end());
-    return !seen.insert(t).second;
-  };
-  std::vector<Triangle> kept;
-  kept.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) {
-    if (!is_duplicate(t)) kept.push_back(t);
-  }
-  counts.duplicates_dropped = static_cast<std::int32_t>(mesh.triangles.size() - kept.size());
-  mesh.triangles = std::move(kept);
+  const std::vector<std::int32_t> copies = duplicate_triangles(mesh);
+  counts.duplicates_dropped = static_cast<std::int32_t>(copies.size());
+  drop_triangles(mesh, copies);
 
   constexpr int kPasses = 16;  // a chain of slivers needs one pass for each; a cycle of flips would never end
   for (int pass = 0; pass < kPasses; ++pass) {

@@ -18,6 +18,10 @@ struct RepairCounts {
   std::int32_t vertices_unreferenced = 0;  ///< vertices of no triangle, dropped
   std::int32_t triangles_turned = 0;       ///< winding reversed by turn_outward
 
+  /// Whether anything but the weld was done.
+  bool changes_triangles() const {
+    return slivers_flipped + degenerate_dropped + duplicates_dropped + vertices_unreferenced + triangles_turned > 0;
+  }
   /// One sentence for each repair that was made; the weld, which every STL needs, is not among them.
   std::vector<std::string> sentences() const;
 };
@@ -25,6 +29,12 @@ struct RepairCounts {
 /// Gives vertices of equal coordinates one index, keeping the first. No tolerance: nothing moves.
 /// Returns the number of vertices removed. NaN coordinates are left alone.   Cost: O(V log V).
 std::int32_t weld_equal_positions(TriangleMesh& mesh);
+
+/// Removes triangles by index.   Cost: O(T).
+void drop_triangles(TriangleMesh& mesh, const std::vector<std::int32_t>& ascending);
+
+/// Removes vertices that no triangle uses; returns their number.   Cost: O(V + T).
+std::int32_t drop_unreferenced(TriangleMesh& mesh);
 
 /// Welds, then removes zero-area and duplicate triangles and vertices that nothing uses.
 ///

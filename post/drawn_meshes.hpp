@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/picture/view.hpp"
 #include "core/storage/frame_file.hpp"
 #include "core/storage/scene_file.hpp"
 
@@ -33,13 +34,6 @@ struct WallPlace {
 };
 std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene);
 
-/// Where a picture is taken from.
-struct View {
-  Vec3 centre;         ///< of what is drawn [m]
-  double radius = 1;   ///< of the ball about it [m]
-  Vec3 from;           ///< unit, from the centre to the camera
-  Vec3 up;             ///< unit, against gravity
-};
 View view_of(const Box3& room, const Vec3& gravity);
 
 /// Colour of a shape, red green blue in 0..1: tones of stone that also differ in brightness.

@@ -1,8 +1,6 @@
 #include "post/picture.hpp"
 
-#include <dlfcn.h>
 #include <vtkActor.h>
-#include <vtkCamera.h>
 #include <vtkCellArray.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkDoubleArray.h>
@@ -10,28 +8,22 @@
 #include <vtkFloatArray.h>
 #include <vtkGlyph3DMapper.h>
 #include <vtkIntArray.h>
-#include <vtkLight.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
-#include <vtkPNGWriter.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
-#include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 #include <vtkTubeFilter.h>
-#include <vtkWindowToImageFilter.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 #include "core/base/error.hpp"
-#include "core/storage/h5.hpp"
+#include "core/picture/picture.hpp"
 #include "post/contact_network.hpp"
 #include "post/drawn_meshes.hpp"
 #include "post/vtk_mesh.hpp"
@@ -39,20 +31,6 @@
 namespace scree {
 
 namespace {
-
-/// True when the X server that DISPLAY names answers. VTK itself would abort the program.
-bool display_answers() {
-  void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return false;
-  using Open = void* (*)(const char*);
-  using Close = int (*)(void*);
-  const auto open_display = reinterpret_cast<Open>(dlsym(library, "XOpenDisplay"));
-  const auto close_display = reinterpret_cast<Close>(dlsym(library, "XCloseDisplay"));
-  if (open_display == nullptr || close_display == nullptr) return false;
-  void* display = open_display(nullptr);
-  if (display != nullptr) close_display(display);
-  return display != nullptr;  // the library stays loaded: X11 does not like to be unloaded
-}
 
 /// A scale for numbers: viridis, which rises evenly in brightness, so that it reads in grey and for the colour-blind.
 /// Source: N. Smith, S. van der Walt, E. Firing, matplotlib 2.0, CC0.
@@ -253,16 +231,8 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 
 }  // namespace
 
-std::string why_no_picture() {
-  const char* display = std::getenv("DISPLAY");
-  const std::string cure = "run it as: xvfb-run -a -s \"-screen 0 1280x1024x24 -noreset\" scree-post ...";
-  if (display == nullptr || *display == '\0') return "no X display (DISPLAY is not set); " + cure;
-  if (!display_answers()) return fmt::format("the X display {} does not answer; {}", display, cure);
-  return "";
-}
-
 void draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
-  if (const std::string reason = why_no_picture(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
+  if (const std::string reason = why_no_picture("scree-post"); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
   const Frame frame = load_frame(run, frame_index);
   const Box3 room = room_of(frame.bodies, run.scene);
   View view = view_of(room, run.scene.settings.gravity);
@@ -273,76 +243,17 @@ void draw_picture(const Run& run, std::size_t frame_index, const std::string& pa
     view.up = std::abs(view.from.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
   }
 
-  vtkNew<vtkRenderer> renderer;
-  renderer->SetBackground(1, 1, 1);
+  const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
   add_bodies(renderer, frame.bodies, run.scene, options);
   if (options.network) add_network(renderer, frame, run.scene);
   if (options.walls) add_walls(renderer, frame, run.scene, room);
   if (options.time) add_time(renderer, frame.time, options.height);
-
-  // a key light over the left shoulder and a soft one from the other side, so that facets show
-  renderer->AutomaticLightCreationOff();
-  for (const auto& [x, y, z, power] : {std::array{-0.6, 0.9, 0.8, 0.85}, std::array{0.9, 0.2, 0.6, 0.35}}) {
-    vtkNew<vtkLight> light;
-    light->SetLightTypeToCameraLight();
-    light->SetPosition(x, y, z);
-    light->SetFocalPoint(0, 0, 0);
-    light->SetIntensity(power);
-    renderer->AddLight(light);
-  }
-
-  vtkNew<vtkRenderWindow> window;
-  window->SetOffScreenRendering(1);
-  window->SetMultiSamples(0);
   if (options.network) {  // ghosts need their true order in depth
-    window->SetAlphaBitPlanes(1);
     renderer->SetUseDepthPeeling(1);
     renderer->SetMaximumNumberOfPeels(8);
   }
-  // drawn at twice the size and averaged: smooth edges on any driver
-  window->SetSize(2 * options.width, 2 * options.height);
-  window->AddRenderer(renderer);
-  vtkCamera* camera = renderer->GetActiveCamera();
-  constexpr double kViewAngle = 30;      // [deg]
-  constexpr double kDistance = 3.55;     // in radii: the ball just fits into the view angle at an aspect of 4:3
-  const Vec3 eye = view.centre + kDistance / options.zoom * view.radius * view.from;
-  camera->SetFocalPoint(view.centre.x, view.centre.y, view.centre.z);
-  camera->SetPosition(eye.x, eye.y, eye.z);
-  camera->SetViewUp(view.up.x, view.up.y, view.up.z);
-  camera->SetViewAngle(kViewAngle);
-  renderer->ResetCameraClippingRange();
-  window->Render();
-
-  vtkNew<vtkWindowToImageFilter> grab;
-  grab->SetInput(window);
-  grab->ReadFrontBufferOff();
-  grab->Update();
-  const vtkSmartPointer<vtkImageData> large = grab->GetOutput();
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(options.width, options.height, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  for (int y = 0; y < options.height; ++y) {
-    for (int x = 0; x < options.width; ++x) {
-      auto* pixel = static_cast<unsigned char*>(image->GetScalarPointer(x, y, 0));
-      for (int c = 0; c < 3; ++c) {
-        int sum = 2;
-        for (const auto& [dx, dy] : {std::array{0, 0}, std::array{1, 0}, std::array{0, 1}, std::array{1, 1}}) {
-          sum += static_cast<unsigned char*>(large->GetScalarPointer(2 * x + dx, 2 * y + dy, 0))[c];
-        }
-        pixel[c] = static_cast<unsigned char>(sum / 4);
-      }
-    }
-  }
-  const std::string temporary = h5::temporary_name(path);
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(temporary.c_str());
-  writer->SetInputData(image);
-  writer->Write();
-  if (writer->GetErrorCode() != 0) {
-    std::remove(temporary.c_str());
-    throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
-  }
-  h5::publish_file(temporary, path);
+  set_camera(renderer, view, options.zoom);
+  write_picture({renderer}, options.width, options.height, path);
 }
 
 }  // namespace scree

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <vtkVersion.h>
 
+#include "core/picture/picture.hpp"
 #include "post/paraview.hpp"
 #include "post/picture.hpp"
 #include "post/vtk_or_not.hpp"
@@ -9,7 +10,7 @@ namespace scree {
 
 std::string vtk_version() { return std::string("VTK ") + vtkVersion::GetVTKVersion(); }
 void require_vtk() {}
-std::string picture_obstacle() { return why_no_picture(); }
+std::string picture_obstacle() { return why_no_picture("scree-post"); }
 void make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
   draw_picture(run, frame_index, path, options);
 }

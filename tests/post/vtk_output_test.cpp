@@ -14,6 +14,7 @@
 
 #include "post/drawn_meshes.hpp"
 #include "post/paraview.hpp"
+#include "core/picture/picture.hpp"
 #include "post/picture.hpp"
 #include "tests/post/sample_run.hpp"
 
@@ -133,9 +134,9 @@ TEST(Picture, says_what_to_do_without_a_display) {
   const char* display = std::getenv("DISPLAY");
   const std::string kept = display != nullptr ? display : "";
   unsetenv("DISPLAY");
-  EXPECT_NE(why_no_picture().find("xvfb-run"), std::string::npos);
+  EXPECT_NE(why_no_picture("scree-post").find("xvfb-run"), std::string::npos);
   setenv("DISPLAY", ":4095", 1);
-  EXPECT_NE(why_no_picture().find("does not answer"), std::string::npos);
+  EXPECT_NE(why_no_picture("scree-post").find("does not answer"), std::string::npos);
   EXPECT_THROW(draw_picture(open_run(sample("no_display").string()), 0, "never.png", {}), SystemError);
   if (display != nullptr) setenv("DISPLAY", kept.c_str(), 1);
   else unsetenv("DISPLAY");
@@ -143,7 +144,7 @@ TEST(Picture, says_what_to_do_without_a_display) {
 
 // A ball fills the part of the picture that perspective says. Run under xvfb-run (see CMakeLists.txt).
 TEST(Picture, a_ball_is_as_large_as_perspective_makes_it) {
-  if (const std::string reason = why_no_picture(); !reason.empty()) GTEST_SKIP() << reason;
+  if (const std::string reason = why_no_picture("scree-post"); !reason.empty()) GTEST_SKIP() << reason;
   const fs::path folder = fs::path(SCREE_TEST_FOLDER) / "ball" / "ball.run";
   fs::remove_all(folder);
   fs::create_directories(folder);

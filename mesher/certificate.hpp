@@ -1,0 +1,49 @@
+// From a mesh to a shape that the other tools trust, or to a refusal with numbers; shared by the commands.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/provenance.hpp"
+#include "core/storage/shape_file.hpp"
+#include "mesher/commands.hpp"
+#include "mesher/mesh_check.hpp"
+#include "mesher/mesh_repair.hpp"
+
+namespace scree {
+
+/// Metres in one unit of a file. An empty unit is metres.   Fails: UsageError for what is no length or scale.
+double length_factor(const std::string& unit, double scale);
+
+void scale_mesh(TriangleMesh& mesh, double factor);
+
+/// What to say when no unit was given and the numbers look like another one: particles are seldom larger than a few
+/// metres. "" when there is nothing to say.
+/// in   extent   largest side of the bounding box, in the file's own numbers
+std::string unit_question(const std::string& path, double extent);
+
+/// A shape's name is a key in case files: what a key can be without quotes, from the stem of a path.
+std::string shape_name_from(const std::string& path);
+
+/// Throws UsageError unless the path ends in .shape.h5.
+void expect_shape_path(const std::string& path);
+
+/// Why a mesh cannot be a rigid body and what to do about it, in one line.
+std::string refusal_of(const std::string& path, const MeshCheck& check);
+
+/// Checks a mesh and makes the shape with its verdict; remarks become notices.
+/// Fails: InputError with refusal_of when it is no solid; a surface is refused only for NaN and no area.
+Shape certified_shape(const std::string& name, TriangleMesh mesh, bool surface, const std::string& path,
+                      CommandResult& result);
+
+nlohmann::json json_of(const RepairCounts& repairs);
+
+/// "fels: 768 triangles from ..., extent ..., volume ...", one line.
+std::string summary_of(const Shape& shape, const std::string& path);
+
+std::string joined(const std::vector<std::string>& texts, const char* separator);
+
+/// The opening of a shape file's provenance record.
+Provenance shape_provenance(const std::vector<std::string>& command, const std::string& configuration);
+
+}  // namespace scree

@@ -1,0 +1,210 @@
+#include "mesher/edit_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "mesher/certificate.hpp"
+#include "mesher/mesh_deviation.hpp"
+#include "mesher/mesh_file.hpp"
+#include "mesher/mesh_picture.hpp"
+#include "mesher/mesh_refine.hpp"
+#include "mesher/mesh_simplify.hpp"
+
+namespace scree {
+
+namespace {
+
+constexpr std::int64_t kMostTriangles = 20'000'000;
+
+std::string length_text(double x) { return format_quantity(x, Dimension::length); }
+
+double extent_of(const TriangleMesh& mesh) {
+  const Vec3 e = bounding_box(mesh).extent();
+  return std::max({e.x, e.y, e.z});
+}
+
+/// Change of the largest component of the inertia tensor about the centre of mass, as part of the old one.
+double inertia_change(const MassProperties& before, const MassProperties& after) {
+  double difference = 0, size = 0;
+  for (int i = 0; i < 3; ++i) {
+    difference = std::max(difference, length(after.inertia[i] - before.inertia[i]));
+    size = std::max(size, length(before.inertia[i]));
+  }
+  return size > 0 ? difference / size : 0;
+}
+
+}  // namespace
+
+EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
+  if (!options.picture.empty()) {  // known before the work is done
+    if (const std::string reason = picture_obstacle(); !reason.empty())
+      throw SystemError("cannot draw a picture: {}", reason);
+  }
+  EditSource source;
+  if (options.file.ends_with(".shape.h5")) {
+    if (!options.unit.empty() || options.scale != 1)
+      throw UsageError("--unit, --scale: a shape file is in metres; they have no meaning for {}", options.file);
+    ShapeFile file = read_shape_file(options.file);
+    source.reader = "shape file";
+    source.history = file.provenance;
+    for (Shape& shape : file.shapes) {
+      if (shape.kind == ShapeKind::sphere) {
+        throw InputError("{}: shape '{}' is an analytic sphere and has no triangles to work on", options.file, shape.name);
+      }
+      for (Vec3& p : shape.mesh.vertices) p += shape.origin_shift;
+      source.meshes.push_back({shape.name, std::move(shape.mesh), {}, {}});
+    }
+    return source;
+  }
+  MeshFile file = read_mesh_file(options.file);
+  if (file.mesh.triangle_count() == 0)
+    throw InputError("{}: {} vertices but no triangle was found in it", options.file, file.mesh.vertex_count());
+  const auto bad = std::find_if_not(file.mesh.vertices.begin(), file.mesh.vertices.end(), is_finite);
+  if (bad != file.mesh.vertices.end()) {
+    throw InputError("{}: vertex {} is not a finite number (NaN or infinite); export the model again", options.file,
+                     bad - file.mesh.vertices.begin());
+  }
+  if (options.unit.empty()) {
+    const std::string question = unit_question(options.file, extent_of(file.mesh));
+    if (!question.empty()) result.notices.push_back(question);
+  }
+  source.factor = length_factor(options.unit, options.scale);
+  source.reader = file.reader;
+  scale_mesh(file.mesh, source.factor);
+  EditedMesh edited{shape_name_from(options.file), std::move(file.mesh), {}, {}};
+  const RepairCounts repairs = clean_mesh(edited.mesh, options.surface);
+  if (repairs.vertices_welded > 0)
+    edited.steps.push_back(fmt::format("{} vertices welded to others of exactly equal position", repairs.vertices_welded));
+  for (const std::string& sentence : repairs.sentences()) edited.steps.push_back(sentence);
+  edited.record["cleaned"] = json_of(repairs);
+  for (const std::string& note : file.notes) result.notices.push_back(fmt::format("{}: {}", options.file, note));
+  if (edited.mesh.triangle_count() == 0) throw InputError("{}: all triangles have zero area", options.file);
+  source.meshes.push_back(std::move(edited));
+  return source;
+}
+
+void write_edit_results(const std::string& what, const EditOptions& options, const EditSource& source,
+                        const std::vector<EditedMesh>& results, const std::vector<std::string>& command,
+                        CommandResult& result) {
+  const bool to_shape = options.output.ends_with(".shape.h5");
+  if (!to_shape && !is_writable_format(options.output)) {
+    throw UsageError("-o {}: expected NAME.shape.h5, or a mesh file NAME.stl .ply .obj .off", options.output);
+  }
+  if (!to_shape && results.size() != 1) {
+    throw UsageError("-o {}: {} meshes cannot go into one mesh file; write them to NAME.shape.h5", options.output,
+                     results.size());
+  }
+  std::vector<Shape> shapes;
+  for (const EditedMesh& edited : results) {
+    for (const std::string& step : edited.steps) result.output += fmt::format("{}: {}\n", edited.name, step);
+    shapes.push_back(certified_shape(edited.name, edited.mesh, options.surface, options.file, result));
+    shapes.back().verdict["file"] = options.file;
+    shapes.back().verdict["reader"] = source.reader;
+    shapes.back().verdict["metres_per_file_unit"] = source.factor;
+    shapes.back().verdict[what] = edited.record;
+  }
+  if (!options.picture.empty()) {
+    draw_meshes({{"before", &source.meshes.front().mesh}, {results.front().name, &results.front().mesh}}, options.picture);
+    result.output += fmt::format("wrote {}\n", options.picture);
+  }
+  if (to_shape) {
+    Provenance provenance = shape_provenance(command, what + " " + options.file);
+    provenance.inputs.push_back({options.file, sha256_of_file(options.file), source.history});
+    write_shape_file(options.output, shapes, provenance_record(provenance));
+  } else {
+    TriangleMesh mesh = results.front().mesh;
+    scale_mesh(mesh, 1 / source.factor);
+    write_mesh_file(options.output, mesh);
+  }
+  for (const Shape& shape : shapes) result.output += summary_of(shape, options.file);
+  result.output += fmt::format("wrote {}\n", options.output);
+}
+
+void report_change(const TriangleMesh& before, bool surface, EditedMesh& edited) {
+  const HausdorffDistance h = hausdorff_distance(before, edited.mesh);
+  const double extent = extent_of(before);
+  edited.steps.push_back(fmt::format(
+      "Hausdorff distance from the original between {} and {} ({:.3g} % of its extent), largest near ({:.4g}, {:.4g}, "
+      "{:.4g})", length_text(h.lower()), length_text(h.upper()), 100 * h.upper() / extent,
+      (h.forth.lower > h.back.lower ? h.forth : h.back).place.x, (h.forth.lower > h.back.lower ? h.forth : h.back).place.y,
+      (h.forth.lower > h.back.lower ? h.forth : h.back).place.z));
+  edited.record["hausdorff_lower"] = h.lower();
+  edited.record["hausdorff_upper"] = h.upper();
+  if (surface) return;
+  const MassProperties a = mass_properties(before), b = mass_properties(edited.mesh);
+  if (!(std::abs(a.volume) > 0)) return;
+  const double volume = b.volume / a.volume - 1, inertia = inertia_change(a, b);
+  edited.steps.push_back(fmt::format("volume changed by {:+.3g} %, inertia by {:.3g} %, centre of mass by {}",
+                                     100 * volume, 100 * inertia, length_text(length(b.centre - a.centre))));
+  edited.record["volume_change"] = volume;
+  edited.record["inertia_change"] = inertia;
+}
+
+CommandResult simplify_command(const SimplifyOptions& options, const std::vector<std::string>& command) {
+  CommandResult result;
+  if (options.triangles.empty()) throw UsageError("simplify: --triangles is missing; give a number, for instance 1000");
+  std::vector<std::int32_t> targets = options.triangles;
+  std::sort(targets.rbegin(), targets.rend());  // the finest first: each level starts from the one before
+  if (targets.back() < 4) throw UsageError("--triangles {}: a solid has at least 4", targets.back());
+  const EditSource source = read_edit_source(options, result);
+  std::vector<EditedMesh> levels;
+  for (const EditedMesh& original : source.meshes) {
+    const MeshCheck check = check_mesh(original.mesh);
+    if (!options.surface && !check.is_solid())
+      throw InputError(refusal_of(options.file, check) + ", or repair it first with 'scree-mesher repair'");
+    EditedMesh level = original;
+    for (std::int32_t target : targets) {
+      const std::int32_t from = level.mesh.triangle_count();
+      const SimplifyCounts counts = simplify_mesh(level.mesh, target, !options.keep_topology);
+      EditedMesh done = level;
+      if (targets.size() > 1) done.name = fmt::format("{}_{}", original.name, target);
+      done.steps.push_back(fmt::format("{} of {} triangles left after {} edge collapses", done.mesh.triangle_count(), from,
+                                       counts.collapses));
+      if (counts.handles_cut > 0) {
+        done.steps.push_back(fmt::format("{} handles or necks cut that are smaller than its triangles", counts.handles_cut));
+      }
+      if (!counts.reached_target) {
+        result.notices.push_back(fmt::format("{}: {} triangles were asked for; with fewer than {} the surface would change "
+                                             "its topology or fold", done.name, target, done.mesh.triangle_count()));
+      }
+      report_change(original.mesh, options.surface, done);
+      done.record["handles_cut"] = counts.handles_cut;
+      done.record["original"] = original.name;
+      levels.push_back(std::move(done));
+    }
+  }
+  write_edit_results("simplified", options, source, levels, command, result);
+  return result;
+}
+
+CommandResult refine_command(const RefineOptions& options, const std::vector<std::string>& command) {
+  CommandResult result;
+  if (options.edge_length.empty() == (options.times == 0))
+    throw UsageError("refine: give either --edge-length, for instance \"1 mm\", or --times, for instance 2");
+  if (options.times < 0) throw UsageError("--times {}: expected a number > 0", options.times);
+  const EditSource source = read_edit_source(options, result);
+  std::vector<EditedMesh> results = source.meshes;
+  for (EditedMesh& edited : results) {
+    const std::int32_t from = edited.mesh.triangle_count();
+    if (options.times > 0) {
+      for (int i = 0; i < options.times; ++i) {
+        if (4 * static_cast<std::int64_t>(edited.mesh.triangles.size()) > kMostTriangles)
+          throw UsageError("--times {}: more than {} triangles would arise", options.times, kMostTriangles);
+        split_in_four(edited.mesh);
+      }
+    } else {
+      const double longest = parse_quantity(options.edge_length, Dimension::length, "--edge-length");
+      if (!(longest > 0)) throw UsageError("--edge-length {}: expected a length > 0", options.edge_length);
+      refine_mesh(edited.mesh, longest, kMostTriangles);
+    }
+    edited.steps.push_back(fmt::format("{} triangles became {}; the surface is the same", from, edited.mesh.triangle_count()));
+  }
+  write_edit_results("refined", options, source, results, command, result);
+  return result;
+}
+
+}  // namespace scree
