@@ -33,7 +33,7 @@ Outcome follow(const BenchShape& a, const BenchShape& b, double ratio, double ma
     const Placement p = path.placement();
     const bool intersecting = kept.update(a.view(), b.view(), p, margin, *scratch, close);
     double least = 0;
-    const std::vector<ClosePair> expected = reference.below(a.view(), b.view(), p, margin, least);
+    const std::vector<ClosePair> expected = reference.below_by_balls(a.view(), b.view(), p, margin, least);
     EXPECT_EQ(intersecting, least == 0) << "step " << step;
     outcome.misses += count_differences(close, expected, margin, kRounding);
     outcome.close += static_cast<std::int64_t>(expected.size());
@@ -178,36 +178,70 @@ TEST(KeptPairs, of_an_empty_mesh_are_none) {
   EXPECT_TRUE(close.empty());
 }
 
-/// Random poses of rocks near contact: the descent against all pairs.
-TEST(SearchByDescent, misses_no_pair_in_random_poses) {
-  const int poses = at_length() ? 100000 : 1000;
+TEST(KeptPairs, misses_no_pair_of_rocks_of_1280_triangles) {
+  const BenchShape a(test::rock(11, 3, 0.22)), b(test::rock(12, 3, 0.22));
+  const int steps = at_length() ? 10000 : 40;
+  for (const auto& [name, path] : all_paths()) {
+    const Outcome o = follow(a, b, 1, 0.01, 1e-3, path, steps, 5);
+    EXPECT_EQ(o.misses, 0) << name;
+    EXPECT_GT(o.close, steps / 4) << name;
+  }
+}
+
+/// Poses of rocks near contact: the descent, the distance and the test for intersections against all pairs.
+void compare_poses(int level, int poses, double nearest, double farthest) {
   std::vector<BenchShape> rocks;
-  for (unsigned k = 0; k < 4; ++k) rocks.emplace_back(test::rock(k + 20, 1, 0.22));
+  for (unsigned k = 0; k < 4; ++k) rocks.emplace_back(test::rock(k + 20, level, 0.22));
   const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
   AllPairs reference;
   std::vector<TrianglePair> pairs;
+  std::vector<ClosePair> found;
   Random random(77);
-  std::int64_t within = 0, misses = 0;
+  std::int64_t within = 0, apart = 0, through = 0, misses = 0;
   for (int pose = 0; pose < poses; ++pose) {
     const BenchShape &a = rocks[static_cast<std::size_t>(pose % 4)], &b = rocks[static_cast<std::size_t>(pose / 4 % 4)];
     const double reach = random.uniform(0, 0.1);
-    const Placement p = relative_placement(100.0 * random.direction(), random.rotation(), 1, {}, random.rotation(), 1);
-    Placement near = p;
-    near.translation = random.uniform(1.4, 2.6) * random.direction();
+    Placement near;
+    near.rotation = matrix_of(random.rotation());
+    near.translation = random.uniform(nearest, farthest) * random.direction();
     double least = 0;
-    const std::vector<ClosePair> expected = reference.below(a.view(), b.view(), near, reach, least);
-    const bool intersecting = triangle_pairs_within(a.view(), b.view(), near, reach, *scratch, pairs);
-    EXPECT_EQ(intersecting, least == 0) << "pose " << pose;
+    const std::vector<ClosePair> expected = reference.below_by_balls(a.view(), b.view(), near, reach, least);
+    EXPECT_EQ(triangle_pairs_within(a.view(), b.view(), near, reach, *scratch, pairs), least == 0) << "pose " << pose;
+    EXPECT_EQ(meshes_intersect(a.view(), b.view(), near, *scratch), least == 0) << "pose " << pose;
     EXPECT_NEAR(mesh_distance(a.view(), b.view(), near, 1e308, *scratch), least, kRounding) << "pose " << pose;
-    std::size_t k = 0;
-    for (const ClosePair& c : expected) {
-      while (k < pairs.size() && (pairs[k].a < c.pair.a || (pairs[k].a == c.pair.a && pairs[k].b < c.pair.b))) ++k;
-      if ((k == pairs.size() || !(pairs[k] == c.pair)) && c.distance < reach - kRounding) ++misses;
+    found.clear();
+    for (const TrianglePair& pair : pairs) {
+      const auto known = std::find_if(expected.begin(), expected.end(), [&](const ClosePair& c) { return c.pair == pair; });
+      found.push_back({pair, known == expected.end() ? reach : known->distance});
     }
+    misses += count_differences(found, expected, reach, kRounding);
     within += static_cast<std::int64_t>(expected.size());
+    (least == 0 ? through : apart) += 1;
   }
   EXPECT_EQ(misses, 0);
   EXPECT_GT(within, poses);
+  EXPECT_GT(apart, poses / 10);
+  EXPECT_GT(through, poses / 100);
+}
+
+TEST(SearchByDescent, misses_no_pair_in_random_poses) { compare_poses(1, at_length() ? 100000 : 1000, 1.4, 2.6); }
+
+TEST(SearchByDescent, misses_no_pair_of_rocks_of_1280_triangles_in_random_poses) { compare_poses(3, at_length() ? 100000 : 20, 1.8, 2.3); }
+
+TEST(AllPairs, by_bounding_balls_are_the_same) {
+  const BenchShape a(test::rock(1, 2, 0.22)), b(test::rock(2, 1, 0.22));
+  AllPairs reference;
+  Random random(4);
+  std::size_t found = 0;
+  for (int pose = 0; pose < 50; ++pose) {
+    const Placement p = relative_placement({}, random.rotation(), 1, random.uniform(1.4, 3) * random.direction(), random.rotation(), random.uniform(0.5, 1.5));
+    double least = 0, least_by_balls = 1;
+    const std::vector<ClosePair> all = reference.below(a.view(), b.view(), p, 0.05, least), by_balls = reference.below_by_balls(a.view(), b.view(), p, 0.05, least_by_balls);
+    EXPECT_NEAR(least_by_balls, least, kRounding);
+    EXPECT_EQ(count_differences(by_balls, all, 0.05, kRounding), 0);
+    found += all.size();
+  }
+  EXPECT_GT(found, 50u);
 }
 
 }  // namespace
