@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <type_traits>
 
 #include "core/distance/mesh_descent.hpp"
@@ -19,17 +21,19 @@ HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Indices of the values that are at most `way`; returns how many. `found` has room for count and one vector.
+/// Indices of the values that are at most `way`; returns how many. `found` has room for count.
+/// Bit by bit: few are, and storing compressed vectors takes longer, on Zen 4 by far.
 HWY_NOINLINE std::size_t find_expired(const float* expiry, std::size_t count, float way, std::int32_t* found) {
   const hn::ScalableTag<float> tag;
-  const hn::RebindToSigned<decltype(tag)> index_tag;
   const std::size_t lanes = hn::Lanes(tag);
   const auto limit = hn::Set(tag, way);
   std::size_t size = 0, k = 0;
   for (; k + lanes <= count; k += lanes) {
-    const auto expired = hn::Le(hn::LoadU(tag, expiry + k), limit);
-    if (hn::AllFalse(tag, expired)) continue;
-    size += hn::CompressStore(hn::Iota(index_tag, static_cast<std::int32_t>(k)), hn::RebindMask(index_tag, expired), index_tag, found + size);
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(tag, hn::Le(hn::LoadU(tag, expiry + k), limit), bytes);
+    std::uint64_t bits;
+    std::memcpy(&bits, bytes, sizeof(bits));
+    for (; bits != 0; bits &= bits - 1) found[size++] = static_cast<std::int32_t>(k) + std::countr_zero(bits);
   }
   for (; k < count; ++k)
     if (expiry[k] <= way) found[size++] = static_cast<std::int32_t>(k);
@@ -51,6 +55,9 @@ HWY_INLINE void place_corners(Real* rows, std::int64_t stride, std::int64_t coun
     }
   }
 }
+/// Pairs that one vector of the exact kernel holds; twice as many of the filter.
+std::size_t exact_lanes() { return hn::Lanes(hn::ScalableTag<double>()); }
+
 HWY_NOINLINE void place_float(float* rows, std::int64_t stride, std::int64_t count, const float linear[3][3], const float translation[3]) {
   place_corners(rows, stride, count, linear, translation);
 }
@@ -65,6 +72,7 @@ namespace {
 
 HWY_EXPORT(find_expired);
 HWY_EXPORT(place_float);
+HWY_EXPORT(exact_lanes);
 
 /// Shapes with more triangles than this need the wide pairs.
 constexpr std::int32_t kNarrowTriangles = 65536;
@@ -110,22 +118,23 @@ double motion_bound(const Placement& from, const Placement& to, const SurfacePat
 }
 
 /// Floats on the safe side: an expiry too early, a way too long.
-float round_down(double x) { return std::nextafter(static_cast<float>(x), -HUGE_VALF); }
-float round_up(double x) { return std::nextafter(static_cast<float>(x), HUGE_VALF); }
+constexpr double kFloatRounding = 0x1p-23, kSmallestFloat = 0x1p-149;
+float round_down(double x) { return static_cast<float>(x - kFloatRounding * std::abs(x) - kSmallestFloat); }
+float round_up(double x) { return static_cast<float>(x + kFloatRounding * std::abs(x) + kSmallestFloat); }
 
 }  // namespace
 
 struct KeptPairsScratch {
-  static constexpr std::int64_t kBatchPairs = 128, kStride = kBatchPairs + kBatchPadding;
+  static constexpr std::int64_t kBatchPairs = DescentScratch::kBlock, kStride = DescentScratch::kStride;
   DescentScratch descent;
   std::vector<std::int32_t> expired;
-  std::vector<TrianglePair> decide;
   std::vector<std::int32_t> decide_entry;
   struct Listed {
     TrianglePair pair;
     float expiry;
   };
   std::vector<Listed> listed;
+  KeptPairsScratch() { descent.keep_corners = true; }
   alignas(64) std::array<float, 18 * kStride> single;
   alignas(64) std::array<double, 18 * kStride> exact;
   alignas(64) std::array<float, kBatchPairs> single_distance;
@@ -190,8 +199,13 @@ void KeptPairs::choose_skin(double smallest_radius, double margin) {
 void KeptPairs::find_patches(const MeshView& a, const MeshView& b) {
   const auto patch_of = [&](const TriangleMesh& mesh, auto triangle_of) {
     Box3 box;
-    for (std::size_t k = 0; k < expiry_.size(); ++k)
-      for (int c = 0; c < 3; ++c) box.add(mesh.corner(triangle_of(pair_at(k)), c));
+    std::int32_t last = -1;
+    for (std::size_t k = 0; k < expiry_.size(); ++k) {
+      const std::int32_t t = triangle_of(pair_at(k));
+      if (t == last) continue;  // pairs come row by row
+      last = t;
+      for (int c = 0; c < 3; ++c) box.add(mesh.corner(t, c));
+    }
     if (box.is_empty()) return SurfacePatch{};
     return SurfacePatch{box.centre(), 0.5 * length(box.extent())};
   };
@@ -216,18 +230,24 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
   collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), DescentReach(filter_reach(frame, reach), growth, centre_in_a, frame), s.descent);
   const std::vector<TrianglePair>& candidates = s.descent.candidates;
   close_count_ = 0;
-  filter_pairs(a, b, frame, candidates.size(), [&](std::size_t k) { return candidates[k]; }, s, [&](std::size_t k, float distance) {
+  const auto list = [&](const TrianglePair& pair, float distance) {
     const double least = static_cast<double>(distance) - allowance;
     double reach_here = reach;
     if (growth > 0 && least > reach) {
       double farthest = 0;
-      for (int c = 0; c < 3; ++c) farthest = std::max(farthest, squared_length(b.mesh->corner(candidates[k].b, c) - centre_));
+      for (int c = 0; c < 3; ++c) farthest = std::max(farthest, squared_length(b.mesh->corner(pair.b, c) - centre_));
       reach_here += growth * b_in_a.scale * std::sqrt(farthest);
     }
     if (least > reach_here) return;
     if (least <= margin) ++close_count_;
-    s.listed.push_back({candidates[k], round_down(least - margin)});
-  });
+    s.listed.push_back({pair, round_down(least - margin)});
+  };
+  for (std::size_t begin = 0; begin < candidates.size(); begin += static_cast<std::size_t>(kBatchPairs)) {
+    const std::size_t size = std::min(candidates.size() - begin, static_cast<std::size_t>(kBatchPairs));
+    const float* corners = s.descent.corners.data() + begin / static_cast<std::size_t>(kBatchPairs) * DescentScratch::kBlockSize;
+    triangle_distances(PairBatch<float>{corners, kStride, static_cast<std::int64_t>(size)}, s.single_distance.data());
+    for (std::size_t i = 0; i < size; ++i) list(candidates[begin + i], s.single_distance[i]);
+  }
 
   const std::size_t count = s.listed.size();
   const bool narrow = a.mesh->triangle_count() <= kNarrowTriangles && b.mesh->triangle_count() <= kNarrowTriangles;
@@ -275,13 +295,12 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
   if (expiry_.empty()) return false;
 
   // those whose time has come
-  s.expired.resize(expiry_.size() + 16);
+  s.expired.resize(expiry_.size());
   const float way = round_up(way_);
   const std::size_t expired = HWY_DYNAMIC_DISPATCH(find_expired)(expiry_.data(), expiry_.size(), way, s.expired.data());
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
   const double allowance = static_cast<double>(frame.allowance);
   // pairs that were within the margin at the last step have an expiry below 0: they need no filter
-  s.decide.clear();
   s.decide_entry.clear();
   std::size_t to_filter = 0;
   for (std::size_t k = 0; k < expired; ++k) {
@@ -291,6 +310,13 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
     } else {
       s.expired[to_filter++] = entry;
     }
+  }
+  // A vector costs the same in both, whatever is in its lanes: few pairs are decided at once, in the lanes left over.
+  const std::size_t lanes = HWY_DYNAMIC_DISPATCH(exact_lanes)(), decided = s.decide_entry.size();
+  const auto vectors = [](std::size_t pairs, std::size_t in_one) { return (pairs + in_one - 1) / in_one; };
+  if (vectors(decided + to_filter, lanes) <= vectors(decided, lanes) + vectors(to_filter, 2 * lanes)) {
+    s.decide_entry.insert(s.decide_entry.end(), s.expired.begin(), s.expired.begin() + static_cast<std::ptrdiff_t>(to_filter));
+    to_filter = 0;
   }
   counts_.filtered += static_cast<std::int64_t>(to_filter);
   filter_pairs(a, b, frame, to_filter, [&](std::size_t k) { return pair_at(static_cast<std::size_t>(s.expired[k])); }, s, [&](std::size_t k, float distance) {

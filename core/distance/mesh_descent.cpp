@@ -154,6 +154,19 @@ HWY_INLINE std::uint32_t outside_slabs(const Vec8 h[3], Vec8 low, Vec8 high) {
   return bits_of(hn::Or(hn::Gt(least, high), hn::Lt(most, low)));
 }
 
+/// The corners of the next candidate.
+HWY_INLINE void keep_corners(const BvhLeaf& a, std::size_t i, const PlacedLeaf& b, std::size_t j, DescentScratch& scratch) {
+  const auto k = static_cast<std::int64_t>(scratch.candidates.size());
+  const std::int64_t block = k / DescentScratch::kBlock * DescentScratch::kBlockSize;
+  if (static_cast<std::int64_t>(scratch.corners.size()) < block + DescentScratch::kBlockSize)
+    scratch.corners.resize(static_cast<std::size_t>(block + DescentScratch::kBlockSize));
+  float* column = scratch.corners.data() + block + k % DescentScratch::kBlock;
+  for (int c = 0; c < 9; ++c) {
+    column[c * DescentScratch::kStride] = a.corner[c][i];
+    column[(9 + c) * DescentScratch::kStride] = b.corner[c][j];
+  }
+}
+
 HWY_INLINE std::uint32_t first_bits(std::int32_t count) { return (1u << count) - 1u; }
 
 void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int32_t leaf_a, std::int32_t leaf_b,
@@ -204,6 +217,7 @@ void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int
     }
     for (hits &= ~apart; hits != 0; hits &= hits - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(hits));
+      if (scratch.keep_corners) keep_corners(la, i, placed, j, scratch);
       scratch.candidates.push_back({la.triangle[i], lb.triangle[j]});
     }
   }

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/distance/triangle_distance.hpp"
 #include "core/geometry/bvh.hpp"
 
 namespace scree {
@@ -69,6 +70,11 @@ struct DescentScratch {
   std::array<PlacedNode, kCacheSize> node_cache;
   std::vector<SubtreePair> pairs;
   std::vector<TrianglePair> candidates;
+  /// Where asked for, the corners of each candidate in A's tree frame as well, eighteen rows of a batch at a time: those of
+  /// candidate k are in column k % kBlock of block k / kBlock.
+  static constexpr std::int64_t kBlock = 128, kStride = kBlock + kBatchPadding, kBlockSize = 18 * kStride;
+  bool keep_corners = false;
+  std::vector<float> corners;
   /// To be called when another tree, placement or larger reach begins.
   void forget_placed() {
     cached.fill(-1);

@@ -168,13 +168,32 @@ bool segments_meet(Corner p, Corner q, Corner r, Corner s) {
   return axis < 0 || segments_meet_2d(p, q, r, s, axis);  // all on one line: the ranges decide
 }
 
-/// Segment p q, at sides hp and hq of the plane of the triangle f, against f. axis: see projection_axis.
-bool segment_meets_triangle(Corner p, Corner q, int hp, int hq, const Corner f[3], int axis) {
+/// Signs of det of edge i of one triangle and edge j of the other, each computed when first asked for: both directions of
+/// the test need them, and those near 0 are dear.
+class EdgeSigns {
+ public:
+  EdgeSigns(const Corner p[3], const Corner f[3]) : p_(p), f_(f) {}
+  int operator()(int i, int j) {
+    int& sign = sign_[i][j];
+    if (sign == kUnknown) sign = orient3d(p_[i], p_[(i + 1) % 3], f_[j], f_[(j + 1) % 3]);
+    return sign;
+  }
+
+ private:
+  static constexpr int kUnknown = 2;
+  const Corner *p_, *f_;
+  int sign_[3][3] = {{kUnknown, kUnknown, kUnknown}, {kUnknown, kUnknown, kUnknown}, {kUnknown, kUnknown, kUnknown}};
+};
+
+/// Segment p q, at sides hp and hq of the plane of the triangle f, against f. axis: see projection_axis; sign(k): of the
+/// segment and edge k of f.
+template <class Sign>
+bool segment_meets_triangle(Corner p, Corner q, int hp, int hq, const Corner f[3], int axis, const Sign& sign) {
   if (hp * hq > 0) return false;
   if (hp != 0 || hq != 0) {
-    const int w0 = orient3d(p, q, f[0], f[1]), w1 = orient3d(p, q, f[1], f[2]);
+    const int w0 = sign(0), w1 = sign(1);
     if (w0 * w1 < 0) return false;
-    const int w2 = orient3d(p, q, f[2], f[0]);
+    const int w2 = sign(2);
     return w0 * w2 >= 0 && w1 * w2 >= 0;
   }
   const int o0 = orient2d(f[0], f[1], p, axis), o1 = orient2d(f[1], f[2], p, axis), o2 = orient2d(f[2], f[0], p, axis);
@@ -184,10 +203,11 @@ bool segment_meets_triangle(Corner p, Corner q, int hp, int hq, const Corner f[3
   return false;
 }
 
-/// The edges of p against f, which has area; h: sides of the corners of p.
-bool edges_meet_triangle(const Corner p[3], const int h[3], const Corner f[3], int axis) {
-  for (int k = 0; k < 3; ++k)
-    if (segment_meets_triangle(p[k], p[(k + 1) % 3], h[k], h[(k + 1) % 3], f, axis)) return true;
+/// The edges of p against f, which has area; h: sides of the corners of p; sign(i, k): of edge i of p and edge k of f.
+template <class Sign>
+bool edges_meet_triangle(const Corner p[3], const int h[3], const Corner f[3], int axis, const Sign& sign) {
+  for (int i = 0; i < 3; ++i)
+    if (segment_meets_triangle(p[i], p[(i + 1) % 3], h[i], h[(i + 1) % 3], f, axis, [&](int k) { return sign(i, k); })) return true;
   return false;
 }
 
@@ -217,18 +237,20 @@ bool triangles_intersect(const double a[9], const double b[9]) {
     for (int j = 0; j < 9; j += 3)
       if (a[i] == b[j] && a[i + 1] == b[j + 1] && a[i + 2] == b[j + 2]) return true;
   const int shift = kLargest - std::ilogb(largest);
+  const double half = std::ldexp(1.0, shift / 2), rest = std::ldexp(1.0, shift - shift / 2);  // one factor may be out of range
   double sa[9], sb[9];
   for (int k = 0; k < 9; ++k) {
-    sa[k] = std::ldexp(a[k], shift);
-    sb[k] = std::ldexp(b[k], shift);
+    sa[k] = a[k] * half * rest;
+    sb[k] = b[k] * half * rest;
   }
   const Corner p[3] = {sa, sa + 3, sa + 6}, f[3] = {sb, sb + 3, sb + 6};
   int hp[3], hf[3];
   if (!find_sides(p, f, hp) || !find_sides(f, p, hf)) return false;
   const int axis_p = projection_axis(p[0], p[1], p[2]), axis_f = projection_axis(f[0], f[1], f[2]);
   // a triangle without area is the union of its edges
-  if (axis_f >= 0 && edges_meet_triangle(p, hp, f, axis_f)) return true;
-  if (axis_p >= 0) return edges_meet_triangle(f, hf, p, axis_p);
+  EdgeSigns sign(p, f);
+  if (axis_f >= 0 && edges_meet_triangle(p, hp, f, axis_f, [&](int i, int j) { return sign(i, j); })) return true;
+  if (axis_p >= 0) return edges_meet_triangle(f, hf, p, axis_p, [&](int i, int j) { return sign(j, i); });
   if (axis_f >= 0) return false;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
