@@ -72,6 +72,36 @@ DrawnMesh drawn_shape(const Shape& shape) {
   return ball;
 }
 
+TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most) {
+  const Box3 box = bounding_box(mesh);
+  const double size = length(box.extent());
+  TriangleMesh coarse = mesh;
+  for (double cells = 24; coarse.triangles.size() > most && cells >= 1.5; cells *= 0.8) {
+    std::map<std::array<int, 3>, std::int32_t> found;
+    std::vector<std::int32_t> merged;
+    std::vector<double> count;
+    coarse = {};
+    for (const Vec3& v : mesh.vertices) {
+      const Vec3 place = (cells / size) * (v - box.lower);
+      const auto [it, is_new] = found.try_emplace({static_cast<int>(place.x), static_cast<int>(place.y), static_cast<int>(place.z)}, coarse.vertex_count());
+      if (is_new) {
+        coarse.vertices.push_back({});
+        count.push_back(0);
+      }
+      const auto k = static_cast<std::size_t>(it->second);
+      coarse.vertices[k] += v;
+      count[k] += 1;
+      merged.push_back(it->second);
+    }
+    for (std::size_t k = 0; k < count.size(); ++k) coarse.vertices[k] *= 1 / count[k];
+    for (const Triangle& t : mesh.triangles) {
+      const Triangle m{merged[static_cast<std::size_t>(t[0])], merged[static_cast<std::size_t>(t[1])], merged[static_cast<std::size_t>(t[2])]};
+      if (m[0] != m[1] && m[1] != m[2] && m[2] != m[0]) coarse.triangles.push_back(m);
+    }
+  }
+  return coarse;
+}
+
 TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room) {
   const Vec3 extent = room.extent();
   const double size = std::max({extent.x, extent.y, extent.z});

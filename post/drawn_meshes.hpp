@@ -18,6 +18,10 @@ struct DrawnMesh {
 /// A shape at scale 1 in its own axes. A ball becomes 320 triangles inscribed in it.
 DrawnMesh drawn_shape(const Shape& shape);
 
+/// A mesh of at most about `most` triangles: vertices within a cell of a grid become one, and triangles that collapse go.
+/// For pictures of very many bodies, each a few pixels large; thin parts may vanish.   Cost: O(triangles), some passes.
+TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most);
+
 /// A wall in its own frame: world = position + rotate(orientation, point), as in a frame's wall state.
 ///
 /// How: a plane is drawn as a square, and a box, which may reach far above the pile, is cut, so that walls

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/provenance.hpp"
+
 namespace scree {
 
 namespace {
@@ -69,6 +71,27 @@ std::vector<ChainEntry> chain_of(const nlohmann::json& record) {
   std::vector<ChainEntry> chain;
   add(record, 0, "", "", chain);
   return chain;
+}
+
+std::vector<ChainFile> check_files(const nlohmann::json& record, const std::string& run_folder) {
+  namespace fs = std::filesystem;
+  const fs::path beside = fs::absolute(run_folder).parent_path();
+  std::vector<ChainFile> files;
+  for (const ChainEntry& entry : chain_of(record)) {
+    if (entry.depth == 0 || entry.file.empty()) continue;
+    if (std::any_of(files.begin(), files.end(), [&](const ChainFile& f) { return f.file == entry.file && f.sha256 == entry.sha256; })) continue;
+    ChainFile file{entry.file, entry.sha256, "", ChainFile::State::missing};
+    for (const fs::path& path : {fs::path(entry.file), beside / entry.file, beside / fs::path(entry.file).filename()}) {
+      std::error_code error;
+      if (!fs::is_regular_file(path, error)) continue;
+      const bool same = !entry.sha256.empty() && sha256_of_file(path.string()) == entry.sha256;
+      if (file.found.empty() || same) file.found = path.string();
+      file.state = same ? ChainFile::State::same : ChainFile::State::changed;
+      if (same) break;
+    }
+    files.push_back(file);
+  }
+  return files;
 }
 
 std::vector<std::string> commands_of(const nlohmann::json& record) {

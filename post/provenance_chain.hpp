@@ -17,6 +17,17 @@ struct ChainEntry {
 /// The chain from the run down to the files that nobody here made, depth first.
 std::vector<ChainEntry> chain_of(const nlohmann::json& record);
 
+/// A file of the chain as it is now.
+struct ChainFile {
+  enum class State { same, changed, missing };
+  std::string file, sha256, found;   ///< as named, as recorded; path at which it was found
+  State state = State::missing;
+};
+
+/// Looks for every file of the chain, each once: as it is named, then beside the run, and compares hashes.
+/// Cost: reads every file that is found.
+std::vector<ChainFile> check_files(const nlohmann::json& record, const std::string& run_folder);
+
 /// Command lines that make the run again, in the order in which they must be given, each once.
 std::vector<std::string> commands_of(const nlohmann::json& record);
 

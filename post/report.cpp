@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -16,11 +18,15 @@
 #include "core/base/units.hpp"
 #include "core/base/version.hpp"
 #include "core/storage/h5.hpp"
+#include "post/choice.hpp"
 #include "post/contact_statistics.hpp"
 #include "post/provenance_chain.hpp"
 #include "post/report_style.hpp"
+#include "post/statistics/statistics.hpp"
 #include "post/svg_chart.hpp"
 #include "post/verdicts.hpp"
+#include "post/view_data.hpp"
+#include "post/view_script.hpp"
 #include "post/vtk_or_not.hpp"
 
 namespace scree {
@@ -40,18 +46,13 @@ std::string section(const std::string& id, const std::string& title, const std::
   return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, escaped(title), content);
 }
 
-std::string figure(const std::string& svg) { return "<figure class=\"chart\">" + svg + "</figure>\n"; }
-
-std::string base64(const std::string& bytes) {
-  static const char* const kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(4 * (bytes.size() + 2) / 3);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = (group << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kLetters[(group >> (18 - 6 * k)) & 63U] : '=';
-  }
-  return text;
+/// A chart with a link to its numbers, which stand in the page too.
+template <class Chart>
+std::string figure(const Chart& chart) {
+  std::string name;
+  for (const char c : chart.title) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '-';
+  return fmt::format("<figure class=\"chart\">{}<figcaption><a download=\"{}.csv\" href=\"data:text/csv;base64,{}\">numbers as CSV</a></figcaption></figure>\n",
+                     svg_of(chart), name, base64(csv_of(chart)));
 }
 
 std::string verdict_section(const std::vector<Verdict>& verdicts) {
@@ -143,20 +144,69 @@ std::string case_section(const Run& run) {
   return html;
 }
 
-std::string picture_section(const Run& run, std::vector<std::string>& notes) {
-  std::string obstacle = picture_obstacle();
-  if (obstacle.empty()) {
+std::string picture_section(const Run& run, std::size_t frame, std::vector<std::string>& notes) {
+  const std::string obstacle = picture_obstacle();
+  if (!obstacle.empty()) {
+    notes.push_back("the report has no pictures: " + obstacle);
+    return "<p class=\"missing\">No pictures: " + escaped(obstacle) + "</p>\n";
+  }
+  std::string html;
+  const auto add = [&](const PictureOptions& options, const std::string& alt, const std::string& caption) {
     const std::string png = (std::filesystem::temp_directory_path() / fmt::format("scree-post-{}.png", getpid())).string();
-    make_picture(run, run.frames.size() - 1, png, {});
+    make_picture(run, frame, png, options);
     std::ifstream stream(png, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     std::remove(png.c_str());
-    return fmt::format("<figure class=\"picture\"><img alt=\"The bodies at the last frame\" src=\"data:image/png;base64,{}\"/>"
-                       "<figcaption>True shapes at t = {:.4g} s, coloured by shape. Walls are translucent and cut where they reach far above."
-                       "</figcaption></figure>\n", base64(bytes), run.frames.back().time);
+    html += fmt::format("<figure class=\"picture\"><img alt=\"{}\" src=\"data:image/png;base64,{}\"/><figcaption>{}</figcaption></figure>\n", alt, base64(bytes), caption);
+  };
+  const std::string time = fmt::format("t = {:.4g} s", run.frames[frame].time);
+  add({}, "The bodies", fmt::format("True shapes at {}, coloured by shape. Walls are translucent and cut where they reach far above.", time));
+  PictureOptions speed;
+  speed.colour = "velocity";
+  add(speed, "The bodies by speed", fmt::format("The same at {}, coloured by speed.", time));
+  if (run.scene.settings.output_contacts) {
+    PictureOptions network;
+    network.network = true;
+    add(network, "The contact network", fmt::format("Contact forces at {}: thickness and colour by normal force.", time));
   }
-  notes.push_back("the report has no picture: " + obstacle);
-  return "<p class=\"missing\">No picture: " + escaped(obstacle) + "</p>\n";
+  return html;
+}
+
+/// Text that stands in a script element: nothing in it may look like the end of it.
+std::string inside_script(std::string text) {
+  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3)) text.replace(at, 2, "<\\/");
+  return text;
+}
+
+std::string view_section(const Run& run, std::size_t index) {
+  const Frame frame = load_frame(run, index);
+  std::string html = fmt::format("<p>Frame {} at t = {:.4g} s. Drag to turn, two fingers or Shift and drag to move, the buttons or Ctrl and the wheel to zoom, "
+                                 "click a body to read about it.</p>\n", frame.number, frame.time);
+  html += "<div class=\"view\"><canvas id=\"view-canvas\" tabindex=\"0\" aria-label=\"3D view of the bodies; arrow keys turn, plus and minus zoom\"></canvas>\n"
+          "<div class=\"legend\"></div>\n<div class=\"tools\"><label>colour <select name=\"colour\"><option value=\"shape\">shape</option><option value=\"material\">material"
+          "</option><option value=\"speed\">speed</option></select></label>";
+  html += fmt::format("<label><input type=\"checkbox\" name=\"contacts\"{}/> contact forces</label>", frame.contacts.size() > 0 ? "" : " disabled");
+  html += "<label><input type=\"checkbox\" name=\"walls\" checked/> walls</label><button name=\"nearer\" type=\"button\">nearer</button>"
+          "<button name=\"further\" type=\"button\">further</button><button name=\"reset\" type=\"button\">reset</button></div>\n"
+          "<p id=\"view-panel\" class=\"panel\" aria-live=\"polite\">Pick a body to read about it.</p></div>\n";
+  html += "<script type=\"application/json\" id=\"view-data\">" + inside_script(view_data(run, frame)) + "</script>\n<script>";
+  return html + kViewShaders + kViewScript + "</script>\n";
+}
+
+std::string statistics_section(const Statistics& s) {
+  std::string html = fmt::format("<p>Means over {} frames from {:.4g} s to {:.4g} s with 95 % confidence intervals from {} blocks of frames, which hold for a steady state "
+                                 "only. Definitions: <code>post/STATISTICS.md</code>.</p>\n", s.frames, s.first_time, s.last_time, s.blocks);
+  for (const NamedChart& chart : charts_of(s)) html += figure(chart.chart);
+  html += "<details open><summary>All quantities</summary><div class=\"wide\"><table class=\"grid-table\"><thead><tr><th>quantity</th><th>mean</th><th>95 %</th><th>min</th>"
+          "<th>max</th><th>unit</th></tr></thead><tbody>\n";
+  for (std::size_t q = 0; q < s.quantities.size(); ++q) {
+    const Average& a = s.averages[0][q];
+    if (a.count == 0) continue;
+    html += fmt::format("<tr><td title=\"{}\">{}</td><td class=\"n\">{:.5g}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
+                        escaped(s.quantities[q].meaning), s.quantities[q].name, a.mean, std::isfinite(a.ci95) ? fmt::format("&plusmn; {:.2g}", a.ci95) : "",
+                        a.smallest, a.largest, s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
+  }
+  return html + "</tbody></table></div></details>\n";
 }
 
 std::vector<double> sum(const std::vector<double>& a, const std::vector<double>& b) {
@@ -191,7 +241,7 @@ std::string energy_section(const Run& run) {
   std::vector<double> error = log.column("energy_error");
   for (double& e : error) e = scale > 0 ? 100 * e / scale : 0;
   LineChart balance{"Error of the energy balance", "time", "s", "error [%]", "", false, false, {{"error", t, error}}, {}};
-  return figure(svg_of(energies)) + figure(svg_of(settling)) + figure(svg_of(balance));
+  return figure(energies) + figure(settling) + figure(balance);
 }
 
 std::string contact_section(const Run& run) {
@@ -199,38 +249,17 @@ std::string contact_section(const Run& run) {
   if (run.log.rows() >= 2) {
     const std::vector<double>& t = run.log.column("time");
     if (run.log.has("contacts")) {
-      html += figure(svg_of(LineChart{"Contact points", "time", "s", "contact points", "", false, true, {{"contacts", t, run.log.column("contacts")}}, {}}));
+      html += figure((LineChart{"Contact points", "time", "s", "contact points", "", false, true, {{"contacts", t, run.log.column("contacts")}}, {}}));
     }
     if (run.scene.settings.margin > 0) {
-      html += figure(svg_of(LineChart{"Largest depth over margin", "time", "s", "depth / margin", "", false, true,
+      html += figure((LineChart{"Largest depth over margin", "time", "s", "depth / margin", "", false, true,
                                       {{"depth / margin", t, run.log.column("max_depth_ratio")}}, {{1.0, "1: the surfaces would touch"}}}));
     }
   }
   if (!run.scene.settings.output_contacts) return html + "<p class=\"missing\">The frames hold no contacts: the case says contacts = false.</p>\n";
 
-  ChartLine all{"all particles", {}, {}}, without{"without rattlers", {}, {}};
-  ContactStatistics last;
-  for (std::size_t f = 0; f < run.frames.size(); ++f) {
-    last = contact_statistics(load_frame(run, f), run.boundary_ids);
-    for (ChartLine* line : {&all, &without}) line->x.push_back(last.time);
-    all.y.push_back(last.coordination);
-    without.y.push_back(last.coordination_without_rattlers);
-  }
-  html += figure(svg_of(LineChart{"Coordination number", "time", "s", "neighbours per particle", "", false, true, {all, without}, {}}));
+  const ContactStatistics last = contact_statistics(load_frame(run, run.frames.size() - 1), run.boundary_ids);
 
-  if (last.contact_force.count > 1) {
-    // distribution of the normal force over its mean, the usual way to compare packings
-    constexpr int kColumns = 16;
-    constexpr double kLargest = 4;  // times the mean; the tail goes into the last column
-    BarChart histogram{"Normal forces at the last frame", "normal force over its mean (the last column holds all above)", {}, {}, {}, true, "contact points"};
-    histogram.values.assign(kColumns, 0);
-    for (double force : last.contact_forces) {
-      const double place = force / last.contact_force.mean * kColumns / kLargest;
-      histogram.values[static_cast<std::size_t>(std::clamp(place, 0.0, kColumns - 1.0))] += 1;
-    }
-    for (int i = 0; i <= kColumns; ++i) histogram.names.push_back(i % 4 == 0 ? fmt::format("{:g}", kLargest * i / kColumns) : "");
-    html += figure(svg_of(histogram));
-  }
   const Distribution& c = last.contact_force;
   const Distribution& p = last.pair_force;
   const auto force_text = [](double f) { return format_quantity(f, Dimension::force); };
@@ -274,12 +303,12 @@ std::string cost_section(const Run& run) {
     bars.values.push_back(seconds);
     bars.texts.push_back(fmt::format("{:.3g} s ({:.1f} %)", seconds, total > 0 ? 100 * seconds / total : 0));
   }
-  std::string html = phases.empty() ? "" : figure(svg_of(bars));
+  std::string html = phases.empty() ? "" : figure(bars);
   if (run.log.rows() >= 3 && run.log.has("steps_per_second")) {
     std::vector<double> t = run.log.column("time"), rate = run.log.column("steps_per_second");
     t.erase(t.begin());  // no step lies before the first row
     rate.erase(rate.begin());
-    html += figure(svg_of(LineChart{"Speed", "time", "s", "steps per second of wall time", "", false, true, {{"speed", t, rate}}, {}}));
+    html += figure((LineChart{"Speed", "time", "s", "steps per second of wall time", "", false, true, {{"speed", t, rate}}, {}}));
   }
   if (!run.is_finished()) return html;
   const nlohmann::json& o = run.outcome;
@@ -292,12 +321,17 @@ std::string cost_section(const Run& run) {
   return html + table_of(rows);
 }
 
-std::string provenance_section(const nlohmann::json& record) {
+std::string provenance_section(const nlohmann::json& record, const std::vector<ChainFile>& files) {
   if (!record.is_object()) return "<p class=\"missing\">No provenance record was found.</p>\n";
   std::string html = "<p>From the run down to the files it began with. Each hash is of the file as it was read.</p>\n<ol class=\"chain\">\n";
   for (const ChainEntry& e : chain_of(record)) {
     html += fmt::format("<li style=\"margin-left:{}em\"><strong>{}</strong>", 1.6 * e.depth, e.depth == 0 ? "this run" : escaped(e.file));
     if (!e.sha256.empty()) html += fmt::format("<br/><span class=\"hash\">sha256 {}</span>", escaped(e.sha256));
+    for (const ChainFile& file : files) {
+      if (e.depth == 0 || file.file != e.file || file.sha256 != e.sha256) continue;
+      html += file.state == ChainFile::State::same ? " <span class=\"state\">&#10003; there, unchanged</span>"
+              : (file.state == ChainFile::State::changed ? " <span class=\"state spoilt\">&#10007; there, but changed</span>" : " <span class=\"state lost\">not found</span>");
+    }
     if (!e.tool.empty()) {
       html += fmt::format("<br/>{} {} (git {}), {}", escaped(e.tool), escaped(e.version), escaped(e.git), escaped(e.utc));
       if (!e.command.empty()) html += "<br/><code>" + escaped(e.command) + "</code>";
@@ -324,11 +358,46 @@ std::string repeat_section(const Run& run, const nlohmann::json& record) {
 
 }  // namespace
 
-ReportResult write_report(const Run& run, const std::string& path) {
+namespace {
+
+nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, const Statistics& statistics, const nlohmann::json& record,
+                          const std::vector<ChainFile>& files) {
+  nlohmann::json numbers = {{"format", "scree-report"}, {"format_version", 1}, {"run", run.name}, {"title", run.scene.settings.title},
+                            {"bodies", run.scene.bodies.size()}, {"frames", run.frames.size()}, {"time", run.frames.back().time}};
+  for (const Verdict& v : verdicts) {
+    numbers["verdicts"].push_back({{"question", v.question}, {"answer", v.answer}, {"judgement", name_of(v.judgement)}, {"evidence", v.evidence}});
+  }
+  numbers["settings"] = settings_json(run.scene);
+  numbers["statistics"] = json_of(run, statistics);
+  numbers["cost"] = nlohmann::json::object();
+  for (const char* key : {"wall_seconds", "steps", "step_size", "critical_step", "ranks", "threads", "phases", "mean_imbalance", "peak_rss_bytes", "memory", "energy",
+                          "max_depth_ratio", "lost_bodies", "state_hash"}) {
+    if (run.outcome.contains(key)) numbers["cost"][key] = run.outcome[key];
+  }
+  numbers["provenance"] = record;
+  static constexpr std::array<const char*, 3> kStates{"same", "changed", "missing"};
+  for (const ChainFile& f : files) {
+    numbers["files"].push_back({{"file", f.file}, {"sha256", f.sha256}, {"found", f.found}, {"state", kStates[static_cast<std::size_t>(f.state)]}});
+  }
+  numbers["commands"] = commands_of(record);
+  return numbers;
+}
+
+}  // namespace
+
+ReportResult write_report(const Run& run, const std::string& path, const ReportOptions& options) {
   ReportResult result;
+  const std::size_t shown = find_frame(run, options.frame);
+  StatisticsOptions what;
+  what.frames = choose_frames(run, "all");
+  what.pool = options.pool;
+  const Statistics statistics = run_statistics(run, what, "");
+  for (const std::string& message : statistics.skipped) result.notes.push_back("left out: " + message);
   const std::vector<Verdict> verdicts = judge(run);
-  for (const Verdict& v : verdicts) result.verdicts.push_back(fmt::format("{:<18} {:<32} {}", v.question, v.answer, name_of(v.judgement)));
-  const nlohmann::json record = run.outcome.contains("provenance") ? run.outcome["provenance"] : load_frame(run, 0).provenance;
+  for (const Verdict& v : verdicts) result.verdicts.push_back(fmt::format("{:<22} {:<36} {}", v.question, v.answer, name_of(v.judgement)));
+  const nlohmann::json record = provenance_of(run);
+  const std::vector<ChainFile> files = check_files(record, run.folder);
+  result.numbers = numbers_of(run, verdicts, statistics, record, files);
 
   const std::string title = run.scene.settings.title.empty() ? run.name : run.scene.settings.title;
   std::string html = fmt::format("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta name=\"viewport\" "
@@ -337,16 +406,20 @@ ReportResult write_report(const Run& run, const std::string& path) {
   html += fmt::format("<header><p class=\"kicker\">Scree run <code>{}</code></p><h1>{}</h1><p class=\"lead\">{} bodies, {} frames, {:.4g} s simulated. "
                       "Report of {} by scree-post {}.</p></header>\n", escaped(run.name), escaped(title), run.scene.bodies.size(), run.frames.size(),
                       run.frames.back().time, utc_now(), kVersion);
-  html += "<nav><a href=\"#verdicts\">Verdicts</a><a href=\"#picture\">Picture</a><a href=\"#case\">Case</a><a href=\"#energies\">Energies</a>"
-          "<a href=\"#contacts\">Contacts</a><a href=\"#cost\">Cost</a><a href=\"#provenance\">Provenance</a><a href=\"#repeat\">Repeat</a></nav>\n";
-  html += section("verdicts", "Can it be trusted?", verdict_section(verdicts));
-  html += section("picture", "Picture", picture_section(run, result.notes));
-  html += section("case", "What was run", case_section(run));
-  html += section("energies", "Energies", energy_section(run));
-  html += section("contacts", "Contacts", contact_section(run));
-  html += section("cost", "Cost", cost_section(run));
-  html += section("provenance", "Where it comes from", provenance_section(record));
-  html += section("repeat", "To run it again", repeat_section(run, record));
+  const std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
+                                                         {"case", "What was run", case_section(run)},
+                                                         {"picture", "Pictures", picture_section(run, shown, result.notes)},
+                                                         {"view", "3D view", view_section(run, shown)},
+                                                         {"statistics", "Statistics", statistics_section(statistics)},
+                                                         {"energies", "Energies", energy_section(run)},
+                                                         {"contacts", "Contacts", contact_section(run)},
+                                                         {"cost", "Cost", cost_section(run)},
+                                                         {"provenance", "Where it comes from", provenance_section(record, files)},
+                                                         {"repeat", "To run it again", repeat_section(run, record)}};
+  html += "<nav>";
+  for (const auto& [id, name, content] : sections) html += fmt::format("<a href=\"#{}\">{}</a>", id, escaped(id == "verdicts" ? "Verdicts" : name));
+  html += "</nav>\n";
+  for (const auto& [id, name, content] : sections) html += section(id, name, content);
   html += "</main>\n</body>\n</html>\n";
   h5::write_text_file(path, html);
   return result;

@@ -18,7 +18,7 @@ nav a { color: var(--accent); text-decoration: none; }
 nav a:hover { text-decoration: underline; }
 code, pre, .hash { font-family: ui-monospace, "DejaVu Sans Mono", "Liberation Mono", Menlo, monospace; font-size: .86em; overflow-wrap: anywhere; }
 pre { background: var(--tint); border: 1px solid var(--line); border-radius: 6px; padding: 12px 14px; white-space: pre-wrap; }
-.verdicts { display: grid; grid-template-columns: repeat(auto-fit, minmax(390px, 1fr)); gap: 14px; }
+.verdicts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(390px, 100%), 1fr)); gap: 14px; }
 .verdict { display: flex; gap: 14px; padding: 14px 16px; border: 1px solid var(--line); border-left-width: 6px; border-radius: 6px; }
 .verdict h3 { margin: 0; font-size: .92rem; color: var(--soft); font-weight: 600; }
 .verdict .answer { margin: 0; font-size: 1.12rem; font-weight: 600; }
@@ -52,9 +52,19 @@ figcaption { color: var(--soft); font-size: .88rem; margin-top: .5em; }
 .chain { list-style: none; padding: 0; }
 .chain li { margin: 0 0 .9em; padding-left: 12px; border-left: 3px solid var(--line); font-size: .92rem; overflow-wrap: anywhere; }
 .hash { color: var(--soft); }
+.view canvas { width: 100%; height: min(64vh, 560px); display: block; border: 1px solid var(--line); border-radius: 6px; background: #f4f6f9; touch-action: none; cursor: grab; }
+.view canvas:focus-visible { outline: 2px solid var(--accent); }
+.legend { display: flex; flex-wrap: wrap; gap: .2em 1.1em; margin: .6em 0; font-size: .86rem; color: var(--soft); }
+.legend i { display: inline-block; width: 18px; height: 12px; margin-right: .4em; border-radius: 3px; vertical-align: -1px; }
+.tools { display: flex; flex-wrap: wrap; gap: .5em 1.1em; align-items: center; font-size: .92rem; }
+.tools button, .tools select { font: inherit; padding: .25em .7em; border: 1px solid var(--line); border-radius: 6px; background: #fff; color: inherit; }
+.panel { min-height: 3.1em; font-size: .92rem; background: var(--tint); border: 1px solid var(--line); border-radius: 6px; padding: 8px 12px; overflow-wrap: anywhere; }
+.wide { overflow-x: auto; }
+.state { font-size: .82rem; color: #00523d; white-space: nowrap; } .state.spoilt { color: #7d150f; } .state.lost { color: #6e4200; }
+.chart figcaption a { color: var(--accent); }
 details { margin-top: 1.4em; } summary { cursor: pointer; color: var(--accent); }
-@media (max-width: 720px) { main { padding: 24px 18px; } .verdicts { grid-template-columns: 1fr; } .facts th { white-space: normal; } }
-@media print { body { background: #fff; } main { max-width: none; padding: 0; } nav { display: none; } figure, .verdict { break-inside: avoid; } }
+@media (max-width: 720px) { main { padding: 24px 18px; } .verdicts { grid-template-columns: 1fr; } .facts th { white-space: normal; } .grid-table { display: block; overflow-x: auto; } }
+@media print { body { background: #fff; } main { max-width: none; padding: 0; } nav, .tools, #view-panel, .chart figcaption { display: none; } .view canvas { height: 12cm; } .wide { overflow: visible; } figure, .verdict { break-inside: avoid; } }
 )CSS";
 
 }  // namespace scree

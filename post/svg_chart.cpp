@@ -329,6 +329,29 @@ std::string svg_of(const BarChart& chart) {
   return svg + "</svg>\n";
 }
 
+std::string csv_of(const LineChart& chart) {
+  const auto name = [](const std::string& label, const std::string& unit) {
+    std::string text = axis_text(label, unit);
+    std::replace(text.begin(), text.end(), ',', ' ');
+    return text;
+  };
+  std::string csv = fmt::format("line,{},{},half width\n", name(chart.x_label, chart.x_unit), name(chart.y_label, chart.y_unit));
+  for (const ChartLine& line : chart.lines) {
+    for (std::size_t i = 0; i < line.x.size(); ++i) {
+      if (!std::isfinite(line.y[i])) continue;
+      const bool has_spread = i < line.spread.size() && std::isfinite(line.spread[i]);
+      csv += fmt::format("{},{:.9g},{:.9g},{}\n", name(line.name, ""), line.x[i], line.y[i], has_spread ? fmt::format("{:.4g}", line.spread[i]) : "");
+    }
+  }
+  return csv;
+}
+
+std::string csv_of(const BarChart& chart) {
+  std::string csv = "name,value\n";
+  for (std::size_t i = 0; i < chart.values.size(); ++i) csv += fmt::format("{},{:.9g}\n", chart.names[i], chart.values[i]);
+  return csv;
+}
+
 std::string standalone_svg(const LineChart& chart) {
   // the classes of report_style.hpp that charts use, in the same colours
   constexpr const char* kStyle =

@@ -44,6 +44,10 @@ struct BarChart {
 };
 std::string svg_of(const BarChart& chart);
 
+/// The numbers of a chart as CSV: line, x, y and, where there is one, the half width of the band.
+std::string csv_of(const LineChart& chart);
+std::string csv_of(const BarChart& chart);
+
 /// A chart with its colours and fonts inside, on white: for a file of its own, outside report.html.
 std::string standalone_svg(const LineChart& chart);
 

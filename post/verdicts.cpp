@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "post/provenance_chain.hpp"
+
 namespace scree {
 
 namespace {
@@ -110,6 +112,83 @@ Verdict judge_bodies(const Run& run) {
   if (lost != 0 || outside != 0) v.judgement = Judgement::bad;
   v.evidence = fmt::format("{} bodies in the scene, {:.0f} at the end.", run.scene.bodies.size(),
                            number_in(run.outcome, "bodies", static_cast<double>(run.scene.bodies.size()) - lost));
+  if (const double removed = number_in(run.outcome, "removed_bodies", 0); removed > 0) {
+    v.evidence += fmt::format(" {:.0f} were taken out as the case asks for, because they left the domain.", removed);
+  }
+  return v;
+}
+
+Verdict judge_step(const Run& run) {
+  Verdict v{"Step margin", Judgement::information, "", ""};
+  const double step = number_in(run.outcome, "step_size", 0), critical = number_in(run.outcome, "critical_step", 0);
+  if (!(step > 0) || !(critical > 0)) {
+    v.answer = run.is_finished() ? "no contact to judge by" : "known at the end";
+    v.evidence = "The critical step of the contacts stands in run.json of a run that has ended and that had contacts.";
+    return v;
+  }
+  const double ratio = step / critical;
+  v.answer = fmt::format("{:.3g} of the critical step", ratio);
+  v.judgement = ratio <= kStepGood ? Judgement::good : (ratio <= kStepDoubtful ? Judgement::doubtful : Judgement::bad);
+  v.evidence = fmt::format("Step {:.4g} s, smallest critical step of all contacts {:.4g} s. Good up to {}.", step, critical, kStepGood);
+  return v;
+}
+
+Verdict judge_imbalance(const Run& run) {
+  Verdict v{"Balance of the ranks", Judgement::information, "one rank", ""};
+  if (!run.is_finished()) {
+    v.answer = "known at the end";
+    return v;
+  }
+  const double ranks = number_in(run.outcome, "ranks", 1), imbalance = number_in(run.outcome, "mean_imbalance", 0);
+  if (ranks <= 1) {
+    v.evidence = "Nothing is shared out.";
+    return v;
+  }
+  v.answer = imbalance > 0 ? fmt::format("{:.2f} on {:.0f} ranks", imbalance, ranks) : "unknown";
+  if (imbalance > 0) v.judgement = imbalance <= kImbalanceGood ? Judgement::good : Judgement::doubtful;
+  v.evidence = fmt::format("Largest over mean work of the ranks, mean over the run; 1 is perfect, good up to {}. It costs time and changes no result.",
+                           kImbalanceGood);
+  return v;
+}
+
+Verdict judge_files(const Run& run) {
+  Verdict v{"Files behind the run", Judgement::good, "", ""};
+  const nlohmann::json record = provenance_of(run);
+  const std::vector<ChainFile> files = check_files(record, run.folder);
+  std::string missing, changed;
+  std::size_t same = 0;
+  for (const ChainFile& file : files) {
+    if (file.state == ChainFile::State::same) ++same;
+    if (file.state == ChainFile::State::missing) missing += (missing.empty() ? "" : ", ") + file.file;
+    if (file.state == ChainFile::State::changed) changed += (changed.empty() ? "" : ", ") + file.found;
+  }
+  v.answer = fmt::format("{} of {} as they were", same, files.size());
+  v.evidence = "Inputs in the provenance chain, looked for as they are named and beside the run, compared by SHA-256";
+  if (files.empty()) {
+    v.judgement = Judgement::doubtful;
+    v.answer = "no record";
+    v.evidence = "The run has no provenance record, or it names no inputs";
+  }
+  if (!missing.empty()) {
+    v.judgement = Judgement::doubtful;
+    v.evidence += "; missing, so that the run cannot be repeated from here: " + missing;
+  }
+  if (!changed.empty()) {
+    v.judgement = Judgement::bad;
+    v.evidence += "; changed since: " + changed;
+  }
+  v.evidence += ".";
+  return v;
+}
+
+Verdict judge_frames(const Run& run) {
+  Verdict v{"Frames", Judgement::good, fmt::format("all {} can be read", run.frames.size()), "None was left out."};
+  if (run.damaged.empty()) return v;
+  v.judgement = Judgement::doubtful;
+  v.answer = fmt::format("{} of {} left out", run.damaged.size(), run.damaged.size() + run.frames.size());
+  v.evidence = "They cannot be read:";
+  for (const std::string& message : run.damaged) v.evidence += " " + message + ";";
+  v.evidence.back() = '.';
   return v;
 }
 
@@ -144,7 +223,12 @@ Verdict judge_meshes(const Run& run) {
 }  // namespace
 
 std::vector<Verdict> judge(const Run& run) {
-  return {judge_outcome(run), judge_energy(run), judge_depth(run), judge_rest(run), judge_bodies(run), judge_meshes(run)};
+  return {judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),
+          judge_meshes(run),  judge_rest(run),   judge_imbalance(run), judge_files(run), judge_frames(run)};
+}
+
+nlohmann::json provenance_of(const Run& run) {
+  return run.outcome.contains("provenance") ? run.outcome["provenance"] : load_frame(run, 0).provenance;
 }
 
 const char* name_of(Judgement judgement) {

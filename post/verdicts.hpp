@@ -22,8 +22,14 @@ inline constexpr double kEnergyGood = 0.01;       ///< balance error over the la
 inline constexpr double kEnergyDoubtful = 0.05;
 inline constexpr double kDepthDoubtful = 0.8;     ///< depth over margin; at 1 the surfaces themselves would touch
 inline constexpr double kRestKinetic = 1e-6;      ///< kinetic energy over its peak
+inline constexpr double kStepGood = 0.2;          ///< step over the critical step of the contacts: where energies hold to a per cent
+inline constexpr double kStepDoubtful = 0.5;      ///< above it the solver refuses a step that is given
+inline constexpr double kImbalanceGood = 1.3;     ///< largest over mean work of the ranks; more costs time, never correctness
 
 std::vector<Verdict> judge(const Run& run);
+
+/// The record of where the run comes from: of run.json, or of the first frame while there is none.
+nlohmann::json provenance_of(const Run& run);
 
 /// "good", "doubtful", "bad", "for information".
 const char* name_of(Judgement judgement);

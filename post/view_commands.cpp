@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
+#include "core/storage/h5.hpp"
 #include "post/commands.hpp"
 #include "post/report.hpp"
 #include "post/vtk_or_not.hpp"
@@ -14,16 +15,21 @@ namespace {
 Command add_report(CLI::App& app) {
   struct Options {
     RunOptions run;
-    std::string output;
+    std::string output, json;
+    ReportOptions report;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("report", "Write a self-contained page about the run");
   o->run.add_to(*command, nullptr);
   command->add_option("-o,--output", o->output, "Page to write (.html)")->required();
+  command->add_option("--json", o->json, "Write the same numbers to this file");
+  command->add_option("--frame", o->report.frame, "Number of the frame of the pictures and the 3D view; -1 is the last (default)");
   return {command, [o] {
             CommandResult result;
             const Run run = o->run.open(result.notices);
-            const ReportResult report = write_report(run, o->output);
+            o->report.pool = {o->run.jobs, o->run.skip_damaged};
+            const ReportResult report = write_report(run, o->output, o->report);
+            if (!o->json.empty()) h5::write_text_file(o->json, report.numbers.dump(1) + "\n");
             for (const std::string& line : report.verdicts) result.output += line + "\n";
             for (const std::string& note : report.notes) result.notices.push_back("note: " + note);
             result.notices.push_back("wrote " + o->output);

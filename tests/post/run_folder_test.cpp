@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 #include "post/provenance_chain.hpp"
@@ -90,7 +91,7 @@ TEST_F(RunFolder, a_run_without_run_json_is_read_and_said_to_be_unfinished) {
   EXPECT_FALSE(run.is_finished());
   EXPECT_NE(run.notice().find("still being written"), std::string::npos);
   EXPECT_EQ(run.frames.size(), 3u);
-  write_report(run, beside("report.html"));
+  write_report(run, beside("report.html"), {});
   EXPECT_NE(text_of(beside("report.html")).find("not finished"), std::string::npos);
 }
 
@@ -156,9 +157,44 @@ const Verdict& verdict(const std::vector<Verdict>& all, const std::string& quest
 TEST_F(RunFolder, a_sound_run_is_judged_good_throughout) {
   const std::vector<Verdict> all = judge(open_run(folder.string()));
   for (const Verdict& v : all) EXPECT_EQ(v.judgement, Judgement::good) << v.question << ": " << v.answer;
+  EXPECT_EQ(verdict(all, "Step margin").answer, "0.05 of the critical step");
   EXPECT_EQ(verdict(all, "Energy balance").answer, "closed to 0.25 %");  // 0.05 J of 20 J dissipated
   EXPECT_EQ(verdict(all, "Contact depth").answer, "at most 0.250 of the margin");
   EXPECT_EQ(verdict(all, "Came to rest").answer, "yes");                 // 1e-7 J of a peak of 10 J
+}
+
+TEST_F(RunFolder, a_file_that_is_missing_or_changed_is_told_in_the_verdicts) {
+  fs::remove(beside("my rock.stl"));
+  const Verdict missing = verdict(judge(open_run(folder.string())), "Files behind the run");
+  EXPECT_EQ(missing.judgement, Judgement::doubtful);
+  EXPECT_EQ(missing.answer, "2 of 3 as they were");
+  EXPECT_NE(missing.evidence.find("my rock.stl"), std::string::npos) << missing.evidence;
+  std::ofstream(beside("rock.shape.h5")) << "another rock";
+  const Verdict changed = verdict(judge(open_run(folder.string())), "Files behind the run");
+  EXPECT_EQ(changed.judgement, Judgement::bad);
+  EXPECT_NE(changed.evidence.find("changed since"), std::string::npos) << changed.evidence;
+}
+
+TEST_F(RunFolder, a_frame_that_was_left_out_is_told_in_the_verdicts) {
+  fs::resize_file(folder / "frame_000001.hdf", 3000);
+  auto run = open_run(folder.string());
+  drop_damaged_frames(run);
+  EXPECT_EQ(run.frames.size(), 2u);
+  const Verdict v = verdict(judge(run), "Frames");
+  EXPECT_EQ(v.answer, "1 of 3 left out");
+  EXPECT_NE(v.evidence.find("frame_000001.hdf"), std::string::npos) << v.evidence;
+}
+
+TEST_F(RunFolder, the_page_and_its_json_tell_the_same_numbers) {
+  const ReportResult result = write_report(open_run(folder.string()), beside("report.html"), {});
+  const std::string html = text_of(beside("report.html"));
+  const nlohmann::json& all = result.numbers["statistics"]["groups"]["all"];
+  for (const char* name : {"coordination_number", "mean_normal_force", "fabric_zz", "solid_fraction"}) {
+    const std::string cell = fmt::format("{}</td><td class=\"n\">{:.5g}<", name, all[name]["mean"].get<double>());
+    EXPECT_NE(html.find(cell), std::string::npos) << cell;
+  }
+  for (const nlohmann::json& v : result.numbers["verdicts"]) EXPECT_NE(html.find(escaped(v["answer"].get<std::string>())), std::string::npos) << v;
+  EXPECT_EQ(result.numbers["files"].size(), 3u);
 }
 
 TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
@@ -182,26 +218,29 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
 // the page
 
 TEST_F(RunFolder, the_report_needs_nothing_from_outside) {
-  write_report(open_run(folder.string()), beside("report.html"));
+  write_report(open_run(folder.string()), beside("report.html"), {});
   const std::string html = text_of(beside("report.html"));
   EXPECT_EQ(html.find("src=\"http"), std::string::npos);
   EXPECT_EQ(html.find("href=\"http"), std::string::npos);
   EXPECT_EQ(html.find("url("), std::string::npos);
-  EXPECT_EQ(html.find("<script"), std::string::npos);
+  EXPECT_EQ(html.find("<script src"), std::string::npos);
+  EXPECT_EQ(html.find("fetch("), std::string::npos);
   for (const char* not_a_number : {" nan", ">nan", "-nan", "\"nan", ">inf", " inf "}) EXPECT_EQ(html.find(not_a_number), std::string::npos) << not_a_number;
 }
 
 TEST_F(RunFolder, the_report_escapes_what_the_user_wrote) {
-  write_report(open_run(folder.string()), beside("report.html"));
+  write_report(open_run(folder.string()), beside("report.html"), {});
   const std::string html = text_of(beside("report.html"));
   EXPECT_EQ(html.find("<sample>"), std::string::npos);
   EXPECT_NE(html.find("a &lt;sample&gt; &amp; its report"), std::string::npos);
 }
 
 TEST_F(RunFolder, the_report_tells_the_chain_down_to_the_first_hash_and_how_to_repeat_it) {
-  write_report(open_run(folder.string()), beside("report.html"));
+  write_report(open_run(folder.string()), beside("report.html"), {});
   const std::string html = text_of(beside("report.html"));
-  for (char c : {'a', 'b', 'c'}) EXPECT_NE(html.find("sha256 " + std::string(64, c)), std::string::npos) << c;
+  for (const char* content : {"solid rock", "shapes of rock", "a scene"}) {
+    EXPECT_NE(html.find("sha256 " + sha256_of_bytes(content, std::strlen(content))), std::string::npos) << content;
+  }
   EXPECT_NE(html.find("mpirun -n 2 scree-solver sample.scene.h5 -o sample.run"), std::string::npos);
   EXPECT_NE(html.find("cafe0123"), std::string::npos);
 }

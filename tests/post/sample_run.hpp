@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -22,6 +23,14 @@ inline TriangleMesh wedge_mesh() {
   TriangleMesh mesh = box_mesh({0.02, 0.03, 0.05});
   mesh.vertices[0] += Vec3{-0.004, -0.006, -0.01};  // no symmetry is left, so that a wrong rotation shows
   return mesh;
+}
+
+/// Files that the sample's provenance names, and what is in them.
+inline constexpr std::array<std::pair<const char*, const char*>, 3> kSampleInputs{{{"my rock.stl", "solid rock"}, {"rock.shape.h5", "shapes of rock"},
+                                                                                   {"sample.scene.h5", "a scene"}}};
+inline InputRecord sample_input(std::size_t k, const nlohmann::json& history) {
+  const std::string content = kSampleInputs[k].second;
+  return {kSampleInputs[k].first, sha256_of_bytes(content.data(), content.size()), history};
 }
 
 /// Three shapes (two meshes, one ball), a box wall and a driven plane. Ids: bodies 0..n-1, then the walls.
@@ -70,13 +79,13 @@ inline Scene sample_scene(std::size_t bodies) {
   Provenance mesh, record;
   mesh.tool = "scree-mesher";
   mesh.command = {"/opt/bin/scree-mesher", "import", "my rock.stl", "-o", "rock.shape.h5"};
-  mesh.inputs = {{"my rock.stl", std::string(64, 'a'), nullptr}};
+  mesh.inputs = {sample_input(0, nullptr)};
   record.format = kSceneFormat;
   record.format_version = kSceneFormatVersion;
   record.tool = "scree-decomposer";
   record.command = {"scree-decomposer", "pack", "sample.toml", "-o", "sample.scene.h5"};
   record.configuration = "title = \"a <sample>\"\n";
-  record.inputs = {{"rock.shape.h5", std::string(64, 'b'), provenance_record(mesh)}};
+  record.inputs = {sample_input(1, provenance_record(mesh))};
   scene.provenance = provenance_record(record);
   return scene;
 }
@@ -109,7 +118,7 @@ inline Frame sample_frame(const Scene& scene, std::int64_t number, double time) 
   Provenance record;
   record.tool = "scree-solver";
   record.command = {"scree-solver", "sample.scene.h5", "-o", "sample.run"};
-  record.inputs = {{"sample.scene.h5", std::string(64, 'c'), scene.provenance}};
+  record.inputs = {sample_input(2, scene.provenance)};
   record.ranks = 2;
   record.threads = 1;
   frame.provenance = provenance_record(record);
@@ -143,15 +152,16 @@ inline std::string sample_log(double error, double final_kinetic, double depth_r
 
 inline nlohmann::json sample_outcome(const Scene& scene, const Frame& frame) {
   return {{"format", "scree-run"}, {"format_version", 1}, {"outcome", "completed"}, {"message", ""}, {"exit_code", 0}, {"steps", 200},
-          {"step_size", 1e-3}, {"time", 0.2}, {"state_hash", "cafe0123"}, {"ranks", 2}, {"threads", 1}, {"bodies", scene.bodies.size()},
+          {"step_size", 1e-3}, {"critical_step", 0.02}, {"mean_imbalance", 1.1}, {"time", 0.2}, {"state_hash", "cafe0123"}, {"ranks", 2}, {"threads", 1}, {"bodies", scene.bodies.size()},
           {"lost_bodies", 0}, {"bodies_outside_domain", 0}, {"wall_seconds", 6.5}, {"phases", {{"search", 1.0}, {"force", 5.0}}},
           {"max_depth_ratio", 0.25}, {"peak_rss_bytes", 1000000}, {"provenance", frame.provenance}};
 }
 
-/// Writes NAME.run with three frames: t = 0, 0.1, 0.2.
+/// Writes NAME.run with three frames: t = 0, 0.1, 0.2, and beside it the files that it was made from.
 inline std::string write_sample_run(const fs::path& folder, std::size_t bodies = 12) {
   fs::remove_all(folder);
   fs::create_directories(folder);
+  for (const auto& [name, content] : kSampleInputs) std::ofstream(fs::absolute(folder).parent_path() / name) << content;
   const Scene scene = sample_scene(bodies);
   write_scene_file((folder / "scene.h5").string(), scene);
   std::vector<FrameEntry> entries;
