@@ -72,6 +72,7 @@ def p1_p2():
               ("integrators", "R2", "error_traj", "about the middle axis (R2): orientation error [rad]"),
               ("impact", "linear", "error_e", "impact, linear law: |e - 0.5|, worst phase"),
               ("impact", "hunt-crossley", "error_e", "impact, Hunt-Crossley: |e - 0.5|, worst phase"),
+              ("impact", "hertz-mindlin", "error_e", "impact, Hertz: |e - 0.5|, worst phase"),
               ("collision", "rocks", "error_traj", "12 pairs of concave rocks: position error [m]")]
     panels = [(rows, title, key) for study, case, key, title in panels if (rows := [row for row in load(study) if row["case"] == case])]
     for name, x, xlabel in (("P1", "seconds", "time of the steps [s]"), ("P2", "step", "step [s]")):
@@ -108,12 +109,16 @@ def p4():
     for n, (kind, style) in enumerate((("icosphere", "-"), ("cube", "--"))):
         for name in curves(own):
             points = sorted((row["triangles"], row["duration"]) for row in own if row["case"] == kind and row["curve"] == name)
-            axes[1, 0].semilogx(*zip(*points), style, color=COLOURS[n], marker=MARKERS[n], markersize=4, label=f"{kind}, {name}")
+            if not points:
+                continue
+            i = curves(own).index(name)
+            axes[1, 0].semilogx(*zip(*points), style, color=COLOURS[i], marker=MARKERS[n], markersize=4, label=f"{kind}, {name}")
     axes[1, 0].set_ylim(0, 1.15 * max(row["duration"] for row in own))
     axes[1, 0].set_title(f"duration of the contact [s], {finest} steps a contact")
     axes[1, 0].set_xlabel("triangles")
     axes[1, 0].legend()
-    own = [dict(row, curve=f"{row['case']}, {row['steps_per_contact']} steps") for row in rows if row["curve"] == "potential"]
+    own = [dict(row, curve=f"{row['case']}, " + (f"{row['steps_per_contact']} steps" if row["curve"] == "potential" else row["curve"])) for row in rows
+           if row["curve"] != "pairs"]
     draw(axes[1, 1], own, "seconds", "error_e", mark_front=True)
     axes[1, 1].set_title("|e - 0.5| against time, all refinements")
     axes[1, 1].set_xlabel("time of the steps [s]")
