@@ -70,12 +70,28 @@ struct RemeshOptions : EditOptions {
 };
 CommandResult remesh_command(const RemeshOptions& options, const std::vector<std::string>& command);
 
+struct DescribeOptions {
+  std::vector<std::string> files;  ///< mesh files, shape files, folders of them
+  std::string unit, csv;
+  double scale = 1;
+};
+/// Table of shape descriptors; what is no solid is left out, told, and makes exit 3 after the table.
+CommandResult describe_command(const DescribeOptions& options);
+
 struct GenerateOptions {
-  std::string what;                               ///< "sphere", "box" or "cylinder"
-  std::string radius, height, size, edge_length;  ///< texts with or without units; empty when not given
-  bool analytic = false;                          ///< sphere without triangles
+  std::string what;                               ///< one of generated_shapes()
+  // texts with or without units; empty when not given
+  std::string radius, height, size, edge_length, tube_radius, upper_radius, exponents, diameter;
+  std::string elongation = "0.8", flatness = "0.8";  ///< of rocks and stones: a number, or a range "0.6..0.9"
+  double roughness = 0.1;
+  std::int32_t triangles = 0;   ///< 0: what suits the shape
+  std::uint64_t seed = 1;
+  std::int32_t count = 1;       ///< rocks and stones: variants NAME_1, NAME_2 ... of seeds seed, seed + 1 ...
+  bool analytic = false;        ///< sphere without triangles
   std::string output, name;
 };
+/// Names that generate understands.
+const std::vector<std::string>& generated_shapes();
 CommandResult generate_command(const GenerateOptions& options, const std::vector<std::string>& command);
 
 struct InfoOptions {

@@ -101,7 +101,12 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
   std::vector<Shape> shapes;
   for (const EditedMesh& edited : results) {
     for (const std::string& step : edited.steps) result.output += fmt::format("{}: {}\n", edited.name, step);
-    shapes.push_back(certified_shape(edited.name, edited.mesh, options.surface, options.file, result));
+    try {
+      shapes.push_back(certified_shape(edited.name, edited.mesh, options.surface, options.file, result));
+    } catch (const InputError& error) {  // what was done is told all the same
+      result.refusal = fmt::format("{} (after it was {}; nothing is written)", error.what(), what);
+      return;
+    }
     shapes.back().verdict["file"] = options.file;
     shapes.back().verdict["reader"] = source.reader;
     shapes.back().verdict["metres_per_file_unit"] = source.factor;

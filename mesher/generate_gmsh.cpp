@@ -8,6 +8,7 @@
 
 #include "core/base/error.hpp"
 #include "mesher/generate.hpp"
+#include "mesher/mesh_file.hpp"
 #include "mesher/mesh_repair.hpp"
 
 namespace scree {
@@ -33,7 +34,7 @@ class GmshSession {
   }
 };
 
-/// Triangles on the boundary of the model's only volume, outward.
+/// Triangles on the boundary of the model's volumes, outward.
 TriangleMesh boundary_triangles() {
   gmsh::vectorpair volumes, faces;
   gmsh::model::getEntities(volumes, 3);
@@ -58,6 +59,22 @@ TriangleMesh boundary_triangles() {
   }
   turn_outward(mesh);
   return mesh;
+}
+
+/// The model of a CAD file: its solids, healed when they are none yet.
+void import_cad(const std::string& path) {
+  gmsh::vectorpair made;
+  gmsh::model::occ::importShapes(path, made);
+  gmsh::model::occ::synchronize();
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  if (volumes.empty()) {
+    gmsh::vectorpair healed;
+    gmsh::model::occ::healShapes(healed, made, 1e-8, true, true, true, true, true);
+    gmsh::model::occ::synchronize();
+    gmsh::model::getEntities(volumes, 3);
+  }
+  if (volumes.empty()) throw InputError("{}: the file holds no solid, and its faces do not close", path);
 }
 
 /// Runs one construction in a session of its own. gmsh throws std::string.
@@ -123,6 +140,23 @@ TriangleMesh generate_cylinder(double radius, double height, double edge_length,
     p *= radius;
   }
   return mesh;
+}
+
+TriangleMesh read_cad_with_gmsh(const std::string& path) {
+  try {
+    const GmshSession session;
+    import_cad(path);
+    double low[3], high[3];
+    gmsh::model::getBoundingBox(-1, -1, low[0], low[1], low[2], high[0], high[1], high[2]);
+    const double diagonal = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    constexpr double kElementsAround = 24, kLongest = 0.1;  // per full turn of a curve; of the diagonal
+    gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", kElementsAround);
+    gmsh::option::setNumber("Mesh.MeshSizeMax", kLongest * diagonal);
+    gmsh::model::mesh::generate(2);
+    return boundary_triangles();
+  } catch (const std::string& text) {
+    throw InputError("{}: gmsh could not read or mesh it: {}", path, text);
+  }
 }
 
 }  // namespace scree

@@ -33,6 +33,8 @@ int run(int argc, char** argv) {
        {"scree-mesher generate cylinder --radius \"5 mm\" --height 2cm -o pill.shape.h5",
         "a generated solid"},
        {"scree-mesher simplify scan.ply -o rock.shape.h5 --unit mm --triangles 500", "fewer triangles, and how far off"},
+       {"scree-mesher repair scan.stl -o scan.ply --unit mm --picture scan.png", "close and mend it, or say why not"},
+       {"scree-mesher generate rock --diameter 2cm --elongation 0.6..0.9 --count 20 -o rocks.shape.h5", "a family"},
        {"scree-mesher info rock.shape.h5", "what is in a shape file"}},
       libraries);
   app->require_subcommand(1);

@@ -220,8 +220,8 @@ void judge(MeshCheck& check) {
                                             counted(check.t_junctions, "T-junction", "T-junctions"))
                               : ""));
     advice.push_back(check.t_junctions > 0
-                         ? "split the edges at the T-junctions (a 'snap' or 'merge' filter of a mesh editor)"
-                         : "close the holes in a mesh editor");
+                         ? "split the edges at the T-junctions with 'scree-mesher repair'"
+                         : "close the holes with 'scree-mesher repair'");
     advice.push_back("or import it as a wall with --surface");
   }
   if (check.non_manifold_edges > 0) {
@@ -229,7 +229,7 @@ void judge(MeshCheck& check) {
         fmt::format("{} with more than two triangles, first near {}",
                     counted(check.non_manifold_edges, "non-manifold edge", "non-manifold edges"),
                     text_of(check.places.non_manifold_edges.front())));
-    advice.push_back("remove inner walls and fins, or separate bodies that share an edge");
+    advice.push_back("'scree-mesher repair' drops fins and inner walls and parts bodies that share an edge");
   }
   if (check.inconsistent_edges > 0) {
     problems.push_back(fmt::format(
@@ -258,14 +258,14 @@ void judge(MeshCheck& check) {
     problems.push_back(
         fmt::format("{} inside another one and face outward: their volume would count twice",
                     counted(check.overlapping_components, "component lies", "components lie")));
-    advice.push_back("unite the parts in a mesh editor; a cavity is turned inward by --flip");
+    advice.push_back("unite the parts with 'scree-mesher remesh'; a cavity is turned inward by --flip");
   }
   if (check.crossing_components > 0) {
     problems.push_back(fmt::format(
         "{} through each other, first near {}: their common volume would count twice",
         counted(check.crossing_components, "pair of components passes", "pairs of components pass"),
         text_of(check.places.self_intersections.front())));
-    advice.push_back("unite the parts in a mesh editor");
+    advice.push_back("unite the parts with 'scree-mesher remesh'");
   }
   const Vec3 extent = check.bounds.extent();
   const double size = std::max({extent.x, extent.y, extent.z});

@@ -17,7 +17,9 @@ namespace scree {
 
 namespace {
 
-const std::vector<std::string> kAssimpExtensions{".stl", ".obj", ".ply", ".3ds", ".dae", ".off"};
+const std::vector<std::string> kAssimpExtensions{".stl", ".obj", ".ply",   ".3ds", ".dae", ".off",
+                                                 ".fbx", ".blend", ".x3d", ".ac",  ".lwo"};
+const std::vector<std::string> kGmshExtensions{".step", ".stp", ".brep"};
 
 void check_readable(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
@@ -53,6 +55,9 @@ std::string stl_diagnosis(const std::string& path) {
   return "; it is no STL: a binary one has 84 bytes of header, a text one begins with 'solid' and has facets";
 }
 
+#endif
+
+#if defined(SCREE_HAVE_ASSIMP) || defined(SCREE_HAVE_GMSH)
 // The bytes that travel from the child: three counts, then vertices, triangles, and the texts with a newline
 // each.
 std::vector<char> bytes_of(const MeshFile& file) {
@@ -119,6 +124,9 @@ std::string extension_of(const std::string& path) {
 std::vector<std::string> known_extensions() {
   std::vector<std::string> known;
   if (!assimp_version().empty()) known = kAssimpExtensions;
+#ifdef SCREE_HAVE_GMSH
+  known.insert(known.end(), kGmshExtensions.begin(), kGmshExtensions.end());
+#endif
   known.push_back(".bmf");
   return known;
 }
@@ -127,6 +135,13 @@ MeshFile read_mesh_file(const std::string& path) {
   check_readable(path);
   const std::string extension = extension_of(path);
   if (extension == ".bmf") return read_bmf(path);
+#ifdef SCREE_HAVE_GMSH
+  if (std::find(kGmshExtensions.begin(), kGmshExtensions.end(), extension) != kGmshExtensions.end()) {
+    return mesh_file_of(run_in_child("reading " + path, [&] {
+      return bytes_of({read_cad_with_gmsh(path), "gmsh, " + extension, {}});
+    }));
+  }
+#endif
   const bool is_known =
       std::find(kAssimpExtensions.begin(), kAssimpExtensions.end(), extension) != kAssimpExtensions.end();
   if (!is_known) {

@@ -17,7 +17,7 @@ struct MeshFile {
 
 /// Reads a mesh file.
 ///
-/// STL OBJ PLY 3DS DAE OFF go through assimp, in a child process with limits on memory and time, so that a
+/// STL OBJ PLY 3DS DAE OFF FBX BLEND X3D AC LWO go through assimp, STEP and BREP through gmsh, in a child process with limits on memory and time, so that a
 /// hostile file ends a child and not the tool; coordinates pass through single precision there. BMF (the
 /// small bodies of openuniverse) is read here. Fails: UsageError for an unknown extension, or when this build
 /// has no assimp; SystemError when the file cannot be opened; InputError when it is empty, is not what its
@@ -45,6 +45,11 @@ std::string assimp_version();
 /// float32), uint16 triangle count and triangles (3 uint16). Positions are in kilometres. Triangles are
 /// stored twice; of each set of three positions the copy that agrees best with the stored normals is kept.
 MeshFile read_bmf(const std::string& path);
+
+/// A STEP or BREP file, its solids meshed by gmsh in this process, finer where it is curved: 24 edges to a full turn, none
+/// longer than a tenth of the diagonal. STEP lengths come as millimetres. Only in builds with gmsh.
+/// Throws InputError with gmsh's own words.
+TriangleMesh read_cad_with_gmsh(const std::string& path);
 
 /// Through assimp, in this process. Throws InputError with the importer's own words.
 MeshFile read_with_assimp(const std::string& path);

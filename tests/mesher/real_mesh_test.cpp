@@ -62,6 +62,19 @@ TEST(RealMeshes, a_space_probe_of_several_parts_is_refused_as_bmf) {
   EXPECT_NE(result.errors.find("only BMF files of one object"), std::string::npos) << result.errors;
 }
 
+TEST(RealMeshes, a_step_file_of_a_linkage_becomes_a_solid_of_genus_two) {
+  const std::string path = "/usr/share/opencascade/data/step/linkrods.step";
+  NEEDS_FILE(path, "occt-misc");
+  const std::vector<std::string> known = known_extensions();
+  if (std::find(known.begin(), known.end(), ".step") == known.end()) GTEST_SKIP() << "this build has no gmsh";
+  const Folder folder;
+  const ToolRun result = folder.mesher("import " + path + " --unit mm -o x.shape.h5");
+  ASSERT_EQ(result.code, 0) << result.errors;
+  const Shape shape = read_shape_file(folder / "x.shape.h5").shapes.at(0);
+  EXPECT_EQ(shape.verdict["euler_characteristic"], -2);
+  EXPECT_NEAR(shape.mass.volume * 1e9, 3.847, 0.1);  // of the CAD model, by OpenCASCADE; facets of round parts cut corners
+}
+
 struct Model {
   const char* name;
   const char* path;

@@ -1,0 +1,227 @@
+#include "mesher/remesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "core/distance/mesh_distance.hpp"
+#include "core/geometry/bvh.hpp"
+#include "mesher/certificate.hpp"
+#include "mesher/edit_command.hpp"
+#include "mesher/mesh_repair.hpp"
+#include "mesher/mesh_simplify.hpp"
+#include "mesher/winding_field.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Spacing of the cubic lattice (half of the period of either sublattice's cube) for one edge length of the result.
+constexpr double kSpacing = 0.6;
+/// Nearest to a lattice point that a cut may come, as part of the lattice edge: keeps triangles from becoming needles.
+constexpr double kNearestCut = 0.15;
+
+/// Lattice points have three coordinates of equal parity: all even or all odd.
+struct Lattice {
+  Vec3 origin;
+  double spacing = 0;
+  std::array<std::int64_t, 3> size{};
+  std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return (k * size[1] + j) * size[0] + i; }
+  Vec3 point(std::int64_t index) const {
+    const std::int64_t i = index % size[0], j = index / size[0] % size[1], k = index / (size[0] * size[1]);
+    return origin + spacing * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+  }
+};
+
+/// Whether each lattice point is inside. Points further from the surface than their neighbours are like them, so the
+/// winding number is asked for near the surface and once for each region away from it.
+std::vector<char> find_inside(const TriangleMesh& mesh, const Bvh& bvh, const Lattice& lattice) {
+  const WindingField field(mesh);
+  const std::int64_t count = lattice.size[0] * lattice.size[1] * lattice.size[2];
+  constexpr char kUnknown = 2, kFar = 3;
+  std::vector<char> inside(static_cast<std::size_t>(count), 0);
+  const double reach = 2 * lattice.spacing;
+  std::vector<std::int64_t> points;
+  for (std::int64_t k = 0; k < lattice.size[2]; ++k) {
+    for (std::int64_t j = 0; j < lattice.size[1]; ++j) {
+      for (std::int64_t i = 0; i < lattice.size[0]; ++i) {
+        if ((i ^ j) & 1 || (j ^ k) & 1) continue;
+        const std::int64_t n = lattice.index(i, j, k);
+        points.push_back(n);
+        inside[static_cast<std::size_t>(n)] = kUnknown;
+      }
+    }
+  }
+  for (std::int64_t n : points) {
+    Vec3 nearest;
+    std::int32_t triangle;
+    const Vec3 p = lattice.point(n);
+    const bool is_near = point_mesh_distance({&mesh, &bvh}, p, reach, nearest, triangle) < reach;
+    inside[static_cast<std::size_t>(n)] = is_near ? static_cast<char>(field.at(p) > 0.5) : kFar;
+  }
+  std::vector<std::int64_t> queue;
+  for (std::int64_t seed : points) {
+    if (inside[static_cast<std::size_t>(seed)] != kFar) continue;
+    const char value = static_cast<char>(field.at(lattice.point(seed)) > 0.5);
+    inside[static_cast<std::size_t>(seed)] = value;
+    queue.assign(1, seed);
+    while (!queue.empty()) {
+      const std::int64_t n = queue.back();
+      queue.pop_back();
+      const std::array<std::int64_t, 3> c{n % lattice.size[0], n / lattice.size[0] % lattice.size[1],
+                                          n / (lattice.size[0] * lattice.size[1])};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (std::int64_t step : {-2, 2}) {
+          std::array<std::int64_t, 3> d = c;
+          d[axis] += step;
+          if (d[axis] < 0 || d[axis] >= lattice.size[axis]) continue;
+          char& next = inside[static_cast<std::size_t>(lattice.index(d[0], d[1], d[2]))];
+          if (next != kFar) continue;
+          next = value;
+          queue.push_back(lattice.index(d[0], d[1], d[2]));
+        }
+      }
+    }
+  }
+  return inside;
+}
+
+}  // namespace
+
+TriangleMesh remesh(const TriangleMesh& mesh, double edge_length) {
+  Lattice lattice;
+  lattice.spacing = kSpacing * edge_length;
+  const Box3 box = bounding_box(mesh);
+  lattice.origin = box.lower - 3 * lattice.spacing * Vec3{1, 1, 1};
+  double points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double steps = box.extent()[static_cast<int>(axis)] / lattice.spacing + 8;
+    points *= steps;
+    if (!(points < kMostLatticePoints)) {
+      throw UsageError("remesh: edges of {:.4g} m need more than {:g} lattice points; give a larger length", edge_length,
+                       kMostLatticePoints);
+    }
+    lattice.size[axis] = static_cast<std::int64_t>(steps);
+  }
+  const Bvh bvh = build_bvh(mesh);
+  const std::vector<char> inside = find_inside(mesh, bvh, lattice);
+
+  TriangleMesh result;
+  std::unordered_map<std::uint64_t, std::int32_t> cuts;
+  const auto total = static_cast<std::uint64_t>(lattice.size[0] * lattice.size[1] * lattice.size[2]);
+  const auto distance = [&](const Vec3& p) {
+    Vec3 nearest;
+    std::int32_t triangle;
+    return point_mesh_distance({&mesh, &bvh}, p, std::numeric_limits<double>::infinity(), nearest, triangle);
+  };
+  const auto cut = [&](std::int64_t in, std::int64_t out) {
+    const std::uint64_t key = static_cast<std::uint64_t>(in) * total + static_cast<std::uint64_t>(out);
+    const auto [it, is_new] = cuts.emplace(key, result.vertex_count());
+    if (is_new) {
+      const Vec3 a = lattice.point(in), b = lattice.point(out);
+      const double da = distance(a), db = distance(b);
+      double s = da + db > 0 ? da / (da + db) : 0.5;
+      s = std::fmin(1 - kNearestCut, std::fmax(kNearestCut, s));
+      result.vertices.push_back(a + s * (b - a));
+    }
+    return it->second;
+  };
+  const auto tetrahedron = [&](std::array<std::int64_t, 4> p) {
+    std::array<std::int64_t, 4> in{}, out{};
+    std::size_t n_in = 0, n_out = 0;
+    for (std::int64_t n : p) {
+      if (inside[static_cast<std::size_t>(n)]) in[n_in++] = n;
+      else out[n_out++] = n;
+    }
+    if (n_in == 0 || n_out == 0) return;
+    const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+      // outward: away from an inner point
+      const Vec3 &x = result.vertices[static_cast<std::size_t>(a)], &y = result.vertices[static_cast<std::size_t>(b)],
+                 &z = result.vertices[static_cast<std::size_t>(c)];
+      const bool is_outward = dot(cross(y - x, z - x), x - lattice.point(in[0])) > 0;
+      result.triangles.push_back(is_outward ? Triangle{a, b, c} : Triangle{a, c, b});
+    };
+    if (n_in == 1) {
+      add(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[0], out[2]));
+    } else if (n_in == 3) {
+      add(cut(in[0], out[0]), cut(in[1], out[0]), cut(in[2], out[0]));
+    } else {
+      const std::int32_t a = cut(in[0], out[0]), b = cut(in[0], out[1]), c = cut(in[1], out[1]), d = cut(in[1], out[0]);
+      add(a, b, c);
+      add(a, c, d);
+    }
+  };
+  // every edge of a sublattice along an axis, with two neighbouring points of the other sublattice around it
+  for (std::int64_t k = 0; k < lattice.size[2]; ++k) {
+    for (std::int64_t j = 0; j < lattice.size[1]; ++j) {
+      for (std::int64_t i = 0; i < lattice.size[0]; ++i) {
+        if ((i ^ j) & 1 || (j ^ k) & 1 || i & 1) continue;  // even points only: their edges give all tetrahedra
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          std::array<std::int64_t, 3> end{i, j, k};
+          end[axis] += 2;
+          const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+          std::array<std::int64_t, 3> ring[4];
+          constexpr std::int64_t kRing[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+          bool fits = end[axis] < lattice.size[axis];
+          for (std::size_t r = 0; r < 4; ++r) {
+            ring[r] = {i, j, k};
+            ring[r][axis] += 1;
+            ring[r][u] += kRing[r][0];
+            ring[r][v] += kRing[r][1];
+            for (std::size_t c = 0; c < 3; ++c) fits = fits && ring[r][c] >= 0 && ring[r][c] < lattice.size[c];
+          }
+          if (!fits) continue;
+          const std::int64_t a = lattice.index(i, j, k), b = lattice.index(end[0], end[1], end[2]);
+          for (std::size_t r = 0; r < 4; ++r) {
+            const auto &c = ring[r], &d = ring[(r + 1) % 4];
+            tetrahedron({a, b, lattice.index(c[0], c[1], c[2]), lattice.index(d[0], d[1], d[2])});
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+CommandResult remesh_command(const RemeshOptions& options, const std::vector<std::string>& command) {
+  CommandResult result;
+  if (options.surface) throw UsageError("remesh: the result is always closed; --surface has no meaning");
+  if (options.edge_length.empty() == (options.triangles == 0))
+    throw UsageError("remesh: give either --edge-length, for instance \"1 mm\", or --triangles, for instance 2000");
+  if (options.triangles < 0 || (options.triangles > 0 && options.triangles < 20))
+    throw UsageError("--triangles {}: expected at least 20", options.triangles);
+  const EditSource source = read_edit_source(options, result);
+  std::vector<EditedMesh> results = source.meshes;
+  for (EditedMesh& edited : results) {
+    const TriangleMesh before = edited.mesh;
+    const double edge_length = options.triangles > 0
+                                   ? std::sqrt(surface_area(before) / options.triangles / 0.4330127018922193)
+                                   : parse_quantity(options.edge_length, Dimension::length, "--edge-length");
+    if (!(edge_length > 0)) throw UsageError("--edge-length {}: expected a length > 0", options.edge_length);
+    turn_outward(edited.mesh);
+    edited.mesh = remesh(edited.mesh, edge_length);
+    if (edited.mesh.triangles.empty()) {
+      throw InputError("{}: nothing that it encloses is as thick as {:.3g} m; give a smaller --edge-length, or close it first",
+                       options.file, edge_length);
+    }
+    // the lattice makes about twice as many triangles as asked; the smallest go
+    const double wanted = options.triangles > 0 ? options.triangles
+                                                : surface_area(before) / (0.4330127018922193 * edge_length * edge_length);
+    const std::int32_t made = edited.mesh.triangle_count();
+    simplify_mesh(edited.mesh, std::max(20, static_cast<std::int32_t>(wanted)), false);
+    edited.steps.push_back(fmt::format("{} triangles became {}, after {} of the lattice", before.triangle_count(),
+                                       edited.mesh.triangle_count(), made));
+    report_change(before, false, edited);
+  }
+  write_edit_results("remeshed", options, source, results, command, result);
+  return result;
+}
+
+}  // namespace scree

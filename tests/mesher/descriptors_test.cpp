@@ -1,0 +1,230 @@
+// Descriptors, hulls and generated shapes against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.hpp"
+#include "mesher/convex_hull.hpp"
+#include "mesher/descriptors.hpp"
+#include "mesher/mesh_check.hpp"
+#include "mesher/primitives.hpp"
+#include "mesher/random_rock.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace scree {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Descriptors, of_a_box_follow_from_its_sides) {
+  const Descriptors d = describe(box_mesh({4, 2, 1}));
+  EXPECT_NEAR(d.volume, 8, 1e-13);
+  EXPECT_NEAR(d.area, 28, 1e-13);
+  EXPECT_NEAR(d.volume_diameter, std::cbrt(48 / kPi), 1e-13);
+  EXPECT_NEAR(d.area_diameter, std::sqrt(28 / kPi), 1e-13);
+  EXPECT_NEAR(d.sphericity, std::cbrt(kPi * 48 * 48) / 28, 1e-13);
+  EXPECT_NEAR(d.convexity, 1, 1e-12);
+  EXPECT_NEAR(d.elongation, 0.5, 1e-12);
+  EXPECT_NEAR(d.flatness, 0.5, 1e-12);
+  EXPECT_NEAR(d.angularity, 0.5, 1e-12);
+  EXPECT_NEAR(d.principal_moments.x, 8.0 / 12 * (4 + 1), 1e-12);
+  EXPECT_NEAR(d.principal_moments.z, 8.0 / 12 * (16 + 4), 1e-12);
+}
+
+TEST(Descriptors, do_not_change_with_place_scale_turn_or_the_meshing_of_faces) {
+  TriangleMesh mesh = test::grid_box(5, {4, 2, 1});
+  const Quat q = normalised(Quat{0.7, 0.2, -0.5, 0.4});
+  for (Vec3& p : mesh.vertices) p = 1000 * rotate(q, p) + Vec3{1e3, -2e3, 5e2};
+  const Descriptors d = describe(mesh);
+  EXPECT_NEAR(d.sphericity, std::cbrt(kPi * 48 * 48) / 28, 1e-10);
+  EXPECT_NEAR(d.convexity, 1, 1e-9);
+  EXPECT_NEAR(d.elongation, 0.5, 1e-9);
+  EXPECT_NEAR(d.flatness, 0.5, 1e-9);
+  EXPECT_NEAR(d.angularity, 0.5, 1e-9);
+}
+
+TEST(Descriptors, of_a_tetrahedron_follow_from_its_dihedral_angle) {
+  const Descriptors d = describe(platonic_solid("tetrahedron"));
+  EXPECT_NEAR(d.volume, 1 / std::sqrt(72.0), 1e-14);
+  EXPECT_NEAR(d.area, std::sqrt(3.0), 1e-14);
+  EXPECT_NEAR(d.angularity, 1 - std::acos(1.0 / 3) / kPi, 1e-13);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(d.principal_moments[i], d.volume / 20, 1e-14);  // m a^2 / 20
+}
+
+TEST(Descriptors, of_two_boxes_joined_as_an_l_have_the_convexity_of_the_l) {
+  // unit squares at (0,0), (1,0), (0,1), one high: volume 3, hull 3.5
+  TriangleMesh mesh;
+  const double outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  for (double z : {0.0, 1.0}) {
+    for (const auto& p : outline) mesh.vertices.push_back({p[0], p[1], z});
+  }
+  for (const Triangle& t : {Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{0, 3, 4}, Triangle{0, 4, 5}}) {
+    mesh.triangles.push_back({t[0], t[2], t[1]});
+    mesh.triangles.push_back({t[0] + 6, t[1] + 6, t[2] + 6});
+  }
+  for (std::int32_t i = 0; i < 6; ++i) {
+    const std::int32_t j = (i + 1) % 6;
+    mesh.triangles.push_back({i, j, j + 6});
+    mesh.triangles.push_back({i, j + 6, i + 6});
+  }
+  ASSERT_TRUE(check_mesh(mesh).is_solid());
+  const Descriptors d = describe(mesh);
+  EXPECT_NEAR(d.volume, 3, 1e-13);
+  EXPECT_NEAR(d.hull_volume, 3.5, 1e-12);
+  EXPECT_NEAR(d.convexity, 6.0 / 7, 1e-12);
+}
+
+TEST(Descriptors, of_a_fine_sphere_tend_to_one_and_zero) {
+  const Descriptors d = describe(test::icosphere(5));
+  EXPECT_NEAR(d.sphericity, 1, 2e-3);
+  EXPECT_NEAR(d.convexity, 1, 1e-12);
+  EXPECT_NEAR(d.elongation, 1, 2e-3);
+  EXPECT_LT(d.angularity, 0.02);
+}
+
+TEST(ConvexHull, of_a_cube_with_points_inside_and_on_its_faces_is_the_cube) {
+  std::vector<Vec3> points = test::grid_box(6, {1, 2, 3}).vertices;
+  for (int i = 0; i < 200; ++i) points.push_back({0.4 * std::sin(i), 0.9 * std::sin(3.1 * i), 1.4 * std::cos(7.7 * i)});
+  const TriangleMesh hull = convex_hull(points);
+  const MeshCheck check = check_mesh(hull);
+  EXPECT_TRUE(check.is_solid());
+  EXPECT_NEAR(check.mass.volume, 6, 1e-9);
+}
+
+TEST(ConvexHull, of_points_on_a_sphere_holds_all_of_them) {
+  const TriangleMesh ball = test::icosphere(4);
+  const TriangleMesh hull = convex_hull(ball.vertices);
+  EXPECT_EQ(hull.vertex_count(), ball.vertex_count());
+  EXPECT_EQ(hull.triangle_count(), ball.triangle_count());
+  EXPECT_TRUE(check_mesh(hull).is_solid());
+}
+
+TEST(ConvexHull, of_points_in_a_plane_is_empty) {
+  EXPECT_TRUE(convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.4, 0}}).triangles.empty());
+}
+
+TEST(Primitives, platonic_solids_have_their_volumes_and_faces) {
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  const struct {
+    const char* name;
+    double volume;
+    int corners;
+  } solids[] = {{"tetrahedron", 1 / std::sqrt(72.0), 4}, {"cube", 1, 8}, {"octahedron", std::sqrt(2.0) / 3, 6},
+                {"dodecahedron", (15 + 7 * std::sqrt(5.0)) / 4, 20}, {"icosahedron", 5 * g * g / 6, 12}};
+  for (const auto& solid : solids) {
+    const MeshCheck check = check_mesh(platonic_solid(solid.name));
+    EXPECT_TRUE(check.is_solid()) << solid.name;
+    EXPECT_NEAR(check.mass.volume, solid.volume, 1e-12 * solid.volume) << solid.name;
+    EXPECT_EQ(check.vertex_count, solid.corners) << solid.name;
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(check.mass.principal_moments[i], check.mass.principal_moments.x, 1e-12) << solid.name;
+    }
+  }
+}
+
+TEST(Primitives, a_torus_has_the_moments_of_its_polygons) {
+  // ratios at 64 x 32 from VALIDATION G4 of the design papers
+  const MassProperties mass = mass_properties(torus(1, 0.25, 64, 32));
+  EXPECT_NEAR(mass.volume / (2 * kPi * kPi * 0.0625), 0.99199154, 1e-7);
+  EXPECT_NEAR(mass.inertia[2].z / mass.volume / (1 + 0.75 * 0.0625), 0.99810858, 1e-7);
+  EXPECT_NEAR(mass.inertia[0].x / mass.volume / (0.5 + 0.625 * 0.0625), 0.99797776, 1e-7);
+}
+
+TEST(Primitives, icospheres_have_the_published_volumes_and_moments) {
+  // VALIDATION G3: inscribed in the unit sphere, levels 0 to 5
+  const double volume[] = {.60546138, .87345320, .96616075, .99139384, .99783917, .99945921};
+  const double moment[] = {.72360680, .91447931, .97736101, .99425747, .99855913, .99963945};
+  for (int level = 0; level < 6; ++level) {
+    const MassProperties mass = mass_properties(icosphere(level));
+    EXPECT_NEAR(mass.volume / (4 * kPi / 3), volume[level], 1e-8) << level;
+    EXPECT_NEAR(mass.inertia[0].x / (0.4 * mass.volume), moment[level], 1e-8) << level;
+  }
+}
+
+TEST(Primitives, capsule_cone_and_ellipsoid_tend_to_their_volumes) {
+  const auto expect_volume = [](const TriangleMesh& mesh, double volume, double tolerance) {
+    const MeshCheck check = check_mesh(mesh);
+    EXPECT_TRUE(check.is_solid());
+    EXPECT_NEAR(check.mass.volume / volume, 1, tolerance);
+    EXPECT_LE(check.mass.volume, volume * (1 + 1e-12));
+  };
+  expect_volume(capsule(1, 2, 128), kPi * (2 + 4.0 / 3), 2e-3);
+  expect_volume(capsule(1, 0, 128), kPi * 4.0 / 3, 2e-3);
+  expect_volume(cone(1, 0, 3, 128), kPi, 1e-3);
+  expect_volume(cone(2, 1, 3, 128), kPi * 7, 1e-3);
+  expect_volume(ellipsoid({3, 2, 1}, 4), 8 * kPi, 3e-3);
+  expect_volume(superellipsoid({3, 2, 1}, 1, 1, 4), 8 * kPi, 3e-3);
+  // (cos^e, sin^e) with exponents 0.5: V = 2 a b c e n B(n/2 + 1, n) B(e/2, e/2) (Barr 1981)
+  const double e = 0.5, n = 0.5;
+  expect_volume(superellipsoid({1, 1, 1}, e, n, 5), 2 * e * n * std::beta(n / 2 + 1, n) * std::beta(e / 2, e / 2), 6e-3);
+}
+
+TEST(Primitives, a_straight_rod_is_a_prism_and_a_u_follows_its_path) {
+  const double area16 = 8 * std::sin(2 * kPi / 16);  // of a regular polygon of 16 corners, radius 1
+  MeshCheck check = check_mesh(rod({{0, 0, 0}, {0, 0, 1}, {0, 0, 5}}, 1, 16));
+  EXPECT_TRUE(check.is_solid());
+  EXPECT_NEAR(check.mass.volume, 5 * area16, 1e-12);
+  // mitred pieces between planes that hold the path's points: cross-section times length, up to the polygon's asymmetry
+  const std::vector<Vec3> path = u_path(6, 4, 8, 16);
+  double length_of_path = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length_of_path += length(path[i] - path[i - 1]);
+  check = check_mesh(rod(path, 1, 16));
+  EXPECT_TRUE(check.is_solid());
+  EXPECT_EQ(check.crossing_pairs, 0);
+  EXPECT_NEAR(check.mass.volume, length_of_path * area16, 1e-3 * check.mass.volume);
+}
+
+TEST(RandomRock, meets_its_form_and_repeats_by_seed) {
+  for (std::uint64_t seed : {1U, 2U, 3U}) {
+    RockForm form;
+    form.diameter = 0.02;
+    form.elongation = 0.7;
+    form.flatness = 0.6;
+    form.triangles = 500;
+    form.seed = seed;
+    const TriangleMesh rock = random_rock(form);
+    EXPECT_EQ(rock.triangle_count(), 500);
+    const MeshCheck check = check_mesh(rock);
+    EXPECT_TRUE(check.is_solid());
+    EXPECT_EQ(check.crossing_pairs, 0);
+    const Descriptors d = describe(rock);
+    EXPECT_NEAR(d.volume_diameter, 0.02, 1e-12);
+    EXPECT_NEAR(d.elongation, 0.7, kFormTolerance);
+    EXPECT_NEAR(d.flatness, 0.6, kFormTolerance);
+    EXPECT_LT(d.convexity, 1);
+    EXPECT_EQ(random_rock(form).vertices, rock.vertices);
+  }
+}
+
+TEST(RandomRock, a_rougher_one_is_less_convex) {
+  RockForm smooth, rough;
+  smooth.roughness = 0.02;
+  rough.roughness = 0.2;
+  EXPECT_GT(describe(random_rock(smooth)).convexity, describe(random_rock(rough)).convexity + 0.02);
+}
+
+TEST(RandomRock, a_crushed_stone_is_convex_and_angular) {
+  RockForm form;
+  form.elongation = 0.75;
+  form.flatness = 0.65;
+  for (std::uint64_t seed : {1U, 2U, 3U}) {
+    form.seed = seed;
+    const TriangleMesh stone = crushed_stone(form);
+    EXPECT_TRUE(check_mesh(stone).is_solid());
+    const Descriptors d = describe(stone);
+    EXPECT_NEAR(d.convexity, 1, 1e-8);
+    EXPECT_NEAR(d.elongation, 0.75, kFormTolerance);
+    EXPECT_NEAR(d.flatness, 0.65, kFormTolerance);
+    EXPECT_GT(d.angularity, 0.15);
+  }
+}
+
+TEST(RandomRock, a_form_out_of_range_is_refused) {
+  RockForm form;
+  form.elongation = 1.5;
+  EXPECT_THROW(random_rock(form), UsageError);
+}
+
+}  // namespace
+}  // namespace scree
