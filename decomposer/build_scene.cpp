@@ -103,6 +103,7 @@ class Builder {
       parts_.shapes[i] = make_pack_shape(load_shape(case_.shapes[i]));
       parts_.scene_shape[i] = static_cast<std::int32_t>(scene().shapes.size());
       scene().shapes.push_back(parts_.shapes[i].shape);
+      scene().shapes.back().cell_size = case_.shapes[i].cell_size;
     }
   }
 

@@ -74,12 +74,14 @@ void read_settings(const CaseTable& top, Case& c) {
     }
   }
   if (top.has("contact")) {
-    const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed", "relax"});
+    const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed", "relax", "barrier"});
     s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear", "hunt-crossley", "hertz-mindlin"});
+    s.barrier = contact.number_or("barrier", Dimension::none, 0, Range::not_negative);
     s.impact_speed = contact.number_or("impact_speed", Dimension::velocity, 0, Range::positive);
     s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential", "area", "pairs"});
     c.margin_given = contact.has("margin");
     c.relax = contact.boolean_or("relax", false);
+    if (s.barrier > 0 && s.gather != "potential") throw contact.error("barrier", "goes with gather = \"potential\" only");
     if (s.gather == "area" && s.law == "hertz-mindlin") throw contact.error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");
     if (s.gather == "area" && !contact.has("margin")) throw contact.error("gather", "\"area\" needs contact.margin, the thickness of the elastic layer");
     s.margin = contact.number_or("margin", Dimension::length, 0, Range::not_negative);
@@ -104,7 +106,7 @@ void read_settings(const CaseTable& top, Case& c) {
 }
 
 void read_shapes(const CaseTable& top, const std::string& folder, Case& c) {
-  for (const auto& [name, t] : top.named_tables("shapes", {"file", "name", "sphere"})) {
+  for (const auto& [name, t] : top.named_tables("shapes", {"file", "name", "sphere", "cell_size"})) {
     CaseShape shape;
     shape.name = name;
     shape.where = t.where();
@@ -115,6 +117,8 @@ void read_shapes(const CaseTable& top, const std::string& folder, Case& c) {
       shape.sphere_radius = t.table("sphere", {"radius"}).number("radius", Dimension::length, Range::positive);
       if (t.has("name")) throw t.error("name", "names one of several shapes in a file; a sphere has no file");
     }
+    shape.cell_size = t.number_or("cell_size", Dimension::length, 0, Range::positive);
+    if (shape.cell_size > 0 && shape.file.empty()) throw t.error("cell_size", "is for meshes: a sphere touches in one place");
     c.shapes.push_back(shape);
   }
 }

@@ -21,6 +21,7 @@ struct CaseShape {
   std::string file;          ///< path as it can be opened; empty for an analytic sphere
   std::string name_in_file;  ///< which of several shapes; empty when the file holds one
   double sphere_radius = 0;  ///< [m]
+  double cell_size = 0;      ///< [m], 0: none
 };
 
 /// [[bodies]]

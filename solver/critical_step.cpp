@@ -52,11 +52,11 @@ PairStiffness linearise(const PairLook& look) {
   /// A point with its tangent stiffness, its normal force and the chi of its damping, and friction of f / depth along.
   const auto add_point = [&](const Vec3& x, const Vec3& n, double stiffness, double normal, double chi, double depth) {
     result.add_mode(stiffness, chi * normal, mode_of(look.motion, x, n));
-    if (!(look.tangential_ratio > 0)) return;
+    if (!(look.law.friction > 0)) return;
     // any two directions across the normal
     const Vec3 other = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     const Vec3 u = normalised(cross(n, other)), v = cross(n, u);
-    const double kappa = look.tangential_ratio * normal / depth, c = look.tangential_share * chi * normal;
+    const double kappa = look.law.tangential_ratio * normal / depth, c = tangential_damping_share(look.law, p) * chi * normal;
     result.add_mode(kappa, c, mode_of(look.motion, x, u));
     result.add_mode(kappa, c, mode_of(look.motion, x, v));
   };
@@ -84,20 +84,55 @@ PairStiffness linearise(const PairLook& look) {
     }
     return result;
   }
-  // U(D) of exponent p in the force has U' = (p + 1) U / D and U'' = p U' / D; D from the features
-  double sum = 0;
-  for (const ContactFeature& f : look.features) sum += f.weight * std::pow(f.depth / force.deepest, kNorm);
-  const double D = force.deepest * std::pow(sum, 1.0 / kNorm);
-  if (!(D > 0)) return result;
-  const double slope = (p + 1) * force.elastic / (D * D);   // U' / D
-  std::array<double, 12> common{};
-  for (const ContactFeature& f : look.features) {
-    const double r = f.depth / D, r6 = std::pow(r, kNorm - 2), normal = slope * D * f.weight * r6 * r;
-    const auto along = mode_of(look.motion, f.x, f.n);
-    for (std::size_t i = 0; i < 12; ++i) common[i] += f.weight * r6 * r * along[i];
-    add_point(f.x, f.n, (kNorm - 1) * slope * f.weight * r6, normal, force.damping, D);
+  // features that share a potential, each with its weight in it: all of them, or those of a cell
+  struct Member {
+    std::int64_t cell;
+    std::size_t feature;
+    double weight;
+  };
+  std::vector<Member> members;
+  if (look.motion.cells == nullptr) {
+    for (std::size_t j = 0; j < look.features.size(); ++j) members.push_back({0, j, look.features[j].weight});
+  } else {
+    for (const CellShare& s : *look.motion.cells) {
+      const auto j = static_cast<std::size_t>(s.feature);
+      members.push_back({s.cell, j, look.features[j].weight * std::pow(s.weight, kNorm / (1 + p))});
+    }
   }
-  result.add_mode(-(kNorm - 1 - p) * slope, 0, common);
+  struct Group {
+    std::size_t begin, end;
+    double D;
+  };
+  std::vector<Group> groups;
+  double energy = 0;  // over the constant of the law
+  for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
+    double sum = 0;
+    for (end = begin; end < members.size() && members[end].cell == members[begin].cell; ++end) {
+      sum += members[end].weight * std::pow(look.features[members[end].feature].depth / force.deepest, kNorm);
+    }
+    const double D = force.deepest * std::pow(sum, 1.0 / kNorm);
+    if (D > 0) groups.push_back({begin, end, D});
+    energy += std::pow(D, p + 1);
+  }
+  for (const Group& group : groups) {
+    // U(D) of exponent p in the force has U' = (p + 1) U / D and U'' = p U' / D
+    const double D = group.D, slope = (p + 1) * (force.elastic - force.barrier) * std::pow(D, p - 1) / energy;   // U' / D
+    std::array<double, 12> common{};
+    for (std::size_t m = group.begin; m < group.end; ++m) {
+      const ContactFeature& f = look.features[members[m].feature];
+      const double weight = members[m].weight, r = f.depth / D, r6 = std::pow(r, kNorm - 2), normal = slope * D * weight * r6 * r;
+      const auto along = mode_of(look.motion, f.x, f.n);
+      for (std::size_t i = 0; i < 12; ++i) common[i] += weight * r6 * r * along[i];
+      add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, normal, force.damping, D);
+    }
+    result.add_mode(-(kNorm - 1 - p) * slope, 0, common);
+  }
+  if (!(look.law.barrier > 0)) return result;
+  const Barrier barrier(look.law);
+  for (const ContactFeature& f : look.features) {
+    const double gap = look.law.margin - f.depth;
+    if (barrier.acts(gap)) add_point(f.x, f.n, f.weight * barrier.curvature(gap), f.weight * barrier.force(gap), force.damping, f.depth);
+  }
   return result;
 }
 

@@ -48,7 +48,8 @@ struct PairView {
   RelativePose pose;
   double radius_a = 0, radius_b = 0, margin = 0;
   const WallZone* zone = nullptr;
-  double cell_size = 0;           // of a mesh wall that has cells [m]
+  double cell_size = 0;           // of the side that has cells [m]; 0: none
+  bool cells_on_a = false;
 };
 
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, const BodyPair& pair) {
@@ -62,6 +63,9 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j]};
     if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
     view.radius_b = p.radius[j];
+    const double cells_a = view.a.scale * view.a.shape->cell_size, cells_b = view.b.scale * view.b.shape->cell_size;
+    view.cells_on_a = cells_a > cells_b;
+    view.cell_size = std::max(cells_a, cells_b);
   } else {
     view.zone = &scene.zones()[static_cast<std::size_t>(pair.key.zone)];
     const Wall& wall = scene.source().walls[static_cast<std::size_t>(view.zone->wall)];
@@ -69,10 +73,12 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     view.b.x = state.position;
     view.b.q = state.orientation;
     view.radius_b = 2 * view.radius_a;  // the wall is the frame of the pair's motion
+    const double wall_cells = view.zone->kind == WallZone::Kind::mesh ? wall.cell_size : 0.0, own_cells = view.a.scale * view.a.shape->cell_size;
+    view.cells_on_a = own_cells > wall_cells;
+    view.cell_size = std::max(own_cells, wall_cells);
     if (view.zone->kind == WallZone::Kind::mesh) {
       view.b.shape = &scene.shape(wall.shape);
       view.b.scale = wall.scale;
-      view.cell_size = wall.cell_size;
       view.radius_b = std::max(view.radius_b, wall.scale * view.b.shape->radius);
     }
   }
@@ -188,17 +194,6 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
   }
 }
 
-/// Exponent of the effective depth in the normal force of the scene's law.
-double normal_exponent(const LawChoice& choice) {
-  double exponent = 1;
-  int index = 0;
-  const auto look = [&]<class Entry>(const Entry&) {
-    if (index++ == choice.law) exponent = Entry::Normal::kExponent;
-  };
-  std::apply([&](const auto&... entry) { (look(entry), ...); }, kLaws);
-  return exponent;
-}
-
 }  // namespace
 
 double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
@@ -210,8 +205,10 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   const PairForceFunction force_of = pair_force_function(scene.law_choice());
   const bool independent = scene.law_choice().independent;
   const bool is_area = scene.law_choice().area;
+  // a barrier makes room for gaps that are otherwise too near to be followed
+  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopDepthRatio;
   const bool needs_radius = scene.law_choice().needs_radius;
-  const double exponent = normal_exponent(scene.law_choice());
+  const double exponent = scene.normal_exponent();
   const BodyWays& ways = list.ways();
   const auto way_of = [&ways](const PairRest& rest) { return ways[rest.a] + (rest.b >= 0 ? ways[rest.b] : 0.0); };
   double deepest = 0;
@@ -297,7 +294,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         relative.independent = true;
         relative.cells = &cells;
       } else if (view.cell_size > 0) {
-        find_cell_shares(view.a, view.b, view.cell_size, features, cells);
+        find_cell_shares(view.a, view.b, view.cell_size, view.cells_on_a, features, cells);
         relative.cells = &cells;
       }
       // Looking must not change anything: it works on a copy of the springs.
@@ -305,7 +302,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       if (only_looks) copy = pair.springs;
       const PairForce f = force_of(features, law, relative, dt, friction_dt, only_looks ? copy : pair.springs,
                                      out != nullptr ? &outputs : nullptr);
-      if (look != nullptr) (*look)({pair, features, f, relative, exponent, law.friction > 0 ? law.tangential_ratio : 0.0, tangential_damping_share(law, exponent)});
+      if (look != nullptr) (*look)({pair, features, f, relative, exponent, law});
       result.active = true;
       result.contact_count = static_cast<std::int32_t>(features.size());
       // torques about B's centre: T_B = (x_B - x_A) x F - T_A
@@ -320,7 +317,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       result.tangential_elastic = f.tangential_elastic;
       result.depth_ratio = view.margin > 0 ? f.deepest / view.margin : 0;
       deepest = std::max(deepest, result.depth_ratio);
-      if (!(result.depth_ratio < kStopDepthRatio)) too_deep = true;  // or not a number
+      if (!(result.depth_ratio < stop_ratio)) too_deep = true;  // or not a number
       if (out != nullptr && counts_here(pair, p)) append_contacts(pair, view, features, outputs, *out);
     }
   }
@@ -339,9 +336,9 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   for (std::size_t n = 0; n < which.size() && too_deep; ++n) {
     const std::int32_t k = which[n];
     const PairResult& r = list.results()[static_cast<std::size_t>(k)];
-    if (r.active && !(r.depth_ratio < kStopDepthRatio)) {
+    if (r.active && !(r.depth_ratio < stop_ratio)) {
       throw RunInvalid("step {}: {} touch to {:.3f} of their margin (limit {}); {}", step,
-                       describe(list.pairs()[static_cast<std::size_t>(k)].key), r.depth_ratio, kStopDepthRatio, cure);
+                       describe(list.pairs()[static_cast<std::size_t>(k)].key), r.depth_ratio, stop_ratio, cure);
     }
   }
   return deepest;

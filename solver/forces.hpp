@@ -28,8 +28,7 @@ struct PairLook {
   const PairForce& force;
   const PairMotion& motion;
   double exponent;                            ///< of the normal force in the effective depth
-  double tangential_ratio;                    ///< of tangential to normal stiffness; 0 without friction
-  double tangential_share;                    ///< of tangential to normal damping
+  const PairLaw& law;
 };
 using PairLooker = std::function<void(const PairLook&)>;
 

@@ -125,6 +125,31 @@ double add_cell_potentials(const std::vector<ContactFeature>& features, const st
   return normal_sum;
 }
 
+/// The barrier of each feature that is near enough, on top of the potential. Returns the sum of its forces.
+double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& law, std::vector<double>& normal, std::vector<double>& per_depth,
+                   PairForce& result) {
+  const Barrier barrier(law);
+  double sum = 0;
+  for (std::size_t j = 0; j < features.size(); ++j) {
+    const ContactFeature& f = features[j];
+    const double gap = law.margin - f.depth;
+    if (!barrier.acts(gap)) continue;
+    const double force = f.weight * barrier.force(gap), energy = barrier.energy(gap);
+    normal[j] += force;
+    per_depth[j] += force / f.depth;
+    sum += force;
+    result.barrier += f.weight * energy;
+    result.force += force * f.n;
+    result.torque += cross(f.x, force * f.n);
+    if (f.faded) {
+      result.force -= energy * f.weight_gradient.force;
+      result.torque -= energy * f.weight_gradient.couple;
+    }
+  }
+  result.elastic += result.barrier;
+  return sum;
+}
+
 /// The elastic layer of two meshes: energy, pressure and wrench as area_pressure.hpp found them.
 double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_depth, PairForce& result) {
   double sum = 0;
@@ -161,13 +186,15 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   thread_local std::vector<double> normal, per_depth;  // f_j, and f_j / D for the tangential stiffness
   normal.assign(count, 0);
   per_depth.assign(count, 0);
-  const double normal_sum = [&] {
+  double normal_sum = [&] {
     if constexpr (std::is_same_v<Normal, LayerLaw>) {
       if (motion.area != nullptr) return add_patches(*motion.area, law_of_depth.kappa, normal, per_depth, result);
     }
     return motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, result)
                                    : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, result);
   }();
+
+  if (law.barrier > 0) normal_sum += add_barrier(features, law, normal, per_depth, result);
 
   // damping of a feature is f_j chi v_n, never more than f_j itself
   Damping damping;

@@ -39,6 +39,7 @@ struct PairForce {
   Vec3 lossy_force, lossy_torque;        ///< on A, from damping and friction alone
   double elastic = 0;                    ///< U [J]
   double tangential_elastic = 0;         ///< stored in friction springs [J]
+  double barrier = 0;                    ///< part of U in barriers [J]
   double deepest = 0;                    ///< largest depth [m]
   double damping = 0;                    ///< chi: the damping force of a feature is its normal force times chi times its speed [s/m]
 };

@@ -14,6 +14,7 @@ SolverShape make_solver_shape(const Shape& source) {
   SolverShape shape;
   shape.kind = source.kind;
   shape.rounding = source.sphere_radius;
+  shape.cell_size = source.cell_size;
   shape.mesh = source.mesh;  // a copy holds what it needs and no more
   if (source.kind != ShapeKind::surface) {
     shape.volume = source.mass.volume;
@@ -164,6 +165,7 @@ LawChoice choose_law(const std::string& name, bool area) {
       if (name == e.name && area == e.layer) {
         choice.law = index;
         choice.needs_radius = e.needs_radius;
+        choice.exponent = std::decay_t<decltype(e)>::Normal::kExponent;
         found = true;
       }
       if (area == e.layer) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", e.name);
@@ -222,6 +224,15 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     laws_[a * material_count_ + b] = law;
     laws_[b * material_count_ + a] = law;
+  }
+  if (settings.barrier > 0) {
+    if (settings.gather != "potential") throw UsageError("contact.barrier = {:g}: goes with contact.gather = \"potential\" only", settings.barrier);
+    if (!(margin_ > 0)) throw UsageError("contact.barrier = {:g}: needs margins; give contact.margin", settings.barrier);
+    for (PairLaw& law : laws_) {
+      law.margin = 2 * margin_;
+      law.barrier = settings.barrier * law.step_stiffness;
+      law.step_stiffness += Barrier(law).curvature(kBarrierStepGap * kBarrierShare * law.margin);
+    }
   }
   law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {

@@ -31,6 +31,7 @@ struct SolverShape {
   std::vector<std::int32_t> spoke_end;           ///< vertices to which mesh edges lead from each corner
   double radius = 0;                ///< bounding radius about the origin, rounding included [m]
   double volume = 0;                ///< [m^3]
+  double cell_size = 0;             ///< of a very large body, scale 1 [m]; 0: none
   double contact_area = 0;          ///< largest_contact_area at scale 1, with a margin sum of the scene's [m^2]; 0 but for gather = "area"
   double equivalent_radius = 0;     ///< of the ball of equal volume [m]; 0 for a surface
   Vec3 inertia;                     ///< principal moments for density 1 [m^5]
@@ -86,6 +87,7 @@ class SolverScene {
   /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
   const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
   const LawChoice& law_choice() const { return law_choice_; }
+  double normal_exponent() const { return law_choice_.exponent; }  ///< of the effective depth in the normal force
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }

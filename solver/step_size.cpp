@@ -30,13 +30,13 @@ struct Touchable {
 
 /// Inverse mass of the easiest contact on a body [1/kg].
 /// Of a layer: times the largest area that the body can have in contact.
-double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i) {
+double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i, double tangential_ratio) {
   const SolverShape& shape = scene.shape(p.shape[i]);
   const double area = scene.law_choice().area ? shape.contact_area * p.scale[i] * p.scale[i] : 1;
   if (shape.kind == ShapeKind::sphere) {
     // A ball's normal passes its centre; only friction, with its softer spring, turns it. The two do not add up.
     const double r = p.radius[i], turning = p.lock_rotation[i] ? 0.0 : r * r * p.inverse_inertia[i].x;
-    const double tangential = scene.has_friction() ? kTangentialStiffnessRatio * (p.inverse_mass[i] + turning) : 0.0;
+    const double tangential = tangential_ratio * (p.inverse_mass[i] + turning);
     return area * std::max(p.inverse_mass[i], tangential);
   }
   const double s = p.scale[i], density = scene.source().materials[static_cast<std::size_t>(p.material[i])].density;
@@ -47,11 +47,21 @@ double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i
 std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
   const Scene& source = scene.source();
   std::vector<Touchable> mine(2 * source.materials.size());
+  // of each material, the largest tangential over normal tangent stiffness of a pair with friction
+  std::vector<double> tangential(source.materials.size(), 0.0);
+  for (const MaterialPair& pair : source.pairs) {
+    const PairLaw& law = scene.law(pair.a, pair.b);
+    if (!(law.friction > 0)) continue;
+    for (const std::int32_t m : {pair.a, pair.b}) {
+      double& ratio = tangential[static_cast<std::size_t>(m)];
+      ratio = std::max(ratio, law.tangential_ratio / scene.normal_exponent());
+    }
+  }
   for (std::size_t i = 0; i < p.owned; ++i) {
     Touchable& t = mine[2 * static_cast<std::size_t>(p.material[i]) + (scene.shape(p.shape[i]).kind == ShapeKind::sphere ? 0 : 1)];
     if (p.fixed[i]) ++t.still;
     else {
-      const double mobility = mobility_of(scene, p, i);
+      const double mobility = mobility_of(scene, p, i, tangential[static_cast<std::size_t>(p.material[i])]);
       t.add(mobility, p.id[i]);
       t.least = std::min(t.least, mobility);
     }

@@ -25,7 +25,8 @@ inline constexpr double kTurnPerStep = 0.1;
 
 /// The smallest of
 ///   contact   pi / sqrt(k n^(2/q) W) / steps_per_contact over all materials that can meet; W sums over both bodies the
-///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x|; n = 4 features (a face
+///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x| (a ball turns by friction only, whose
+///             share of the stiffness counts instead); n = 4 features (a face
 ///             on a face), 1 for spheres and walls without edges
 ///   speed     kMarginPerStep margin / (|v| + R |w|), of the bodies as they start
 ///   spin      kTurnPerStep / |w|

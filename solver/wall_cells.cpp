@@ -26,38 +26,36 @@ AxisShare share_of(double x, double side) {
   return share;
 }
 
-/// Place that a feature's weight is taken at, wall frame [m]; whether it moves with A, and then A's point in A's frame.
+/// Place that a feature's weight is taken at, frame of the side with the cells [m]; whether it moves against them, and then the
+/// point in A's frame about which A's motion turns it.
 struct Anchor {
-  Vec3 place, point_of_a;
+  Vec3 place, arm;
   bool moves;
 };
 
-Anchor anchor_of(const PairBody& a, const PairBody& b, const ContactFeature& f) {
-  const auto in_wall = [&](const Vec3& p) { return rotate_inverse(b.q, a.x + rotate(a.q, p) - b.x); };
-  if (a.shape->kind == ShapeKind::sphere) return {in_wall({}), {}, true};
+Anchor anchor_of(const PairBody& a, const PairBody& b, bool cells_on_a, const ContactFeature& f) {
+  const PairBody &held = cells_on_a ? a : b, &moving = cells_on_a ? b : a;
+  const auto from_moving = [&](const Vec3& p) {
+    const Vec3 place = rotate_inverse(held.q, moving.x + rotate(moving.q, p) - held.x);
+    return Anchor{place, cells_on_a ? place : p, true};
+  };
+  if (moving.shape != nullptr && moving.shape->kind == ShapeKind::sphere) return from_moving({});
   constexpr std::int64_t kMask = (std::int64_t{1} << 30) - 1;
   const auto i = static_cast<std::int32_t>((f.key >> 30) & kMask), j = static_cast<std::int32_t>(f.key & kMask);
-  switch (f.key >> 60) {
-    case 0: {
-      const Vec3 p = a.scale * a.shape->corner(i);
-      return {in_wall(p), p, true};
-    }
-    case 1:
-      return {b.scale * b.shape->corner(i), {}, false};
-    default: {
-      const ShapeEdge edge = b.shape->edge(j);
-      return {b.scale * (edge.start + 0.5 * edge.along), {}, false};
-    }
-  }
+  const std::int64_t kind = f.key >> 60, corner_of_moving = cells_on_a ? 1 : 0;
+  if (kind == corner_of_moving) return from_moving(moving.scale * moving.shape->corner(i));
+  if (kind == 1 - corner_of_moving) return {held.scale * held.shape->corner(i), {}, false};
+  const ShapeEdge edge = held.shape->edge(cells_on_a ? i : j);
+  return {held.scale * (edge.start + 0.5 * edge.along), {}, false};
 }
 
 }  // namespace
 
-void find_cell_shares(const PairBody& a, const PairBody& b, double side, const std::vector<ContactFeature>& features,
+void find_cell_shares(const PairBody& a, const PairBody& b, double side, bool cells_on_a, const std::vector<ContactFeature>& features,
                       std::vector<CellShare>& shares) {
   shares.clear();
   for (std::size_t f = 0; f < features.size(); ++f) {
-    const Anchor anchor = anchor_of(a, b, features[f]);
+    const Anchor anchor = anchor_of(a, b, cells_on_a, features[f]);
     const AxisShare axis[3] = {share_of(anchor.place.x, side), share_of(anchor.place.y, side), share_of(anchor.place.z, side)};
     for (int corner = 0; corner < 8; ++corner) {
       double weight[3];
@@ -76,8 +74,9 @@ void find_cell_shares(const PairBody& a, const PairBody& b, double side, const s
       if (!(share.weight > kWeightCutoff)) continue;
       if (anchor.moves) {
         const Vec3 gradient{slope.x * weight[1] * weight[2], weight[0] * slope.y * weight[2], weight[0] * weight[1] * slope.z};
-        share.gradient.force = rotate_inverse(a.q, rotate(b.q, gradient));
-        share.gradient.couple = cross(anchor.point_of_a, share.gradient.force);
+// in the frame of A what A does to a point of B is the opposite of a motion
+        share.gradient.force = cells_on_a ? -gradient : rotate_inverse(a.q, rotate(b.q, gradient));
+        share.gradient.couple = cross(anchor.arm, share.gradient.force);
       }
       shares.push_back(share);
     }

@@ -1,7 +1,7 @@
-// Cells of a very large wall: a body that meets it at distant places has one potential per cell, so that distant contacts do
+// Cells of a very large wall or body: a body that meets it at distant places has one potential per cell, so that distant contacts do
 // not share stiffness. Source: CONTACT.md section 4, weakness 1.
 //
-// The wall's frame is divided into cubes of side l, each with a smooth weight w (product of switches in x, y and z, flat over
+// Its frame is divided into cubes of side l, each with a smooth weight w (product of switches in x, y and z, flat over
 // the middle half of the side); the weights of all cubes sum to 1 everywhere. A feature enters the potential of a cell with
 // a_j w^(q / (p + 1)), p the exponent of the force: the energy of a single feature is then exactly its U(d), wherever it is.
 // The weight is taken at a place that is fixed either in the body (its corner, its centre if a sphere) or in the wall (its
@@ -25,8 +25,8 @@ struct CellShare {
 
 /// Shares of all features of a pair, sorted by cell, then feature.
 ///
-/// in   b       a mesh wall     in  side   of the cells [m], > 0
-void find_cell_shares(const PairBody& a, const PairBody& b, double side, const std::vector<ContactFeature>& features,
+/// in   side   of the cells [m], > 0     in  cells_on_a  they are fixed in A; else in B, which may be a wall
+void find_cell_shares(const PairBody& a, const PairBody& b, double side, bool cells_on_a, const std::vector<ContactFeature>& features,
                       std::vector<CellShare>& shares);
 
 }  // namespace scree

@@ -230,6 +230,7 @@ Settings read_settings(const Object& o) {
   s.domain.outside = domain.one_of("outside", {"stop", "remove", "keep"});
   s.law = o.one_of("law", {"linear", "hunt-crossley", "hertz-mindlin"});
   s.gather = o.one_of("gather", {"potential", "area", "pairs"});
+  if (o.has("barrier")) s.barrier = o.at_least("barrier", 0);
   if (o.has("impact_speed")) s.impact_speed = o.at_least("impact_speed", 0);
   s.margin = o.at_least("margin", 0);
   s.integrator = o.one_of("integrator", {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
@@ -437,6 +438,7 @@ json settings_json(const Scene& scene) {
   t["law"] = s.law;
   t["gather"] = s.gather;
   t["impact_speed"] = s.impact_speed;
+  t["barrier"] = s.barrier;
   t["margin"] = s.margin;
   t["integrator"] = s.integrator;
   t["distance_method"] = s.distance_method;

@@ -116,6 +116,7 @@ struct Settings {
   Domain domain;
   std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
   std::string gather = "potential";          ///< potential | area | pairs
+  double barrier = 0;                        ///< [-] stiffness of the barrier over that of a contact; 0: none
   double impact_speed = 0;                   ///< [m/s] of the fastest impact expected; 0 when not known
   double margin = 0;                         ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
   std::string integrator = "kdk-dlm";

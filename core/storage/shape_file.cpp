@@ -78,6 +78,7 @@ void write_shapes(const h5::Group& group, const std::vector<Shape>& shapes) {
     g.write_attribute("name", shape.name);
     g.write_attribute("kind", static_cast<std::int32_t>(shape.kind));
     g.write_attribute("sphere_radius", shape.sphere_radius);
+    if (shape.cell_size > 0) g.write_attribute("cell_size", shape.cell_size);
     g.write_attribute("volume", shape.mass.volume);
     g.write_attribute("area", shape.area);
     g.write_array("vertices", shape.mesh.vertices, "m");
@@ -112,6 +113,7 @@ std::vector<Shape> read_shapes(const h5::Group& group) {
     if (kind < 0 || kind > 2) throw InputError("{}: kind {} is unknown; expected 0 (solid), 1 (surface) or 2 (sphere)", g.path(), kind);
     shape.kind = static_cast<ShapeKind>(kind);
     shape.sphere_radius = g.read_double_attribute("sphere_radius");
+    if (g.has_attribute("cell_size")) shape.cell_size = g.read_double_attribute("cell_size");
     shape.area = g.read_double_attribute("area");
     shape.mesh.vertices = g.read_vectors("vertices");
     const std::vector<std::int32_t> indices = g.read_array<std::int32_t>("triangles", 3);

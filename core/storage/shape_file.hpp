@@ -25,6 +25,7 @@ struct Shape {
   std::string name;
   ShapeKind kind = ShapeKind::solid;
   TriangleMesh mesh;           ///< solid: origin at the centre of mass, axes as in the file it came from
+  double cell_size = 0;        ///< [m], in a scene: contacts further apart than this do not share stiffness; 0: they do
   double sphere_radius = 0;    ///< [m], sphere only: rounding radius about the vertex
   Vec3 origin_shift;           ///< centre of mass in the coordinates of the file [m]
   MassProperties mass;         ///< density 1, about the origin of the mesh; zero for a surface

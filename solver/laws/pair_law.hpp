@@ -18,6 +18,8 @@ struct PairLaw {
   double torsional_friction = 0;    ///< mu_t: moment about the normal at most mu_t R* N
   bool rolling_spring = true;       ///< moments of type C (elastic, then plastic); false: type A (constant)
   double radius = 0;                ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
+  double barrier = 0;               ///< k_b of laws/barrier.hpp [N/m]; 0: none
+  double margin = 0;                ///< margin sum [m]
   double step_stiffness = 0;        ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
 };
 

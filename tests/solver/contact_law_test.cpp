@@ -95,6 +95,23 @@ TEST(LinearLaw, meets_the_demands_on_restitution_at_every_phase_of_touch) {
 }
 
 // C2: restitution as asked at the speed given, and by alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)) at others.
+// The barrier ends smoothly at its reach, its force and curvature are derivatives, and it diverges as -ln(gap).
+TEST(Barrier, is_twice_continuous_and_has_no_end) {
+  PairLaw law;
+  law.barrier = 3;
+  law.margin = 10;
+  const Barrier barrier(law);  // reach 2
+  EXPECT_EQ(barrier.reach, 2);
+  for (double gap = 0.01; gap < 2; gap *= 1.3) {
+    const double h = 1e-5 * gap;
+    EXPECT_NEAR(barrier.energy(gap), -3 * (gap - 2) * (gap - 2) * std::log(gap / 2), 1e-13 * barrier.energy(gap));
+    EXPECT_NEAR(barrier.force(gap), -(barrier.energy(gap + h) - barrier.energy(gap - h)) / (2 * h), 1e-6 * barrier.force(0.5 * gap));
+    EXPECT_NEAR(barrier.curvature(gap), -(barrier.force(gap + h) - barrier.force(gap - h)) / (2 * h), 1e-6 * barrier.curvature(0.5 * gap));
+  }
+  EXPECT_NEAR(barrier.curvature(2 - 1e-9), 0, 1e-7);
+  EXPECT_FALSE(barrier.acts(2));
+}
+
 TEST(HuntCrossleyLaw, has_the_restitution_of_the_closed_form_at_any_speed) {
   const double table[][2] = {{.1, 9.998159}, {.2, 4.919167}, {.3, 3.087082}, {.5, 1.432751}, {.7, .634828}, {.8, .373146}, {.9, .166482}, {.95, .078927}};
   for (const auto& row : table) EXPECT_NEAR(hunt_crossley_number_of_restitution(row[0]), row[1], 1e-6);

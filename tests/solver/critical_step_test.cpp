@@ -156,6 +156,85 @@ TEST(CriticalStep, of_a_single_contact_is_the_true_one_when_told_and_when_derive
   }
 }
 
+// gather = "pairs": N springs side by side have N times the stiffness.
+TEST(CriticalStep, of_one_spring_per_triangle_pair_counts_them) {
+  TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
+  run.scene.settings.gather = "pairs";
+  run.scene.settings.step = 1e-5;
+  run.scene.shapes = {make_solid("cube", test::grid_box(2, {1, 1, 1})), make_solid("floor", test::grid_box(1, {3, 3, 1}))};
+  test::add_body(run.scene, 0, {0, 0, 1.018});
+  test::add_body(run.scene, 1, {0, 0, 0});
+  run.scene.bodies.lock_rotation[0] = 1;
+  run.scene.bodies.fixed[1] = 1;
+  run.start();
+  const double springs = static_cast<double>(run.simulation->contact_count());
+  EXPECT_GE(springs, 8);
+  EXPECT_NEAR(run.simulation->critical_step().step, 2 / std::sqrt(springs * 1e4), 1e-9);
+}
+
+// Hertz and Mindlin: with friction a ball turns faster in its contact than it swings. The derived step looks ahead to the deepest point.
+TEST(CriticalStep, derived_for_hertz_and_mindlin_is_at_least_70_percent_of_the_true_one) {
+  for (const bool two : {false, true}) {
+    for (const double friction : {0.0, 0.5}) {
+      TestRun run(test::empty_scene(0, 1, friction, 0));
+      run.scene.settings.law = "hertz-mindlin";
+      run.scene.materials[0].young = 1e7;
+      run.scene.materials[0].poisson = 0.3;
+      run.scene.settings.impact_speed = two ? 2.0 : 1.0;
+      run.scene.shapes = {make_sphere("ball", 0.1)};
+      test::add_body(run.scene, 0, {0, 0, 0.1001}, {}, {0, 0, -1});
+      if (two) test::add_body(run.scene, 0, {0, 0, -0.1001}, {}, {0, 0, 1});
+      else test::add_plane(run.scene, {}, {0, 0, 1});
+      run.start();
+      double critical = 1e300;
+      for (int n = 0; n < 100; ++n) {
+        run.simulation->advance();
+        critical = std::min(critical, run.simulation->critical_step().step);
+      }
+      EXPECT_GT(run.velocity(0).z, 0.9) << "no rebound";
+      const double ratio = run.simulation->step_size().critical() / critical;
+      std::printf("%s, friction %.1f: derived over true critical step %.3f\n", two ? "two balls" : "ball on a wall", friction, ratio);
+      EXPECT_LE(ratio, 1.01);
+      EXPECT_GE(ratio, 0.7);
+    }
+  }
+}
+
+// A barrier takes what the potential alone could not: the energy comes back, and nothing touches.
+TEST(Guards, a_barrier_keeps_apart_what_is_too_fast_for_the_potential) {
+  for (const double barrier : {0.0, 20.0}) {
+    TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
+    run.scene.settings.barrier = barrier;
+    run.scene.settings.steps_per_contact = 100;
+    run.scene.shapes = {make_solid("cube", test::grid_box(1, {1, 1, 1}))};
+    // on its corner: 1.6 times the energy k (2 margin)^2 / 2 that one contact can take
+    const double speed = std::sqrt(1.6 * 1e4 * 0.02 * 0.02);
+    test::add_body(run.scene, 0, {0, 0, 0.5 * std::sqrt(3.0) + 0.021}, quaternion_of(normalised(Vec3{1, -1, 0}), std::atan(std::sqrt(2.0))), {0, 0, -speed});
+    run.scene.bodies.lock_rotation[0] = 1;
+    test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+    run.start();
+    std::string said;
+    double deepest = 0;
+    try {
+      for (double time = 0; time < 0.1; time += run.simulation->step_size().step) {
+        run.simulation->advance();
+        deepest = std::max(deepest, run.simulation->take_max_depth_ratio());
+      }
+      run.simulation->agree_on_failures();
+    } catch (const Error& e) {
+      said = e.what();
+    }
+    if (barrier == 0) {
+      EXPECT_NE(said.find("of their margin"), std::string::npos) << said;
+    } else {
+      EXPECT_EQ(said, "");
+      EXPECT_GT(deepest, 0.8);
+      EXPECT_LT(deepest, 0.999);
+      EXPECT_NEAR(run.velocity(0).z, speed, 1e-4 * speed);
+    }
+  }
+}
+
 // Two locked cubes of unequal mass face to face: eight features in one potential, k_eff = 8^(1/4) k, reduced mass.
 TEST(CriticalStep, of_two_bodies_face_to_face_is_that_of_their_reduced_mass) {
   TestRun run(test::empty_scene(1e6, 1, 0, 0.002));

@@ -11,15 +11,18 @@ namespace {
 
 using test::TwoBodies, test::kMargin, test::kStiffness, test::place_at_random, test::elastic_impacts;
 
-void expect_exact_gradient(double cell_size) {
+void expect_exact_gradient(double cell_size, bool cells_on_a = false, double barrier = 0) {
   std::mt19937 g(3);
   int tested = 0, faded = 0;
   for (int s = 0; s < 60; ++s) {
     TwoBodies pair(test::scaled(test::rock(1, 2), 0.5), test::scaled(test::rock(2, 1), 0.5), kStiffness, 0.06, 1, 0);
     pair.cell_size = cell_size;
+    pair.cells_on_a = cells_on_a;
+    pair.barrier = barrier;
     place_at_random(pair, g);
     if (!pair.approach(1.8)) continue;
-    while (pair.force(0).deepest < 0.02) pair.body[0].x.z -= 0.001;
+    const double pressed = barrier > 0 ? 0.053 : 0.02;   // of margins of 0.06
+    while (pair.force(0).deepest < pressed) pair.body[0].x.z -= 0.0005;
     if (pair.features.size() < 2) continue;
     for (const ContactFeature& f : pair.features) faded += f.faded ? 1 : 0;
     const PairForce at = pair.force(0);
@@ -55,6 +58,8 @@ TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy) { expect_ex
 
 // CONTACT.md section 4, weakness 1: cells of a very large wall, here far smaller than they would ever be.
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_cells) { expect_exact_gradient(.1); }
+TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_cells_of_the_first_body) { expect_exact_gradient(.1, true); }
+TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_a_barrier) { expect_exact_gradient(0, false, 3 * kStiffness); }
 
 TEST(PairPotential, one_feature_is_a_linear_spring_and_n_equal_ones_are_stiffer_by_n_to_the_quarter) {
   // a cube face on a larger cube face: four corners at the same depth

@@ -50,10 +50,13 @@ class TwoBodies {
     m.inverse_inertia_b = inverse_inertia[1];
     m.b_to_a = matrix_of(to_a * body[1].q);
     if (cell_size > 0) {
-      find_cell_shares(body[0], body[1], cell_size, features, cells_);
+      find_cell_shares(body[0], body[1], cell_size, cells_on_a, features, cells_);
       m.cells = &cells_;
     }
-    PairForce f = pair_force_function(prepared_->law_choice())(features, prepared_->law(0, 0), m, dt, dt, springs_, &outputs);
+    PairLaw law = prepared_->law(0, 0);
+    law.barrier = barrier;
+    law.margin = margin_;
+    PairForce f = pair_force_function(prepared_->law_choice())(features, law, m, dt, dt, springs_, &outputs);
     last_ = f;
     return f;
   }
@@ -123,7 +126,9 @@ class TwoBodies {
   Vec3 v[2], L[2], inverse_inertia[2];
   double inverse_mass[2];
   Vec3 gravity;               // on A only [m/s^2]
-  double cell_size = 0;       // of B, as if it were a very large wall [m]
+  double cell_size = 0;       // as if B were a very large wall [m]
+  bool cells_on_a = false;    // or A a very large body
+  double barrier = 0;         // k_b [N/m]
   std::vector<ContactFeature> features;
   std::vector<ContactOutput> outputs;
 

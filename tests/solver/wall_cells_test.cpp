@@ -40,7 +40,7 @@ TEST(WallCells, weights_are_a_partition_of_unity_with_exact_gradients) {
   for (int i = 0; i < 200; ++i) {
     PairBody a{&scene.shape(0), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)}, b{&scene.shape(1), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)};
     features[0].key = static_cast<std::int64_t>(i % scene.shape(0).features.corners.size()) << 30;
-    find_cell_shares(a, b, .3, features, shares);
+    find_cell_shares(a, b, .3, false, features, shares);
     double sum = 0;
     Vec3 gradient;
     for (const CellShare& s : shares) {
@@ -53,7 +53,7 @@ TEST(WallCells, weights_are_a_partition_of_unity_with_exact_gradients) {
     constexpr double kStep = 1e-7;
     const Vec3 along = rotate(a.q, Vec3{.6, 0, .8});
     a.x += kStep * along;
-    find_cell_shares(a, b, .3, features, moved);
+    find_cell_shares(a, b, .3, false, features, moved);
     if (moved.size() != shares.size()) continue;
     for (std::size_t s = 0; s < shares.size(); ++s) {
       EXPECT_NEAR((moved[s].weight - shares[s].weight) / kStep, dot(shares[s].gradient.force, {.6, 0, .8}), 1e-4);
@@ -95,6 +95,34 @@ TEST(WallCells, let_distant_contacts_carry_on_their_own) {
     run.run_for(3);
     EXPECT_NEAR(run.position(1).z, height, 1e-3 * weight / stiffness) << cell;
     EXPECT_LE(length(run.velocity(1)), 1e-6) << cell;
+  }
+}
+
+// The same for a free body of its own cells: the beam, on a plane and on a mesh.
+TEST(WallCells, of_a_long_free_body_let_its_distant_contacts_carry_on_their_own) {
+  const double k = 1e6, margin = .01, weight = 1000 * 8 * .2 * .2 * 9.81;
+  for (const bool plane : {true, false}) {
+    for (const double cell : {0.0, 2.0}) {
+      TestRun run(test::empty_scene(k, .2, 0, margin));
+      if (plane) test::add_plane(run.scene, {}, {0, 0, 1});
+      run.scene.settings.gravity = {0, 0, -9.81};
+      run.scene.shapes = {make_solid("beam", test::grid_box(1, {8, .2, .2})), make_solid("floor", test::grid_box(2, {12, 4, 1}))};
+      run.scene.shapes[0].cell_size = cell;
+      // both corners of an end lie beside the border of two cells and are shared by them: y = 0.1 m is t = 0.6 of the way across
+      const double t = (.1 / 2 + .5 - .25) / .5, share = t * t * (3 - 2 * t);
+      const double apart = 2 * std::pow(std::pow(share, 4) + std::pow(1 - share, 4), .25);
+      const double height = .1 + 2 * margin - weight / (cell > 0 ? 2 * k * apart : k * std::sqrt(2.0));
+      test::add_body(run.scene, 0, {0, 1, height + 1e-4});
+      if (!plane) {
+        test::add_body(run.scene, 1, {0, 0, -.5});
+        run.scene.bodies.fixed[1] = 1;
+      }
+      const auto id = static_cast<std::int64_t>(run.scene.bodies.id[0]);
+      run.start();
+      run.run_for(3);
+      EXPECT_NEAR(run.position(id).z, height, 1e-3 * weight / k) << cell;
+      EXPECT_LE(length(run.velocity(id)), 1e-6) << cell;
+    }
   }
 }
 
