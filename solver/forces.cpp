@@ -1,5 +1,6 @@
 #include "solver/forces.hpp"
 
+#include "solver/built_with.hpp"
 #include "solver/pass_through.hpp"
 #include "solver/triangle_contacts.hpp"
 
@@ -133,11 +134,13 @@ double contact_radius(const PairView& view) {
 }
 
 bool is_sphere_pair(const PairView& view) {
+  if constexpr (!built_with::kMeshes) return view.zone == nullptr;
   return view.zone == nullptr && view.a.shape->kind == ShapeKind::sphere && view.b.shape->kind == ShapeKind::sphere;
 }
 
 /// A sphere against a mesh, be that a body or a wall.
 bool is_sphere_mesh_pair(const PairView& view) {
+  if constexpr (!built_with::kMeshes) return false;
   if (view.zone != nullptr && view.zone->kind != WallZone::Kind::mesh) return false;
   return (view.a.shape->kind == ShapeKind::sphere) != (view.b.shape->kind == ShapeKind::sphere);
 }
@@ -220,7 +223,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
     std::vector<CellShare> cells;
     AreaContact layer;
     MeshDistanceScratch& distance = *scratch.distance[static_cast<std::size_t>(omp_get_thread_num())];
-#pragma omp for schedule(dynamic, 8)
+#pragma omp for schedule(dynamic, 64)
     for (std::ptrdiff_t n = 0; n < count; ++n) {
       const std::int32_t k = which[static_cast<std::size_t>(n)];
       PairRest& rest = list.rests()[static_cast<std::size_t>(k)];
@@ -234,7 +237,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       const PairVelocities velocities = velocities_of(p, walls, pair, view);
       double moved = 0;
       if (pair.lists.skin >= 0) moved = motion_since_listed(pair.lists, view.pose, view.radius_a, view.radius_b);
-      const bool has_mesh = view.zone == nullptr ? !is_sphere_pair(view) : view.zone->kind == WallZone::Kind::mesh;
+      const bool has_mesh = built_with::kMeshes && (view.zone == nullptr ? !is_sphere_pair(view) : view.zone->kind == WallZone::Kind::mesh);
       // a body behind a plane or in a cylinder is still seen
       if (has_mesh && dt > 0 && moved > pair.lists.first_slack && is_fast(view, velocities, dt) &&
           may_have_passed_through(view.a, view.b, motion_of(p, pair, view, velocities, matrix_of(view.a.q)), view.radius_a, view.radius_b,
@@ -265,11 +268,11 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         zone_pair_features(view.a, view.pose, *view.zone, view.margin, moved, pair.lists, features);
       } else if (is_sphere_mesh_pair(view)) {
         sphere_mesh_features(view.a, view.b, view.margin, moved, pair.lists, features);
-      } else if (has_layer) {
+      } else if (built_with::kMeshes && has_layer) {
         area_features(view.a, view.b, view.margin, moved, view.radius_a <= view.radius_b, pair.lists, features, layer);
-      } else if (independent) {
+      } else if (built_with::kMeshes && independent) {
         triangle_contact_features(view.a, view.b, view.margin, moved, pair.lists, features);
-      } else {
+      } else if (built_with::kMeshes) {
         mesh_pair_features(view.a, view.b, view.pose, view.margin, moved, pair.lists, features);
       }
       if (features.empty()) {

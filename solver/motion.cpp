@@ -1,5 +1,7 @@
 #include "solver/motion.hpp"
 
+#include "solver/built_with.hpp"
+
 namespace scree {
 
 namespace {
@@ -104,7 +106,7 @@ void kick(ParticleSet& p, double h) {
     const auto i = static_cast<std::size_t>(k);
     if (p.fixed[i]) continue;
     p.v[i] += (h * p.inverse_mass[i]) * p.force[i];
-    if (p.lock_rotation[i]) continue;
+    if (!built_with::kRotation || p.lock_rotation[i]) continue;
     p.L[i] += h * p.torque[i];
     p.w[i] = angular_velocity(p.q[i], p.inverse_inertia[i], p.L[i]);
   }
@@ -118,7 +120,7 @@ void drift(ParticleSet& p, double h) {
     const auto i = static_cast<std::size_t>(k);
     if (p.fixed[i]) continue;
     p.x[i] += h * p.v[i];
-    if (!p.lock_rotation[i]) {
+    if (built_with::kRotation && !p.lock_rotation[i]) {
       rotate_by<Rotor>(p.inertia[i], p.inverse_inertia[i], p.isotropic[i] != 0, h, p.L[i], p.q[i], p.w[i]);
     }
   }

@@ -82,6 +82,13 @@ class PairList {
   void forget_candidates();
 
  private:
+  struct FoundPair {
+    PairKey key;
+    std::int32_t a, b;
+  };
+  std::vector<FoundPair> find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin) const;
+  void sort_sides(const ParticleSet& p);
+
   std::vector<BodyPair> pairs_;
   std::vector<PairResult> results_;
   std::vector<PairRest> rests_;

@@ -1,5 +1,7 @@
 #include "solver/potential.hpp"
 
+#include "solver/built_with.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -283,6 +285,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
 
 template <class Entry>
 PairForceFunction without_the_unneeded(const LawChoice& choice) {
+  if constexpr (!built_with::kFriction) return &pair_force<Entry, false, false>;
   if (choice.rolling) return choice.friction ? &pair_force<Entry, true, true> : &pair_force<Entry, false, true>;
   return choice.friction ? &pair_force<Entry, true, false> : &pair_force<Entry, false, false>;
 }

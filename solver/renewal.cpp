@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/built_with.hpp"
 #include "solver/simulation.hpp"
 
 namespace scree {
@@ -95,7 +96,9 @@ void Simulation::renew_lists(const StepNews& news) {
       fail(e);
     }
     agree_on_failures();
-    if (balance_.is_cut_due(news)) {
+    if (!built_with::kRanks) {
+      // nobody to send to
+    } else if (balance_.is_cut_due(news)) {
       cut_anew();
       ++cuts_;
     } else {
@@ -111,7 +114,7 @@ void Simulation::renew_lists(const StepNews& news) {
       const double room = 0.25 * scene_.periodicity().period()[k] - scene_.largest_radius() - scene_.margin();
       skin_ = std::min(skin_, 2 * kShareOfRoom * room);
     }
-    halo_->make_ghosts(scene_, p_, skin_);
+    if (built_with::kRanks) halo_->make_ghosts(scene_, p_, skin_);
   }
   const double sorted = times_[static_cast<std::size_t>(Phase::sort)];
   {

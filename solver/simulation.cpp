@@ -1,5 +1,7 @@
 #include "solver/simulation.hpp"
 
+#include "solver/built_with.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -15,6 +17,23 @@ constexpr std::int64_t kReviewSteps = 16;
 // The contacts are looked at this often, for a few percent of the time; only then may the step grow: after 128 quiet steps.
 constexpr std::int64_t kContactReviewSteps = 128;
 
+/// A study build refuses what was left out of it.
+void check_built_with(const mpi::Communicator& comm, const SolverScene& scene) {
+  const auto need = [](bool built, bool needed, const char* what) {
+    if (!built && needed) throw UsageError("this build of the solver has no {}, which the scene needs; take scree-solver", what);
+  };
+  bool rotates = false, has_meshes = false;
+  for (std::size_t b = 0; b < scene.source().bodies.size(); ++b) {
+    rotates = rotates || !(scene.source().bodies.fixed[b] || scene.source().bodies.lock_rotation[b]);
+    has_meshes = has_meshes || scene.shape(scene.source().bodies.shape[b]).kind != ShapeKind::sphere;
+  }
+  for (const WallZone& zone : scene.zones()) has_meshes = has_meshes || zone.kind == WallZone::Kind::mesh;
+  need(built_with::kFriction, scene.law_choice().friction || scene.law_choice().rolling, "friction");
+  need(built_with::kRotation, rotates, "rotation");
+  need(built_with::kRanks, comm.size() > 1, "parallel ranks");
+  need(built_with::kMeshes, has_meshes, "meshes");
+}
+
 extern "C" void note_signal(int number) { g_signal = number; }
 
 }  // namespace
@@ -27,6 +46,7 @@ void catch_signals() {
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
     : comm_(comm), scene_(scene), options_(options), integrator_(integrator_of(scene.source().settings.integrator)),
       agreement_(comm), balance_(comm.size()) {
+  check_built_with(comm, scene);
   const Partition& partition = scene.source().partition;
   CutBoxes first_cut;
   if (partition.ranks == comm.size()) first_cut = {partition.lower, partition.upper};
@@ -108,16 +128,16 @@ void Simulation::add_ways(std::size_t begin, std::size_t end) {
 }
 
 void Simulation::compute_forces(double friction_dt, bool refresh) {
-  const bool timed = refresh && balance_.is_sample(step_);
+  const bool timed = built_with::kRanks && refresh && balance_.is_sample(step_);
   if (timed) scratch_.pair_seconds.assign(pairs_.pairs().size(), 0.0f);
-  if (refresh) halo_->start_refresh(p_, times_);
-  if (refresh && options_.strategy == HaloStrategy::blocking) halo_->finish_refresh(p_, times_);
+  if (built_with::kRanks && refresh) halo_->start_refresh(p_, times_);
+  if (built_with::kRanks && refresh && options_.strategy == HaloStrategy::blocking) halo_->finish_refresh(p_, times_);
   if (refresh) add_ways(0, p_.owned);
   compute_pairs(pairs_.inner(), friction_dt, Phase::distance);
-  if (refresh && options_.strategy == HaloStrategy::overlap) halo_->finish_refresh(p_, times_);
+  if (built_with::kRanks && refresh && options_.strategy == HaloStrategy::overlap) halo_->finish_refresh(p_, times_);
   if (refresh) add_ways(p_.owned, p_.size());
-  compute_pairs(pairs_.outer(), friction_dt, Phase::distance);
-  compute_pairs(pairs_.twice(), friction_dt, Phase::twice);
+  if (built_with::kRanks) compute_pairs(pairs_.outer(), friction_dt, Phase::distance);
+  if (built_with::kRanks) compute_pairs(pairs_.twice(), friction_dt, Phase::twice);
   if (timed) {
     balance_.add_sample(scratch_.pair_seconds, pairs_.pairs(), p_);
     scratch_.pair_seconds.clear();
@@ -159,7 +179,7 @@ StepNews Simulation::exchange_news(bool forced) {
   mine.signal = g_signal;
   mine.failed = failure_ ? 1 : 0;
   balance_.tell(mine);
-  if (comm_.size() == 1) return mine;
+  if (!built_with::kRanks || comm_.size() == 1) return mine;
   const PhaseTimer timer(times_, Phase::agree);
   agreement_.start(mine);
   return looks_ahead_ ? known : agreement_.finish();
