@@ -282,10 +282,9 @@ HWY_NOINLINE void open_one(const Bvh& a, const Bvh& b, const DescentFrame& frame
   open_pair(a, b, frame, pair, reach, scratch, [&](const SubtreePair& next) { scratch.pairs.push_back(next); });
 }
 
-HWY_NOINLINE bool open_all(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root, const DescentReach& reach,
-                           DescentScratch& scratch, std::size_t limit) {
-  scratch.pairs.clear();
-  scratch.pairs.push_back(root);
+/// Below all pairs in scratch.pairs.
+HWY_NOINLINE bool open_all(const Bvh& a, const Bvh& b, const DescentFrame& frame, const DescentReach& reach, DescentScratch& scratch,
+                           std::size_t limit) {
   while (!scratch.pairs.empty()) {
     const SubtreePair pair = scratch.pairs.back();
     scratch.pairs.pop_back();
@@ -361,7 +360,16 @@ SubtreePair root_pair(const Bvh& a) {
 
 bool collect_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root,
                         const DescentReach& reach, DescentScratch& scratch, std::size_t limit) {
-  return HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, root, reach, scratch, limit);
+  scratch.pairs.assign(1, root);
+  return HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, reach, scratch, limit);
+}
+
+bool collect_more_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
+                             std::size_t limit) {
+  scratch.forget_placed();  // with the old reach
+  std::erase_if(scratch.pairs, [&](const SubtreePair& pair) { return pair.gap2 > reach * reach; });
+  for (SubtreePair& pair : scratch.pairs) pair.reach = std::min(pair.reach, reach);
+  return HWY_DYNAMIC_DISPATCH(open_all)(a, b, frame, reach, scratch, limit);
 }
 
 void open_subtrees(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,

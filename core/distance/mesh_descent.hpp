@@ -90,6 +90,10 @@ SubtreePair root_pair(const Bvh& a);
 bool collect_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root,
                         const DescentReach& reach, DescentScratch& scratch, std::size_t limit = ~std::size_t{0});
 
+/// Goes on where the last call gave up, within a reach that is not larger and the same everywhere.
+bool collect_more_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
+                             std::size_t limit);
+
 /// One step of it: two leaves give candidates, anything else gives smaller pairs within reach, in scratch.pairs.
 void open_subtrees(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                    DescentScratch& scratch);

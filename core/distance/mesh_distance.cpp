@@ -14,6 +14,13 @@ struct MeshDistanceScratch {
   static constexpr std::int64_t kBatchPairs = 128;
   DescentScratch descent;
   std::vector<SubtreePair> beam;
+  // of mesh_distance: pairs that may be nearest, and how near they can be at least
+  struct Kept {
+    TrianglePair pair;
+    double least;
+  };
+  std::vector<Kept> kept;
+  alignas(64) std::array<float, DescentScratch::kBlock> single_distance;
   // triangles on their way to the exact kernel
   std::int64_t batch_count = 0;
   std::array<TrianglePair, kBatchPairs> batch_pair;
@@ -149,7 +156,7 @@ float centre_distance2(const SubtreePair& pair) {
 template <class Solve>
 void descend_to_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
                        std::vector<SubtreePair>& beam, const Solve& solve) {
-  constexpr std::size_t kBeam = 4;
+  constexpr std::size_t kBeam = 2;
   beam.assign(1, root_pair(a));
   for (std::size_t width = 1; width > 0; width = beam.size()) {
     scratch.pairs.clear();
@@ -183,6 +190,7 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   if (nearest != nullptr) *nearest = found;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return upper_bound;
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
+  const auto allowance = static_cast<double>(frame.allowance);
   ExactStage exact(a, b, b_in_a, s);
   double best = upper_bound;
   const auto take = [&](const TrianglePair& pair, double distance) {
@@ -190,32 +198,62 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
     best = distance;
     found = pair;
   };
-  s.descent.forget_placed();
-  s.descent.candidates.clear();
-  // a bound: the pair that was nearest last time, or one pair of leaves
+  // In single precision until the end: every distance is a bound from above, and only pairs that can be nearer than the
+  // least of these, errors included, are kept for the exact stage. One that intersects, it seems, is decided at once.
+  double bound = upper_bound;
+  DescentScratch& descent = s.descent;
+  s.kept.clear();
+  const auto filter = [&] {
+    for (std::size_t begin = 0; begin < descent.candidates.size(); begin += static_cast<std::size_t>(DescentScratch::kBlock)) {
+      const std::size_t count = std::min(descent.candidates.size() - begin, static_cast<std::size_t>(DescentScratch::kBlock));
+      const float* corners = descent.corners.data() + begin / static_cast<std::size_t>(DescentScratch::kBlock) * DescentScratch::kBlockSize;
+      triangle_distances(PairBatch<float>{corners, DescentScratch::kStride, static_cast<std::int64_t>(count)}, s.single_distance.data());
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto distance = static_cast<double>(s.single_distance[k]);
+        if (distance - allowance > bound) continue;
+        bound = std::min(bound, distance + allowance);
+        s.kept.push_back({descent.candidates[begin + k], distance - allowance});
+      }
+    }
+    descent.candidates.clear();
+  };
+  const auto decide = [&] {
+    for (const auto& [pair, least] : s.kept)
+      if (least <= bound) descent.candidates.push_back(pair);
+    s.kept.clear();
+    exact.solve_candidates(take);
+    bound = std::min(bound, best);
+  };
+  descent.forget_placed();
+  descent.candidates.clear();
+  descent.keep_corners = true;
+  // a bound: the pair that was nearest last time, or the nearest of a few pairs of leaves
   if (start.a >= 0 && start.a < a.mesh->triangle_count() && start.b >= 0 && start.b < b.mesh->triangle_count()) {
-    s.descent.candidates.push_back(start);
+    descent.candidates.push_back(start);
+    exact.solve_candidates(take);
+    bound = std::min(bound, best);
   } else {
-    descend_to_leaves(tree_a, tree_b, frame, filter_reach(frame, best), s.descent, s.beam, [&](const SubtreePair& leaves, float reach) {
-      open_subtrees(tree_a, tree_b, frame, leaves, reach, s.descent);
-      exact.solve_candidates(take);
-      return filter_reach(frame, best);
+    descend_to_leaves(tree_a, tree_b, frame, filter_reach(frame, bound), descent, s.beam, [&](const SubtreePair& leaves, float reach) {
+      open_subtrees(tree_a, tree_b, frame, leaves, reach, descent);
+      filter();
+      return filter_reach(frame, bound);
     });
   }
-  exact.solve_candidates(take);
-  // All that is nearer. A bad bound lets thousands of pairs through: then seek within a smaller reach first.
-  constexpr std::size_t kManyCandidates = 128;
-  constexpr int kProbes = 4;
-  double reach = best;
-  for (int probe = 0; best > 0; ++probe) {
-    s.descent.forget_placed();
-    const bool all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent,
-                                        probe < kProbes ? kManyCandidates : ~std::size_t{0});
-    exact.solve_candidates(take);
-    if (all && best <= reach) break;
-    reach = std::min(best, all ? 4 * reach : 0.125 * reach);
-    if (probe + 1 >= kProbes) reach = best;
+  if (bound <= 2 * allowance) decide();
+  // all that can be nearer; the reach shrinks on the way
+  constexpr std::size_t kAtOnce = 16;
+  if (best > 0) {
+    descent.forget_placed();
+    s.kept.clear();
+    bool all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, bound), descent, kAtOnce);
+    for (filter(); !all; filter()) {
+      if (bound <= 2 * allowance) decide();
+      if (best == 0) break;
+      all = collect_more_candidates(tree_a, tree_b, frame, filter_reach(frame, bound), descent, kAtOnce);
+    }
+    decide();
   }
+  descent.keep_corners = false;
   if (nearest != nullptr) *nearest = found;
   return best;
 }

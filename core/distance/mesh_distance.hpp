@@ -51,7 +51,8 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
 /// Smallest distance between the surfaces, or `upper_bound` when it is not below it (units of A's shape).
 /// 0 when they intersect. A body inside a closed shell that touches nothing has a positive distance.
 ///
-/// How: the distance of one pair of triangles is a bound, then all that is nearer is sought.
+/// How: the nearest of a few leaves gives a bound, then all that can be nearer is sought, the bound falling on the way. In
+/// single precision, errors allowed for; the few pairs left over are solved exactly.
 /// in/out  nearest   where not null: the pair that was nearest before (-1 or another pair will do, it only makes the
 ///                   first bound); becomes the nearest one, or -1 when the upper bound holds
 /// Cost: two rocks of 1280 triangles near contact take about as long as triangle_pairs_within.
