@@ -14,8 +14,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy  # noqa: E402
 
 FOLDER = sys.argv[1]
-COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000"]
-MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
+COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000", "#999999"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*"]
 plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": .3, "svg.hashsalt": "scree", "legend.fontsize": 8, "legend.framealpha": .8, "axes.titlesize": 9.5})
 
 
@@ -50,7 +50,7 @@ def draw(axes, rows, x, y, label=True, mark_front=False, floor=1e-17):
     names = curves(rows)
     for n, name in enumerate(names):
         own = sorted((row for row in rows if row["curve"] == name), key=lambda row: row[x])
-        axes.loglog([row[x] for row in own], [max(row[y], floor) for row in own], color=COLOURS[n % 7], marker=MARKERS[n % 7], markersize=4, linewidth=1.2,
+        axes.loglog([row[x] for row in own], [max(row[y], floor) for row in own], color=COLOURS[n % len(COLOURS)], marker=MARKERS[n % len(MARKERS)], markersize=4, linewidth=1.2,
                     label=name if label else None)
     if mark_front and rows:
         points = numpy.array([(row[x], max(row[y], floor)) for row in rows])
@@ -100,11 +100,12 @@ def p4():
     finest = max(row["steps_per_contact"] for row in rows)
     figure, axes = plt.subplots(2, 2, figsize=(9.5, 7.4))
     for ax, kind in zip(axes[0], ("icosphere", "cube")):
-        own = [dict(row, curve=f"{row['curve']}, {row['steps_per_contact']} steps a contact") for row in rows if row["case"] == kind]
+        own = [dict(row, curve=f"{row['curve']}, {row['steps_per_contact']} steps") for row in rows if row["case"] == kind]
         draw(ax, own, "triangles", "error_e")
-        ax.set_title(f"{kind}, rotation locked: |e - 0.5|")
+        ax.set_title(f"{kind}, rotation locked: |e - 0.5|, by steps a contact")
         ax.set_xlabel("triangles")
-        ax.legend()
+        ax.set_ylim(top=1e3)  # room for the legend above the curves
+        ax.legend(loc="upper left", ncol=2)
     own = [dict(row, curve=row["curve"]) for row in rows if row["steps_per_contact"] == finest]
     for n, (kind, style) in enumerate((("icosphere", "-"), ("cube", "--"))):
         for name in curves(own):
@@ -113,7 +114,7 @@ def p4():
                 continue
             i = curves(own).index(name)
             axes[1, 0].semilogx(*zip(*points), style, color=COLOURS[i], marker=MARKERS[n], markersize=4, label=f"{kind}, {name}")
-    axes[1, 0].set_ylim(0, 1.15 * max(row["duration"] for row in own))
+    axes[1, 0].set_ylim(0, 1.3 * max(row["duration"] for row in own))
     axes[1, 0].set_title(f"duration of the contact [s], {finest} steps a contact")
     axes[1, 0].set_xlabel("triangles")
     axes[1, 0].legend()
@@ -122,7 +123,8 @@ def p4():
     draw(axes[1, 1], own, "seconds", "error_e", mark_front=True)
     axes[1, 1].set_title("|e - 0.5| against time, all refinements")
     axes[1, 1].set_xlabel("time of the steps [s]")
-    axes[1, 1].legend(fontsize=7)
+    axes[1, 1].set_ylim(top=1e4)
+    axes[1, 1].legend(fontsize=7, loc="upper left", ncol=2)
     save(figure, "P4")
 
 
