@@ -330,6 +330,35 @@ def x21(tools, table):
             table.refusal(f"{n * n * 6} octahedra, k = {k:g} N/m", error)
 
 
+@case("X29", "heap of 512 concave bodies comes to true rest")
+def x21_heap(tools, table):
+    # L-shaped bodies of three cubes of 30 mm, dropped from eight layers in a box; at rest after 4.5 s
+    k, duration, n, side = 1e4, 6.0, 8, .03
+    c = simple("X29", duration, k, e=.3, mu=.5, gravity=(0, 0, -G), margin=.003, steps_per_contact=20, every=duration / 30, seed=3)
+    rim = numpy.array([(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)], dtype=float)
+    lids = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    sides = [t for i in range(6) for t in ((i, (i + 1) % 6, 6 + (i + 1) % 6), (i, 6 + (i + 1) % 6, 6 + i))]
+    faces = sides + [(a, d, b) for a, b, d in lids] + [(6 + a, 6 + b, 6 + d) for a, b, d in lids]
+    c.mesh("l", (meshes.rounded(numpy.vstack([rim, rim + (0, 0, 1)]) * side), numpy.array(faces)))
+    random = numpy.random.default_rng(1)
+    for layer in range(n):
+        for i in range(n):
+            for j in range(n):
+                q = random.normal(size=4)
+                c.body("l", "m", (.11 * (i - (n - 1) / 2), .11 * (j - (n - 1) / 2), .07 + .11 * layer), orientation=tuple(q / numpy.linalg.norm(q)))
+    half = .055 * n + .01
+    c.wall({"box_inside": [[-half, -half, 0], [half, half, 20]]}, "m")
+    try:
+        run = c.run(tools, timeout=3600)
+        energy = run.energy()
+        contact = (1000 * 3 * side**3 * G) ** 2 / (2 * k)
+        kinetic = run.log["kinetic_translational"][-1] + run.log["kinetic_rotational"][-1]
+        table.figure(f"{n**3} L-shaped bodies: largest rise of the mechanical energy over what was lost", numpy.diff(energy).max() / (energy[0] - energy[-1]), 1e-12)
+        table.figure(f"kinetic energy after {duration:g} s over that of a contact", kinetic / contact, 1e-12)
+    except ToolError as error:
+        table.refusal(f"{n**3} L-shaped bodies", error)
+
+
 def octahedron(radius):
     v = numpy.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]) * radius
     t = numpy.array([(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)])

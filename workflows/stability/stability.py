@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the stiff and extreme cases X1 to X28 and tells which are held, refused with a named reason, or failed.
+"""Runs the stiff and extreme cases X1 to X29 and tells which are held, refused with a named reason, or failed.
 
 usage: stability.py BIN OUT [--only X1,X8] [--json FILE]
 
