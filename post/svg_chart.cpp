@@ -78,6 +78,12 @@ std::string marker(std::size_t line, double x, double y, const char* colour) {
   }
 }
 
+/// Whether two ends of an axis are one value for its labels: steps between them would be lost to rounding.
+bool is_flat(double low, double high) {
+  constexpr double kLeastSpan = 1e-9;   // of the values: far above roundoff, far below what a label can show
+  return !(high - low > kLeastSpan * std::max(std::abs(low), std::abs(high)));
+}
+
 std::string svg_head(const std::string& title, double height) {
   return fmt::format("<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\" xmlns=\"http://www.w3.org/2000/svg\">\n"
                      "<title>{2}</title>\n<text x=\"0\" y=\"18\" class=\"chart-title\">{2}</text>\n", kWidth, height, escaped(title));
@@ -99,7 +105,7 @@ std::string escaped(const std::string& text) {
 }
 
 std::vector<double> round_ticks(double low, double high, int count) {
-  if (!(high > low)) return {low};
+  if (is_flat(low, high)) return {low};
   const double raw = (high - low) / count;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
   double step = 10 * power;
@@ -150,7 +156,7 @@ std::string svg_of(const LineChart& chart) {
     if (high <= low) high = 10 * low;
   };
   if (chart.logarithmic_x) whole_decades(x_low, x_high);
-  if (x_high == x_low) x_high = x_low + 1;
+  if (is_flat(x_low, x_high)) x_high = x_low + std::max(1.0, std::abs(x_low));
   const Prefix xp = chart.logarithmic_x ? Prefix{1, chart.x_unit} : prefix_for(std::max(std::abs(x_low), std::abs(x_high)), chart.x_unit);
   const Prefix yp = chart.logarithmic ? Prefix{1, chart.y_unit} : prefix_for(std::max(std::abs(y_low), std::abs(y_high)), chart.y_unit);
   if (chart.logarithmic) {
@@ -158,7 +164,7 @@ std::string svg_of(const LineChart& chart) {
     y_low = std::max(y_low, y_high * std::pow(10.0, -kMostDecades));
     whole_decades(y_low, y_high);
   } else {
-    if (!(y_high > y_low)) {
+    if (is_flat(y_low, y_high)) {
       const double pad = y_high != 0 ? 0.5 * std::abs(y_high) : 1;
       y_low -= chart.from_zero ? 0 : pad;
       y_high += pad;

@@ -267,6 +267,8 @@ TEST(SvgChart, ticks_are_round_and_cover_the_range) {
   EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
   EXPECT_EQ(round_ticks(-3, 47, 5), (std::vector<double>{-10, 0, 10, 20, 30, 40, 50}));
   EXPECT_EQ(round_ticks(2, 2, 5), (std::vector<double>{2}));
+  // a span of one rounding: a loop over such steps would never end
+  EXPECT_EQ(round_ticks(0.3, 0.30000000000000004, 5), (std::vector<double>{0.3}));
 }
 
 TEST(SvgChart, a_chart_without_finite_points_says_so) {
