@@ -4,11 +4,20 @@
 #            {"fels": "import /usr/share/assimp/models/3DS/fels.3ds", "cube": 'generate box --size "1 cm, 1 cm, 1 cm"'}
 #   RUNS     name -> (file of the case, words for scree-decomposer pack): {"drum": ("case.toml", ""), ...}
 #
-# and may use result("drum") for the list of all that the chain makes of a run. Settings: --config ranks=2 threads=1
-# minutes=1440 (of the solver's job in a queue).
+# and, where wanted,
+#
+#   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"
+#   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
+#
+# Its rule all asks for everything(), or for the files of single runs, result("drum"). Settings: --config ranks=2 threads=1
+# minutes=1440 (of the solver's job in a queue), and for sweeps over any keys of the case, as a grid, with replicas by seed:
+#   --config "sweep=pairs.*.friction=0.2|0.4|0.6;populations.*.size=8 mm|12 mm" replicas=3 plot=coordination_number
 # Every step is a command line that also runs by hand, in the folder out/.
+import itertools
+import json
 import os
 import re
+import shlex
 from snakemake.utils import min_version
 
 min_version("7.0")
@@ -19,6 +28,34 @@ THREADS = int(config.get("threads", 1))  # of each rank
 # pictures are drawn without a screen; -noreset since a reset of Xvfb between two clients kills the second
 SCREEN = 'xvfb-run -a -s "-screen 0 1280x1024x24 -noreset"'
 
+STATISTICS = globals().get("STATISTICS", "")
+SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if part.strip()]
+REPLICAS = int(config.get("replicas", 1))
+
+
+# What a sweep makes of the runs: each run at each point of the grid, with seeds 1, 2, ... when there are replicas.
+def swept(runs):
+    axes = []
+    for part in SWEEP:
+        key, equals, values = part.partition("=")
+        if not equals or not key or not all(value.strip() for value in values.split("|")):
+            raise WorkflowError(f"sweep: '{part}' found, expected KEY=VALUE|VALUE|..., for instance pairs.*.friction=0.2|0.4")
+        axes.append([(key.strip(), value.strip()) for value in values.split("|")])
+    if REPLICAS > 1:
+        axes.append([("seed", str(seed)) for seed in range(1, REPLICAS + 1)])
+    all_runs, points = {}, {}
+    for run, (case, words) in runs.items():
+        for number, point in enumerate(itertools.product(*axes)):
+            name = f"{run}-{number:03d}"
+            all_runs[name] = (case, " ".join([words] + ["--set " + shlex.quote(f"{key}={value}") for key, value in point]))
+            points[name] = {"case": run, **dict(point)}
+    return all_runs, points
+
+
+POINTS = {}
+if SWEEP or REPLICAS > 1:
+    RUNS, POINTS = swept(RUNS)
+
 
 wildcard_constraints:
     shape="|".join(map(re.escape, SHAPES)) or "no_shape",
@@ -27,8 +64,14 @@ wildcard_constraints:
 
 # The record of the run is asked for by name: Snakemake does not rebuild a missing file in the middle of a chain.
 def result(run):
-    return [f"{run}.run/run.json", f"{run}.run/paraview/{run}.pvd", f"{run}.png", f"{run}.bodies.csv", f"{run}.contacts.csv",
-            f"{run}.report.html"]
+    return [f"{run}.run/run.json", f"{run}.run/paraview/{run}.pvd", f"{run}.png", f"{run}.bodies.csv",
+            f"{run}.statistics/statistics.json", f"{run}.report.html"]
+
+
+def everything():
+    if POINTS:
+        return ["sweep.csv", "sweep.svg", "sweep.png"]
+    return [file for run in RUNS for file in result(run)]
 
 
 # The file that a shape is imported from, so that it is made anew when the file changes; none for a generated one.
@@ -113,6 +156,24 @@ rule contacts:
     input: "{run}.run/run.json"
     output: "{run}.contacts.csv"
     shell: "scree-post contacts {wildcards.run}.run -o {output}"
+
+
+rule statistics:
+    input: "{run}.run/run.json"
+    output: "{run}.statistics/statistics.json"
+    params: words=STATISTICS
+    shell: "scree-post statistics {wildcards.run}.run -o {wildcards.run}.statistics {params.words}"
+
+
+# The points of the sweep are part of the command: another grid makes another table.
+rule sweep:
+    input: expand("{run}.statistics/statistics.json", run=POINTS)
+    output: "sweep.csv", "sweep.svg", "sweep.png"
+    params:
+        points=shlex.quote(json.dumps(POINTS)),
+        plot=str(config.get("plot", globals().get("PLOT", "coordination_number"))),
+        script=os.path.join(os.path.dirname(workflow.basedir), "sweep_table.py"),
+    shell: "/usr/bin/python3 {params.script} {params.points} {params.plot} {output}"
 
 
 rule report:

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# The cases hopper, column, repose and drum in their small size, and a sweep: from nothing to their answers.
+# usage: cases_test.sh RUNNER BIN SCRATCH
+set -euo pipefail
+runner=$1; export SCREE_BIN=$2; scratch=$3
+rm -rf "$scratch"; mkdir -p "$scratch"
+run() {
+  local name=$1; shift
+  "$runner" "$name" --out "$scratch/$name" --config size=small ranks=1 "$@" >"$scratch/log" 2>&1 || { cat "$scratch/log"; exit 1; }
+}
+holds() { grep -q "$2" "$scratch/$1" || { echo "'$2' is not in $1:"; cat "$scratch/$1"; exit 1; }; }
+
+run hopper
+holds hopper/discharge.md "Exponent n of W"
+run column
+holds column/column-small.runout.md "Lube and others (2004)"
+run repose
+holds repose/repose.csv "^repose-ball,"
+run drum
+holds drum/drum-small.statistics/summary.csv "mixing_index"
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small; do
+  holds "$page.report.html" "</html>"
+  [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
+done
+
+# two frictions and two seeds: four runs, one table, and the seed matters
+run drum "sweep=pairs.*.friction=0.2|0.6;time.duration=20 ms" replicas=2 plot=mean_speed
+[[ $(wc -l <"$scratch/drum/sweep.csv") -eq 5 ]] || { cat "$scratch/drum/sweep.csv"; exit 1; }
+[[ $(cut -d, -f9 "$scratch/drum/sweep.csv" | sort -u | wc -l) -gt 2 ]] || { echo "seeds change nothing"; exit 1; }
+[[ -s "$scratch/drum/sweep.png" ]]
+if "$runner" drum --out "$scratch/bad" --dry-run --config "sweep=friction" >"$scratch/log" 2>&1; then echo "a sweep without values was accepted"; exit 1; fi
+holds log "expected KEY=VALUE|VALUE"
+rm -rf "$scratch"
