@@ -28,6 +28,7 @@ struct RunOptions {
   bool skip_damaged = false;
 
   void add_to(CLI::App& command, const char* what_frames);   ///< null: no --frames
+  void add_pool_to(CLI::App& command);                       ///< --jobs and --skip-damaged alone
   /// Opens the run; the notices are what the user must know of its state.
   Run open(std::vector<std::string>& notices) const;
 };
@@ -35,7 +36,7 @@ struct RunOptions {
 /// Looking at a run: report, paraview, vtk, picture.
 std::vector<Command> add_view_commands(CLI::App& app);
 Command add_statistics(CLI::App& app);
-/// Numbers: statistics, bodies, contacts, scaling.
+/// Numbers: statistics, compare, error-vs-time, bodies, contacts, scaling.
 std::vector<Command> add_number_commands(CLI::App& app);
 
 }  // namespace scree

@@ -21,6 +21,8 @@ int run(int argc, char** argv) {
        {"scree-post vtk boulders.run -o vtk --what network,walls --frames 10:20", "chosen files of chosen frames for any VTK reader"},
        {"scree-post picture boulders.run -o rocks.png --frame 20", "one picture (needs an X display)"},
        {"scree-post statistics drum.run -o drum.statistics --from 2 --profile z:20", "means with confidence intervals, tables, charts"},
+       {"scree-post compare coarse.run fine.run -o comparison", "settings, statistics and trajectories side by side"},
+       {"scree-post error-vs-time errors.csv -o fronts --at 1e-3", "which choice is fastest for an error of 1e-3"},
        {"scree-post contacts boulders.run -o contacts.csv", "all contacts, and their statistics"},
        {"scree-post bodies boulders.run -o bodies.csv", "all positions, orientations and velocities"},
        {"scree-post scaling r1.run r2.run r4.run -o scaling", "speedup and efficiency of the same scene on 1, 2 and 4 ranks"}},

@@ -4,7 +4,9 @@
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
 #include "post/commands.hpp"
+#include "post/compare.hpp"
 #include "post/contact_statistics.hpp"
+#include "post/error_vs_time.hpp"
 #include "post/scaling.hpp"
 #include "post/tables.hpp"
 
@@ -78,8 +80,57 @@ Command add_scaling(CLI::App& app) {
           }};
 }
 
+Command add_compare(CLI::App& app) {
+  struct Options {
+    std::vector<std::string> folders;
+    std::string output;
+    RunOptions run;   // all but the folder
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("compare", "Compare runs: settings that differ, statistics side by side, how the trajectories part");
+  command->add_option("RUN", o->folders, "NAME.run, two or more; the first is what the others are compared with")->required();
+  command->add_option("-o,--output", o->output, "Folder for CSV, JSON, SVG and PNG")->required();
+  o->run.add_pool_to(*command);
+  return {command, [o] {
+            CommandResult result;
+            std::vector<Run> runs;
+            for (const std::string& folder : o->folders) {
+              o->run.folder = folder;
+              runs.push_back(o->run.open(result.notices));
+            }
+            const Comparison comparison = compare_runs(runs, o->output, {o->run.jobs, o->run.skip_damaged});
+            result.output = comparison.text;
+            for (const std::string& notice : comparison.notices) result.notices.push_back(notice);
+            result.notices.push_back(fmt::format("wrote {} files into {}", comparison.files.size(), o->output));
+            return result;
+          }};
+}
+
+Command add_error_vs_time(CLI::App& app) {
+  const auto o = std::make_shared<ErrorVsTimeOptions>();
+  CLI::App* command = app.add_subcommand("error-vs-time", "Draw error against run time from the tables of studies: fronts, and the best choice for an error");
+  command->add_option("CSV", o->files, "Tables of validation and work-precision studies (errors.csv)")->required();
+  command->add_option("-o,--output", o->folder, "Folder for CSV, SVG and PNG")->required();
+  command->add_option("--case", o->cases, "Only this case; repeat for more (default: all)")->take_all();
+  command->add_option("--words", o->words, "A case is the first so many words of its column (default: all, or two where every row has a name of its own)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--error", o->errors, "Column of errors; repeat for more (default: all with two numbers)")->take_all()->check(CLI::IsMember(
+      {"error_e", "error_t", "error_traj", "energy_drift_rms", "energy_drift_slope", "angular_momentum_drift", "momentum_drift"}));
+  command->add_option("--time", o->time, "Column of times (default wall_median)");
+  command->add_option("--at", o->targets, "Mark the best choice for this error; repeat for more (default: powers of ten)")->take_all()->check(CLI::PositiveNumber);
+  return {command, [o] {
+            CommandResult result;
+            const ErrorVsTimeResult written = write_error_vs_time(*o);
+            result.output = written.text;
+            result.notices.push_back(fmt::format("wrote {} files into {}", written.files.size(), o->folder));
+            return result;
+          }};
+}
+
 }  // namespace
 
-std::vector<Command> add_number_commands(CLI::App& app) { return {add_statistics(app), add_bodies(app), add_contacts(app), add_scaling(app)}; }
+std::vector<Command> add_number_commands(CLI::App& app) {
+  return {add_statistics(app), add_compare(app), add_error_vs_time(app), add_bodies(app), add_contacts(app), add_scaling(app)};
+}
 
 }  // namespace scree

@@ -166,6 +166,10 @@ Command add_picture(CLI::App& app) {
 void RunOptions::add_to(CLI::App& command, const char* what_frames) {
   command.add_option("RUN", folder, "NAME.run, as scree-solver wrote it")->required();
   if (what_frames != nullptr) command.add_option("--frames", frames, what_frames);
+  add_pool_to(command);
+}
+
+void RunOptions::add_pool_to(CLI::App& command) {
   command.add_option("--jobs", jobs, "Frames worked on at the same time (default: as many as cores)")->check(CLI::PositiveNumber);
   command.add_flag("--skip-damaged", skip_damaged, "Leave out frames that cannot be read, and name them; else the first one ends the work");
 }

@@ -221,7 +221,7 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
 }
 
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind) {
-  constexpr double kPerCell = 12;
+  constexpr double kPerCell = 12, kFewest = 60;  // with fewer than five cells the index is noise
   const FrameBodies& b = view.frame.bodies;
   Box3 box;
   double ones = 0, all = 0;
@@ -233,7 +233,7 @@ double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind
   }
   const double p = ones / all;
   const Vec3 extent = box.extent();
-  if (!(p > 0 && p < 1)) return kNaN;
+  if (all < kFewest || !(p > 0 && p < 1)) return kNaN;
   // an extent of 0 (a single layer) must not make the cell vanish
   const double largest = std::max({extent.x, extent.y, extent.z});
   const double room = std::max(extent.x, 1e-6 * largest) * std::max(extent.y, 1e-6 * largest) * std::max(extent.z, 1e-6 * largest);

@@ -46,7 +46,7 @@ Profile profile(const FrameView& view, const ProfileBins& bins);
 std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, double reach);
 
 /// Lacey's mixing index of two kinds: 0 apart, 1 mixed at random. `kind` by row: 0, 1, or 2 for neither. Cells are cubes
-/// that hold about 12 particles. Source: P. Lacey, J. Appl. Chem. 4 (1954) 257, weighted by the particles in each cell.
+/// that hold about 12 particles; NaN with fewer than 60. Source: P. Lacey, J. Appl. Chem. 4 (1954) 257, weighted by the particles in each cell.
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind);
 
 /// Angle of the free surface to the horizontal [degrees].

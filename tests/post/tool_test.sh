@@ -30,6 +30,14 @@ expect 0 "Energy balance" env -u DISPLAY "$post" report sample.run -o report.htm
 expect 0 "scree-post report" "$post" --help
 expect 0 "scree-post" "$post" --version
 
+cp -r sample.run other.run
+expect 0 "bit by bit" "$post" compare sample.run other.run -o cmp;  there cmp/statistics.csv;  there cmp/divergence.svg;  there cmp/comparison.json
+expect 2 "one run is given" "$post" compare sample.run -o cmp2
+printf 'case,integrator,step,wall_median,error_e\na,x,1e-3,1,0.1\na,x,1e-4,8,0.01\n' >errors.csv
+expect 0 "error_e <= 0.1: step 1e-3 (1 s" "$post" error-vs-time errors.csv -o fronts --at 0.1;  there fronts/a-error_e.svg;  there fronts/best.csv
+expect 3 "no such file" "$post" error-vs-time nothing.csv -o fronts2
+expect 0 "Files behind the run" env -u DISPLAY "$post" report sample.run -o numbered.html --json report.json --frame 1;  there report.json
+
 expect 2 "did you mean 'report'" "$post" reprot sample.run -o x.html
 expect 2 "output" "$post" bodies sample.run
 expect 3 "nowhere.run" "$post" bodies nowhere.run -o x.csv
