@@ -66,11 +66,11 @@ def coordination(run):
     last, z = run.contacts[-1], run.x[-1, :, 2]
     pressed = last["normal_force"] > 0
     pairs = {(a, b) for a, b in zip(last["body_a"][pressed], last["body_b"][pressed])}
-    degree = numpy.zeros(len(z))
+    index, degree = {body: i for i, body in enumerate(run.ids)}, numpy.zeros(len(z))
     for a, b in pairs:
         for body in (a, b):
-            if body < len(z):
-                degree[body] += 1
+            if body in index:
+                degree[index[body]] += 1
     low, high = numpy.quantile(z, [.2, .8])
     inside = (z > low) & (z < high) & (degree > 1)
     return degree[inside].mean()

@@ -228,7 +228,7 @@ class Case:
 
 
 class Run:
-    """What a run wrote. Bodies are in the order of the case.
+    """What a run wrote. Bodies are in the order of the case; ids N tells how contacts name them.
 
     times F; x, v, w F x N x 3 [m, m/s, rad/s, world]; q F x N x 4 (w x y z); contacts: one dict of arrays per frame;
     wall_position F x W x 3; log: dict of columns (numbers); record: run.json.
@@ -247,6 +247,7 @@ class Run:
             with h5py.File(os.path.join(folder, entry["name"]), "r") as file:
                 data = file["VTKHDF/PointData"]
                 order = numpy.argsort(data["id"][:])
+                self.ids = data["id"][:][order]
                 self.times.append(float(file["frame"].attrs["time"]) if "frame" in file and "time" in file["frame"].attrs else entry["time"])
                 columns["x"].append(file["VTKHDF/Points"][:][order])
                 columns["v"].append(data["velocity"][:][order])
@@ -265,7 +266,7 @@ class Run:
 
     def wall_column(self, wall, quantity):
         """F x 3 of 'force', 'torque' or 'impulse' on a wall, from the log (one row per log interval)."""
-        bodies = self.x.shape[1]
+        bodies = len(self.case.bodies)  # numbered first; then walls, then what the decomposer placed
         return numpy.stack([self.log[f"wall{bodies + wall}_{quantity}_{axis}"] for axis in "xyz"], axis=1)
 
     def energy(self):
