@@ -271,6 +271,17 @@ void corner_features(const SolverShape& corner_shape, double corner_scale, const
   }
 }
 
+/// A vector from an edge into one of its two faces, zero where there is none. It is not the conormal, but of a direction perpendicular
+/// to the edge it lies on the same side, and it takes no root.
+Vec3 into_face(const SolverShape& shape, std::int32_t edge, int side) {
+  const FeatureEdge& ends = shape.features.edges[static_cast<std::size_t>(edge)];
+  const std::int32_t face = ends.face[side];
+  if (face < 0) return {};
+  const Vec3& start = shape.mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
+  // two of the three lie on the edge: they add nothing across it
+  return (shape.mesh.corner(face, 0) - start) + (shape.mesh.corner(face, 1) - start) + (shape.mesh.corner(face, 2) - start);
+}
+
 void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
                    const std::vector<EdgeCandidate>& candidates, std::vector<ContactFeature>& features) {
   for (const EdgeCandidate& candidate : candidates) {
@@ -294,72 +305,76 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
     const double g = length(r);
     if (g >= margin || !(g > 0)) continue;
     const Vec3 n = (1 / g) * r;
-    const Vec3 conormal[4] = {a.shape->edge_conormal(candidate.edge_a, 0), a.shape->edge_conormal(candidate.edge_a, 1),
-                              pose.rotation * b.shape->edge_conormal(candidate.edge_b, 0), pose.rotation * b.shape->edge_conormal(candidate.edge_b, 1)};
+    // How far the normal leans out of the wedge over each face. It is perpendicular to both edges, so for most the sides tell:
+    // conormals are needed where it leans out.
+    const Vec3 n_b = transpose_times(pose.rotation, n);
+    Vec3 conormal[4];
     double y[4];
-    bool outside = false;
-    for (int i = 0; i < 4; ++i) {
-      y[i] = i < 2 ? -dot(n, conormal[i]) : dot(n, conormal[i]);
-      outside = outside || y[i] >= kFadeWedge;
+    bool outside = false, leans = false;
+    for (int i = 0; i < 4 && !outside; ++i) {
+      const double sign = i < 2 ? -1 : 1;
+      const SolverShape& shape = i < 2 ? *a.shape : *b.shape;
+      const std::int32_t edge = i < 2 ? candidate.edge_a : candidate.edge_b;
+      y[i] = 0;
+      if (!(sign * dot(i < 2 ? n : n_b, into_face(shape, edge, i & 1)) > 0)) continue;
+      conormal[i] = shape.edge_conormal(edge, i & 1);
+      if (i >= 2) conormal[i] = pose.rotation * conormal[i];
+      y[i] = sign * dot(n, conormal[i]);
+      leans = leans || y[i] > 0;
+      outside = y[i] >= kFadeWedge;
     }
     if (outside) continue;
-
-    // Gradients of s and t for a virtual motion of A: translation (coefficient `force`) and rotation about A's
-    // centre (coefficient `couple`), B held.
-    const Vec3 b1_force = u, b1_couple = cross(xa, u) + cross(u, r);
-    const Vec3 b2_force = v, b2_couple = cross(xa, v);
-    const double inverse_det = -1 / det;
-    const Feature6 ds{inverse_det * (vv * b1_force - uv * b2_force), inverse_det * (vv * b1_couple - uv * b2_couple)};
-    const Feature6 dt{inverse_det * (uv * b1_force - uu * b2_force), inverse_det * (uv * b1_couple - uu * b2_couple)};
-
-    double factor[7], slope[7];
-    Feature6 gradient[7];
-    int count = 0;
-    double weight = 1;
-    const auto add = [&](double value, double derivative, const Feature6& of) {
-      factor[count] = value;
-      slope[count] = derivative;
-      gradient[count++] = of;
-      weight *= value;
-    };
-    double derivative = 0;
-    double value = smooth_switch(std::min(s, 1 - s) / kFadeEnd, derivative);
-    add(value, derivative / kFadeEnd * (s < 0.5 ? 1 : -1), ds);
-    value = smooth_switch(std::min(t, 1 - t) / kFadeEnd, derivative);
-    add(value, derivative / kFadeEnd * (t < 0.5 ? 1 : -1), dt);
-    value = smooth_switch(sine2 / kFadeParallel, derivative);
-    add(value, derivative / kFadeParallel, {Vec3{}, (-2 * uv / (uu * vv)) * cross(u, v)});
-    for (int i = 0; i < 4; ++i) {
-      if (y[i] <= 0) continue;
-      value = smooth_switch(1 - y[i] / kFadeWedge, derivative);
-      const Vec3 tp = conormal[i] - dot(conormal[i], n) * n;
-      const double tu = dot(tp, u), tv = dot(tp, v);
-      Feature6 d{(1 / g) * (tp + tu * ds.force - tv * dt.force),
-                 (1 / g) * (cross(xa, tp) + tu * ds.couple - tv * dt.couple)};
-      if (i < 2) {
-        d.couple += cross(conormal[i], n);
-        d.force = -d.force;
-        d.couple = -d.couple;
-      }
-      add(value, -derivative / kFadeWedge, d);
-    }
-    // A weight this small adds less than rounding to the eighth-power sum.
-    constexpr double kWeightCutoff = 1e-12;
-    if (weight < kWeightCutoff) continue;
 
     ContactFeature f{};
     f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
     f.x = 0.5 * (xa + xb);
     f.n = n;
     f.depth = margin - g;
-    f.weight = weight;
-    for (int i = 0; i < count; ++i) {
-      if (slope[i] == 0) continue;
-      f.faded = true;
-      const double c = weight / factor[i] * slope[i];
-      f.weight_gradient.force += c * gradient[i].force;
-      f.weight_gradient.couple += c * gradient[i].couple;
+    f.weight = 1;
+    if (!leans && std::min({s, 1 - s, t, 1 - t}) >= kFadeEnd && sine2 >= kFadeParallel) {  // nothing fades
+      features.push_back(f);
+      continue;
     }
+
+    // The weight is a product of switches; each adds weight / switch * slope times the gradient of its argument.
+    double of_s, of_t, of_sine, of_y[4] = {};
+    const double switch_s = smooth_switch(std::min(s, 1 - s) / kFadeEnd, of_s);
+    const double switch_t = smooth_switch(std::min(t, 1 - t) / kFadeEnd, of_t);
+    const double switch_sine = smooth_switch(sine2 / kFadeParallel, of_sine);
+    double switch_y[4] = {1, 1, 1, 1};
+    f.weight = switch_s * switch_t * switch_sine;
+    for (int i = 0; i < 4; ++i) {
+      if (!(y[i] > 0)) continue;
+      switch_y[i] = smooth_switch(1 - y[i] / kFadeWedge, of_y[i]);
+      f.weight *= switch_y[i];
+    }
+    // A weight this small adds less than rounding to the eighth-power sum.
+    constexpr double kWeightCutoff = 1e-12;
+    if (f.weight < kWeightCutoff) continue;
+    of_s *= f.weight / switch_s / kFadeEnd * (s < 0.5 ? 1 : -1);
+    of_t *= f.weight / switch_t / kFadeEnd * (t < 0.5 ? 1 : -1);
+    of_sine *= f.weight / switch_sine / kFadeParallel;
+    f.faded = of_s != 0 || of_t != 0 || of_sine != 0;
+
+    // For a virtual motion of A, B held: of the directions y with s and t held, and what they add to those of s and t
+    Vec3 across, turning;
+    for (int i = 0; i < 4; ++i) {
+      if (of_y[i] == 0) continue;
+      f.faded = true;
+      const double sign = i < 2 ? -1 : 1;
+      const double c = -sign * f.weight / switch_y[i] * of_y[i] / kFadeWedge;
+      const Vec3 tp = conormal[i] - dot(conormal[i], n) * n;
+      across += (c / g) * tp;
+      of_s += c / g * dot(tp, u);
+      of_t -= c / g * dot(tp, v);
+      if (i < 2) turning += c * cross(conormal[i], n);
+    }
+    // ds = (vv b1 - uv b2) / -det and dt = (uv b1 - uu b2) / -det, where a translation has b1 = u, b2 = v as coefficients and a
+    // rotation about A's centre has b1 = x_A x u + u x r, b2 = x_A x v
+    const double p = -(vv * of_s + uv * of_t) / det, q = -(uv * of_s + uu * of_t) / det;
+    f.weight_gradient.force = across + p * u - q * v;
+    f.weight_gradient.couple = cross(xa, f.weight_gradient.force) + p * cross(u, r) + turning;
+    if (of_sine != 0) f.weight_gradient.couple += (of_sine * -2 * uv / (uu * vv)) * cross(u, v);
     features.push_back(f);
   }
 }
