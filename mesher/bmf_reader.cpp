@@ -52,7 +52,11 @@ class Bytes {
 
 MeshFile read_bmf(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
-  Bytes bytes(std::vector<char>(std::istreambuf_iterator<char>(stream), {}), path);
+  return parse_bmf(std::vector<char>(std::istreambuf_iterator<char>(stream), {}), path);
+}
+
+MeshFile parse_bmf(std::vector<char> data, const std::string& path) {
+  Bytes bytes(std::move(data), path);
   if (const auto objects = bytes.take<std::int32_t>(); objects != 1) {
     throw InputError(
         "{}: {} objects by its first four bytes; only BMF files of one object (the small bodies of "

@@ -415,7 +415,7 @@ void heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std::
   std::int32_t turned = std::max(0, turn_outward(mesh));
   const double area = surface_area(mesh), most = options.largest_fill * area;
   double filled = 0;
-  if (const std::int32_t holes = fill_holes(mesh, most, filled); holes > 0) {
+  if (const std::int32_t holes = area > 0 ? fill_holes(mesh, most, filled) : 0; holes > 0) {
     steps.push_back(fmt::format("{} closed, {:.3g} % of the area", counted(holes, "hole", "holes"), 100 * filled / area));
     turned += std::max(0, turn_outward(mesh));
     clean_after();

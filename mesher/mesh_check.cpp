@@ -269,6 +269,15 @@ void judge(MeshCheck& check) {
   }
   const Vec3 extent = check.bounds.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
+  // a body's principal moments are above 0, and the largest is at most the sum of the others
+  const Vec3& moments = check.mass.principal_moments;
+  if (problems.empty() && check.mass.volume > 0 &&
+      !(moments.x > 0 && moments.z <= (moments.x + moments.y) * (1 + kMomentRounding))) {
+    problems.push_back(fmt::format(
+        "the surface passes through itself so that no body has its inertia: principal moments {:.3g}, {:.3g}, {:.3g} m^5",
+        moments.x, moments.y, moments.z));
+    advice.push_back("mend it with 'scree-mesher repair' or 'scree-mesher remesh'");
+  }
   if (problems.empty() && !(check.mass.volume > kFlatVolume * check.area * size)) {
     problems.push_back(fmt::format("the mesh is flat: volume {:.3g} m^3 for an area of {:.3g} m^2",
                                    check.mass.volume, check.area));

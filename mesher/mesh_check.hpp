@@ -66,6 +66,8 @@ struct MeshCheck {
 inline constexpr double kDegenerateHeight = 1e-12;
 /// A solid's volume is at least this part of area times extent, else it is called flat.
 inline constexpr double kFlatVolume = 1e-12;
+/// Part by which rounding may break the triangle inequality of the moments, which flat bodies meet with equality.
+inline constexpr double kMomentRounding = 1e-9;
 /// A boundary vertex is inside a boundary edge when it is closer than this part of the edge's length. Files
 /// hold single precision, whose rounding is 6e-8 of the extent.
 inline constexpr double kTJunctionDistance = 1e-6;

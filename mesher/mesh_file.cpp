@@ -131,7 +131,7 @@ std::vector<std::string> known_extensions() {
   return known;
 }
 
-MeshFile read_mesh_file(const std::string& path) {
+MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLimits& limits) {
   check_readable(path);
   const std::string extension = extension_of(path);
   if (extension == ".bmf") return read_bmf(path);
@@ -139,7 +139,7 @@ MeshFile read_mesh_file(const std::string& path) {
   if (std::find(kGmshExtensions.begin(), kGmshExtensions.end(), extension) != kGmshExtensions.end()) {
     return mesh_file_of(run_in_child("reading " + path, [&] {
       return bytes_of({read_cad_with_gmsh(path), "gmsh, " + extension, {}});
-    }));
+    }, limits));
   }
 #endif
   const bool is_known =
@@ -152,7 +152,7 @@ MeshFile read_mesh_file(const std::string& path) {
   }
 #ifdef SCREE_HAVE_ASSIMP
   try {
-    return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }));
+    return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }, limits));
   } catch (const InputError& error) {
     if (extension == ".stl") throw InputError("{}{}", error.what(), stl_diagnosis(path));
     throw;

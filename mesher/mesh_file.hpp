@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "mesher/child_process.hpp"
 
 namespace scree {
 
@@ -22,7 +23,7 @@ struct MeshFile {
 /// small bodies of openuniverse) is read here. Fails: UsageError for an unknown extension, or when this build
 /// has no assimp; SystemError when the file cannot be opened; InputError when it is empty, is not what its
 /// extension says, or breaks the importer.
-MeshFile read_mesh_file(const std::string& path);
+MeshFile read_mesh_file(const std::string& path, const ChildLimits& limits = {});
 
 /// Whether write_mesh_file knows the extension: .stl .ply .obj .off.
 bool is_writable_format(const std::string& path);
@@ -45,6 +46,8 @@ std::string assimp_version();
 /// float32), uint16 triangle count and triangles (3 uint16). Positions are in kilometres. Triangles are
 /// stored twice; of each set of three positions the copy that agrees best with the stored normals is kept.
 MeshFile read_bmf(const std::string& path);
+/// The same from the bytes of a file; `path` is for messages.
+MeshFile parse_bmf(std::vector<char> bytes, const std::string& path);
 
 /// A STEP or BREP file, its solids meshed by gmsh in this process, finer where it is curved: 24 edges to a full turn, none
 /// longer than a tenth of the diagonal. STEP lengths come as millimetres. Only in builds with gmsh.

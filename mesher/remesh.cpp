@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -25,8 +24,10 @@ namespace {
 
 /// Spacing of the cubic lattice (half of the period of either sublattice's cube) for one edge length of the result.
 constexpr double kSpacing = 0.6;
-/// Nearest to a lattice point that a cut may come, as part of the lattice edge: keeps triangles from becoming needles.
-constexpr double kNearestCut = 0.15;
+/// Nearest to a lattice point that a cut may come, as part of the lattice edge: keeps triangles from losing their area.
+constexpr double kNearestCut = 0.02;
+/// Halvings of a lattice edge when the place of a cut is sought: to a thousandth of the edge.
+constexpr int kHalvings = 10;
 
 /// Lattice points have three coordinates of equal parity: all even or all odd.
 struct Lattice {
@@ -96,6 +97,7 @@ std::vector<char> find_inside(const TriangleMesh& mesh, const Bvh& bvh, const La
 }  // namespace
 
 TriangleMesh remesh(const TriangleMesh& mesh, double edge_length) {
+  if (!(edge_length > 0)) throw UsageError("remesh: an edge length of {:g} m; expected a length > 0", edge_length);
   Lattice lattice;
   lattice.spacing = kSpacing * edge_length;
   const Box3 box = bounding_box(mesh);
@@ -116,19 +118,18 @@ TriangleMesh remesh(const TriangleMesh& mesh, double edge_length) {
   TriangleMesh result;
   std::unordered_map<std::uint64_t, std::int32_t> cuts;
   const auto total = static_cast<std::uint64_t>(lattice.size[0] * lattice.size[1] * lattice.size[2]);
-  const auto distance = [&](const Vec3& p) {
-    Vec3 nearest;
-    std::int32_t triangle;
-    return point_mesh_distance({&mesh, &bvh}, p, std::numeric_limits<double>::infinity(), nearest, triangle);
-  };
+  const WindingField field(mesh);
   const auto cut = [&](std::int64_t in, std::int64_t out) {
     const std::uint64_t key = static_cast<std::uint64_t>(in) * total + static_cast<std::uint64_t>(out);
     const auto [it, is_new] = cuts.emplace(key, result.vertex_count());
     if (is_new) {
       const Vec3 a = lattice.point(in), b = lattice.point(out);
-      const double da = distance(a), db = distance(b);
-      double s = da + db > 0 ? da / (da + db) : 0.5;
-      s = std::fmin(1 - kNearestCut, std::fmax(kNearestCut, s));
+      double from = 0, to = 1;
+      for (int i = 0; i < kHalvings; ++i) {
+        const double s = 0.5 * (from + to);
+        (field.at(a + s * (b - a)) > 0.5 ? from : to) = s;
+      }
+      const double s = std::fmin(1 - kNearestCut, std::fmax(kNearestCut, 0.5 * (from + to)));
       result.vertices.push_back(a + s * (b - a));
     }
     return it->second;
@@ -201,10 +202,10 @@ CommandResult remesh_command(const RemeshOptions& options, const std::vector<std
   std::vector<EditedMesh> results = source.meshes;
   for (EditedMesh& edited : results) {
     const TriangleMesh before = edited.mesh;
+    if (!(surface_area(before) > 0)) throw InputError("{}: all its triangles have zero area", options.file);
     const double edge_length = options.triangles > 0
                                    ? std::sqrt(surface_area(before) / options.triangles / 0.4330127018922193)
                                    : parse_quantity(options.edge_length, Dimension::length, "--edge-length");
-    if (!(edge_length > 0)) throw UsageError("--edge-length {}: expected a length > 0", options.edge_length);
     turn_outward(edited.mesh);
     edited.mesh = remesh(edited.mesh, edge_length);
     if (edited.mesh.triangles.empty()) {

@@ -8,7 +8,7 @@ namespace scree {
 /// Remeshes with edges of about `edge_length`.
 ///
 /// How: the winding number of the old mesh is taken on a body-centred cubic lattice, whose tetrahedra are cut where it
-/// passes one half, and the new vertices are laid onto the old surface. The result is closed, manifold and oriented
+/// passes one half: new vertices lie on the old surface. The result is closed, manifold and oriented
 /// whatever the old mesh was: holes are spanned, overlapping parts united, inner walls gone, cavities kept. Sharp edges are
 /// chamfered by about half an edge length, and what is thinner than one may vanish.
 /// Source: F. Labelle, J. Shewchuk, Isosurface stuffing, SIGGRAPH 2007 (lattice); A. Doi, A. Koide, An efficient method of

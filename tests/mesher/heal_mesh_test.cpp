@@ -5,6 +5,7 @@
 
 #include "mesher/heal_mesh.hpp"
 #include "mesher/mesh_check.hpp"
+#include "mesher/remesh.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -143,6 +144,25 @@ TEST(HealMesh, what_is_sound_stays_as_it_is) {
   EXPECT_TRUE(steps.empty());
   EXPECT_EQ(mesh.triangles, before.triangles);
   EXPECT_EQ(mesh.vertices, before.vertices);
+}
+
+TEST(Remesh, two_overlapping_boxes_become_one_solid_of_their_union) {
+  const TriangleMesh mesh = both(box({1, 1, 1}), box({1, 1, 1}, {0.5, 0.5, 0.5}));
+  const MeshCheck check = check_mesh(remesh(mesh, 0.05));
+  EXPECT_TRUE(check.is_solid()) << (check.problems.empty() ? "" : check.problems.front());
+  EXPECT_EQ(check.components.size(), 1U);
+  // union 2 - 1/8; edges are chamfered by at most half a lattice edge: 28 edge lengths times 0.025^2 / 2
+  EXPECT_NEAR(check.mass.volume, 1.875, 0.02);
+}
+
+TEST(Remesh, a_ball_with_a_hole_is_spanned) {
+  TriangleMesh mesh = test::icosphere(3);
+  const double volume = check_mesh(mesh).mass.volume;
+  mesh.triangles.resize(mesh.triangles.size() - 12);
+  const MeshCheck check = check_mesh(remesh(mesh, 0.1));
+  EXPECT_TRUE(check.is_solid());
+  EXPECT_EQ(check.euler_characteristic, 2);
+  EXPECT_NEAR(check.mass.volume, volume, 0.02 * volume);
 }
 
 TEST(HealMesh, components_come_apart) {

@@ -202,6 +202,25 @@ TEST(MeshCheck, a_vertex_pushed_through_the_opposite_side_is_remarked_as_self_in
   EXPECT_FALSE(check.remarks.empty());
 }
 
+TEST(MeshCheck, a_prism_over_a_crossed_outline_has_the_inertia_of_no_body_and_is_refused) {
+  // the left lobe counts 16/3, the right one -4/3: the volume is 4, but the second moment along x is below 0
+  TriangleMesh mesh;
+  for (double z : {0.0, 1.0}) {
+    for (const auto& p : {std::array{0.0, -1.0}, std::array{8.0, 0.5}, std::array{8.0, -0.5}, std::array{0.0, 1.0}})
+      mesh.vertices.push_back({p[0], p[1], z});
+  }
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}};
+  for (std::int32_t i = 0; i < 4; ++i) {
+    const std::int32_t j = (i + 1) % 4;
+    mesh.triangles.push_back({i, j, j + 4});
+    mesh.triangles.push_back({i, j + 4, i + 4});
+  }
+  const MeshCheck check = check_mesh(mesh);
+  EXPECT_TRUE(check.is_watertight());
+  EXPECT_NEAR(check.mass.volume, 4, 1e-12);
+  expect_problem(check, "no body has its inertia");
+}
+
 TEST(MeshCheck, a_smooth_sphere_has_no_self_intersection) {
   EXPECT_EQ(check_mesh(test::icosphere(4)).crossing_pairs, 0);
 }

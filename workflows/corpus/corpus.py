@@ -97,6 +97,7 @@ def certify(mesher, path, out, faults):
     triangles = found["stored"]["triangles"]
     if code == 0:
         return "certified", triangles, f"{found['volume']:.6g}", "; ".join(found["remarks"])
+    why = ""
     for word, command in (("repaired", ["repair"]), ("remeshed", ["remesh", "--triangles", "3000"])):
         code, stdout, stderr, _ = run([mesher, command[0], path, "-o", shape, "--unit", "m"] + command[1:])
         if code not in (0, 3):
@@ -104,7 +105,9 @@ def certify(mesher, path, out, faults):
             return "FAULT", triangles, "", stderr[-100:]
         if os.path.exists(shape) != (code == 0):
             faults.append(f"{path}: {command[0]} ended with {code}, but a file {'is' if code else 'is not'} there")
-        if code == 0:
+        if code != 0:
+            why = why or reason(last_error(stderr), path)  # that of the repair: it names what is wrong with the mesh
+        else:
             with_volume = [line for line in stdout.splitlines() if ", volume " in line]
             volume = with_volume[-1].rsplit(", volume ", 1)[1].split(" ")[0] if with_volume else ""
             notes = [line.split(": ", 1)[1] for line in stdout.splitlines() if ": " in line and "wrote" not in line][:-1]
@@ -114,7 +117,7 @@ def certify(mesher, path, out, faults):
             if code != 0:
                 faults.append(f"{path}: what {command[0]} wrote is refused: {stderr[-300:]}")
             return word, triangles, volume, "; ".join(notes)
-    return "refused", triangles, "", reason(last_error(stderr), path)
+    return "refused", triangles, "", why
 
 
 def main():
