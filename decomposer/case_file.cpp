@@ -45,11 +45,13 @@ void read_settings(const CaseTable& top, Case& c) {
   s.seed = top.has("seed") ? static_cast<std::uint64_t>(top.integer("seed", 0)) : 0;
   s.gravity = top.vector_or("gravity", Dimension::acceleration, {0, 0, -9.81});
 
-  const CaseTable time = top.table("time", {"duration", "steps_per_contact", "step", "step_control"});
+  const CaseTable time = top.table("time", {"duration", "steps_per_contact", "step", "step_control", "stop_at_rest"});
   s.duration = time.number("duration", Dimension::time, Range::not_negative);
   s.steps_per_contact = time.number_or("steps_per_contact", Dimension::none, 30, Range::positive);
   s.step = time.number_or("step", Dimension::time, 0, Range::positive);
   s.step_control = time.word_or("step_control", s.step_control, {"fixed", "quantised"}, {"fixed", "quantised"});
+  s.stop_at_rest = time.boolean_or("stop_at_rest", false);
+  if (s.stop_at_rest && !(length(s.gravity) > 0)) throw time.error("stop_at_rest", "needs gravity: without it rest cannot be told");
   if (time.has("step") && time.has("steps_per_contact")) {
     throw time.error("step", "the step is given twice; give either step or steps_per_contact");
   }

@@ -41,16 +41,34 @@ struct CaseRegion {
   std::int32_t wall = -1;         ///< inside of one of the walls
 };
 
+/// How the bodies of a population are turned.
+struct CaseOrientation {
+  enum class Kind { random, given, aligned };
+  enum class Axis { longest, shortest, given };
+  Kind kind = Kind::random;
+  Quat given;
+  Vec3 direction{0, 0, 1};   ///< aligned: where the axis of the body points, unit, world
+  Axis axis = Axis::longest;
+  Vec3 body_axis{0, 0, 1};   ///< aligned, when it is given: unit, mesh axes
+  double scatter = 0;        ///< aligned: deviation of the tilt about each of the two directions across [rad]
+};
+
+enum class PackingMethod { random, lattice, settle, compact };
+
 /// [[populations]]
 struct CasePopulation {
-  enum class Amount { count, mass, solid_fraction };
+  enum class Amount { count, mass, solid_fraction, fill };
   std::string where;
-  std::vector<std::pair<std::int32_t, double>> shares;  ///< shape and its share by number; shares sum to 1
+  std::vector<std::pair<std::int32_t, double>> shares;  ///< shape and its share; shares sum to 1
+  bool shares_by_mass = false;                          ///< else by number
   std::int32_t material = 0;
   Amount amount = Amount::count;
   double value = 0;                                     ///< count [-], mass [kg] or solid fraction of the region [-]
   std::optional<SizeDistribution> size;                 ///< of the equivalent sphere; none: shapes as they are
   CaseRegion region;
+  PackingMethod method = PackingMethod::random;
+  double jitter = 0.5;                                  ///< lattice: share of the free room of a cell that is used
+  CaseOrientation orientation;
   Vec3 velocity, angular_velocity;
 };
 

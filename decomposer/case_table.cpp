@@ -129,6 +129,8 @@ double CaseTable::number_of(const toml::node& value, const std::string& key, Dim
     throw error(key, type_text(value) + " found, expected " + dimension_name(dimension));
   }
   if (!std::isfinite(result)) throw error(key, "expected a finite number");
+  constexpr double kLargest = 1e100;   // squares and cubes of it can still be computed with
+  if (std::abs(result) > kLargest) throw error(key, fmt::format("is too large to compute with; expected a number up to {:g}", kLargest));
   return result;
 }
 

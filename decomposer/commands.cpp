@@ -6,9 +6,12 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/storage/h5.hpp"
 #include "decomposer/build_scene.hpp"
 #include "decomposer/compare_cuts.hpp"
+#include "decomposer/preview.hpp"
 #include "decomposer/predicted_work.hpp"
+#include "decomposer/sizes_report.hpp"
 #include "decomposer/tile_scene.hpp"
 
 namespace scree {
@@ -57,6 +60,29 @@ std::string solid_fraction_line(double volume, double container) {
   return fmt::format("solid fraction     {:.4f} ({:.4g} of {:.4g} m^3 inside the walls)\n", volume / container, volume, container);
 }
 
+/// Skin of the body lists [m], from its share of the smallest radius.
+double skin_of(const Scene& scene, double share) {
+  const std::vector<double> radius = bounding_radii(scene);
+  return share * *std::min_element(radius.begin(), radius.end());
+}
+
+/// The parts as a picture for ParaView, and what as many parts and other numbers of them would cost.
+std::string write_preview(const std::string& name, const Scene& scene) {
+  if (scene.bodies.size() == 0) throw InputError("--preview: the scene holds no bodies to cut");
+  h5::write_text_file(name + ".vtp", preview_file(scene));
+  std::vector<CutMeasures> cuts;
+  for (const int parts : preview_ranks(scene.partition.ranks, scene.bodies.size())) {
+    cuts.push_back(measure_cut(scene, cut_method_of(scene.partition.method), parts, skin_of(scene, kDefaultSkin)));
+  }
+  h5::write_text_file(name + ".csv", cut_table(cuts));
+  std::string text = fmt::format("preview            {}.vtp (open it in ParaView, colour by part), {}.csv\n", name, name);
+  text += "  ranks  imbalance  bodies at most  ghosts at most  sent at most a step\n";
+  for (const CutMeasures& m : cuts) {
+    text += fmt::format("  {:>5}  {:>9.3f}  {:>14.0f}  {:>14.0f}  {:>16.0f} B\n", m.parts, m.imbalance, m.bodies_max, m.ghosts_max, m.bytes_max);
+  }
+  return text;
+}
+
 }  // namespace
 
 CommandResult check_command(const std::string& case_path, const std::vector<std::string>& changes) {
@@ -78,7 +104,9 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
                            const std::function<void(double, double)>& progress) {
   check_output(options.output);
   const Case c = read_case(options.case_path, options.changes);
-  PackedScene packed = build_scene(c, progress);
+  if (!options.sizes.empty()) check_output(options.sizes);
+  if (!options.preview.empty()) check_output(options.preview);
+  PackedScene packed = build_scene(c, progress, options.solver);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;
   if (options.ranks > 0) partition_scene(scene, options.ranks, options.cut);
@@ -98,12 +126,20 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   result.output += fmt::format("margin             {} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
                                format_quantity(scene.settings.margin, Dimension::length), c.margin_given ? "given" : "derived",
                                format_quantity(report.fastest_impact, Dimension::velocity), report.depth_share);
+  result.output += sizes_text(c, scene);
+  if (!options.sizes.empty()) {
+    h5::write_text_file(options.sizes + ".csv", sizes_table(c, scene));
+    h5::write_text_file(options.sizes + ".svg", sizes_chart(c, scene));
+    result.output += fmt::format("sizes              {}.csv, {}.svg\n", options.sizes, options.sizes);
+  }
   if (options.ranks > 0) result.output += partition_line(scene);
+  if (!options.preview.empty()) result.output += write_preview(options.preview, scene);
   return result;
 }
 
 CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command) {
   check_output(options.output);
+  if (!options.preview.empty()) check_output(options.preview);
   Scene scene = read_scene_file(options.scene_path);
   partition_scene(scene, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
@@ -115,14 +151,14 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());
   result.output += solid_fraction_line(solid_volume(scene), container_volume(scene));
   result.output += partition_line(scene);
+  if (!options.preview.empty()) result.output += write_preview(options.preview, scene);
   return result;
 }
 
 CommandResult compare_command(const CompareOptions& options) {
   const Scene scene = read_scene_file(options.scene_path);
   if (scene.bodies.size() == 0) throw InputError("{}: holds no bodies to cut", options.scene_path);
-  const std::vector<double> radius = bounding_radii(scene);
-  const double skin = options.skin * *std::min_element(radius.begin(), radius.end());
+  const double skin = skin_of(scene, options.skin);
   std::vector<CutMeasures> cuts;
   for (const std::string& name : options.cuts) {
     for (const int parts : options.parts) cuts.push_back(measure_cut(scene, cut_method_of(name), parts, skin));

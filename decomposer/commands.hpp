@@ -7,8 +7,12 @@
 #include <vector>
 
 #include "core/partition/partition.hpp"
+#include "decomposer/child_solver.hpp"
 
 namespace scree {
+
+/// Skin of the body lists that costs are reckoned with, of the smallest radius.
+inline constexpr double kDefaultSkin = 0.1;
 
 struct CommandResult {
   std::string output;                 ///< for stdout
@@ -20,17 +24,21 @@ struct PackOptions {
   std::vector<std::string> changes;   ///< "KEY=VALUE" each (case_settings.hpp)
   int ranks = 0;   ///< 0: not cut
   CutMethod cut = CutMethod::rcb;
+  std::string preview;     ///< NAME.vtp and NAME.csv of the cut; empty: none
+  std::string sizes;       ///< NAME.csv and NAME.svg of the sizes asked and got; empty: none
+  ChildSolver solver;
 };
 struct PartitionOptions {
   std::string scene_path, output;
   int ranks = 0;
   CutMethod cut = CutMethod::rcb;
+  std::string preview;     ///< as with pack
 };
 struct CompareOptions {
   std::string scene_path;
   std::vector<int> parts;
   std::vector<std::string> cuts;   ///< names of cut methods
-  double skin = 0.1;               ///< of the smallest radius
+  double skin = kDefaultSkin;      ///< of the smallest radius
 };
 struct TileOptions {
   std::string scene_path, output;

@@ -3,7 +3,9 @@
 #include <mpi.h>
 
 #include <cstdio>
+#include <iterator>
 #include <memory>
+#include <sstream>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
@@ -53,10 +55,16 @@ int run(int argc, char** argv) {
   add_changes(pack_command);
   pack_command->add_option("--ranks", pack.ranks, "Cut the scene for so many ranks of the solver")->check(CLI::PositiveNumber);
 
+  pack_command->add_option("--preview", pack.preview, "With --ranks: write NAME.vtp, the parts for ParaView, and NAME.csv, what they cost")->needs("--ranks");
+  pack_command->add_option("--sizes", pack.sizes, "Write NAME.csv and NAME.svg: sizes asked and got");
+  std::string solver;
+  pack_command->add_option("--solver", solver, "Command for settle and compact, for instance \"mpirun -n 4 scree-solver\" (default: the scree-solver beside this)");
+
   scree::PartitionOptions partition;
   auto* partition_command = app->add_subcommand("partition", "Cut a scene for a number of ranks");
   partition_command->add_option("SCENE", partition.scene_path, "NAME.scene.h5")->required();
   partition_command->add_option("-o,--output", partition.output, "NAME.scene.h5")->required();
+  partition_command->add_option("--preview", partition.preview, "Write NAME.vtp, the parts for ParaView, and NAME.csv, what they cost");
   partition_command->add_option("--ranks", partition.ranks, "Ranks of the solver")->required()->check(CLI::PositiveNumber);
 
   const auto add_cut = [](CLI::App* command_line, std::string& name) {
@@ -87,6 +95,8 @@ int run(int argc, char** argv) {
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
   const std::vector<std::string> command = scree::command_words(argc, argv);
   pack.cut = partition.cut = scree::cut_method_of(cut);
+  std::istringstream solver_words(solver);
+  pack.solver.command = {std::istream_iterator<std::string>(solver_words), {}};
   scree::CommandResult result;
   if (*check) {
     result = scree::check_command(case_path, pack.changes);

@@ -99,8 +99,11 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
       for (const Vec3& p : wall_points(parts, scene, i)) add(p, false);
     }
+    // what is poured falls before the run begins
+    const bool poured = std::any_of(c.populations.begin(), c.populations.end(), [](const CasePopulation& p) { return p.method == PackingMethod::settle; });
     fall = g * c.settings.duration;
-    if (has_walls && top > bottom) fall = std::min(fall, std::sqrt(2 * g * (top - bottom)));
+    if (poured) fall = std::sqrt(2 * g * std::max(0.0, top - bottom));
+    else if (has_walls && top > bottom) fall = std::min(fall, std::sqrt(2 * g * (top - bottom)));
   }
   return fall + (movers >= 2 ? 2 : 1) * speed + wall_speed;
 }

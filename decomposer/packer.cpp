@@ -1,10 +1,10 @@
 #include "decomposer/packer.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "decomposer/orientation.hpp"
 #include "decomposer/random_numbers.hpp"
 
 namespace scree {
@@ -24,7 +24,14 @@ std::string metres(double value) { return format_quantity(value, Dimension::leng
 Packer::Packer(const Case& c, const SceneParts& parts, const std::function<void(double, double)>& progress, Scene& scene,
                PackingReport& report)
     : case_(c), parts_(parts), progress_(progress), scene_(scene), report_(report),
-      periodicity_(c.settings.domain.lower, c.settings.domain.upper, c.settings.domain.periodic), scratch_(make_mesh_distance_scratch()) {}
+      periodicity_(c.settings.domain.lower, c.settings.domain.upper, c.settings.domain.periodic), scratch_(make_mesh_distance_scratch()) {
+  vacancies_.resize(case_.populations.size());
+  smallest_ball_.assign(case_.populations.size(), 1e300);
+  for (const Draw& d : parts_.draws) {
+    double& ball = smallest_ball_[d.population];
+    ball = std::min(ball, d.scale * parts_.shape(d.shape).inner_radius);
+  }
+}
 
 void Packer::keep(const PlacedBody& body, std::int32_t given) {
   const Domain& d = case_.settings.domain;
@@ -54,22 +61,6 @@ void Packer::keep_one(const PlacedBody& body, std::int32_t given) {
   for (std::size_t k = 0; k < vacancies_.size(); ++k) {
     if (vacancies_[k]) vacancies_[k]->close(body.position, inner_ball(body) + smallest_ball_[k] + gap());
   }
-}
-
-void Packer::add_body(std::int64_t id, std::int32_t shape, std::int32_t material, const PlacedBody& placed, const Vec3& velocity,
-              const Vec3& angular_velocity, bool fixed, bool lock_rotation, std::int32_t population) {
-  BodyTable& b = scene_.bodies;
-  b.id.push_back(id);
-  b.shape.push_back(parts_.scene_shape[static_cast<std::size_t>(shape)]);
-  b.material.push_back(material);
-  b.scale.push_back(placed.scale);
-  b.position.push_back(placed.position);
-  b.orientation.push_back(placed.orientation);
-  b.velocity.push_back(velocity);
-  b.angular_velocity.push_back(angular_velocity);
-  b.fixed.push_back(fixed ? 1 : 0);
-  b.lock_rotation.push_back(lock_rotation ? 1 : 0);
-  b.population.push_back(population);
 }
 
 bool Packer::domain_holds(const Vec3& p) const {
@@ -114,7 +105,18 @@ void Packer::place_given_bodies() {
       if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
     }
     keep(body, static_cast<std::int32_t>(i));
-    add_body(static_cast<std::int64_t>(i), b.shape, b.material, body, b.velocity, b.angular_velocity, b.fixed, b.lock_rotation, -1);
+    BodyTable& bodies = scene_.bodies;
+    bodies.id.push_back(static_cast<std::int64_t>(i));
+    bodies.shape.push_back(parts_.scene_shape[static_cast<std::size_t>(b.shape)]);
+    bodies.material.push_back(b.material);
+    bodies.scale.push_back(b.scale);
+    bodies.position.push_back(b.position);
+    bodies.orientation.push_back(b.orientation);
+    bodies.velocity.push_back(b.velocity);
+    bodies.angular_velocity.push_back(b.angular_velocity);
+    bodies.fixed.push_back(b.fixed ? 1 : 0);
+    bodies.lock_rotation.push_back(b.lock_rotation ? 1 : 0);
+    bodies.population.push_back(-1);
   }
 }
 
@@ -168,19 +170,22 @@ VacancyMap& Packer::vacancy(std::size_t population) {
   return *map;
 }
 
-bool Packer::try_place(const Draw& d, PlacedBody& body) {
+bool Packer::try_place(const Draw& d, PlacedBody& body, std::uint64_t attempts, std::uint64_t first) {
   const Region& region = parts_.regions[d.population];
-  for (std::uint64_t attempt = 1; attempt <= kAttempts; ++attempt) {
+  const CaseOrientation& turned = case_.populations[d.population].orientation;
+  fits_ = false;
+  for (std::uint64_t attempt = first + 1; attempt <= first + attempts; ++attempt) {
     ++report_.attempts;
     const RandomNumbers random(case_.settings.seed, d.id, attempt);
-    body.orientation = random.orientation(kOrientation);
+    body.orientation = draw_orientation(turned, body.shape->shape, random, kOrientation);
     body.position = {};
     // the centre is drawn from where the turned body fits between the sides of the region
     const Box3 box = box_of_centres(region, body.world_box());
     const Vec3 &low = box.lower, &high = box.upper;
     if (low.x > high.x || low.y > high.y || low.z > high.z) continue;
+    fits_ = true;
     const Vec3 place{random.uniform(kPlace), random.uniform(kPlace + 1), random.uniform(kPlace + 2)};
-    if (attempt <= kPlainDraws) {
+    if (attempt - first <= kPlainDraws) {
       for (int k = 0; k < 3; ++k) body.position[k] = low[k] + place[k] * (high[k] - low[k]);
     } else {
       VacancyMap& map = vacancy(d.population);
@@ -194,53 +199,48 @@ bool Packer::try_place(const Draw& d, PlacedBody& body) {
   return false;
 }
 
-void Packer::place_particles() {
+void Packer::place_particles(Placements& placements) {
   // largest first: small ones find holes between large ones, not the reverse
-  std::vector<std::size_t> order(parts_.draws.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < parts_.draws.size(); ++i) {
+    if (case_.populations[parts_.draws[i].population].method == PackingMethod::random) order.push_back(i);
+  }
   const auto radius = [&](std::size_t i) { return parts_.draws[i].scale * parts_.shape(parts_.draws[i].shape).radius; };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return radius(a) != radius(b) ? radius(a) > radius(b) : parts_.draws[a].id < parts_.draws[b].id;
   });
-  vacancies_.resize(case_.populations.size());
-  smallest_ball_.assign(case_.populations.size(), 1e300);
-  for (const Draw& d : parts_.draws) {
-    double& ball = smallest_ball_[d.population];
-    ball = std::min(ball, d.scale * parts_.shape(d.shape).inner_radius);
+  for (std::size_t k = 0; k < case_.populations.size(); ++k) {
+    if (case_.populations[k].method == PackingMethod::lattice) place_on_lattice(k, placements);
   }
-  std::vector<PlacedBody> places(parts_.draws.size());
-  std::vector<std::size_t> placed_count(case_.populations.size(), 0);
-  std::vector<double> placed_volume(case_.populations.size(), 0.0);
   for (std::size_t n = 0; n < order.size(); ++n) {
     const Draw& d = parts_.draws[order[n]];
-    PlacedBody& body = places[order[n]];
-    body = {&parts_.shape(d.shape), d.scale, {}, {}};
     const std::uint64_t before = report_.attempts;
-    if (!try_place(d, body)) fail(d, report_.attempts - before, n, placed_count, placed_volume);
-    keep(body);
-    ++placed_count[d.population];
-    placed_volume[d.population] += d.volume;
+    if (!try_place(d, placements.body[order[n]], kAttempts, 0)) fail(d, report_.attempts - before, placements);
+    keep(placements.body[order[n]]);
+    placements.is_placed[order[n]] = 1;
     if (progress_) progress_(static_cast<double>(n + 1), static_cast<double>(order.size()));
-  }
-  for (std::size_t i = 0; i < parts_.draws.size(); ++i) {
-    const CasePopulation& p = case_.populations[parts_.draws[i].population];
-    add_body(parts_.draws[i].id, parts_.draws[i].shape, p.material, places[i], p.velocity, p.angular_velocity, false, false,
-             static_cast<std::int32_t>(parts_.draws[i].population));
   }
 }
 
-void Packer::fail(const Draw& d, std::uint64_t attempts, std::size_t placed, const std::vector<std::size_t>& count, const std::vector<double>& volume) {
+void Packer::fail(const Draw& d, std::uint64_t attempts, const Placements& placements) {
   const CasePopulation& p = case_.populations[d.population];
   std::size_t wanted = 0;
   for (const Draw& other : parts_.draws) wanted += other.population == d.population ? 1 : 0;
-  const double region = parts_.regions[d.population].volume;
-  const std::string all = case_.populations.size() > 1 ? fmt::format(" ({} of {} over all populations)", placed, parts_.draws.size()) : "";
+  const Region& region = parts_.regions[d.population];
+  const std::string name = case_.shapes[static_cast<std::size_t>(d.shape)].name;
+  const std::string diameter = metres(d.scale * parts_.shape(d.shape).shape.equivalent_diameter());
+  if (!fits_) {
+    const Vec3 e = region.box.extent();
+    throw InputError("{}: '{}' of diameter {} is larger than the region ({} x {} x {}) in all of {} orientations; enlarge the region, or make the "
+                     "bodies smaller", p.where, name, diameter, metres(e.x), metres(e.y), metres(e.z), attempts);
+  }
   throw InputError(
-      "{}: placed {} of {} bodies{}; the next one ('{}', diameter {}, largest first) found no place in {} draws. The solid fraction reached is "
-      "{:.3f} of the {:.3f} asked for. Enlarge the region (now {:.4g} m^3), ask for fewer or smaller bodies, or reduce the margin ({})",
-      p.where, count[d.population], wanted, all, case_.shapes[static_cast<std::size_t>(d.shape)].name,
-      metres(d.scale * parts_.shape(d.shape).shape.equivalent_diameter()), attempts,
-      volume[d.population] / region, report_.solid_fraction[d.population], region, metres(scene_.settings.margin));
+      "{}: placed {} of {} bodies; the next one ('{}', diameter {}, largest first) found no place in {} draws. The solid fraction reached is "
+      "{:.3f} of the {:.3f} asked for. Enlarge the region (now {:.4g} m^3), ask for fewer or smaller bodies, reduce the margin ({}), or use "
+      "method = \"settle\" or \"compact\"",
+      p.where, placements.count_placed(parts_, d.population), wanted, name, diameter, attempts,
+      placements.volume_placed(parts_, d.population) / region.volume, report_.solid_fraction[d.population], region.volume,
+      metres(scene_.settings.margin));
 }
 
 }  // namespace scree

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "post/svg_chart.hpp"
+#include "core/chart/svg_chart.hpp"
 
 namespace scree {
 

@@ -9,7 +9,7 @@
 #include "core/base/error.hpp"
 #include "post/output_file.hpp"
 #include "post/run_folder.hpp"
-#include "post/svg_chart.hpp"
+#include "core/chart/svg_chart.hpp"
 
 namespace scree {
 

@@ -18,6 +18,7 @@
 #include "solver/checkpoint.hpp"
 #include "solver/origin.hpp"
 #include "solver/rank_log.hpp"
+#include "solver/rest_watch.hpp"
 #include "solver/run_log.hpp"
 #include "solver/watchdog.hpp"
 
@@ -227,6 +228,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                                           simulation.step_size().limited_by, unevenness));
   }
   const Schedule schedule = make_schedule(settings, dt);
+  RestWatch rest(scene);
 
   Provenance record;
   record.format = kFrameFormat;
@@ -255,8 +257,10 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
     rank_log = std::make_unique<RankLog>(options.run_folder + "/ranks.csv", comm.size(), restarted ? simulation.step() : -1);
     if (quantised) start_table(steps_path, step_header(), restarted ? simulation.step() : -1);
+    if (restarted) rest.read_log(options.run_folder + "/log.csv");
     if (removes) start_table(removed_path, removed_header(), restarted ? simulation.step() : -1);
   });
+  if (restarted) MPI_Bcast(&rest.last_busy(), 1, MPI_DOUBLE, 0, comm.get());
   if (root) {
     std::fprintf(stderr, "scree-solver: %zu bodies, %d ranks x %d threads, step %s (%s), %lld steps\n", scene.bodies.size(),
                  comm.size(), omp_get_max_threads(), format_quantity(dt, Dimension::time).c_str(),
@@ -310,6 +314,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     energies = simulation.energies();
     const double kinetic = energies.translational + energies.rotational;
     kinetic_peak = std::max(kinetic_peak, kinetic);
+    rest.add(simulation.time(), kinetic);
     elastic_peak = std::max(elastic_peak, energies.elastic + energies.tangential_elastic);
     const double error = energies.balance() - reference;
     worst_balance = std::max(worst_balance, std::abs(error));
@@ -333,7 +338,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     mpi::on_root(comm, [&] {
       log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, critical.step, loads,
                    walls, hash);
-      rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last);
+      rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last || rest.at_rest(simulation.time()));
       if (simulation.part_size() > critical.step) {
         warn_once("scree-solver", fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
                                               "log.csv; the run ends when their energy grows", simulation.part_size()));
@@ -431,12 +436,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     timed_output([&] { write_frame(0); });
   }
   try {
-    while (simulation.step() < schedule.last) {
+    const auto is_over = [&] {
+      return simulation.step() >= schedule.last || (simulation.step() % schedule.frame == 0 && rest.at_rest(simulation.time()));
+    };
+    while (!is_over()) {
       simulation.advance();
       watchdog.progress(simulation.step());
       const std::int64_t n = simulation.step();
-      const bool last = n == schedule.last;
-      if (n % schedule.log == 0 || last) timed_output(write_log);
+      if (n % schedule.log == 0 || n == schedule.last) timed_output(write_log);
       if (n % schedule.frame == 0) timed_output([&] { write_frame(n / schedule.frame); });
       if (simulation.pending_signal() != 0) {
         save_state();
@@ -446,13 +453,13 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
         if (root) progress->finish(fmt::format("stopped by signal {} at step {}; a checkpoint was kept", simulation.pending_signal(), n));
         return code;
       }
-      if ((schedule.checkpoint > 0 && n % schedule.checkpoint == 0) || last) timed_output(save_state);
+      if ((schedule.checkpoint > 0 && n % schedule.checkpoint == 0) || is_over()) timed_output(save_state);
       if (root) {
         progress->update(static_cast<double>(n), fmt::format("t = {}, kinetic {:.3g} J", format_quantity(simulation.time(), Dimension::time),
                                                              energies.translational + energies.rotational));
       }
     }
-    if (schedule.last % schedule.frame != 0) timed_output([&] { write_frame(schedule.last / schedule.frame + 1); });
+    if (simulation.step() % schedule.frame != 0) timed_output([&] { write_frame(schedule.last / schedule.frame + 1); });
   } catch (const Error& e) {
     // Every rank is here: failures of a step are agreed on before they are thrown. Keep the state and the reason.
     if (e.code() == ExitCode::run_invalid) {
@@ -468,8 +475,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   if (root) {
     const double elapsed = seconds_since(start);
     progress->finish(fmt::format("{} steps, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}",
-                                 schedule.last,
-                                 static_cast<double>(scene.bodies.size()) * static_cast<double>(schedule.last) / std::max(elapsed, 1e-9),
+                                 simulation.step(),
+                                 static_cast<double>(scene.bodies.size()) * static_cast<double>(simulation.step()) / std::max(elapsed, 1e-9),
                                  max_ratio, worst_balance / std::max({kinetic_peak, energies.dissipated, 1e-300})));
   }
   return 0;

@@ -211,6 +211,7 @@ Settings read_settings(const Object& o) {
   s.duration = o.at_least("duration", 0);
   s.steps_per_contact = o.positive("steps_per_contact");
   s.step = o.at_least("step", 0);
+  if (o.has("stop_at_rest")) s.stop_at_rest = o.boolean("stop_at_rest");
   if (o.has("step_control")) s.step_control = o.one_of("step_control", {"fixed", "quantised"});
   const Object domain = o.object("domain");
   s.domain.bounded = domain.boolean("bounded");
@@ -427,6 +428,7 @@ json settings_json(const Scene& scene) {
   t["steps_per_contact"] = s.steps_per_contact;
   t["step"] = s.step;
   t["step_control"] = s.step_control;
+  t["stop_at_rest"] = s.stop_at_rest;
   json& domain = t["domain"];
   domain["bounded"] = s.domain.bounded;
   if (s.domain.bounded) {

@@ -113,6 +113,7 @@ struct Settings {
   double steps_per_contact = 30;
   double step = 0;                           ///< [s], 0: derived
   std::string step_control = "fixed";        ///< fixed | quantised: halved where speed, spin or contacts ask for it
+  bool stop_at_rest = false;                 ///< end at the first output time at which all bodies rest
   Domain domain;
   std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
   std::string gather = "potential";          ///< potential | area | pairs

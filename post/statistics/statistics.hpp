@@ -10,7 +10,7 @@
 #include "post/region.hpp"
 #include "post/run_folder.hpp"
 #include "post/statistics/block_average.hpp"
-#include "post/svg_chart.hpp"
+#include "core/chart/svg_chart.hpp"
 
 namespace scree {
 

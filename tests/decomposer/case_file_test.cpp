@@ -270,7 +270,40 @@ TEST(CaseFile, what_is_not_built_yet_is_refused_with_what_is) {
   expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"not available", "brute-force"});
   expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"w\"]\n", {"periodic", "expected \"x\""});
   expect_refusal(kCase + "[domain]\nperiodic = [\"x\"]\n", {"periodic", "needs min and max"});
-  expect_refusal(replaced("count = 10", "count = 10\nmethod = \"lattice\""), {"not available", "random"});
+}
+
+TEST(CaseFile, populations_say_how_they_are_mixed_sized_and_turned) {
+  const std::string size = "size = { distribution = \"lognormal\", median = \"12 mm\", sigma = 0.2, min = \"8 mm\", max = \"20 mm\" }";
+  const auto population = [&](const std::string& text) { return parse(replaced(size, text)).populations[0]; };
+  EXPECT_EQ(population("method = \"settle\"").method, PackingMethod::settle);
+  EXPECT_TRUE(population("size = { distribution = \"uniform\", by = \"mass\", min = 1, max = 2 }").size->by_mass);
+  const CaseOrientation aligned = population("orientation = { align = [0, 0, 2], axis = \"shortest\", scatter = \"90 deg\" }").orientation;
+  EXPECT_EQ(aligned.kind, CaseOrientation::Kind::aligned);
+  EXPECT_EQ(aligned.direction, (Vec3{0, 0, 1}));
+  EXPECT_DOUBLE_EQ(aligned.scatter, std::numbers::pi / 2);
+  EXPECT_EQ(population("orientation = [0, 1, 0, 0]").orientation.given, (Quat{0, 1, 0, 0}));
+  EXPECT_EQ(population("orientation = \"random\"").orientation.kind, CaseOrientation::Kind::random);
+
+  expect_refusal(replaced(size, "jitter = 0.5"), {"jitter", "lattice"});
+  expect_refusal(replaced(size, "method = \"lattice\"\njitter = 1.5"), {"from 0 to 1"});
+  expect_refusal(replaced(size, "method = \"latice\""), {"did you mean 'lattice'"});
+  expect_refusal(replaced(size, "shares_by = \"mass\""), {"is for a mixture"});
+  expect_refusal(replaced("count = 10", "fill = true"), {"method = \"settle\""});
+  expect_refusal(replaced("shape = \"rock\"\nmaterial", "shapes = { rock = 0.7 }\nmaterial"), {"add up to 0.7", "expected 1"});
+  EXPECT_DOUBLE_EQ(parse(replaced("shape = \"rock\"\nmaterial", "shapes = { rock = 3 }\nmaterial")).populations[0].shares[0].second, 1);
+  const auto sieve = [&](const std::string& diameters, const std::string& passing) {
+    return replaced(size, "size = { distribution = \"sieve\", diameter = [" + diameters + "], passing = [" + passing + "] }");
+  };
+  EXPECT_EQ(parse(sieve("\"1 mm\", \"2 mm\", \"4 mm\"", "0, 0.3, 1")).populations[0].size->sieve.size(), 3u);
+  expect_refusal(sieve("0.001, 0.002", "0, 0.9"), {"goes from 0 to 0.9", "1 at the coarsest"});
+  expect_refusal(sieve("0.002, 0.001", "0, 1"), {"ascend"});
+  expect_refusal(sieve("0.001, 0.002, 0.003", "0, 0.5, 0.4"), {"must not descend"});
+  expect_refusal(sieve("0.001, 0.002", "0, 0.5, 1"), {"3 values for 2 diameters"});
+  expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\nstop_at_rest = true").insert(0, "gravity = [0, 0, 0]\n"), {"needs gravity"});
+}
+
+TEST(CaseFile, numbers_that_overflow_when_squared_are_refused_as_such) {
+  expect_refusal(replaced("\"5 cm\"", "1e308"), {"case.toml:27", "too large"});
 }
 
 TEST(CaseFile, contact_laws_ask_for_what_they_need) {

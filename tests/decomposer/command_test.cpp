@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <iterator>
 #include <set>
 
@@ -114,6 +116,36 @@ TEST_F(Command, partition_cuts_a_scene_again_and_changes_nothing_else) {
   EXPECT_EQ(b.provenance["configuration"], kCase);
 }
 
+TEST_F(Command, a_preview_shows_all_bodies_with_their_parts_and_what_other_numbers_of_parts_cost) {
+  expect("pack case.toml -o a.scene.h5 --ranks 3 --preview look", 0, {"look.vtp", "ghosts at most"});
+  const Scene s = read_scene_file((folder_ / "a.scene.h5").string());
+  const std::string picture = text_of(folder_ / "look.vtp"), table = text_of(folder_ / "look.csv");
+  // a point and a vertex for each of 40 bodies, 8 corners and 12 edges for each of 3 parts
+  EXPECT_NE(picture.find("NumberOfPoints=\"64\" NumberOfVerts=\"40\" NumberOfLines=\"36\""), std::string::npos);
+  std::istringstream parts(picture.substr(picture.find('\n', picture.find("Name=\"part\""))));
+  for (std::size_t i = 0; i < 40; ++i) {
+    int part = -1;
+    parts >> part;
+    EXPECT_EQ(part, s.bodies.owner[i]);
+  }
+  // 1, 2, 3, 4, 8, 16 parts, and a header
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7);
+  EXPECT_NE(table.find("rcb,3,"), std::string::npos);
+  expect("partition a.scene.h5 --ranks 2 -o b.scene.h5 --preview again", 0, {"again.vtp"});
+  expect("pack case.toml -o a.scene.h5 --preview look", 2, {"--ranks"});
+  expect("pack case.toml -o a.scene.h5 --ranks 2 --preview nowhere/look", 4, {"no folder nowhere"});
+}
+
+TEST_F(Command, sizes_asked_and_got_come_as_a_line_a_table_and_a_chart) {
+  write_changed("size = \"50 mm\"", "size = { distribution = \"uniform\", min = \"40 mm\", max = \"50 mm\" }");
+  expect("pack case.toml -o a.scene.h5 --sizes got", 0, {"by number", "% off at most", "got.csv"});
+  const std::string table = text_of(folder_ / "got.csv"), chart = text_of(folder_ / "got.svg");
+  EXPECT_EQ(table.find("population,by,diameter,asked,got\n0,number,0.04,0.000000,0.000000\n"), 0u) << table.substr(0, 100);
+  EXPECT_NE(table.find("0,number,0.045,0.500000,0.5"), std::string::npos);
+  EXPECT_NE(table.find("0,number,0.05,1.000000,1.000000"), std::string::npos);
+  EXPECT_EQ(chart.find("<svg"), 0u);
+}
+
 TEST_F(Command, partition_by_other_methods_gives_every_body_an_owner_that_reads_back) {
   expect("pack case.toml -o a.scene.h5", 0, {});
   for (const char* method : {"rib", "hsfc", "body"}) {
@@ -174,8 +206,8 @@ TEST_F(Command, a_mistake_in_the_case_exits_with_2_and_leaves_no_file) {
 }
 
 TEST_F(Command, an_impossible_packing_exits_with_3_and_leaves_no_file) {
-  write_changed("count = 40", "count = 4000");
-  expect("pack case.toml -o a.scene.h5", 3, {"placed ", " of 4000 bodies", "solid fraction reached"});
+  write_changed("count = 40", "count = 850");
+  expect("pack case.toml -o a.scene.h5", 3, {"placed ", " of 850 bodies", "solid fraction reached"});
   EXPECT_FALSE(left_anything());
 }
 

@@ -9,7 +9,7 @@
 
 #include "post/provenance_chain.hpp"
 #include "post/report.hpp"
-#include "post/svg_chart.hpp"
+#include "core/chart/svg_chart.hpp"
 #include "post/tables.hpp"
 #include "post/verdicts.hpp"
 #include "tests/post/sample_run.hpp"

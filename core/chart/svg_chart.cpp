@@ -1,4 +1,4 @@
-#include "post/svg_chart.hpp"
+#include "core/chart/svg_chart.hpp"
 
 #include <fmt/format.h>
 
