@@ -182,7 +182,7 @@ ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
       }
       mark_front(study);
 
-      LineChart chart{fmt::format("{}: {}", name, column.text), "run time", "s", column.unit == std::string("-") ? column.name : fmt::format("{} [{}]", column.name, column.unit),
+      LineChart chart{fmt::format("{}: {}", name, column.text), "run time", "s", fmt::format("{} [{}]", column.name, column.unit),
                       "", true, false, {}, {}};
       chart.logarithmic_x = true;
       std::map<std::string, ChartLine> lines;
