@@ -224,7 +224,7 @@ ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
         best += fmt::format("{},{},{:g},{},{:.6g},{:.6g},\"{}\"\n", name, column.name, target, column.unit, row.error, row.time, row.choice);
         result.text += fmt::format("{}: {} <= {:g}: {} ({:.3g} s, error {:.3g})\n", name, column.name, target, row.choice.empty() ? "the only choice" : row.choice, row.time, row.error);
         for (std::size_t i = 0; i < front.x.size(); ++i) {
-          if (front.x[i] == row.time && front.y[i] == row.error && front.labels[i].empty()) front.labels[i] = fmt::format("best for {:g}: {}", target, row.choice);
+          if (front.x[i] == row.time && front.y[i] == row.error && front.labels[i].empty()) front.labels[i] = fmt::format("best for {:g}", target);
         }
       }
       chart.lines.push_back(std::move(front));  // the blue solid line; its choices are labelled

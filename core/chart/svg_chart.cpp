@@ -254,8 +254,8 @@ std::string svg_of(const LineChart& chart) {
       pen_down = true;
       if (has_points) svg += marker(s, px(line.x[i]), y_at(line.y[i]), colour);
       if (i < line.labels.size() && !line.labels[i].empty()) {
-        const bool left = px(line.x[i]) > kLeft + 0.75 * width;
-        // a ring about the point; the text below it, where a front has nothing else
+        const bool left = px(line.x[i]) > kLeft + 100;
+        // a ring about the point; the text below and left of it, where a front has nothing else
         svg += fmt::format("<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7.5\" fill=\"none\" stroke=\"#1c2430\" stroke-width=\"1.4\"/><text x=\"{2:.1f}\" y=\"{3:.1f}\" "
                            "class=\"tick\" text-anchor=\"{4}\">{5}</text>\n", px(line.x[i]), y_at(line.y[i]), px(line.x[i]) + (left ? -8 : 8), y_at(line.y[i]) + 19,
                            left ? "end" : "start", escaped(line.labels[i]));
