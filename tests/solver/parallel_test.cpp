@@ -38,6 +38,8 @@ TEST(SameBits, of_a_rotating_drum_whose_bodies_cross_ranks_while_they_touch) {
 
 TEST(SameBits, of_a_body_larger_than_three_parts_and_long_thin_bodies) { expect_same_bits_everywhere(slab_and_rods(), 800, false); }
 
+TEST(SameBits, of_bodies_that_cross_ranks_and_the_seams_of_periodic_axes) { expect_same_bits_everywhere(periodic_bed(), 800, true); }
+
 TEST(SameBits, with_ranks_that_own_nothing) {
   const Scene scene = three_rocks();
   const Outcome alone = outcome_of(scene, 1, 1, 1500), five = outcome_of(scene, 5, 1, 1500);

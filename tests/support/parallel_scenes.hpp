@@ -55,6 +55,20 @@ inline Scene dense_heap(int nx = 3, int ny = 3, int nz = 4, double spacing = 0.1
   return scene;
 }
 
+/// Rocks that slide on a floor through both seams of a domain that is periodic along x and y, rubbing on each other.
+inline Scene periodic_bed() {
+  Scene scene = rock_scene();
+  constexpr double kPeriod = 4 * 0.108;
+  Domain& domain = scene.settings.domain;
+  domain.bounded = true;
+  domain.lower = {0, 0, -0.1};
+  domain.upper = {kPeriod, kPeriod, 1};
+  domain.periodic = {true, true, false};
+  add_wall(scene, WallKind::plane).normal = {0, 0, 1};
+  fill_lattice(scene, 4, 4, 3, {0, 0, 0.005}, 0.108, {2, 1.2, -0.6});
+  return scene;
+}
+
 /// A third of a drum of radius 0.25 m filled with rocks, turning fast enough to carry them through all cuts.
 inline Scene rotating_drum() {
   Scene scene = rock_scene();
