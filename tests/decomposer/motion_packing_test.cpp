@@ -1,6 +1,8 @@
 // Packings that the solver makes: poured beds and grown ones.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include <numbers>
 
 #include "core/base/error.hpp"
@@ -78,6 +80,10 @@ TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
 }
 
 TEST(MotionPacking, the_same_seed_pours_the_same_bed_on_any_number_of_ranks_and_threads) {
+  // as in a container: root, and more ranks than cores
+  for (const char* variable : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe"}) {
+    setenv(variable, "1", 0);
+  }
   const Scene one = pack(kHead + kPoured).scene;
   const Scene two = pack(kHead + kPoured, {{SCREE_MPIEXEC, "-n", "2", SCREE_SOLVER}}).scene;
   ASSERT_EQ(one.bodies.size(), two.bodies.size());
