@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <random>
 
 #include "tests/support/shapes.hpp"
@@ -78,21 +77,6 @@ TEST(MeshIndependence, a_box_that_overhangs_turns_alike_however_finely_both_are_
   EXPECT_LE(most, 1e-6);
 }
 
-/// The same surface with its vertices and triangles in another order.
-TriangleMesh shuffled(const TriangleMesh& mesh, std::mt19937& g) {
-  TriangleMesh other = mesh;
-  std::vector<std::int32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::shuffle(order.begin(), order.end(), g);
-  for (std::size_t i = 0; i < order.size(); ++i) other.vertices[static_cast<std::size_t>(order[i])] = mesh.vertices[i];
-  for (Triangle& t : other.triangles) {
-    for (std::int32_t& v : t) v = order[static_cast<std::size_t>(v)];
-    std::rotate(t.begin(), t.begin() + g() % 3, t.end());
-  }
-  std::shuffle(other.triangles.begin(), other.triangles.end(), g);
-  return other;
-}
-
 // M8: a whole impact of two concave rocks with friction.
 TEST(MeshIndependence, an_impact_does_not_know_the_order_of_triangles_to_1e_12) {
   std::mt19937 g(4);
@@ -115,7 +99,7 @@ TEST(MeshIndependence, an_impact_does_not_know_the_order_of_triangles_to_1e_12) 
   };
   const auto reference = fly(a, b);
   double most = 0;
-  for (int i = 0; i < 3; ++i) most = std::max(most, difference(fly(shuffled(a, g), shuffled(b, g)), reference) / 2);
+  for (int i = 0; i < 3; ++i) most = std::max(most, difference(fly(test::shuffled(a, g), test::shuffled(b, g)), reference) / 2);
   std::printf("order of triangles: velocities and spins differ by %.1e of the impact speed\n", most);
   EXPECT_LE(most, 1e-12);
 }

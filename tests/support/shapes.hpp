@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <utility>
 #include <vector>
@@ -186,6 +187,21 @@ inline TriangleMesh bumpy_bed(int n = 14) {
 inline TriangleMesh scaled(TriangleMesh mesh, double s) {
   for (Vec3& p : mesh.vertices) p *= s;
   return mesh;
+}
+
+/// The same surface with its vertices and triangles in another order.
+inline TriangleMesh shuffled(const TriangleMesh& mesh, std::mt19937& g) {
+  TriangleMesh other = mesh;
+  std::vector<std::int32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), g);
+  for (std::size_t i = 0; i < order.size(); ++i) other.vertices[static_cast<std::size_t>(order[i])] = mesh.vertices[i];
+  for (Triangle& t : other.triangles) {
+    for (std::int32_t& v : t) v = order[static_cast<std::size_t>(v)];
+    std::rotate(t.begin(), t.begin() + g() % 3, t.end());
+  }
+  std::shuffle(other.triangles.begin(), other.triangles.end(), g);
+  return other;
 }
 
 inline Quat random_quaternion(std::mt19937& generator) {
