@@ -22,8 +22,16 @@ struct Past {
   }
 };
 
-/// Distance of the surfaces, or from the centre of a sphere to the surface of its partner; at most `reach` [m].
-double distance_of(const PairBody& a, const PairBody& b, double reach, MeshDistanceScratch& scratch, TrianglePair& nearest) {
+/// How far a point of a body may be from where constant spin says it was: with |dw/dt| <= |w|^2 (of the moments each is at most
+/// the sum of the others), twice what half of that over a step gives.
+double unsteadiness(const PairBody& body, const Vec3& w, double radius, double dt) {
+  const bool steady = body.shape->kind == ShapeKind::surface || body.shape->isotropic;
+  return steady ? 0.0 : radius * squared_length(w) * dt * dt;
+}
+
+}  // namespace
+
+double surface_distance(const PairBody& a, const PairBody& b, double reach, MeshDistanceScratch& scratch, TrianglePair& nearest) {
   const bool a_is_sphere = a.shape->kind == ShapeKind::sphere;
   if (a_is_sphere || b.shape->kind == ShapeKind::sphere) {
     const PairBody &sphere = a_is_sphere ? a : b, &mesh = a_is_sphere ? b : a;
@@ -35,15 +43,6 @@ double distance_of(const PairBody& a, const PairBody& b, double reach, MeshDista
   const Placement placement = relative_placement(a.x, a.q, a.scale, b.x, b.q, b.scale);
   return a.scale * mesh_distance({&a.shape->mesh, &a.shape->bvh}, {&b.shape->mesh, &b.shape->bvh}, placement, reach / a.scale, scratch, &nearest);
 }
-
-/// How far a point of a body may be from where constant spin says it was: with |dw/dt| <= |w|^2 (of the moments each is at most
-/// the sum of the others), twice what half of that over a step gives.
-double unsteadiness(const PairBody& body, const Vec3& w, double radius, double dt) {
-  const bool steady = body.shape->kind == ShapeKind::surface || body.shape->isotropic;
-  return steady ? 0.0 : radius * squared_length(w) * dt * dt;
-}
-
-}  // namespace
 
 bool may_have_passed_through(const PairBody& a, const PairBody& b, const PairMotion& m, double radius_a, double radius_b, double margin,
                              double dt, double motion, const CandidateLists& lists, MeshDistanceScratch& scratch) {
@@ -71,7 +70,7 @@ bool may_have_passed_through(const PairBody& a, const PairBody& b, const PairMot
   for (int look = 0; look < kMostLooks; ++look) {
     const Past past(a, b, m, gone * dt);
     const double left = kRounding * ((1 - gone) * way + unsure);
-    const double distance = distance_of(past.a, past.b, 2 * left, scratch, nearest);
+    const double distance = surface_distance(past.a, past.b, 2 * left, scratch, nearest);
     if (distance > left) return false;
     if (!(distance > 0)) return true;
     gone = std::min(1.0, gone + distance / (kRounding * way));

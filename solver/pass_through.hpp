@@ -5,6 +5,9 @@
 
 namespace scree {
 
+/// Distance of two surfaces, or from the centre of a sphere to the surface of its partner; at most `reach` [m]. One of them has a mesh.
+double surface_distance(const PairBody& a, const PairBody& b, double reach, MeshDistanceScratch& scratch, TrianglePair& nearest);
+
 /// Whether a pair with at least one mesh may have crossed in the last step. Never false for a pair that did; what moves along a
 /// surface or away from it is cleared.
 ///

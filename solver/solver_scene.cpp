@@ -10,6 +10,26 @@
 
 namespace scree {
 
+namespace {
+
+/// See SolverShape::turning_arm. At an edge or a corner the normal may point anywhere between those of its faces; |r x n| is
+/// largest at one of these unless it passes a right angle on the way: with a normal that points inwards the whole radius counts.
+double turning_arm_of(const TriangleMesh& mesh) {
+  double arm = 0;
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh.triangles.size()); ++t) {
+    const Vec3 doubled = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+    if (!(squared_length(doubled) > 0)) continue;
+    const Vec3 n = normalised(doubled);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& r = mesh.corner(t, k);
+      arm = std::max(arm, dot(r, n) > 0 ? length(cross(r, n)) : length(r));
+    }
+  }
+  return arm;
+}
+
+}  // namespace
+
 SolverShape make_solver_shape(const Shape& source) {
   SolverShape shape;
   shape.kind = source.kind;
@@ -38,6 +58,7 @@ SolverShape make_solver_shape(const Shape& source) {
     }
     // A ball's normal passes its centre: only friction, with its softer spring, turns it.
     shape.rotational_mobility += kTangentialStiffnessRatio * shape.rounding * shape.rounding * inverse(0);
+    shape.turning_arm = turning_arm_of(shape.mesh);
     shape.isotropic = high - low <= kIsotropicTolerance * high;
     shape.equivalent_radius = 0.5 * source.equivalent_diameter();
   }

@@ -39,6 +39,9 @@ struct SolverShape {
   /// Largest [r]x^T I^-1 [r]x over all surface points r, density 1, scale 1 [1/m^3]: what rotation adds to the inverse
   /// mass of a contact at worst. It is convex in r, so the corners decide. See derive_step_size.
   double rotational_mobility = 0;
+  /// Largest |r x n| over the surface points r with their normals n [m]: how fast a spin of 1 rad/s moves the surface along its
+  /// normal at most. 0 for a ball.
+  double turning_arm = 0;
   bool isotropic = false;           ///< all three moments equal: no gyroscopic splitting needed
 
   /// A corner, and an edge, of `features`.

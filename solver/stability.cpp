@@ -106,7 +106,7 @@ void Simulation::choose_level(bool with_contacts) {
   for (std::size_t i = 0; i < p_.owned; ++i) {
     if (p_.fixed[i]) continue;
     const double turning = length(p_.w[i]);
-    if (can_touch) ask(speed, (length(p_.v[i]) + p_.radius[i] * turning) / way, p_.id[i]);
+    if (can_touch) ask(speed, (length(p_.v[i]) + p_.scale[i] * scene_.shape(p_.shape[i]).turning_arm * turning) / way, p_.id[i]);
     if (!p_.isotropic[i]) ask(spin, turning / kTurnPerStep, p_.id[i]);
   }
   if (can_touch) {

@@ -1,5 +1,7 @@
 #include "solver/step_size.hpp"
 
+#include "solver/approach.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -81,18 +83,6 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
   return all;
 }
 
-/// Smallest of a quantity over all bodies, and whose it is.
-struct Least {
-  double value = 1e300;
-  std::int64_t body = -1;
-};
-Least least_over_ranks(const mpi::Communicator& comm, Least mine) {
-  const double value = -comm.max(-mine.value);
-  const double none = 1e18;  // above every id
-  const double id = -comm.max(-(mine.value == value && mine.body >= 0 ? static_cast<double>(mine.body) : none));
-  return {value, id < none ? static_cast<std::int64_t>(id) : -1};
-}
-
 }  // namespace
 
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
@@ -154,24 +144,20 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
   }
   if (source.settings.step_control == "quantised") return result;   // speed and spin choose the level
 
-  Least speed, spin;
-  for (std::size_t i = 0; i < p.owned; ++i) {
-    if (p.fixed[i]) continue;
-    const double turning = length(p.w[i]), surface = length(p.v[i]) + p.radius[i] * turning;
-    const double by_speed = scene.margin() > 0 && surface > 0 ? kMarginPerStep * scene.margin() / surface : 1e300;
-    const double by_spin = turning > 0 && !p.isotropic[i] ? kTurnPerStep / turning : 1e300;
-    if (by_speed < speed.value || (by_speed == speed.value && p.id[i] < speed.body)) speed = {by_speed, p.id[i]};
-    if (by_spin < spin.value || (by_spin == spin.value && p.id[i] < spin.body)) spin = {by_spin, p.id[i]};
+  if (stiffest > 0 && scene.margin() > 0) {
+    const double way = kMarginPerStep * 2 * scene.margin();
+    const Approach approach = fastest_approach(scene, way / result.step);
+    if (approach.speed > 0) {
+      result.step = way / approach.speed;
+      result.limited_by = "the approach of " + approach.who + " against their margins";
+    }
   }
-  speed = least_over_ranks(comm, speed);
-  spin = least_over_ranks(comm, spin);
-  if (stiffest > 0 && speed.value < result.step) {
-    result.step = speed.value;
-    result.limited_by = fmt::format("the speed of body {} against its margin", speed.body);
-  }
-  if (spin.value < result.step) {
-    result.step = spin.value;
-    result.limited_by = fmt::format("the spin of body {}", spin.body);
+  const BodyTable& bodies = source.bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const double spin = length(bodies.angular_velocity[b]);
+    if (bodies.fixed[b] || bodies.lock_rotation[b] || scene.shape(bodies.shape[b]).isotropic || !(spin * result.step > kTurnPerStep)) continue;
+    result.step = kTurnPerStep / spin;
+    result.limited_by = fmt::format("the spin of body {}", bodies.id[b]);
   }
   return result;
 }

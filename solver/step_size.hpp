@@ -1,4 +1,4 @@
-// The step size, derived from the stiffest contact that can occur, from speed against margin, and from spin.
+// The step size, derived from the stiffest contact that can occur, from approach against margin, and from spin.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct StepSize {
   double critical() const { return contact_time * 2 / 3.14159265358979323846; }
 };
 
-/// Share of its margin that a body, its spin included, may use up in a step: two bodies then use up a fifth of the sum.
+/// Share of the sum of their margins by which two surfaces may come nearer in a step.
 inline constexpr double kMarginPerStep = 0.2;
 /// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
 inline constexpr double kTurnPerStep = 0.1;
@@ -28,8 +28,9 @@ inline constexpr double kTurnPerStep = 0.1;
 ///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x| (a ball turns by friction only, whose
 ///             share of the stiffness counts instead); n = 4 features (a face
 ///             on a face), 1 for spheres and walls without edges
-///   speed     kMarginPerStep margin / (|v| + R |w|), of the bodies as they start
-///   spin      kTurnPerStep / |w|
+///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
+///             fast without approaching anything is watched in every step instead (pass_through.hpp)
+///   spin      kTurnPerStep / |w|, of the bodies as they start
 /// Source: CONTACT.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
 /// reach (a factor 2.6 for an elongated asteroid); VALIDATION.md section 4.3. Collective.
 /// A given step is taken as it is. Throws UsageError when it is more than kMostCritical critical steps.

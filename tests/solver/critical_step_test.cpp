@@ -331,8 +331,8 @@ TEST(Guards, tell_a_passage_from_a_near_miss) {
   }
 }
 
-// X22 and section 4.3: the derived step follows spin and speed, and says so.
-TEST(StepSize, follows_spin_and_speed_where_they_limit_it) {
+// X22 and section 4.3: the derived step follows spin and approach, and says so.
+TEST(StepSize, follows_spin_and_approach_where_they_limit_it) {
   TestRun run(test::empty_scene(1e2, 0.5, 0.3, 0.001));
   run.scene.shapes = {make_solid("rod", test::grid_box(1, {0.1, 0.01, 0.01}))};
   test::add_body(run.scene, 0, {0, 0, 0.1}, {}, {}, {0, 0, 1});
@@ -342,24 +342,29 @@ TEST(StepSize, follows_spin_and_speed_where_they_limit_it) {
   EXPECT_LE(1e4 * run.simulation->step_size().step, 0.1);
   EXPECT_NE(run.simulation->step_size().limited_by.find("body 1"), std::string::npos) << run.simulation->step_size().limited_by;
   run.scene.bodies.angular_velocity[1] = {};
+  run.start();
+  const double by_contact = run.simulation->step_size().step;
   run.scene.bodies.velocity[0] = {0, 0, 100};
   run.start();
-  EXPECT_LE(100 * run.simulation->step_size().step, 0.2 * 0.001 * (1 + 1e-12));
-  EXPECT_NE(run.simulation->step_size().limited_by.find("body 0"), std::string::npos) << run.simulation->step_size().limited_by;
+  EXPECT_NEAR(100 * run.simulation->step_size().step, 0.2 * 0.002, 0.2 * 0.002 * 0.01) << "with what its own spin adds";
+  EXPECT_EQ(run.simulation->step_size().limited_by, "the approach of bodies 0 and 1 against their margins");
+  run.scene.bodies.velocity[0] = {100, 0, 0};  // beside the other rod, along the plane
+  run.start();
+  EXPECT_EQ(run.simulation->step_size().step, by_contact);
 }
 
-// A ball spins on a floor until friction has slowed it: the level is chosen at the start, and the step grows again.
+// A cube spins on a floor until friction has slowed it: the level is chosen at the start, and the step grows again.
 TEST(StepSize, quantised_is_halved_for_speed_and_grows_back_when_quiet) {
   TestRun run(test::empty_scene(1e4, 0.3, 0.5, 0.002));
   run.scene.settings.step_control = "quantised";
   run.scene.settings.gravity = {0, 0, -9.81};
-  run.scene.shapes = {make_sphere("ball", 0.05)};
-  test::add_body(run.scene, 0, {0, 0, 0.054}, {}, {}, {40, 0, 0});
+  run.scene.shapes = {make_solid("cube", test::grid_box(1, {0.1, 0.1, 0.1}))};
+  test::add_body(run.scene, 0, {0, 0, 0.0539}, {}, {}, {0, 0, 120});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.scene.settings.step = 1e-3;
   run.start();
   const double base = run.simulation->step_size().step;
-  EXPECT_LE((40 * 0.05) * run.simulation->part_size(), 0.2 * 0.002);
+  EXPECT_LE((120 * std::hypot(0.05, 0.05)) * run.simulation->part_size(), 0.2 * 0.002);
   const double start = run.simulation->energies().balance();
   double kinetic = 0;
   std::vector<StepChange> changes = run.simulation->take_step_changes();
