@@ -3,11 +3,13 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <new>
@@ -37,7 +39,11 @@ void write_all(int descriptor, const char* data, std::size_t size) {
     const rlimit memory{limits.memory_bytes, limits.memory_bytes};
     setrlimit(RLIMIT_AS, &memory);
   }
-  for (int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
+  for (int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPROF}) std::signal(signal, SIG_DFL);
+  itimerval computing{};  // finer than RLIMIT_CPU, which counts whole seconds
+  computing.it_value.tv_sec = static_cast<time_t>(limits.cpu_seconds);
+  computing.it_value.tv_usec = static_cast<suseconds_t>(1e6 * (limits.cpu_seconds - std::floor(limits.cpu_seconds)));
+  setitimer(ITIMER_PROF, &computing, nullptr);
   // importers write warnings of their own; what matters comes through the pipe
   if (const int null = open("/dev/null", O_WRONLY); null >= 0) {
     dup2(null, STDOUT_FILENO);
@@ -118,6 +124,8 @@ std::vector<char> run_in_child(const std::string& what, const std::function<std:
   const char* advice = "the file is probably damaged; export the model again, for instance as binary STL";
   if (out_of_time)
     throw InputError("{}: the importer did not end within {} s; {}", what, limits.seconds, advice);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF)
+    throw InputError("{}: the importer did not end within {:.3g} s of computing; {}", what, limits.cpu_seconds, advice);
   if (WIFSIGNALED(status)) {
     throw InputError("{}: the importer crashed with signal {} ({}); {}", what, WTERMSIG(status),
                      strsignal(WTERMSIG(status)), advice);

@@ -131,15 +131,27 @@ std::vector<std::string> known_extensions() {
   return known;
 }
 
+ChildLimits importer_limits(const std::string& path) {
+  ChildLimits limits;
+  std::error_code failed;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(path, failed));
+  if (!failed) limits.cpu_seconds = std::min(limits.cpu_seconds, kImporterSeconds + bytes / kImporterBytesPerSecond);
+  return limits;
+}
+
+MeshFile read_mesh_file(const std::string& path) { return read_mesh_file(path, importer_limits(path)); }
+
 MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLimits& limits) {
   check_readable(path);
   const std::string extension = extension_of(path);
   if (extension == ".bmf") return read_bmf(path);
 #ifdef SCREE_HAVE_GMSH
   if (std::find(kGmshExtensions.begin(), kGmshExtensions.end(), extension) != kGmshExtensions.end()) {
+    ChildLimits patient = limits;
+    patient.cpu_seconds = limits.seconds;  // a short file can describe what takes long to mesh
     return mesh_file_of(run_in_child("reading " + path, [&] {
       return bytes_of({read_cad_with_gmsh(path), "gmsh, " + extension, {}});
-    }, limits));
+    }, patient));
   }
 #endif
   const bool is_known =

@@ -23,7 +23,14 @@ struct MeshFile {
 /// small bodies of openuniverse) is read here. Fails: UsageError for an unknown extension, or when this build
 /// has no assimp; SystemError when the file cannot be opened; InputError when it is empty, is not what its
 /// extension says, or breaks the importer.
-MeshFile read_mesh_file(const std::string& path, const ChildLimits& limits = {});
+MeshFile read_mesh_file(const std::string& path);
+MeshFile read_mesh_file(const std::string& path, const ChildLimits& limits);
+
+/// Limits of the importer by the size of the file: a damaged file of 10 kB, whose header promises 10^9 vertices, is given up
+/// after two seconds of computing, a scan of 100 MB after five minutes. assimp reads at least 1 MB a second.
+ChildLimits importer_limits(const std::string& path);
+inline constexpr double kImporterSeconds = 2;             ///< of computing, for any file
+inline constexpr double kImporterBytesPerSecond = 1e5;    ///< and one more for each of these
 
 /// Whether write_mesh_file knows the extension: .stl .ply .obj .off.
 bool is_writable_format(const std::string& path);

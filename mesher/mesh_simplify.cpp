@@ -23,17 +23,14 @@ constexpr double kMiddleWeight = 1e-9;
 constexpr double kLengthWeight = 1e-9;
 /// Weight of the planes that stand on open edges, in areas of the triangles there: borders hold their shape.
 constexpr double kBorderWeight = 10;
-/// An end of the edge is moved to keep the volume when its error becomes at most this many times as large.
+/// An end of the edge is moved to keep the volume when its error becomes at most this many times as large. A place whose
+/// error is larger than that of the best one by more than this waits until no edge costs less.
 constexpr double kVolumePrice = 4;
+/// Errors of at most this part of the trace of the quadric (in extents squared) are rounding.
+constexpr double kRounding = 1e-14;
 /// A triangle may turn by less than acos of this in one collapse, and keeps at least this quality: 1 for equal sides.
 constexpr double kLeastCosine = 0.1;
 constexpr double kLeastQuality = 0.02;
-/// An edge that must not collapse now comes up again once the others cost this many times as much: what surrounds it may
-/// have changed. After this many rounds without a collapse the rest stays.
-constexpr double kPatience = 8;
-constexpr int kLastRounds = 24;
-/// Cost of what costs nothing, in units of the extent to the fourth: rounding of squared distances times areas.
-constexpr double kLeastCost = 1e-18;
 /// A handle or a neck is cut when the three edges around it are shorter than this part of those of a triangle of the
 /// result: it could not be shown with so few triangles. A piece that falls off is dropped when it has at most so many.
 constexpr double kShortLoop = 1.0;
@@ -68,7 +65,8 @@ struct Quadric {
   Vec3 times(const Vec3& v) const {
     return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
   }
-  double error(const Vec3& x) const { return dot(x, times(x)) + 2 * dot(b, x) + c; }
+  double error(const Vec3& x) const { return std::max(dot(x, times(x)) + 2 * dot(b, x) + c, 0.0); }
+  double trace() const { return xx + yy + zz; }
   /// A^-1 v by the factors L D L^T, which lose few digits also where A is nearly singular; add_point keeps it definite.
   Vec3 solve(const Vec3& v) const {
     const double l10 = xy / xx, l20 = xz / xx;
@@ -84,11 +82,25 @@ struct Candidate {
   double cost;
   std::int32_t a, b;
   std::uint32_t stamp_a, stamp_b;
-  int refusals;
   bool operator<(const Candidate& o) const {  // the cheapest on top; ties by index, so that runs repeat
     if (cost != o.cost) return cost > o.cost;
     return a != o.a ? a > o.a : b > o.b;
   }
+};
+
+/// Where the joint vertex of an edge goes.
+struct Place {
+  Vec3 x;
+  double error = 0;       ///< of x
+  double cost = 0;        ///< of the collapse to x
+  bool is_near_best = false;  ///< the error is about as small as any place's, folded triangles or not
+};
+
+/// An edge that could not collapse as things were, at one of its ends.
+struct Sleeper {
+  std::int32_t partner;
+  std::uint32_t stamp, stamp_partner;
+  bool operator==(const Sleeper&) const = default;
 };
 
 /// Works about the centre of the mesh and in units of its extent, so that no weight depends on scale or place.
@@ -107,6 +119,7 @@ class Simplifier {
     stamp_.assign(mesh.vertices.size(), 0);
     locked_.assign(mesh.vertices.size(), 0);
     border_.assign(mesh.vertices.size(), 0);
+    asleep_.resize(mesh.vertices.size());
     live_ = mesh.triangle_count();
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
       const Vec3 area2 = normal_of(t);
@@ -142,13 +155,18 @@ class Simplifier {
       Candidate top = heap_.top();
       heap_.pop();
       if (top.stamp_a != stamp_[at(top.a)] || top.stamp_b != stamp_[at(top.b)]) continue;
-      if (collapse(top.a, top.b)) {
-        ++counts.collapses;
-      } else if (may_cut_ && cut_handle(top.a, top.b)) {
-        ++counts.handles_cut;
-      } else if (++top.refusals < kLastRounds) {
-        top.cost = kPatience * std::max(top.cost, kLeastCost);
+      Place place;
+      if (!keeps_topology(top.a, top.b) || !find_place(top.a, top.b, place)) {
+        if (may_cut_ && cut_handle(top.a, top.b)) ++counts.handles_cut;
+        else put_to_sleep(top);
+      } else if (!place.is_near_best && place.cost > top.cost) {
+        // where it would be cheap it folds a triangle: it takes its turn at what it costs, unless its surroundings change
+        put_to_sleep(top);
+        top.cost = place.cost;
         heap_.push(top);
+      } else {
+        collapse(top.a, top.b, place.x);
+        ++counts.collapses;
       }
     }
     counts.reached_target = live_ <= target;
@@ -164,36 +182,39 @@ class Simplifier {
     return cross(mesh_.corner(t, 1) - a, mesh_.corner(t, 2) - a);
   }
 
-  /// The sum of both quadrics with the pull to the middle, and that middle.
-  Quadric joint_quadric(std::int32_t a, std::int32_t b, Vec3& middle) const {
-    Quadric q = quadric_[at(a)];
-    q += quadric_[at(b)];
-    middle = 0.5 * (mesh_.vertices[at(a)] + mesh_.vertices[at(b)]);
-    if (border_[at(a)] != border_[at(b)]) middle = mesh_.vertices[at(border_[at(a)] ? a : b)];
-    const double trace = q.xx + q.yy + q.zz;
+  /// The sum of both quadrics, the same with the pull to the middle, and that middle.
+  struct Joint {
+    Quadric planes, pulled;
+    Vec3 middle;
+    double length_cost = 0;
+  };
+  Joint joint_of(std::int32_t a, std::int32_t b) const {
+    Joint j{quadric_[at(a)], {}, 0.5 * (mesh_.vertices[at(a)] + mesh_.vertices[at(b)]), 0};
+    j.planes += quadric_[at(b)];
+    if (border_[at(a)] != border_[at(b)]) j.middle = mesh_.vertices[at(border_[at(a)] ? a : b)];
+    j.pulled = j.planes;
     // the second part keeps the system solvable for triangles too small to weigh anything
-    q.add_point(middle, kMiddleWeight * trace + 1e-30);
-    return q;
+    j.pulled.add_point(j.middle, kMiddleWeight * j.planes.trace() + 1e-30);
+    j.length_cost = kLengthWeight * j.planes.trace() * squared_length(mesh_.vertices[at(a)] - mesh_.vertices[at(b)]);
+    return j;
   }
 
   bool weigh(std::int32_t a, std::int32_t b, Candidate& candidate) const {
     if (locked_[at(a)] || locked_[at(b)]) return false;
-    Vec3 middle;
-    const Quadric q = joint_quadric(a, b, middle);
-    const Vec3 x = q.solve(-q.b);
-    const double edge2 = squared_length(mesh_.vertices[at(a)] - mesh_.vertices[at(b)]);
-    const double cost = std::max(q.error(is_finite(x) ? x : middle), 0.0) + kLengthWeight * (q.xx + q.yy + q.zz) * edge2;
+    const Joint j = joint_of(a, b);
+    const Vec3 x = j.pulled.solve(-j.pulled.b);
+    const double cost = j.planes.error(is_finite(x) ? x : j.middle) + j.length_cost;
     if (!std::isfinite(cost)) return false;
-    candidate = {cost, a, b, stamp_[at(a)], stamp_[at(b)], 0};
+    candidate = {cost, a, b, stamp_[at(a)], stamp_[at(b)]};
     return true;
   }
 
   /// Where the joint vertex goes: the place of least error among those that keep the volume; where that folds a
-  /// triangle, another that keeps the volume, near an end or the middle; at last an end.
-  template <class Fits>
-  bool find_place(std::int32_t a, std::int32_t b, const Fits& fits, Vec3& x) const {
-    Vec3 middle;
-    const Quadric q = joint_quadric(a, b, middle);
+  /// triangle, another that keeps the volume, near an end or the middle; at last an end, whatever its error.
+  bool find_place(std::int32_t a, std::int32_t b, Place& place) const {
+    const Joint joint = joint_of(a, b);
+    const Quadric &q = joint.planes, &pulled = joint.pulled;
+    const Vec3 middle = joint.middle;
     const Vec3 first = mesh_.vertices[at(a)], second = mesh_.vertices[at(b)];
     const double reach = kReach * length(first - second);
     // sum of n (x - p) over the triangles around the edge is six times the volume gained
@@ -208,22 +229,27 @@ class Simplifier {
     for (std::int32_t t : faces_[at(b)]) {
       if (!has(t, a)) add(t);
     }
-    const auto try_place = [&](const Vec3& place) {
-      x = place;
-      return is_finite(x) && length(x - middle) <= reach && fits(x);
+    const double rounding = kRounding * q.trace();
+    Vec3 best = pulled.solve(-pulled.b);
+    best += pulled.solve(-(q.times(best) + q.b));  // takes back what the pull did where the planes decide
+    if (!is_finite(best) || length(best - middle) > reach) best = middle;
+    const double limit = kVolumePrice * q.error(best) + rounding;
+    const auto try_place = [&](const Vec3& x) {
+      if (!is_finite(x) || length(x - middle) > reach || !keeps_triangles(a, b, x) || !keeps_triangles(b, a, x)) return false;
+      const double error = q.error(x);
+      place = {x, error, error + joint.length_cost, error <= limit};
+      return true;
     };
     const auto keeping_volume = [&](const Vec3& start, const Vec3& direction) {
       return start - ((dot(gradient, start - middle) - gained) / dot(gradient, direction)) * direction;
     };
-    Vec3 best = q.solve(-q.b);
-    if (!is_finite(best) || length(best - middle) > reach) best = middle;
-    if (try_place(keeping_volume(best, q.solve(gradient)))) return true;
+    if (try_place(keeping_volume(best, pulled.solve(gradient)))) return true;
     const bool a_first = q.error(first) <= q.error(second);
     const Vec3 &near = a_first ? first : second, &far = a_first ? second : first;
-    const double allowed = kVolumePrice * q.error(near);
+    const double allowed = kVolumePrice * q.error(near) + rounding;
     for (const Vec3& start : {best, near, middle, far}) {
-      const Vec3 place = keeping_volume(start, gradient);
-      if (q.error(place) <= allowed && try_place(place)) return true;
+      const Vec3 x = keeping_volume(start, gradient);
+      if (q.error(x) <= allowed && try_place(x)) return true;
     }
     return try_place(best) || try_place(near) || try_place(far);
   }
@@ -288,11 +314,8 @@ class Simplifier {
     return true;
   }
 
-  bool collapse(std::int32_t a, std::int32_t b) {
-    if (!keeps_topology(a, b)) return false;
-    const auto fits = [&](const Vec3& place) { return keeps_triangles(a, b, place) && keeps_triangles(b, a, place); };
-    Vec3 x;
-    if (!find_place(a, b, fits, x)) return false;
+  /// Joins b with a at x.
+  void collapse(std::int32_t a, std::int32_t b, const Vec3& x) {
     mesh_.vertices[at(a)] = x;
     quadric_[at(a)] += quadric_[at(b)];
     border_[at(a)] = border_[at(a)] | border_[at(b)];
@@ -312,7 +335,6 @@ class Simplifier {
     faces_[at(b)] = {};
     ++stamp_[at(b)];
     renew(a);
-    return true;
   }
 
   /// The triangle of v that has the directed edge v -> to, or -1.
@@ -381,6 +403,7 @@ class Simplifier {
       stamp_.push_back(0);
       locked_.push_back(0);
       border_.push_back(0);
+      asleep_.emplace_back();
       for (std::int32_t t : arcs[k]) {
         std::erase(faces_[at(loop[k])], t);
         for (std::int32_t& v : mesh_.triangles[at(t)]) {
@@ -448,14 +471,30 @@ class Simplifier {
     return true;
   }
 
-  /// Puts all edges of a changed vertex on the heap anew.
+  /// Puts all edges of a changed vertex on the heap anew, and those around it that waited for a change.
   void renew(std::int32_t v) {
     ++stamp_[at(v)];
+    asleep_[at(v)].clear();
     neighbours(v, around_a_);
     for (std::int32_t u : around_a_) {
       Candidate candidate{};
       if (weigh(std::min(u, v), std::max(u, v), candidate)) heap_.push(candidate);
+      for (const Sleeper& s : asleep_[at(u)]) {
+        if (s.stamp != stamp_[at(u)] || s.stamp_partner != stamp_[at(s.partner)]) continue;
+        if (weigh(std::min(u, s.partner), std::max(u, s.partner), candidate)) heap_.push(candidate);
+      }
+      asleep_[at(u)].clear();
     }
+  }
+
+  /// Keeps an edge at both of its ends until a vertex next to one of them changes.
+  void put_to_sleep(const Candidate& c) {
+    const auto add = [&](std::int32_t v, const Sleeper& s) {
+      std::vector<Sleeper>& here = asleep_[at(v)];
+      if (std::find(here.begin(), here.end(), s) == here.end()) here.push_back(s);
+    };
+    add(c.a, {c.b, c.stamp_a, c.stamp_b});
+    add(c.b, {c.a, c.stamp_b, c.stamp_a});
   }
 
   TriangleMesh& mesh_;
@@ -468,6 +507,7 @@ class Simplifier {
   std::vector<std::uint32_t> stamp_;  // of each vertex, counts its collapses
   std::vector<char> locked_, border_;
   std::priority_queue<Candidate> heap_;
+  std::vector<std::vector<Sleeper>> asleep_;  // at each vertex
   std::vector<std::int32_t> around_a_, around_b_;
   std::int32_t live_ = 0;
 };

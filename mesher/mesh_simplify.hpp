@@ -16,8 +16,9 @@ struct SimplifyCounts {
 /// Collapses edges until at most `triangle_count` triangles are left.
 ///
 /// How: the edge whose collapse moves the surface least goes first, by quadric error; its new vertex minimises that
-/// error on the plane on which the enclosed volume does not change. A collapse that would change the topology, turn a
-/// triangle over or make a needle is refused, so a closed manifold mesh stays one, handles and cavities included. Only a
+/// error on the plane on which the enclosed volume does not change. Where that place folds a triangle, the edge takes its turn
+/// among the others at the error of the place that it can have. A collapse that would change the topology, turn a
+/// triangle over or make a needle waits for a change around it, so a closed manifold mesh stays one, handles and cavities included. Only a
 /// handle or neck around which three edges shorter than a triangle of the result run is cut and capped there: scans
 /// have dozens that are too small to see, and each would keep a dozen triangles.
 /// Source: M. Garland, P. Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997;

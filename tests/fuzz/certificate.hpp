@@ -39,12 +39,13 @@ inline void expect_true_certificate(const TriangleMesh& mesh, const MeshCheck& c
   if (!(check.mass.principal_moments.x > 0)) wrong_certificate("a principal moment is not above 0");
 }
 
-/// Cleans, checks, heals and checks again, as check and repair do. Returns whether it ended as a solid.
-inline bool examine(TriangleMesh mesh) {
+/// Cleans, checks, and, when asked to, heals and checks again, as check and repair do. Returns whether it ended as a solid.
+inline bool examine(TriangleMesh mesh, bool heals) {
   clean_mesh(mesh, false);
   const MeshCheck check = check_mesh(mesh);
   if (check.is_solid()) expect_true_certificate(mesh, check);
   if (check.nonfinite_vertices > 0 || mesh.triangles.empty()) return false;
+  if (!heals) return check.is_solid();
   std::vector<std::string> steps;
   heal_mesh(mesh, {}, steps);
   const MeshCheck healed = check_mesh(mesh);

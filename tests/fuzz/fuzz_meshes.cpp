@@ -1,7 +1,8 @@
 // Coverage-guided fuzzing (libFuzzer) of our own reader and of check and repair; see run.sh.
 //
-// The first byte chooses: a BMF file, or a mesh spelt out in bytes, whose few lattice points make coincident, flat,
-// crossing and non-manifold triangles likely.
+// The first byte chooses: a BMF file, which is read and checked; a mesh spelt out in bytes, whose few lattice points make
+// coincident, flat, crossing and non-manifold triangles likely, which is checked, or checked, healed and checked again. Everything
+// happens in this process and without files: about 1000 runs a second with AddressSanitizer.
 #include <cstddef>
 #include <cstdint>
 
@@ -15,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ++data, --size;
   if (kind % 2 == 0) {
     try {
-      scree::test::examine(scree::parse_bmf({data, data + size}, "fuzz.bmf").mesh);
+      scree::test::examine(scree::parse_bmf({data, data + size}, "fuzz.bmf").mesh, false);
     } catch (const scree::Error&) {  // refused with words: as it should be
     }
     return 0;
@@ -31,6 +32,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (; at + 2 < size && count > 0; at += 3) {
     mesh.triangles.push_back({data[at] % count, data[at + 1] % count, data[at + 2] % count});
   }
-  scree::test::examine(std::move(mesh));
+  scree::test::examine(std::move(mesh), kind % 4 == 3);
   return 0;
 }

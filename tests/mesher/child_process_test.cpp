@@ -57,6 +57,18 @@ TEST(ChildProcess, a_child_that_hangs_is_ended) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
+TEST(ChildProcess, a_child_that_computes_for_too_long_is_ended) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string message = message_of(
+      []() -> std::vector<char> {
+        volatile unsigned count = 0;
+        for (;;) count = count + 1;
+      },
+      {.memory_bytes = std::size_t{8} << 30, .seconds = 60, .cpu_seconds = 0.25});
+  EXPECT_SAYS(message, "did not end within 0.25 s of computing");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
 TEST(ChildProcess, a_child_that_asks_for_too_much_memory_is_refused) {
   if (!child_memory_is_limited()) GTEST_SKIP() << "no memory limit under this sanitizer";
   const std::string message = message_of([] { return std::vector<char>(std::size_t{3} << 30, 'x'); },
