@@ -121,7 +121,16 @@ HWY_INLINE void solve_batch(const T* values, std::int64_t stride, std::int64_t c
     RareLanes<T> rare;
     const Solution<T> s = brute_force<T, kWant, true>({values + i, stride}, o, rare);
     store_solution<T, kWant>(s, whole ? out : last_rows, whole ? i : 0);
-    const Mask<T> again = rare.contact | rare.thin | rare.unusual;
+    Mask<T> again = rare.contact | rare.thin | rare.unusual;
+    if constexpr (kWant == Want::distance) {
+      // where they intersect nothing else is asked for
+      if (HWY_UNLIKELY(any(rare.contact))) {
+        const Mask<T> meet = surely_meet<T>({values + i, stride}, rare.contact & !rare.unusual);
+        T* distance = whole ? out[0] + i : last[0];
+        select(meet, Pack<T>(T(0)), Pack<T>::load(distance)).store(distance);
+        again = again & !meet;
+      }
+    }
     if (HWY_UNLIKELY(!whole))
       for (std::size_t r = 0; r < out.size(); ++r) std::copy(last[r], last[r] + (count - i), out[r] + i);
     if (HWY_UNLIKELY(any(again))) queue.push(values, stride, i, count, again);

@@ -351,7 +351,7 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
   size2 = aa[0] + aa[1];
 
   // edges against edges
-  Candidate<T> best{V(Limits<T>::huge), zero, zero, zero};
+  Candidate<T> best;
   SCREE_UNROLL_3
   for (int j = 0; j < 3; ++j) {
     const Pack3<T> b0 = pair.corner(3 + j), b = pair.corner(3 + (j + 1) % 3) - b0, r0 = pair.corner(0) - b0;
@@ -394,7 +394,13 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
       squared[i] = dot(d, d);
     }
     SCREE_UNROLL_3
-    for (int i = 0; i < 3; ++i) best.offer(squared[i], s[i], t[i], V(T(3 * i + j)));
+    for (int i = 0; i < 3; ++i) {
+      if (i == 0 && j == 0) {
+        best = {squared[0], s[0], t[0], zero};
+      } else {
+        best.offer(squared[i], s[i], t[i], V(T(3 * i + j)));
+      }
+    }
   }
 
   // vertices against faces
@@ -423,12 +429,12 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
     // weights of the vertices 1 and 2 of each triangle, from the winner's parameters
     const V code = best.code, s = best.s, t = best.t, os = one - s, ot = one - t;
     const Mask<T> i0 = code < V(T(3)), i1 = code < V(T(6)), ee = code < V(T(9)), va = code < V(T(12));
-    const V first = select(i0, zero, select(i1, V(T(3)), select(ee, V(T(6)), select(va, V(T(9)), V(T(12))))));
+    const V first = where_not(i0, select(i1, V(T(3)), select(ee, V(T(6)), select(va, V(T(9)), V(T(12))))));
     const V k = code - first;
     const Mask<T> k0 = k < V(T(0.5)), k1 = k < V(T(1.5));
-    const V e1 = select(i0, s, select(i1, os, zero)), e2 = select(i0, zero, select(i1, s, os));
-    const V f1 = select(k0, t, select(k1, ot, zero)), f2 = select(k0, zero, select(k1, t, ot));
-    const V v1 = select(k0, zero, select(k1, one, zero)), v2 = select(k1, zero, one);
+    const V e1 = select(i0, s, where(i1, os)), e2 = where_not(i0, select(i1, s, os));
+    const V f1 = select(k0, t, where(k1, ot)), f2 = where_not(k0, select(k1, t, ot));
+    const V v1 = where_not(k0, where(k1, one)), v2 = where_not(k1, one);
     const V wa1 = select(ee, e1, select(va, v1, s)), wa2 = select(ee, e2, select(va, v2, t));
     const V wb1 = select(ee, f1, select(va, s, v1)), wb2 = select(ee, f2, select(va, t, v2));
     const Pack3<T> a0 = pair.corner(0), b0 = pair.corner(3), a1 = pair.corner(1) - a0, a2 = a0 - pair.corner(2);
@@ -441,9 +447,10 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
     } else {
       out.difference = Pack3<T>{zero, zero, zero};
     }
-    const V ends = select(s <= zero, V(T(kCodeS0)), select(s >= one, V(T(kCodeS1)), zero)) +
-                   select(t <= zero, V(T(kCodeT0)), select(t >= one, V(T(kCodeT1)), zero));
-    out.code = select(ee, code + ends, code);
+    // an end of the edge or the other, so the sum of both is one of them
+    const V ends = (where(s <= zero, V(T(kCodeS0))) + where(s >= one, V(T(kCodeS1)))) +
+                   (where(t <= zero, V(T(kCodeT0))) + where(t >= one, V(T(kCodeT1))));
+    out.code = code + where(ee, ends);
   }
 
   // an edge goes through a face when it passes its three edges on one side and its ends lie on both sides
@@ -456,17 +463,24 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
   if constexpr (kShort && sizeof(T) == 4) {
     // beyond doubt no edge does: for each, the sum of both tests
     const V l2 = max(la2, lb2), l3 = l2 * sqrt(l2), slack = V(Limits<T>::slack) * l3, height_slack = V(Limits<T>::height_slack) * l3;
-    const auto one_side = [&](V lowest, V highest) { return max(lowest, zero - highest); };
+    // negative where a volume is surely negative, and where it is surely positive
+    V below[3][3], above[3][3], a_below[3], a_above[3], b_below[3], b_above[3];
+    SCREE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+      SCREE_UNROLL_3
+      for (int j = 0; j < 3; ++j) below[i][j] = o.w[i][j] + slack, above[i][j] = slack - o.w[i][j];
+      a_below[i] = o.height_a[i] + height_slack, a_above[i] = height_slack - o.height_a[i];
+      b_below[i] = o.height_b[i] + height_slack, b_above[i] = height_slack - o.height_b[i];
+    }
     V apart;
     SCREE_UNROLL_3
     for (int i = 0; i < 3; ++i) {
       const int k = (i + 1) % 3;
-      const V low_a = min(min(o.w[i][0], o.w[i][1]), o.w[i][2]), high_a = max(max(o.w[i][0], o.w[i][1]), o.w[i][2]);
-      const V low_b = min(min(o.w[0][i], o.w[1][i]), o.w[2][i]), high_b = max(max(o.w[0][i], o.w[1][i]), o.w[2][i]);
-      const V ends_a = one_side(min(o.height_a[i], o.height_a[k]), max(o.height_a[i], o.height_a[k]));
-      const V ends_b = one_side(min(o.height_b[i], o.height_b[k]), max(o.height_b[i], o.height_b[k]));
-      // negative where the line passes the face, or where both ends are on one side
-      const V both = sign_and(sign_or(one_side(low_a, high_a) + slack, height_slack - ends_a), sign_or(one_side(low_b, high_b) + slack, height_slack - ends_b));
+      // the line passes the face, for it has edges on both sides, or both ends are on one side
+      const V passes_b = sign_and(sign_or(below[i][0], below[i][1], below[i][2]), sign_or(above[i][0], above[i][1], above[i][2]));
+      const V passes_a = sign_and(sign_or(below[0][i], below[1][i], below[2][i]), sign_or(above[0][i], above[1][i], above[2][i]));
+      const V both = sign_and(sign_or(passes_b, sign_and(a_below[i], a_below[k]), sign_and(a_above[i], a_above[k])),
+                              sign_or(passes_a, sign_and(b_below[i], b_below[k]), sign_and(b_above[i], b_above[k])));
       apart = i == 0 ? both : sign_and(apart, both);
     }
     // what meets is nearer than twice the smaller triangle is long
@@ -486,6 +500,41 @@ HWY_INLINE Solution<T> brute_force(const PairRows<T>& pair, Orientation<T>& o, R
   const V all2 = size2 + best.squared;
   rare.unusual = !((all2 >= V(Limits<T>::smallest_squared)) & (all2 <= V(Limits<T>::largest_squared)));
   return out;
+}
+
+/// Of these lanes, those in which signs beyond doubt say that an edge of one triangle pierces the other. From the beginning,
+/// like solve_rare; sizes near 1.
+template <class T>
+HWY_NOINLINE Mask<T> surely_meet(const PairRows<T>& pair, Mask<T> lanes) {
+  using V = Pack<T>;
+  // roundoffs of the longest edge squared times the way across both triangles (counted: 24)
+  constexpr T kSureRoundoffs = T(64) * Limits<T>::u;
+  const TrianglePack<T> a = pair.triangle(0), b = pair.triangle(1);
+  Pack3<T> ea[3], eb[3];
+  for (int k = 0; k < 3; ++k) {
+    ea[k] = a.p[(k + 1) % 3] - a.p[k];
+    eb[k] = b.p[(k + 1) % 3] - b.p[k];
+  }
+  const Pack3<T> na = cross(ea[0], ea[1]), nb = cross(eb[0], eb[1]), r = a.p[0] - b.p[0];
+  V w[3][3], height_a[3], height_b[3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) w[i][j] = dot(ea[i], cross(eb[j], a.p[i] - b.p[j]));
+    height_a[i] = dot(nb, a.p[i] - b.p[0]);
+    height_b[i] = dot(na, b.p[i] - a.p[0]);
+  }
+  const V la2 = longest_squared(ea), lb2 = longest_squared(eb), l2 = max(la2, lb2);
+  const V slack = V(kSureRoundoffs) * l2 * (sqrt(dot(r, r)) + sqrt(la2) + sqrt(lb2));
+  const auto pierces = [&](const V& w0, const V& w1, const V& w2, const V& h0, const V& h1) {
+    const V least = min(min(min(abs(w0), abs(w1)), abs(w2)), min(abs(h0), abs(h1)));
+    return mask_of_sign(sign_differs_and(sign_all_equal(w0, w1, w2), h0, h1)) & (least > slack);
+  };
+  Mask<T> meet = V(T(1)) < V(T(0));
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3;
+    meet = meet | pierces(w[i][0], w[i][1], w[i][2], height_a[i], height_a[k]);
+    meet = meet | pierces(w[0][i], w[1][i], w[2][i], height_b[i], height_b[k]);
+  }
+  return meet & lanes;
 }
 
 template <class T, Want kWant, bool kShort>

@@ -40,7 +40,8 @@ HWY_NOINLINE std::size_t find_expired(const float* expiry, std::size_t count, fl
   return size;
 }
 
-/// Moves the corners of B (rows 9 to 17 of a batch) into A's frame.
+/// Moves the corners of B (rows 9 to 17 of a batch) into A's frame; in double precision rounded like linear * corner +
+/// translation is elsewhere, so that a pair at the margin is judged alike.
 template <class Real>
 HWY_INLINE void place_corners(Real* rows, std::int64_t stride, std::int64_t count, const Real linear[3][3], const Real translation[3]) {
   const hn::ScalableTag<Real> tag;
@@ -49,8 +50,9 @@ HWY_INLINE void place_corners(Real* rows, std::int64_t stride, std::int64_t coun
       Real* at = rows + (9 + 3 * corner) * stride + i;
       const auto x = hn::LoadU(tag, at), y = hn::LoadU(tag, at + stride), z = hn::LoadU(tag, at + 2 * stride);
       for (int c = 0; c < 3; ++c) {
-        const auto turned = hn::MulAdd(hn::Set(tag, linear[c][2]), z, hn::MulAdd(hn::Set(tag, linear[c][1]), y, hn::Mul(hn::Set(tag, linear[c][0]), x)));
-        hn::StoreU(hn::Add(hn::Set(tag, translation[c]), turned), tag, at + c * stride);
+        const auto l0 = hn::Set(tag, linear[c][0]), l1 = hn::Set(tag, linear[c][1]), l2 = hn::Set(tag, linear[c][2]), first = hn::Mul(l0, x);
+        const auto turned = sizeof(Real) == 4 ? hn::MulAdd(l2, z, hn::MulAdd(l1, y, first)) : hn::Add(hn::Add(first, hn::Mul(l1, y)), hn::Mul(l2, z));
+        hn::StoreU(hn::Add(turned, hn::Set(tag, translation[c])), tag, at + c * stride);
       }
     }
   }
@@ -60,6 +62,30 @@ std::size_t exact_lanes() { return hn::Lanes(hn::ScalableTag<double>()); }
 
 HWY_NOINLINE void place_float(float* rows, std::int64_t stride, std::int64_t count, const float linear[3][3], const float translation[3]) {
   place_corners(rows, stride, count, linear, translation);
+}
+HWY_NOINLINE void place_double(double* rows, std::int64_t stride, std::int64_t count, const double linear[3][3], const double translation[3]) {
+  place_corners(rows, stride, count, linear, translation);
+}
+
+/// Widens the boxes of both sides (lower, upper) by the corners in the columns of a batch that are chosen, those above 0. The
+/// columns are read up to a whole number of vectors.
+HWY_NOINLINE void add_corners(const float* rows, std::int64_t stride, std::int64_t count, const float* chosen, float box[2][6]) {
+  const hn::ScalableTag<float> tag;
+  const auto far = hn::Set(tag, 3e38f);
+  for (int side = 0; side < 2; ++side)
+    for (int c = 0; c < 3; ++c) {
+      auto lower = far, upper = hn::Neg(far);
+      for (std::int64_t i = 0; i < count; i += static_cast<std::int64_t>(hn::Lanes(tag))) {
+        const auto mask = hn::Gt(hn::LoadU(tag, chosen + i), hn::Zero(tag));
+        for (int corner = 0; corner < 3; ++corner) {
+          const auto x = hn::LoadU(tag, rows + (9 * side + 3 * corner + c) * stride + i);
+          lower = hn::Min(lower, hn::IfThenElse(mask, x, far));
+          upper = hn::Max(upper, hn::IfThenElse(mask, x, hn::Neg(far)));
+        }
+      }
+      box[side][c] = std::min(box[side][c], hn::GetLane(hn::MinOfLanes(tag, lower)));
+      box[side][3 + c] = std::max(box[side][3 + c], hn::GetLane(hn::MaxOfLanes(tag, upper)));
+    }
 }
 
 }  // namespace scree::HWY_NAMESPACE
@@ -72,7 +98,9 @@ namespace {
 
 HWY_EXPORT(find_expired);
 HWY_EXPORT(place_float);
+HWY_EXPORT(place_double);
 HWY_EXPORT(exact_lanes);
+HWY_EXPORT(add_corners);
 
 /// Shapes with more triangles than this need the wide pairs.
 constexpr std::int32_t kNarrowTriangles = 65536;
@@ -134,6 +162,7 @@ struct KeptPairsScratch {
     float expiry;
   };
   std::vector<Listed> listed;
+  std::vector<float> chosen;  // by candidate: 1 where it is listed, 0 elsewhere, in whole blocks
   KeptPairsScratch() { descent.keep_corners = true; }
   alignas(64) std::array<float, 18 * kStride> single;
   alignas(64) std::array<double, 18 * kStride> exact;
@@ -196,21 +225,24 @@ void KeptPairs::choose_skin(double smallest_radius, double margin) {
   if (fixed_skin_ <= 0) skin_ = std::clamp(skin_, kThinnestSkin * smallest_radius, kWidestSkin * smallest_radius);
 }
 
-void KeptPairs::find_patches(const MeshView& a, const MeshView& b) {
-  const auto patch_of = [&](const TriangleMesh& mesh, auto triangle_of) {
-    Box3 box;
-    std::int32_t last = -1;
-    for (std::size_t k = 0; k < expiry_.size(); ++k) {
-      const std::int32_t t = triangle_of(pair_at(k));
-      if (t == last) continue;  // pairs come row by row
-      last = t;
-      for (int c = 0; c < 3; ++c) box.add(mesh.corner(t, c));
-    }
-    if (box.is_empty()) return SurfacePatch{};
-    return SurfacePatch{box.centre(), 0.5 * length(box.extent())};
+void KeptPairs::find_patches(const Placement& b_in_a, const Vec3& middle, double allowance, KeptPairsScratch& s) {
+  patch_a_ = patch_b_ = {};
+  if (expiry_.empty()) return;
+  float box[2][6];
+  for (auto& side : box)
+    for (int c = 0; c < 3; ++c) side[c] = 3e38f, side[3 + c] = -3e38f;
+  const auto count = static_cast<std::int64_t>(s.descent.candidates.size());
+  for (std::int64_t begin = 0; begin < count; begin += kBatchPairs)
+    HWY_DYNAMIC_DISPATCH(add_corners)(s.descent.corners.data() + begin / kBatchPairs * DescentScratch::kBlockSize, kStride, std::min(count - begin, kBatchPairs),
+                                      s.chosen.data() + begin, box);
+  // a ball is a ball in either frame
+  const auto ball = [&](const float side[6]) {
+    const Vec3 lower{side[0], side[1], side[2]}, upper{side[3], side[4], side[5]};
+    return SurfacePatch{middle + 0.5 * (lower + upper), 0.5 * length(upper - lower) * (1 + kBoundRounding) + allowance};
   };
-  patch_a_ = patch_of(*a.mesh, [](const TrianglePair& p) { return p.a; });
-  patch_b_ = patch_of(*b.mesh, [](const TrianglePair& p) { return p.b; });
+  patch_a_ = ball(box[0]);
+  const SurfacePatch b = ball(box[1]);
+  patch_b_ = {(1 / b_in_a.scale) * transpose_times(b_in_a.rotation, b.centre - b_in_a.translation), b.radius / b_in_a.scale};
 }
 
 void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s) {
@@ -227,10 +259,13 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
   s.listed.clear();
   const double growth = lever_ > 0 ? skin_ / lever_ : 0;
   const Vec3 centre_in_a = b_in_a.scale * (b_in_a.rotation * centre_) + b_in_a.translation - tree_a.middle;
-  collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), DescentReach(filter_reach(frame, reach), growth, centre_in_a, frame), s.descent);
-  const std::vector<TrianglePair>& candidates = s.descent.candidates;
+  collect_candidates(tree_a, tree_b, frame, DescentReach(filter_reach(frame, reach), growth, centre_in_a, frame), s.descent);
+  const std::size_t candidates = s.descent.candidates.size();
+  s.chosen.assign((candidates + static_cast<std::size_t>(kBatchPairs) - 1) / static_cast<std::size_t>(kBatchPairs) * static_cast<std::size_t>(kBatchPairs), 0.0f);
   close_count_ = 0;
-  const auto list = [&](const TrianglePair& pair, float distance) {
+  std::size_t candidate = 0;
+  for_each_single_distance(s.descent, [&](const TrianglePair& pair, float distance) {
+    const std::size_t here = candidate++;
     const double least = static_cast<double>(distance) - allowance;
     double reach_here = reach;
     if (growth > 0 && least > reach) {
@@ -240,14 +275,9 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
     }
     if (least > reach_here) return;
     if (least <= margin) ++close_count_;
+    s.chosen[here] = 1;
     s.listed.push_back({pair, round_down(least - margin)});
-  };
-  for (std::size_t begin = 0; begin < candidates.size(); begin += static_cast<std::size_t>(kBatchPairs)) {
-    const std::size_t size = std::min(candidates.size() - begin, static_cast<std::size_t>(kBatchPairs));
-    const float* corners = s.descent.corners.data() + begin / static_cast<std::size_t>(kBatchPairs) * DescentScratch::kBlockSize;
-    triangle_distances(PairBatch<float>{corners, kStride, static_cast<std::int64_t>(size)}, s.single_distance.data());
-    for (std::size_t i = 0; i < size; ++i) list(candidates[begin + i], s.single_distance[i]);
-  }
+  });
 
   const std::size_t count = s.listed.size();
   const bool narrow = a.mesh->triangle_count() <= kNarrowTriangles && b.mesh->triangle_count() <= kNarrowTriangles;
@@ -268,7 +298,7 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
       wide_[k] = pair;
     }
   }
-  find_patches(a, b);
+  find_patches(b_in_a, tree_a.middle, allowance, s);
   listed_at_ = last_ = b_in_a;
   margin_ = margin;
   way_ = 0;
@@ -329,8 +359,10 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
   });
 
   // the decision
-  Mat3 linear;
-  for (int i = 0; i < 3; ++i) linear[i] = b_in_a.scale * b_in_a.rotation[i];
+  double linear[3][3];
+  const double translation[3] = {b_in_a.translation.x, b_in_a.translation.y, b_in_a.translation.z};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) linear[i][j] = b_in_a.scale * b_in_a.rotation[i][j];
   bool intersecting = false;
   counts_.decided += static_cast<std::int64_t>(s.decide_entry.size());
   for (std::size_t begin = 0; begin < s.decide_entry.size(); begin += static_cast<std::size_t>(kBatchPairs)) {
@@ -338,14 +370,9 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
     for (std::int64_t i = 0; i < size; ++i) {
       const TrianglePair pair = pair_at(static_cast<std::size_t>(s.decide_entry[begin + static_cast<std::size_t>(i)]));
       load_corners(*a.mesh, Vec3{}, pair.a, s.exact.data() + i);
-      double* column = s.exact.data() + 9 * kStride + i;
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 placed = linear * b.mesh->corner(pair.b, k) + b_in_a.translation;
-        column[(3 * k) * kStride] = placed.x;
-        column[(3 * k + 1) * kStride] = placed.y;
-        column[(3 * k + 2) * kStride] = placed.z;
-      }
+      load_corners(*b.mesh, Vec3{}, pair.b, s.exact.data() + 9 * kStride + i);
     }
+    HWY_DYNAMIC_DISPATCH(place_double)(s.exact.data(), kStride, size, linear, translation);
     triangle_distances(PairBatch<double>{s.exact.data(), kStride, size}, s.distance.data());
     for (std::int64_t i = 0; i < size; ++i) {
       const auto entry = static_cast<std::size_t>(s.decide_entry[begin + static_cast<std::size_t>(i)]);

@@ -90,7 +90,7 @@ class KeptPairs {
   };
   void make_list(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& scratch);
   void choose_skin(double smallest_radius, double margin);
-  void find_patches(const MeshView& a, const MeshView& b);
+  void find_patches(const Placement& b_in_a, const Vec3& middle, double allowance, KeptPairsScratch& scratch);
   TrianglePair pair_at(std::size_t k) const {
     return wide_.empty() ? TrianglePair{narrow_[k].a, narrow_[k].b} : wide_[k];
   }

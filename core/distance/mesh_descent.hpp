@@ -5,6 +5,7 @@
 // `allowance`, a bound on what rounding to single precision can do to any distance in this frame.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,10 +19,16 @@ namespace scree {
 struct TrianglePair;
 struct Placement;
 
-/// The placement of B's tree in the frame of A's in single precision, each from its own middle, and its error.
-struct DescentFrame {
+/// linear x + translation, and the absolute values of linear.
+struct SinglePlacement {
   float linear[3][3], absolute[3][3], translation[3];
-  float allowance;  ///< [units of A's shape]
+};
+
+/// The placement of B's tree in the frame of A's in single precision, each from its own middle, and its error.
+struct DescentFrame : SinglePlacement {
+  float allowance;        ///< [units of A's shape]
+  SinglePlacement back;   ///< of A's tree in the frame of B's
+  float back_scale;       ///< a length in A's units in those of B
 };
 DescentFrame make_descent_frame(const Bvh& a, const Bvh& b, const Placement& b_in_a);
 
@@ -39,35 +46,44 @@ struct DescentReach {
         centre{static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)} {}
 };
 
-/// Two subtrees to visit: >= 0 a node, < 0 leaf ~code; with their boxes (lower, upper) in A's frame.
+/// Two subtrees to visit: >= 0 a node, < 0 leaf ~code. Boxes are looked up where they are: copying them into every pair takes
+/// longer than to compare them.
 struct SubtreePair {
   std::int32_t a, b;
-  float gap2;   ///< squared distance of the boxes
-  float reach;  ///< the largest in B's box
-  float box_a[6], box_b[6];
+  std::int32_t slot_a;  ///< A's box is slot_a % kBvhWidth of node slot_a / kBvhWidth; -1: the root's
+  float gap2;           ///< squared distance of the boxes
+  float reach;          ///< the largest in B's box
 };
 
-/// A leaf of B in A's frame, with its triangles' boxes and separating slabs: n . x in low..high holds the triangle
-/// and everything within reach of its plane's triangle.
-struct alignas(32) PlacedLeaf {
-  float corner[9][kBvhWidth];
+/// What a leaf's triangles are compared by: their boxes and slabs, n . x in low..high, which hold them. All that is within
+/// reach of a triangle lies in its slab widened by reach |n|.
+struct alignas(32) LeafBounds {
   float lower[3][kBvhWidth], upper[3][kBvhWidth];
-  float normal[3][kBvhWidth], low[kBvhWidth], high[kBvhWidth];
-  float reach[kBvhWidth], largest_reach;
+  float normal[3][kBvhWidth], low[kBvhWidth], high[kBvhWidth], normal_length[kBvhWidth];
 };
 
-/// Boxes of the children of a node of B in A's frame.
+/// A leaf of B in A's frame.
+struct alignas(32) PlacedLeaf {
+  LeafBounds bounds;
+  float corner[9][kBvhWidth];
+  float lower[3], upper[3];  ///< of all triangles: tighter than the box of the leaf, turned
+  float reach[kBvhWidth];    ///< only where it differs from place to place
+};
+
+/// Boxes of the children of a node of B in A's frame, or the other way round.
 struct alignas(32) PlacedNode {
   float lower[3][kBvhWidth], upper[3][kBvhWidth];
-  float reach[kBvhWidth];
+  float reach[kBvhWidth];  ///< only where it differs from place to place
 };
 
 struct DescentScratch {
-  /// Leaves and nodes of B placed lately: the same one meets several of A.
+  /// Leaves and nodes placed lately, and leaves of A: the same one meets several of the other body.
   static constexpr std::int32_t kCacheSize = 32;
-  std::array<std::int32_t, kCacheSize> cached, cached_nodes;
+  std::array<std::int32_t, kCacheSize> cached, cached_nodes, cached_own, cached_turned;
   std::array<PlacedLeaf, kCacheSize> cache;
-  std::array<PlacedNode, kCacheSize> node_cache;
+  std::array<PlacedNode, kCacheSize> node_cache, turned_cache;
+  std::array<LeafBounds, kCacheSize> own_cache;
+  float root_lower[3][kBvhWidth], root_upper[3][kBvhWidth];  ///< of A, in the first column
   std::vector<SubtreePair> pairs;
   std::vector<TrianglePair> candidates;
   /// Where asked for, the corners of each candidate in A's tree frame as well, eighteen rows of a batch at a time: those of
@@ -75,20 +91,36 @@ struct DescentScratch {
   static constexpr std::int64_t kBlock = 128, kStride = kBlock + kBatchPadding, kBlockSize = 18 * kStride;
   bool keep_corners = false;
   std::vector<float> corners;
-  /// To be called when another tree, placement or larger reach begins.
+  /// To be called when another tree, placement or reach begins. One that is the same everywhere may change in between.
   void forget_placed() {
     cached.fill(-1);
     cached_nodes.fill(-1);
+    cached_own.fill(-1);
+    cached_turned.fill(-1);
   }
 };
 
-/// The two roots, taken as within any reach. Both trees must have triangles.
-SubtreePair root_pair(const Bvh& a);
+/// found(pair, distance) for every candidate, in their order: distances in single precision, from the corners that were
+/// asked for, each off by at most the frame's allowance.
+template <class Found>
+void for_each_single_distance(const DescentScratch& scratch, const Found& found) {
+  alignas(64) std::array<float, DescentScratch::kBlock> distance;
+  const auto count = static_cast<std::int64_t>(scratch.candidates.size());
+  for (std::int64_t begin = 0; begin < count; begin += DescentScratch::kBlock) {
+    const std::int64_t size = std::min(count - begin, DescentScratch::kBlock);
+    const float* corners = scratch.corners.data() + begin / DescentScratch::kBlock * DescentScratch::kBlockSize;
+    triangle_distances(PairBatch<float>{corners, DescentScratch::kStride, size}, distance.data());
+    for (std::int64_t k = 0; k < size; ++k) found(scratch.candidates[static_cast<std::size_t>(begin + k)], distance[static_cast<std::size_t>(k)]);
+  }
+}
 
-/// Appends to scratch.candidates every pair of triangles within reach below the pair of subtrees. Gives up and returns
-/// false once there are more than `limit`.
-bool collect_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& root,
-                        const DescentReach& reach, DescentScratch& scratch, std::size_t limit = ~std::size_t{0});
+/// The two roots, taken as within any reach. Both trees must have triangles.
+SubtreePair root_pair(const Bvh& a, DescentScratch& scratch);
+
+/// Appends to scratch.candidates every pair of triangles within reach. Gives up and returns false once there are more than
+/// `limit`.
+bool collect_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, const DescentReach& reach, DescentScratch& scratch,
+                        std::size_t limit = ~std::size_t{0});
 
 /// Goes on where the last call gave up, within a reach that is not larger and the same everywhere.
 bool collect_more_candidates(const Bvh& a, const Bvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
@@ -97,5 +129,28 @@ bool collect_more_candidates(const Bvh& a, const Bvh& b, const DescentFrame& fra
 /// One step of it: two leaves give candidates, anything else gives smaller pairs within reach, in scratch.pairs.
 void open_subtrees(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, const DescentReach& reach,
                    DescentScratch& scratch);
+
+/// The pairs of subtrees that look nearest so far, nearest first.
+struct NearestSubtrees {
+  static constexpr std::size_t kMost = 2;
+  std::size_t count = 0;
+  std::array<float, kMost> key;
+  std::array<SubtreePair, kMost> pair;
+  float worst() const { return count < kMost ? 3e38f : key[kMost - 1]; }
+  /// With a key below the worst.
+  void offer(float of_next, const SubtreePair& next) {
+    std::size_t k = count < kMost ? count++ : kMost - 1;
+    for (; k > 0 && key[k - 1] > of_next; --k) key[k] = key[k - 1], pair[k] = pair[k - 1];
+    key[k] = of_next;
+    pair[k] = next;
+  }
+};
+
+/// Offers every pair of children of a pair of subtrees, not both leaves, by the gap and the middles of their boxes.
+void offer_children(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& pair, DescentScratch& scratch,
+                    NearestSubtrees& nearest);
+
+/// The smallest distance of two corners of a pair of leaves, in single precision.
+float nearest_corners(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& leaves, DescentScratch& scratch);
 
 }  // namespace scree

@@ -13,14 +13,12 @@ namespace scree {
 struct MeshDistanceScratch {
   static constexpr std::int64_t kBatchPairs = 128;
   DescentScratch descent;
-  std::vector<SubtreePair> beam;
   // of mesh_distance: pairs that may be nearest, and how near they can be at least
   struct Kept {
     TrianglePair pair;
     double least;
   };
   std::vector<Kept> kept;
-  alignas(64) std::array<float, DescentScratch::kBlock> single_distance;
   // triangles on their way to the exact kernel
   std::int64_t batch_count = 0;
   std::array<TrianglePair, kBatchPairs> batch_pair;
@@ -103,23 +101,46 @@ class ExactStage {
 
 }  // namespace
 
+namespace {
+
+/// By a, then by b; one comparison without branches.
+std::uint64_t order_of(const TrianglePair& pair) {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(pair.a)) << 32 | static_cast<std::uint32_t>(pair.b);
+}
+
+}  // namespace
+
 bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach,
                            MeshDistanceScratch& s, std::vector<TrianglePair>& pairs) {
   pairs.clear();
   const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
   const DescentFrame frame = make_descent_frame(tree_a, tree_b, b_in_a);
-  s.descent.forget_placed();
-  s.descent.candidates.clear();
-  collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, reach), s.descent);
+  const double allowance = static_cast<double>(frame.allowance);
+  DescentScratch& descent = s.descent;
+  descent.forget_placed();
+  descent.candidates.clear();
+  descent.keep_corners = true;
+  collect_candidates(tree_a, tree_b, frame, filter_reach(frame, reach), descent);
+  descent.keep_corners = false;
+  // single precision settles all but those whose distance is near the reach or near 0
+  std::size_t doubtful = 0;
+  for_each_single_distance(descent, [&](const TrianglePair& pair, float single) {
+    const auto distance = static_cast<double>(single);
+    if (distance - allowance >= reach) return;
+    if (distance + allowance < reach && distance > allowance) {
+      pairs.push_back(pair);
+    } else {
+      descent.candidates[doubtful++] = pair;  // one that has been read
+    }
+  });
+  descent.candidates.resize(doubtful);
   bool intersecting = false;
   ExactStage(a, b, b_in_a, s).solve_candidates([&](const TrianglePair& pair, double distance) {
     if (distance == 0) intersecting = true;
     if (distance < reach || distance == 0) pairs.push_back(pair);
   });
-  std::sort(pairs.begin(), pairs.end(), [](const TrianglePair& p, const TrianglePair& q) {
-    return p.a != q.a ? p.a < q.a : p.b < q.b;
-  });
+  std::sort(pairs.begin(), pairs.end(), [](const TrianglePair& p, const TrianglePair& q) { return order_of(p) < order_of(q); });
   return intersecting;
 }
 
@@ -133,7 +154,7 @@ bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_i
   for (std::size_t limit = 32; !all && !intersecting; limit *= 4) {
     s.descent.forget_placed();
     s.descent.candidates.clear();
-    all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, 0), s.descent, limit);
+    all = collect_candidates(tree_a, tree_b, frame, filter_reach(frame, 0), s.descent, limit);
     exact.solve_candidates([&](const TrianglePair&, double distance) { intersecting = intersecting || distance == 0; });
   }
   return intersecting;
@@ -141,42 +162,22 @@ bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_i
 
 namespace {
 
-/// Squared distance of the centres of two boxes.
-float centre_distance2(const SubtreePair& pair) {
-  float sum = 0;
-  for (int c = 0; c < 3; ++c) {
-    const float d = 0.5f * ((pair.box_a[c] + pair.box_a[3 + c]) - (pair.box_b[c] + pair.box_b[3 + c]));
-    sum += d * d;
-  }
-  return sum;
-}
-
-/// Goes down both trees along the few nearest pairs of boxes and, among boxes that overlap, of centres. Calls solve(pair)
-/// for the pairs of leaves that it comes to: it opens them, and returns the reach from then on.
+/// Goes down both trees along the few pairs of subtrees that look nearest, and calls solve(pair) for the pairs of leaves that
+/// it comes to.
 template <class Solve>
-void descend_to_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, float reach, DescentScratch& scratch,
-                       std::vector<SubtreePair>& beam, const Solve& solve) {
-  constexpr std::size_t kBeam = 2;
-  beam.assign(1, root_pair(a));
-  for (std::size_t width = 1; width > 0; width = beam.size()) {
-    scratch.pairs.clear();
-    for (const SubtreePair& pair : beam) {
-      if (pair.gap2 > reach * reach) continue;
-      if (pair.a < 0 && pair.b < 0) {
-        reach = solve(pair, reach);
+void descend_to_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, DescentScratch& scratch, const Solve& solve) {
+  NearestSubtrees beam, next;
+  beam.offer(0, root_pair(a, scratch));
+  while (beam.count > 0) {
+    next.count = 0;
+    for (std::size_t k = 0; k < beam.count; ++k) {
+      if (beam.pair[k].a < 0 && beam.pair[k].b < 0) {
+        solve(beam.pair[k]);
       } else {
-        open_subtrees(a, b, frame, pair, reach, scratch);
+        offer_children(a, b, frame, beam.pair[k], scratch, next);
       }
     }
-    beam.clear();
-    for (const SubtreePair& next : scratch.pairs) {
-      const auto before = [](const SubtreePair& l, const SubtreePair& r) {
-        return l.gap2 != r.gap2 ? l.gap2 < r.gap2 : centre_distance2(l) < centre_distance2(r);
-      };
-      if (beam.size() == kBeam && !before(next, beam.back())) continue;
-      if (beam.size() == kBeam) beam.pop_back();
-      beam.insert(std::upper_bound(beam.begin(), beam.end(), next, before), next);
-    }
+    std::swap(beam, next);
   }
 }
 
@@ -204,17 +205,12 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   DescentScratch& descent = s.descent;
   s.kept.clear();
   const auto filter = [&] {
-    for (std::size_t begin = 0; begin < descent.candidates.size(); begin += static_cast<std::size_t>(DescentScratch::kBlock)) {
-      const std::size_t count = std::min(descent.candidates.size() - begin, static_cast<std::size_t>(DescentScratch::kBlock));
-      const float* corners = descent.corners.data() + begin / static_cast<std::size_t>(DescentScratch::kBlock) * DescentScratch::kBlockSize;
-      triangle_distances(PairBatch<float>{corners, DescentScratch::kStride, static_cast<std::int64_t>(count)}, s.single_distance.data());
-      for (std::size_t k = 0; k < count; ++k) {
-        const auto distance = static_cast<double>(s.single_distance[k]);
-        if (distance - allowance > bound) continue;
-        bound = std::min(bound, distance + allowance);
-        s.kept.push_back({descent.candidates[begin + k], distance - allowance});
-      }
-    }
+    for_each_single_distance(descent, [&](const TrianglePair& pair, float single) {
+      const auto distance = static_cast<double>(single);
+      if (distance - allowance > bound) return;
+      bound = std::min(bound, distance + allowance);
+      s.kept.push_back({pair, distance - allowance});
+    });
     descent.candidates.clear();
   };
   const auto decide = [&] {
@@ -233,19 +229,19 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
     exact.solve_candidates(take);
     bound = std::min(bound, best);
   } else {
-    descend_to_leaves(tree_a, tree_b, frame, filter_reach(frame, bound), descent, s.beam, [&](const SubtreePair& leaves, float reach) {
-      open_subtrees(tree_a, tree_b, frame, leaves, reach, descent);
+    descend_to_leaves(tree_a, tree_b, frame, descent, [&](const SubtreePair& leaves) {
+      bound = std::min(bound, static_cast<double>(nearest_corners(tree_a, tree_b, frame, leaves, descent)) + allowance);
+      const float reach = filter_reach(frame, bound);
+      if (leaves.gap2 <= reach * reach) open_subtrees(tree_a, tree_b, frame, leaves, reach, descent);
       filter();
-      return filter_reach(frame, bound);
     });
   }
   if (bound <= 2 * allowance) decide();
   // all that can be nearer; the reach shrinks on the way
   constexpr std::size_t kAtOnce = 16;
   if (best > 0) {
-    descent.forget_placed();
     s.kept.clear();
-    bool all = collect_candidates(tree_a, tree_b, frame, root_pair(tree_a), filter_reach(frame, bound), descent, kAtOnce);
+    bool all = collect_candidates(tree_a, tree_b, frame, filter_reach(frame, bound), descent, kAtOnce);
     for (filter(); !all; filter()) {
       if (bound <= 2 * allowance) decide();
       if (best == 0) break;

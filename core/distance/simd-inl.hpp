@@ -89,6 +89,11 @@ template <class T>
 HWY_INLINE Pack<T> sqrt(Pack<T> a) { return hn::Sqrt(a.v); }
 template <class T>
 HWY_INLINE Pack<T> select(Mask<T> m, Pack<T> yes, Pack<T> no) { return hn::IfThenElse(m.m, yes.v, no.v); }
+/// select with a zero on one side: a mask alone, which any pipe of the processor takes.
+template <class T>
+HWY_INLINE Pack<T> where(Mask<T> m, Pack<T> yes) { return hn::IfThenElseZero(m.m, yes.v); }
+template <class T>
+HWY_INLINE Pack<T> where_not(Mask<T> m, Pack<T> no) { return hn::IfThenZeroElse(m.m, no.v); }
 /// The argument is never NaN: how Min and Max treat NaN differs between targets.
 template <class T>
 HWY_INLINE Pack<T> clamp01(Pack<T> x) { return min(max(x, Pack<T>(T(0))), Pack<T>(T(1))); }
