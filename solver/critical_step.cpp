@@ -136,35 +136,78 @@ PairStiffness linearise(const PairLook& look) {
   return result;
 }
 
-std::vector<BodyBound> body_bounds(std::span<const PairStiffness> pairs, std::size_t rows) {
-  std::vector<Mat6> stiffness(rows, Mat6::Zero()), damping(rows, Mat6::Zero());
-  std::vector<BodyBound> bounds(rows);
-  for (const PairStiffness& pair : pairs) {
-    for (int side = 0; side < 2; ++side) {
-      const std::int32_t row = side == 0 ? pair.a : pair.b;
-      if (row < 0) continue;
-      const auto i = static_cast<std::size_t>(row);
-      stiffness[i] += matrix(pair.stiffness).block<6, 6>(6 * side, 6 * side);
-      damping[i] += matrix(pair.damping).block<6, 6>(6 * side, 6 * side);
-      ++bounds[i].pairs;
+StabilityBound::StabilityBound(std::size_t rows) : rows_(rows) {}
+
+void StabilityBound::add(const PairStiffness& pair) {
+  bool is_alone = pair.b >= 0;
+  for (int side = 0; side < 2; ++side) {
+    const std::int32_t row = side == 0 ? pair.a : pair.b;
+    if (row < 0) continue;
+    Row& r = rows_[static_cast<std::size_t>(row)];
+    const std::size_t corner = side == 0 ? 0 : 6 * 12 + 6;
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t j = 0; j < 6; ++j) {
+        r.stiffness[6 * i + j] += pair.stiffness[corner + 12 * i + j];
+        r.damping[6 * i + j] += pair.damping[corner + 12 * i + j];
+      }
     }
+    is_alone = is_alone && r.bound.pairs == 0;
+    ++r.bound.pairs;
   }
-  for (std::size_t i = 0; i < rows; ++i) {
-    if (bounds[i].pairs == 0) continue;
-    bounds[i].lambda = largest_eigenvalue(stiffness[i]);
-    bounds[i].gamma = largest_eigenvalue(damping[i]);
-  }
-  return bounds;
+  links_.push_back({pair.key, pair.a, pair.b, is_alone ? static_cast<std::int32_t>(alone_.size()) : -1});
+  if (is_alone) alone_.push_back(pair);
 }
 
-CriticalStep critical_step_of(std::span<const PairStiffness> pairs, std::span<const BodyBound> bounds, bool corrected) {
-  CriticalStep result;
-  for (const PairStiffness& pair : pairs) {
-    const BodyBound& a = bounds[static_cast<std::size_t>(pair.a)];
+const BodyBound& StabilityBound::bound_of(std::size_t row) {
+  Row& r = rows_[row];
+  if (!r.is_exact) {
+    r.bound.lambda = largest_eigenvalue(Mat6(Eigen::Map<const Mat6>(r.stiffness.data())));
+    r.bound.gamma = largest_eigenvalue(Mat6(Eigen::Map<const Mat6>(r.damping.data())));
+    r.is_exact = true;
+  }
+  return r.bound;
+}
+
+void StabilityBound::set_bound(std::size_t row, const BodyBound& bound) {
+  rows_[row].bound = bound;
+  rows_[row].is_exact = true;
+}
+
+CriticalStep StabilityBound::critical_step(bool corrected) {
+  constexpr double kAboveRounding = 1 + 1e-12;   // a norm found in rounded arithmetic stays above the eigenvalue
+  // fourth root of |M^4|: at most 6^(1/8) = 1.25 times the largest eigenvalue
+  const auto norm = [](const std::array<double, 36>& values) {
+    const Eigen::Map<const Mat6> m(values.data());
+    const double scale = m.norm();
+    if (!(scale > 0)) return 0.0;
+    const Mat6 one = m / scale, two = one * one, four = two * two;
+    return kAboveRounding * scale * std::sqrt(std::sqrt(four.norm()));
+  };
+  std::vector<std::array<double, 2>> above(rows_.size(), {0, 0});   // at least lambda and gamma of each row
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& r = rows_[i];
+    if (r.is_exact) above[i] = {r.bound.lambda, r.bound.gamma};
+    else if (r.bound.pairs > 0) above[i] = {norm(r.stiffness), norm(r.damping)};
+  }
+  std::vector<double> below(links_.size());   // at most the step of each pair; for one that is alone, its blocks bound it as well
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const Link& link = links_[k];
+    auto [lambda, gamma] = above[static_cast<std::size_t>(link.a)];
+    if (link.b >= 0) {
+      lambda += above[static_cast<std::size_t>(link.b)][0];
+      gamma += above[static_cast<std::size_t>(link.b)][1];
+    }
+    below[k] = largest_stable_step(lambda, gamma, corrected) / kAboveRounding;
+    if (below[k] < below[first]) first = k;
+  }
+  const auto step_of = [&](const Link& link) {
+    const BodyBound& a = bound_of(static_cast<std::size_t>(link.a));
     double lambda = a.lambda, gamma = a.gamma;
-    if (pair.b >= 0) {
-      const BodyBound& b = bounds[static_cast<std::size_t>(pair.b)];
+    if (link.b >= 0) {
+      const BodyBound& b = bound_of(static_cast<std::size_t>(link.b));
       if (a.pairs == 1 && b.pairs == 1) {
+        const PairStiffness& pair = alone_[static_cast<std::size_t>(link.alone)];
         lambda = largest_eigenvalue(Mat12(matrix(pair.stiffness)));
         gamma = largest_eigenvalue(Mat12(matrix(pair.damping)));
       } else {
@@ -172,8 +215,15 @@ CriticalStep critical_step_of(std::span<const PairStiffness> pairs, std::span<co
         gamma += b.gamma;
       }
     }
-    const double step = largest_stable_step(lambda, gamma, corrected);
-    if (step < result.step) result = {step, pair.key};
+    return largest_stable_step(lambda, gamma, corrected);
+  };
+  CriticalStep result;
+  if (links_.empty()) return result;
+  const double enough = step_of(links_[first]);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (below[k] > std::min(enough, result.step)) continue;
+    const double step = step_of(links_[k]);
+    if (step < result.step) result = {step, links_[k].key};
   }
   return result;
 }
@@ -182,15 +232,16 @@ double largest_stable_step(double lambda, double gamma, bool corrected) {
   if (!(lambda > 0) && !(gamma > 0)) return std::numeric_limits<double>::infinity();
   if (!corrected) return 4 / (gamma + std::sqrt(gamma * gamma + 4 * lambda));
   if (!(lambda > 0)) return 4 / gamma;   // 2 s / (1 + s / 4) = 4 at s = 4
-  const auto excess = [&](double h) { return h * h * lambda + 2 * h * gamma / (1 + 0.25 * h * gamma) - 4; };
-  // the left side grows with h, and 2 / omega is an upper bound
-  double low = 0, high = 2 / std::sqrt(lambda);
-  for (int i = 0; i < 100 && low < high; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle == low || middle == high) break;
-    (excess(middle) > 0 ? high : low) = middle;
+  // In units of 2 / sqrt(lambda): z x^3 + x^2 + z x - 1 = 0 with z = gamma / (2 sqrt(lambda)); rising and convex, so Newton's steps
+  // come down to the root from 1 without passing it. A large z begins at 1 / z, which is above the root too.
+  const double root = std::sqrt(lambda), z = gamma / (2 * root);
+  double x = z > 1 ? 1 / z : 1;
+  for (int i = 0; i < 100; ++i) {
+    const double value = ((z * x + 1) * x + z) * x - 1, slope = (3 * z * x + 2) * x + z, next = x - value / slope;
+    if (!(next < x)) break;
+    x = next;
   }
-  return 0.5 * (low + high);
+  return 2 * x / root;
 }
 
 }  // namespace scree

@@ -40,8 +40,6 @@ struct BodyBound {
   double lambda = 0, gamma = 0;            ///< [1/s^2], [1/s]
   std::int64_t pairs = 0;                  ///< how many pairs it touches in
 };
-/// Bounds of rows [0, rows). Pairs must be sorted by key: the sums then have one order on any number of ranks.
-std::vector<BodyBound> body_bounds(std::span<const PairStiffness> pairs, std::size_t rows);
 
 struct CriticalStep {
   double step = std::numeric_limits<double>::infinity();   ///< [s]
@@ -52,9 +50,36 @@ struct CriticalStep {
     return key.zone < 0 ? fmt::format("bodies {} and {}", key.a, key.b) : fmt::format("body {} and wall {}", key.a, key.b);
   }
 };
-/// in   bounds   of all rows, ghosts included
-/// in   corrected  damping is divided by 1 + h gamma / 4, as viscous damping is (laws/damping.hpp)
-CriticalStep critical_step_of(std::span<const PairStiffness> pairs, std::span<const BodyBound> bounds, bool corrected = true);
+/// Gathers the pairs in contact and finds the one that limits the step.
+///
+/// Eigenvalues are the dear part, and few are needed: a norm bounds each from above, and only bodies whose bound could still
+/// set the step are solved. Memory: 72 numbers a body, and the matrices of pairs that touch nothing else.
+class StabilityBound {
+ public:
+  explicit StabilityBound(std::size_t rows);
+  /// Pairs must come sorted by key: the sums then have one order on any number of ranks.
+  void add(const PairStiffness& pair);
+  /// The bound of a row, exact.
+  const BodyBound& bound_of(std::size_t row);
+  /// Takes the bound of a ghost from its owner, who knows all of its pairs.
+  void set_bound(std::size_t row, const BodyBound& bound);
+  /// in   corrected  damping is divided by 1 + h gamma / 4, as viscous damping is (laws/damping.hpp)
+  CriticalStep critical_step(bool corrected = true);
+
+ private:
+  struct Row {
+    std::array<double, 36> stiffness{}, damping{};   ///< sums over its pairs, mass-normalised
+    BodyBound bound;
+    bool is_exact = false;
+  };
+  struct Link {
+    PairKey key;
+    std::int32_t a, b, alone;              ///< rows; place in alone_ when neither touched anything before, else -1
+  };
+  std::vector<Row> rows_;
+  std::vector<Link> links_;
+  std::vector<PairStiffness> alone_;
+};
 
 /// Largest h with h^2 lambda + 2 h gamma / (1 + h gamma / 4) <= 4, without the divisor when not corrected; infinite when both are 0.
 double largest_stable_step(double lambda, double gamma, bool corrected = true);

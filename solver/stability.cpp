@@ -19,24 +19,29 @@ struct NamedBound {
 }  // namespace
 
 CriticalStep Simulation::critical_step() {
-  std::vector<PairStiffness> found;
-  const PairLooker look = [&](const PairLook& pair) { found.push_back(linearise(pair)); };
+  // Pairs lie sorted by key, and so do their numbers.
+  std::vector<std::int32_t> touching;
   for (const auto* which : {&pairs_.inner(), &pairs_.outer(), &pairs_.twice()}) {
-    look_at_pairs(scene_, p_, walls_, *which, step_, scratch_, pairs_, look);
+    for (const std::int32_t k : *which) {
+      if (pairs_.results()[static_cast<std::size_t>(k)].active) touching.push_back(k);
+    }
   }
-  std::sort(found.begin(), found.end(), [](const PairStiffness& l, const PairStiffness& r) { return l.key < r.key; });
-  std::vector<BodyBound> bounds = body_bounds(found, p_.size());
+  std::sort(touching.begin(), touching.end());
+  StabilityBound bounds(p_.size());
+  const PairLooker look = [&](const PairLook& pair) { bounds.add(linearise(pair)); };
+  look_at_pairs(scene_, p_, walls_, touching, step_, scratch_, pairs_, look);
 
   // The owner of a ghost knows all of its pairs.
   if (comm_.size() > 1) {
     std::vector<NamedBound> shared;
     std::vector<std::uint8_t> is_shared(p_.size(), 0);
-    for (const PairStiffness& pair : found) {
+    for (const std::int32_t k : touching) {
+      const BodyPair& pair = pairs_.pairs()[static_cast<std::size_t>(k)];
       if (pair.b < 0) continue;
       const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
       if ((a < p_.owned) == (b < p_.owned)) continue;
       const std::size_t own = a < p_.owned ? a : b;
-      if (is_shared[own]++ == 0) shared.push_back({p_.id[own], bounds[own]});
+      if (is_shared[own]++ == 0) shared.push_back({p_.id[own], bounds.bound_of(own)});
     }
     const auto ranks = static_cast<std::size_t>(comm_.size());
     std::unordered_map<std::int64_t, BodyBound> of_id;
@@ -44,11 +49,11 @@ CriticalStep Simulation::critical_step() {
       for (const NamedBound& n : block) of_id[n.id] = n.bound;
     }
     for (std::size_t i = p_.owned; i < p_.size(); ++i) {
-      if (const auto it = of_id.find(p_.id[i]); it != of_id.end()) bounds[i] = it->second;
+      if (const auto it = of_id.find(p_.id[i]); it != of_id.end()) bounds.set_bound(i, it->second);
     }
   }
 
-  CriticalStep critical = critical_step_of(found, bounds, scene_.source().settings.law != "hunt-crossley");
+  CriticalStep critical = bounds.critical_step(scene_.source().settings.law != "hunt-crossley");
   if (comm_.size() > 1) {
     const auto ranks = static_cast<std::size_t>(comm_.size());
     for (const auto& block : comm_.exchange(std::vector<std::vector<CriticalStep>>(ranks, {critical}))) {
