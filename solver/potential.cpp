@@ -71,14 +71,15 @@ double add_potential(const std::vector<ContactFeature>& features, const Normal& 
   double normal_sum = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
     const ContactFeature& f = features[j];
-    const double r7 = power7(f.depth / D);
+    const double r = f.depth / D, r7 = power7(r);
     normal[j] = dU * f.weight * r7;
     per_depth[j] = normal[j] / D;
     normal_sum += normal[j];
-    result.force += normal[j] * f.n;
-    result.torque += cross(f.x, normal[j] * f.n);
+    const Vec3 force = normal[j] * f.n;
+    result.force += force;
+    result.torque += cross(f.x, force);
     if (f.faded) {
-      const double c = dU * D / kNorm * r7 * (f.depth / D);  // dU/da_j
+      const double c = dU * D / kNorm * r7 * r;  // dU/da_j
       result.force -= c * f.weight_gradient.force;
       result.torque -= c * f.weight_gradient.couple;
     }
@@ -249,10 +250,10 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
       if (old < springs.size() && springs[old].key == f.key) {
         // turn with the mean spin about the normal, back into the tangent plane at its own length
         Vec3 s = springs[old].force;
-        s += cross((0.5 * friction_dt * dot(relative_spin, f.n)) * f.n, s);
+        s += (0.5 * friction_dt * dot(relative_spin, f.n)) * cross(f.n, s);
         s -= dot(s, f.n) * f.n;
-        const double flat = length(s);
-        if (flat > 0) s *= length(springs[old].force) / flat;
+        const double flat = squared_length(s);
+        if (flat > 0) s *= std::sqrt(squared_length(springs[old].force) / flat);
         // unloading gives force back in proportion; loading must not create any (passivity, CONTACT.md 3.4)
         if (kappa < springs[old].stiffness) s *= kappa / springs[old].stiffness;
         spring.force = s - (kappa * friction_dt) * vt;
@@ -261,13 +262,13 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         spring.force = (-kappa * (f.depth < -vn * friction_dt ? f.depth / -vn : friction_dt)) * vt;
       }
       const double limit = law.friction * damped, sliding = law.friction_sliding * damped;
-      const double stretched = length(spring.force);
-      bool slides = stretched > limit;
-      if (slides) spring.force *= sliding / stretched;
+      // squares: the root is taken only where something slides
+      const double stretched = squared_length(spring.force);
+      const bool slides = stretched > limit * limit;
+      if (slides) spring.force *= sliding / std::sqrt(stretched);
       tangential = spring.force - (tangential_share * chi * normal[j]) * vt;
-      const double total = length(tangential);
-      const double cap = slides ? sliding : limit;
-      if (total > cap) tangential *= cap / total;
+      const double total = squared_length(tangential), cap = slides ? sliding : limit;
+      if (total > cap * cap) tangential *= cap / std::sqrt(total);
       if (kappa > 0) result.tangential_elastic += 0.5 * squared_length(spring.force) / kappa;
       lossy += tangential;
       next.push_back(spring);
