@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/storage/checksum.hpp"
+#include "solver/built_with.hpp"
 #include "solver/motion.hpp"
 #include "solver/simulation.hpp"
 
@@ -208,6 +209,11 @@ std::string Simulation::state_hash() const {
 }
 
 FrameContacts Simulation::contacts() {
+  // ghosts have the velocities that forces are computed with; their owners have been kicked since
+  if (built_with::kRanks) {
+    halo_->start_refresh(p_, times_);
+    halo_->finish_refresh(p_, times_);
+  }
   FrameContacts out;
   evaluate_pairs(scene_, p_, walls_, pairs_.inner(), dt_, 0, step_, scratch_, pairs_, &out);
   evaluate_pairs(scene_, p_, walls_, pairs_.outer(), dt_, 0, step_, scratch_, pairs_, &out);

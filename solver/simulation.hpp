@@ -135,7 +135,7 @@ class Simulation {
     renewal_asked_ = true;
   }
 
-  /// Contacts that this rank counts, at the present state; changes nothing.
+  /// Contacts that this rank counts, at the present state, with forces that are the same on any number of ranks; changes no state. Collective.
   FrameContacts contacts();
 
   PhaseTimes& times() { return times_; }

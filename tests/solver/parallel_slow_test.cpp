@@ -1,6 +1,7 @@
 // VALIDATION.md P1 at its full length: 200 rocks, 10^4 steps, up to seven ranks and eight threads, lists dropped at random.
 #include <gtest/gtest.h>
 
+#include "tests/solver/cut_contacts.hpp"
 #include "tests/solver/rank_groups.hpp"
 #include "tests/support/parallel_scenes.hpp"
 
@@ -21,6 +22,11 @@ TEST(SameBits, of_a_pile_of_200_rocks_after_ten_thousand_steps_with_every_contac
     // every 50 steps: a contact missed in between would have changed the state
     EXPECT_EQ(o.contacts, alone.contacts) << ranks << " ranks x " << threads << " threads";
   }
+}
+
+// 64 rocks on up to seven ranks: every part is cut faces, edges and corners.
+TEST(Contacts, of_ten_thousand_steps_at_cuts_edges_and_corners_are_those_of_one_rank) {
+  expect_contacts_of_one_rank(tumbling_box(4), 10000, {2, 3, 4, 5, 7});
 }
 
 // A column of rocks at one end of a long, tilted box falls over and slides to the other end. Two ranks: more do not fit the cores of a small

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "solver/checkpoint.hpp"
+#include "tests/solver/cut_contacts.hpp"
 #include "tests/solver/rank_groups.hpp"
 #include "tests/support/parallel_scenes.hpp"
 
@@ -39,6 +40,8 @@ TEST(SameBits, of_a_rotating_drum_whose_bodies_cross_ranks_while_they_touch) {
 TEST(SameBits, of_a_body_larger_than_three_parts_and_long_thin_bodies) { expect_same_bits_everywhere(slab_and_rods(), 800, false); }
 
 TEST(SameBits, of_bodies_that_cross_ranks_and_the_seams_of_periodic_axes) { expect_same_bits_everywhere(periodic_bed(), 800, true); }
+
+TEST(SameBits, of_an_elastic_layer_with_friction) { expect_same_bits_everywhere(layered_heap(), 900, false); }
 
 TEST(SameBits, with_ranks_that_own_nothing) {
   const Scene scene = three_rocks();
@@ -173,6 +176,9 @@ TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
     if (ranks > 1) { EXPECT_GE(migrated, 1) << ranks << " ranks"; }
   }
 }
+
+// At length: parallel_slow_test.cpp.
+TEST(Contacts, of_every_step_at_cuts_and_their_edges_are_those_of_one_rank) { expect_contacts_of_one_rank(tumbling_box(4), 500, {2, 3, 4, 5}); }
 
 // VALIDATION.md P5: forces between bodies cancel, also where both owners compute a pair. No wall, no gravity.
 TEST(Forces, between_bodies_cancel_across_ranks) {

@@ -55,6 +55,15 @@ inline Scene dense_heap(int nx = 3, int ny = 3, int nz = 4, double spacing = 0.1
   return scene;
 }
 
+/// The same with gather = "area": a layer that an impact at 1 m/s presses to a third.
+inline Scene layered_heap() {
+  Scene scene = dense_heap();
+  scene.settings.gather = "area";
+  scene.pairs[0].stiffness = 0;
+  scene.pairs[0].layer_modulus = 1e7;
+  return scene;
+}
+
 /// Rocks that slide on a floor through both seams of a domain that is periodic along x and y, rubbing on each other.
 inline Scene periodic_bed() {
   Scene scene = rock_scene();
