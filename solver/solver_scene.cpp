@@ -7,6 +7,7 @@
 
 #include "solver/area_pressure.hpp"
 #include "solver/laws/restitution.hpp"
+#include "solver/triangle_contacts.hpp"
 
 namespace scree {
 
@@ -236,6 +237,18 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     for (SolverShape& shape : shapes_) shape.contact_area = largest_contact_area(shape, 2 * margin_);
   }
   law_choice_.independent = settings.gather == "pairs";
+  if (law_choice_.independent) {
+    std::vector<double> smallest(shapes_.size(), 0.0);   // scale of each shape
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      double& scale = smallest[static_cast<std::size_t>(scene.bodies.shape[b])];
+      scale = scale > 0 ? std::min(scale, scene.bodies.scale[b]) : scene.bodies.scale[b];
+    }
+    for (std::size_t s = 0; s < shapes_.size(); ++s) {
+      if (smallest[s] > 0 && shapes_[s].kind == ShapeKind::solid) {
+        springs_per_pair_ = std::max(springs_per_pair_, 2 * triangles_on_plane(shapes_[s].mesh, 2 * margin_ / smallest[s]));
+      }
+    }
+  }
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene.pairs) {
     const PairLaw law = make_pair_law(pair);

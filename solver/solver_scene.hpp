@@ -90,6 +90,9 @@ class SolverScene {
   /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
   const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
   const LawChoice& law_choice() const { return law_choice_; }
+  /// gather = "pairs": how many springs a contact of two bodies may have: two faces, edges or corners that lie over each other make about as
+  /// many pairs as both have triangles there; more is rare. 0 otherwise.
+  std::int64_t springs_per_pair() const { return springs_per_pair_; }
   double normal_exponent() const { return law_choice_.exponent; }  ///< of the effective depth in the normal force
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
@@ -107,6 +110,7 @@ class SolverScene {
   Periodicity periodicity_;
   double margin_ = 0, largest_radius_ = 0;
   LawChoice law_choice_;
+  std::int64_t springs_per_pair_ = 0;
   bool has_damping_ = false, has_driven_walls_ = false;
 };
 

@@ -95,7 +95,8 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
       const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
       const Touchable &a = all[2 * static_cast<std::size_t>(pair.a) + rough_a], &b = all[2 * static_cast<std::size_t>(pair.b) + rough_b];
       // n^(2/q), q = 8: a face on a face has n = 4 corners, a smooth body on a smooth one touches once
-      const double features = rough_a + rough_b == 0 || scene.law_choice().area ? 1.0 : std::sqrt(std::sqrt(4.0));
+      const double potential = rough_a + rough_b == 0 || scene.law_choice().area ? 1.0 : std::sqrt(std::sqrt(4.0));
+      const double features = rough_a + rough_b == 0 ? potential : std::max(potential, static_cast<double>(scene.springs_per_pair()));
       const auto consider = [&](double mobility, const std::string& name) {
         const double omega2 = scene.law(pair.a, pair.b).step_stiffness * features * mobility;
         if (!(omega2 > stiffest)) return;

@@ -27,7 +27,8 @@ inline constexpr double kTurnPerStep = 0.1;
 ///   contact   pi / sqrt(k n^(2/q) W) / steps_per_contact over all materials that can meet; W sums over both bodies the
 ///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x| (a ball turns by friction only, whose
 ///             share of the stiffness counts instead); n = 4 features (a face
-///             on a face), 1 for spheres and walls without edges
+///             on a face), 1 for spheres and walls without edges; gather = "pairs" counts
+///             SolverScene::springs_per_pair in place of n^(2/q)
 ///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
 ///             fast without approaching anything is watched in every step instead (pass_through.hpp)
 ///   spin      kTurnPerStep / |w|, of the bodies as they start

@@ -174,6 +174,34 @@ TEST(CriticalStep, of_one_spring_per_triangle_pair_counts_them) {
   EXPECT_NEAR(run.simulation->critical_step().step, 2 / std::sqrt(springs * 1e4), 1e-9);
 }
 
+// The derived step looks ahead to as many springs as two faces, edges or corners may have, on coarse and fine meshes.
+TEST(CriticalStep, derived_for_one_spring_per_triangle_pair_is_not_above_the_one_of_the_contacts_that_occur) {
+  for (const int mesh : {0, 1, 2, 3}) {
+    TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
+    run.scene.settings.gather = "pairs";
+    const TriangleMesh solid = mesh < 2 ? test::grid_box(1 + 7 * mesh, {1, 1, 1}) : test::scaled(test::rock(1, mesh), 0.6);
+    run.scene.shapes = {make_solid("solid", solid)};
+    test::add_body(run.scene, 0, {0.05, 0.02, mesh < 2 ? 1.021 : 1.4}, {}, {0, 0, -0.5});
+    test::add_body(run.scene, 0, {0, 0, 0}, mesh < 2 ? Quat{} : quaternion_of({1, 0, 0}, 2.0), {0, 0, 0.5});
+    run.start();
+    double critical = 1e300;
+    std::int64_t springs = 0;
+    for (int n = 0; n < 12000; ++n) {
+      run.simulation->advance();
+      if (n % 10 != 0) continue;
+      critical = std::min(critical, run.simulation->critical_step().step);
+      springs = std::max(springs, run.simulation->contact_count());
+    }
+    run.simulation->agree_on_failures();
+    ASSERT_GT(springs, 0) << mesh << ", step " << run.simulation->step_size().step << ", z " << run.position(0).z << " and " << run.position(1).z;
+    const double ratio = run.simulation->step_size().critical() / critical;
+    std::printf("pairs, mesh %d: up to %lld springs, reckoned with %lld; derived over smallest critical step %.3f\n", mesh, static_cast<long long>(springs),
+                static_cast<long long>(run.prepared->springs_per_pair()), ratio);
+    EXPECT_LE(ratio, 1.01) << mesh;
+    EXPECT_GE(ratio, 0.1) << mesh;  // rocks met by a corner: 6 springs of the 60 that two faces could have
+  }
+}
+
 // Hertz and Mindlin: with friction a ball turns faster in its contact than it swings. The derived step looks ahead to the deepest point.
 TEST(CriticalStep, derived_for_hertz_and_mindlin_is_at_least_70_percent_of_the_true_one) {
   for (const bool two : {false, true}) {
