@@ -64,8 +64,69 @@ inline Statistics size_ratio_ten(int count) {
   return s;
 }
 
-/// Restitution of an icosphere of unit mass and radius 0.5 that may not turn, on a floor.
-inline double locked_icosphere_restitution(int level, double speed, double steps_per_contact, double restitution = .5) {
+/// Restitutions of pairs of concave rocks of nominal 0.5: e = -(P u') / (P u) with the velocities u of both bodies before, u' after, and the
+/// impulses P that they received, which for an impact at one point is the ratio of the normal speeds there.
+inline Statistics rock_restitutions(int level, bool turning, int count) {
+  std::mt19937 g(19);
+  Statistics s;
+  for (int i = 0; i < count; ++i) {
+    TwoBodies pair(scaled(rock(1, level), .5), scaled(rock(2, level), .5), kStiffness, kMargin, .5, 0);
+    if (!turning) pair.inverse_inertia[0] = pair.inverse_inertia[1] = {};
+    place_at_random(pair, g);
+    if (!pair.approach(1.8)) continue;
+    const Vec3 v[2] = {pair.v[0], pair.v[1]};
+    constexpr double kSteps = 100;
+    const double dt = std::numbers::pi * std::sqrt(.5 / kStiffness) / kSteps;
+    bool touched = false;
+    double quiet = 0;
+    for (int k = 0; k < 12 * kSteps && quiet < kSteps; ++k) {
+      pair.step(dt);
+      touched = touched || !pair.features.empty();
+      quiet = touched && pair.features.empty() ? quiet + 1 : 0;
+    }
+    if (!touched) continue;
+    double before = 0, after = 0;
+    for (int b = 0; b < 2; ++b) {
+      const Vec3 impulse = (1 / pair.inverse_mass[b]) * (pair.v[b] - v[b]);
+      before += dot(impulse, v[b]);
+      after += dot(impulse, pair.v[b]) + dot(pair.L[b], pair.spin(b));   // at first nothing turns
+    }
+    s.add(-after / before);
+  }
+  return s;
+}
+
+/// Boxes that fall without damping on a box nearly flat, one corner after the other; the lower one fixed or free.
+inline Statistics near_flat_impacts(bool free_base, double steps_per_contact, int count) {
+  std::mt19937 g(13);
+  std::normal_distribution<double> n;
+  Statistics s;
+  for (int i = 0; i < count; ++i) {
+    TwoBodies pair(grid_box(1, {1, .8, .6}), grid_box(2, {2.2, 1.7, .5}), kStiffness, kMargin, 1, 0);
+    pair.set_mass(0, 1);
+    if (free_base) pair.set_mass(1, 2);
+    else pair.fix(1);
+    pair.place(1, {});
+    const double lean = .03 * n(g), toward = n(g), turn = n(g), x = .2 * n(g), y = .2 * n(g);
+    pair.place(0, {x, y, 0}, quaternion_of({std::cos(toward), std::sin(toward), 0}, lean) * quaternion_of({0, 0, 1}, turn));
+    pair.v[0] = {0, 0, -1};
+    if (!pair.approach(1.2)) continue;
+    const double before = pair.energy(), dt = std::numbers::pi * std::sqrt(.5 / kStiffness) / steps_per_contact;
+    bool touched = false;
+    double quiet = 0;
+    for (int k = 0; k < 40 * steps_per_contact && quiet < 2 * steps_per_contact; ++k) {
+      pair.step(dt);
+      s.deepest = std::max(s.deepest, pair.last().deepest / kMargin);
+      touched = touched || !pair.features.empty();
+      quiet = touched && pair.features.empty() ? quiet + 1 : 0;
+    }
+    if (touched) s.add(std::abs(pair.energy() / before - 1));
+  }
+  return s;
+}
+
+/// Restitution of an icosphere of unit mass and radius 0.5 that may not turn, on a floor, and how long it touches [s].
+inline double locked_icosphere_restitution(int level, double speed, double steps_per_contact, double restitution = .5, double* duration = nullptr) {
   TwoBodies pair(scaled(icosphere(level), .5), grid_box(1, {4, 4, 1}), kStiffness, kMargin, restitution, 0);
   pair.inverse_inertia[0] = {};
   pair.fix(1);
@@ -75,12 +136,13 @@ inline double locked_icosphere_restitution(int level, double speed, double steps
   pair.body[0].x.z += .3 * kMargin;
   pair.force(0);
   const double dt = std::numbers::pi * std::sqrt(1 / kStiffness) / steps_per_contact;
-  bool touched = false;
+  int touching = 0;
   for (int n = 0; n < 1000 * steps_per_contact; ++n) {
     pair.step(dt);
-    if (touched && pair.features.empty()) break;
-    touched = touched || !pair.features.empty();
+    if (touching > 0 && pair.features.empty()) break;
+    touching += pair.features.empty() ? 0 : 1;
   }
+  if (duration != nullptr) *duration = touching * dt;
   return pair.v[0].z / speed;
 }
 

@@ -46,6 +46,17 @@ TEST(ContactEnergy, energy_of_nested_bowls) {
   EXPECT_LE(s.worst, 2e-3);
 }
 
+// VALIDATION.md M4.
+TEST(ContactEnergy, energy_of_boxes_that_land_nearly_flat) {
+  for (const bool free_base : {false, true}) {
+    const test::Statistics s = test::near_flat_impacts(free_base, 400, 60);
+    print(free_base ? "near-flat, two free boxes" : "near-flat, fixed base", s);
+    EXPECT_GE(s.hits, 55);
+    EXPECT_LE(s.mean, 1e-4);
+    EXPECT_LE(s.worst, 1e-2);
+  }
+}
+
 TEST(ContactEnergy, energy_at_a_size_ratio_of_ten) {
   const test::Statistics s = test::size_ratio_ten(100);
   print("size ratio 10", s);
@@ -134,6 +145,34 @@ TEST(ContactEnergy, restitution_of_a_locked_icosphere_is_the_nominal_one_at_any_
     EXPECT_NEAR(coarse, .5, 2e-3) << level;
     EXPECT_NEAR(fine, .5, 1e-4) << level;
     EXPECT_NEAR(slow, .5, 1e-4) << level;
+  }
+}
+
+// VALIDATION.md M2: restitution within 0.5 % at 1000 steps a contact. The contact gets shorter as more corners carry; M2 asks for a limit 18 %
+// below, but unit weights have none before the facets are as high as the contact is deep (CONTACT.md section 4, and 32 to 24 ms in its 2.2).
+TEST(ContactEnergy, a_locked_icosphere_rebounds_within_half_a_percent_and_its_contact_only_shortens) {
+  double before = 1e300, first = 0;
+  for (int level = 0; level <= 5; ++level) {
+    double duration = 0;
+    const double e = test::locked_icosphere_restitution(level, 1, 1000, .5, &duration);
+    std::printf("icosphere L%d: e %.5f at 1000 steps a contact, touches for %.3f ms\n", level, e, 1e3 * duration);
+    EXPECT_NEAR(e, .5, .005 * .5) << level;
+    EXPECT_LE(duration, (1 + 1e-3) * before) << level;   // 1e-3: one step
+    if (level == 0) first = duration;
+    before = duration;
+  }
+  EXPECT_GE(before, .7 * first);
+}
+
+// Issue 4: concave rocks of 80, 320 and 1280 triangles rebound in the mean as asked, to 2 %, whether they may turn or not.
+TEST(ContactEnergy, mean_restitution_of_concave_rocks_is_the_nominal_one_at_every_refinement) {
+  for (const bool turning : {false, true}) {
+    for (const int level : {1, 2, 3}) {
+      const test::Statistics s = test::rock_restitutions(level, turning, 130);
+      std::printf("rocks L%d %s: %d impacts, mean e %.4f, largest %.3f\n", level, turning ? "free" : "locked", s.hits, s.mean, s.worst);
+      EXPECT_GE(s.hits, 100);
+      EXPECT_NEAR(s.mean, .5, .02 * .5) << level;
+    }
   }
 }
 

@@ -1,5 +1,5 @@
 // Writes a scene of N bumpy rocks on a jittered lattice above the floor of a box: input of the end-to-end tests.
-// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised]]]
+// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest]]]
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -12,7 +12,7 @@
 int main(int argc, char** argv) {
   using namespace scree;
   return run_main("scree_make_pile", [&] {
-    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised]]]");
+    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest]]]");
     const int count = std::atoi(argv[1]), level = argc > 4 ? std::atoi(argv[4]) : 2;
     Scene scene = test::empty_scene(argc > 5 ? std::atof(argv[5]) : 3e5, 0.3, 0.5, 0.002, 2700);
     scene.settings.title = "pile of rocks";
@@ -21,6 +21,13 @@ int main(int argc, char** argv) {
     scene.settings.output_every = scene.settings.duration / 10;
     scene.settings.checkpoint_every = scene.settings.duration / 5;
     for (unsigned s = 1; s <= 3; ++s) scene.shapes.push_back(make_solid("rock" + std::to_string(s), test::scaled(test::rock(s, level), 0.04)));
+    const std::string kind = argc > 6 ? argv[6] : "";
+    if (kind == "rest") {  // dice lie still sooner than rocks; the run ends then
+      scene.shapes = {make_solid("cube", test::grid_box(1, {0.06, 0.06, 0.06})), make_solid("slab", test::grid_box(1, {0.08, 0.06, 0.03})),
+                      make_solid("brick", test::grid_box(1, {0.07, 0.05, 0.04}))};
+      scene.settings.stop_at_rest = true;
+      scene.settings.output_every = scene.settings.checkpoint_every = 0.06;
+    }
     const int side = std::max(1, static_cast<int>(std::floor(std::cbrt(count))));
     const double spacing = 0.125;
     std::mt19937 g(1);
@@ -36,15 +43,14 @@ int main(int argc, char** argv) {
     box.lower = {0, 0, 0};
     box.upper = {spacing * side, spacing * side, 100};
     scene.walls.push_back(box);
-    const std::string domain = argc > 6 ? argv[6] : "";
-    scene.settings.domain.bounded = domain == "periodic" || domain == "drain";
-    if (domain == "quantised") scene.settings.step_control = domain;
+    scene.settings.domain.bounded = kind == "periodic" || kind == "drain";
+    if (kind == "quantised") scene.settings.step_control = kind;
     scene.settings.domain.lower = {0, 0, 0};
     scene.settings.domain.upper = {box.upper.x, box.upper.y, 100};
-    if (domain == "periodic") {  // a chute around both axes, so that bodies pass the seams
+    if (kind == "periodic") {  // a chute around both axes, so that bodies pass the seams
       scene.settings.domain.periodic = {true, true, false};
       scene.settings.gravity = {3, 2, -9.81};
-    } else if (domain == "drain") {  // bodies go when they come close to the floor
+    } else if (kind == "drain") {  // bodies go when they come close to the floor
       scene.settings.domain.lower.z = 0.055;
       scene.settings.domain.outside = "remove";
     }

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """End-to-end tests of scree-solver as a user runs it. usage: run_test.py BIN_FOLDER MPIEXEC [TEST...]"""
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, children, main, outcome, run  # noqa: E402
+from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, children, main, outcome, physics_of_log, run  # noqa: E402
 
 
 def same_state_for_any_ranks_and_threads():
@@ -18,6 +19,7 @@ def same_state_for_any_ranks_and_threads():
             folder = f"r{ranks}t{threads}.run"
             run(ranks, "pile.scene.h5", "-o", folder, threads=threads)
             hashes[folder] = outcome(folder)["state_hash"]
+            assert physics_of_log(folder) == physics_of_log("r1t1.run"), f"{folder}: another log than that of one rank"
     run(2, "pile.scene.h5", "-o", "blocking.run", "--halo", "blocking")
     hashes["blocking.run"] = outcome("blocking.run")["state_hash"]
     for width in ("avx2", "sse4", "scalar"):  # VALIDATION.md P7: any vector width, with and without fused multiply-add
@@ -202,6 +204,39 @@ def same_state_with_quantised_steps():
     assert abs(outcome(folder)["energy"]["error_relative"]) < 0.02, outcome(folder)["energy"]
 
 
+def a_run_that_stops_at_rest_stops_there_after_a_restart_too():
+    """Restarted within the time that bodies have to lie still, and before; on other numbers of ranks."""
+    subprocess.run([PILE, "8", "20", "rest.scene.h5", "1", "3e5", "rest"], check=True)
+    run(1, "rest.scene.h5", "-o", "whole.run")
+    whole = outcome("whole.run")
+    assert whole["outcome"] == "completed" and 0.3 < whole["time"] < 10, whole["time"]
+    begin = time.time()
+    child = subprocess.Popen([SOLVER, "rest.scene.h5", "-o", "early.run"], env=dict(ENV, OMP_NUM_THREADS="1"), stderr=subprocess.DEVNULL)
+    while not os.path.exists("early.run/frame_000002.hdf"):
+        assert child.poll() is None and time.time() < begin + 60
+        time.sleep(0.002)
+    child.send_signal(signal.SIGUSR1)
+    child.wait(timeout=60)
+    if child.returncode == 0:
+        print("left out: the run was over before it could be stopped early")
+    else:
+        run(3, "rest.scene.h5", "-o", "early.run", "--restart", "latest")
+    for ranks, folder in ((2, "late2.run"), (3, "late3.run")):
+        shutil.copytree("whole.run", folder)
+        checkpoints = sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
+        at = int(checkpoints[-2][len("checkpoint_"):-len(".h5")])
+        os.remove(os.path.join(folder, checkpoints[-1]))
+        left = (whole["steps"] - at) * whole["step_size"]
+        assert 0 < left < 0.1, f"the checkpoint lies {left} s before the end, not within the 0.12 s for which bodies have lain still"
+        run(ranks, "rest.scene.h5", "-o", folder, "--restart", "latest")
+    for folder in ("early.run", "late2.run", "late3.run"):
+        again = outcome(folder)
+        for name in ("steps", "time", "state_hash", "outcome"):
+            assert again[name] == whole[name], (folder, name, again[name], whole[name])
+        assert physics_of_log(folder) == physics_of_log("whole.run"), folder
+        assert sorted(n for n in os.listdir(folder) if n.startswith("frame_")) == sorted(n for n in os.listdir("whole.run") if n.startswith("frame_"))
+
+
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
@@ -216,6 +251,6 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
          a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
-         the_plan_says_what_is_in_and_out]
+         a_run_that_stops_at_rest_stops_there_after_a_restart_too, the_plan_says_what_is_in_and_out]
 
 main(TESTS)

@@ -1,4 +1,5 @@
 """What the end-to-end tests of scree-solver share. usage of a test: TEST.py BIN_FOLDER MPIEXEC [TEST...]"""
+import csv
 import json
 import os
 import shutil
@@ -18,9 +19,10 @@ def command(ranks, *arguments):
     return ([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []) + [SOLVER, *arguments]
 
 
-def run(ranks, *arguments, threads=1, expect=0, env=None, **options):
+def run(ranks, *arguments, threads=1, expect=0, env=None, limit=280, **options):
+    """limit: in seconds, after which a run counts as hanging."""
     words = command(ranks, *arguments)
-    result = subprocess.run(words, env=dict(ENV, OMP_NUM_THREADS=str(threads), **(env or {})), capture_output=True, text=True, timeout=280,
+    result = subprocess.run(words, env=dict(ENV, OMP_NUM_THREADS=str(threads), **(env or {})), capture_output=True, text=True, timeout=limit,
                             **options)
     assert result.returncode == expect, f"{words}: exit {result.returncode}, expected {expect}\n{result.stdout}\n{result.stderr}"
     return result
@@ -41,6 +43,19 @@ def children(pid):
 def outcome(folder):
     with open(os.path.join(folder, "run.json")) as f:
         return json.load(f)
+
+
+MEASURED = ("imbalance", "ghosts", "bytes_sent", "steps_per_second")
+
+
+def physics_of_log(folder):
+    """Every column of log.csv but what is measured or depends on the ranks: times, imbalance, ghosts, bytes."""
+    with open(os.path.join(folder, "log.csv")) as f:
+        rows = list(csv.reader(f))
+    kept = [i for i, name in enumerate(rows[0]) if name not in MEASURED and not name.startswith("t_")]
+    names = [rows[0][i] for i in kept]
+    assert {"contacts", "max_depth_ratio", "critical_step", "state_hash"} < set(names), names
+    return [[row[i] for i in kept] for row in rows]
 
 
 def main(tests):
