@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Runs the stiff and extreme cases X1 to X29 and tells which are held, refused with a named reason, or failed.
+"""Runs the stiff and extreme cases X1 to X31 and tells which are held, refused with a named reason, or failed.
 
 usage: stability.py BIN OUT [--only X1,X8] [--json FILE]
+
+X30 and X31 take from ten minutes to hours and run only when they are named.
 
 A case holds when its figure is within its criterion; it is refused when a tool ends with exit 2, 3 or 5 and says why;
 everything else has failed: a NaN, a body that went through a wall unnoticed, a figure out of its criterion, a crash.
@@ -24,6 +26,7 @@ sys.path.insert(0, HERE)
 from scene import ToolError, Tools  # noqa: E402  (after the path is set)
 
 HELD, REFUSED, FAILED = "held", "refused", "failed"
+ON_DEMAND = ("X30", "X31")
 
 
 class Table:
@@ -75,7 +78,7 @@ def main():
     import extremes_motion
     import extremes_shapes
     cases = {f.id: f for f in extremes_motion.CASES + extremes_shapes.CASES}
-    wanted = [name for name in arguments.only.split(",") if name] or sorted(cases, key=lambda name: int(name[1:]))
+    wanted = [name for name in arguments.only.split(",") if name] or sorted(set(cases) - set(ON_DEMAND), key=lambda name: int(name[1:]))
     tools, table = Tools(arguments.bin, arguments.out), Table()
     titles, times = {}, {}
     try:
