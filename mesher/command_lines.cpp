@@ -76,6 +76,13 @@ MesherCommand refine_line(CLI::App& app) {
   return {line, [options](const Words& words) { return refine_command(*options, words); }};
 }
 
+MesherCommand hull_line(CLI::App& app) {
+  auto options = std::make_shared<HullOptions>();
+  CLI::App* line = app.add_subcommand("hull", "The convex hull of a mesh, with the distance from it");
+  add_edit_options(line, *options);
+  return {line, [options](const Words& words) { return hull_command(*options, words); }};
+}
+
 MesherCommand remesh_line(CLI::App& app) {
   auto options = std::make_shared<RemeshOptions>();
   CLI::App* line = app.add_subcommand("remesh", "A new closed mesh around whatever a mesh encloses");
@@ -131,7 +138,7 @@ MesherCommand info_line(CLI::App& app) {
 
 std::vector<MesherCommand> add_commands(CLI::App& app) {
   return {check_line(app),  import_line(app),   repair_line(app), simplify_line(app),
-          refine_line(app), remesh_line(app), describe_line(app), generate_line(app), info_line(app)};
+          refine_line(app), hull_line(app),     remesh_line(app), describe_line(app), generate_line(app), info_line(app)};
 }
 
 }  // namespace scree

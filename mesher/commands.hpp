@@ -64,6 +64,9 @@ struct RefineOptions : EditOptions {
 };
 CommandResult refine_command(const RefineOptions& options, const std::vector<std::string>& command);
 
+struct HullOptions : EditOptions {};
+CommandResult hull_command(const HullOptions& options, const std::vector<std::string>& command);
+
 struct RemeshOptions : EditOptions {
   std::string edge_length;
   std::int32_t triangles = 0;

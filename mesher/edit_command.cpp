@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "mesher/certificate.hpp"
+#include "mesher/convex_hull.hpp"
 #include "mesher/mesh_deviation.hpp"
 #include "mesher/mesh_file.hpp"
 #include "mesher/mesh_picture.hpp"
@@ -209,6 +210,22 @@ CommandResult refine_command(const RefineOptions& options, const std::vector<std
     edited.steps.push_back(fmt::format("{} triangles became {}; the surface is the same", from, edited.mesh.triangle_count()));
   }
   write_edit_results("refined", options, source, results, command, result);
+  return result;
+}
+
+CommandResult hull_command(const HullOptions& options, const std::vector<std::string>& command) {
+  CommandResult result;
+  const EditSource source = read_edit_source(options, result);
+  std::vector<EditedMesh> results = source.meshes;
+  for (EditedMesh& edited : results) {
+    const TriangleMesh before = edited.mesh;
+    edited.mesh = convex_hull(before.vertices);
+    if (edited.mesh.triangle_count() == 0) throw InputError("{}: all vertices of '{}' lie in one plane; a flat mesh has no hull", options.file, edited.name);
+    edited.steps.push_back(fmt::format("the hull of {} triangles has {}, on {} of {} vertices", before.triangle_count(), edited.mesh.triangle_count(),
+                                       edited.mesh.vertex_count(), before.vertex_count()));
+    report_change(before, options.surface, edited);
+  }
+  write_edit_results("hulled", options, source, results, command, result);
   return result;
 }
 

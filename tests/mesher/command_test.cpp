@@ -281,6 +281,25 @@ TEST_F(Mesher, misspelt_options_are_answered_with_the_nearest_one) {
   EXPECT_EQ(run("--version").code, 0);
 }
 
+TEST_F(MesherImport, the_hull_of_a_dented_cube_is_the_cube) {
+  folder.write("dented.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv 0.5 0.5 0.5\n"
+                             "f 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n"
+                             "f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n");
+  const ToolRun done = run("hull dented.obj -o cube.shape.h5 --unit m");
+  ASSERT_EQ(done.code, 0) << done.errors;
+  EXPECT_SAYS(done.output, "the hull of 14 triangles has 12, on 8 of 9 vertices");
+  EXPECT_SAYS(done.output, "volume changed by +20 %");  // the dent is a pyramid of 1/6
+  EXPECT_NEAR(shapes("cube.shape.h5").at(0).mass.volume, 1, 1e-14);
+}
+
+TEST_F(MesherImport, a_flat_sheet_has_no_hull) {
+  folder.write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+  const ToolRun done = run("hull sheet.obj -o hull.shape.h5 --surface --unit m");
+  EXPECT_EQ(done.code, 3);
+  EXPECT_SAYS(done.errors, "lie in one plane");
+  expect_nothing_written();
+}
+
 TEST_F(Mesher, a_box_has_twelve_triangles_and_its_exact_volume) {
   ASSERT_EQ(run("generate box --size '4 cm, 2cm, 0.01' -o x.shape.h5").code, 0);
   const Shape box = shapes("x.shape.h5")[0];
