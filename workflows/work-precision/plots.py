@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Draws the plots P1, P2, P4, P5, P6, P8 of VALIDATION 4.5. usage: plots.py FOLDER (reads *.json, writes P*.svg and P*.png)
+"""Draws the plots P1, P2, P4, P5, P6, P8 of VALIDATION 4.5. usage: plots.py FOLDER (reads *.json and fronts/, writes P*.svg and P*.png)
 
-The front of a plot: settings for which no other is both faster and more exact; marked by a grey line and rings.
+The front of a plot: settings for which no other is both faster and more exact, as scree-post error-vs-time finds them; marked by a
+grey line and rings.
 """
+import csv
 import json
 import os
 import sys
@@ -36,27 +38,26 @@ def curves(rows):
     return list(dict.fromkeys(row["curve"] for row in rows))
 
 
-def front(points):
-    """Indices of the points that no other beats in both coordinates, by growing x."""
-    order, best, found = numpy.lexsort((points[:, 1], points[:, 0])), numpy.inf, []
-    for i in order:
-        if points[i, 1] < best:
-            best = points[i, 1]
-            found.append(i)
-    return found
+def table_of(name):
+    with open(os.path.join(FOLDER, "fronts", name)) as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
-def draw(axes, rows, x, y, label=True, mark_front=False, floor=1e-17):
+def mark_front(axes, case, error, without="none", label="front"):
+    """Line and rings around the front of a case; leaves out settings whose name begins with `without`, which the plot does not draw."""
+    best = sorted((float(row["time"]), float(row["error"])) for row in table_of("fronts.csv")
+                  if row["case"] == case and row["error_column"] == error and row["on_front"] == "yes" and not row["choice"].startswith(without))
+    if best:
+        axes.plot(*zip(*best), color="0.35", linewidth=4, alpha=.25, zorder=0, label=label)
+        axes.plot(*zip(*best), linestyle="", marker="o", markersize=9, markerfacecolor="none", markeredgecolor="0.35")
+
+
+def draw(axes, rows, x, y, label=True, floor=1e-17):
     names = curves(rows)
     for n, name in enumerate(names):
         own = sorted((row for row in rows if row["curve"] == name), key=lambda row: row[x])
         axes.loglog([row[x] for row in own], [max(row[y], floor) for row in own], color=COLOURS[n % len(COLOURS)], marker=MARKERS[n % len(MARKERS)], markersize=4, linewidth=1.2,
                     label=name if label else None)
-    if mark_front and rows:
-        points = numpy.array([(row[x], max(row[y], floor)) for row in rows])
-        best = points[front(points)]
-        axes.plot(best[:, 0], best[:, 1], color="0.35", linewidth=4, alpha=.25, zorder=0, label="front" if label else None)
-        axes.plot(best[:, 0], best[:, 1], linestyle="", marker="o", markersize=9, markerfacecolor="none", markeredgecolor="0.35")
 
 
 def slope(own, x, y):
@@ -74,13 +75,13 @@ def p1_p2():
               ("impact", "hunt-crossley", "error_e", "impact, Hunt-Crossley: |e - 0.5|, worst phase"),
               ("impact", "hertz-mindlin", "error_e", "impact, Hertz: |e - 0.5|, worst phase"),
               ("collision", "rocks", "error_traj", "12 pairs of concave rocks: position error [m]")]
-    panels = [(rows, title, key) for study, case, key, title in panels if (rows := [row for row in load(study) if row["case"] == case])]
+    panels = [(rows, title, key, f"{study} {case}") for study, case, key, title in panels if (rows := [row for row in load(study) if row["case"] == case])]
     for name, x, xlabel in (("P1", "seconds", "time of the steps [s]"), ("P2", "step", "step [s]")):
         columns = (len(panels) + 1) // 2
         figure, axes = plt.subplots(2, columns, figsize=(4.3 * columns, 7.4))
         for ax in axes.flat[len(panels):]:
             ax.set_axis_off()
-        for ax, (rows, title, key) in zip(axes.flat, panels):
+        for ax, (rows, title, key, case) in zip(axes.flat, panels):
             if name == "P2":
                 rows = [dict(row) for row in rows]
                 for curve in curves(rows):
@@ -88,7 +89,9 @@ def p1_p2():
                     for row in rows:
                         if row["curve"] == curve and order is not None:
                             row["curve"] = f"{curve}: order {order:.2f}"
-            draw(ax, rows, x, key, mark_front=name == "P1")
+            draw(ax, rows, x, key)
+            if name == "P1":
+                mark_front(ax, case, key)
             ax.set_title(title)
             ax.set_xlabel(xlabel)
             ax.legend()
@@ -120,7 +123,9 @@ def p4():
     axes[1, 0].legend()
     own = [dict(row, curve=f"{row['case']}, " + (f"{row['steps_per_contact']} steps" if row["curve"] == "potential" else row["curve"])) for row in rows
            if row["curve"] != "pairs"]
-    draw(axes[1, 1], own, "seconds", "error_e", mark_front=True)
+    draw(axes[1, 1], own, "seconds", "error_e")
+    for kind, label in (("icosphere", "fronts"), ("cube", None)):
+        mark_front(axes[1, 1], f"mesh {kind}", "error_e", without="pairs", label=label)
     axes[1, 1].set_title("|e - 0.5| against time, all refinements")
     axes[1, 1].set_xlabel("time of the steps [s]")
     axes[1, 1].set_ylim(top=1e4)
@@ -134,7 +139,9 @@ def p5():
     for ax, x, y, title, xlabel in ((axes[0], "margin", "error_traj", "angular momentum after a corner impact:\nerror against the rigid body", "margin sum over smallest size"),
                                     (axes[1], "margin", "step", "step [s]", "margin sum over smallest size"),
                                     (axes[2], "seconds", "error_traj", "error against time", "time of the steps [s]")):
-        draw(ax, rows, x, y, mark_front=x == "seconds")
+        draw(ax, rows, x, y)
+        if x == "seconds":
+            mark_front(ax, "margin corner", y)
         ax.set_title(title)
         ax.set_xlabel(xlabel)
         ax.legend()
@@ -171,19 +178,10 @@ def p8():
 
 
 def table():
-    """What the front says, as Markdown: per panel the cheapest setting that reaches an error."""
-    lines = ["| study | error at most | cheapest setting | its error | s |", "|---|---|---|---|---|"]
-    for study, key, goals in (("integrators", "error_traj", (1e-2, 1e-3, 1e-4)), ("impact", "error_e", (1e-2, 1e-3, 1e-4)), ("collision", "error_traj", (1e-2, 1e-3, 1e-4)),
-                              ("margin", "error_traj", (5e-3, 2e-3, 1e-3))):
-        rows = load(study)
-        for case in dict.fromkeys(row["case"] for row in rows):
-            for goal in goals:
-                fit = [row for row in rows if row["case"] == case and row[key] <= goal]
-                if fit:
-                    best = min(fit, key=lambda row: row["seconds"])
-                    what = f"{best['curve']}, " + (f"{best['steps_per_contact']} steps a contact" if "steps_per_contact" in best else
-                                                    f"margin {best['margin']:g}" if "margin" in best else f"step {best['step']:g} s")
-                    lines.append(f"| {study}, {case} | {goal:g} | {what} | {best[key]:.2g} | {best['seconds']:.2g} |")
+    """What the front says, as Markdown: per case the cheapest setting that reaches an error."""
+    lines = ["| study | error | at most | cheapest setting | its error | s |", "|---|---|---|---|---|---|"]
+    for row in table_of("best.csv"):
+        lines.append(f"| {row['case']} | {row['error_column']} | {row['at_most']} | {row['choice']} | {float(row['error']):.2g} | {float(row['time']):.2g} |")
     with open(os.path.join(FOLDER, "fronts.md"), "w") as file:
         file.write("\n".join(lines) + "\n")
 
