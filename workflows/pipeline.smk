@@ -74,17 +74,19 @@ def everything():
     return [file for run in RUNS for file in result(run)]
 
 
-# The file that a shape is imported from, so that it is made anew when the file changes; none for a generated one.
+# The file that a shape is made from, so that it is made anew when the file changes; none for a generated one.
 def mesh_of(wildcards):
     words = SHAPES[wildcards.shape].split()
-    return [word for word in words[1:] if words[0] == "import" and not word.startswith("-") and os.path.exists(word)]
+    return [word for word in words[1:] if words[0] != "generate" and not word.startswith("-") and os.path.isfile(word)]
 
 
 rule shape:
     input: mesh_of
     output: "{shape}.shape.h5"
-    params: words=lambda wildcards: SHAPES[wildcards.shape]
-    shell: "scree-mesher {params.words} -o {output} --name {wildcards.shape}"
+    params:
+        words=lambda wildcards: SHAPES[wildcards.shape],
+        name=lambda wildcards: f"--name {wildcards.shape}" if SHAPES[wildcards.shape].split()[0] in ("import", "generate") else "",
+    shell: "scree-mesher {params.words} -o {output} {params.name}"
 
 
 # The case names its shapes relative to itself, so it moves to where they are.
