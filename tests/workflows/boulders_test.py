@@ -4,10 +4,12 @@ import csv
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.dont_write_bytecode = True
+from killed import kill_after_checkpoint  # noqa: E402
 
 RUNNER, BIN, SCRATCH = sys.argv[1:4]
 ENV = dict(os.environ, SCREE_BIN=BIN)
@@ -63,28 +65,11 @@ check_results(whole)
 assert "Nothing to be done" in run(whole), "a second run did something"
 
 # kill -9 of the workflow, of mpirun and of both ranks once there is a checkpoint
-os.makedirs(killed)
-with open(os.path.join(SCRATCH, "killed.log"), "w") as log:
-    process = subprocess.Popen(command(killed), env=ENV, stdout=log, stderr=log, start_new_session=True)
-    folder = os.path.join(killed, f"{NAME}.run")
-    end = time.time() + 200
-    while not (os.path.isdir(folder) and any(name.startswith("checkpoint_") and name.endswith(".h5") for name in os.listdir(folder))):
-        assert process.poll() is None and time.time() < end, open(log.name).read()
-        time.sleep(0.02)
-    members = subprocess.run(["ps", "-eo", "pid=,sid="], capture_output=True, text=True).stdout.split("\n")
-    for line in members:  # mpirun gives its ranks groups of their own, so the session is what holds all of them
-        words = line.split()
-        if len(words) == 2 and int(words[1]) == process.pid:
-            try:
-                os.kill(int(words[0]), signal.SIGKILL)
-            except ProcessLookupError:
-                pass
-    process.wait()
-assert not os.path.exists(os.path.join(folder, "run.json")), "the run had ended before the kill: nothing was tested"
+assert kill_after_checkpoint(command(killed), os.path.join(killed, f"{NAME}.run"), ENV, os.path.join(SCRATCH, "killed.log")), "the run had ended before the kill: nothing was tested"
 
 text = run(killed)
 assert "the last run was killed; resuming" in text, text
-assert "--restart latest" in text and "scree-decomposer pack" not in text.split("Building DAG")[-1], text
+assert "--restart" in outcome(killed)["provenance"]["command"] and "scree-decomposer pack" not in text.split("Building DAG")[-1], text
 check_results(killed)
 first, second = outcome(whole), outcome(killed)
 assert first["state_hash"] == second["state_hash"], (first["state_hash"], second["state_hash"])

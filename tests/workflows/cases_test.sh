@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose and drum in their small size, and a sweep: from nothing to their answers.
+# The cases hopper, column, repose, drum and shape-dial in their small size: from nothing to their answers, a sweep, and each killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -13,15 +13,21 @@ holds() { grep -q "$2" "$scratch/$1" || { echo "'$2' is not in $1:"; cat "$scrat
 run hopper
 holds hopper/discharge.md "Exponent n of W"
 run column
-holds column/column-small.runout.md "Lube and others (2004)"
+holds column/runout.md "| column-small | 97 | 6 |"
 run repose
 holds repose/repose.csv "^repose-ball,"
 run drum
 holds drum/drum-small.statistics/summary.csv "angle_of_repose"   # thirty stones are too few for a mixing index
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small; do
+run shape-dial
+holds shape-dial/dial.csv "^ball-rolling-0.3,"
+[[ -s "$scratch/shape-dial/dial.png" ]]
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done
+
+"$(dirname "$0")/resume_test.py" "$runner" "$SCREE_BIN" "$scratch" "$scratch/killed" \
+  hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small shape-dial/dial-hull
 
 # two frictions and two seeds: four runs, one table, and the seed matters
 run drum "sweep=pairs.*.friction=0.2|0.6;time.duration=20 ms" replicas=2 plot=mean_speed
