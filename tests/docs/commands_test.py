@@ -1,22 +1,84 @@
 #!/usr/bin/env python3
-"""Runs every command of a page: its ```sh blocks, in order, in one empty folder. usage: commands_test.py PAGE.md BIN SCRATCH"""
+"""Runs the commands of documentation pages as they stand there. usage: commands_test.py GROUP ROOT BIN SCRATCH
+
+A command is a ```sh block, or an indented line that begins with one of our tools or scripts, or with what starts them. A page is run from top to
+bottom in a folder of its own; what its commands need and do not make (a mesh, a case, a finished run) is put there before by stand_ins.sh.
+- A line that says "(untested: why)" is not run: the reader sees why.
+- workflows/run becomes a dry run, which reads all of a case and decides all its steps; cases_test.sh, boulders_test.py and studies_test.sh run
+  the small sizes whole.
+Fails, too, when a page with commands belongs to no group.
+"""
 import os
 import re
 import shutil
 import subprocess
 import sys
 
-PAGE, BIN, SCRATCH = sys.argv[1:4]
+GROUPS = {
+    "guide": ["docs/guide/start-here.md", "docs/guide/cookbook.md"],
+    "tools": ["README.md", "mesher/README.md", "decomposer/README.md", "solver/README.md", "post/README.md", "post/STATISTICS.md"],
+    "workflows": ["docs/distance-study.md", *(f"workflows/{name}/README.md" for name in (
+        "boulders", "column", "dice", "distance-study", "drum", "hopper", "peers", "repose", "scaling", "shape-dial", "stability", "validation", "work-precision"))],
+    "tests": ["tests/sanitizers/README.md", "tests/validation/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
+        "broad_phase", "candidates", "distance", "leave_out", "peers", "steps"))],
+}
+TEMPLATES = {"workflows/distance-study/page.md"}  # of docs/distance-study.md
+COMMAND = re.compile(r"(\./|\(?cd |[A-Z_]+=\S+ |scree-(mesher|decomposer|solver|post|bench-|peers-)|mpirun |cmake |ctest |paraview |pvbatch |xvfb-run |tests/|workflows/)")
+UNTESTED = re.compile(r"\(untested: [^)]+\)")
+
+GROUP, ROOT, BIN, SCRATCH = sys.argv[1:5]
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def scripts_of(page):
+    """The commands of a page, in order."""
+    with open(os.path.join(ROOT, page), encoding="utf-8") as file:
+        text = file.read()
+    found = []
+    for fenced, indented in re.findall(r"^```sh\n(.*?)^```|((?:^    .*\n)+)", text, flags=re.S | re.M):
+        if fenced:
+            found.append("".join(line for line in fenced.splitlines(keepends=True) if not UNTESTED.search(line)))
+            continue
+        lines = re.sub(r"\\\n\s*", "", re.sub(r"^    ", "", indented, flags=re.M)).splitlines()
+        found += [line for line in lines if COMMAND.match(line) and not UNTESTED.search(line)]
+    return [script for script in found if script.strip()], text
+
+
+def pages_with_commands():
+    for folder, folders, files in os.walk(ROOT):
+        folders[:] = [name for name in folders if not name.startswith(".") and name not in ("build", "out")]
+        for name in files:
+            page = os.path.relpath(os.path.join(folder, name), ROOT)
+            if name.endswith(".md") and page not in TEMPLATES and scripts_of(page)[0]:
+                yield page
+
+
+def run(page):
+    folder = os.path.join(SCRATCH, page.replace("/", "-").removesuffix(".md"))
+    os.makedirs(os.path.join(folder, "build", "release"))
+    os.symlink(BIN, os.path.join(folder, "build", "release", "bin"))
+    for name in ("workflows", "tests"):
+        os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
+    environment = dict(os.environ, PATH=BIN + os.pathsep + os.environ["PATH"], PYTHONDONTWRITEBYTECODE="1")
+    environment.pop("SCREE_BIN", None)
+
+    def execute(script, what):
+        result = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, capture_output=True, text=True, timeout=240)
+        assert result.returncode == 0, f"{page}: exit {result.returncode} of {what}\n{script}\n{result.stdout}\n{result.stderr}"
+
+    execute(f"'{HERE}/stand_ins.sh' {page}", "stand_ins.sh")
+    scripts, text = scripts_of(page)
+    for script in scripts:
+        dry = re.sub(r"^((?:\./)?workflows/run [^#\n]*?)(\s*(#.*)?)$", rf"\1 --dry-run{'' if '--out' in script else ' --out dry'}\2", script, flags=re.M)
+        execute(dry, "the command")
+    for target in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert os.path.exists(os.path.join(ROOT, os.path.dirname(page), target)), f"{page}: the link to {target} leads nowhere"
+    print(f"{page}: {len(scripts)} commands ran", flush=True)
+
+
+forgotten = set(pages_with_commands()) - set(sum(GROUPS.values(), []))
+assert not forgotten, f"commands of these pages are run by no test: {', '.join(sorted(forgotten))}; add them to GROUPS in {__file__}"
 shutil.rmtree(SCRATCH, ignore_errors=True)
-os.makedirs(SCRATCH)
-blocks = re.findall(r"^```sh\n(.*?)^```", open(PAGE, encoding="utf-8").read(), flags=re.S | re.M)
-assert blocks, f"{PAGE} has no commands"
-environment = dict(os.environ, PATH=BIN + os.pathsep + os.environ["PATH"])
-for block in blocks:
-    result = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=SCRATCH, env=environment, capture_output=True, text=True, timeout=240)
-    assert result.returncode == 0, f"{PAGE}: exit {result.returncode} of\n{block}\n{result.stdout}\n{result.stderr}"
-# links of the page lead somewhere
-for target in re.findall(r"\]\(([^)#:]+)\)", open(PAGE, encoding="utf-8").read()):
-    assert os.path.exists(os.path.join(os.path.dirname(PAGE), target)), f"{PAGE}: the link to {target} leads nowhere"
+for page in GROUPS[GROUP]:
+    run(page)
 shutil.rmtree(SCRATCH)
-print(f"{len(blocks)} blocks of commands ran")

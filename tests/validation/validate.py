@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs validation cases through the tools, as a user would, and holds them against closed forms.
 
 usage: validate.py BIN OUT [--tier U|N|W] [--only C1,F2] [--wp FILE] [--repeat N] [--size small|real] [--json FILE] [--list]
