@@ -1,0 +1,38 @@
+// What follows from the values of a scene.
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {
+  for (const MaterialPair& p : pairs) {
+    if ((p.a == a && p.b == b) || (p.a == b && p.b == a)) return p;
+  }
+  const auto name = [&](std::int32_t m) {
+    return m >= 0 && static_cast<std::size_t>(m) < materials.size() ? materials[static_cast<std::size_t>(m)].name : std::to_string(m);
+  };
+  throw InputError("the scene has no contact properties for the materials '{}' and '{}'; add [[pairs]] between = [\"{}\", \"{}\"]",
+                   name(a), name(b), name(a), name(b));
+}
+
+double Scene::mass(std::size_t body) const {
+  const double scale = bodies.scale[body];
+  const auto shape = static_cast<std::size_t>(bodies.shape[body]), material = static_cast<std::size_t>(bodies.material[body]);
+  return materials[material].density * shapes[shape].mass.volume * scale * scale * scale;
+}
+
+double effective_modulus(const Material& a, const Material& b) {
+  return 1 / ((1 - a.poisson * a.poisson) / a.young + (1 - b.poisson * b.poisson) / b.young);
+}
+
+double effective_shear_modulus(const Material& a, const Material& b) {
+  return 1 / (2 * (2 - a.poisson) * (1 + a.poisson) / a.young + 2 * (2 - b.poisson) * (1 + b.poisson) / b.young);
+}
+
+double hertz_impact_depth(double modulus, double radius, double mass, double speed) {
+  return std::pow(15 * mass * speed * speed / (16 * modulus * std::sqrt(radius)), 0.4);
+}
+
+}  // namespace scree
