@@ -105,18 +105,18 @@ void Packer::place_given_bodies() {
       if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
     }
     keep(body, static_cast<std::int32_t>(i));
-    BodyTable& bodies = scene_.bodies;
-    bodies.id.push_back(static_cast<std::int64_t>(i));
-    bodies.shape.push_back(parts_.scene_shape[static_cast<std::size_t>(b.shape)]);
-    bodies.material.push_back(b.material);
-    bodies.scale.push_back(b.scale);
-    bodies.position.push_back(b.position);
-    bodies.orientation.push_back(b.orientation);
-    bodies.velocity.push_back(b.velocity);
-    bodies.angular_velocity.push_back(b.angular_velocity);
-    bodies.fixed.push_back(b.fixed ? 1 : 0);
-    bodies.lock_rotation.push_back(b.lock_rotation ? 1 : 0);
-    bodies.population.push_back(-1);
+    BodyRow row;
+    row.id = static_cast<std::int64_t>(i);
+    row.shape = parts_.scene_shape[static_cast<std::size_t>(b.shape)];
+    row.material = b.material;
+    row.scale = b.scale;
+    row.position = b.position;
+    row.orientation = b.orientation;
+    row.velocity = b.velocity;
+    row.angular_velocity = b.angular_velocity;
+    row.fixed = b.fixed;
+    row.lock_rotation = b.lock_rotation;
+    scene_.bodies.add(row);
   }
 }
 

@@ -22,18 +22,18 @@ double Placements::volume_placed(const SceneParts& parts, std::size_t population
 
 namespace {
 
-void add_draw(const Case& c, const SceneParts& parts, const Draw& d, const PlacedBody& body, BodyTable& b) {
+BodyRow row_of(const Case& c, const SceneParts& parts, const Draw& d, const PlacedBody& body) {
   const CasePopulation& p = c.populations[d.population];
-  b.shape.push_back(parts.scene_shape[static_cast<std::size_t>(d.shape)]);
-  b.material.push_back(p.material);
-  b.scale.push_back(body.scale);
-  b.position.push_back(body.position);
-  b.orientation.push_back(body.orientation);
-  b.velocity.push_back(p.velocity);
-  b.angular_velocity.push_back(p.angular_velocity);
-  b.fixed.push_back(0);
-  b.lock_rotation.push_back(0);
-  b.population.push_back(static_cast<std::int32_t>(d.population));
+  BodyRow row;
+  row.shape = parts.scene_shape[static_cast<std::size_t>(d.shape)];
+  row.material = p.material;
+  row.scale = body.scale;
+  row.position = body.position;
+  row.orientation = body.orientation;
+  row.velocity = p.velocity;
+  row.angular_velocity = p.angular_velocity;
+  row.population = static_cast<std::int32_t>(d.population);
+  return row;
 }
 
 }  // namespace
@@ -42,8 +42,9 @@ void add_placed(const Case& c, const SceneParts& parts, const Placements& placem
   auto id = static_cast<std::int64_t>(c.bodies.size() + c.walls.size());
   for (std::size_t i = 0; i < parts.draws.size(); ++i) {
     if (placements.is_placed[i] == 0) continue;
-    scene.bodies.id.push_back(id++);
-    add_draw(c, parts, parts.draws[i], placements.body[i], scene.bodies);
+    BodyRow row = row_of(c, parts, parts.draws[i], placements.body[i]);
+    row.id = id++;
+    scene.bodies.add(row);
   }
 }
 
@@ -60,11 +61,12 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
   draw_of_body.assign(b.size(), -1);
   for (std::size_t i = 0; i < parts.draws.size(); ++i) {
     if (placements.is_placed[i] == 0) continue;
-    b.id.push_back(parts.draws[i].id);
-    add_draw(c, parts, parts.draws[i], placements.body[i], b);
-    b.fixed.back() = moves[i] != 0 ? 0 : 1;
-    b.velocity.back() = moves[i] != 0 ? velocity[i] : Vec3{};
-    b.angular_velocity.back() = moves[i] != 0 ? angular_velocity[i] : Vec3{};
+    BodyRow row = row_of(c, parts, parts.draws[i], placements.body[i]);
+    row.id = parts.draws[i].id;
+    row.fixed = moves[i] == 0;
+    row.velocity = row.fixed ? Vec3{} : velocity[i];
+    row.angular_velocity = row.fixed ? Vec3{} : angular_velocity[i];
+    b.add(row);
     draw_of_body.push_back(static_cast<std::int64_t>(i));
   }
   // only what the stage ends with is looked at

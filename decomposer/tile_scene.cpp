@@ -38,17 +38,10 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
       for (int x = 0; x < copies[0]; ++x) {
         const Vec3 shift{x * width.x, y * width.y, z * width.z};
         for (std::size_t i = 0; i < tile.size(); ++i) {
-          all.id.push_back(static_cast<std::int64_t>(all.id.size()) + 1);
-          all.shape.push_back(tile.shape[i]);
-          all.material.push_back(tile.material[i]);
-          all.scale.push_back(tile.scale[i]);
-          all.position.push_back(tile.position[i] + shift);
-          all.orientation.push_back(tile.orientation[i]);
-          all.velocity.push_back(tile.velocity[i]);
-          all.angular_velocity.push_back(tile.angular_velocity[i]);
-          all.fixed.push_back(tile.fixed[i]);
-          all.lock_rotation.push_back(tile.lock_rotation[i]);
-          all.population.push_back(tile.population[i]);
+          BodyRow row = tile.row(i);
+          row.id = static_cast<std::int64_t>(all.size()) + 1;
+          row.position += shift;
+          all.add(row);
         }
       }
   return result;

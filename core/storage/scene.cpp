@@ -6,6 +6,26 @@
 
 namespace scree {
 
+void BodyTable::add(const BodyRow& r) {
+  SCREE_ASSERT(owner.empty(), "{} owners", owner.size());
+  id.push_back(r.id);
+  shape.push_back(r.shape);
+  material.push_back(r.material);
+  scale.push_back(r.scale);
+  position.push_back(r.position);
+  orientation.push_back(r.orientation);
+  velocity.push_back(r.velocity);
+  angular_velocity.push_back(r.angular_velocity);
+  fixed.push_back(r.fixed ? 1 : 0);
+  lock_rotation.push_back(r.lock_rotation ? 1 : 0);
+  population.push_back(r.population);
+}
+
+BodyRow BodyTable::row(std::size_t i) const {
+  return {id[i], shape[i], material[i], scale[i], position[i], orientation[i], velocity[i], angular_velocity[i], fixed[i] != 0, lock_rotation[i] != 0,
+          population[i]};
+}
+
 const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {
   for (const MaterialPair& p : pairs) {
     if ((p.a == a && p.b == b) || (p.a == b && p.b == a)) return p;

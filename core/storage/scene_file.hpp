@@ -44,6 +44,18 @@ double effective_shear_modulus(const Material& a, const Material& b);
 /// Greatest depth [m] of an elastic Hertz impact: (15 m v^2 / (16 E* sqrt(R*)))^(2/5).
 double hertz_impact_depth(double modulus, double radius, double mass, double speed);
 
+/// One row of a BodyTable: a body that moves, placed by itself and at rest, unless said otherwise.
+struct BodyRow {
+  std::int64_t id = 0;
+  std::int32_t shape = 0, material = 0;
+  double scale = 1;
+  Vec3 position;
+  Quat orientation;
+  Vec3 velocity, angular_velocity;
+  bool fixed = false, lock_rotation = false;
+  std::int32_t population = -1;
+};
+
 /// Bodies, one row each. Orientation and position are those of the mesh as the user knows it.
 struct BodyTable {
   std::vector<std::int64_t> id;               ///< global, never reused
@@ -59,6 +71,10 @@ struct BodyTable {
   std::vector<std::int32_t> owner;            ///< rank of the pre-partition; empty when not partitioned
 
   std::size_t size() const { return id.size(); }
+  /// Appends a row; the table must have no owners.
+  void add(const BodyRow& row);
+  /// Row i, without its owner.
+  BodyRow row(std::size_t i) const;
 };
 
 enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };

@@ -47,19 +47,15 @@ inline Scene sample_scene(std::size_t bodies) {
   scene.shapes[0].verdict = {{"solid", true}, {"watertight", true}};
   scene.shapes[1].verdict = {{"solid", true}, {"watertight", true}};
   for (std::size_t i = 0; i < bodies; ++i) {
-    const auto id = static_cast<std::int64_t>(i);
-    BodyTable& b = scene.bodies;
-    b.id.push_back(id);
-    b.shape.push_back(static_cast<std::int32_t>(i % 3));
-    b.material.push_back(0);
-    b.scale.push_back(1 + 0.1 * static_cast<double>(i % 4));
-    b.position.push_back({0.07 * static_cast<double>(i % 3), 0.07 * static_cast<double>(i / 3 % 3), 0.05 + 0.07 * static_cast<double>(i / 9)});
-    b.orientation.push_back(quaternion_of(normalised(Vec3{1, 2, 3}), 0.7 * static_cast<double>(i)));
-    b.velocity.push_back({0.1, 0, -1.0 / 3.0});
-    b.angular_velocity.push_back({0, 0, static_cast<double>(i)});
-    b.fixed.push_back(0);
-    b.lock_rotation.push_back(0);
-    b.population.push_back(-1);
+    BodyRow row;
+    row.id = static_cast<std::int64_t>(i);
+    row.shape = static_cast<std::int32_t>(i % 3);
+    row.scale = 1 + 0.1 * static_cast<double>(i % 4);
+    row.position = {0.07 * static_cast<double>(i % 3), 0.07 * static_cast<double>(i / 3 % 3), 0.05 + 0.07 * static_cast<double>(i / 9)};
+    row.orientation = quaternion_of(normalised(Vec3{1, 2, 3}), 0.7 * static_cast<double>(i));
+    row.velocity = {0.1, 0, -1.0 / 3.0};
+    row.angular_velocity = {0, 0, static_cast<double>(i)};
+    scene.bodies.add(row);
   }
   Wall box;
   box.id = static_cast<std::int64_t>(bodies);

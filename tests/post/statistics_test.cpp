@@ -53,13 +53,7 @@ struct Packing {
     b.orientation.push_back({});
     b.velocity.push_back(velocity);
     b.angular_velocity.push_back({});
-    BodyTable& t = run.scene.bodies;
-    t.id.push_back(b.id.back());
-    t.shape.push_back(shape);
-    t.material.push_back(material);
-    t.scale.push_back(scale);
-    t.position.push_back(position);
-    t.fixed.push_back(0);
+    run.scene.bodies.add({b.id.back(), shape, material, scale, position, {}, velocity, {}});
   }
   void contact(std::int64_t a, std::int64_t b, const Vec3& point, const Vec3& normal, double normal_force, const Vec3& tangential = {}) {
     test::add_contact(frame, a, b, 0, normal, normal_force);

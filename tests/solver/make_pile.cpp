@@ -29,11 +29,13 @@ int main(int argc, char** argv) {
       scene.settings.output_every = scene.settings.checkpoint_every = 0.06;
     }
     const int side = std::max(1, static_cast<int>(std::floor(std::cbrt(count))));
-    const double spacing = 0.125;
+    // rocks reach up to 0.06 m from their centres; the rim keeps those of the outer rows off the walls
+    const double spacing = 0.125, rim = 0.01;
     std::mt19937 g(1);
     std::uniform_real_distribution<double> jitter(-0.004, 0.004);
     for (int i = 0; i < count; ++i) {
-      const Vec3 at{spacing * (i % side + 0.5) + jitter(g), spacing * (i / side % side + 0.5) + jitter(g), spacing * (i / side / side + 0.6) + jitter(g)};
+      const Vec3 at{rim + spacing * (i % side + 0.5) + jitter(g), rim + spacing * (i / side % side + 0.5) + jitter(g),
+                    spacing * (i / side / side + 0.6) + jitter(g)};
       test::add_body(scene, i % 3, at, test::random_quaternion(g), {0, 0, -0.5}, {}, 0.9 + 0.2 * (i % 5) / 5.0);
     }
     Wall box;
@@ -41,7 +43,7 @@ int main(int argc, char** argv) {
     box.name = "box";
     box.kind = WallKind::box_inside;
     box.lower = {0, 0, 0};
-    box.upper = {spacing * side, spacing * side, 100};
+    box.upper = {2 * rim + spacing * side, 2 * rim + spacing * side, 100};
     scene.walls.push_back(box);
     scene.settings.domain.bounded = kind == "periodic" || kind == "drain";
     if (kind == "quantised") scene.settings.step_control = kind;

@@ -19,19 +19,9 @@ inline Scene empty_scene(double stiffness, double restitution, double friction, 
 
 inline std::size_t add_body(Scene& scene, std::int32_t shape, const Vec3& position, const Quat& orientation = {},
                             const Vec3& velocity = {}, const Vec3& spin = {}, double scale = 1) {
-  BodyTable& b = scene.bodies;
-  b.id.push_back(static_cast<std::int64_t>(b.id.size() + scene.walls.size()));
-  b.shape.push_back(shape);
-  b.material.push_back(0);
-  b.scale.push_back(scale);
-  b.position.push_back(position);
-  b.orientation.push_back(orientation);
-  b.velocity.push_back(velocity);
-  b.angular_velocity.push_back(spin);
-  b.fixed.push_back(0);
-  b.lock_rotation.push_back(0);
-  b.population.push_back(-1);
-  return b.id.size() - 1;
+  const std::size_t index = scene.bodies.size();
+  scene.bodies.add({static_cast<std::int64_t>(index + scene.walls.size()), shape, 0, scale, position, orientation, velocity, spin});
+  return index;
 }
 
 inline void add_plane(Scene& scene, const Vec3& point, const Vec3& normal) {
