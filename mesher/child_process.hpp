@@ -12,7 +12,7 @@ namespace scree {
 /// survives a file whose header promises 10^12 triangles.
 struct ChildLimits {
   std::size_t memory_bytes = std::size_t{8} << 30;  ///< address space; see child_memory_is_limited
-  int seconds = 300;                                ///< wall clock
+  int seconds = 900;                                ///< wall clock: a busy machine gives a child less than all of a core
   double cpu_seconds = 300;                         ///< computing time; less is a fault of the file, whatever else the machine does
 };
 

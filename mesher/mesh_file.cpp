@@ -148,7 +148,7 @@ MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLim
 #ifdef SCREE_HAVE_GMSH
   if (std::find(kGmshExtensions.begin(), kGmshExtensions.end(), extension) != kGmshExtensions.end()) {
     ChildLimits patient = limits;
-    patient.cpu_seconds = limits.seconds;  // a short file can describe what takes long to mesh
+    patient.cpu_seconds = ChildLimits{}.cpu_seconds;  // a short file can describe what takes long to mesh
     return mesh_file_of(run_in_child("reading " + path, [&] {
       return bytes_of({read_cad_with_gmsh(path), "gmsh, " + extension, {}});
     }, patient));

@@ -117,7 +117,7 @@ def x13(tools, table):
         table.truth("1 x 1 x 1e-4 m, closed, falls on a plane", finite(run) and run.x[-1, 0, 2] > 4e-5 and run.log["contacts"].max() <= 4, f"rests at z = {run.x[-1, 0, 2]:.3g} m with {run.log['contacts'][-1]:.0f} contacts")
     except ToolError as error:
         table.refusal("1 x 1 x 1e-4 m, closed, falls on a plane", error)
-    table.must_refuse("open sheet as a body", lambda: import_mesh(tools, meshes.plate(1.0)))
+    table.must_refuse("open sheet as a body", lambda: import_mesh(tools, meshes.plate(1.0)), "the mesh is open")
 
 
 @case("X14", "meshes that do not close")
@@ -129,9 +129,10 @@ def x14(tools, table):
     gap = numpy.vstack([vertices, [vertices[a] + [1e-7, 0, 0]]])
     moved = triangles.copy()
     moved[0] = [len(vertices), b, c]
-    cases = {"missing facet": (vertices, triangles[1:]), "gap of 1e-7": (gap, moved), "T-junction": (t_vertices, t_triangles)}
-    for name, mesh in cases.items():
-        table.must_refuse(f"{name}, as a body", lambda mesh=mesh: import_mesh(tools, mesh))
+    cases = {"missing facet": ((vertices, triangles[1:]), "3 boundary edges in 1 loop"), "gap of 1e-7": ((gap, moved), "4 boundary edges in 1 loop"),
+             "T-junction": ((t_vertices, t_triangles), "1 T-junction")}
+    for name, (mesh, words) in cases.items():
+        table.must_refuse(f"{name}, as a body", lambda mesh=mesh: import_mesh(tools, mesh), words)
         out, text = import_mesh(tools, mesh, "--surface")
         table.truth(f"{name}, as a wall", os.path.exists(out), "accepted, told as: " + "; ".join(line.rsplit(": ", 1)[-1] for line in text.splitlines() if "note" in line)[:140])
 
@@ -160,7 +161,8 @@ def x15(tools, table):
 
 @case("X16", "self-intersecting mesh")
 def x16(tools, table):
-    table.must_refuse("two cubes that overlap, as one body", lambda: import_mesh(tools, meshes.joined(meshes.box(), meshes.box(shift=(.5, .3, .2)))))
+    table.must_refuse("two cubes that overlap, as one body", lambda: import_mesh(tools, meshes.joined(meshes.box(), meshes.box(shift=(.5, .3, .2)))),
+                      "1 pair of components passes through each other")
     out, _ = import_mesh(tools, meshes.joined(meshes.box(), meshes.box(shift=(.5, .3, .2))), "--surface")
     table.truth("the same as a wall", os.path.exists(out), "accepted")
 

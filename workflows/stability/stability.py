@@ -54,12 +54,15 @@ class Table:
         verdict = REFUSED if error.code in (2, 3, 5) and message else FAILED
         self.add(what, verdict, f"exit {error.code}: {message[:220] or 'no message: ' + error.text.strip()[-160:]}")
 
-    def must_refuse(self, what, action):
-        """A refusal is the right answer; going on is a failure."""
+    def must_refuse(self, what, action, words=""):
+        """A refusal that says these words is the right answer; another one, or going on, is a failure."""
         try:
             action()
         except ToolError as error:
-            self.refusal(what, error)
+            if words in error.text:
+                self.refusal(what, error)
+            else:
+                self.add(what, FAILED, f"refused, but not for '{words}': {error.text.strip()[-200:]}")
         else:
             self.add(what, FAILED, "accepted in silence")
 
