@@ -13,7 +13,7 @@ namespace scree {
 struct ChildLimits {
   std::size_t memory_bytes = std::size_t{8} << 30;  ///< address space; see child_memory_is_limited
   int seconds = 900;                                ///< wall clock: a busy machine gives a child less than all of a core
-  double cpu_seconds = 300;                         ///< computing time; less is a fault of the file, whatever else the machine does
+  double cpu_seconds = 300;                         ///< computing time; needing more is a fault of the file, whatever else the machine does
 };
 
 /// Runs `work` in a forked child and returns the bytes that it returned.
