@@ -43,7 +43,7 @@ using MeshDistanceScratchPtr = std::unique_ptr<MeshDistanceScratch, MeshDistance
 MeshDistanceScratchPtr make_mesh_distance_scratch();
 
 /// All triangle pairs whose distance is below `reach` (units of A's shape), sorted by (a, b). No pair is
-/// missed; a pair may be reported up to 1e-6 of the mesh size beyond reach (single-precision filter).
+/// missed and none made up: single precision decides the pairs that it can, errors allowed for, double the others.
 /// Returns true when some pair intersects.
 bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach,
                            MeshDistanceScratch& scratch, std::vector<TrianglePair>& pairs);
