@@ -19,6 +19,7 @@ I impulses of bodies off centre, F friction and rolling, R free rotation, S stat
 Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is
 held against the formula with its own mass and inertia, and the facet error is told apart. Two demands stay missed for reasons
 of physics: `docs/decisions/010`.
+Mesh independence, ranks and what is left out have no case here: `docs/validation-demands.md` goes through their demands.
 """
 
 
