@@ -111,10 +111,7 @@ def show_walls(here, view):
 
 def show_network(here, view):
     """Contacts as tubes from centre to centre; radius and colour by normal force."""
-    path = os.path.join(here, "network.pvd")
-    if not os.path.exists(path):
-        raise SystemExit("open_in_paraview.py: no network.pvd beside it; the run kept no contacts (contacts = true in [output] of the case)")
-    network = OpenDataFile(path)
+    network = OpenDataFile(os.path.join(here, "network.pvd"))
     RenameSource("contact network", network)
     Hide(network, view)
     tubes = Tube(Input=network)
@@ -140,6 +137,8 @@ def main():
     options = parser.parse_known_args(getattr(sys, "argv", [])[1:])[0]
 
     here = own_folder()
+    if options.network and not os.path.exists(os.path.join(here, "network.pvd")):  # before there is a view: ParaView does not survive an exit with one
+        raise SystemExit("open_in_paraview.py: no network.pvd beside it; the run kept no contacts (contacts = true in [output] of the case)")
     paraview.simple._DisableFirstRenderCameraReset()
     view = GetActiveViewOrCreate("RenderView")
     view.UseColorPaletteForBackground = 0
