@@ -89,7 +89,7 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   shape->SetName("shape");
   value->SetName("value");
   const bool by_speed = options.colour == "velocity";
-  double slowest = 1e300, fastest = 0;
+  double fastest = 0;
   std::int32_t most = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vec3& x = bodies.position[i];
@@ -101,7 +101,6 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
     const std::int32_t kind = options.colour == "rank" ? bodies.rank[i] : (options.colour == "material" ? bodies.material[i] : bodies.shape[i]);
     const double speed = length(bodies.velocity[i]);
     value->InsertNextValue(by_speed ? speed : kind);
-    slowest = std::min(slowest, speed);
     fastest = std::max(fastest, speed);
     most = std::max(most, kind);
   }
@@ -114,7 +113,7 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
     mapper->SetSourceData(k, vtk_mesh(drawn_shape(scene.shapes[static_cast<std::size_t>(k)])));
   }
   if (by_speed && bodies.size() > 0) {
-    const auto colours = number_scale(slowest, fastest);
+    const auto colours = number_scale(0, fastest);
     mapper->SetLookupTable(colours);
     if (!options.network) add_legend(renderer, colours, "speed [m/s]");
   } else {

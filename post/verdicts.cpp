@@ -93,10 +93,21 @@ Verdict judge_rest(const Run& run) {
   for (std::size_t i = 0; i < translational.size(); ++i) peak = std::max(peak, translational[i] + rotational[i]);
   const double last = translational.back() + rotational.back();
   const double part = peak > 0 ? last / peak : 0;
-  if (part < kRestKinetic) v.judgement = Judgement::good;
-  v.answer = part < kRestKinetic ? "yes" : "no, still moving";
-  v.evidence = fmt::format("Kinetic energy at the end is {:.2e} of its peak of {:.4g} J. At rest means below {:.0e}; a case that is meant to "
-                           "move need not pass this.", part, peak, kRestKinetic);
+  v.evidence = fmt::format("Kinetic energy at the end is {:.2e} of its peak of {:.4g} J.", part, peak);
+  if (!run.scene.settings.stop_at_rest) {
+    v.answer = part < kRestKinetic ? "yes" : "no, and the case does not ask for it";
+    if (part < kRestKinetic) v.judgement = Judgement::good;
+    v.evidence += fmt::format(" At rest means below {:.0e} of the peak.", kRestKinetic);
+  } else if (!run.outcome.contains("came_to_rest")) {
+    v.answer = "known at the end";
+  } else {
+    const bool rests = run.outcome["came_to_rest"] == true;
+    v.answer = rests ? fmt::format("yes, after {:.4g} s", number_in(run.outcome, "time", 0)) : "no, still moving when its time was up";
+    v.judgement = rests ? Judgement::good : Judgement::doubtful;
+    v.evidence += " The case asks for it (stop_at_rest): at rest means that for as long as a body takes to fall its own diameter, the bodies "
+                  "had less than a millionth of the energy of such a fall.";
+    if (!rests) v.evidence += " A longer duration, or rolling friction for what rocks and spins, gives them time.";
+  }
   return v;
 }
 

@@ -390,6 +390,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       run["critical_step"] = std::isfinite(stiffest.step) ? nlohmann::json(stiffest.step) : nlohmann::json();
       run["critical_contact"] = stiffest.name();
       run["time"] = simulation.time();
+      if (settings.stop_at_rest) run["came_to_rest"] = rest.at_rest(simulation.time());
       run["state_hash"] = hash;
       run["ranks"] = comm.size();
       run["threads"] = omp_get_max_threads();

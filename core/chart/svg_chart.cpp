@@ -159,6 +159,7 @@ std::string svg_of(const LineChart& chart) {
   if (is_flat(x_low, x_high)) x_high = x_low + std::max(1.0, std::abs(x_low));
   const Prefix xp = chart.logarithmic_x ? Prefix{1, chart.x_unit} : prefix_for(std::max(std::abs(x_low), std::abs(x_high)), chart.x_unit);
   const Prefix yp = chart.logarithmic ? Prefix{1, chart.y_unit} : prefix_for(std::max(std::abs(y_low), std::abs(y_high)), chart.y_unit);
+  std::vector<double> y_ticks;  // decided once: ticks of the widened axis could be coarser and reach beyond it
   if (chart.logarithmic) {
     constexpr double kMostDecades = 14;  // a value at rounding level must not squeeze the rest
     y_low = std::max(y_low, y_high * std::pow(10.0, -kMostDecades));
@@ -169,9 +170,9 @@ std::string svg_of(const LineChart& chart) {
       y_low -= chart.from_zero ? 0 : pad;
       y_high += pad;
     }
-    const std::vector<double> ticks = round_ticks(y_low / yp.factor, y_high / yp.factor, 5);
-    y_low = ticks.front() * yp.factor;
-    y_high = ticks.back() * yp.factor;
+    y_ticks = round_ticks(y_low / yp.factor, y_high / yp.factor, 5);
+    y_low = y_ticks.front() * yp.factor;
+    y_high = y_ticks.back() * yp.factor;
   }
   const double width = kWidth - kLeft - kRight, height = kHeight - kTop - kBottom;
   const auto px = [&](double x) {
@@ -193,9 +194,8 @@ std::string svg_of(const LineChart& chart) {
     const int stride = std::max(1, (high - low + 5) / 6);
     for (int e = high; e >= low; e -= stride) level(std::pow(10.0, e), power_of_ten(e));
   } else {
-    const std::vector<double> ticks = round_ticks(y_low / yp.factor, y_high / yp.factor, 5);
-    const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
-    for (double t : ticks) level(t * yp.factor, number(t, step));
+    const double step = y_ticks.size() > 1 ? y_ticks[1] - y_ticks[0] : 1;
+    for (double t : y_ticks) level(t * yp.factor, number(t, step));
   }
   const auto mark = [&](double x, const std::string& text) {
     svg += fmt::format("<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" class=\"axis\"/><text x=\"{0:.1f}\" y=\"{3}\" class=\"tick\" "

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <regex>
 #include <sstream>
 
 #include "post/provenance_chain.hpp"
@@ -215,6 +216,26 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
   EXPECT_EQ(verdict(all, "Mesh certificates").judgement, Judgement::bad);
 }
 
+TEST_F(RunFolder, rest_is_judged_where_the_case_asks_for_it) {
+  const auto verdict_of = [&](bool asked, const nlohmann::json& rested) {
+    Scene scene = test::sample_scene(12);
+    scene.settings.stop_at_rest = asked;
+    write_scene_file((folder / "scene.h5").string(), scene);
+    std::ofstream(folder / "log.csv") << test::sample_log(0.05, 1e-3, 0.25);  // 1e-4 of the peak
+    nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+    if (!rested.is_null()) outcome["came_to_rest"] = rested;
+    std::ofstream(folder / "run.json") << outcome;
+    return verdict(judge(open_run(folder.string())), "Came to rest");
+  };
+  EXPECT_EQ(verdict_of(false, nullptr).answer, "no, and the case does not ask for it");
+  EXPECT_EQ(verdict_of(false, nullptr).judgement, Judgement::information);
+  EXPECT_EQ(verdict_of(true, true).answer, "yes, after 0.2 s");
+  EXPECT_EQ(verdict_of(true, true).judgement, Judgement::good);
+  EXPECT_EQ(verdict_of(true, false).answer, "no, still moving when its time was up");
+  EXPECT_EQ(verdict_of(true, false).judgement, Judgement::doubtful);
+  EXPECT_EQ(verdict_of(true, nullptr).answer, "known at the end");  // a run in progress, or of a solver that did not tell
+}
+
 // the page
 
 TEST_F(RunFolder, the_report_needs_nothing_from_outside) {
@@ -269,6 +290,26 @@ TEST(SvgChart, ticks_are_round_and_cover_the_range) {
   EXPECT_EQ(round_ticks(2, 2, 5), (std::vector<double>{2}));
   // a span of one rounding: a loop over such steps would never end
   EXPECT_EQ(round_ticks(0.3, 0.30000000000000004, 5), (std::vector<double>{0.3}));
+}
+
+TEST(SvgChart, no_tick_lies_outside_the_frame) {
+  for (double low = -3; low < 1; low += 0.13) {
+    for (double high = low + 0.07; high < 3; high += 0.31) {
+      const std::string svg = svg_of(LineChart{"t", "x", "", "y", "", false, false, {{"a", {0, 1}, {low, high}}}, {}});
+      std::vector<double> levels;  // of the lines of the grid, in pixels from the top
+      for (std::size_t at = svg.find("class=\"grid\""); at != std::string::npos; at = svg.find("class=\"grid\"", at + 1)) {
+        levels.push_back(std::stod(svg.substr(svg.rfind("y1=\"", at) + 4)));
+      }
+      ASSERT_GE(levels.size(), 2u);
+      // the axis is drawn from its upper end to its lower one
+      std::smatch axis;
+      ASSERT_TRUE(std::regex_search(svg, axis, std::regex("polyline points=\"[0-9.]+,([0-9.]+) [0-9.]+,([0-9.]+) ")));
+      for (double y : levels) {
+        EXPECT_GE(y, std::stod(axis[1]) - 0.1) << low << " to " << high;
+        EXPECT_LE(y, std::stod(axis[2]) + 0.1) << low << " to " << high;
+      }
+    }
+  }
 }
 
 TEST(SvgChart, a_chart_without_finite_points_says_so) {

@@ -209,7 +209,7 @@ def a_run_that_stops_at_rest_stops_there_after_a_restart_too():
     subprocess.run([PILE, "8", "20", "rest.scene.h5", "1", "3e5", "rest"], check=True)
     run(1, "rest.scene.h5", "-o", "whole.run")
     whole = outcome("whole.run")
-    assert whole["outcome"] == "completed" and 0.3 < whole["time"] < 10, whole["time"]
+    assert whole["outcome"] == "completed" and 0.3 < whole["time"] < 10 and whole["came_to_rest"] is True, whole["time"]
     begin = time.time()
     child = subprocess.Popen([SOLVER, "rest.scene.h5", "-o", "early.run"], env=dict(ENV, OMP_NUM_THREADS="1"), stderr=subprocess.DEVNULL)
     while not os.path.exists("early.run/frame_000002.hdf"):
@@ -231,7 +231,7 @@ def a_run_that_stops_at_rest_stops_there_after_a_restart_too():
         run(ranks, "rest.scene.h5", "-o", folder, "--restart", "latest")
     for folder in ("early.run", "late2.run", "late3.run"):
         again = outcome(folder)
-        for name in ("steps", "time", "state_hash", "outcome"):
+        for name in ("steps", "time", "state_hash", "outcome", "came_to_rest"):
             assert again[name] == whole[name], (folder, name, again[name], whole[name])
         assert physics_of_log(folder) == physics_of_log("whole.run"), folder
         assert sorted(n for n in os.listdir(folder) if n.startswith("frame_")) == sorted(n for n in os.listdir("whole.run") if n.startswith("frame_"))
