@@ -6,8 +6,8 @@ centre of mass just before the tube moves. Seen from above, the deposit ends whe
 outermost ring, half a grain wide, of which they cover half. What lies further out is single grains that rolled away. The interval (95 %) is that
 of the mean over eight sectors.
 
-Two runs of the same name but for -coarse and -fine at the end are the same column of larger and smaller grains. What a column of endless many
-grains would do is read off the straight line through both over (size of a grain) / r_0.
+Runs of the same name but for -coarse, -middle and -fine at the end are the same column of larger and smaller grains. The straight line through
+them over (size of a grain) / r_0 tells where endless many grains would come to, as far as the line holds.
 """
 import os
 import sys
@@ -67,32 +67,32 @@ def measure(name):
 
 
 runs = [measure(name) for name in NAMES]
+STYLES = {"-coarse": ("o", "#56B4E9"), "-middle": ("^", "#009E73"), "-fine": ("s", "#0072B2"), "": ("o", "#0072B2")}
 columns = {}
 for run in runs:
-    columns.setdefault(run["name"].removesuffix("-coarse").removesuffix("-fine"), []).append(run)
+    run["size"] = next(ending for ending in STYLES if run["name"].endswith(ending))
+    columns.setdefault(run["name"].removesuffix(run["size"]), []).append(run)
 limits = []
-for name, pair in columns.items():
-    if len(pair) != 2:
+for name, sizes in columns.items():
+    if len(sizes) < 2:
         continue
-    coarse, fine = sorted(pair, key=lambda run: -run["grain"])
-    weight = fine["grain"] / (coarse["grain"] - fine["grain"])
-    limits.append({"name": name, "a": fine["a"], "run_out": fine["run_out"] + weight * (fine["run_out"] - coarse["run_out"]),
-                   "interval": np.hypot((1 + weight) * fine["interval"], weight * coarse["interval"])})
+    grain, run_out, interval = (np.array([run[key] for run in sizes]) for key in ("grain", "run_out", "interval"))
+    line, covariance = np.polyfit(grain, run_out, 1, w=1 / interval, cov="unscaled")
+    limits.append({"name": name, "a": sizes[np.argmin(grain)]["a"], "run_out": line[1], "interval": np.sqrt(covariance[1, 1])})
 
 with open(TABLE, "w", encoding="utf-8") as file:
     file.write("| column | grains | grains across | height / radius a | (r_end - r_0) / r_0 | Lube and others (2004) | difference | grains inside r_end | height at the end / r_0 | run time [s] |\n"
                "|---|---|---|---|---|---|---|---|---|---|\n")
     for row in runs + limits:
         there = float(published(row["a"]))
-        parts = [row["name"], str(row["count"]), f"{2 / row['grain']:.0f}"] if "count" in row else [f"{row['name']}, endless many grains", "", ""]
+        parts = [row["name"], str(row["count"]), f"{2 / row['grain']:.0f}"] if "count" in row else [f"{row['name']}, line to endless many", "", ""]
         parts += [f"{row['a']:.2f}", f"{row['run_out']:.2f} +- {row['interval']:.2f}", f"{there:.2f}", f"{100 * (row['run_out'] / there - 1):+.0f} %"]
         parts += [f"{row['inside']}", f"{row['height']:.2f}", f"{row['seconds']:.0f}"] if "inside" in row else ["", "", ""]
         file.write("| " + " | ".join(parts) + " |\n")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8), layout="constrained")
-for rows, style, colour, label in (([run for run in runs if run["name"].endswith("-coarse")], "o", "#56B4E9", "coarse"),
-                                   ([run for run in runs if not run["name"].endswith("-coarse")], "s", "#0072B2", "fine"),
-                                   (limits, "D", "#D55E00", "endless many grains")):
+for rows, style, colour, label in [([run for run in runs if run["size"] == size], *style, size[1:] + " grains") for size, style in STYLES.items()] + [
+        (limits, "D", "#D55E00", "line to endless many grains")]:
     if rows:
         left.errorbar([row["a"] for row in rows], [row["run_out"] for row in rows], [row["interval"] for row in rows], fmt=style, color=colour, capsize=3, label=label)
 a = np.linspace(0.3, 1.2 * max(run["a"] for run in runs) + 0.5, 200)

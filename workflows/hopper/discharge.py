@@ -56,14 +56,18 @@ with open(TABLE, "w", encoding="utf-8") as file:
                    + "; Beverloo, Leniger and van de Velde (1961): 2.5.\n")
 
 figure, plot = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
-plot.loglog(reduced * 1e3, flows, "o", color="#0072B2", label="runs")
+plot.loglog(reduced * 1e3, flows * 1e3, "o", color="#0072B2", label="runs")
 if fit:
     x = np.linspace(reduced[usable].min() * 0.9, reduced[usable].max() * 1.1, 50)
-    plot.loglog(x * 1e3, np.exp(fit.intercept) * x**fit.slope, "-", color="#0072B2", label=f"fit, exponent {fit.slope:.2f}")
+    plot.loglog(x * 1e3, 1e3 * np.exp(fit.intercept) * x**fit.slope, "-", color="#0072B2", label=f"fit, exponent {fit.slope:.2f}")
     middle = np.exp(np.mean(np.log(flows[usable]))) / np.exp(np.mean(np.log(reduced[usable]))) ** 2.5
-    plot.loglog(x * 1e3, middle * x**2.5, "--", color="#D55E00", label="Beverloo, 2.5")
+    plot.loglog(x * 1e3, 1e3 * middle * x**2.5, "--", color="#D55E00", label="Beverloo, 2.5")
+for axis in (plot.xaxis, plot.yaxis):  # about a decade: plain numbers
+    axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 1.5, 2, 3, 5, 7)))
+    axis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+    axis.set_minor_locator(matplotlib.ticker.NullLocator())
 plot.set_xlabel(f"D - {OFFSET} d [mm]")
-plot.set_ylabel("mass flow W [kg/s]")
+plot.set_ylabel("mass flow W [g/s]")
 plot.grid(alpha=0.3, which="both")
 plot.legend()
 figure.savefig(SVG, metadata={"Date": None})
