@@ -7,8 +7,6 @@
 #include <bit>
 #include <cmath>
 
-#include "core/distance/mesh_distance.hpp"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/distance/mesh_descent.cpp"
 #include <hwy/foreach_target.h>

@@ -11,13 +11,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/distance/mesh_distance.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/geometry/bvh.hpp"
 
 namespace scree {
-
-struct TrianglePair;
-struct Placement;
 
 /// linear x + translation, and the absolute values of linear.
 struct SinglePlacement {
