@@ -3,6 +3,7 @@
 #include "solver/built_with.hpp"
 #include "solver/pass_through.hpp"
 #include "solver/triangle_contacts.hpp"
+#include "solver/work_shares.hpp"
 
 #include <omp.h>
 
@@ -23,6 +24,8 @@ namespace {
 constexpr double kSkinSteps = 24;           // steps that a skin lasts at the present relative speed
 constexpr double kSmallestSkin = 0.25;      // of the margin sum
 constexpr double kLargestSkin = 0.1;        // of the smaller radius
+
+constexpr std::size_t kPairsAtOnce = 64;    // that a thread takes
 
 /// Times one pair where that is asked for: reading the clock twice takes a tenth of an average pair.
 class PairClock {
@@ -202,7 +205,6 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
 double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                     std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step,
                     ForceScratch& scratch, PairList& list, FrameContacts* out, const PairLooker* look) {
-  const auto count = static_cast<std::ptrdiff_t>(which.size());
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
   const bool only_looks = out != nullptr || look != nullptr;
   const PairForceFunction force_of = pair_force_function(scene.law_choice());
@@ -216,6 +218,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   const auto way_of = [&ways](const PairRest& rest) { return ways[rest.a] + (rest.b >= 0 ? ways[rest.b] : 0.0); };
   double deepest = 0;
   bool too_deep = false;
+  WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
 #pragma omp parallel if (!only_looks) reduction(max : deepest) reduction(|| : too_deep)
   {
     std::vector<ContactFeature> features;
@@ -223,11 +226,10 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
     std::vector<CellShare> cells;
     AreaContact layer;
     MeshDistanceScratch& distance = *scratch.distance[static_cast<std::size_t>(omp_get_thread_num())];
-#pragma omp for schedule(dynamic, 64)
-    for (std::ptrdiff_t n = 0; n < count; ++n) {
-      const std::int32_t k = which[static_cast<std::size_t>(n)];
+    shares.take(omp_get_thread_num(), [&](std::size_t n) {
+      const std::int32_t k = which[n];
       PairRest& rest = list.rests()[static_cast<std::size_t>(k)];
-      if (way_of(rest) < rest.way) continue;  // its result says so already
+      if (way_of(rest) < rest.way) return;  // its result says so already
       const PairClock clock(scratch.pair_seconds, k);
       BodyPair& pair = list.pairs()[static_cast<std::size_t>(k)];
       PairResult& result = list.results()[static_cast<std::size_t>(k)];
@@ -247,16 +249,16 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       if (pair.lists.skin < 0 || moved > pair.lists.skin) {
         if (!renew_lists(view, velocities, independent, is_area, dt, distance, pair.lists)) {
           intersecting.store(k);
-          continue;
+          return;
         }
         moved = 0;
       }
       if (moved < pair.lists.first_slack) {
         // nothing can be within the margin before both have gone what is left
-        if (only_looks) continue;
+        if (only_looks) return;
         if (pair.b >= 0 || !scene.has_driven_walls()) rest.way = way_of(rest) + (pair.lists.first_slack - moved);
         pair.springs.clear();
-        continue;
+        return;
       }
       rest.way = kNoRest;
       const bool has_layer = is_area && view.a.shape->kind != ShapeKind::sphere && (view.b.shape == nullptr || view.b.shape->kind != ShapeKind::sphere);
@@ -277,7 +279,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       }
       if (features.empty()) {
         if (!only_looks) pair.springs.clear();
-        continue;
+        return;
       }
       std::int32_t material_b = 0;
       if (pair.b >= 0) {
@@ -322,7 +324,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       deepest = std::max(deepest, result.depth_ratio);
       if (!(result.depth_ratio < stop_ratio)) too_deep = true;  // or not a number
       if (out != nullptr && counts_here(pair, p)) append_contacts(pair, view, features, outputs, *out);
-    }
+    });
   }
   const auto describe = [&](const PairKey& key) {
     return key.zone < 0 ? fmt::format("bodies {} and {}", key.a, key.b) : fmt::format("body {} and wall {}", key.a, key.b);
