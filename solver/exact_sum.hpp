@@ -45,6 +45,13 @@ class ExactSum {
     if (++terms_ == kTermsBeforeCarry) carry();
   }
 
+  void add(const ExactSum& other) {
+    const Words more = other.words();
+    carry();
+    for (std::size_t i = 0; i < kWords; ++i) words_[i] += more[i];
+    carry();
+  }
+
   double value() const {
     if (words_[kWords - 1] != 0) return std::nan("");
     ExactSum sum = *this;

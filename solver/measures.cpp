@@ -1,4 +1,5 @@
 // What a simulation tells of itself: energies, loads, counts, the hash of its state. Every function is collective.
+#include <omp.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -33,9 +34,24 @@ struct ItemHash {
 
 }  // namespace
 
-/// Adds what the present forces do to the walls in a time dt.
+/// Adds what the present forces do to the walls in a time dt. The sums are exact, so that threads may add up parts of them.
 void Simulation::add_wall_totals(double dt, std::vector<ExactSum>& sums) const {
-  for (const std::int32_t k : wall_pairs_) {
+  constexpr std::size_t kWorthAThread = 512;   // pairs: starting and adding up the parts takes as long as some fifty
+  const std::size_t parts = std::clamp<std::size_t>(wall_pairs_.size() / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
+  const auto part = [&](std::size_t n) {
+    const std::size_t begin = wall_pairs_.size() * n / parts, end = wall_pairs_.size() * (n + 1) / parts;
+    return std::span(wall_pairs_).subspan(begin, end - begin);
+  };
+  std::vector<std::vector<ExactSum>> others(parts - 1, std::vector<ExactSum>(sums.size()));
+#pragma omp parallel for schedule(static, 1) if (parts > 1)
+  for (std::size_t n = 0; n < parts; ++n) add_wall_totals(part(n), dt, n == 0 ? sums : others[n - 1]);
+  for (const auto& other : others) {
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i].add(other[i]);
+  }
+}
+
+void Simulation::add_wall_totals(std::span<const std::int32_t> pairs, double dt, std::vector<ExactSum>& sums) const {
+  for (const std::int32_t k : pairs) {
     const PairResult& r = pairs_.results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
     const BodyPair& pair = pairs_.pairs()[static_cast<std::size_t>(k)];

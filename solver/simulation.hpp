@@ -157,6 +157,7 @@ class Simulation {
   void fail(const Error& error);
   void set_walls(double time);
   void add_wall_totals(double dt, std::vector<ExactSum>& sums) const;
+  void add_wall_totals(std::span<const std::int32_t> pairs, double dt, std::vector<ExactSum>& sums) const;   // of some wall pairs
   double walls_moved(const std::vector<WallState>& walls) const;   // since the lists were made, with respect to any owned body [m]
   double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
   /// Whether something that must happen at the same step in every run is due, such as the removal of bodies: asks for new lists.

@@ -48,6 +48,11 @@ TEST(ExactSum, has_the_same_words_in_any_order_and_in_any_parts) {
   for (const double t : terms) shuffled.add(t);
   EXPECT_EQ(forward.words(), shuffled.words());
 
+  ExactSum parts[3];  // as threads add up
+  for (std::size_t i = 0; i < terms.size(); ++i) parts[i % 3].add(terms[i]);
+  for (const int other : {2, 1}) parts[0].add(parts[other]);
+  EXPECT_EQ(forward.words(), parts[0].words());
+
   ExactSum first, second;  // as two ranks would, or a run and its restart
   for (std::size_t i = 0; i < terms.size(); ++i) (i % 3 == 0 ? first : second).add(terms[i]);
   ExactSum::Words both = first.words();
