@@ -36,7 +36,7 @@ struct ItemHash {
 
 /// Adds what the present forces do to the walls in a time dt. The sums are exact, so that threads may add up parts of them.
 void Simulation::add_wall_totals(double dt, std::vector<ExactSum>& sums) const {
-  constexpr std::size_t kWorthAThread = 512;   // pairs: starting and adding up the parts takes as long as some fifty
+  constexpr std::size_t kWorthAThread = 64;   // pairs, 45 us: starting a thread and adding its part takes some 5 us
   const std::size_t parts = std::clamp<std::size_t>(wall_pairs_.size() / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
   const auto part = [&](std::size_t n) {
     const std::size_t begin = wall_pairs_.size() * n / parts, end = wall_pairs_.size() * (n + 1) / parts;
