@@ -1,166 +1,118 @@
 #!/usr/bin/env python3
-"""Cubes, tetrahedra and octahedra poured into a wide vessel and tapped: solid fraction of the bulk, before and after.
+"""Solid fraction of dice, at rest and after taps. usage: dice.py TABLE.csv SUMMARY.md CHART.svg CHART.png RUN...
 
-usage: dice.py BIN OUT [--shapes cube,tetra,octa] [--count N] [--taps N] [--friction F] [--seeds 1,2,3]
-
-All dice have the volume of a ball of 1 cm. The vessel is periodic in x and y, so that no side wall orders the dice; the margin of
-contact is 0.2 % of that diameter. Pouring is the decomposer's method "settle". A tap is a half sine of the floor, a seventh of the
-diameter high in 10 ms; then the dice have 90 ms to come to rest. The fraction is counted by random points between one and a half
-diameters above the floor and one below the top, where neither shows.
-Reference: J. Baker and A. Kudrolli, Maximum and minimum stable random packings of Platonic solids, Phys. Rev. E 82 (2010) 061304.
+RUN is SHAPE-SEED; RUN.scene.h5 and RUN.run are read. The fraction is counted by random points between one and a half diameters above
+the floor and one diameter below the top of the bed, where neither orders the dice. A die ends where its margin does: that is where dice
+touch. Published values: J. Baker and A. Kudrolli, Phys. Rev. E 82 (2010) 061304, standard deviation 0.01.
 """
-import argparse
 import csv
+import json
 import math
 import os
-import subprocess
+import sys
 
 import h5py
-import numpy as np
+import matplotlib
+matplotlib.use("svg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
 
-DIAMETER, WIDTH, MARGIN = 0.01, 0.045, 2e-5
-VOLUME = math.pi / 6 * DIAMETER**3
-LOOSE = {"cube": 0.54, "tetra": 0.51, "octa": 0.52}
-DENSEST = {"cube": 0.67, "tetra": 0.64, "octa": 0.64}
-LIFT, PULSE, REST = DIAMETER / 7, 0.01, 0.09   # of a tap [m], [s], [s]
-
-
-def mesh(name):
-    """Vertices [m] and triangles, outward."""
-    if name == "cube":
-        a = VOLUME ** (1 / 3) / 2
-        v = [(x, y, z) for z in (-a, a) for y in (-a, a) for x in (-a, a)]
-        return v, [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
-    if name == "tetra":
-        s = (6 * math.sqrt(2) * VOLUME) ** (1 / 3) / (2 * math.sqrt(2))
-        return [(s, s, s), (s, -s, -s), (-s, s, -s), (-s, -s, s)], [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)]
-    r = (3 * VOLUME / 4) ** (1 / 3)
-    return ([(r, 0, 0), (-r, 0, 0), (0, r, 0), (0, -r, 0), (0, 0, r), (0, 0, -r)],
-            [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)])
+LOOSE = {"tetrahedron": 0.51, "cube": 0.54, "octahedron": 0.52}
+DENSEST = {"tetrahedron": 0.64, "cube": 0.67, "octahedron": 0.64}
+COLOURS = {"tetrahedron": "#D55E00", "cube": "#0072B2", "octahedron": "#009E73"}
+SAMPLES = 100_000   # the fraction is then within 0.002
 
 
-def tap_table(taps):
-    """Times [s] and heights [m] of the floor."""
-    time, height = [0.0], [0.0]
-    for tap in range(taps):
-        start = tap * (PULSE + REST)
-        for k in range(1, 9):
-            time.append(start + PULSE * k / 8)
-            height.append(LIFT * math.sin(math.pi * k / 8) if k < 8 else 0.0)
-        time.append(start + PULSE + REST)
-        height.append(0.0)
-    return time, height
-
-
-def case_text(name, seed, count, taps, friction):
-    time, height = tap_table(max(taps, 1))
-    depth = count * VOLUME / (0.5 * WIDTH**2)
-    return f"""title = "dice: {name}"
-seed = {seed}
-[time]
-duration = {max(taps * (PULSE + REST), 1e-6):g}
-steps_per_contact = 20
-[domain]
-min = [0, 0, -0.02]
-max = [{WIDTH}, {WIDTH}, {3 * depth + 0.1:g}]
-periodic = ["x", "y"]
-[shapes.die]
-file = "{name}.shape.h5"
-[materials.plastic]
-density = 1200
-[[pairs]]
-between = ["plastic", "plastic"]
-stiffness = 1.2e6
-restitution = 0.3
-friction = {friction}
-[contact]
-margin = {MARGIN}
-[[populations]]
-shape = "die"
-material = "plastic"
-count = {count}
-method = "settle"
-region = {{ box = [[0, 0, 0], [{WIDTH}, {WIDTH}, {depth + 4 * DIAMETER:g}]] }}
-[[walls]]
-shape = {{ plane = {{ point = [0, 0, 0], normal = [0, 0, 1] }} }}
-material = "plastic"
-motion = {{ table = {{ time = {time}, position = {[[0, 0, h] for h in height]} }} }}
-[output]
-every = {PULSE + REST}
-contacts = false
-"""
-
-
-def fraction(scene, frame=None, samples=200000):
-    """Solid fraction of the bulk; positions from a frame when one is given."""
-    with h5py.File(scene, "r") as file:
-        x, q = file["bodies/position"][:], file["bodies/orientation"][:]
-        vertex, triangle = file["shapes/shape_0000/vertices"][:], file["shapes/shape_0000/triangles"][:]
-    if frame:
-        with h5py.File(frame, "r") as file:
-            order = np.argsort(file["VTKHDF/PointData/id"][:])
-            x, q = file["VTKHDF/Points"][:][order], file["VTKHDF/PointData/quat"][:][order]
-    normal = np.cross(vertex[triangle[:, 1]] - vertex[triangle[:, 0]], vertex[triangle[:, 2]] - vertex[triangle[:, 0]])
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    offset = np.sum(normal * vertex[triangle[:, 0]], axis=1)
-    reach = np.linalg.norm(vertex, axis=1).max()
-    low, high = 1.5 * DIAMETER, np.quantile(x[:, 2], 0.95) - DIAMETER
-    if not high > low + DIAMETER:
-        return float("nan")   # too few dice for a bulk
+def bulk_fraction(solid, width, diameter, margin, x, q):
+    """solid: unit normals and offsets of the faces; x, q: N x 3 and N x 4, centres and turns (w x y z)."""
+    normal, offset, reach = solid
+    low, high = 1.5 * diameter, np.quantile(x[:, 2], 0.95) - diameter
+    if high < low + 0.5 * diameter:
+        return math.nan   # too few dice for a bulk
     random = np.random.default_rng(1)
-    points = np.column_stack([random.random((samples, 2)) * WIDTH, low + (high - low) * random.random(samples)])
-    inside = np.zeros(samples, bool)
+    points = np.column_stack([random.random((SAMPLES, 2)) * width, low + (high - low) * random.random(SAMPLES)])
+    inside = np.zeros(SAMPLES, bool)
     for centre, turn in zip(x, q):
         d = points - centre
-        d[:, :2] -= WIDTH * np.round(d[:, :2] / WIDTH)
-        near = np.where(np.sum(d * d, axis=1) < reach**2)[0]
+        d[:, :2] -= width * np.round(d[:, :2] / width)
+        near = np.where(np.sum(d * d, axis=1) < (reach + 2 * margin) ** 2)[0]
         t = 2 * np.cross(-turn[1:], d[near])
         local = d[near] + turn[0] * t + np.cross(-turn[1:], t)
-        inside[near] |= np.all(local @ normal.T <= offset, axis=1)
+        inside[near] |= np.all(local @ normal.T <= offset + margin, axis=1)
     return float(inside.mean())
 
 
-def main():
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("bin")
-    words.add_argument("out")
-    words.add_argument("--shapes", default="cube,tetra,octa")
-    words.add_argument("--count", type=int, default=110)
-    words.add_argument("--taps", type=int, default=50)
-    words.add_argument("--friction", type=float, default=0.5)
-    words.add_argument("--seeds", default="1")
-    a = words.parse_args()
-    os.makedirs(a.out, exist_ok=True)
+def read(run):
+    """Of a run: the fraction before the taps and after 1, 2, 5, 10 ... of them, and the kinetic energy of a die before over m g d."""
+    shape, seed = run.rsplit("-", 1)
+    with h5py.File(f"{run}.scene.h5", "r") as file:
+        vertex, triangle = file["shapes/shape_0000/vertices"][:], file["shapes/shape_0000/triangles"][:]
+        volume = float(file["shapes/shape_0000"].attrs["volume"])
+        settings = json.loads(file["settings"][()])
+    density, friction = settings["materials"][0]["density"], settings["pairs"][0]["friction"]
+    margin, wall = settings["settings"]["margin"], settings["walls"][0]["motion"]
+    width = settings["settings"]["domain"]["max"][0]
+    normal = np.cross(vertex[triangle[:, 1]] - vertex[triangle[:, 0]], vertex[triangle[:, 2]] - vertex[triangle[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    solid = normal, np.sum(normal * vertex[triangle[:, 0]], axis=1), np.linalg.norm(vertex, axis=1).max()
+    diameter = (6 / math.pi * volume) ** (1 / 3)
 
-    def tool(name, *arguments):
-        subprocess.run([os.path.join(os.path.abspath(a.bin), name), *arguments], cwd=a.out, check=True)
-
-    rows = []
-    for name in a.shapes.split(","):
-        vertices, triangles = mesh(name)
-        with open(os.path.join(a.out, f"{name}.obj"), "w", encoding="ascii") as file:
-            file.writelines("v %.17g %.17g %.17g\n" % tuple(v) for v in vertices)
-            file.writelines("f %d %d %d\n" % tuple(i + 1 for i in t) for t in triangles)
-        tool("scree-mesher", "import", f"{name}.obj", "-o", f"{name}.shape.h5", "--unit", "m")
-        for seed in (int(s) for s in a.seeds.split(",")):
-            stem = f"{name}-{seed}"
-            with open(os.path.join(a.out, f"{stem}.toml"), "w", encoding="ascii") as file:
-                file.write(case_text(name, seed, a.count, a.taps, a.friction))
-            scene = os.path.join(a.out, f"{stem}.scene.h5")
-            tool("scree-decomposer", "pack", f"{stem}.toml", "-o", f"{stem}.scene.h5")
-            row = {"shape": name, "seed": seed, "count": a.count, "friction": a.friction, "poured": fraction(scene), "loose": LOOSE[name],
-                   "taps": a.taps, "tapped": float("nan"), "densest": DENSEST[name]}
-            if a.taps > 0:
-                tool("scree-solver", f"{stem}.scene.h5", "-o", f"{stem}.run")
-                last = sorted(f for f in os.listdir(os.path.join(a.out, f"{stem}.run")) if f.startswith("frame_"))[-1]
-                row["tapped"] = fraction(scene, os.path.join(a.out, f"{stem}.run", last))
-            rows.append(row)
-            with open(os.path.join(a.out, "dice.csv"), "w", encoding="ascii", newline="") as file:
-                table = csv.DictWriter(file, row.keys(), lineterminator="\n")
-                table.writeheader()
-                table.writerows({k: f"{v:.4f}" if isinstance(v, float) else v for k, v in r.items()} for r in rows)
-            print(", ".join(f"{k} {v:.3f}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items()), flush=True)
+    every = settings["settings"]["output_every"]
+    start = wall["table_time"][1] if len(wall["table_time"]) > 3 else settings["settings"]["duration"]
+    with open(f"{run}.run/frames.hdf.series", encoding="utf-8") as file:
+        frames = [(entry["time"], os.path.join(f"{run}.run", entry["name"])) for entry in json.load(file)["files"]]
+    fractions, count = {}, 0
+    for taps in (0, 1, 2, 5, 10, 20, 50, 100):
+        moment = start + taps * every
+        if moment > settings["settings"]["duration"] + every / 2:
+            break
+        time, path = min(frames, key=lambda frame: abs(frame[0] - moment))
+        with h5py.File(path, "r") as file:
+            x, q = file["VTKHDF/Points"][:], file["VTKHDF/PointData/quat"][:]
+        count = len(x)
+        fractions[taps] = bulk_fraction(solid, width, diameter, margin, x, q)
+    with open(f"{run}.run/log.csv", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if not row["step"].startswith("#")]
+    before = min(rows, key=lambda row: abs(float(row["time"]) - start))
+    kinetic = float(before["kinetic_translational"]) + float(before["kinetic_rotational"])
+    pressed = max(float(row["max_depth_ratio"]) for row in rows)
+    energy = kinetic / (count * density * volume * np.linalg.norm(settings["settings"]["gravity"]) * diameter)
+    return {"shape": shape, "seed": int(seed), "count": count, "friction": friction, "kinetic_before": energy, "max_depth_ratio": pressed, "fractions": fractions}
 
 
-if __name__ == "__main__":
-    main()
+table, summary, svg, png = sys.argv[1:5]
+runs = [read(run) for run in sys.argv[5:]]
+taps = list(runs[0]["fractions"])
+with open(table, "w", encoding="utf-8", newline="") as file:
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(["shape", "seed", "count", "friction", "kinetic_over_mgd_before_taps", "max_depth_ratio"] + [f"fraction_after_{n}_taps" for n in taps])
+    for run in runs:
+        writer.writerow([run["shape"], run["seed"], run["count"], run["friction"], f"{run['kinetic_before']:.2g}", f"{run['max_depth_ratio']:.3f}"]
+                        + [f"{run['fractions'][n]:.4f}" for n in taps])
+
+columns = ["dice", "let down", "published, loose", "difference", *(f"{n} tap{'s' * (n > 1)}" for n in taps[1:]), "denser by", "published, densest"]
+lines = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|"]
+figure, axes = plt.subplots(figsize=(6.4, 4.2))
+for shape in dict.fromkeys(run["shape"] for run in runs):
+    values = np.array([[run["fractions"][n] for n in taps] for run in runs if run["shape"] == shape])
+    mean = values.mean(axis=0)
+    spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.zeros(len(taps))
+    cells = [f"{m:.3f} +- {s:.3f}" if len(values) > 1 else f"{m:.3f}" for m, s in zip(mean, spread)]
+    cells[1:1] = [f"{LOOSE[shape]:.2f}", f"{mean[0] - LOOSE[shape]:+.3f}"]
+    lines.append(f"| {' | '.join([shape, *cells, f'{mean[-1] - mean[0]:+.3f}', f'{DENSEST[shape]:.2f}'])} |")
+    axes.errorbar(taps, mean, spread, fmt="o-", ms=4, capsize=2, color=COLOURS[shape], label=shape)
+    axes.errorbar(-0.1, LOOSE[shape], 0.01, fmt="D", mfc="white", ms=6, capsize=3, color=COLOURS[shape])
+axes.set_xscale("symlog", linthresh=1)
+axes.set_xticks(taps, [str(n) for n in taps])
+axes.minorticks_off()
+axes.set_xlabel("taps")
+axes.set_ylabel("solid fraction of the bulk")
+axes.set_title("Dice let down, then tapped; diamonds: published, loose", fontsize=10)
+axes.grid(alpha=0.3)
+axes.legend(frameon=False)
+figure.tight_layout()
+figure.savefig(svg)
+figure.savefig(png, dpi=150)
+with open(summary, "w", encoding="utf-8") as file:
+    file.write("\n".join(lines) + "\n")
+print("\n".join(lines))
