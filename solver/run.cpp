@@ -301,10 +301,10 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const bool unstable = simulation.part_size() > stiffest.step && error > kUnstableGain * scale;
     const bool gains = error - simulation.shadow_energy_gap() > kAnyGain * scale;
     if (!unstable && !gains) return;
-    const auto [fastest, kinetic] = simulation.fastest_body();
+    const auto fastest = simulation.fastest_body();
     mpi::on_root(comm, [&] {
       throw RunInvalid("step {}: energy grew by {:.3g} J, {:.2g} of all that was in motion or stored, without a cause; body {} has the most, {:.3g} J. "
-                       "The critical step of {} is {:.4g} s, the step is {:.4g} s{}", simulation.step(), error, error / scale, fastest, kinetic,
+                       "The critical step of {} is {:.4g} s, the step is {:.4g} s{}", simulation.step(), error, error / scale, fastest.first, fastest.second,
                        stiffest.name(), stiffest.step, simulation.part_size(), unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
     });
   };
