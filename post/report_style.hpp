@@ -63,7 +63,7 @@ figcaption { color: var(--soft); font-size: .88rem; margin-top: .5em; }
 .state { font-size: .82rem; color: #00523d; white-space: nowrap; } .state.spoilt { color: #7d150f; } .state.lost { color: #6e4200; }
 .chart figcaption a { color: var(--accent); }
 details { margin-top: 1.4em; } summary { cursor: pointer; color: var(--accent); }
-@media (max-width: 720px) { main { padding: 24px 18px; } .verdicts { grid-template-columns: 1fr; } .facts th { white-space: normal; } .grid-table { display: block; overflow-x: auto; } .chart { overflow-x: auto; } .chart svg { min-width: 540px; } .view canvas { height: 46vh; } }
+@media (max-width: 720px) { main { padding: 24px 18px; } .verdicts { grid-template-columns: 1fr; } .facts th { white-space: normal; } .grid-table { display: block; overflow-x: auto; } .chart .tick, .chart .limit-text { font-size: 16px; } .chart .chart-text { font-size: 17px; } .chart .chart-title { font-size: 20px; } .view canvas { height: 46vh; } }
 @media print { body { background: #fff; } main { max-width: none; padding: 0; } nav, .tools, #view-panel, .chart figcaption { display: none; } .view canvas { height: 12cm; } .wide { overflow: visible; } figure, .verdict { break-inside: avoid; } }
 )CSS";
 

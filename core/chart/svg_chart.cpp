@@ -266,7 +266,7 @@ std::string svg_of(const LineChart& chart) {
                          colour, dash);
     }
     if (chart.lines.size() > 1 || !line.spread.empty()) {
-      const double long_name = 32 + 6.8 * static_cast<double>(line.name.size()) + 20;
+      const double long_name = 32 + 8.8 * static_cast<double>(line.name.size()) + 14;  // room for the larger letters on a phone
       if (legend_x > kLeft && legend_x + long_name > kWidth) {
         legend_x = kLeft;
         legend_y += 15;
