@@ -98,7 +98,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   set_walls(time());
   if (step == 0) choose_level(false);
   walls_listed_ = walls_;
-  if (!is_cut && comm_.size() > 1) cut_anew();
+  if (!is_cut && comm_.size() > 1) cut_anew(true);
   agreement_.start(look_at_lists());
   renew_lists(agreement_.finish());
   agree_on_failures();

@@ -150,7 +150,7 @@ class Simulation {
   StepNews exchange_news(bool forced);
   StepNews look_at_lists();
   void renew_lists(const StepNews& news);
-  void cut_anew();
+  void cut_anew(bool is_first);
   void compute_forces(double friction_dt, bool refresh);
   void add_ways(std::size_t begin, std::size_t end);
   void compute_pairs(std::span<const std::int32_t> which, double friction_dt, Phase phase);
