@@ -67,12 +67,12 @@ double skin_of(const Scene& scene, double share) {
 }
 
 /// The parts as a picture for ParaView, and what as many parts and other numbers of them would cost.
-std::string write_preview(const std::string& name, const Scene& scene) {
+std::string write_preview(const std::string& name, const Scene& scene, const std::vector<double>& work) {
   if (scene.bodies.size() == 0) throw InputError("--preview: the scene holds no bodies to cut");
-  h5::write_text_file(name + ".vtp", preview_file(scene));
+  h5::write_text_file(name + ".vtp", preview_file(scene, work));
   std::vector<CutMeasures> cuts;
   for (const int parts : preview_ranks(scene.partition.ranks, scene.bodies.size())) {
-    cuts.push_back(measure_cut(scene, cut_method_of(scene.partition.method), parts, skin_of(scene, kDefaultSkin)));
+    cuts.push_back(measure_cut(scene, work, cut_method_of(scene.partition.method), parts, skin_of(scene, kDefaultSkin)));
   }
   h5::write_text_file(name + ".csv", cut_table(cuts));
   std::string text = fmt::format("preview            {}.vtp (open it in ParaView, colour by part), {}.csv\n", name, name);
@@ -109,7 +109,8 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   PackedScene packed = build_scene(c, progress, options.solver);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;
-  if (options.ranks > 0) partition_scene(scene, options.ranks, options.cut);
+  const std::vector<double> work = options.ranks > 0 ? predicted_work(scene) : std::vector<double>{};
+  if (options.ranks > 0) partition_scene(scene, work, options.ranks, options.cut);
   scene.provenance = record(command, c.text, packed.inputs, c.settings.seed);
   write_scene_file(options.output, scene);
 
@@ -133,7 +134,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
     result.output += fmt::format("sizes              {}.csv, {}.svg\n", options.sizes, options.sizes);
   }
   if (options.ranks > 0) result.output += partition_line(scene);
-  if (!options.preview.empty()) result.output += write_preview(options.preview, scene);
+  if (!options.preview.empty()) result.output += write_preview(options.preview, scene, work);
   return result;
 }
 
@@ -141,7 +142,8 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   check_output(options.output);
   if (!options.preview.empty()) check_output(options.preview);
   Scene scene = read_scene_file(options.scene_path);
-  partition_scene(scene, options.ranks, options.cut);
+  const std::vector<double> work = predicted_work(scene);
+  partition_scene(scene, work, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
   const std::string configuration = scene.provenance.value("configuration", std::string{});
   scene.provenance = record(command, configuration, {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}},
@@ -151,7 +153,7 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());
   result.output += solid_fraction_line(solid_volume(scene), container_volume(scene));
   result.output += partition_line(scene);
-  if (!options.preview.empty()) result.output += write_preview(options.preview, scene);
+  if (!options.preview.empty()) result.output += write_preview(options.preview, scene, work);
   return result;
 }
 
@@ -159,9 +161,10 @@ CommandResult compare_command(const CompareOptions& options) {
   const Scene scene = read_scene_file(options.scene_path);
   if (scene.bodies.size() == 0) throw InputError("{}: holds no bodies to cut", options.scene_path);
   const double skin = skin_of(scene, options.skin);
+  const std::vector<double> work = predicted_work(scene);
   std::vector<CutMeasures> cuts;
   for (const std::string& name : options.cuts) {
-    for (const int parts : options.parts) cuts.push_back(measure_cut(scene, cut_method_of(name), parts, skin));
+    for (const int parts : options.parts) cuts.push_back(measure_cut(scene, work, cut_method_of(name), parts, skin));
   }
   CommandResult result;
   result.output = cut_table(cuts);

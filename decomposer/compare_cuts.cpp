@@ -6,7 +6,6 @@
 
 #include "core/base/error.hpp"
 #include "core/geometry/triangle_mesh.hpp"
-#include "decomposer/predicted_work.hpp"
 #include "decomposer/random_numbers.hpp"
 
 namespace scree {
@@ -97,8 +96,8 @@ std::vector<double> bounding_radii(const Scene& scene) {
   return radii;
 }
 
-CutMeasures measure_cut(const Scene& scene, CutMethod method, int parts, double skin) {
-  const std::vector<double> work = predicted_work(scene), radius = bounding_radii(scene);
+CutMeasures measure_cut(const Scene& scene, const std::vector<double>& work, CutMethod method, int parts, double skin) {
+  const std::vector<double> radius = bounding_radii(scene);
   const std::vector<Vec3>& x = scene.bodies.position;
   CutMeasures m;
   m.method = method;

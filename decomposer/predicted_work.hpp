@@ -6,13 +6,15 @@
 
 namespace scree {
 
-/// Expected work of each body in one step, relative to an analytic sphere without neighbours.
+/// Expected work of each body in one step, relative to the motion of a body that touches nothing.
 ///
-/// How: a constant for motion and bookkeeping, plus what its contacts look at. A contact patch of a body with C
-/// corners and edges sees about sqrt(C) of them. The solver measures the true work and cuts again when it differs.
+/// How: motion, and half of each pair that is listed or, dearer, touches or is about to, as the scene stands. A contact patch of a body
+/// with C corners and edges sees about sqrt(C) of them. Walls are left out. The solver measures the true work and cuts again when it differs.
+/// Fails: throws InputError when a body is wider than half a period, which the solver refuses too.   Cost: a distance for each pair of near bodies.
 std::vector<double> predicted_work(const Scene& scene);
 
 /// Fills scene.partition and bodies.owner. Collective over MPI_COMM_SELF only: MPI must be started.
-void partition_scene(Scene& scene, int ranks, CutMethod method = CutMethod::rcb);
+/// in   work   of each body
+void partition_scene(Scene& scene, const std::vector<double>& work, int ranks, CutMethod method = CutMethod::rcb);
 
 }  // namespace scree

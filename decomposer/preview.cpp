@@ -6,7 +6,6 @@
 
 #include "core/base/error.hpp"
 #include "decomposer/compare_cuts.hpp"
-#include "decomposer/predicted_work.hpp"
 
 namespace scree {
 
@@ -24,12 +23,12 @@ std::string data_array(const std::string& type, const std::string& name, int com
 
 }  // namespace
 
-std::string preview_file(const Scene& scene) {
+std::string preview_file(const Scene& scene, const std::vector<double>& predicted_work) {
   SCREE_ASSERT(scene.bodies.owner.size() == scene.bodies.size(), "a scene without owners has no parts");
   const std::size_t bodies = scene.bodies.size();
   std::vector<double> points;
   std::vector<std::int64_t> id(scene.bodies.id), vertex_ends, line_points, line_ends, cell_part, kind, vertices;
-  std::vector<double> radius = bounding_radii(scene), work = predicted_work(scene);
+  std::vector<double> radius = bounding_radii(scene), work = predicted_work;
   Box3 all;
   for (std::size_t i = 0; i < bodies; ++i) {
     const Vec3& p = scene.bodies.position[i];

@@ -11,7 +11,7 @@ namespace scree {
 /// A VTK XML file (.vtp, text) that ParaView opens: a vertex for each body with id, part, radius [m] and predicted work, and the outlines
 /// of the parts' boxes, where the cut has boxes. Cells carry `part`; outlines have kind = 1, bodies 0.
 /// The scene must be partitioned.
-std::string preview_file(const Scene& scene);
+std::string preview_file(const Scene& scene, const std::vector<double>& predicted_work);
 
 /// Rank counts that a preview compares: powers of two up to four times `ranks`, 16 at least, and `ranks` itself, as far as
 /// there are bodies for them.

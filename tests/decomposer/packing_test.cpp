@@ -613,11 +613,21 @@ TEST_F(Packing, the_inputs_hold_hash_and_history_of_every_file) {
   }
 }
 
+TEST_F(Packing, bodies_in_contact_are_expected_to_cost_more_than_one_alone_also_across_a_periodic_side) {
+  const std::string periodic = "[domain]\nmin = [-5, -5, -5]\nmax = [5, 5, 5]\nperiodic = [\"x\"]\n";
+  for (const auto& [first, second] : {std::pair{0.0, 1.001}, {-4.5, 4.499}}) {
+    const std::vector<double> work = predicted_work(pack(kHead + periodic + cube_at(first, 1) + cube_at(second, 1) + cube_at(2.75, 1)).scene);
+    ASSERT_EQ(work.size(), 3u);
+    EXPECT_EQ(work[0], work[1]);
+    EXPECT_GT(work[0], 1.5 * work[2]);
+  }
+}
+
 TEST_F(Packing, a_partition_gives_every_body_the_rank_of_its_box_and_balances_the_work) {
   Scene s = pack(kHead + kMixture + kBox).scene;
-  partition_scene(s, 3);
-  const CutBoxes boxes{s.partition.lower, s.partition.upper};
   const std::vector<double> work = predicted_work(s);
+  partition_scene(s, work, 3);
+  const CutBoxes boxes{s.partition.lower, s.partition.upper};
   std::vector<double> sum(3, 0.0);
   for (std::size_t i = 0; i < s.bodies.size(); ++i) {
     EXPECT_EQ(s.bodies.owner[i], boxes.rank_of(s.bodies.position[i]));
