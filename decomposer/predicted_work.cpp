@@ -14,9 +14,6 @@ namespace {
 // triangles (docs/performance.md): a pair that touches takes 1.8, 3.3 and 8 of them, where this gives 1.6, 3.8 and 6.9.
 constexpr double kPair = 0.8, kPerSeenFeature = 0.06;
 constexpr double kListedPair = 0.1;   // a pair in the list that does not touch: looked at, and added up
-// Pairs that are about to touch are searched in every step like those that do. In the first thousands of steps of a scene that falls
-// or settles, bodies go about this share of the margins.
-constexpr double kAboutToTouch = 1.5;
 // A fixed body is never integrated.
 constexpr double kMotion = 1.0, kFixedMotion = 0.1;
 
@@ -51,7 +48,7 @@ std::vector<double> predicted_work(const Scene& scene) {
       if (bodies.fixed[i] != 0 && bodies.fixed[j] != 0) return;
       PlacedBody other = placed[j];
       for (int k = 0; k < 3; ++k) other.position[k] += image[static_cast<std::size_t>(k)] * period[k];
-      const double contact = kAboutToTouch * 2 * scene.settings.margin + kTouch * (placed[i].radius() + other.radius());
+      const double contact = 2 * scene.settings.margin + kTouch * (placed[i].radius() + other.radius());
       double pair = kListedPair;
       if (gap_between(placed[i], other, contact, *scratch) < contact) {
         pair += kPair + seen[static_cast<std::size_t>(bodies.shape[i])] + seen[static_cast<std::size_t>(bodies.shape[j])];

@@ -635,7 +635,8 @@ TEST_F(Packing, a_partition_gives_every_body_the_rank_of_its_box_and_balances_th
   }
   const double mean = (sum[0] + sum[1] + sum[2]) / 3;
   EXPECT_NEAR(s.partition.predicted_imbalance, *std::max_element(sum.begin(), sum.end()) / mean, 1e-12);
-  EXPECT_LT(s.partition.predicted_imbalance, 1.2);   // 30 bodies: a tenth of a share is one body
+  // a part lies between two cuts, and each may take one body too many
+  EXPECT_LT(s.partition.predicted_imbalance, 1 + 2 * *std::max_element(work.begin(), work.end()) / mean);
 }
 
 }  // namespace
