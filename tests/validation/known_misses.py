@@ -13,6 +13,9 @@ KNOWN = {
     ("F3", "velocity reversal over v0"):
         "A block that stops keeps the stretch of its friction springs, mu m g, and springs back with v = mu g sqrt(m/k_t): 9e-4 v0 "
         "at k = 1e6 N/m. It falls with 1/sqrt(k): 1e-6 would need k = 1e12 N/m. Any elastic-plastic friction law does this.",
+    ("B1", "frictionless: neighbours without rattlers"):
+        "Six is the limit of hard round balls. Analytic spheres in the same bed have 6.29, since the contacts are soft (half of the margins used), "
+        "and facets add 0.2: a body that is not quite round feels torques and takes more neighbours to hold.",
 }
 
 
