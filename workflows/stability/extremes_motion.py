@@ -7,7 +7,7 @@ import closed_forms as cf
 import meshes
 from registry import case_of
 from scene import Case, ToolError, quaternion, rotated
-from stability import finite
+from verdicts import finite
 
 CASES = []
 _mark = case_of(CASES)

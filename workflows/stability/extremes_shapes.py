@@ -9,7 +9,7 @@ import meshes
 from registry import case_of
 from scene import Case, ToolError, import_mesh, quaternion, rotated
 from extremes_motion import simple
-from stability import finite
+from verdicts import finite
 
 CASES = []
 _mark = case_of(CASES)

@@ -10,65 +10,21 @@ everything else has failed: a NaN, a body that went through a wall unnoticed, a 
 """
 import argparse
 import json
-import math
 import os
-import re
 import sys
 import time
 import traceback
-
-import numpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "tests", "validation"))
 sys.path.insert(0, HERE)
 
-from scene import ToolError, Tools  # noqa: E402  (after the path is set)
+import extremes_motion  # noqa: E402  (after the path is set)
+import extremes_shapes  # noqa: E402
+from scene import ToolError, Tools  # noqa: E402
+from verdicts import FAILED, HELD, REFUSED, Table  # noqa: E402
 
-HELD, REFUSED, FAILED = "held", "refused", "failed"
 ON_DEMAND = ("X30", "X31")
-
-
-class Table:
-    """Rows (case, what, verdict, figure) of one session."""
-
-    def __init__(self):
-        self.rows, self.case = [], ""
-
-    def add(self, what, verdict, figure):
-        self.rows.append({"case": self.case, "what": what, "verdict": verdict, "figure": figure})
-        print(f"  {verdict:8} {what}: {figure}", flush=True)
-
-    def figure(self, what, value, limit, text=""):
-        """Held when value <= limit; NaN is never held."""
-        self.add(what, HELD if value <= limit else FAILED, f"{text + ' ' if text else ''}{value:.3g} (at most {limit:.3g})")
-
-    def truth(self, what, holds, text):
-        self.add(what, HELD if holds else FAILED, text)
-
-    def refusal(self, what, error):
-        """A named refusal, or a failure when the tool crashed or said nothing."""
-        said = [line for line in error.text.splitlines() if "error:" in line]
-        message = said[-1].split("error:", 1)[1].strip() if said else ""
-        message = re.sub(r"/[^ :]*/", "", message)  # folders of this machine
-        verdict = REFUSED if error.code in (2, 3, 5) and message else FAILED
-        self.add(what, verdict, f"exit {error.code}: {message[:220] or 'no message: ' + error.text.strip()[-160:]}")
-
-    def must_refuse(self, what, action, words=""):
-        """A refusal that says these words is the right answer; another one, or going on, is a failure."""
-        try:
-            action()
-        except ToolError as error:
-            if words in error.text:
-                self.refusal(what, error)
-            else:
-                self.add(what, FAILED, f"refused, but not for '{words}': {error.text.strip()[-200:]}")
-        else:
-            self.add(what, FAILED, "accepted in silence")
-
-
-def finite(run):
-    return bool(numpy.isfinite(run.x).all() and numpy.isfinite(run.v).all() and numpy.isfinite(run.w).all() and numpy.isfinite(run.q).all())
 
 
 def main():
@@ -78,8 +34,6 @@ def main():
     parser.add_argument("--only", default="")
     parser.add_argument("--json", default="")
     arguments = parser.parse_args()
-    import extremes_motion
-    import extremes_shapes
     cases = {f.id: f for f in extremes_motion.CASES + extremes_shapes.CASES}
     wanted = [name for name in arguments.only.split(",") if name] or sorted(set(cases) - set(ON_DEMAND), key=lambda name: int(name[1:]))
     tools, table = Tools(arguments.bin, arguments.out), Table()
