@@ -201,31 +201,22 @@ HWY_INLINE void keep_corners(const BvhLeaf& a, std::uint32_t hits, const PlacedL
 HWY_INLINE std::uint32_t first_bits(std::int32_t count) { return (1u << count) - 1u; }
 
 HWY_INLINE PlacedLeaf& placed_leaf(const Bvh& b, std::int32_t leaf, const DescentFrame& frame, const DescentReach& reach, DescentScratch& scratch) {
-  const auto slot = static_cast<std::size_t>(leaf % DescentScratch::kCacheSize);
-  if (scratch.cached[slot] != leaf) {
-    place_leaf(b.leaves[static_cast<std::size_t>(leaf)], frame, reach, scratch.cache[slot]);
-    scratch.cached[slot] = leaf;
-  }
-  return scratch.cache[slot];
+  const auto [placed, is_new] = scratch.placed_leaves.place_of(leaf);
+  if (is_new) place_leaf(b.leaves[static_cast<std::size_t>(leaf)], frame, reach, placed);
+  return placed;
 }
 
 HWY_INLINE PlacedNode& placed_node(const Bvh& b, std::int32_t node, const DescentFrame& frame, const DescentReach& reach, DescentScratch& scratch) {
-  const auto slot = static_cast<std::size_t>(node % DescentScratch::kCacheSize);
-  if (scratch.cached_nodes[slot] != node) {
-    place_boxes(b.nodes[static_cast<std::size_t>(node)], frame, reach, scratch.node_cache[slot]);
-    scratch.cached_nodes[slot] = node;
-  }
-  return scratch.node_cache[slot];
+  const auto [placed, is_new] = scratch.placed_nodes.place_of(node);
+  if (is_new) place_boxes(b.nodes[static_cast<std::size_t>(node)], frame, reach, placed);
+  return placed;
 }
 
 /// The other way round.
 HWY_INLINE PlacedNode& turned_node(const Bvh& a, std::int32_t node, const DescentFrame& frame, DescentScratch& scratch) {
-  const auto slot = static_cast<std::size_t>(node % DescentScratch::kCacheSize);
-  if (scratch.cached_turned[slot] != node) {
-    place_boxes(a.nodes[static_cast<std::size_t>(node)], frame.back, DescentReach(0), scratch.turned_cache[slot]);
-    scratch.cached_turned[slot] = node;
-  }
-  return scratch.turned_cache[slot];
+  const auto [turned, is_new] = scratch.turned_nodes.place_of(node);
+  if (is_new) place_boxes(a.nodes[static_cast<std::size_t>(node)], frame.back, DescentReach(0), turned);
+  return turned;
 }
 /// A's corners are off there by up to twice the roundoffs that the reach allows for, counted as those of the frame.
 HWY_INLINE float turned_reach(const DescentFrame& frame, float reach) { return (reach + 2 * frame.allowance) * frame.back_scale; }
@@ -240,12 +231,8 @@ void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int
   std::uint32_t rows = near_placed(placed, of_b.lower, of_b.upper, box_a, reach, gap2) & first_bits(lb.count);
   if (rows == 0) return;
 
-  const auto slot = static_cast<std::size_t>(leaf_a % DescentScratch::kCacheSize);
-  LeafBounds& of_a = scratch.own_cache[slot];
-  if (scratch.cached_own[slot] != leaf_a) {
-    bound_leaf(la.corner, of_a);
-    scratch.cached_own[slot] = leaf_a;
-  }
+  const auto [of_a, is_new] = scratch.own_leaves.place_of(leaf_a);
+  if (is_new) bound_leaf(la.corner, of_a);
   for (; rows != 0; rows &= rows - 1) {
     const auto j = static_cast<std::size_t>(std::countr_zero(rows));
     const float reach_here = reach.slope > 0 ? placed.reach[j] : reach.base;

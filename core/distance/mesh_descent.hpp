@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/distance/mesh_distance.hpp"
@@ -74,13 +75,29 @@ struct alignas(32) PlacedNode {
   float reach[kBvhWidth];  ///< only where it differs from place to place
 };
 
+/// What was made lately for leaves or nodes, by their index: each has one place, which it shares with others.
+template <class T>
+class LatelyMade {
+ public:
+  /// The place of `index`, and whether it has to be filled, which is then taken as done.
+  std::pair<T&, bool> place_of(std::int32_t index) {
+    const auto slot = static_cast<std::size_t>(index % kSize);
+    const bool is_new = std::exchange(index_[slot], index) != index;
+    return {made_[slot], is_new};
+  }
+  void forget() { index_.fill(-1); }
+
+ private:
+  static constexpr std::int32_t kSize = 32;
+  std::array<std::int32_t, kSize> index_;
+  std::array<T, kSize> made_;
+};
+
 struct DescentScratch {
-  /// Leaves and nodes placed lately, and leaves of A: the same one meets several of the other body.
-  static constexpr std::int32_t kCacheSize = 32;
-  std::array<std::int32_t, kCacheSize> cached, cached_nodes, cached_own, cached_turned;
-  std::array<PlacedLeaf, kCacheSize> cache;
-  std::array<PlacedNode, kCacheSize> node_cache, turned_cache;
-  std::array<LeafBounds, kCacheSize> own_cache;
+  /// Leaves and nodes of B placed lately, nodes of A in B's frame, and leaves of A: the same one meets several of the other body.
+  LatelyMade<PlacedLeaf> placed_leaves;
+  LatelyMade<PlacedNode> placed_nodes, turned_nodes;
+  LatelyMade<LeafBounds> own_leaves;
   float root_lower[3][kBvhWidth], root_upper[3][kBvhWidth];  ///< of A, in the first column
   std::vector<SubtreePair> pairs;
   std::vector<TrianglePair> candidates;
@@ -91,10 +108,10 @@ struct DescentScratch {
   std::vector<float> corners;
   /// To be called when another tree, placement or reach begins. One that is the same everywhere may change in between.
   void forget_placed() {
-    cached.fill(-1);
-    cached_nodes.fill(-1);
-    cached_own.fill(-1);
-    cached_turned.fill(-1);
+    placed_leaves.forget();
+    placed_nodes.forget();
+    turned_nodes.forget();
+    own_leaves.forget();
   }
 };
 
