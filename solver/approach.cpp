@@ -136,15 +136,19 @@ Approach fastest_approach(const SolverScene& scene, double least) {
     best.who = name();
   };
   const BodyTable& bodies = scene.source().bodies;
-  std::vector<double> speed(bodies.size());
-  for (std::size_t b = 0; b < bodies.size(); ++b) speed[b] = surface_speed(mover_of(scene, b));
+  std::vector<Mover> movers;
+  std::vector<double> speed;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    movers.push_back(mover_of(scene, b));
+    speed.push_back(surface_speed(movers[b]));
+  }
 
   for (const WallZone& zone : scene.zones()) {
     const Wall& wall = scene.source().walls[static_cast<std::size_t>(zone.wall)];
     const WallState state = wall_state(wall, 0);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (bodies.fixed[b] || (!scene.has_driven_walls() && speed[b] <= fastest)) continue;
-      found(approach_of(mover_of(scene, b), zone, wall, state, scene, fastest), [&] { return fmt::format("body {} and wall {}", bodies.id[b], wall.id); });
+      found(approach_of(movers[b], zone, wall, state, scene, fastest), [&] { return fmt::format("body {} and wall {}", bodies.id[b], wall.id); });
     }
   }
 
@@ -158,7 +162,7 @@ Approach fastest_approach(const SolverScene& scene, double least) {
     for (std::size_t j = i + 1; j < order.size() && speed[a] + speed[order[j]] > fastest; ++j) {
       const std::size_t b = order[j];
       const bool is_last = ++pairs > kMostPairs;
-      found(is_last ? speed[a] + speed[b] : approach_of(mover_of(scene, a), mover_of(scene, b), scene, *scratch),
+      found(is_last ? speed[a] + speed[b] : approach_of(movers[a], movers[b], scene, *scratch),
             [&] { return fmt::format("bodies {} and {}", std::min(bodies.id[a], bodies.id[b]), std::max(bodies.id[a], bodies.id[b])); });
       if (is_last) return best;
     }
