@@ -35,8 +35,7 @@ class JsonObject {
   bool has(const char* key) const { return value_.contains(key); }
   JsonObject object(const char* key) const { return {at(key), where_ + "." + key}; }
   std::vector<JsonObject> objects(const char* key) const {
-    const nlohmann::json& list = at(key);
-    if (!list.is_array()) throw wrong(key, "a list", list);
+    const nlohmann::json& list = list_of(key);
     std::vector<JsonObject> result;
     for (std::size_t i = 0; i < list.size(); ++i) result.emplace_back(list[i], fmt::format("{}.{}[{}]", where_, key, i));
     return result;
@@ -100,16 +99,12 @@ class JsonObject {
   }
   std::vector<double> numbers(const char* key) const {
     std::vector<double> values;
-    const nlohmann::json& list = at(key);
-    if (!list.is_array()) throw wrong(key, "a list", list);
-    for (const nlohmann::json& value : list) values.push_back(number_of(value, key));
+    for (const nlohmann::json& value : list_of(key)) values.push_back(number_of(value, key));
     return values;
   }
   std::vector<Vec3> vectors(const char* key) const {
     std::vector<Vec3> values;
-    const nlohmann::json& list = at(key);
-    if (!list.is_array()) throw wrong(key, "a list", list);
-    for (const nlohmann::json& value : list) values.push_back(vector_of(value, key));
+    for (const nlohmann::json& value : list_of(key)) values.push_back(vector_of(value, key));
     return values;
   }
   const std::string& where() const { return where_; }
@@ -117,6 +112,11 @@ class JsonObject {
  private:
   InputError wrong(const char* key, const char* expected, const nlohmann::json& found) const {
     return InputError("{}.{}: {} found, {} expected; the file is damaged", where_, key, found.dump(), expected);
+  }
+  const nlohmann::json& list_of(const char* key) const {
+    const nlohmann::json& list = at(key);
+    if (!list.is_array()) throw wrong(key, "a list", list);
+    return list;
   }
   double number_of(const nlohmann::json& value, const char* key) const {
     // JSON has no NaN or infinity: they were written as null
