@@ -1,6 +1,5 @@
 """Starts a workflow and kills it, its mpirun and its ranks at once, as a power cut would."""
 import os
-import signal
 import subprocess
 import time
 
@@ -13,13 +12,7 @@ def kill_after_checkpoint(command, run, env, log):
         while not (os.path.isdir(run) and any(name.startswith("checkpoint_") and name.endswith(".h5") for name in os.listdir(run))):
             assert process.poll() is None and time.time() < end, open(log, encoding="utf-8").read()
             time.sleep(0.01)
-        members = subprocess.run(["ps", "-eo", "pid=,sid="], capture_output=True, text=True).stdout.split("\n")
-        for line in members:  # mpirun gives its ranks groups of their own, so the session is what holds all of them
-            words = line.split()
-            if len(words) == 2 and int(words[1]) == process.pid:
-                try:
-                    os.kill(int(words[0]), signal.SIGKILL)
-                except ProcessLookupError:
-                    pass
+        # mpirun gives its ranks groups of their own, so the session is what holds all of them
+        subprocess.run(["pkill", "-KILL", "-s", str(process.pid)], check=False)
         process.wait()
     return not os.path.exists(os.path.join(run, "run.json"))
