@@ -75,6 +75,14 @@ void read_settings(const CaseTable& top, Case& c) {
       }
     }
   }
+  if (top.has("fluid")) {
+    const CaseTable fluid = top.table("fluid", {"density", "viscosity", "velocity", "drag"});
+    s.fluid.emplace();
+    s.fluid->density = fluid.number("density", Dimension::density, Range::positive);
+    s.fluid->viscosity = fluid.number("viscosity", Dimension::viscosity, Range::positive);
+    s.fluid->velocity = fluid.vector_or("velocity", Dimension::velocity, {});
+    s.fluid->drag = fluid.word_or("drag", s.fluid->drag, {"haider-levenspiel", "stokes"}, {"haider-levenspiel", "stokes"});
+  }
   if (top.has("contact")) {
     const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed", "relax", "barrier"});
     s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear", "hunt-crossley", "hertz-mindlin"});
@@ -276,7 +284,7 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
     throw UsageError("{}:{}:{}: {}", path, e.source().begin.line, e.source().begin.column, e.description());
   }
   apply_settings(file, changes);
-  const CaseTable top(file, path, "", {"title", "seed", "gravity", "time", "domain", "shapes", "materials", "pairs", "contact", "motion",
+  const CaseTable top(file, path, "", {"title", "seed", "gravity", "time", "domain", "fluid", "shapes", "materials", "pairs", "contact", "motion",
                                        "distance", "bodies", "populations", "walls", "output"}, reads);
   Case c;
   c.path = path;

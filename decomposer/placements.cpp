@@ -69,6 +69,7 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
     b.add(row);
     draw_of_body.push_back(static_cast<std::int64_t>(i));
   }
+  scene.settings.fluid.reset();   // packings are made in a void
   // only what the stage ends with is looked at
   scene.settings.output_contacts = false;
   scene.settings.checkpoint_every = 0;

@@ -50,7 +50,14 @@ void Simulation::remove_outside() {
       continue;
     }
     // Removal falls between the two kicks of a step: the second is that of free flight.
-    if (integrator_ != Integrator::euler) p_.v[i] += (0.5 * dt_) * scene_.source().settings.gravity;
+    const Vec3 gravity = scene_.source().settings.gravity;
+    if (integrator_ != Integrator::euler && fluid_) {
+      p_.force[i] = fluid_->weighed_mass(p_, i) * gravity;
+      p_.torque[i] = {};
+      fluid_->kick_body(p_, i, 0.5 * dt_);
+    } else if (integrator_ != Integrator::euler) {
+      p_.v[i] += (0.5 * dt_) * gravity;
+    }
     removed_.push_back({p_.id[i], step_, time(), p_.mass[i], p_.x[i], p_.v[i]});
     wall_sums_[RunTotals::kRemovedCount].add(1);
     wall_sums_[RunTotals::kRemovedMass].add(p_.mass[i]);
@@ -63,7 +70,8 @@ void Simulation::remove_outside() {
 
 double Simulation::potential_energy(std::size_t i) const {
   if (p_.fixed[i]) return 0;
-  return -p_.mass[i] * dot(scene_.source().settings.gravity, scene_.periodicity().way_of(p_.x[i], p_.image[i]));
+  const double mass = fluid_ ? fluid_->weighed_mass(p_, i) : p_.mass[i];
+  return -mass * dot(scene_.source().settings.gravity, scene_.periodicity().way_of(p_.x[i], p_.image[i]));
 }
 
 RemovedTotals Simulation::removed() const {

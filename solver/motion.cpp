@@ -1,6 +1,7 @@
 #include "solver/motion.hpp"
 
 #include "solver/built_with.hpp"
+#include "solver/fluid.hpp"
 
 namespace scree {
 
@@ -163,20 +164,27 @@ Integrator integrator_of(const std::string& name) {
   throw InputError("motion.integrator = \"{}\"; expected kdk-dlm, rig, spiral, midpoint or euler", name);
 }
 
-void begin_step(Integrator integrator, ParticleSet& p, double h) {
+void begin_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid) {
+  double kick_time = 0.5 * h;
+  if (fluid != nullptr && integrator != Integrator::euler) {
+    fluid->kick(p, kick_time);
+    kick_time = 0;
+  }
   switch (integrator) {
-    case Integrator::kdk_dlm: return kick_and_drift<DlmRotor>(p, 0.5 * h, h);
-    case Integrator::midpoint: return kick_and_drift<MidpointRotor>(p, 0.5 * h, h);
-    case Integrator::rig: return kick_and_drift<RigRotor>(p, 0.5 * h, h);
-    case Integrator::spiral: return kick_and_drift<SpiralRotor>(p, 0.5 * h, h);
+    case Integrator::kdk_dlm: return kick_and_drift<DlmRotor>(p, kick_time, h);
+    case Integrator::midpoint: return kick_and_drift<MidpointRotor>(p, kick_time, h);
+    case Integrator::rig: return kick_and_drift<RigRotor>(p, kick_time, h);
+    case Integrator::spiral: return kick_and_drift<SpiralRotor>(p, kick_time, h);
     case Integrator::euler:
       kick_and_drift<EulerRotor>(p, 0, h);
-      return kick(p, h);
+      return fluid != nullptr ? fluid->kick(p, h) : kick(p, h);
   }
 }
 
-void end_step(Integrator integrator, ParticleSet& p, double h) {
-  if (integrator != Integrator::euler) kick(p, 0.5 * h);
+void end_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid) {
+  if (integrator == Integrator::euler) return;
+  if (fluid != nullptr) fluid->kick(p, 0.5 * h);
+  else kick(p, 0.5 * h);
 }
 
 void rotate_freely(Integrator integrator, const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L,

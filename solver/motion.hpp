@@ -23,17 +23,20 @@
 
 namespace scree {
 
+class FluidForces;
+
 enum class Integrator { kdk_dlm, rig, spiral, midpoint, euler };
 
 /// From the word of the case file. Throws InputError for others.
 Integrator integrator_of(const std::string& name);
 
 /// The part of a step before the forces are evaluated: x and q reach the full step; v and L the half step (euler: the
-/// full step). Fixed bodies stay; locked ones only translate.   Threads: parallel inside.
-void begin_step(Integrator integrator, ParticleSet& p, double h);
+/// full step). Fixed bodies stay; locked ones only translate. A fluid, where there is one, takes part in the kicks.
+/// Threads: parallel inside.
+void begin_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid = nullptr);
 
 /// The part after: v and L reach the full step; w follows.
-void end_step(Integrator integrator, ParticleSet& p, double h);
+void end_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid = nullptr);
 
 /// One body's free rotation: q, L and w after h. L changes (in rounding at least) with rig and spiral only.
 void rotate_freely(Integrator integrator, const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L,

@@ -45,6 +45,20 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   if (locked == bodies && bodies > 0) out("rotation", "every body has lock_rotation");
   else if (isotropic == bodies && bodies > 0) out("gyroscopic splitting", "every inertia is isotropic: one exact rotation");
   else in("rotation", fmt::format("{}{}", s.integrator == "kdk-dlm" ? "five-rotation splitting" : s.integrator + " rotor", locked > 0 ? fmt::format(", {} bodies locked", locked) : ""));
+  if (s.fluid) {
+    const FluidForces fluid(scene);
+    double slowest = 1e300, fastest = 0;
+    for (std::size_t b = 0; b < bodies; ++b) {
+      if (scene.bodies.fixed[b] != 0) continue;
+      const double reynolds = fluid.reynolds_number(b, fluid.terminal_speed(b));
+      slowest = std::min(slowest, reynolds);
+      fastest = std::max(fastest, reynolds);
+    }
+    in("fluid", fmt::format("{}, {}: buoyancy, {} drag, drag of spin; Reynolds numbers of a free fall {:.3g} to {:.3g}", format_quantity(s.fluid->density, Dimension::density),
+                            format_quantity(s.fluid->viscosity, Dimension::viscosity), s.fluid->drag, std::min(slowest, fastest), fastest));
+  } else {
+    out("fluid", "no [fluid]: bodies move in a void");
+  }
   if (prepared.has_driven_walls()) in("driven walls", "positions from their motion at every step");
   else out("driven walls", "no wall moves");
   if (comm.size() > 1) in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));

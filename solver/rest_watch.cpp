@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "solver/fluid.hpp"
 
 namespace scree {
 
@@ -14,15 +16,24 @@ RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest) 
   if (!active_) return;
   const double g = length(scene.settings.gravity);
   if (!(g > 0)) throw UsageError("time.stop_at_rest: without gravity nothing falls, so rest cannot be told; leave it out");
-  double energy = 0, largest = 0;
+  std::optional<FluidForces> fluid;
+  if (scene.settings.fluid) fluid.emplace(scene);
+  double energy = 0, longest = 0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies.fixed[i] != 0) continue;
     const double diameter = scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].equivalent_diameter();
-    energy += scene.mass(i) * g * diameter;
-    largest = std::max(largest, diameter);
+    const double mass = scene.mass(i);
+    if (!fluid) {
+      energy += mass * g * diameter;
+      longest = std::max(longest, diameter / g);
+    } else if (const double weight = fluid->weight(i); weight > 0) {
+      const double speed = fluid->terminal_speed(i);
+      energy += std::min(weight * diameter, 0.5 * mass * speed * speed);
+      longest = std::max(longest, diameter * mass / weight);
+    }
   }
   limit_ = kRestShare * energy;
-  window_ = std::sqrt(2 * largest / g);
+  window_ = std::sqrt(2 * longest);
 }
 
 void RestWatch::add(double time, double kinetic) {

@@ -8,7 +8,7 @@
 namespace scree {
 
 /// At rest: the kinetic energy stayed below kRestShare of what all bodies would gain by falling their own diameter, for as
-/// long as the largest of them takes to fall so far. A body that nothing holds breaks the rule within that time.
+/// long as the slowest of them takes to fall so far; drag left out but for this: no body gains more than it has at its terminal speed. A body that nothing holds breaks the rule within that time.
 class RestWatch {
  public:
   static constexpr double kRestShare = 1e-6;

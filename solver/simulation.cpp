@@ -47,6 +47,7 @@ Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, 
     : comm_(comm), scene_(scene), options_(options), integrator_(integrator_of(scene.source().settings.integrator)),
       agreement_(comm), balance_(comm.size()) {
   check_built_with(comm, scene);
+  if (scene.source().settings.fluid) fluid_.emplace(scene.source());
   const Partition& partition = scene.source().partition;
   CutBoxes first_cut;
   if (partition.ranks == comm.size()) first_cut = {partition.lower, partition.upper};
@@ -145,6 +146,7 @@ void Simulation::compute_forces(double friction_dt, bool refresh) {
   const PhaseTimer timer(times_, Phase::gather);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   pairs_.gather(scene_.source().settings.gravity, p_);
+  if (fluid_) fluid_->add_buoyancy(p_);
 }
 
 void Simulation::fail(const Error& error) {
@@ -213,7 +215,7 @@ void Simulation::advance_part() {
   {
     const PhaseTimer timer(times_, Phase::integrate);
     const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
-    begin_step(integrator_, p_, dt);
+    begin_step(integrator_, p_, dt, fluid());
     if (scene_.periodicity().any()) wrap_positions(scene_.periodicity(), p_);
     if (++part_ == std::int64_t{1} << level_) {
       part_ = 0;
@@ -231,7 +233,7 @@ void Simulation::advance_part() {
   compute_forces(dt, news.renew == 0);
   const PhaseTimer timer(times_, Phase::integrate);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
-  end_step(integrator_, p_, dt);
+  end_step(integrator_, p_, dt, fluid());
   add_wall_totals(dt, wall_sums_);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   const auto count = static_cast<std::ptrdiff_t>(p_.owned);

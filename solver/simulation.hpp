@@ -12,6 +12,7 @@
 #include "solver/balance.hpp"
 #include "solver/critical_step.hpp"
 #include "solver/exact_sum.hpp"
+#include "solver/fluid.hpp"
 #include "solver/forces.hpp"
 #include "solver/halo.hpp"
 #include "solver/motion.hpp"
@@ -171,11 +172,13 @@ class Simulation {
   void check_domain() const;
   void remove_outside();
   double potential_energy(std::size_t i) const;
+  const FluidForces* fluid() const { return fluid_ ? &*fluid_ : nullptr; }
 
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
   ParallelOptions options_;
   Integrator integrator_;
+  std::optional<FluidForces> fluid_;          // of a scene that has one
   ParticleSet p_;
   PairList pairs_;
   std::unique_ptr<Halo> halo_;

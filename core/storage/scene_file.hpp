@@ -120,6 +120,14 @@ struct Domain {
   std::string outside = "stop";             ///< stop | remove | keep
 };
 
+/// A fluid around all bodies; it moves as given, whatever the bodies do.
+struct Fluid {
+  double density = 0;                        ///< [kg/m^3], > 0
+  double viscosity = 0;                      ///< dynamic [Pa s], > 0
+  Vec3 velocity;                             ///< [m/s], the same everywhere
+  std::string drag = "haider-levenspiel";    ///< haider-levenspiel | stokes
+};
+
 /// Settings, in the words of the case file; SI.
 struct Settings {
   std::string title;
@@ -131,6 +139,7 @@ struct Settings {
   std::string step_control = "fixed";        ///< fixed | quantised: halved where speed, spin or contacts ask for it
   bool stop_at_rest = false;                 ///< end at the first output time at which all bodies rest
   Domain domain;
+  std::optional<Fluid> fluid;                ///< none: bodies move in a void
   std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
   std::string gather = "potential";          ///< potential | area | pairs
   double barrier = 0;                        ///< [-] stiffness of the barrier over that of a contact; 0: none

@@ -97,6 +97,10 @@ Settings read_settings(const JsonObject& o) {
     s.domain.periodic[k] = periodic[k].get<bool>();
   }
   s.domain.outside = domain.one_of("outside", {"stop", "remove", "keep"});
+  if (o.has("fluid")) {
+    const JsonObject fluid = o.object("fluid");
+    s.fluid = {fluid.positive("density"), fluid.positive("viscosity"), fluid.vector("velocity"), fluid.one_of("drag", {"haider-levenspiel", "stokes"})};
+  }
   s.law = o.one_of("law", {"linear", "hunt-crossley", "hertz-mindlin"});
   s.gather = o.one_of("gather", {"potential", "area", "pairs"});
   if (o.has("barrier")) s.barrier = o.at_least("barrier", 0);
@@ -202,6 +206,9 @@ json settings_json(const Scene& scene) {
   }
   domain["periodic"] = s.domain.periodic;
   domain["outside"] = s.domain.outside;
+  if (s.fluid) {
+    t["fluid"] = {{"density", s.fluid->density}, {"viscosity", s.fluid->viscosity}, {"velocity", to_json(s.fluid->velocity)}, {"drag", s.fluid->drag}};
+  }
   t["law"] = s.law;
   t["gather"] = s.gather;
   t["impact_speed"] = s.impact_speed;

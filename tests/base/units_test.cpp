@@ -61,7 +61,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"1e6 N/m", Dimension::stiffness, 1e6}, Row{"1.2 MN/m", Dimension::stiffness, 1.2e6},
         Row{"4 N/mm", Dimension::stiffness, 4000.0}, Row{"70 GPa", Dimension::pressure, 70e9},
         Row{"3 bar", Dimension::pressure, 3e5}, Row{"5 N/mm^2", Dimension::pressure, 5e6}, Row{"10 N", Dimension::force, 10.0},
-        Row{"2 kN", Dimension::force, 2000.0}, Row{"1 GPa/m", Dimension::stress_per_length, 1e9}));
+        Row{"2 kN", Dimension::force, 2000.0}, Row{"1 GPa/m", Dimension::stress_per_length, 1e9},
+        Row{"1 mPa s", Dimension::viscosity, 1e-3}, Row{"1 g/m/s", Dimension::viscosity, 1e-3}));
 
 class EveryDimension : public testing::TestWithParam<Dimension> {};
 
@@ -84,7 +85,8 @@ INSTANTIATE_TEST_SUITE_P(units, EveryDimension,
                          testing::Values(Dimension::none, Dimension::length, Dimension::time, Dimension::mass,
                                          Dimension::velocity, Dimension::acceleration, Dimension::angular_velocity,
                                          Dimension::angle, Dimension::frequency, Dimension::density, Dimension::stiffness,
-                                         Dimension::pressure, Dimension::force, Dimension::stress_per_length));
+                                         Dimension::pressure, Dimension::force, Dimension::stress_per_length,
+                                         Dimension::viscosity));
 
 TEST(units, a_wrong_dimension_is_refused_naming_place_found_expected_and_example) {
   const std::string text = complaint("0.5 m", Dimension::density);

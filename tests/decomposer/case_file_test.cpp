@@ -301,6 +301,23 @@ TEST(CaseFile, populations_say_how_they_are_mixed_sized_and_turned) {
   expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\nstop_at_rest = true").insert(0, "gravity = [0, 0, 0]\n"), {"needs gravity"});
 }
 
+TEST(CaseFile, a_fluid_is_what_it_says_and_nothing_without_viscosity) {
+  EXPECT_FALSE(parse(kCase).settings.fluid);
+  const auto with = [](const std::string& keys) { return replaced("[shapes.rock]", "[fluid]\n" + keys + "\n[shapes.rock]"); };
+  const Fluid water = parse(with("density = \"1 g/cm^3\"\nviscosity = \"1 mPa s\"\nvelocity = [0, 0, \"2 cm/s\"]")).settings.fluid.value();
+  EXPECT_DOUBLE_EQ(water.density, 1000);
+  EXPECT_DOUBLE_EQ(water.viscosity, 1e-3);
+  EXPECT_DOUBLE_EQ(water.velocity.z, 0.02);
+  EXPECT_EQ(water.drag, "haider-levenspiel");
+  EXPECT_EQ(parse(with("density = 1\nviscosity = 1\ndrag = \"stokes\"")).settings.fluid.value().drag, "stokes");
+  expect_refusal(with("density = 1000"), {"case.toml:5", "fluid.viscosity", "missing"});
+  expect_refusal(with("density = 1000\nviscosity = \"1 mPa\""), {"case.toml:7", "a dynamic viscosity [Pa s]", "1 mPa s"});
+  expect_refusal(with("density = -1\nviscosity = 1"), {"case.toml:6", "fluid.density"});
+  expect_refusal(with("density = 1000\nviscosity = 0"), {"fluid.viscosity"});
+  expect_refusal(with("density = 1000\nviscosity = 1\ndrag = \"stoke\""), {"did you mean 'stokes'"});
+  expect_refusal(with("density = 1000\nviskosity = 1"), {"did you mean 'viscosity'"});
+}
+
 TEST(CaseFile, numbers_that_overflow_when_squared_are_refused_as_such) {
   expect_refusal(replaced("\"5 cm\"", "1e308"), {"case.toml:27", "too large"});
 }

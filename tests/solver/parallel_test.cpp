@@ -43,6 +43,8 @@ TEST(SameBits, of_bodies_that_cross_ranks_and_the_seams_of_periodic_axes) { expe
 
 TEST(SameBits, of_an_elastic_layer_with_friction) { expect_same_bits_everywhere(layered_heap(), 900, false); }
 
+TEST(SameBits, of_a_heap_that_settles_in_a_stream) { expect_same_bits_everywhere(in_water(dense_heap(2, 2, 3)), 700, false); }
+
 TEST(SameBits, with_ranks_that_own_nothing) {
   const Scene scene = three_rocks();
   const Outcome alone = outcome_of(scene, 1, 1, 1500), five = outcome_of(scene, 5, 1, 1500);
@@ -100,6 +102,7 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
   MPI_Bcast(&process, 1, MPI_INT, 0, g_comm->get());
   const std::string folder = (std::filesystem::temp_directory_path() / fmt::format("scree_restart_{}", process)).string();
   for (const auto& [before, after] : {std::pair{1, 4}, {3, 2}, {5, 1}}) {
+    const Scene drum = before == 3 ? in_water(rotating_drum()) : rotating_drum();
     if (g_comm->rank() == 0) std::filesystem::create_directories(folder);
     std::string whole, continued;
     Vec3 whole_impulse, continued_impulse;
@@ -109,14 +112,14 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
       impulse = run.simulation->wall_loads()[0].impulse;
     };
     on_ranks(before, [&](const mpi::Communicator& comm) {
-      TestRun run(rotating_drum(), comm);
+      TestRun run(drum, comm);
       run.start();
       for (int n = 0; n < 700; ++n) run.simulation->advance();
       write_checkpoint(comm, *run.simulation, folder, {}, {});
       finish(run, whole, whole_impulse);
     });
     on_ranks(after, [&](const mpi::Communicator& comm) {
-      TestRun run(rotating_drum(), comm);
+      TestRun run(drum, comm);
       run.make();
       Checkpoint checkpoint = read_latest_checkpoint(comm, folder);
       const std::int64_t springs = comm.sum(static_cast<std::int64_t>(checkpoint.springs.size()));

@@ -240,7 +240,7 @@ def a_run_that_stops_at_rest_stops_there_after_a_restart_too():
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
-    for piece in ("in   triangles", "out  halo and migration", "out  driven walls", "bytes per body", "limited by"):
+    for piece in ("in   triangles", "out  fluid", "out  halo and migration", "out  driven walls", "bytes per body", "limited by"):
         assert piece in text, text
     assert "in   halo and migration" in run(2, "pile.scene.h5", "--plan").stdout
     assert not os.path.exists("pile.run"), "a plan writes nothing"

@@ -36,6 +36,7 @@ Scene rich_scene() {
   s.settings.domain.upper = {1, 2, 3.3};
   s.settings.domain.outside = "keep";
   s.settings.output_every = 0.01;
+  s.settings.fluid = Fluid{998.2, 1e-3 / 3, {0.1, -1.0 / 3, 0}, "stokes"};
   s.shapes = {make_solid("rock", test::rock(3, 1)), make_sphere("bead", 0.005), make_surface("floor", test::icosphere(0))};
   s.materials = {{"rock", 2700.1, 0, 0}, {"steel", 7800, 2.1e11, 0.3}};
   s.pairs = {{0, 0, 1e6 / 3, 0.5, 0.4, 0.3, 0}, {0, 1, 2e6, 0.4, 0.3, -1, 0}};
@@ -118,6 +119,8 @@ TEST_F(SceneFile, what_is_written_is_read_back_bit_for_bit) {
   EXPECT_EQ(a.settings.seed, b.settings.seed);
   EXPECT_EQ(a.settings.gravity, b.settings.gravity);
   EXPECT_EQ(a.settings.margin, b.settings.margin);
+  ASSERT_TRUE(b.settings.fluid);
+  EXPECT_EQ(a.settings.fluid->viscosity, b.settings.fluid->viscosity);
   EXPECT_EQ(a.pairs[0].stiffness, b.pairs[0].stiffness);
   EXPECT_EQ(a.walls[0].normal, b.walls[0].normal);
   EXPECT_EQ(a.walls[4].motion.table_position, b.walls[4].motion.table_position);
@@ -241,6 +244,7 @@ TEST_F(SceneFile, contents_that_cannot_be_right_are_refused_by_name) {
       {[](Scene& s) { s.walls[0].normal = {0, 0, 2}; }, {"normal", "unit vector"}},
       {[](Scene& s) { s.walls[2].radius = -1; }, {"radius", "> 0"}},
       {[](Scene& s) { s.settings.gravity.x = std::nan(""); }, {"gravity", "finite"}},
+      {[](Scene& s) { s.settings.fluid->viscosity = 0; }, {"settings.fluid.viscosity", "> 0"}},
       {[](Scene& s) { s.settings.law = "magic"; }, {"settings.law", "'magic'", "linear"}},
       {[](Scene& s) { s.settings.domain.lower.x = 5; }, {"min is not below max"}},
   };

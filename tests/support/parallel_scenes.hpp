@@ -55,6 +55,12 @@ inline Scene dense_heap(int nx = 3, int ny = 3, int nz = 4, double spacing = 0.1
   return scene;
 }
 
+/// A scene in water that streams along x.
+inline Scene in_water(Scene scene) {
+  scene.settings.fluid = Fluid{998, 1e-3, {0.3, 0, 0}, "haider-levenspiel"};
+  return scene;
+}
+
 /// The same with gather = "area": a layer that an impact at 1 m/s presses to a third.
 inline Scene layered_heap() {
   Scene scene = dense_heap();
