@@ -172,7 +172,7 @@ TEST(Fluid, lets_what_is_lighter_rise) {
   EXPECT_NEAR(run.velocity(0).z, kGravity * 1e-5, 1e-3 * kGravity * 1e-5) << "weight minus twice the weight";
 }
 
-// In pitch a ball sinks by a diameter in a month: its energy then is far below what tells rest in a void.
+// In pitch a ball sinks by a diameter in months: its energy then is far below what tells rest in a void.
 TEST(Fluid, does_not_take_slow_sinking_for_rest) {
   TestRun run = ball_in(0.01, {1000, 1e8, {}, "haider-levenspiel"}, 1);
   run.scene.settings.gravity = {0, 0, -kGravity};
