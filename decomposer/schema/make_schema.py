@@ -21,8 +21,8 @@ VECTOR = {"type": "array", "minItems": 3, "maxItems": 3}
 
 def page_rows(path):
     """(table, key) -> (default, meaning), of the sections of CASE.md that explain tables of the case; and, as (table, keys), the
-    keys of which one and only one must be there: "`a` or `b`" and "required"."""
-    rows, choices, tables, in_example = {}, [], [], False
+    keys of which one and only one must be there: "`a` or `b`" and "required"; and the tables that may be left out: "(absent: ...)"."""
+    rows, choices, left_out, tables, in_example = {}, [], set(), [], False
     for line in open(path, encoding="utf-8"):
         if line.startswith("```"):
             in_example = not in_example
@@ -32,6 +32,8 @@ def page_rows(path):
             tables = [""] if line.startswith("## Top level") else [
                 re.sub(r"\.NAME$", ".*", name) for name in re.findall(r"`\[([a-z_.NAME]+)\]`", line)]
             tables += [name + "[]" for name in re.findall(r"`\[\[([a-z_]+)\]\]`", line)]
+            if "(absent: " in line:
+                left_out.update(tables)
             continue
         cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip().strip("|"))]
         if not tables or len(cells) != 4 or not cells[0].startswith("`"):
@@ -43,7 +45,7 @@ def page_rows(path):
         for name in names:
             table, key = name.split(".") if "." in name else (tables[0], name)
             rows[table, key] = ("" if either else cells[2].replace("`", ""), cells[3].replace("`", ""))
-    return rows, choices
+    return rows, choices, left_out
 
 
 def number(read):
@@ -89,7 +91,7 @@ def value_of(read, build_table):
 IMPLIED = {"word": {"text"}, "named_numbers": {"table"}, "named_tables": {"table"}}
 
 
-def make_schema(reads, rows, exclusive):
+def make_schema(reads, rows, exclusive, left_out):
     asked = {}
     for read in reads:
         if read["kind"] != "allowed":
@@ -119,7 +121,8 @@ def make_schema(reads, rows, exclusive):
                 if call["kind"] not in hidden and choice not in choices:
                     choices.append(choice)
             value = choices[0] if len(choices) == 1 else {"anyOf": choices}
-            inside = any("required" in choice and choice.get("type") == "object" for choice in choices)
+            below = f"{table}.{key}" if table else key
+            inside = below not in left_out and any("required" in choice and choice.get("type") == "object" for choice in choices)
             default, meaning = rows.get((table, key), ("", ""))
             if meaning:
                 value = {"description": meaning + (f" (default: {default})" if default not in ("", "required") else ""), **value}
