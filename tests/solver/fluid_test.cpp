@@ -103,7 +103,7 @@ TEST(Fluid, brakes_a_fast_spin_as_measured) {
 
 double drag_coefficient(const DragCoefficients& law, double reynolds) { return 24 / reynolds * law.over_stokes(reynolds); }
 
-// The standard drag curve: Clift, Grace & Weber (1978), table 5.2. The correlation is of 5 % there.
+// The standard drag curve: Clift, Grace & Weber (1978), table 5.2; the two fits lie within 5 % of each other.
 TEST(Fluid, has_the_standard_drag_of_balls) {
   EXPECT_NEAR(drag_coefficient(drag_of_ball(), 1e-6) * 1e-6 / 24, 1, 1e-4);
   EXPECT_NEAR(drag_coefficient(drag_of_ball(), 100), 1.09, 0.05 * 1.09);

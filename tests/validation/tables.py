@@ -15,7 +15,7 @@ demands are those of the validation plan of the project and are not loosened: a 
 Made by `./workflows/run validation`; the file is its `validation.md`.
 
 Letters: G mass properties, C normal contact (C4 to C11: tests 1 to 8 of Chung and Ooi, Granular Matter 13 (2011) 643),
-I impulses of bodies off centre, F friction and rolling, R free rotation, S statics, N concave bodies, B packings and silos.
+I impulses of bodies off centre, F friction and rolling, R free rotation, S statics, N concave bodies, B packings and silos, D drag in a fluid.
 Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is
 held against the formula with its own mass and inertia, and the facet error is told apart. Two demands stay missed for reasons
 of physics: `docs/decisions/010`.
@@ -31,7 +31,7 @@ def load(paths):
         again = {c["case"] for c in data["cases"]}  # a later file replaces what an earlier one says of its cases
         cases = [c for c in cases if c["case"] not in again] + data["cases"]
         checks = [k for k in checks if k["case"] not in again] + data["checks"]
-    order = {name: i for i, name in enumerate("GCIFRSNB")}
+    order = {name: i for i, name in enumerate("GCIFRSNBD")}
     cases.sort(key=lambda c: (order.get(c["case"][0], 9), int(re.sub(r"\D", "", c["case"]) or 0)))
     return cases, checks
 
