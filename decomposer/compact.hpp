@@ -16,7 +16,8 @@ namespace scree {
 /// that a stage presses two bodies at most half way through them; at the end the margins are those of the case. The sides of the
 /// region are walls, those of the case too; all other bodies are held.
 /// Source of the idea: B. Lubachevsky and F. Stillinger (1990), J. Stat. Phys. 60, 561, with overdamped motion (C. O'Hern et al.
-/// (2003), Phys. Rev. E 68, 011306) in place of collisions: growth ends where the packing jams.
+/// (2003), Phys. Rev. E 68, 011306) in place of collisions. A packing that jams is let loose and pressed
+/// again twice, which makes it denser (J. Knight et al. (1995), Phys. Rev. E 51, 3957, tapped theirs); then growth ends.
 /// Throws InputError when it jams before all bodies have their size; says which fraction was reached.
 void compact_population(const Case& c, const SceneParts& parts, const Scene& scene, std::size_t population, const ChildSolver& solver,
                         const std::function<void(double, double)>& progress, Placements& placements, PackingReport& report);
