@@ -109,7 +109,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   PackedScene packed = build_scene(c, progress, options.solver);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;
-  const std::vector<double> work = options.ranks > 0 ? predicted_work(scene) : std::vector<double>{};
+  const PredictedWork work = options.ranks > 0 ? predicted_work(scene) : PredictedWork{};
   if (options.ranks > 0) partition_scene(scene, work, options.ranks, options.cut);
   scene.provenance = record(command, c.text, packed.inputs, c.settings.seed);
   write_scene_file(options.output, scene);
@@ -134,7 +134,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
     result.output += fmt::format("sizes              {}.csv, {}.svg\n", options.sizes, options.sizes);
   }
   if (options.ranks > 0) result.output += partition_line(scene);
-  if (!options.preview.empty()) result.output += write_preview(options.preview, scene, work);
+  if (!options.preview.empty()) result.output += write_preview(options.preview, scene, work.of_body);
   return result;
 }
 
@@ -142,7 +142,7 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   check_output(options.output);
   if (!options.preview.empty()) check_output(options.preview);
   Scene scene = read_scene_file(options.scene_path);
-  const std::vector<double> work = predicted_work(scene);
+  const PredictedWork work = predicted_work(scene);
   partition_scene(scene, work, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
   const std::string configuration = scene.provenance.value("configuration", std::string{});
@@ -153,7 +153,7 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());
   result.output += solid_fraction_line(solid_volume(scene), container_volume(scene));
   result.output += partition_line(scene);
-  if (!options.preview.empty()) result.output += write_preview(options.preview, scene, work);
+  if (!options.preview.empty()) result.output += write_preview(options.preview, scene, work.of_body);
   return result;
 }
 
@@ -161,7 +161,7 @@ CommandResult compare_command(const CompareOptions& options) {
   const Scene scene = read_scene_file(options.scene_path);
   if (scene.bodies.size() == 0) throw InputError("{}: holds no bodies to cut", options.scene_path);
   const double skin = skin_of(scene, options.skin);
-  const std::vector<double> work = predicted_work(scene);
+  const std::vector<double> work = predicted_work(scene).of_body;
   std::vector<CutMeasures> cuts;
   for (const std::string& name : options.cuts) {
     for (const int parts : options.parts) cuts.push_back(measure_cut(scene, work, cut_method_of(name), parts, skin));

@@ -616,22 +616,39 @@ TEST_F(Packing, the_inputs_hold_hash_and_history_of_every_file) {
 TEST_F(Packing, bodies_in_contact_are_expected_to_cost_more_than_one_alone_also_across_a_periodic_side) {
   const std::string periodic = "[domain]\nmin = [-5, -5, -5]\nmax = [5, 5, 5]\nperiodic = [\"x\"]\n";
   for (const auto& [first, second] : {std::pair{0.0, 1.001}, {-4.5, 4.499}}) {
-    const std::vector<double> work = predicted_work(pack(kHead + periodic + cube_at(first, 1) + cube_at(second, 1) + cube_at(2.75, 1)).scene);
+    const std::vector<double> work = predicted_work(pack(kHead + periodic + cube_at(first, 1) + cube_at(second, 1) + cube_at(2.75, 1)).scene).of_body;
     ASSERT_EQ(work.size(), 3u);
     EXPECT_EQ(work[0], work[1]);
     EXPECT_GT(work[0], 1.5 * work[2]);
   }
 }
 
+TEST_F(Packing, a_cube_against_a_wall_and_a_body_of_three_moments_are_expected_to_cost_more_than_a_cube_in_the_air) {
+  const std::string wall = "[[walls]]\nshape = { plane = { point = [-0.501, 0, 0], normal = [1, 0, 0] } }\nmaterial = \"stone\"\n";
+  const std::vector<double> work = predicted_work(pack(kHead + cube_at(0, 1) + cube_at(5, 1) + cube_at(10, 1, "", "l") + wall).scene).of_body;
+  ASSERT_EQ(work.size(), 3u);
+  EXPECT_GT(work[0], 1.5 * work[1]);
+  EXPECT_GT(work[2], 1.5 * work[1]);
+}
+
 TEST_F(Packing, a_partition_gives_every_body_the_rank_of_its_box_and_balances_the_work) {
   Scene s = pack(kHead + kMixture + kBox).scene;
-  const std::vector<double> work = predicted_work(s);
-  partition_scene(s, work, 3);
+  const PredictedWork predicted = predicted_work(s);
+  const std::vector<double>& work = predicted.of_body;
+  partition_scene(s, predicted, 3);
   const CutBoxes boxes{s.partition.lower, s.partition.upper};
   std::vector<double> sum(3, 0.0);
   for (std::size_t i = 0; i < s.bodies.size(); ++i) {
     EXPECT_EQ(s.bodies.owner[i], boxes.rank_of(s.bodies.position[i]));
     sum[static_cast<std::size_t>(s.bodies.owner[i])] += work[i];
+  }
+  // both owners compute a pair across ranks: the half that the other's body bears comes on top
+  for (const PairWork& pair : predicted.pairs) {
+    const auto a = static_cast<std::size_t>(s.bodies.owner[static_cast<std::size_t>(pair.a)]);
+    const auto b = static_cast<std::size_t>(s.bodies.owner[static_cast<std::size_t>(pair.b)]);
+    if (a == b) continue;
+    sum[a] += 0.5 * pair.work;
+    sum[b] += 0.5 * pair.work;
   }
   const double mean = (sum[0] + sum[1] + sum[2]) / 3;
   EXPECT_NEAR(s.partition.predicted_imbalance, *std::max_element(sum.begin(), sum.end()) / mean, 1e-12);
