@@ -28,12 +28,14 @@ void for_each_body_column(Action&& action) {
   action("lock_rotation", "", &ParticleRecord::lock_rotation);
   action("scale", "", &ParticleRecord::scale);
   action("x", "m", &ParticleRecord::x);
+  action("x_remainder", "m", &ParticleRecord::x_remainder);
   action("v", "m/s", &ParticleRecord::v);
   action("L", "kg m^2/s", &ParticleRecord::L);
   action("w", "rad/s", &ParticleRecord::w);
   action("force", "N", &ParticleRecord::force);
   action("torque", "N m", &ParticleRecord::torque);
   action("q_principal", "", &ParticleRecord::q);
+  action("q_remainder", "", &ParticleRecord::q_remainder);
   action("dissipated", "J", &ParticleRecord::dissipated);
   action("work", "", &ParticleRecord::work);
   action("image", "", &ParticleRecord::image);

@@ -11,7 +11,7 @@
 namespace scree {
 
 inline constexpr const char* kCheckpointFormat = "scree-checkpoint";
-inline constexpr std::int64_t kCheckpointFormatVersion = 2;
+inline constexpr std::int64_t kCheckpointFormatVersion = 3;
 
 struct Checkpoint {
   std::string path;

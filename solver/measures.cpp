@@ -201,8 +201,11 @@ std::string Simulation::state_hash() const {
     ItemHash h;
     h.add(static_cast<std::uint64_t>(p_.id[i]));
     h.add(p_.x[i]);
+    h.add(p_.x_remainder[i]);
     h.add(p_.q[i].w);
     h.add(Vec3{p_.q[i].x, p_.q[i].y, p_.q[i].z});
+    h.add(p_.q_remainder[i].w);
+    h.add(Vec3{p_.q_remainder[i].x, p_.q_remainder[i].y, p_.q_remainder[i].z});
     h.add(p_.v[i]);
     h.add(p_.L[i]);
     add(h);

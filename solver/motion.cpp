@@ -1,5 +1,7 @@
 #include "solver/motion.hpp"
 
+#include <limits>
+
 #include "solver/built_with.hpp"
 #include "solver/fluid.hpp"
 
@@ -47,22 +49,63 @@ void turn_x(double angle, Quat& q, Vec3& l) { turn<&Quat::x, &Quat::y, &Quat::z>
 void turn_y(double angle, Quat& q, Vec3& l) { turn<&Quat::y, &Quat::z, &Quat::x>(angle, q, l.z, l.x); }
 void turn_z(double angle, Quat& q, Vec3& l) { turn<&Quat::z, &Quat::x, &Quat::y>(angle, q, l.x, l.y); }
 
-// Free rotors of bodies that are not isotropic. Each takes q and the world angular momentum L over h.
+// x and q remember what rounding took from them. Without that a body that goes less than half a unit in the last place a step
+// stands still, and gains speed until it jumps by a whole one: at stiff contacts that is no true rest.
+
+/// x + way, and what rounding takes from the sum for the next time.
+/// Source: the error of a sum, exactly: Knuth, The Art of Computer Programming 2 (1969), section 4.2.2, theorem B.
+void advance(double& x, double& remainder, double way) {
+  way += remainder;
+  const double sum = x + way, added = sum - x;
+  remainder = (x - (sum - added)) + (way - added);
+  x = sum;
+}
+void advance(Vec3& x, Vec3& remainder, const Vec3& way) {
+  advance(x.x, remainder.x, way.x);
+  advance(x.y, remainder.y, way.y);
+  advance(x.z, remainder.z, way.z);
+}
+void advance(Quat& q, Quat& remainder, const Quat& way) {
+  advance(q.w, remainder.w, way.w);
+  advance(q.x, remainder.x, way.x);
+  advance(q.y, remainder.y, way.y);
+  advance(q.z, remainder.z, way.z);
+}
+/// After a rotation: back to a unit quaternion, once it is off by more than rounding. Its squares are known to two epsilon, so a body
+/// at rest is left alone.
+void keep_unit(Quat& q, Quat& remainder) {
+  constexpr double kUnitError = 8 * std::numeric_limits<double>::epsilon();
+  const double excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1, by = -0.5 * excess;
+  if (std::abs(excess) > kUnitError) advance(q, remainder, {by * q.w, by * q.x, by * q.y, by * q.z});
+}
+
+/// q after the rotation `by`, whose axis is given in the body or in the world. What is added is small where `by` is.
+void turn_in_body(Quat& q, Quat& remainder, const Quat& by) {
+  advance(q, remainder, q * Quat{by.w - 1, by.x, by.y, by.z});
+  keep_unit(q, remainder);
+}
+void turn_in_world(Quat& q, Quat& remainder, const Quat& by) {
+  advance(q, remainder, Quat{by.w - 1, by.x, by.y, by.z} * q);
+  keep_unit(q, remainder);
+}
+
+// Free rotors of bodies that are not isotropic. Each takes q with its remainder, and the world angular momentum L, over h.
 
 struct DlmRotor {
-  static void advance(const Vec3&, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q) {
+  static void advance(const Vec3&, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q, Quat& remainder) {
     Vec3 l = rotate_inverse(q, L);
-    turn_z(0.5 * h * l.z * inverse_inertia.z, q, l);
-    turn_y(0.5 * h * l.y * inverse_inertia.y, q, l);
-    turn_x(h * l.x * inverse_inertia.x, q, l);
-    turn_y(0.5 * h * l.y * inverse_inertia.y, q, l);
-    turn_z(0.5 * h * l.z * inverse_inertia.z, q, l);
-    q = normalised(q);
+    Quat by;
+    turn_z(0.5 * h * l.z * inverse_inertia.z, by, l);
+    turn_y(0.5 * h * l.y * inverse_inertia.y, by, l);
+    turn_x(h * l.x * inverse_inertia.x, by, l);
+    turn_y(0.5 * h * l.y * inverse_inertia.y, by, l);
+    turn_z(0.5 * h * l.z * inverse_inertia.z, by, l);
+    turn_in_body(q, remainder, by);
   }
 };
 
 struct MidpointRotor {
-  static void advance(const Vec3&, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q) {
+  static void advance(const Vec3&, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q, Quat& remainder) {
     // The fixed point contracts by about |w| h, at most 0.1 by the step limit of spin: 16 digits in 16 rounds.
     constexpr int kMostRounds = 40;
     constexpr double kConverged = 1e-16;  // of the momentum: rounding
@@ -74,17 +117,17 @@ struct MidpointRotor {
       middle = next;
       if (done) break;
     }
-    q = normalised(q * rotation_by(h * scaled(inverse_inertia, middle)));
+    turn_in_body(q, remainder, rotation_by(h * scaled(inverse_inertia, middle)));
   }
 };
 
 struct RigRotor {
-  static void advance(const Vec3& inertia, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q) {
+  static void advance(const Vec3& inertia, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q, Quat& remainder) {
     const Vec3 l = rotate_inverse(q, L), w = scaled(inverse_inertia, l);
     const Quat half = rotation_by((0.5 * h) * w);
     const Vec3 predicted = scaled(inverse_inertia, rotate_inverse(half, l));
     const Vec3 next = w + h * spin_rate(inertia, inverse_inertia, predicted);
-    q = normalised(q * half * rotation_by((0.5 * h) * next));
+    turn_in_body(q, remainder, half * rotation_by((0.5 * h) * next));
     L = rotate(q, scaled(inertia, next));
   }
 };
@@ -96,31 +139,31 @@ struct SpiralRotor {
     const Vec3 k3 = h * spin_rate(inertia, inverse_inertia, w + 0.25 * (k1 + k2));
     return w + (1.0 / 6) * (k1 + k2 + 4 * k3);
   }
-  static void advance(const Vec3& inertia, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q) {
+  static void advance(const Vec3& inertia, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q, Quat& remainder) {
     const Vec3 w = scaled(inverse_inertia, rotate_inverse(q, L));
     const Vec3 middle = runge_kutta(inertia, inverse_inertia, 0.5 * h, w), next = runge_kutta(inertia, inverse_inertia, h, w);
-    q = normalised(q * rotation_by(h * middle));
+    turn_in_body(q, remainder, rotation_by(h * middle));
     L = rotate(q, scaled(inertia, next));
   }
 };
 
 struct EulerRotor {
-  static void advance(const Vec3& inertia, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q) {
+  static void advance(const Vec3& inertia, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q, Quat& remainder) {
     const Vec3 w = scaled(inverse_inertia, rotate_inverse(q, L));
-    q = normalised(q * rotation_by(h * w));
+    turn_in_body(q, remainder, rotation_by(h * w));
     L = rotate(q, scaled(inertia, w + h * spin_rate(inertia, inverse_inertia, w)));
   }
 };
 
 template <class Rotor>
-void rotate_by(const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L, Quat& q, Vec3& w) {
+void rotate_by(const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L, Quat& q, Quat& remainder, Vec3& w) {
   if (isotropic) {  // w is constant: one exact rotation about it
     w = inverse_inertia.x * L;
     const double rate = length(w);
-    if (rate > 0) q = normalised(quaternion_of((1 / rate) * w, rate * h) * q);
+    if (rate > 0) turn_in_world(q, remainder, quaternion_of((1 / rate) * w, rate * h));
     return;
   }
-  Rotor::advance(inertia, inverse_inertia, h, L, q);
+  Rotor::advance(inertia, inverse_inertia, h, L, q, remainder);
   w = angular_velocity(q, inverse_inertia, L);
 }
 
@@ -146,10 +189,10 @@ void kick_and_drift(ParticleSet& p, double kick_time, double h) {
     const auto i = static_cast<std::size_t>(k);
     if (p.fixed[i]) continue;
     p.v[i] += (kick_time * p.inverse_mass[i]) * p.force[i];
-    p.x[i] += h * p.v[i];
+    advance(p.x[i], p.x_remainder[i], h * p.v[i]);
     if (!built_with::kRotation || p.lock_rotation[i]) continue;
     p.L[i] += kick_time * p.torque[i];
-    rotate_by<Rotor>(p.inertia[i], p.inverse_inertia[i], p.isotropic[i] != 0, h, p.L[i], p.q[i], p.w[i]);
+    rotate_by<Rotor>(p.inertia[i], p.inverse_inertia[i], p.isotropic[i] != 0, h, p.L[i], p.q[i], p.q_remainder[i], p.w[i]);
   }
 }
 
@@ -188,13 +231,13 @@ void end_step(Integrator integrator, ParticleSet& p, double h, const FluidForces
 }
 
 void rotate_freely(Integrator integrator, const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L,
-                   Quat& q, Vec3& w) {
+                   Quat& q, Quat& remainder, Vec3& w) {
   switch (integrator) {
-    case Integrator::kdk_dlm: return rotate_by<DlmRotor>(inertia, inverse_inertia, isotropic, h, L, q, w);
-    case Integrator::midpoint: return rotate_by<MidpointRotor>(inertia, inverse_inertia, isotropic, h, L, q, w);
-    case Integrator::rig: return rotate_by<RigRotor>(inertia, inverse_inertia, isotropic, h, L, q, w);
-    case Integrator::spiral: return rotate_by<SpiralRotor>(inertia, inverse_inertia, isotropic, h, L, q, w);
-    case Integrator::euler: return rotate_by<EulerRotor>(inertia, inverse_inertia, isotropic, h, L, q, w);
+    case Integrator::kdk_dlm: return rotate_by<DlmRotor>(inertia, inverse_inertia, isotropic, h, L, q, remainder, w);
+    case Integrator::midpoint: return rotate_by<MidpointRotor>(inertia, inverse_inertia, isotropic, h, L, q, remainder, w);
+    case Integrator::rig: return rotate_by<RigRotor>(inertia, inverse_inertia, isotropic, h, L, q, remainder, w);
+    case Integrator::spiral: return rotate_by<SpiralRotor>(inertia, inverse_inertia, isotropic, h, L, q, remainder, w);
+    case Integrator::euler: return rotate_by<EulerRotor>(inertia, inverse_inertia, isotropic, h, L, q, remainder, w);
   }
 }
 

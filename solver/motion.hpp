@@ -38,9 +38,9 @@ void begin_step(Integrator integrator, ParticleSet& p, double h, const FluidForc
 /// The part after: v and L reach the full step; w follows.
 void end_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid = nullptr);
 
-/// One body's free rotation: q, L and w after h. L changes (in rounding at least) with rig and spiral only.
+/// One body's free rotation: q with its remainder, L and w after h. L changes (in rounding at least) with rig and spiral only.
 void rotate_freely(Integrator integrator, const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic, double h, Vec3& L,
-                   Quat& q, Vec3& w);
+                   Quat& q, Quat& remainder, Vec3& w);
 
 /// Rotation by the vector theta [rad]: the exponential map, a unit quaternion for every finite theta, 0 and denormals too.
 Quat rotation_by(const Vec3& theta);

@@ -20,7 +20,9 @@ void for_each_column(Set& p, Action&& action) {
   action(p.lock_rotation);
   action(p.isotropic);
   action(p.x);
+  action(p.x_remainder);
   action(p.q);
+  action(p.q_remainder);
   action(p.v);
   action(p.L);
   action(p.w);
@@ -59,10 +61,12 @@ ParticleRecord record_of(const ParticleSet& p, std::size_t i) {
   r.lock_rotation = p.lock_rotation[i];
   r.scale = p.scale[i];
   r.x = p.x[i];
+  r.x_remainder = p.x_remainder[i];
   r.v = p.v[i];
   r.L = p.L[i];
   r.w = p.w[i];
   r.q = p.q[i];
+  r.q_remainder = p.q_remainder[i];
   r.force = p.force[i];
   r.torque = p.torque[i];
   r.image = p.image[i];
@@ -91,10 +95,12 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   p.inverse_inertia[i] =
       r.fixed || r.lock_rotation ? Vec3{} : Vec3{1 / p.inertia[i].x, 1 / p.inertia[i].y, 1 / p.inertia[i].z};
   p.x[i] = r.x;
+  p.x_remainder[i] = r.x_remainder;
   p.v[i] = r.v;
   p.L[i] = r.L;
   p.w[i] = r.w;
   p.q[i] = r.q;
+  p.q_remainder[i] = r.q_remainder;
   p.force[i] = r.force;
   p.torque[i] = r.torque;
   p.lossy_force[i] = {};
@@ -126,6 +132,7 @@ ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
   r.x = bodies.position[body];
   const SolverShape& shape = scene.shape(r.shape);
   r.q = normalised(bodies.orientation[body] * shape.body_from_principal);
+  r.q_remainder = {0, 0, 0, 0};
   if (!r.fixed) {
     r.v = bodies.velocity[body];
     if (!r.lock_rotation) {

@@ -1,6 +1,6 @@
 // Bodies of one rank: owned first, ghosts after them.
 //
-// Hot state (x, q, v, L, w) is read and written every step; accumulators (f, t) are written by the gather and
+// Hot state (x, q and their remainders, v, L, w) is read and written every step; accumulators (f, t) are written by the gather and
 // read by the kick; cold facts never change. When a body changes rank everything of its row travels; a ghost
 // refresh carries x, q, v, w only. Orientation is that of the principal frame: body_from_principal of the
 // shape is applied at load and undone at output.
@@ -23,7 +23,9 @@ struct ParticleSet {
   std::vector<std::uint8_t> fixed, lock_rotation, isotropic;
   // hot
   std::vector<Vec3> x;        ///< centre of mass, world [m]
+  std::vector<Vec3> x_remainder;  ///< what rounding took from x, below one unit in its last place; the next drift adds it [m]
   std::vector<Quat> q;        ///< principal frame to world
+  std::vector<Quat> q_remainder;  ///< the same of q
   std::vector<Vec3> v;        ///< [m/s]
   std::vector<Vec3> L;        ///< angular momentum about the centre, world [kg m^2/s]
   std::vector<Vec3> w;        ///< angular velocity, world [rad/s]; follows from q and L
@@ -50,8 +52,8 @@ struct ParticleRecord {
   std::int32_t shape, material;
   std::uint8_t fixed, lock_rotation, unused[6];
   double scale;
-  Vec3 x, v, L, w, force, torque, image;
-  Quat q;
+  Vec3 x, x_remainder, v, L, w, force, torque, image;
+  Quat q, q_remainder;
   double dissipated, work;
 };
 

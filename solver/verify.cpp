@@ -150,8 +150,8 @@ Differences compare_with_checkpoint(const Checkpoint& now, const Checkpoint& rec
   Differences differences;
   match_bodies(ids_of(recorded.bodies), ids_of(now.bodies), differences, [&](std::size_t i, std::size_t j) {
     const ParticleRecord &a = recorded.bodies[i], &b = now.bodies[j];
-    compare_fields(b.id, differences, field("position", a.x, b.x), field("periods gone", a.image, b.image), field("orientation", a.q, b.q), field("velocity", a.v, b.v),
-                   field("angular momentum", a.L, b.L), field("angular velocity", a.w, b.w), field("force", a.force, b.force),
+    compare_fields(b.id, differences, field("position", a.x, b.x), field("remainder of position", a.x_remainder, b.x_remainder), field("periods gone", a.image, b.image), field("orientation", a.q, b.q), field("remainder of orientation", a.q_remainder, b.q_remainder),
+                   field("velocity", a.v, b.v), field("angular momentum", a.L, b.L), field("angular velocity", a.w, b.w), field("force", a.force, b.force),
                    field("torque", a.torque, b.torque), field("dissipated energy", a.dissipated, b.dissipated));
   });
   // springs in the order of their pairs; the first that differs is that of the lower body

@@ -37,6 +37,44 @@ TEST(Integrator, keeps_the_speed_of_an_elastic_impact_except_eulers) {
   EXPECT_NEAR(rebound("euler", 200, 0.5), std::exp(M_PI * M_PI / 400), 0.003);
 }
 
+// 4e-18 m a step is a seventh of the distance of neighbouring numbers at 0.2 m: a body as slow as that moves all the same.
+TEST(Integrator, moves_a_body_that_is_slower_than_rounding) {
+  for (const char* integrator : {"kdk-dlm", "midpoint", "spiral", "rig", "euler"}) {
+    TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
+    run.scene.settings.integrator = integrator;
+    run.scene.settings.step = 1e-6;
+    run.scene.shapes = {make_solid("cube", test::grid_box(1, {1, 1, 1}))};
+    test::add_body(run.scene, 0, {0.2, -0.2, 0.15}, {}, {4e-12, 3e-12, -2e-12});
+    run.start();
+    run.run_for(0.02);  // 20 000 steps
+    const Vec3 way = run.position(0) - Vec3{0.2, -0.2, 0.15};
+    EXPECT_NEAR(way.x, 8e-14, 3e-17) << integrator;
+    EXPECT_NEAR(way.y, 6e-14, 3e-17) << integrator;
+    EXPECT_NEAR(way.z, -4e-14, 3e-17) << integrator;
+  }
+}
+
+// Rounding moves the depth of a stiff contact, 1e-8 m here, up and down by a hundred-millionth of itself. Springs that followed it would lose
+// that much a step, and the stone creep at 1e-11 m/s for ever.
+TEST(Integrator, keeps_a_stiff_stone_between_others_without_creep) {
+  TestRun run(test::empty_scene(1e8, 0.3, 0.7, 0.003));
+  run.scene.settings.gravity = {0, 0, -9.81};
+  run.scene.shapes = {make_solid("stone", test::grid_box(1, {0.07, 0.07, 0.07}))};
+  for (int k = 0; k < 3; ++k) {
+    const double angle = 2 * M_PI / 3 * k, tilt = 0.4 + 0.7 * k;
+    test::add_body(run.scene, 0, Vec3{0.2, 0.1, 0.3} + 0.065 * Vec3{std::cos(angle), std::sin(angle), 0}, quaternion_of(normalised(Vec3{1, 0.5 * k, 0.3}), tilt));
+    run.scene.bodies.fixed.back() = 1;
+  }
+  test::add_body(run.scene, 0, {0.2, 0.1, 0.42});
+  run.start();
+  run.run_for(0.8);
+  const Vec3 settled = run.position(3);
+  EXPECT_GE(run.simulation->active_pair_count(), 2);
+  run.run_for(0.01);
+  EXPECT_LE(length(run.position(3) - settled), 1e-16);  // 8e-15 with springs that follow
+  EXPECT_LE(length(run.velocity(3)), 2e-13);            // 1e-12
+}
+
 // A tumbling rock with friction on a floor: every scheme goes to the same state, Euler at first order.
 TEST(Integrator, meets_the_others_as_the_step_shrinks) {
   const auto state = [](const std::string& integrator, double steps) {

@@ -102,7 +102,7 @@ class TwoBodies {
       Vec3 w;
       if (!(inverse_inertia[i].x > 0)) continue;
       const Vec3& inverse = inverse_inertia[i];
-      rotate_freely(Integrator::kdk_dlm, {1 / inverse.x, 1 / inverse.y, 1 / inverse.z}, inverse, false, dt, L[i], body[i].q, w);
+      rotate_freely(Integrator::kdk_dlm, {1 / inverse.x, 1 / inverse.y, 1 / inverse.z}, inverse, false, dt, L[i], body[i].q, remainder[i], w);
     }
     force(dt);
     kick(0.5 * dt);
@@ -124,6 +124,7 @@ class TwoBodies {
 
   PairBody body[2];
   Vec3 v[2], L[2], inverse_inertia[2];
+  Quat remainder[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};  // of the orientations
   double inverse_mass[2];
   Vec3 gravity;               // on A only [m/s^2]
   double cell_size = 0;       // as if B were a very large wall [m]

@@ -372,7 +372,7 @@ def x30(tools, table):
 
 @case("X31", "heap of 512 concave bodies of 1e4 times the stiffness comes to true rest")
 def x31(tools, table):
-    concave_heap(tools, table, 8, 8, 1e8, 6.0)
+    concave_heap(tools, table, 8, 8, 1e8, 4.0)
 
 
 def octahedron(radius):
