@@ -48,7 +48,7 @@ class Compactor {
     // deeper than any margin, and growth had to be as slow as a narrow margin allows: 400 stages in place of 30.
     const double placed = std::min(1.0, std::cbrt(kStartFraction * region.volume / volume_));
     place_small(placed);
-    double scale = placed / (1 + kFastestGrowth / kPressedShare);
+    double scale = placed < 1 ? placed / (1 + kFastestGrowth / kPressedShare) : 1;   // what finds room in its size need not grow
     double most = kFastestGrowth;
     int rounds = 0;
     while (scale < 1) {
