@@ -3,7 +3,7 @@
 
 usage: stability.py BIN OUT [--only X1,X8] [--json FILE]
 
-X30 and X31 take from ten minutes to hours and run only when they are named.
+X30 and X31 take from ten minutes to an hour and run only when they are named.
 
 A case holds when its figure is within its criterion; it is refused when a tool ends with exit 2, 3 or 5 and says why;
 everything else has failed: a NaN, a body that went through a wall unnoticed, a figure out of its criterion, a crash.
