@@ -71,8 +71,8 @@ void advance(Quat& q, Quat& remainder, const Quat& way) {
   advance(q.y, remainder.y, way.y);
   advance(q.z, remainder.z, way.z);
 }
-/// After a rotation: back to a unit quaternion, once it is off by more than rounding. Its squares are known to two epsilon, so a body
-/// at rest is left alone.
+/// After a rotation: back to a unit quaternion, once it is off by more than rounding. The sum of its squares is known to 2.5 epsilon, so
+/// a body at rest is left alone.
 void keep_unit(Quat& q, Quat& remainder) {
   constexpr double kUnitError = 8 * std::numeric_limits<double>::epsilon();
   const double excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1, by = -0.5 * excess;
