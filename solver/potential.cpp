@@ -245,7 +245,8 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     Vec3 lossy = (damped - normal[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
-      FrictionSpring spring{f.key, Vec3{}, law.tangential_ratio * per_depth[j]};
+      double kappa = law.tangential_ratio * per_depth[j];
+      Vec3 spring;
       while (old < springs.size() && springs[old].key < f.key) ++old;
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
       // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
@@ -262,27 +263,24 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         // Unloading gives force back in proportion; loading must not create any (passivity, CONTACT.md 3.4). A load that only rounding
         // moves up and down is neither: springs would lose a little each time, and a stiff heap creep for ever.
         const double before = springs[old].stiffness;
-        if (std::abs(spring.stiffness - before) * f.depth <= rounding * before) {
-          spring.stiffness = before;
-        } else if (spring.stiffness < before) {
-          s *= spring.stiffness / before;
-        }
-        spring.force = s - (spring.stiffness * friction_dt) * vt;
+        if (std::abs(kappa - before) * f.depth <= rounding * before) kappa = before;
+        if (kappa < before) s *= kappa / before;
+        spring = s - (kappa * friction_dt) * vt;
       } else {
         // a new feature has slid only since it touched
-        spring.force = (-spring.stiffness * (f.depth < -vn * friction_dt ? f.depth / -vn : friction_dt)) * vt;
+        spring = (-kappa * (f.depth < -vn * friction_dt ? f.depth / -vn : friction_dt)) * vt;
       }
       const double limit = law.friction * damped, sliding = law.friction_sliding * damped;
       // squares: the root is taken only where something slides
-      const double stretched = squared_length(spring.force);
+      const double stretched = squared_length(spring);
       const bool slides = stretched > limit * limit;
-      if (slides) spring.force *= sliding / std::sqrt(stretched);
-      tangential = spring.force - (tangential_share * chi * normal[j]) * vt;
+      if (slides) spring *= sliding / std::sqrt(stretched);
+      tangential = spring - (tangential_share * chi * normal[j]) * vt;
       const double total = squared_length(tangential), cap = slides ? sliding : limit;
       if (total > cap * cap) tangential *= cap / std::sqrt(total);
-      if (spring.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(spring.force) / spring.stiffness;
+      if (kappa > 0) result.tangential_elastic += 0.5 * squared_length(spring) / kappa;
       lossy += tangential;
-      next.push_back(spring);
+      next.push_back({f.key, spring, kappa});
     }
     result.lossy_force += lossy;
     result.lossy_torque += cross(f.x, lossy);
