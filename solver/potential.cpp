@@ -33,8 +33,8 @@ double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torqu
 
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
 void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum,
-                 const std::vector<double>& per_depth,                 double tangential_damping, double dt, double friction_dt, const std::vector<FrictionSpring>& springs,
-                 std::vector<FrictionSpring>& next, PairForce& result) {
+                 const std::vector<double>& per_depth, double tangential_damping, double dt, double friction_dt,
+                 const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(elastic_force);
   if (!(size > 0)) return;
   RollingState state;
