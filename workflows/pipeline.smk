@@ -76,7 +76,7 @@ def everything():
 
 # The file that a shape is made from, so that it is made anew when the file changes; none for a generated one.
 def mesh_of(wildcards):
-    words = SHAPES[wildcards.shape].split()
+    words = shlex.split(SHAPES[wildcards.shape])
     return [word for word in words[1:] if words[0] != "generate" and not word.startswith("-") and os.path.isfile(word)]
 
 
@@ -93,7 +93,7 @@ rule shape:
 rule case:
     input: lambda wildcards: os.path.join(workflow.basedir, RUNS[wildcards.run][0])
     output: "{run}.toml"
-    shell: "cp {input} {output}"
+    shell: "cp {input:q} {output}"
 
 
 rule pack:
@@ -175,7 +175,7 @@ rule sweep:
         points=shlex.quote(json.dumps(POINTS)),
         plot=str(config.get("plot", globals().get("PLOT", "coordination_number"))),
         script=os.path.join(os.path.dirname(workflow.basedir), "sweep_table.py"),
-    shell: "/usr/bin/python3 {params.script} {params.points} {params.plot} {output}"
+    shell: "/usr/bin/python3 {params.script:q} {params.points} {params.plot} {output}"
 
 
 rule report:

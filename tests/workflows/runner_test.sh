@@ -48,5 +48,21 @@ chmod +x "$scratch/queue/sbatch" "$scratch/queue/sacct"
 expect 0 "steps (100%) done" env PATH="$scratch/queue:$PATH" SCREE_BIN="$bin" "$runner" boulders boulders-small.toml --profile slurm --out "$scratch/slurm" --config size=small
 expect 0 "--ntasks=1 --cpus-per-task=1" cat "$scratch/queue/log"
 
+# a copy of the repository, results and a queue in folders with blanks: no step takes a path for two words, by hand or by the queue
+copy="$scratch/a copy"; mkdir -p "$copy/tests"
+cp -r "$(dirname "$runner")" "$copy/workflows"
+cp -r "$(dirname "$runner")/../tests/validation" "$copy/tests"
+rm -rf "$copy"/workflows/*/out
+mv "$scratch/queue" "$scratch/a queue"
+expect 0 "steps (100%) done" env PATH="$scratch/a queue:$PATH" SCREE_BIN="$bin" \
+  "$copy/workflows/run" boulders boulders-small.toml --profile slurm --out "$scratch/an out" --config size=small
+for name in $(cd "$copy/workflows" && ls -d */ | tr -d /); do
+  [[ -f "$copy/workflows/$name/Snakefile" ]] || continue
+  steps=$("$copy/workflows/run" "$name" --dry-run --out "$scratch/an out/$name" 2>&1) || { echo "FAILED: $name --dry-run: $steps"; failures=$((failures + 1)); }
+  # within quotes the folder is followed by the rest of its path and a quote
+  loose=$(grep -v "^ *input:" <<<"$steps" | sed "s,'[^']*/a copy/[^']*',,g" | grep "/a copy/" || true)
+  [[ -z "$loose" ]] || { printf 'FAILED: a path with a blank is not quoted in %s:\n%s\n' "$name" "$loose"; failures=$((failures + 1)); }
+done
+
 [[ $failures -eq 0 ]] && echo "all as expected"
 exit "$((failures > 0))"
