@@ -15,18 +15,23 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 from scipy.stats import t as student  # noqa: E402
 
-from run_record import record_of  # noqa: E402  beside this script
+from run_record import quantity_of, record_of  # noqa: E402  beside this script
 
 POINTS, QUANTITY, TABLE, *CHARTS = json.loads(sys.argv[1]), *sys.argv[2:]
-UNITS = {"mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "ms": 1e-3, "us": 1e-6, "kN/m": 1e3, "MN/m": 1e6, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
 MARKERS = "osD^vP*X"
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]   # Okabe and Ito (2008): told apart by all
 
 
-def magnitude(text):
-    """The value as a number for an axis, None for words; units of the same axis need not agree."""
-    match = re.fullmatch(r'"?\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([^"]*)"?', text)
-    return None if match is None else float(match[1]) * UNITS.get(match[2].strip(), 1)
+def scale_of(values):
+    """What places the values of an axis: text -> number, and the unit of the numbers. Where all have one unit they keep it, else they are
+    in SI; a number alone is SI. None when one of them is a word, or when they are not of one kind."""
+    known = [quantity_of(value.strip().strip('"')) for value in values]
+    if None in known or len({powers for _, powers in known if any(powers)}) > 1:
+        return None
+    units = {re.sub(r"^[-+0-9.]+(?:[eE][-+]?[0-9]+)?", "", value.strip().strip('"')).strip() for value in values}
+    factor = quantity_of("1 " + next(iter(units)))[0] if len(units) == 1 else 1
+    numbers = {value: number / factor for value, (number, _) in zip(values, known)}
+    return numbers, next(iter(units)) if len(units) == 1 else "SI"
 
 
 def read(name):
@@ -53,32 +58,32 @@ with open(TABLE, "w", newline="", encoding="utf-8") as file:
 
 # one line for each setting of all keys but the first, replicas taken together
 axis = keys[0] if keys else "seed"
+scale = scale_of(sorted({point[axis] for point in POINTS.values()})) if keys else None
 lines = {}
 for name, (numbers, _) in runs.items():
     point = POINTS[name]
     label = ", ".join([point["case"]] + [f"{key} = {point[key]}" for key in keys[1:] if key != "seed"])
     entry = numbers.get(QUANTITY, {"mean": math.nan, "ci95": None})
-    lines.setdefault(label, {}).setdefault(point.get(axis, "all"), []).append(entry)
+    place = scale[0][point[axis]] if scale else point.get(axis, "all")   # "10 mm" and "1 cm" are one place
+    lines.setdefault(label, {}).setdefault(place, []).append(entry)
 
 figure, plot = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
-numeric = all(magnitude(value) is not None for line in lines.values() for value in line)
 for number, (label, line) in enumerate(lines.items()):
-    values = sorted(line, key=magnitude) if numeric else list(line)
+    places = sorted(line) if scale else list(line)
     means, bars = [], []
-    for value in values:
-        samples = [entry["mean"] for entry in line[value]]
+    for place in places:
+        samples = [entry["mean"] for entry in line[place]]
         mean = sum(samples) / len(samples)
         if len(samples) > 1:
             deviation = math.sqrt(sum((x - mean) ** 2 for x in samples) / (len(samples) - 1))
             bar = student.ppf(0.975, len(samples) - 1) * deviation / math.sqrt(len(samples))
         else:
-            bar = line[value][0]["ci95"] or 0
+            bar = line[place][0]["ci95"] or 0
         means.append(mean)
         bars.append(bar)
-    places = [magnitude(value) for value in values] if numeric else values
     plot.errorbar(places, means, bars, marker=MARKERS[number % len(MARKERS)], color=COLOURS[number % len(COLOURS)], capsize=3, label=label)
 unit = next(numbers[QUANTITY]["unit"] for numbers, _ in runs.values() if QUANTITY in numbers)
-plot.set_xlabel(axis)
+plot.set_xlabel(axis + (f" [{scale[1]}]" if scale and scale[1] else ""))
 plot.set_ylabel(QUANTITY.replace("_", " ") + (f" [{unit}]" if unit not in ("", "-") else ""))
 plot.grid(alpha=0.3)
 if len(lines) > 1:
