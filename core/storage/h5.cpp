@@ -81,14 +81,10 @@ Group Group::open_group(const std::string& name) const {
   return {Handle(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), H5Gclose, "cannot open " + where), where};
 }
 
-std::vector<std::string> Group::child_names() const {
-  std::vector<std::string> names;
-  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
-    static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-    return 0;
-  };
-  check(H5Literate(id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), "cannot list " + path_);
-  return names;
+std::int64_t Group::child_count() const {
+  H5G_info_t info;
+  check(H5Gget_info(id(), &info), "cannot list " + path_);
+  return static_cast<std::int64_t>(info.nlinks);
 }
 
 void Group::write_attribute(const std::string& name, const std::string& text) const {

@@ -59,7 +59,7 @@ class Group {
   bool has_attribute(const std::string& name) const;
   Group create_group(const std::string& name) const;
   Group open_group(const std::string& name) const;      ///< throws InputError when it is missing
-  std::vector<std::string> child_names() const;         ///< in alphabetical order
+  std::int64_t child_count() const;                     ///< links; names of them sort as text, so what has numbers is opened by number
 
   // attributes
   void write_attribute(const std::string& name, const std::string& text) const;

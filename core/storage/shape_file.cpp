@@ -15,6 +15,9 @@ std::string json_text(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+// Padded to four digits for people; from the 10 001st shape on the names sort otherwise as text than as numbers.
+std::string group_of_shape(std::int64_t number) { return fmt::format("shape_{:04}", number); }
+
 }  // namespace
 
 double Shape::bounding_radius() const { return scree::bounding_radius(mesh) + sphere_radius; }
@@ -74,7 +77,7 @@ void check_format(const h5::Group& root, const std::string& format, std::int64_t
 void write_shapes(const h5::Group& group, const std::vector<Shape>& shapes) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Shape& shape = shapes[i];
-    const h5::Group g = group.create_group(fmt::format("shape_{:04}", i));
+    const h5::Group g = group.create_group(group_of_shape(static_cast<std::int64_t>(i)));
     g.write_attribute("name", shape.name);
     g.write_attribute("kind", static_cast<std::int32_t>(shape.kind));
     g.write_attribute("sphere_radius", shape.sphere_radius);
@@ -105,8 +108,9 @@ void write_shapes(const h5::Group& group, const std::vector<Shape>& shapes) {
 
 std::vector<Shape> read_shapes(const h5::Group& group) {
   std::vector<Shape> shapes;
-  for (const std::string& name : group.child_names()) {
-    const h5::Group g = group.open_group(name);
+  const std::int64_t count = group.child_count();
+  for (std::int64_t number = 0; number < count; ++number) {
+    const h5::Group g = group.open_group(group_of_shape(number));
     Shape shape;
     shape.name = g.read_text_attribute("name");
     const std::int64_t kind = g.read_integer_attribute("kind");

@@ -149,6 +149,25 @@ TEST(ShapeFile, a_triangle_of_a_vertex_that_does_not_exist_is_refused) {
   EXPECT_SAYS(message_of(folder / "bad.shape.h5"), "triangle 0 names vertex 7, but there are 3 vertices");
 }
 
+// Names have four digits up to the 10 000th shape, so that as text shape_10000 comes before shape_1001.
+TEST(ShapeFile, more_than_10000_shapes_come_back_in_the_order_of_their_numbers) {
+  const Folder folder;
+  h5::NewFile file(folder / "many.shape.h5");
+  const h5::Group group = file.root().create_group("shapes");
+  write_shapes(group, {make_sphere("others", 1), make_sphere("at 1 and 10000", 2)});
+  // links to these two: as good as 10 001 shapes to the reader, and soon written
+  for (int i = 2; i <= 10000; ++i) {
+    H5Lcreate_hard(group.id(), i == 10000 ? "shape_0001" : "shape_0000", group.id(), fmt::format("shape_{:04}", i).c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  }
+  const std::vector<Shape> shapes = read_shapes(group);
+  ASSERT_EQ(shapes.size(), 10001U);
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (shapes[i].sphere_radius == 2) found.push_back(i);
+  }
+  EXPECT_EQ(found, (std::vector<std::size_t>{1, 10000}));
+}
+
 TEST(ShapeFile, the_kept_sample_of_version_1_is_read) {
   const ShapeFile file = read_shape_file(SCREE_TEST_DATA "/version_1.shape.h5");
   ASSERT_EQ(file.shapes.size(), 1U);
