@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
 #include "mesher/certificate.hpp"
@@ -80,7 +81,7 @@ CommandResult describe_command(const DescribeOptions& options) {
         "{:<{}}  {:>11.4g} {:>11.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>6.3f} {:>6.3f} {:>6.3f} {:>6.3f} {:>6.3f}\n",
         names[i], widest, d.volume, d.area, d.volume_diameter, d.lengths.x, d.lengths.y, d.lengths.z, d.sphericity, d.convexity,
         d.elongation, d.flatness, d.angularity);
-    csv += names[i];
+    csv += csv_cell(names[i]);
     for (const DescriptorColumn& column : descriptor_columns()) csv += fmt::format(",{}", column.value(d));
     csv += "\n";
   }

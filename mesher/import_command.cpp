@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "mesher/certificate.hpp"
 #include "mesher/commands.hpp"
 #include "mesher/mesh_check.hpp"
@@ -112,7 +113,7 @@ CommandResult check_command(const CheckOptions& options) {
                       {"degenerate_triangles", stored.degenerate_triangles},
                       {"duplicate_triangles", stored.duplicate_triangles}};
     json["repairs"] = json_of(repairs);
-    result.output = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    result.output = json_text(json, 2) + "\n";
   } else {
     result.output = fmt::format("{} ({})\n", options.file, file.reader);
     result.output +=

@@ -5,7 +5,9 @@
 #include <limits>
 #include <map>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/chart_files.hpp"
 #include "post/choice.hpp"
@@ -24,7 +26,7 @@ constexpr double kStillSmall = 1e-2;     // rms over the diameter: beyond it bod
 std::map<std::string, std::string> settings_of(const Run& run) {
   std::map<std::string, std::string> all;
   const nlohmann::json flat = settings_json(run.scene).flatten();
-  for (const auto& [key, value] : flat.items()) all[key.substr(1)] = value.is_string() ? value.get<std::string>() : value.dump();
+  for (const auto& [key, value] : flat.items()) all[key.substr(1)] = value.is_string() ? value.get<std::string>() : json_text(value);
   double mass = 0;
   for (std::size_t i = 0; i < run.scene.bodies.size(); ++i) mass += run.scene.mass(i);
   all["bodies"] = fmt::format("{}", run.scene.bodies.size());
@@ -37,12 +39,6 @@ std::map<std::string, std::string> settings_of(const Run& run) {
     if (run.outcome.contains(key)) all[fmt::format("run/{}", key)] = run.outcome[key].is_string() ? run.outcome[key].get<std::string>() : run.outcome[key].dump();
   }
   return all;
-}
-
-std::string csv_cell(const std::string& text) {
-  std::string safe = text;
-  std::replace(safe.begin(), safe.end(), '"', '\'');
-  return safe.find(',') == std::string::npos ? safe : "\"" + safe + "\"";
 }
 
 /// Pairs of frames of the same time.
@@ -192,7 +188,7 @@ Comparison compare_runs(const std::vector<Run>& runs, const std::string& folder,
     for (const std::string& message : all.back().skipped) c.notices.push_back("left out: " + message);
   }
   csv = "quantity,unit";
-  for (const std::string& name : names) csv += fmt::format(",{0},{0} ci95", csv_cell(name));
+  for (const std::string& name : names) csv += "," + csv_cell(name) + "," + csv_cell(name + " ci95");
   csv += ",apart\n";
   c.text += "statistics, mean +- 95 % (* apart by more than the intervals)\n";
   for (std::size_t q = 0; q < all[0].quantities.size(); ++q) {
@@ -251,7 +247,7 @@ Comparison compare_runs(const std::vector<Run>& runs, const std::string& folder,
   }
   write("divergence.csv", csv);
   for (const std::string& name : write_chart(folder, "divergence", chart)) c.files.push_back(name);
-  write("comparison.json", json.dump(1) + "\n");
+  write("comparison.json", json_text(json, 1) + "\n");
   return c;
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
 #include "post/chart_files.hpp"
 #include "post/output_file.hpp"
@@ -36,28 +37,17 @@ constexpr std::array<ErrorColumn, 7> kErrors{{{"error_e", "-", "error of the res
 
 using Row = std::map<std::string, std::string>;
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  bool inside = false;
-  for (const char c : line) {
-    if (c == '"') inside = !inside;
-    else if (c == ',' && !inside) cells.emplace_back();
-    else if (c != '\r') cells.back() += c;
-  }
-  return cells;
-}
-
 std::vector<Row> read_rows(const std::string& path) {
   std::ifstream stream(path);
   if (!stream) throw InputError("{}: no such file, or it cannot be read", path);
   std::string line;
   std::getline(stream, line);
-  const std::vector<std::string> names = cells_of(line);
+  const std::vector<std::string> names = csv_cells(line);
   if (names.empty() || names[0] != "case") throw InputError("{}:1: '{}' is no header of a study; 'case,...' expected (VALIDATION 4.5)", path, line.substr(0, 40));
   std::vector<Row> rows;
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
     if (line.empty() || line[0] == '#') continue;
-    const std::vector<std::string> cells = cells_of(line);
+    const std::vector<std::string> cells = csv_cells(line);
     if (cells.size() != names.size()) throw InputError("{}:{}: {} values found, {} expected", path, number, cells.size(), names.size());
     Row row;
     for (std::size_t c = 0; c < names.size(); ++c) row[names[c]] = cells[c];
@@ -193,7 +183,7 @@ ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
         sorted.push_back(&row);
         smallest = std::min(smallest, row.error);
         largest = std::max(largest, row.error);
-        fronts += fmt::format("{},{},{:.6g},{},{:.6g},{},\"{}\"\n", name, column.name, row.error, column.unit, row.time, row.on_front ? "yes" : "no", row.choice);
+        fronts += fmt::format("{},{},{:.6g},{},{:.6g},{},{}\n", csv_cell(name), column.name, row.error, column.unit, row.time, row.on_front ? "yes" : "no", csv_cell(row.choice));
       }
       std::stable_sort(sorted.begin(), sorted.end(), [](const StudyRow* p, const StudyRow* q) { return p->time < q->time; });
       for (const StudyRow* row : sorted) {
@@ -221,7 +211,7 @@ ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
           continue;
         }
         const StudyRow& row = study[static_cast<std::size_t>(index)];
-        best += fmt::format("{},{},{:g},{},{:.6g},{:.6g},\"{}\"\n", name, column.name, target, column.unit, row.error, row.time, row.choice);
+        best += fmt::format("{},{},{:g},{},{:.6g},{:.6g},{}\n", csv_cell(name), column.name, target, column.unit, row.error, row.time, csv_cell(row.choice));
         result.text += fmt::format("{}: {} <= {:g}: {} ({:.3g} s, error {:.3g})\n", name, column.name, target, row.choice.empty() ? "the only choice" : row.choice, row.time, row.error);
         for (std::size_t i = 0; i < front.x.size(); ++i) {
           if (front.x[i] == row.time && front.y[i] == row.error && front.labels[i].empty()) front.labels[i] = fmt::format("best for {:g}", target);

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/commands.hpp"
 #include "post/compare.hpp"
@@ -56,7 +57,7 @@ Command add_contacts(CLI::App& app) {
             std::filesystem::path path(o->output);
             path.replace_extension(".summary.json");
             const nlohmann::json summary = {{"run", run.name}, {"last", json_of(last)}, {"frames", frames}};
-            h5::write_text_file(path.string(), summary.dump(1) + "\n");
+            h5::write_text_file(path.string(), json_text(summary, 1) + "\n");
             result.output = table_of(last);
             result.notices.push_back("wrote " + o->output + " and " + path.string());
             return result;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/base/utf8.hpp"
 #include "post/drawn_meshes.hpp"
 #include "post/paraview.hpp"
 
@@ -11,7 +12,7 @@ namespace scree {
 namespace {
 
 /// A text as a Python literal (JSON strings are Python strings).
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+std::string quoted(const std::string& text) { return nlohmann::json(printable(text)).dump(); }
 
 constexpr const char* kBody = R"PY(
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "core/base/provenance.hpp"
+#include "core/base/utf8.hpp"
 
 namespace scree {
 
@@ -37,6 +38,18 @@ void add(const nlohmann::json& record, int depth, const std::string& file, const
     add(input.is_object() && input.contains("history") ? input["history"] : nlohmann::json(), depth + 1, word(input, "path"),
         word(input, "sha256"), chain);
   }
+}
+
+/// $'...' of bash: what is no printable text as \x and two digits.
+std::string ansi_quoted(const std::string& text) {
+  std::string quoted = "$'";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (c < 0x20 || c >= 0x7F) quoted += fmt::format("\\x{:02x}", c);
+    else if (c == '\'' || c == '\\') quoted += std::string("\\") + text[i];
+    else quoted += text[i];
+  }
+  return quoted + "'";
 }
 
 /// A run that was continued is repeated from its start: the end is the same, and the checkpoint may be gone.
@@ -81,7 +94,8 @@ std::vector<ChainFile> check_files(const nlohmann::json& record, const std::stri
     if (entry.depth == 0 || entry.file.empty()) continue;
     if (std::any_of(files.begin(), files.end(), [&](const ChainFile& f) { return f.file == entry.file && f.sha256 == entry.sha256; })) continue;
     ChainFile file{entry.file, entry.sha256, "", ChainFile::State::missing};
-    for (const fs::path& path : {fs::path(entry.file), beside / entry.file, beside / fs::path(entry.file).filename()}) {
+    const fs::path name(bytes_from_utf8(entry.file));
+    for (const fs::path& path : {name, beside / name, beside / name.filename()}) {
       std::error_code error;
       if (!fs::is_regular_file(path, error)) continue;
       const bool same = !entry.sha256.empty() && sha256_of_file(path.string()) == entry.sha256;
@@ -105,11 +119,14 @@ std::string shell_line(const nlohmann::json& words) {
   if (!words.is_array()) return line;
   for (const nlohmann::json& w : words) {
     if (!w.is_string()) continue;
-    std::string text = w.get<std::string>();
+    std::string text = bytes_from_utf8(w.get<std::string>());
     if (line.empty()) text = std::filesystem::path(text).filename().string();  // the tool, wherever it was installed
     const bool plain = !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                                                                "_-+=./:,@%") == std::string::npos;
-    if (!plain) {
+    const bool shown_as_it_is = printable(text) == text && std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+    if (!plain && !shown_as_it_is) {
+      text = ansi_quoted(text);
+    } else if (!plain) {
       std::string quoted = "'";
       for (char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
       text = quoted + "'";

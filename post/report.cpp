@@ -172,9 +172,15 @@ std::string picture_section(const Run& run, std::size_t frame, std::vector<std::
   return html;
 }
 
-/// Text that stands in a script element: nothing in it may look like the end of it.
-std::string inside_script(std::string text) {
-  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3)) text.replace(at, 2, "<\\/");
+/// JSON that stands in a script element. "</script" would end the element, and "<!--<script" would keep its own end from being
+/// seen; in JSON a '<' stands only within strings, where \u003c is the same.
+std::string inside_script(const std::string& json) {
+  std::string text;
+  text.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') text += "\\u003c";
+    else text += c;
+  }
   return text;
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
 
 namespace scree {
@@ -14,17 +15,6 @@ namespace scree {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> words;
-  std::size_t begin = 0;
-  for (std::size_t end = line.find(','); end != std::string::npos; end = line.find(',', begin)) {
-    words.push_back(line.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  words.push_back(line.substr(begin));
-  return words;
-}
 
 nlohmann::json read_outcome(const std::string& path) {
   std::ifstream stream(path);
@@ -57,14 +47,14 @@ LogTable read_log(const std::string& path) {
   if (!stream) return table;
   std::string line;
   std::getline(stream, line);
-  table.names = split(line);
+  table.names = csv_cells(line);
   if (table.names.empty() || table.names[0] != "step") throw InputError("{}: its first line is no header; 'step,time,...' expected", path);
   table.columns.resize(table.names.size());
   std::size_t number = 1;
   while (std::getline(stream, line)) {
     ++number;
     if (line.empty() || line[0] == '#') continue;
-    const std::vector<std::string> words = split(line);
+    const std::vector<std::string> words = csv_cells(line);
     if (words.size() != table.names.size() || stream.eof()) {
       // the last line of a run in progress may be half written
       if (stream.peek() == std::ifstream::traits_type::eof()) break;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
 #include "post/output_file.hpp"
 #include "post/run_folder.hpp"
@@ -146,7 +147,7 @@ std::string write_scaling(const std::vector<std::string>& run_folders, const std
       "run,strategy,bodies,ranks,threads,steps,step_seconds,ns_per_body,wait_seconds,determinism_share,imbalance,ghosts,neighbours,bytes_per_step,"
       "body_bytes,ghost_bytes\n";
   for (const ScalingRow& r : rows) {
-    table += fmt::format("{},{},{},{},{},{},{:.6g},{:.5g},{:.4g},{:.4f},{:.4f},{:.1f},{:.2f},{:.0f},{:.0f},{:.0f}\n", r.run, r.strategy, r.bodies, r.ranks,
+    table += fmt::format("{},{},{},{},{},{},{:.6g},{:.5g},{:.4g},{:.4f},{:.4f},{:.1f},{:.2f},{:.0f},{:.0f},{:.0f}\n", csv_cell(r.run), csv_cell(r.strategy), r.bodies, r.ranks,
                          r.threads, r.steps, r.step_seconds, 1e9 * r.step_seconds / static_cast<double>(std::max<std::int64_t>(1, r.bodies)),
                          r.wait_seconds, r.determinism, r.imbalance, r.ghosts, r.neighbours, r.bytes, r.body_bytes, r.ghost_bytes);
   }

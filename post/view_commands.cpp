@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/commands.hpp"
 #include "post/report.hpp"
@@ -29,7 +30,7 @@ Command add_report(CLI::App& app) {
             const Run run = o->run.open(result.notices);
             o->report.pool = {o->run.jobs, o->run.skip_damaged};
             const ReportResult report = write_report(run, o->output, o->report);
-            if (!o->json.empty()) h5::write_text_file(o->json, report.numbers.dump(1) + "\n");
+            if (!o->json.empty()) h5::write_text_file(o->json, json_text(report.numbers, 1) + "\n");
             for (const std::string& line : report.verdicts) result.output += line + "\n";
             for (const std::string& note : report.notes) result.notices.push_back("note: " + note);
             result.notices.push_back("wrote " + o->output);

@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "core/base/utf8.hpp"
 #include "post/contact_network.hpp"
 #include "post/drawn_meshes.hpp"
 
@@ -131,7 +132,7 @@ std::string view_data(const Run& run, const Frame& frame) {
   data["lines"] = array(lines);
   data["forces"] = array(forces);
   data["contacts"] = network.size();
-  return data.dump();
+  return json_text(data);
 }
 
 }  // namespace scree

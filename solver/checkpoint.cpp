@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
 
@@ -189,7 +190,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   const std::string hash = simulation.state_hash();
 
   mpi::on_all(comm, [&] {
-    const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? provenance.dump() : std::string());
+    const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
     const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
     const Rows spring_rows = distribute(comm.get(), static_cast<std::int64_t>(springs.size()));
     const std::int64_t bytes = body_rows.total * bytes_per_row<ParticleRecord>() + spring_rows.total * bytes_per_row<SpringRow>() +

@@ -13,6 +13,7 @@
 #include "core/base/progress.hpp"
 #include "core/base/provenance.hpp"
 #include "core/base/units.hpp"
+#include "core/base/utf8.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/h5.hpp"
 #include "solver/checkpoint.hpp"
@@ -426,7 +427,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       move_scene(as_given, -loaded.origin);
       run["settings"] = settings_json(as_given);
       run["provenance"] = provenance;
-      h5::write_text_file(options.run_folder + "/run.json", run.dump(1) + "\n");
+      h5::write_text_file(options.run_folder + "/run.json", json_text(run, 1) + "\n");
     });
   };
 

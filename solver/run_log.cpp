@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/base/csv.hpp"
 #include "core/storage/h5.hpp"
 
 namespace scree {
@@ -100,7 +101,7 @@ std::string step_header() { return "step,time,step_size,reason\n# units: -,s,s,-
 
 std::string step_rows(const std::vector<StepChange>& changes) {
   std::string rows;
-  for (const StepChange& c : changes) rows += fmt::format("{},{:.17g},{:.17g},{}\n", c.step, c.time, c.step_size, c.reason);
+  for (const StepChange& c : changes) rows += fmt::format("{},{:.17g},{:.17g},{}\n", c.step, c.time, c.step_size, csv_cell(c.reason));
   return rows;
 }
 

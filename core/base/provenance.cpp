@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "core/base/version.hpp"
 
 namespace scree {
@@ -43,7 +44,8 @@ nlohmann::json provenance_record(const Provenance& p) {
   record["git"] = kGitHash;
   record["git_dirty"] = kGitDirty;
   record["compiler"] = kCompiler;
-  record["command"] = p.command;
+  record["command"] = nlohmann::json::array();
+  for (const std::string& word : p.command) record["command"].push_back(utf8_from_bytes(word));
   record["configuration"] = p.configuration;
   record["seed"] = p.seed;
   record["ranks"] = p.ranks;
@@ -52,7 +54,7 @@ nlohmann::json provenance_record(const Provenance& p) {
   record["utc"] = utc_now();
   record["inputs"] = nlohmann::json::array();
   for (const InputRecord& input : p.inputs) {
-    record["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}, {"history", input.history}});
+    record["inputs"].push_back({{"path", utf8_from_bytes(input.path)}, {"sha256", input.sha256}, {"history", input.history}});
   }
   return record;
 }

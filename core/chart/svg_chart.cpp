@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/csv.hpp"
+#include "core/base/utf8.hpp"
+
 namespace scree {
 
 namespace {
@@ -93,7 +96,7 @@ std::string svg_head(const std::string& title, double height) {
 
 std::string escaped(const std::string& text) {
   std::string result;
-  for (char c : text) {
+  for (char c : printable(text)) {
     if (c == '<') result += "&lt;";
     else if (c == '>') result += "&gt;";
     else if (c == '&') result += "&amp;";
@@ -338,11 +341,7 @@ std::string svg_of(const BarChart& chart) {
 }
 
 std::string csv_of(const LineChart& chart) {
-  const auto name = [](const std::string& label, const std::string& unit) {
-    std::string text = axis_text(label, unit);
-    std::replace(text.begin(), text.end(), ',', ' ');
-    return text;
-  };
+  const auto name = [](const std::string& label, const std::string& unit) { return csv_cell(axis_text(label, unit)); };
   std::string csv = fmt::format("line,{},{},half width\n", name(chart.x_label, chart.x_unit), name(chart.y_label, chart.y_unit));
   for (const ChartLine& line : chart.lines) {
     for (std::size_t i = 0; i < line.x.size(); ++i) {
@@ -356,7 +355,7 @@ std::string csv_of(const LineChart& chart) {
 
 std::string csv_of(const BarChart& chart) {
   std::string csv = "name,value\n";
-  for (std::size_t i = 0; i < chart.values.size(); ++i) csv += fmt::format("{},{:.9g}\n", chart.names[i], chart.values[i]);
+  for (std::size_t i = 0; i < chart.values.size(); ++i) csv += fmt::format("{},{:.9g}\n", csv_cell(chart.names[i]), chart.values[i]);
   return csv;
 }
 

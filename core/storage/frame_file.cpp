@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
 
@@ -106,7 +107,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   Header header{frame.number, frame.step, static_cast<std::int64_t>(frame.walls.id.size()), frame.time,
                 frame.kinetic, frame.potential, frame.elastic, frame.dissipated};
   MPI_Bcast(&header, static_cast<int>(sizeof header), MPI_BYTE, 0, communicator);
-  const std::string provenance = broadcast_text(communicator, rank == 0 ? frame.provenance.dump() : std::string());
+  const std::string provenance = broadcast_text(communicator, rank == 0 ? json_text(frame.provenance) : std::string());
   const Rows bodies = distribute(communicator, static_cast<std::int64_t>(frame.bodies.size()));
   const Rows contacts = distribute(communicator, static_cast<std::int64_t>(frame.contacts.size()));
   const Rows walls{rank == 0 ? header.wall_count : 0, rank == 0 ? 0 : header.wall_count, header.wall_count};
@@ -301,7 +302,7 @@ void write_frame_series(const std::string& run_folder, const std::vector<FrameEn
   for (const FrameEntry& frame : frames) {
     series["files"].push_back({{"name", std::filesystem::path(frame.path).filename().string()}, {"time", frame.time}});
   }
-  h5::write_text_file((std::filesystem::path(run_folder) / "frames.hdf.series").string(), series.dump(1) + "\n");
+  h5::write_text_file((std::filesystem::path(run_folder) / "frames.hdf.series").string(), json_text(series, 1) + "\n");
 }
 
 }  // namespace scree

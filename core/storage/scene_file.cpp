@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "core/storage/json_object.hpp"
 #include "core/storage/scene_settings.hpp"
 
@@ -109,8 +110,8 @@ void write_scene_file(const std::string& path, const Scene& scene) {
   const h5::Group& root = file.root();
   root.write_attribute("format", kSceneFormat);
   root.write_attribute("format_version", kSceneFormatVersion);
-  root.write_text("provenance", scene.provenance.dump());
-  root.write_text("settings", settings_json(scene).dump(1));
+  root.write_text("provenance", json_text(scene.provenance));
+  root.write_text("settings", json_text(settings_json(scene), 1));
   write_shapes(root.create_group("shapes"), scene.shapes);
   const h5::Group partition = root.create_group("partition");
   partition.write_attribute("ranks", scene.partition.ranks);

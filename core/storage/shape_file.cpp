@@ -3,17 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/utf8.hpp"
 #include "core/base/version.hpp"
 #include "core/geometry/features.hpp"
 
 namespace scree {
 
 namespace {
-
-// A path on the command line need not be UTF-8, JSON must be: what is not becomes U+FFFD instead of an exception.
-std::string json_text(const nlohmann::json& json) {
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
 
 // Padded to four digits for people; from the 10 001st shape on the names sort otherwise as text than as numbers.
 std::string group_of_shape(std::int64_t number) { return fmt::format("shape_{:04}", number); }

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/output_file.hpp"
 #include "post/statistics/frame_numbers.hpp"
@@ -58,7 +60,7 @@ class RowWriter {
       for (std::size_t i = 0; i < count; ++i) text += fmt::format(",{}", cell(row[begin + i]));
       return text + "\n";
     };
-    for (std::size_t g = 0; g < plan_.groups.size(); ++g) series_->add(line(plan_.groups[g].name, plan_.at(g, 0), plan_.quantities.size()));
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g) series_->add(line(csv_cell(plan_.groups[g].name), plan_.at(g, 0), plan_.quantities.size()));
     for (std::size_t w = 0; w < plan_.walls(); ++w) {
       const std::size_t count = plan_.wall_quantities.size();
       walls_->add(line(fmt::format("{}", plan_.run.scene.walls[w].id), plan_.wall_begin + w * count, count));
@@ -207,8 +209,8 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
   std::string text = "group,quantity,unit,mean,ci95,min,max,frames,blocks,meaning\n";
   const auto add = [&](const std::string& group, const Quantity& q, const Average& a) {
     if (a.count == 0) return;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},\"{}\"\n", group, q.name, q.unit, cell(a.mean), cell(a.ci95), cell(a.smallest), cell(a.largest),
-                        a.count, s.blocks, q.meaning);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", csv_cell(group), q.name, q.unit, cell(a.mean), cell(a.ci95), cell(a.smallest), cell(a.largest),
+                        a.count, s.blocks, csv_cell(q.meaning));
   };
   for (std::size_t g = 0; g < s.groups.size(); ++g) {
     for (std::size_t q = 0; q < s.quantities.size(); ++q) add(s.groups[g], s.quantities[q], s.averages[g][q]);
@@ -258,7 +260,7 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
     }
     write("energies.csv", text);
   }
-  write("statistics.json", json_of(run, s).dump(1) + "\n");
+  write("statistics.json", json_text(json_of(run, s), 1) + "\n");
   return names;
 }
 
