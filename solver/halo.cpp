@@ -30,6 +30,14 @@ double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, cons
   return squared;
 }
 
+/// Whether the boxes of two ranks touch. Both ranks ask, and one that waited for the other in vain would wait for ever: the box
+/// of the lower rank comes first on either side, so that both round alike.
+bool are_neighbours(int rank_a, const Box3& a, int rank_b, const Box3& b, const Vec3& period) {
+  if (a.is_empty() || b.is_empty()) return false;
+  const Box3 &low = rank_a < rank_b ? a : b, &high = rank_a < rank_b ? b : a;
+  return squared_gap(low.lower, low.upper, high, period) <= 0;
+}
+
 }  // namespace
 
 Halo::Halo(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options, CutBoxes first_cut)
@@ -181,7 +189,7 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
   std::vector<std::vector<std::int32_t>> rows;
   for (std::size_t n = 0; n < possible.size(); ++n) {
     const Box3& theirs = boxes[n][0];
-    if (box.is_empty() || theirs.is_empty() || squared_gap(box.lower, box.upper, theirs, period_) > 0) continue;
+    if (!are_neighbours(comm_.rank(), box, possible[n], theirs, period_)) continue;
     ranks.push_back(possible[n]);
     auto& records = outgoing.emplace_back();
     auto& own_rows = rows.emplace_back();
