@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <limits>
 
 namespace scree {
 
@@ -94,14 +95,13 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   step_size_ = derive_step_size(comm_, scene_, p_);
   if (step_size > 0) step_size_.step = step_size;  // a run keeps the step that it began with
   dt_ = std::ldexp(step_size_.step, -static_cast<int>(level_));
-  constexpr double kFewSteps = 10;
-  looks_ahead_ = comm_.size() > 1 && step_size_.contact_time >= kFewSteps * step_size_.step;
   set_walls(time());
   if (step == 0) choose_level(false);
   walls_listed_ = walls_;
   if (!is_cut && comm_.size() > 1) cut_anew(true);
-  agreement_.start(look_at_lists());
+  agreement_.start(look_at_lists(false, 0));
   renew_lists(agreement_.finish());
+  fastest_ = std::numeric_limits<double>::infinity();   // forces are not known yet
   agree_on_failures();
 }
 
@@ -164,19 +164,20 @@ void Simulation::agree_on_failures() {
 }
 
 StepNews Simulation::exchange_news(bool forced) {
-  StepNews known;
-  const bool behind = looks_ahead_ && (news_ || agreement_.is_under_way());
-  if (behind) {
+  // what was asked for this step in the one before, when ranks looked ahead
+  StepNews asked;
+  if (news_ || agreement_.is_under_way()) {
     const PhaseTimer timer(times_, Phase::agree);
-    known = news_ ? *news_ : agreement_.finish();
+    asked = news_ ? *news_ : agreement_.finish();
     news_.reset();
+    fastest_ = asked.fastest;
   }
-  if (forced) known.renew = 1;
-  StepNews mine = look_at_lists();
-  // lists that are renewed in this step need no renewal in the next
-  if (known.renew != 0) mine.renew = 0;
-  else if (looks_ahead_ && lists_overrun_) {
-    fail(RunInvalid("step {}: a body moved over more than a fifth of its list's skin in one step, from rest; the step is too large", step_));
+  asked.fastest = fastest_;
+  if (forced) asked.renew = 1;
+  const bool renewed = asked.renew != 0, ahead = may_look_ahead(renewed ? list_skin(fastest_) : skin_);
+  StepNews mine = look_at_lists(renewed, fastest_);
+  if (ahead && lists_overrun_) {
+    fail(RunInvalid("step {}: a body or wall went further in one step than all that moved before; use a step of at most {:.3g} s", step_, 0.5 * dt_));
   }
   mine.signal = g_signal;
   mine.failed = failure_ ? 1 : 0;
@@ -184,7 +185,13 @@ StepNews Simulation::exchange_news(bool forced) {
   if (!built_with::kRanks || comm_.size() == 1) return mine;
   const PhaseTimer timer(times_, Phase::agree);
   agreement_.start(mine);
-  return looks_ahead_ ? known : agreement_.finish();
+  if (ahead) return asked;
+  StepNews now = agreement_.finish();
+  fastest_ = now.fastest;
+  now.renew = std::max(now.renew, asked.renew);
+  now.signal = std::max(now.signal, asked.signal);
+  now.failed = std::max(now.failed, asked.failed);
+  return now;
 }
 
 bool Simulation::review() {

@@ -149,7 +149,9 @@ class Simulation {
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
   void advance_part();
   StepNews exchange_news(bool forced);
-  StepNews look_at_lists();
+  StepNews look_at_lists(bool renewed, double speed_of_lists);
+  double list_skin(double fastest) const;                          // [m]
+  bool may_look_ahead(double skin) const;
   void renew_lists(const StepNews& news);
   void cut_anew(bool is_first);
   void compute_forces(double friction_dt, bool refresh);
@@ -159,8 +161,8 @@ class Simulation {
   void set_walls(double time);
   void add_wall_totals(double dt, std::vector<ExactSum>& sums) const;
   void add_wall_totals(std::span<const std::int32_t> pairs, double dt, std::vector<ExactSum>& sums) const;   // of some wall pairs
-  double walls_moved(const std::vector<WallState>& walls) const;   // since the lists were made, with respect to any owned body [m]
-  double fastest_wall() const;                                     // fastest point of a wall near an owned body [m/s]
+  double walls_moved(const std::vector<WallState>& from, const std::vector<WallState>& to) const;   // with respect to any owned body [m]
+  double fastest_wall(const std::vector<WallState>& walls) const;  // fastest point of a wall near an owned body [m/s]
   /// Whether something that must happen at the same step in every run is due, such as the removal of bodies: asks for new lists.
   bool review();
   void choose_level(bool with_contacts);
@@ -192,7 +194,7 @@ class Simulation {
   std::vector<ExactSum> wall_sums_;           // of this rank, see RunTotals
   std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, failure_step_ = 0;
   double skin_ = 0, smallest_radius_ = 0, max_depth_ratio_ = 0, computed_before_ = 0;
-  bool looks_ahead_ = false;                  // news come one step late, see Agreement
+  double fastest_ = 0;                        // of all ranks, as far as known; infinite until a step was made
   bool lists_overrun_ = false, renewal_asked_ = false;
   std::vector<RemovedBody> removed_;          // by this rank, not taken yet
   bool removal_due_ = false;

@@ -115,7 +115,7 @@ void Simulation::choose_level(bool with_contacts) {
     if (!p_.isotropic[i]) ask(spin, turning / kTurnPerStep, p_.id[i]);
   }
   if (can_touch) {
-    const double walls = fastest_wall() / way;
+    const double walls = fastest_wall(walls_) / way;
     if (walls > rate[speed]) ask(speed, walls, -1);
   }
   for (const std::size_t reason : {std::size_t{speed}, std::size_t{spin}}) {

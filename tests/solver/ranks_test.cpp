@@ -41,5 +41,64 @@ TEST(Neighbours, take_each_other_for_such_when_their_boxes_just_touch_through_a_
   }
 }
 
+// A large ball goes past small ones by half of their radius a step, a fortieth of its own.
+TEST(Lists, hold_for_a_large_body_that_is_fast_for_the_smallest_one) {
+  Scene scene = scene_of_balls({0.1, 0.005}, 0);
+  scene.pairs[0].stiffness = 5;
+  const double step = [&] {
+    add_body(scene, 1, {0.5, 0.5, 0});
+    add_body(scene, 1, {0.5, -0.5, 0});
+    add_body(scene, 0, {0, 0, 0});
+    double found = 0;
+    on_ranks(1, [&](const mpi::Communicator& comm) {
+      TestRun run(scene, comm);
+      run.start();
+      found = run.simulation->step_size().step;
+    });
+    return g_comm->max(found);
+  }();
+  scene.bodies.velocity[2] = {0.0025 / step, 0, 0};
+  expect_same_outcome_on_all_ranks(scene, 400);
+}
+
+// A drum moves by a fiftieth of the ball's radius in each part of a step, from the first step on.
+TEST(Lists, hold_for_a_ball_in_a_fast_drum_with_a_quantised_step) {
+  Scene scene = empty_scene(0, 0.5, 0.4, 0.001, 2500);
+  scene.settings.gravity = {0, 0, -9.81};
+  scene.settings.gather = "area";
+  scene.settings.step_control = "quantised";
+  scene.pairs[0].layer_modulus = 1e5;
+  scene.shapes = {make_sphere("ball", 0.01)};
+  add_body(scene, 0, {0, 0, -0.085});
+  Wall drum;
+  drum.id = 1;
+  drum.name = "drum";
+  drum.kind = WallKind::cylinder_inside;
+  drum.axis_start = {0, -0.05, 0};
+  drum.axis_end = {0, 0.05, 0};
+  drum.radius = 0.1;
+  drum.motion.kind = WallMotion::Kind::rotate;
+  drum.motion.axis = {0, 1, 0};
+  drum.motion.rate = 31.4;
+  scene.walls.push_back(drum);
+  expect_same_outcome_on_all_ranks(scene, 100);
+}
+
+// Nothing moves until then, so that lists are as tight as they get; then the piston goes four times what they hold in each step.
+TEST(Lists, hold_for_a_wall_that_starts_late_and_fast) {
+  Scene scene = scene_of_balls({0.01}, 0);
+  for (int i = 0; i < 4; ++i) add_body(scene, 0, {0.05 * i + 0.012, 0, 0});
+  Wall piston;
+  piston.id = 4;
+  piston.name = "piston";
+  piston.normal = {1, 0, 0};
+  piston.motion.kind = WallMotion::Kind::table;
+  piston.motion.table_time = {0, 0.0102, 0.0202};
+  piston.motion.table_position = {{}, {}, {0.01, 0, 0}};
+  scene.walls.push_back(piston);
+  scene.settings.step = 4e-4;
+  expect_same_outcome_on_all_ranks(scene, 100);
+}
+
 }  // namespace
 }  // namespace scree
