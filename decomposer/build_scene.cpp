@@ -27,7 +27,7 @@ class Builder {
       : case_(c), progress_(progress), solver_(solver) {}
 
   PackedScene build() {
-    out_.inputs.push_back({case_.path, sha256_of_bytes(case_.text.data(), case_.text.size()), nullptr});
+    out_.inputs.push_back({case_.path, case_.sha256, nullptr});
     scene().settings = case_.settings;
     scene().materials = case_.materials;
     for (const CasePair& p : case_.pairs) scene().pairs.push_back(p.pair);

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "core/base/provenance.hpp"
 #include "decomposer/case_sections.hpp"
 #include "decomposer/case_settings.hpp"
 
@@ -288,6 +289,7 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
                                        "distance", "bodies", "populations", "walls", "output"}, reads);
   Case c;
   c.path = path;
+  c.sha256 = sha256_of_bytes(text.data(), text.size());
   c.text = changes.empty() ? text : text_with_settings(file, path, changes);
   read_settings(top, c);
   read_shapes(top, folder, c);

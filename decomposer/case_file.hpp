@@ -88,6 +88,7 @@ struct CasePair {
 struct Case {
   std::string path;
   std::string text;   ///< word for word, or written anew when keys were changed
+  std::string sha256; ///< of the file as it lies on the disk, whatever was changed on the command line
   Settings settings;
   bool margin_given = false;
   bool relax = false;                                   ///< part given bodies that overlap

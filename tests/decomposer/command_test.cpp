@@ -104,6 +104,14 @@ TEST_F(Command, pack_writes_a_scene_that_tells_its_whole_chain) {
   EXPECT_EQ(s.provenance["inputs"][1]["history"]["tool"], "scree-mesher");
 }
 
+// The file is what lies on the disk: a report compares its hash. What --set made of it is the configuration.
+TEST_F(Command, a_changed_key_leaves_the_hash_of_the_case_file_in_the_record) {
+  expect("pack case.toml -o a.scene.h5 --set pairs.*.friction=0.4", 0, {"40 bodies"});
+  const Scene s = read_scene_file((folder_ / "a.scene.h5").string());
+  EXPECT_EQ(s.provenance["inputs"][0]["sha256"], sha256_of_file((folder_ / "case.toml").string()));
+  EXPECT_NE(s.provenance["configuration"].get<std::string>().find("friction = 0.4"), std::string::npos);
+}
+
 TEST_F(Command, partition_cuts_a_scene_again_and_changes_nothing_else) {
   expect("pack case.toml -o a.scene.h5 --ranks 2", 0, {});
   expect("partition a.scene.h5 --ranks 3 -o b.scene.h5", 0, {"ranks              3", "solid fraction"});
