@@ -50,6 +50,7 @@ class Builder {
     for (std::size_t k = 0; k < placed.populations.size(); ++k) {
       report().solid_fraction[k] = placements.volume_placed(parts_, k) / parts_.regions[k].volume;
     }
+    check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
     fill_report();
     return std::move(out_);
@@ -222,13 +223,17 @@ class Builder {
         Draw draw{id, k, p.shares[next].first, 1, 0};
         if (sampler) draw.scale = sampler->diameter(spread_number(k, next, drawn[next])) / shape.equivalent_diameter();
         draw.volume = shape.mass.volume * draw.scale * draw.scale * draw.scale;
-        if (p.amount != CasePopulation::Amount::count && volume + 0.5 * draw.volume > wanted_volume) break;
+        if (p.amount != CasePopulation::Amount::count && volume + 0.5 * draw.volume > wanted_volume) {
+          if (n == 0) refuse_less_than_a_body(p, parts_.regions[k], wanted_volume, density, shape, draw);
+          break;
+        }
         given[next] += p.shares_by_mass ? draw.volume : 1;
         ++drawn[next];
         volume += draw.volume;
         parts_.draws.push_back(draw);
         ++id;
       }
+      check_shares(p, drawn);
       report().solid_fraction.push_back(volume / parts_.regions[k].volume);
     }
   }
@@ -250,6 +255,34 @@ class Builder {
       least = std::min(least, shape.mass.volume * scale * scale * scale);
     }
     return least;
+  }
+
+  [[noreturn]] static void refuse_less_than_a_body(const CasePopulation& p, const Region& region, double wanted, double density, const Shape& shape,
+                                                   const Draw& first) {
+    const std::string body = fmt::format("one '{}' of diameter {}", shape.name, format_quantity(first.scale * shape.equivalent_diameter(), Dimension::length));
+    if (p.amount == CasePopulation::Amount::mass) {
+      throw InputError("{}: mass = {} is less than half of {}, {}: no body would be placed; ask for more, or for smaller bodies", p.where,
+                       format_quantity(p.value, Dimension::mass), body, format_quantity(density * first.volume, Dimension::mass));
+    }
+    throw InputError("{}: solid_fraction = {:g} of the region ({:.4g} m^3) is {:.3g} m^3, less than half of {}, {:.3g} m^3: no body would be "
+                     "placed; ask for more, or for smaller bodies", p.where, p.value, region.volume, wanted, body, first.volume);
+  }
+
+  /// A shape with a share that is too small for a single body would be missing without a word.
+  void check_shares(const CasePopulation& p, const std::vector<std::uint64_t>& drawn) const {
+    for (std::size_t s = 0; s < p.shares.size(); ++s) {
+      if (drawn[s] > 0) continue;
+      const std::uint64_t all = std::accumulate(drawn.begin(), drawn.end(), std::uint64_t{0});
+      throw InputError("{}: the share {:g} of '{}' gives not one of {} bodies; ask for more bodies, give it a larger share, or leave it out", p.where,
+                       p.shares[s].second, case_.shapes[static_cast<std::size_t>(p.shares[s].first)].name, all);
+    }
+  }
+
+  void check_none_is_empty(const Placements& placements) const {
+    for (std::size_t k = 0; k < case_.populations.size(); ++k) {
+      if (placements.count_placed(parts_, k) > 0) continue;
+      throw InputError("{}: none of its bodies lies in its region after settling; close the container, or enlarge the region", case_.populations[k].where);
+    }
   }
 
   /// Refuses what no packing can hold, before anything is drawn.

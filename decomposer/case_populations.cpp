@@ -139,7 +139,7 @@ CaseOrientation read_population_orientation(const CaseTable& t) {
 
 void read_amount(const CaseTable& t, CasePopulation& p) {
   const std::string amount = t.only_one_of({"count", "mass", "solid_fraction", "fill"});
-  if (amount == "count") p.value = static_cast<double>(t.integer("count", 0));
+  if (amount == "count") p.value = static_cast<double>(t.integer("count", 1));
   if (amount == "mass") {
     p.amount = CasePopulation::Amount::mass;
     p.value = t.number("mass", Dimension::mass, Range::positive);

@@ -53,6 +53,13 @@ shape = { box_inside = [[0, 0, 0], [0.04, 0.04, 0.06]] }
 material = "glass"
 )";
 
+TEST(MotionPacking, a_population_of_which_nothing_settles_in_its_region_is_refused) {
+  std::string text = kHead + kPoured;
+  text.replace(text.find("[[0, 0, 0], [0.04, 0.04, 0.05]]"), 31, "[[0, 0, 0.03], [0.04, 0.04, 0.06]]");
+  text.replace(text.find("count = 40"), 10, "count = 4");
+  EXPECT_NE(failure(text).find("none of its bodies lies in its region after settling"), std::string::npos);
+}
+
 TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
   // 40 balls in four layers: far more than random addition gets into this box
   const PackedScene packed = pack(kHead + kPoured);
