@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "solver/area_pressure.hpp"
 #include "solver/laws/restitution.hpp"
@@ -91,88 +90,6 @@ std::size_t SolverShape::memory() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(spoke_start) + bytes(spoke_end);
 }
-
-namespace {
-
-void add_zones(const Wall& wall, std::int32_t index, std::vector<WallZone>& zones) {
-  const auto add = [&](WallZone::Kind kind, const Vec3& point, const Vec3& direction, double radius) {
-    std::int32_t number = 0;
-    for (const WallZone& z : zones) number += z.wall == index ? 1 : 0;
-    zones.push_back({index, number, kind, point, direction, radius});
-  };
-  switch (wall.kind) {
-    case WallKind::plane:
-      add(WallZone::Kind::plane, wall.point, wall.normal, 0);
-      break;
-    case WallKind::box_inside:
-      for (int axis = 0; axis < 3; ++axis) {
-        Vec3 inward;
-        inward[axis] = 1;
-        add(WallZone::Kind::plane, wall.lower, inward, 0);
-        add(WallZone::Kind::plane, wall.upper, -inward, 0);
-      }
-      break;
-    case WallKind::cylinder_inside: {
-      const Vec3 axis = normalised(wall.axis_end - wall.axis_start);
-      add(WallZone::Kind::cylinder, wall.axis_start, axis, wall.radius);
-      add(WallZone::Kind::plane, wall.axis_start, axis, 0);
-      add(WallZone::Kind::plane, wall.axis_end, -axis, 0);
-      break;
-    }
-    case WallKind::sphere_inside:
-      add(WallZone::Kind::sphere, wall.point, {}, wall.radius);
-      break;
-    case WallKind::mesh:
-      add(WallZone::Kind::mesh, {}, {}, 0);
-      break;
-  }
-}
-
-/// Refuses a body of which two images could be in reach of another body at once.
-void check_period(const Periodicity& periodicity, double radius, double margin, std::int64_t id) {
-  // a quarter of a period must hold the body's reach and the smallest skin of the body lists, which is 1 % of a radius a side
-  constexpr double kRoomForSkin = 1.01;
-  const double needed = 4 * (kRoomForSkin * radius + margin);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!periodicity.is_periodic(axis) || periodicity.period()[axis] >= needed) continue;
-    throw UsageError("domain: the periodic axis {} is {:g} m long, but body {} with a bounding radius of {:g} m needs {:g} m, two of its "
-                     "diameters and margins; widen the domain", "xyz"[axis], periodicity.period()[axis], id, radius, needed);
-  }
-}
-
-/// Walls are not repeated along a periodic axis, so each zone must look the same all along it. The faces of boxes and the lids
-/// of cylinders that lie across the axis are left out: the seam takes their place. Meshes stay as they are; they must reach
-/// beyond the seam by the reach of a body.
-void fit_zones_to_period(const Periodicity& periodicity, const Wall& wall, std::int32_t index, std::vector<WallZone>& zones,
-                         std::vector<std::string>& dropped) {
-  if (!periodicity.any() || wall.kind == WallKind::mesh) return;
-  constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
-  const auto refuse = [&](int axis) {
-    throw UsageError("wall {} ('{}') changes along the periodic axis {}; use walls that are the same all along it, or a mesh", wall.id,
-                     wall.name, "xyz"[axis]);
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!periodicity.is_periodic(axis)) continue;
-    Vec3 along;
-    along[axis] = 1;
-    if (wall.motion.kind == WallMotion::Kind::rotate && length(cross(wall.motion.axis, along)) > kAligned) refuse(axis);
-    std::erase_if(zones, [&](const WallZone& zone) {
-      if (zone.wall != index) return false;
-      if (zone.kind == WallZone::Kind::sphere) refuse(axis);
-      const double across = std::abs(dot(zone.direction, along));
-      if (zone.kind == WallZone::Kind::cylinder) {
-        if (1 - across > kAligned) refuse(axis);
-        return false;
-      }
-      if (across <= kAligned) return false;
-      if (wall.kind == WallKind::plane || 1 - across > kAligned) refuse(axis);
-      dropped.push_back(fmt::format("wall {} ('{}'): a plane across {}", wall.id, wall.name, "xyz"[axis]));
-      return true;
-    });
-  }
-}
-
-}  // namespace
 
 namespace {
 
@@ -269,11 +186,8 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     }
   }
   law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
-  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-    add_zones(scene.walls[w], static_cast<std::int32_t>(w), zones_);
-    fit_zones_to_period(periodicity_, scene.walls[w], static_cast<std::int32_t>(w), zones_, dropped_zones_);
-    has_driven_walls_ = has_driven_walls_ || scene.walls[w].motion.kind != WallMotion::Kind::none;
-  }
+  zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
+  for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.kind != WallMotion::Kind::none;
 }
 
 PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
@@ -333,56 +247,6 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
   }
   law.step_stiffness = 2 * modulus * std::sqrt(radius * depth);
   return law;
-}
-
-WallState wall_state(const Wall& wall, double time) {
-  WallState state{wall.position, wall.orientation, {}, {}};
-  const WallMotion& m = wall.motion;
-  if (m.kind == WallMotion::Kind::none) return state;
-  const double elapsed = std::clamp(time, m.start, std::max(m.start, m.stop)) - m.start;
-  const bool moving = time >= m.start && time < m.stop;
-  switch (m.kind) {
-    case WallMotion::Kind::none:
-      break;
-    case WallMotion::Kind::rotate: {
-      const Quat turn = quaternion_of(m.axis, m.rate * elapsed);
-      state.position = m.centre + rotate(turn, wall.position - m.centre);
-      state.orientation = turn * wall.orientation;
-      if (moving) {
-        state.angular_velocity = m.rate * m.axis;
-        state.velocity = cross(state.angular_velocity, state.position - m.centre);
-      }
-      break;
-    }
-    case WallMotion::Kind::translate:
-      state.position = wall.position + (m.rate * elapsed) * m.axis;
-      if (moving) state.velocity = m.rate * m.axis;
-      break;
-    case WallMotion::Kind::oscillate: {
-      const double omega = 2 * std::numbers::pi * m.frequency;
-      state.position = wall.position + m.amplitude * (std::sin(omega * elapsed + m.phase) - std::sin(m.phase)) * m.axis;
-      if (moving) state.velocity = m.amplitude * omega * std::cos(omega * elapsed + m.phase) * m.axis;
-      break;
-    }
-    case WallMotion::Kind::table: {
-      if (m.table_time.empty()) break;
-      const double t = elapsed;
-      const auto next = std::upper_bound(m.table_time.begin(), m.table_time.end(), t);
-      const auto i = static_cast<std::size_t>(next - m.table_time.begin());
-      if (i == 0) {
-        state.position += m.table_position.front();
-      } else if (i == m.table_time.size()) {
-        state.position += m.table_position.back();
-      } else {
-        const double width = m.table_time[i] - m.table_time[i - 1];
-        const Vec3 velocity = (1 / width) * (m.table_position[i] - m.table_position[i - 1]);
-        state.position += m.table_position[i - 1] + (t - m.table_time[i - 1]) * velocity;
-        if (moving) state.velocity = velocity;
-      }
-      break;
-    }
-  }
-  return state;
 }
 
 }  // namespace scree

@@ -10,6 +10,8 @@
 #include "core/geometry/features.hpp"
 #include "core/geometry/periodic.hpp"
 #include "core/storage/scene_file.hpp"
+#include "core/storage/wall_motion.hpp"
+#include "core/storage/wall_zones.hpp"
 #include "solver/laws/laws.hpp"
 
 namespace scree {
@@ -61,17 +63,6 @@ struct SolverShape {
 /// What the solver keeps of a shape as read.
 SolverShape make_solver_shape(const Shape& source);
 
-/// One smooth piece of a wall; each carries its own potential with a body, so that a body in a corner rests on
-/// two walls and not on one shared spring.
-struct WallZone {
-  enum class Kind : std::int32_t { plane, cylinder, sphere, mesh };
-  std::int32_t wall = 0;            ///< index into Scene::walls
-  std::int32_t zone = 0;            ///< number within its wall, part of the contact key
-  Kind kind = Kind::plane;
-  Vec3 point, direction;            ///< wall frame: plane point and unit normal; cylinder point and unit axis; sphere centre
-  double radius = 0;                ///< cylinder, sphere [m]
-};
-
 class SolverScene {
  public:
   /// Throws UsageError for what this solver does not do yet, InputError for contradictions.
@@ -113,13 +104,5 @@ class SolverScene {
   std::int64_t springs_per_pair_ = 0;
   bool has_damping_ = false, has_driven_walls_ = false;
 };
-
-/// Pose and motion of a wall at a time, from its prescribed motion.
-struct WallState {
-  Vec3 position;                    ///< of the wall frame's origin [m]
-  Quat orientation;
-  Vec3 velocity, angular_velocity;  ///< [m/s] of the origin, [rad/s]
-};
-WallState wall_state(const Wall& wall, double time);
 
 }  // namespace scree

@@ -4,7 +4,7 @@
 // Both follow from the present positions alone: nothing about images is kept with pairs, lists or ghosts, so that lists,
 // ranks and restarts cannot change a result. The price: of two bodies only one image may be in reach, so a periodic
 // domain must be four times as wide as the largest body's reach (two diameters), which is checked at the start.
-// Walls are not repeated: see fit_zones_to_period in solver_scene.cpp.
+// Walls are not repeated: see core/storage/wall_zones.hpp.
 #pragma once
 
 #include <array>

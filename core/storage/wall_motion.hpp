@@ -1,0 +1,21 @@
+// Where a wall is and how it moves, from the motion that the case prescribes. Who packs a scene and who runs it must agree on it.
+#pragma once
+
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+/// Pose and motion of a wall at a time, from its prescribed motion.
+struct WallState {
+  Vec3 position;                    ///< of the wall frame's origin [m]
+  Quat orientation;
+  Vec3 velocity, angular_velocity;  ///< [m/s] of the origin, [rad/s]
+};
+WallState wall_state(const Wall& wall, double time);
+
+/// The wall as it stands when a run begins, without its motion. A `start` before 0 and the first rows of a table move it away from
+/// where the case draws it; a wall that is not moved is given back bit for bit.
+/// Fails: UsageError for a box_inside that is turned by then, since its faces lie along the axes.
+Wall wall_at_start(const Wall& wall);
+
+}  // namespace scree
