@@ -9,6 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/storage/wall_motion.hpp"
 #include "decomposer/compact.hpp"
 #include "decomposer/feasibility.hpp"
 #include "decomposer/margin_rule.hpp"
@@ -158,9 +159,11 @@ class Builder {
         wall.shape = static_cast<std::int32_t>(scene().shapes.size());
         Shape surface = load_wall_surface(case_.walls[i], i);
         parts_.wall_shapes[i] = make_pack_shape(surface);
-        parts_.wall_bodies[i] = {&parts_.wall_shapes[i], wall.scale, wall.position, wall.orientation};
         scene().shapes.push_back(std::move(surface));
       }
+      parts_.walls.push_back(wall_at_start(wall));
+      const Wall& placed = parts_.walls.back();
+      if (wall.kind == WallKind::mesh) parts_.wall_bodies[i] = {&parts_.wall_shapes[i], placed.scale, placed.position, placed.orientation};
       scene().walls.push_back(std::move(wall));
     }
   }
@@ -170,7 +173,7 @@ class Builder {
       if (p.region.shape) {
         parts_.regions.push_back(region_of(*p.region.shape));
       } else if (p.region.wall >= 0) {
-        parts_.regions.push_back(inside_of(case_.walls[static_cast<std::size_t>(p.region.wall)]));
+        parts_.regions.push_back(inside_of(case_.walls[static_cast<std::size_t>(p.region.wall)], parts_.walls[static_cast<std::size_t>(p.region.wall)]));
       } else {
         const ShapeFile& file = open_shapes(p.region.file, p.where);
         const Shape& source = file.shapes.front();
@@ -186,10 +189,10 @@ class Builder {
     }
   }
 
-  static Region inside_of(const CaseWall& wall) {
-    if (!wall.form) return region_of(wall.wall);
+  static Region inside_of(const CaseWall& wall, const Wall& placed) {
+    if (!wall.form) return region_of(placed);
     TriangleMesh mesh = wall.form->inside;
-    for (Vec3& p : mesh.vertices) p = wall.wall.position + wall.wall.scale * rotate(wall.wall.orientation, p);
+    for (Vec3& p : mesh.vertices) p = placed.position + placed.scale * rotate(placed.orientation, p);
     return region_of(std::move(mesh));
   }
 

@@ -54,7 +54,7 @@ void check_feasible(const Case& c, const SceneParts& parts, const Scene& scene) 
       }
     }
     for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-      if (is_behind(scene.walls[w], region.box)) {
+      if (is_behind(parts.walls[w], region.box)) {
         throw InputError("{}: the region lies outside {} (wall '{}'); move one of them", p.where, c.walls[w].where, scene.walls[w].name);
       }
     }

@@ -14,8 +14,8 @@ namespace {
 std::string metres(double value) { return format_quantity(value, Dimension::length); }
 
 /// Points that span a wall: where things can fall to, and what its rotation moves.
-std::vector<Vec3> wall_points(const SceneParts& parts, const Scene& scene, std::size_t i) {
-  const Wall& w = scene.walls[i];
+std::vector<Vec3> wall_points(const SceneParts& parts, std::size_t i) {
+  const Wall& w = parts.walls[i];
   switch (w.kind) {
     case WallKind::plane: return {w.point};
     case WallKind::box_inside:
@@ -71,7 +71,7 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     if (m.kind == WallMotion::Kind::oscillate) fastest = 2 * std::numbers::pi * std::abs(m.frequency * m.amplitude);
     if (m.kind == WallMotion::Kind::rotate) {
       double lever = 0;
-      for (const Vec3& p : wall_points(parts, scene, i)) lever = std::max(lever, length(cross(m.axis, p - m.centre)));
+      for (const Vec3& p : wall_points(parts, i)) lever = std::max(lever, length(cross(m.axis, p - m.centre)));
       fastest = std::abs(m.rate) * lever;
     }
     for (std::size_t r = 1; r < m.table_time.size(); ++r) {
@@ -97,7 +97,7 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     }
     bool has_walls = !scene.walls.empty();
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-      for (const Vec3& p : wall_points(parts, scene, i)) add(p, false);
+      for (const Vec3& p : wall_points(parts, i)) add(p, false);
     }
     // what is poured falls before the run begins
     const bool poured = std::any_of(c.populations.begin(), c.populations.end(), [](const CasePopulation& p) { return p.method == PackingMethod::settle; });

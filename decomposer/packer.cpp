@@ -73,8 +73,8 @@ bool Packer::domain_holds(const Vec3& p) const {
 }
 
 bool Packer::walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing) {
-  for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
-    if (wall_allows(scene_.walls[i], &parts_.wall_bodies[i], parts_.wall_is_solid[i], body, vertices, distance, *scratch_)) continue;
+  for (std::size_t i = 0; i < parts_.walls.size(); ++i) {
+    if (wall_allows(parts_.walls[i], &parts_.wall_bodies[i], parts_.wall_is_solid[i], body, vertices, distance, *scratch_)) continue;
     if (refusing != nullptr) *refusing = i;
     return false;
   }

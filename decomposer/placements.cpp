@@ -1,5 +1,7 @@
 #include "decomposer/placements.hpp"
 
+#include "core/storage/wall_motion.hpp"
+
 namespace scree {
 
 Placements::Placements(const SceneParts& parts) : is_placed(parts.draws.size(), 0) {
@@ -52,7 +54,7 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
                   const std::vector<std::uint8_t>& moves, const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular_velocity,
                   std::vector<std::int64_t>& draw_of_body) {
   Scene scene = so_far;
-  for (Wall& wall : scene.walls) wall.motion = {};
+  for (Wall& wall : scene.walls) wall = wall_at_start(wall);
   BodyTable& b = scene.bodies;
   for (std::size_t i = 0; i < b.size(); ++i) {
     b.fixed[i] = 1;

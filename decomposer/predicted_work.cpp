@@ -6,6 +6,7 @@
 
 #include "core/geometry/features.hpp"
 #include "core/search/multilevel_grid.hpp"
+#include "core/storage/wall_motion.hpp"
 #include "decomposer/placed_body.hpp"
 
 namespace scree {
@@ -101,11 +102,13 @@ PredictedWork predicted_work(const Scene& scene) {
     });
   }
   std::vector<Vec3> vertices;
-  for (std::size_t i = 0; i < bodies.size() && !scene.walls.empty(); ++i) {
+  std::vector<Wall> walls;
+  for (const Wall& wall : scene.walls) walls.push_back(wall_at_start(wall));
+  for (std::size_t i = 0; i < bodies.size() && !walls.empty(); ++i) {
     if (bodies.fixed[i] != 0) continue;
     placed[i].world_vertices(vertices);
     const double contact = 2 * margin + kTouch * placed[i].radius();
-    for (const Wall& wall : scene.walls) {
+    for (const Wall& wall : walls) {
       PlacedBody mesh;
       if (wall.kind == WallKind::mesh) mesh = {&shapes[static_cast<std::size_t>(wall.shape)], wall.scale, wall.position, wall.orientation};
       const auto is_within = [&](double gap) { return !wall_allows(wall, &mesh, false, placed[i], vertices, gap, *scratch); };

@@ -87,7 +87,7 @@ class Relaxer {
   bool are_apart(const PlacedBody& a, const PlacedBody& b) { return gap_between(a, b, gap_ * kJustAbove, *scratch_) >= gap_; }
 
   bool wall_holds(std::size_t w, const PlacedBody& body) {
-    return wall_allows(scene_.walls[w], &parts_.wall_bodies[w], parts_.wall_is_solid[w], body, body.world_vertices(), gap_, *scratch_);
+    return wall_allows(parts_.walls[w], &parts_.wall_bodies[w], parts_.wall_is_solid[w], body, body.world_vertices(), gap_, *scratch_);
   }
 
   /// The shortest way out among directions; the first among equals.
@@ -139,7 +139,7 @@ class Relaxer {
   }
 
   void push_from_wall(std::size_t i, std::size_t w) {
-    const Wall& wall = scene_.walls[w];
+    const Wall& wall = parts_.walls[w];
     const Vec3& x = bodies_[i].position;
     std::vector<Vec3> directions;
     const auto towards = [&](const Vec3& d) {

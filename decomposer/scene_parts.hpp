@@ -20,6 +20,7 @@ struct Draw {
 struct SceneParts {
   std::vector<PackShape> shapes;             ///< one per shape of the case; empty where it is not used
   std::vector<std::int32_t> scene_shape;     ///< index into Scene::shapes, -1 when unused
+  std::vector<Wall> walls;                   ///< as they stand when the run begins (wall_at_start)
   std::vector<PackShape> wall_shapes;        ///< one per wall; filled for mesh walls
   std::vector<PlacedBody> wall_bodies;       ///< of mesh walls
   std::vector<bool> wall_is_solid;

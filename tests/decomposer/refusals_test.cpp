@@ -62,5 +62,47 @@ TEST(Refusals, a_share_that_gives_not_one_body_is_refused_with_the_number_of_bod
   EXPECT_EQ(pack(kHead + kMargin + population("count = 50", mixture)).scene.bodies.size(), 50u);
 }
 
+double least_height(const PackedScene& packed) {
+  double least = 1e300;
+  for (std::size_t i = 0; i < packed.scene.bodies.size(); ++i) least = std::min(least, packed.scene.bodies.position[i].z);
+  return least;
+}
+
+TEST(Refusals, bodies_keep_clear_of_walls_where_their_motion_has_them_at_the_start) {
+  const std::string plane = "[[walls]]\nmaterial = \"stone\"\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\n";
+  const std::string plate = "[[walls]]\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\n";
+  const std::string layer = "[[populations]]\nshape = \"ball\"\nsize = \"50 mm\"\nmaterial = \"stone\"\ncount = 200\nregion = { box = [[0, 0, -0.1], [1, 1, 0.5]] }\n";
+  struct Motion {
+    const char* text;
+    double z;   ///< of the wall at 0 s
+  };
+  for (const Motion& m : {Motion{"motion = { table = { time = [0, 1], position = [[0, 0, 0.2], [0, 0, 0.3]] } }\n", 0.2},
+                          Motion{"motion = { table = { time = [0, 1], position = [[0, 0, 0], [0, 0, 1]] }, start = -0.1 }\n", 0.1},
+                          Motion{"motion = { translate = { velocity = [0, 0, 0.5] }, start = -0.3, stop = -0.1 }\n", 0.1},
+                          Motion{"motion = { oscillate = { direction = [0, 0, 1], amplitude = 0.1, frequency = 1 }, start = -0.25 }\n", 0.1},
+                          // from the top of its way: the displacement counts from where the wall stands
+                          Motion{"motion = { oscillate = { direction = [0, 0, 1], amplitude = 0.1, frequency = 1, phase = \"90 deg\" } }\n", 0.0}}) {
+    const PackedScene over_plane = pack(kHead + kMargin + layer + plane + m.text);
+    EXPECT_GE(least_height(over_plane), m.z + 0.025 + 0.004 - 1e-12) << m.text;
+    EXPECT_LT(least_height(over_plane), m.z + 0.05) << m.text;
+    EXPECT_EQ(over_plane.scene.walls[0].point, (Vec3{})) << "the scene keeps the wall and its motion as given";
+    // a plate has two sides: none may be within the reach of either
+    const PackedScene at_plate = pack(kHead + kMargin + layer + plate + m.text);
+    for (const Vec3& x : at_plate.scene.bodies.position) EXPECT_GE(std::abs(x.z - m.z), 0.025 + 0.004 - 1e-12) << m.text;
+  }
+  // a given body at the drawn place of a wall that stands elsewhere is in nobody's way, and one at its true place is
+  const std::string body = "[[bodies]]\nshape = \"ball\"\nscale = 0.05\nmaterial = \"stone\"\nposition = [0, 0, ";
+  const std::string raised = plate + "motion = { table = { time = [0, 1], position = [[0, 0, 0.2], [0, 0, 0.3]] } }\n";
+  EXPECT_EQ(pack(kHead + kMargin + body + "0]\n" + raised).scene.bodies.size(), 1u);
+  expect_says(failure(kHead + kMargin + body + "0.2]\n" + raised, ExitCode::bad_data), {"bodies[0]", "overlaps"});
+}
+
+TEST(Refusals, a_box_that_is_turned_at_the_start_is_refused_by_name) {
+  const std::string box = "[[walls]]\nname = \"tumbler\"\nmaterial = \"stone\"\nshape = { box_inside = [[0, 0, 0], [1, 1, 1]] }\n"
+                          "motion = { rotate = { axis = [0, 0, 1], centre = [0.5, 0.5, 0.5], rate = 1 }, start = ";
+  expect_says(failure(kHead + kMargin + population("count = 5") + box + "-1 }\n", ExitCode::usage), {"'tumbler'", "-1 s", "turned"});
+  EXPECT_EQ(pack(kHead + kMargin + population("count = 5") + box + "0 }\n").scene.bodies.size(), 5u);
+}
+
 }  // namespace
 }  // namespace scree
