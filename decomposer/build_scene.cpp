@@ -17,6 +17,7 @@
 #include "decomposer/random_numbers.hpp"
 #include "decomposer/relax.hpp"
 #include "decomposer/settle.hpp"
+#include "decomposer/start_checks.hpp"
 
 namespace scree {
 
@@ -37,6 +38,7 @@ class Builder {
     load_regions();
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
+    check_start(case_, parts_, scene());
     Case placed = case_;
     if (placed.relax) relax(placed);
     Packer packer(placed, parts_, progress_, scene(), report());

@@ -104,5 +104,36 @@ TEST(Refusals, a_box_that_is_turned_at_the_start_is_refused_by_name) {
   EXPECT_EQ(pack(kHead + kMargin + population("count = 5") + box + "0 }\n").scene.bodies.size(), 5u);
 }
 
+TEST(Refusals, a_period_and_walls_that_the_solver_would_refuse_are_refused) {
+  const auto domain = [](double length) {
+    return kHead + kMargin + fmt::format("[domain]\nmin = [0, 0, 0]\nmax = [{}, 1, 1]\nperiodic = [\"x\"]\n", length);
+  };
+  const std::string ball = "[[bodies]]\nshape = \"ball\"\nscale = 0.1\nmaterial = \"stone\"\nposition = [0.05, 0.5, 0.5]\n";
+  // 4 (1.01 x 0.05 + 0.002) = 0.21
+  EXPECT_EQ(pack(domain(0.2101) + ball).scene.bodies.size(), 1u);
+  expect_says(failure(domain(0.2099) + ball, ExitCode::usage), {"periodic axis x", "0.21"});
+  const auto plane = [](const std::string& normal) {
+    return "[[walls]]\nname = \"slope\"\nmaterial = \"stone\"\nshape = { plane = { point = [0, 0, 0], normal = " + normal + " } }\n";
+  };
+  EXPECT_EQ(pack(domain(1) + ball + plane("[0, 1, 2]")).scene.bodies.size(), 1u);
+  expect_says(failure(domain(1) + ball + plane("[1, 0, 2]"), ExitCode::usage), {"'slope'", "periodic axis x"});
+  expect_says(failure(domain(1) + ball + "[[walls]]\nname = \"bowl\"\nmaterial = \"stone\"\nshape = { sphere_inside = { centre = [0.5, 0.5, 0.5], radius = 2 } }\n",
+                      ExitCode::usage), {"'bowl'", "periodic axis x"});
+  expect_says(failure(domain(1) + ball + "[[walls]]\nname = \"mill\"\nmaterial = \"stone\"\nshape = { cylinder_inside = { start = [0, 0, 0.5], end = [0, 1, 0.5], radius = 2 } }\n",
+                      ExitCode::usage), {"'mill'", "periodic axis x"});
+}
+
+TEST(Refusals, walls_and_laws_that_need_a_margin_or_a_speed_are_refused_without) {
+  const std::string ball = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 1]\n";
+  const std::string plate = "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\n";
+  expect_says(failure(kHead + "[contact]\nmargin = 0\n" + ball + plate, ExitCode::usage), {"contact.margin = 0", "'tray'"});
+  expect_says(failure(kHead + "[contact]\nmargin = 0\nbarrier = 1\n" + ball, ExitCode::usage), {"contact.barrier", "margin"});
+  const std::string hertz = "gravity = [0, 0, 0]\n[time]\nduration = 1\n[shapes.ball]\nsphere = { radius = 0.5 }\n[materials.stone]\ndensity = 2500\nyoung = \"1 GPa\"\n"
+                            "[[pairs]]\nbetween = [\"stone\", \"stone\"]\nrestitution = 0.5\n[contact]\nlaw = \"hertz-mindlin\"\n";
+  const std::string two = ball + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
+  expect_says(failure(hertz + two, ExitCode::usage), {"contact.impact_speed is missing"});
+  EXPECT_EQ(pack(hertz + "impact_speed = 1\n" + two).scene.bodies.size(), 2u);
+}
+
 }  // namespace
 }  // namespace scree
