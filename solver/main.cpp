@@ -124,7 +124,8 @@ int main(int argc, char** argv) {
     return static_cast<int>(e.code());
   } catch (const Error& e) {
     const int code = run_main("scree-solver", [&]() -> int { throw Error(e); });
-    if (e.code() == ExitCode::internal) MPI_Abort(MPI_COMM_WORLD, code);
+    const bool agreed = dynamic_cast<const mpi::AgreedError*>(&e) != nullptr || comm.size() == 1;
+    if (!agreed || e.code() == ExitCode::internal) MPI_Abort(MPI_COMM_WORLD, code);
     return code;
   } catch (...) {
     const int code = run_main("scree-solver", []() -> int { throw; });

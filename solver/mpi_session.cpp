@@ -144,7 +144,7 @@ void agree(const Communicator& comm, const Error* mine) {
   MPI_Bcast(&size, 1, MPI_INT, teller, comm.get());
   message.resize(static_cast<std::size_t>(size));
   MPI_Bcast(message.data(), size, MPI_CHAR, teller, comm.get());
-  if (tells) throw Error(*mine);
+  if (tells) throw AgreedError(*mine);
   throw SilentError(static_cast<ExitCode>(lowest % 1000), message);
 }
 

@@ -89,13 +89,19 @@ void on_root(const Communicator& comm, const std::function<void()>& action);
 /// itself collective has to fail on all ranks together.
 void on_all(const Communicator& comm, const std::function<void()>& action);
 
-/// Thrown on the other ranks, with the same text and exit code, so that one failure is printed once.
-class SilentError : public Error {
+/// Known to all ranks: each throws it at the same place. Any other error leaves the other ranks waiting, unless the job is stopped.
+class AgreedError : public Error {
  public:
-  SilentError(ExitCode code, const std::string& message) : Error(code, message) {}
+  explicit AgreedError(const Error& error) : Error(error) {}
 };
 
-/// Throws on every rank when one of them holds an error: the lowest such rank's message is the one that is told.
+/// Thrown on the other ranks, with the same text and exit code, so that one failure is printed once.
+class SilentError : public AgreedError {
+ public:
+  SilentError(ExitCode code, const std::string& message) : AgreedError(Error(code, message)) {}
+};
+
+/// Throws on every rank when one of them holds an error: the lowest such rank's message is the one that is told, by AgreedError.
 void agree(const Communicator& comm, const Error* mine);
 
 }  // namespace scree::mpi

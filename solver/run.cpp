@@ -15,6 +15,7 @@
 #include "core/base/units.hpp"
 #include "core/base/utf8.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/storage/collective_file.hpp"
 #include "core/storage/h5.hpp"
 #include "solver/checkpoint.hpp"
 #include "solver/origin.hpp"
@@ -173,7 +174,17 @@ LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path) {
     loaded.prepared = std::make_unique<SolverScene>(loaded.scene);
   };
   mpi::on_root(comm, read);
-  if (comm.rank() != 0) read();
+  // each other rank reads for itself, perhaps on another machine: what fails there, or is another file, all must know of
+  const std::string sha256 = broadcast_text(comm.get(), loaded.sha256);
+  mpi::on_all(comm, [&] {
+    if (comm.rank() == 0) return;
+    try {
+      read();
+    } catch (const Error& e) {
+      throw Error(e.code(), fmt::format("{} (rank {}; rank 0 can read it)", e.what(), comm.rank()));
+    }
+    if (loaded.sha256 != sha256) throw InputError("{}: rank {} finds another file of this name than rank 0; use a path that is the same everywhere", path, comm.rank());
+  });
   return loaded;
 }
 
@@ -187,7 +198,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
 
   bool restarted = !options.restart.empty();
   if (options.restart == "auto") {
-    int found = root && !list_checkpoints(options.run_folder).empty() ? 1 : 0;
+    int found = 0;
+    mpi::on_root(comm, [&] { found = list_checkpoints(options.run_folder).empty() ? 0 : 1; });
     MPI_Bcast(&found, 1, MPI_INT, 0, comm.get());
     restarted = found != 0;
   }
@@ -218,10 +230,11 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   }
   const double dt = simulation.step_size().step;
   constexpr double kMostSteps = 0x1p53;   // counted exactly everywhere
-  if (!(settings.duration / dt < kMostSteps)) {
+  mpi::on_root(comm, [&] {
+    if (settings.duration / dt < kMostSteps) return;
     throw InputError("{}: {:g} s in steps of {:.3g} s ({}) are more steps than can be counted; check density, stiffness and sizes",
                      options.scene_path, settings.duration, dt, simulation.step_size().limited_by);
-  }
+  });
   const double unevenness = simulation.step_size().slowest_contact_time / std::max(simulation.step_size().contact_time, dt);
   if (unevenness > kUnevenContacts && comm.rank() == 0) {
     warn_once("scree-solver", fmt::format("{} sets the step, and the contact of the heaviest body lasts {:.0f} times as long: a mass ratio that "
@@ -237,7 +250,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   record.tool = "scree-solver";
   record.command = options.command;
   record.inputs = {{options.scene_path, scene_hash, scene.provenance}};
-  if (restarted) record.inputs.push_back({checkpoint_path, root ? sha256_of_file(checkpoint_path) : "", nullptr});
+  std::string checkpoint_hash;
+  mpi::on_root(comm, [&] { if (restarted) checkpoint_hash = sha256_of_file(checkpoint_path); });
+  if (restarted) record.inputs.push_back({checkpoint_path, checkpoint_hash, nullptr});
   record.seed = settings.seed;
   record.ranks = comm.size();
   record.threads = omp_get_max_threads();
@@ -462,8 +477,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       }
     }
     if (simulation.step() % schedule.frame != 0) timed_output([&] { write_frame(schedule.last / schedule.frame + 1); });
-  } catch (const Error& e) {
-    // Every rank is here: failures of a step are agreed on before they are thrown. Keep the state and the reason.
+  } catch (const mpi::AgreedError& e) {
+    // Every rank is here: keep the state and the reason.
     if (e.code() == ExitCode::run_invalid) {
       const double ratio = simulation.take_max_depth_ratio();
       max_ratio = std::max(max_ratio, ratio);

@@ -47,7 +47,7 @@ void catch_signals() {
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
     : comm_(comm), scene_(scene), options_(options), integrator_(integrator_of(scene.source().settings.integrator)),
       agreement_(comm), balance_(comm.size()) {
-  check_built_with(comm, scene);
+  mpi::on_all(comm, [&] { check_built_with(comm, scene); });
   if (scene.source().settings.fluid) fluid_.emplace(scene.source());
   const Partition& partition = scene.source().partition;
   CutBoxes first_cut;
@@ -92,7 +92,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   p_.owned = p_.size();
   std::fill(p_.work.begin(), p_.work.end(), 0.0);
   step_ = step;
-  step_size_ = derive_step_size(comm_, scene_, p_);
+  mpi::on_all(comm_, [&] { step_size_ = derive_step_size(comm_, scene_, p_); });
   if (step_size > 0) step_size_.step = step_size;  // a run keeps the step that it began with
   dt_ = std::ldexp(step_size_.step, -static_cast<int>(level_));
   set_walls(time());

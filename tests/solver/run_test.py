@@ -103,6 +103,23 @@ def bad_input_is_told_once_with_its_exit_code():
     assert "newer" in run(1, "pile.scene.h5", "-o", "b.run", expect=3).stderr
 
 
+def a_scene_that_one_rank_cannot_read_ends_all_ranks():
+    """Each rank reads for itself: a file that is missing, damaged or another one on one machine must not leave the others waiting."""
+    subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
+    subprocess.run([PILE, "8", "0.02", "other.scene.h5"], check=True)
+    with open("pile.scene.h5", "rb") as f, open("cut.scene.h5", "wb") as g:
+        data = f.read()
+        g.write(data[: len(data) // 2])
+    for name, words in (("missing.scene.h5", "no such file"), ("cut.scene.h5", "truncated"), ("other.scene.h5", "another file")):
+        for rank in (1, 2):
+            command = [MPIEXEC, "--oversubscribe"]
+            for r in range(3):
+                command += [":"] * (r > 0) + ["-n", "1", SOLVER, name if r == rank else "pile.scene.h5", "--plan"]
+            result = subprocess.run(command, env=dict(ENV, OMP_NUM_THREADS="1"), capture_output=True, text=True, timeout=60)
+            assert result.returncode == 3, (name, result.returncode, result.stderr)
+            assert words in result.stderr and f"rank {rank}" in result.stderr, result.stderr
+
+
 def a_full_disk_is_an_error_and_leaves_no_broken_file():
     if os.geteuid() != 0:
         print("skipped: mounting a small tmpfs needs root")
@@ -248,6 +265,7 @@ def the_plan_says_what_is_in_and_out():
 
 TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_same_end,
          a_signal_keeps_a_checkpoint_and_tells_it_in_the_exit_code, bad_input_is_told_once_with_its_exit_code,
+         a_scene_that_one_rank_cannot_read_ends_all_ranks,
          a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
          a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
