@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
-#include <sstream>
-#include <vector>
 
 #include "core/base/error.hpp"
 #include "solver/fluid.hpp"
+#include "solver/run_log.hpp"
 
 namespace scree {
 
@@ -42,25 +40,13 @@ void RestWatch::add(double time, double kinetic) {
 
 void RestWatch::read_log(const std::string& path) {
   if (!active_) return;
-  std::ifstream file(path);
-  std::string line, cell;
-  std::vector<std::string> names;
-  while (std::getline(file, line)) {
-    if (line.starts_with("#")) continue;
-    std::istringstream row(line);
-    std::vector<std::string> cells;
-    while (std::getline(row, cell, ',')) cells.push_back(cell);
-    if (names.empty()) {
-      names = cells;
-      continue;
-    }
-    const auto value = [&](const char* name) {
-      const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-      if (at >= cells.size()) throw InputError("{}: a row has no {}; the log is cut short", path, name);
-      return std::strtod(cells[at].c_str(), nullptr);
-    };
-    add(value("time"), value("kinetic_translational") + value("kinetic_rotational"));
+  const TableRows log = read_table(path);
+  const std::size_t time = log.column("time"), translational = log.column("kinetic_translational"), rotational = log.column("kinetic_rotational");
+  if (std::max({time, translational, rotational}) >= log.names.size()) {
+    throw InputError("{}: lacks one of the columns time, kinetic_translational and kinetic_rotational; it is damaged or of another kind", path);
   }
+  const auto value = [](const std::string& cell) { return std::strtod(cell.c_str(), nullptr); };
+  for (const auto& row : log.rows) add(value(row[time]), value(row[translational]) + value(row[rotational]));
 }
 
 }  // namespace scree

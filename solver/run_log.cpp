@@ -1,5 +1,8 @@
 #include "solver/run_log.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -37,13 +40,35 @@ std::string header_of(const Scene& scene) {
 
 }  // namespace
 
+std::size_t TableRows::column(const std::string& name) const {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+TableRows read_table(const std::string& path) {
+  constexpr std::size_t kMostDigits = 18;   // of a step: more would not fit
+  const auto is_step = [](const std::string& cell) {
+    return !cell.empty() && cell.size() <= kMostDigits && cell.find_first_not_of("0123456789") == std::string::npos;
+  };
+  TableRows table;
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line) && !file.eof()) {   // eof: the line has no end
+    if (line.starts_with("#")) continue;
+    std::vector<std::string> cells = csv_cells(line);
+    if (table.names.empty()) table.names = std::move(cells);
+    else if (cells.size() == table.names.size() && is_step(cells[0])) table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
 void start_table(const std::string& path, const std::string& header, std::int64_t keep_up_to_step) {
   std::string text = header;
-  if (std::ifstream old(path); keep_up_to_step >= 0 && old) {
-    std::string line;
-    while (std::getline(old, line)) {
-      if (line.empty() || line[0] < '0' || line[0] > '9') continue;
-      if (std::stoll(line) <= keep_up_to_step) text += line + "\n";
+  if (keep_up_to_step >= 0) {
+    const TableRows old = read_table(path);
+    for (std::size_t row = 0; row < old.rows.size(); ++row) {
+      if (old.step(row) > keep_up_to_step) continue;
+      for (const std::string& cell : old.rows[row]) text.append(csv_cell(cell)).append(1, ',');
+      text.back() = '\n';
     }
   }
   h5::write_text_file(path, text);
@@ -63,6 +88,14 @@ void append_to_table(const std::string& path, const std::string& rows) {
   std::error_code error;
   if (size >= 0) std::filesystem::resize_file(path, static_cast<std::uintmax_t>(size), error);
   throw SystemError("cannot write {}: {}; free some space and restart from the last checkpoint", path, std::strerror(reason));
+}
+
+void sync_table(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = file >= 0 && fsync(file) == 0;
+  const int reason = errno;
+  if (file >= 0) close(file);
+  if (!synced) throw SystemError("cannot write {}: {}; free some space and restart from the last checkpoint", path, std::strerror(reason));
 }
 
 RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up_to_step) : path_(path) {

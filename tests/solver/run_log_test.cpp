@@ -39,5 +39,20 @@ TEST(Table, takes_rows_whole_or_not_at_all_when_the_disk_is_full) {
   std::filesystem::remove(path);
 }
 
+TEST(Table, keeps_only_rows_that_are_complete) {
+  const std::string path = (std::filesystem::temp_directory_path() / ("scree_torn_" + std::to_string(getpid()) + ".csv")).string();
+  const std::string header = "step,value,hash\n# units: -,m,-\n", whole = "1,10,ab\n20,11,cd\n";
+  // torn inside its step, inside a value, inside its last cell; a row that lacks a cell in the middle of the file
+  for (const std::string torn : {"30", "3", "30,1", "30,12,e", "30,12\n", "x,12,ef\n", "99999999999999999999,12,ef\n"}) {
+    std::ofstream(path) << header << whole << torn;
+    EXPECT_EQ(read_table(path).rows.size(), 2u) << torn;
+    start_table(path, header, 100);
+    EXPECT_EQ(text_of(path), header + whole) << torn;
+  }
+  start_table(path, header, 1);
+  EXPECT_EQ(text_of(path), header + "1,10,ab\n");
+  std::filesystem::remove(path);
+}
+
 }  // namespace
 }  // namespace scree
