@@ -7,6 +7,7 @@
 #include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
+#include "solver/run_folder.hpp"
 
 namespace scree {
 
@@ -165,17 +166,6 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
 
 }  // namespace
 
-std::vector<std::string> list_checkpoints(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("checkpoint_") && name.ends_with(".h5")) names.push_back(entry.path().string());
-  }
-  std::sort(names.begin(), names.end());  // zero-padded steps sort as numbers
-  return names;
-}
-
 void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder,
                       const Checkpoint& so_far, const nlohmann::json& provenance) {
   std::vector<ParticleRecord> bodies;
@@ -195,7 +185,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
     const Rows spring_rows = distribute(comm.get(), static_cast<std::int64_t>(springs.size()));
     const std::int64_t bytes = body_rows.total * bytes_per_row<ParticleRecord>() + spring_rows.total * bytes_per_row<SpringRow>() +
                                static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
-    CollectiveFile file(comm.get(), fmt::format("{}/checkpoint_{:012}.h5", folder, simulation.step()), bytes, CollectiveFile::Kind::checksummed);
+    CollectiveFile file(comm.get(), folder + "/" + checkpoint_name(simulation.step()), bytes, CollectiveFile::Kind::checksummed);
     {
       const h5::Group& root = file.root();
       root.write_attribute("format", kCheckpointFormat);
@@ -262,7 +252,10 @@ Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::stri
       });
     }
     try {
-      return read_checkpoint(comm, path);
+      Checkpoint checkpoint = read_checkpoint(comm, path);
+      const std::string name = std::filesystem::path(path).filename().string();
+      if (checkpoint_name(checkpoint.step) != name) throw InputError("{}: holds step {}, as its name does not say", path, checkpoint.step);
+      return checkpoint;
     } catch (const Error& error) {
       if (error.code() != ExitCode::bad_data) throw;
       refused = error.what();

@@ -47,7 +47,4 @@ Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simula
 /// Starts from a checkpoint and checks its state hash. Collective. Throws InputError on every rank.
 void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation, Checkpoint checkpoint);
 
-/// Paths of the checkpoints of a run folder, oldest first.
-std::vector<std::string> list_checkpoints(const std::string& folder);
-
 }  // namespace scree

@@ -45,7 +45,7 @@ set -uo pipefail
 
 run={run}
 export OMP_NUM_THREADS="${{SLURM_CPUS_PER_TASK:-{threads}}}"
-newest_checkpoint() {{ for file in "$run"/checkpoint_*.h5; do [[ -e "$file" ]] && echo "$file"; done | tail -n 1; }}
+newest_checkpoint() {{ for file in "$run"/checkpoint_[0-9]*[0-9].h5; do [[ -e "$file" ]] && echo "$file"; done | tail -n 1; }}
 
 before=$(newest_checkpoint)
 code=0

@@ -2,13 +2,10 @@
 
 #include <omp.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 
 #include "core/base/progress.hpp"
 #include "core/base/provenance.hpp"
@@ -21,6 +18,7 @@
 #include "solver/origin.hpp"
 #include "solver/rank_log.hpp"
 #include "solver/rest_watch.hpp"
+#include "solver/run_folder.hpp"
 #include "solver/run_log.hpp"
 #include "solver/watchdog.hpp"
 
@@ -48,39 +46,6 @@ Schedule make_schedule(const Settings& settings, double dt) {
   s.log = std::max<std::int64_t>(1, s.frame / kLogRowsPerFrame);
   s.checkpoint = settings.checkpoint_every > 0 ? steps(settings.checkpoint_every) : 0;
   return s;
-}
-
-void prepare_folder(const RunOptions& options) {
-  namespace fs = std::filesystem;
-  const fs::path folder(options.run_folder);
-  std::error_code error;
-  if (fs::exists(folder) && !fs::is_directory(folder)) {
-    throw UsageError("-o {}: exists and is a file; name a folder", options.run_folder);
-  }
-  if (fs::exists(folder) && !fs::is_empty(folder) && options.restart.empty()) {
-    throw UsageError("-o {}: exists and is not empty; remove it, choose another name, or continue it with --restart latest or auto",
-                     options.run_folder);
-  }
-  fs::create_directories(folder, error);
-  if (error || access(options.run_folder.c_str(), W_OK) != 0) {
-    throw SystemError("-o {}: {}; choose a folder that is writable", options.run_folder,
-                      error ? error.message() : std::strerror(errno));
-  }
-  fs::remove(folder / "run.json", error);
-  // the scene travels with the run, so that post needs nothing else
-  const fs::path copy = folder / "scene.h5", temporary = h5::temporary_name(copy.string());
-  if (fs::exists(copy) && sha256_of_file(copy.string()) == sha256_of_file(options.scene_path)) return;
-  const auto is_named = [](const fs::directory_entry& entry) { return !entry.path().filename().string().starts_with("."); };
-  if (options.restart == "auto" && !fs::exists(copy) && std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), is_named)) {
-    throw UsageError("-o {}: exists, is not empty and is no run; choose another folder", options.run_folder);
-  }
-  if (fs::exists(copy)) {
-    throw UsageError("-o {}: holds a run of another scene; choose another folder", options.run_folder);
-  }
-  if (!fs::copy_file(options.scene_path, temporary, fs::copy_options::overwrite_existing, error)) {
-    throw SystemError("cannot write {}: {}", copy.string(), error.message());
-  }
-  h5::publish_file(temporary.string(), copy.string());
 }
 
 Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number, const nlohmann::json& provenance, int rank, bool with_contacts,
@@ -119,29 +84,6 @@ Frame make_frame(Simulation& simulation, const Energies& e, std::int64_t number,
     frame.walls.torque.push_back(loads[w].torque);
   }
   return frame;
-}
-
-/// Removes what a run left that lies after the step it continues from (-1: everything of a run without a checkpoint), and
-/// the halves of files whose writers were killed: all of it is made again. Gives the frames that stay.
-std::vector<FrameEntry> trim_folder(const std::string& folder, const Schedule& schedule, double dt, std::int64_t step) {
-  namespace fs = std::filesystem;
-  std::vector<FrameEntry> frames;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  for (const fs::path& file : files) {
-    const std::string name = file.filename().string();
-    const auto number = [&](std::size_t digits_at) { return std::strtoll(name.c_str() + digits_at, nullptr, 10); };
-    bool later = name.starts_with(".") && name.ends_with(".tmp");
-    if (name.starts_with("checkpoint_") && name.ends_with(".h5")) later = number(11) > step;
-    if (name.starts_with("frame_") && name.ends_with(".hdf")) {
-      const std::int64_t frame_step = std::min<std::int64_t>(number(6) * schedule.frame, schedule.last);
-      later = frame_step > step;
-      if (!later) frames.push_back({file.string(), static_cast<double>(frame_step) * dt});
-    }
-    if (later) fs::remove(file);
-  }
-  std::sort(frames.begin(), frames.end(), [](const FrameEntry& l, const FrameEntry& r) { return l.time < r.time; });
-  return frames;
 }
 
 std::int64_t peak_memory() {
@@ -196,6 +138,28 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const Settings& settings = scene.settings;
   const bool root = comm.rank() == 0;
 
+  // Whatever refuses this run comes before its folder is touched: see open_run_folder() below.
+  const bool newest = options.restart == "latest" || options.restart == "auto";
+  std::unique_ptr<FolderLock> lock;
+  std::int64_t complete = -1;
+  mpi::on_root(comm, [&] {
+    const auto look = [&] {
+      check_run_folder(options.run_folder, options.scene_path, scene_hash, options.restart);
+      if (!options.restart.empty()) complete = completed_at(options.run_folder).value_or(-1);
+    };
+    look();
+    if (newest && complete >= 0) return;
+    lock = std::make_unique<FolderLock>(options.run_folder);
+    look();   // the solver that had the lock before may have gone on since
+  });
+  MPI_Bcast(&complete, 1, MPI_INT64_T, 0, comm.get());
+  const auto nothing_left = [&] {
+    if (root) std::fprintf(stderr, "scree-solver: %s: complete at step %lld; nothing is left to do, and nothing was changed\n",
+                           options.run_folder.c_str(), static_cast<long long>(complete));
+    return 0;
+  };
+  if (newest && complete >= 0) return nothing_left();
+
   bool restarted = !options.restart.empty();
   if (options.restart == "auto") {
     int found = 0;
@@ -205,18 +169,17 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   }
   Checkpoint checkpoint;
   if (restarted) {
-    const bool newest = options.restart == "latest" || options.restart == "auto";
     checkpoint = newest ? read_latest_checkpoint(comm, options.run_folder) : read_checkpoint(comm, options.restart);
   }
   mpi::on_root(comm, [&] {
     if (restarted && checkpoint.scene_sha256 != scene_hash) {
       throw InputError("--restart {}: was made from another scene than {}; give the scene it came from", checkpoint.path, options.scene_path);
     }
-    prepare_folder(options);
     if (scene.partition.ranks > 0 && scene.partition.ranks != comm.size()) {
       warn_once("scree-solver", fmt::format("the scene is cut for {} ranks, this run has {}: it is cut again", scene.partition.ranks, comm.size()));
     }
   });
+  if (restarted && checkpoint.step == complete) return nothing_left();
 
   Watchdog watchdog(comm, options.stall_limit, options.stalled);
   Simulation simulation(comm, *loaded.prepared, options.parallel);
@@ -262,18 +225,22 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   std::vector<FrameEntry> frames;
   std::unique_ptr<RunLog> log;
   std::unique_ptr<RankLog> rank_log;
-  const std::string removed_path = options.run_folder + "/removed.csv";
-  const std::string steps_path = options.run_folder + "/steps.csv";
+  const std::string log_path = options.run_folder + "/log.csv", ranks_path = options.run_folder + "/ranks.csv";
+  const std::string removed_path = options.run_folder + "/removed.csv", steps_path = options.run_folder + "/steps.csv";
   const bool quantised = settings.step_control == "quantised";
   CriticalStep stiffest;   // of all log rows
   double elastic_peak = 0;
   const bool removes = settings.domain.bounded && settings.domain.outside == "remove";
+  std::vector<std::string> tables{log_path, ranks_path};
+  if (quantised) tables.push_back(steps_path);
+  if (removes) tables.push_back(removed_path);
   mpi::on_root(comm, [&] {
-    frames = trim_folder(options.run_folder, schedule, dt, restarted ? simulation.step() : -1);
-    log = std::make_unique<RunLog>(options.run_folder + "/log.csv", scene, restarted ? simulation.step() : -1);
-    rank_log = std::make_unique<RankLog>(options.run_folder + "/ranks.csv", comm.size(), restarted ? simulation.step() : -1);
+    open_run_folder(options.run_folder, options.scene_path);
+    frames = trim_run_folder(options.run_folder, {schedule.frame, schedule.last, dt}, restarted ? simulation.step() : -1);
+    log = std::make_unique<RunLog>(log_path, scene, restarted ? simulation.step() : -1);
+    rank_log = std::make_unique<RankLog>(ranks_path, comm.size(), restarted ? simulation.step() : -1);
     if (quantised) start_table(steps_path, step_header(), restarted ? simulation.step() : -1);
-    if (restarted) rest.read_log(options.run_folder + "/log.csv");
+    if (restarted) rest.read_log(log_path);
     if (removes) start_table(removed_path, removed_header(), restarted ? simulation.step() : -1);
   });
   if (restarted) MPI_Bcast(&rest.last_busy(), 1, MPI_DOUBLE, 0, comm.get());
@@ -364,7 +331,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   };
   const auto write_frame = [&](std::int64_t number, bool is_valid = true) {
     if (is_valid) simulation.agree_on_failures();
-    const std::string path = fmt::format("{}/frame_{:06}.hdf", options.run_folder, number);
+    const std::string path = options.run_folder + "/" + frame_name(number);
     const Frame frame = make_frame(simulation, simulation.energies(), number, provenance, comm.rank(),
                                    is_valid && settings.output_contacts, loaded.origin);
     mpi::on_all(comm, [&] { write_frame_file(comm.get(), path, frame); });
@@ -377,6 +344,10 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const auto save_state = [&] {
     simulation.agree_on_failures();
     write_events();
+    // a restart keeps the rows up to its step: they must be on the disk before the checkpoint counts; frames are when they have their names
+    mpi::on_root(comm, [&] {
+      for (const std::string& table : tables) sync_table(table);
+    });
     Checkpoint so_far;
     so_far.energy_reference = reference;
     so_far.kinetic_peak = kinetic_peak;

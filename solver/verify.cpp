@@ -6,13 +6,15 @@
 #include <climits>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
 #include <map>
 #include <sstream>
 
 #include "core/storage/collective_file.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/checkpoint.hpp"
+#include "solver/run_folder.hpp"
+#include "solver/run_log.hpp"
 #include "solver/watchdog.hpp"
 
 namespace scree {
@@ -25,22 +27,13 @@ struct Record {
 };
 using Records = std::map<std::int64_t, Record>;
 
-/// The hashes of a log by step. Only whole rows count: the last one may still be written.
+/// The hashes of a log by step.
 void read_log(const std::string& path, Records& records) {
-  std::ifstream file(path);
-  if (!file) throw InputError("{}: cannot be read; name the folder of a run", path);
-  std::string line, cell;
-  std::getline(file, line);
-  std::vector<std::string> names;
-  for (std::istringstream cells(line); std::getline(cells, cell, ',');) names.push_back(cell);
-  const auto column = std::find(names.begin(), names.end(), "state_hash");
-  if (column == names.end()) throw InputError("{}: has no column state_hash; it is damaged or of another kind", path);
-  while (std::getline(file, line)) {
-    if (line.empty() || line[0] < '0' || line[0] > '9') continue;
-    std::vector<std::string> row;
-    for (std::istringstream cells(line); std::getline(cells, cell, ',');) row.push_back(cell);
-    if (row.size() == names.size()) records[std::stoll(line)].hash = row[static_cast<std::size_t>(column - names.begin())];
-  }
+  const TableRows log = read_table(path);
+  if (log.names.empty()) throw InputError("{}: cannot be read; name the folder of a run", path);
+  const std::size_t column = log.column("state_hash");
+  if (column == log.names.size()) throw InputError("{}: has no column state_hash; it is damaged or of another kind", path);
+  for (std::size_t row = 0; row < log.rows.size(); ++row) records[log.step(row)].hash = log.rows[row][column];
 }
 
 /// Rank 0's records on every rank.
@@ -125,7 +118,9 @@ std::vector<std::int64_t> ids_of(const std::vector<ParticleRecord>& bodies) {
   return ids;
 }
 
-Differences compare_with_frame(const mpi::Communicator& comm, const Simulation& simulation, const Checkpoint& now, const std::string& path) {
+/// Frames are written in the world, the present state lies about the origin that it is computed with: moved as the writer moves it, bits agree.
+Differences compare_with_frame(const mpi::Communicator& comm, const Simulation& simulation, const Checkpoint& now, const Vec3& origin,
+                               const std::string& path) {
   Differences differences;
   FrameBodies recorded;
   mpi::on_all(comm, [&] { recorded = read_frame_file(path).bodies; });
@@ -140,7 +135,8 @@ Differences compare_with_frame(const mpi::Communicator& comm, const Simulation& 
     const std::size_t row = rows[i];
     const ParticleRecord& r = now.bodies[j];
     const Quat orientation = mesh_orientation(simulation.scene(), r.shape, r.q);
-    compare_fields(r.id, differences, field("position", recorded.position[row], r.x), field("orientation", recorded.orientation[row], orientation),
+    const Vec3 position = r.x + origin;
+    compare_fields(r.id, differences, field("position", recorded.position[row], position), field("orientation", recorded.orientation[row], orientation),
                    field("velocity", recorded.velocity[row], r.v), field("angular velocity", recorded.angular_velocity[row], r.w));
   });
   return differences;
@@ -200,7 +196,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
     const std::vector<std::string> checkpoints = list_checkpoints(options.run_folder);
     if (from.empty()) from = checkpoints.size() > 1 ? checkpoints[checkpoints.size() - 2] : "start";
     for (const std::string& path : checkpoints) {
-      records[std::stoll(path.substr(path.rfind('_') + 1))].checkpoint = path;
+      records[*checkpoint_step_of(std::filesystem::path(path).filename().string())].checkpoint = path;
     }
   });
   from = broadcast_text(comm.get(), from);
@@ -258,7 +254,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
       ++checkpoints;
     }
     if (!record.frame.empty()) {
-      const std::string in_frame = sum_up(comm, compare_with_frame(comm, simulation, now, record.frame));
+      const std::string in_frame = sum_up(comm, compare_with_frame(comm, simulation, now, loaded.origin, record.frame));
       if (where.empty() && !in_frame.empty()) where = fmt::format("{} (in its frame)", in_frame);
       ++frames;
     }

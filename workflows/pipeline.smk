@@ -128,7 +128,7 @@ rule solve:
         exec 9>{params.lock}
         flock --nonblock 9 || {{ echo "a solver of a run that was killed is still at work here" >&2; exit 4; }}
         restart="--restart latest"
-        last=$(ls -t {params.run}/checkpoint_*.h5 2>/dev/null | head -n 1 || true)
+        last=$(ls -t {params.run}/checkpoint_[0-9]*[0-9].h5 2>/dev/null | head -n 1 || true)
         if [ -z "$last" ] || [ "$last" -ot {input} ]; then restart=""; rm -rf {params.run}; fi
         rm -f {params.failed}
         code=0

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, PILE, SOLVER, children, command, main, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, PILE, SOLVER, children, command, main, make_killed, outcome, physics_of_log, run  # noqa: E402
 
 
 def make_pile(bodies, duration, name="pile.scene.h5", frames=10):
@@ -148,6 +148,7 @@ def damaged_checkpoints_are_refused_and_the_one_before_is_used():
         assert newest in refused and refused.count("error:") == 1, (what, refused)
         assert any(word in refused for word in ("truncated", "damaged", "does not begin")), (what, refused)
         if number % 4 == 0:  # a restart costs a run
+            os.remove("whole.run/run.json")  # as a run that was killed
             told = run(1 + number % 3, "pile.scene.h5", "-o", "whole.run", "--restart", "latest").stderr
             assert told.count("warning") == 1 and f"the run goes on from {older}" in told, (what, told)
             with open(newest, "rb") as f:
@@ -157,6 +158,7 @@ def damaged_checkpoints_are_refused_and_the_one_before_is_used():
     for path in (newest, older):
         with open(path, "r+b") as f:
             f.truncate(1000)
+    os.remove("whole.run/run.json")
     assert "no older checkpoint is left" in run(2, "pile.scene.h5", "-o", "whole.run", "--restart", "latest", expect=3).stderr
 
 
@@ -377,6 +379,8 @@ def a_job_requeues_itself_until_the_run_is_complete():
         result = subprocess.run(["bash", "job.sh"], env=env, capture_output=True, text=True, timeout=250)
         if os.path.exists("requeued"):
             os.remove("requeued")
+            with open("a pile's.run/checkpoint_backup.h5", "w") as f:
+                f.write("a file of the user: it is no checkpoint, and not the newest\n")
             assert result.returncode == 138, result.stderr
             continue
         assert result.returncode == 0, result.stderr
@@ -400,8 +404,7 @@ def restart_auto_starts_what_has_no_checkpoint_and_refuses_other_folders():
     assert os.listdir("thesis") == ["chapter1.tex"]
     run(1, "pile.scene.h5", "-o", "a.run", "--restart", "auto")
     assert outcome("a.run")["outcome"] == "completed"
-    for path in checkpoints("a.run"):
-        os.remove(path)
+    make_killed("a.run", keep=0)
     run(2, "pile.scene.h5", "-o", "a.run", "--restart", "auto")
     assert outcome("a.run")["outcome"] == "completed" and len(checkpoints("a.run")) == 2
 

@@ -1,5 +1,5 @@
 // Writes a scene of N bumpy rocks on a jittered lattice above the floor of a box: input of the end-to-end tests.
-// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest]]]
+// usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest|far]]]
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -12,7 +12,7 @@
 int main(int argc, char** argv) {
   using namespace scree;
   return run_main("scree_make_pile", [&] {
-    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest]]]");
+    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest|far]]]");
     const int count = std::atoi(argv[1]), level = argc > 4 ? std::atoi(argv[4]) : 2;
     Scene scene = test::empty_scene(argc > 5 ? std::atof(argv[5]) : 3e5, 0.3, 0.5, 0.002, 2700);
     scene.settings.title = "pile of rocks";
@@ -55,6 +55,11 @@ int main(int argc, char** argv) {
     } else if (kind == "drain") {  // bodies go when they come close to the floor
       scene.settings.domain.lower.z = 0.055;
       scene.settings.domain.outside = "remove";
+    }
+    if (kind == "far") {   // from the origin of the world: computed about its own middle
+      const Vec3 away{1e4, -2e4, 3e4};
+      for (Vec3& x : scene.bodies.position) x += away;
+      for (Vec3* corner : {&scene.walls[0].lower, &scene.walls[0].upper}) *corner += away;
     }
     Provenance record;
     record.format = kSceneFormat;

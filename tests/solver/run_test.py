@@ -8,7 +8,7 @@ import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, children, main, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, children, main, make_killed, outcome, physics_of_log, run  # noqa: E402
 
 
 def same_state_for_any_ranks_and_threads():
@@ -181,8 +181,7 @@ def same_state_through_periodic_axes_and_with_removed_bodies():
         assert domain != "drain" or len(removed) == 1, removed
         # from a checkpoint in the middle, on another number of ranks: as if nothing had happened
         folder = f"{domain}1.run"
-        checkpoints = sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
-        os.remove(os.path.join(folder, checkpoints[-1]))
+        make_killed(folder)
         run(2, scene, "-o", folder, "--restart", "latest")
         again = outcome(folder)
         assert again["state_hash"] in hashes, "a restart ends elsewhere"
@@ -212,8 +211,7 @@ def same_state_with_quantised_steps():
         share = base / float(row[2])
         assert share in (1, 2, 4, 8, 16, 32), row
     folder = "quantised1.run"
-    checkpoints = sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
-    os.remove(os.path.join(folder, checkpoints[-1]))
+    make_killed(folder)
     run(2, "quantised.scene.h5", "-o", folder, "--restart", "latest")
     assert outcome(folder)["state_hash"] in hashes, "a restart ends elsewhere"
     with open(os.path.join(folder, "steps.csv")) as f:
@@ -242,7 +240,7 @@ def a_run_that_stops_at_rest_stops_there_after_a_restart_too():
         shutil.copytree("whole.run", folder)
         checkpoints = sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
         at = int(checkpoints[-2][len("checkpoint_"):-len(".h5")])
-        os.remove(os.path.join(folder, checkpoints[-1]))
+        make_killed(folder)
         left = (whole["steps"] - at) * whole["step_size"]
         assert 0 < left < 0.1, f"the checkpoint lies {left} s before the end, not within the 0.12 s for which bodies have lain still"
         run(ranks, "rest.scene.h5", "-o", folder, "--restart", "latest")

@@ -45,6 +45,13 @@ def outcome(folder):
         return json.load(f)
 
 
+def make_killed(folder, keep=1):
+    """Makes a complete run one that was killed after its oldest checkpoints, of which `keep` stay."""
+    os.remove(os.path.join(folder, "run.json"))
+    for name in sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))[keep:]:
+        os.remove(os.path.join(folder, name))
+
+
 MEASURED = ("imbalance", "ghosts", "bytes_sent", "steps_per_second")
 
 

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""What a run folder holds, and what a restart does with it. usage: folder_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from tool_runs import BIN, ENV, PILE, command, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+
+
+def make_pile(bodies, duration, name="pile.scene.h5", *more):
+    subprocess.run([PILE, str(bodies), str(duration), name, *more], check=True)
+
+
+def checkpoints(folder):
+    return sorted(n for n in os.listdir(folder) if n.startswith("checkpoint_"))
+
+
+def contents(folder):
+    """Every file with its bytes and its time."""
+    found = {}
+    for name in os.listdir(folder):
+        with open(os.path.join(folder, name), "rb") as f:
+            found[name] = (f.read(), os.stat(f.fileno()).st_mtime_ns)
+    return found
+
+
+def start(*arguments, **env):
+    return subprocess.Popen(command(1, *arguments), env=dict(ENV, OMP_NUM_THREADS="1", **env), stdout=subprocess.DEVNULL,
+                            stderr=subprocess.PIPE, text=True)
+
+
+def wait_until(child, happened):
+    deadline = time.time() + 60
+    while not happened():
+        assert child.poll() is None, child.stderr.read()
+        assert time.time() < deadline
+        time.sleep(0.001)
+
+
+def a_finished_run_is_left_as_it_is():
+    make_pile(8, 0.02)
+    run(2, "pile.scene.h5", "-o", "a.run")
+    before = contents("a.run")
+    last = os.path.join("a.run", checkpoints("a.run")[-1])
+    for ranks, word in ((1, "latest"), (2, "auto"), (1, last)):
+        told = run(ranks, "pile.scene.h5", "-o", "a.run", "--restart", word).stderr
+        assert f"a.run: complete at step {outcome('a.run')['steps']}" in told and "nothing was changed" in told, told
+        assert contents("a.run") == before, word
+
+
+def a_folder_that_is_refused_is_left_as_it_is():
+    make_pile(8, 0.02)
+    make_pile(9, 0.02, "other.scene.h5")
+    run(1, "pile.scene.h5", "-o", "a.run")
+    first = os.path.join("a.run", checkpoints("a.run")[0])
+    os.mkdir("thesis")
+    for name in ("run.json", "chapter1.tex"):
+        with open(f"thesis/{name}", "w") as f:
+            f.write("years of work\n")
+    for folder, scene, restart, code in (("a.run", "other.scene.h5", ["--restart", "latest"], 2), ("a.run", "other.scene.h5", ["--restart", "auto"], 2),
+                                         ("a.run", "other.scene.h5", ["--restart", first], 2), ("a.run", "pile.scene.h5", [], 2),
+                                         ("thesis", "pile.scene.h5", [], 2), ("thesis", "pile.scene.h5", ["--restart", "auto"], 2),
+                                         ("thesis", "pile.scene.h5", ["--restart", "latest"], 3), ("thesis", "pile.scene.h5", ["--restart", first], 2)):
+        before = contents(folder)
+        told = run(1, scene, "-o", folder, *restart, expect=code).stderr
+        assert folder in told and contents(folder) == before, (folder, scene, restart, told)
+    # a folder that is not there yet is not made by a run that is refused
+    run(2, "other.scene.h5", "-o", "new.run", "--restart", first, expect=3)
+    run(2, "pile.scene.h5", "-o", "new.run", "--restart", "latest", expect=3)
+    assert not os.path.exists("new.run")
+
+
+def only_names_that_the_solver_writes_count():
+    make_pile(8, 0.05)
+    run(1, "pile.scene.h5", "-o", "a.run")
+    whole = physics_of_log("a.run")
+    names = checkpoints("a.run")
+    foreign = {"checkpoint_backup.h5": names[0], "checkpoint_1.h5": names[0], "checkpoint_000000000001_old.h5": names[0],
+               "checkpoint_999999999999.h5.bak": names[0], "frame_backup.hdf": "frame_000001.hdf", "frame_9.hdf": "frame_000001.hdf",
+               ".notes.tmp": "log.csv", ".log.csv.tmp": "log.csv"}
+    for name, source in foreign.items():
+        shutil.copy(f"a.run/{source}", f"a.run/{name}")
+    shutil.copy("a.run/log.csv", "a.run/.log.csv.4711.tmp")  # what a killed solver leaves
+    make = sorted(n for n in os.listdir("a.run") if n.startswith("frame_0"))
+    assert "the same" in run(1, "verify", "a.run").stdout
+    os.remove("a.run/run.json")
+    os.remove(f"a.run/{names[-1]}")
+    run(1, "pile.scene.h5", "-o", "a.run", "--restart", "latest")
+    inputs = outcome("a.run")["provenance"]["inputs"]
+    assert inputs[-1]["path"].endswith(names[0]), inputs[-1]["path"]
+    assert physics_of_log("a.run") == whole
+    assert sorted(n for n in os.listdir("a.run") if n.startswith("frame_0")) == make
+    assert set(foreign) <= set(os.listdir("a.run")), "files of others were removed"
+    assert ".log.csv.4711.tmp" not in os.listdir("a.run")
+    with open("a.run/frames.hdf.series") as f:
+        assert [e["name"] for e in json.load(f)["files"]] == make
+    # a copy under another step's name is not that step
+    os.remove("a.run/run.json")
+    shutil.copy(f"a.run/{names[0]}", "a.run/checkpoint_000000999999.h5")
+    told = run(1, "pile.scene.h5", "-o", "a.run", "--restart", "latest").stderr
+    assert "as its name does not say" in told, told
+
+
+def a_second_solver_on_a_folder_is_refused():
+    make_pile(8, 100)
+    child = start("pile.scene.h5", "-o", "a.run")
+    wait_until(child, lambda: os.path.exists("a.run/frame_000000.hdf"))
+    told = run(2, "pile.scene.h5", "-o", "a.run", "--restart", "auto", expect=2).stderr
+    assert f"another scree-solver is at work in it (process {child.pid} on {socket.gethostname()}" in told, told
+    assert child.poll() is None
+    child.kill()  # leaves its lock file, and nobody who holds it
+    child.wait()
+    assert os.path.exists("a.run/.lock")
+    child = start("pile.scene.h5", "-o", "a.run", "--restart", "auto")
+    with open("a.run/.lock") as f:
+        wait_until(child, lambda: str(child.pid) in (f.seek(0), f.read())[1])
+    wait_until(child, lambda: os.path.exists("a.run/frame_000000.hdf"))
+    child.send_signal(signal.SIGUSR1)
+    assert child.wait(timeout=60) == 128 + signal.SIGUSR1
+    assert not os.path.exists("a.run/.lock")
+
+
+def the_list_of_frames_never_names_one_that_is_gone():
+    make_pile(27, 1.0)
+    run(1, "pile.scene.h5", "-o", "a.run")
+    make_killed("a.run")
+    child = start("pile.scene.h5", "-o", "a.run", "--restart", "latest")
+    wait_until(child, lambda: not os.path.exists("a.run/frame_000010.hdf"))
+    wait_until(child, lambda: not os.path.exists("a.run/frame_000009.hdf"))
+    child.kill()
+    child.wait()
+    assert not os.path.exists("a.run/frame_000010.hdf"), "the run was over before it could be killed"
+    with open("a.run/frames.hdf.series") as f:
+        listed = [e["name"] for e in json.load(f)["files"]]
+    assert all(os.path.exists(f"a.run/{name}") for name in listed) and len(listed) >= 9, listed
+
+
+def a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it():
+    make_pile(8, 0.05, "drain.scene.h5", "1", "3e5", "drain")
+    run(1, "drain.scene.h5", "-o", "a.run", env={"LD_PRELOAD": os.path.join(BIN, "libscree_sync_order.so"), "SCREE_SYNC_LOG": os.path.abspath("order")})
+    synced, seen = {}, 0
+    with open("order") as f:
+        for line in f:
+            what, size, path = line.rstrip("\n").split(" ", 2)
+            name = os.path.basename(path)
+            if what == "sync":
+                synced[name] = int(size)
+            elif name.startswith("checkpoint_"):
+                assert synced.get("log.csv") == int(size), f"{name}: {size} bytes of log, {synced.get('log.csv')} of them on the disk"
+                assert {"ranks.csv", "removed.csv"} <= set(synced), synced
+                seen += 1
+    assert seen >= 5, seen
+
+
+def verify_compares_scenes_far_from_the_origin_in_the_world():
+    make_pile(8, 0.02, "far.scene.h5", "1", "3e5", "far")
+    run(2, "far.scene.h5", "-o", "far.run")
+    said = run(1, "verify", "far.run", "--from", "start").stdout
+    assert said.startswith("the same, bit for bit"), said
+
+
+TESTS = [a_finished_run_is_left_as_it_is, a_folder_that_is_refused_is_left_as_it_is, only_names_that_the_solver_writes_count,
+         a_second_solver_on_a_folder_is_refused, the_list_of_frames_never_names_one_that_is_gone,
+         a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it, verify_compares_scenes_far_from_the_origin_in_the_world]
+main(TESTS)
