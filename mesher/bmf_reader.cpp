@@ -1,62 +1,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 
 #include "core/base/error.hpp"
+#include "mesher/byte_reader.hpp"
 #include "mesher/mesh_file.hpp"
 #include "mesher/mesh_repair.hpp"
 
 namespace scree {
 
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "the BMF reader copies little-endian numbers");
-
-/// Takes numbers from the front of a file's bytes.
-class Bytes {
- public:
-  Bytes(std::vector<char> data, std::string path) : data_(std::move(data)), path_(std::move(path)) {}
-  template <class T>
-  T take() {
-    T value;
-    need(sizeof(T));
-    std::memcpy(&value, data_.data() + at_, sizeof(T));
-    at_ += sizeof(T);
-    return value;
-  }
-  void skip(std::size_t count) {
-    need(count);
-    at_ += count;
-  }
-  std::size_t left() const { return data_.size() - at_; }
-
- private:
-  void need(std::size_t count) const {
-    if (left() < count) {
-      throw InputError(
-          "{}: the file ends after {} bytes, in the middle of its data; it is truncated or no BMF file",
-          path_, data_.size());
-    }
-  }
-  std::vector<char> data_;
-  std::string path_;
-  std::size_t at_ = 0;
-};
-
-}  // namespace
-
-MeshFile read_bmf(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return parse_bmf(std::vector<char>(std::istreambuf_iterator<char>(stream), {}), path);
-}
-
 MeshFile parse_bmf(std::vector<char> data, const std::string& path) {
-  Bytes bytes(std::move(data), path);
+  ByteReader bytes({data.data(), data.size()}, path);
   if (const auto objects = bytes.take<std::int32_t>(); objects != 1) {
     throw InputError(
         "{}: {} objects by its first four bytes; only BMF files of one object (the small bodies of "

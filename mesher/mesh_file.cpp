@@ -8,18 +8,26 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <limits>
 #include <memory>
 
 #include "core/base/error.hpp"
 #include "mesher/child_process.hpp"
+#include "mesher/polygons.hpp"
 
 namespace scree {
 
 namespace {
 
-const std::vector<std::string> kAssimpExtensions{".stl", ".obj", ".ply",   ".3ds", ".dae", ".off",
-                                                 ".fbx", ".blend", ".x3d", ".ac",  ".lwo"};
+using Parser = MeshFile (*)(std::vector<char>, const std::string&);
+const std::vector<std::pair<std::string, Parser>> kParsers{
+    {".stl", parse_stl}, {".obj", parse_obj}, {".ply", parse_ply}, {".off", parse_off}, {".bmf", parse_bmf}};
+const std::vector<std::string> kAssimpExtensions{".3ds", ".dae", ".fbx", ".blend", ".x3d", ".ac", ".lwo"};
 const std::vector<std::string> kGmshExtensions{".step", ".stp", ".brep"};
+#ifdef SCREE_HAVE_GMSH
+constexpr double kStepUnit = 1e-3;  // [m]: gmsh gives lengths of a STEP file in millimetres, whatever unit the file states
+#endif
 
 void check_readable(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
@@ -30,35 +38,19 @@ void check_readable(const std::string& path) {
     throw InputError("{}: the file is empty (0 bytes); export the model again", path);
 }
 
-#ifdef SCREE_HAVE_ASSIMP
-/// What is wrong with an STL that the importer refuses, in numbers: a truncated download, or no mesh at all.
-std::string stl_diagnosis(const std::string& path) {
-  char header[84] = {};
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  const std::size_t size = file ? std::fread(header, 1, sizeof header, file.get()) : 0;
-  const bool is_text = std::all_of(header, header + size, [](char c) {
-    return (c >= 32 && c < 127) || c == '\n' || c == '\r' || c == '\t';
-  });
-  if (size == sizeof header && !is_text) {
-    std::uint32_t count = 0;
-    std::memcpy(&count, header + 80, sizeof count);
-    const std::uint64_t needed = 84 + 50 * static_cast<std::uint64_t>(count),
-                        found = std::filesystem::file_size(path);
-    if (needed != found) {
-      return fmt::format(
-          "; as a binary STL its header promises {} triangles, which need {} bytes, but the file has {}; "
-          "it is truncated or damaged: export the model again",
-          count, needed, found);
-    }
-    return "; export the model again, for instance as PLY";
-  }
-  return "; it is no STL: a binary one has 84 bytes of header, a text one begins with 'solid' and has facets";
+std::vector<char> bytes_of_file(const std::string& path) {
+  std::error_code failed;
+  const std::uintmax_t size = std::filesystem::file_size(path, failed);
+  if (failed) throw SystemError("cannot read {}: {}", path, failed.message());
+  std::ifstream stream(path, std::ios::binary);
+  std::vector<char> bytes(size);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!stream || stream.peek() != EOF) throw SystemError("cannot read {} to its end: {}", path, std::strerror(errno));
+  return bytes;
 }
 
-#endif
-
 #if defined(SCREE_HAVE_ASSIMP) || defined(SCREE_HAVE_GMSH)
-// The bytes that travel from the child: three counts, then vertices, triangles, and the texts with a newline
+// The bytes that travel from the child: three counts and the unit, then vertices, triangles, and the texts with a newline
 // each.
 std::vector<char> bytes_of(const MeshFile& file) {
   std::string texts = file.reader + "\n";
@@ -66,13 +58,14 @@ std::vector<char> bytes_of(const MeshFile& file) {
   const std::uint64_t counts[3] = {file.mesh.vertices.size(), file.mesh.triangles.size(), texts.size()};
   const std::size_t vertex_bytes = file.mesh.vertices.size() * sizeof(Vec3);
   const std::size_t triangle_bytes = file.mesh.triangles.size() * sizeof(Triangle);
-  std::vector<char> bytes(sizeof counts + vertex_bytes + triangle_bytes + texts.size());
+  std::vector<char> bytes(sizeof counts + sizeof file.stated_unit + vertex_bytes + triangle_bytes + texts.size());
   std::size_t at = 0;
   const auto add = [&](const void* data, std::size_t size) {
     if (size > 0) std::memcpy(bytes.data() + at, data, size);
     at += size;
   };
   add(counts, sizeof counts);
+  add(&file.stated_unit, sizeof file.stated_unit);
   add(file.mesh.vertices.data(), vertex_bytes);
   add(file.mesh.triangles.data(), triangle_bytes);
   add(texts.data(), texts.size());
@@ -89,6 +82,7 @@ MeshFile mesh_file_of(const std::vector<char>& bytes) {
   std::uint64_t counts[3];
   take(counts, sizeof counts);
   MeshFile file;
+  take(&file.stated_unit, sizeof file.stated_unit);
   file.mesh.vertices.resize(counts[0]);
   file.mesh.triangles.resize(counts[1]);
   take(file.mesh.vertices.data(), counts[0] * sizeof(Vec3));
@@ -123,11 +117,11 @@ std::string extension_of(const std::string& path) {
 
 std::vector<std::string> known_extensions() {
   std::vector<std::string> known;
-  if (!assimp_version().empty()) known = kAssimpExtensions;
+  for (const auto& [extension, parser] : kParsers) known.push_back(extension);
+  if (!assimp_version().empty()) known.insert(known.end(), kAssimpExtensions.begin(), kAssimpExtensions.end());
 #ifdef SCREE_HAVE_GMSH
   known.insert(known.end(), kGmshExtensions.begin(), kGmshExtensions.end());
 #endif
-  known.push_back(".bmf");
   return known;
 }
 
@@ -139,18 +133,42 @@ ChildLimits importer_limits(const std::string& path) {
   return limits;
 }
 
+MeshFile mesh_file_from(PolygonMesh&& polygons, const std::string& reader, const std::string& path) {
+  for (std::size_t f = 0; f < polygons.facet_count(); ++f) {
+    const std::size_t corners = polygons.facet(f).size();
+    if (corners <= kLongestFacet) continue;
+    throw InputError("{}: facet {} has {} corners; at most {} can be cut into triangles: triangulate it before exporting", path, f,
+                     corners, kLongestFacet);
+  }
+  if (polygons.corners.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+    throw InputError("{}: {} corners of facets are more than can be indexed", path, polygons.corners.size());
+  PolygonCounts counts;
+  MeshFile file;
+  file.reader = reader;
+  file.mesh = triangulated(std::move(polygons), counts);
+  if (counts.too_few > 0) file.notes.push_back(fmt::format("{} points and lines were left out", counts.too_few));
+  if (counts.crossing > 0) {
+    file.notes.push_back(fmt::format("{} that {} or {} no area; cut into triangles as a fan",
+                                     counts.crossing == 1 ? "1 polygon" : fmt::format("{} polygons", counts.crossing),
+                                     counts.crossing == 1 ? "crosses itself" : "cross themselves", counts.crossing == 1 ? "has" : "have"));
+  }
+  return file;
+}
+
 MeshFile read_mesh_file(const std::string& path) { return read_mesh_file(path, importer_limits(path)); }
 
 MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLimits& limits) {
   check_readable(path);
   const std::string extension = extension_of(path);
-  if (extension == ".bmf") return read_bmf(path);
+  for (const auto& [known, parse] : kParsers) {
+    if (extension == known) return parse(bytes_of_file(path), path);
+  }
 #ifdef SCREE_HAVE_GMSH
   if (std::find(kGmshExtensions.begin(), kGmshExtensions.end(), extension) != kGmshExtensions.end()) {
     ChildLimits patient = limits;
     patient.cpu_seconds = ChildLimits{}.cpu_seconds;  // a short file can describe what takes long to mesh
     return mesh_file_of(run_in_child("reading " + path, [&] {
-      return bytes_of({read_cad_with_gmsh(path), "gmsh, " + extension, {}});
+      return bytes_of({read_cad_with_gmsh(path), "gmsh, " + extension, {}, extension == ".brep" ? 0 : kStepUnit});
     }, patient));
   }
 #endif
@@ -163,12 +181,7 @@ MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLim
                      is_ours ? "; a shape file is shown by 'scree-mesher info'" : "");
   }
 #ifdef SCREE_HAVE_ASSIMP
-  try {
-    return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }, limits));
-  } catch (const InputError& error) {
-    if (extension == ".stl") throw InputError("{}{}", error.what(), stl_diagnosis(path));
-    throw;
-  }
+  return mesh_file_of(run_in_child("reading " + path, [&] { return bytes_of(read_with_assimp(path)); }, limits));
 #else
   throw UsageError("{}: this build has no assimp, which reads {}; install libassimp-dev and build again",
                    path, extension);

@@ -12,17 +12,19 @@ namespace scree {
 /// A mesh as it stands in its file: nothing welded, nothing dropped, numbers in the file's own unit.
 struct MeshFile {
   TriangleMesh mesh;
-  std::string reader;              ///< "assimp 5.2, STL" or "BMF"
-  std::vector<std::string> notes;  ///< what the reader left out, for the user
+  std::string reader;              ///< "STL, binary" or "assimp 5.2, .3ds"
+  std::vector<std::string> notes;  ///< what the reader left out or lost, for the user
+  double stated_unit = 0;          ///< metres in one unit of these numbers, where the format or the file states it; else 0
 };
 
 /// Reads a mesh file.
 ///
-/// STL OBJ PLY 3DS DAE OFF FBX BLEND X3D AC LWO go through assimp, STEP and BREP through gmsh, in a child process with limits on memory and time, so that a
-/// hostile file ends a child and not the tool; coordinates pass through single precision there. BMF (the
-/// small bodies of openuniverse) is read here. Fails: UsageError for an unknown extension, or when this build
+/// STL, OBJ, PLY, OFF and BMF (the small bodies of openuniverse) are read here, in double precision; their declared counts are
+/// compared with what follows. 3DS DAE FBX BLEND X3D AC LWO go through assimp, STEP and BREP through gmsh, in a child process with
+/// limits on memory and time, so that a hostile file ends a child and not the tool. assimp computes in single precision, which a
+/// note reports where the file can hold more. Fails: UsageError for an unknown extension, or when this build
 /// has no assimp; SystemError when the file cannot be opened; InputError when it is empty, is not what its
-/// extension says, or breaks the importer.
+/// extension says, has other counts than it declares, or breaks the importer.
 MeshFile read_mesh_file(const std::string& path);
 MeshFile read_mesh_file(const std::string& path, const ChildLimits& limits);
 
@@ -52,9 +54,34 @@ std::string assimp_version();
 /// texture's name, 12 float32 of material, uint16 vertex count and vertices (u v, normal, position: 8
 /// float32), uint16 triangle count and triangles (3 uint16). Positions are in kilometres. Triangles are
 /// stored twice; of each set of three positions the copy that agrees best with the stored normals is kept.
-MeshFile read_bmf(const std::string& path);
-/// The same from the bytes of a file; `path` is for messages.
+/// in   bytes   of the whole file; `path` is for messages.   Fails: InputError.
 MeshFile parse_bmf(std::vector<char> bytes, const std::string& path);
+
+/// OFF of Geomview, text or binary: keyword OFF with any of the prefixes ST, C, N, or none; comments, colours and free line breaks;
+/// facets of any number of vertices. Not read: 4OFF and nOFF, which have more than three dimensions.
+/// Fails: InputError with the line or byte; when counts and data disagree.
+/// Source: Geomview manual, section 4.2.5, OFF files.
+MeshFile parse_off(std::vector<char> bytes, const std::string& path);
+
+/// PLY 1.0, text or binary of either byte order: properties of any type and order, element face with vertex_indices or vertex_index,
+/// element tristrips; other elements are left out with a note.
+/// Fails: InputError with the line or byte; when counts and data disagree.
+/// Source: G. Turk, The PLY polygon file format, 1994.
+MeshFile parse_ply(std::vector<char> bytes, const std::string& path);
+
+/// STL, binary when its length agrees with its count, else text with any number of solids.
+/// Fails: InputError with the line; when the length of a binary file disagrees with its count.
+MeshFile parse_stl(std::vector<char> bytes, const std::string& path);
+
+/// OBJ: statements v and f, with positive and negative indices, lines joined by '\'; groups are joined; materials, normals
+/// and texture coordinates are skipped; lines, points and free surfaces are left out with a note.
+/// Fails: InputError with the line.
+MeshFile parse_obj(std::vector<char> bytes, const std::string& path);
+
+struct PolygonMesh;
+/// Facets cut into triangles, with a note on those that could not be.
+/// Fails: InputError for a facet of more than kLongestFacet corners and for more triangles than 2^31.
+MeshFile mesh_file_from(PolygonMesh&& polygons, const std::string& reader, const std::string& path);
 
 /// A STEP or BREP file, its solids meshed by gmsh in this process, finer where it is curved: 24 edges to a full turn, none
 /// longer than a tenth of the diagonal. STEP lengths come as millimetres. Only in builds with gmsh.

@@ -1,4 +1,4 @@
-// Damaged copies of mesh files, read as import reads them: through the libraries in their child process.
+// Damaged copies of mesh files, read as import reads them: by our readers, or through the libraries in their child process.
 //
 //   scree_mutate_meshes RUNS SEED FILE...
 //
@@ -19,8 +19,8 @@
 
 namespace {
 
-/// Computing time of the child; the tool's own limit is longer, so that large files and slow machines have time. PLY files with
-/// damaged counts reach it. A sound seed takes some milliseconds.
+/// Computing time of the child; the tool's own limit is longer, so that large files and slow machines have time.
+/// A sound seed takes some milliseconds.
 constexpr double kSeconds = 0.25;
 
 std::string damaged(std::string bytes, std::mt19937_64& random) {
