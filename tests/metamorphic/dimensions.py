@@ -1,0 +1,89 @@
+"""What each key of the case language measures, so that a case can be told in other units of length, mass and time.
+
+A new key that holds a number joins with one line here; selftest.py compares the lines with the schema of the case language.
+"""
+
+# key: exponents of length, mass, time
+DIMENSIONS = {
+    "gravity": (1, 0, -2),
+    "time.duration": (0, 0, 1), "time.step": (0, 0, 1),
+    "domain.min": (1, 0, 0), "domain.max": (1, 0, 0),
+    "fluid.density": (-3, 1, 0), "fluid.viscosity": (-1, 1, -1), "fluid.velocity": (1, 0, -1),
+    "shapes.*.cell_size": (1, 0, 0), "shapes.*.sphere.radius": (1, 0, 0),
+    "materials.*.density": (-3, 1, 0), "materials.*.young": (-1, 1, -2),
+    "pairs.*.stiffness": (0, 1, -2), "pairs.*.restitution_speed": (1, 0, -1), "pairs.*.contact_radius": (1, 0, 0),
+    "pairs.*.layer_modulus": (-1, 1, -2),
+    "contact.margin": (1, 0, 0), "contact.impact_speed": (1, 0, -1),
+    "bodies.*.position": (1, 0, 0), "bodies.*.velocity": (1, 0, -1), "bodies.*.angular_velocity": (0, 0, -1),
+    "populations.*.mass": (0, 1, 0), "populations.*.velocity": (1, 0, -1), "populations.*.angular_velocity": (0, 0, -1),
+    "populations.*.size": (1, 0, 0), "populations.*.size.diameter": (1, 0, 0), "populations.*.size.mean": (1, 0, 0),
+    "populations.*.size.median": (1, 0, 0), "populations.*.size.scale": (1, 0, 0), "populations.*.size.min": (1, 0, 0),
+    "populations.*.size.max": (1, 0, 0),
+    "populations.*.region.box": (1, 0, 0), "populations.*.region.cylinder.start": (1, 0, 0), "populations.*.region.cylinder.end": (1, 0, 0),
+    "populations.*.region.cylinder.radius": (1, 0, 0), "populations.*.region.sphere.centre": (1, 0, 0),
+    "populations.*.region.sphere.radius": (1, 0, 0),
+    "walls.*.cell_size": (1, 0, 0), "walls.*.position": (1, 0, 0),
+    "walls.*.motion.oscillate.amplitude": (1, 0, 0), "walls.*.motion.oscillate.frequency": (0, 0, -1),
+    "walls.*.motion.rotate.centre": (1, 0, 0), "walls.*.motion.rotate.rate": (0, 0, -1),
+    "walls.*.motion.start": (0, 0, 1), "walls.*.motion.stop": (0, 0, 1),
+    "walls.*.motion.table.time": (0, 0, 1), "walls.*.motion.table.position": (1, 0, 0), "walls.*.motion.translate.velocity": (1, 0, -1),
+    "walls.*.shape.box.corners": (1, 0, 0), "walls.*.shape.box_inside": (1, 0, 0),
+    "walls.*.shape.cone.start": (1, 0, 0), "walls.*.shape.cone.end": (1, 0, 0), "walls.*.shape.cone.radius_start": (1, 0, 0),
+    "walls.*.shape.cone.radius_end": (1, 0, 0),
+    "walls.*.shape.cylinder.start": (1, 0, 0), "walls.*.shape.cylinder.end": (1, 0, 0), "walls.*.shape.cylinder.radius": (1, 0, 0),
+    "walls.*.shape.cylinder_inside.start": (1, 0, 0), "walls.*.shape.cylinder_inside.end": (1, 0, 0),
+    "walls.*.shape.cylinder_inside.radius": (1, 0, 0),
+    "walls.*.shape.disc.centre": (1, 0, 0), "walls.*.shape.disc.radius": (1, 0, 0), "walls.*.shape.disc.hole": (1, 0, 0),
+    "walls.*.shape.drum.start": (1, 0, 0), "walls.*.shape.drum.end": (1, 0, 0), "walls.*.shape.drum.radius": (1, 0, 0),
+    "walls.*.shape.drum.lifters.height": (1, 0, 0), "walls.*.shape.drum.lifters.width": (1, 0, 0),
+    "walls.*.shape.drum.lifters.top_width": (1, 0, 0),
+    "walls.*.shape.hopper.outlet": (1, 0, 0), "walls.*.shape.hopper.bin": (1, 0, 0), "walls.*.shape.hopper.funnel_height": (1, 0, 0),
+    "walls.*.shape.hopper.bin_height": (1, 0, 0), "walls.*.shape.hopper.stub": (1, 0, 0),
+    "walls.*.shape.plane.point": (1, 0, 0),
+    "walls.*.shape.plate.corner": (1, 0, 0), "walls.*.shape.plate.side_a": (1, 0, 0), "walls.*.shape.plate.side_b": (1, 0, 0),
+    "walls.*.shape.sphere_inside.centre": (1, 0, 0), "walls.*.shape.sphere_inside.radius": (1, 0, 0),
+    "output.every": (0, 0, 1), "output.checkpoint": (0, 0, 1),
+}
+
+# numbers that are the same in all units
+PLAIN = {
+    "seed", "time.steps_per_contact", "contact.barrier", "materials.*.poisson",
+    "pairs.*.restitution", "pairs.*.friction", "pairs.*.friction_sliding", "pairs.*.tangential_ratio", "pairs.*.tangential_damping",
+    "pairs.*.rolling_friction", "pairs.*.torsional_friction",
+    "bodies.*.orientation", "bodies.*.scale",
+    "populations.*.count", "populations.*.jitter", "populations.*.solid_fraction", "populations.*.orientation",
+    "populations.*.orientation.align", "populations.*.orientation.axis", "populations.*.orientation.scatter",
+    "populations.*.size.exponent", "populations.*.size.passing", "populations.*.size.shape", "populations.*.shapes.*",
+    "populations.*.size.sigma",   # of a normal distribution a length: see units_of
+    "walls.*.orientation", "walls.*.scale", "walls.*.motion.oscillate.direction", "walls.*.motion.oscillate.phase", "walls.*.motion.rotate.axis",
+    "walls.*.shape.plane.normal", "walls.*.shape.disc.normal", "walls.*.shape.hopper.half_angle",
+    "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
+    "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",
+}
+
+
+def in_other_units(words, length, mass, time):
+    """The words of a case with every number multiplied by what its unit becomes."""
+    return converted(words, "", (length, mass, time))
+
+
+def converted(value, key, units):
+    if isinstance(value, dict):
+        named = key in ("shapes", "materials", "populations.*.shapes")
+        result = {name: converted(entry, f"{key}.*" if named else f"{key}.{name}" if key else name, units) for name, entry in value.items()}
+        if key == "populations.*.size" and value.get("distribution") == "normal":
+            result["sigma"] = value["sigma"] * units[0]
+        return result
+    if isinstance(value, list):
+        tables = key in ("bodies", "walls", "populations", "pairs")
+        return [converted(entry, f"{key}.*" if tables else key, units) for entry in value]
+    if isinstance(value, (str, bool)) or key in PLAIN:
+        return value
+    return value * factor(DIMENSIONS[key], units)
+
+
+def factor(exponents, units):
+    result = 1.0
+    for exponent, unit in zip(exponents, units):
+        result *= unit ** exponent
+    return result

@@ -1,0 +1,782 @@
+"""Random valid cases over everything that the case language knows.
+
+One function per feature of the language, called in the order of FEATURES; each draws whether and how its feature is in the case. A new
+feature joins with one function here and, where it has numbers, lines in dimensions.py. What the functions share is in Draft.
+
+Sizes are chosen so that a run of at most 60 bodies takes a second at most.
+"""
+import math
+import random as random_numbers
+
+import numpy
+
+import solids
+from model import Case
+from transforms import Placement, placed, right_angle_turns
+
+FEATURES = []
+
+
+def feature(function):
+    FEATURES.append(function)
+    return function
+
+
+class Draft:
+    """A case in the making.
+
+    radius of the largest body, speed: units of length and velocity; margin, depth: of a contact that takes the fastest impact
+    room: where bodies may be placed, two corners; clear of all walls by `gap`
+    """
+
+    def __init__(self, seed):
+        self.random = random_numbers.Random(f"case {seed}")
+        self.case = Case({"title": f"seed {seed}", "seed": self.random.randrange(1000)}, note=f"seed {seed}")
+        self.words = self.case.words
+        self.extra_speed = 0.0    # of walls
+
+    def chance(self, probability):
+        return self.random.random() < probability
+
+    def between(self, low, high):
+        return self.random.uniform(low, high)
+
+    def log_between(self, low, high):
+        return math.exp(self.random.uniform(math.log(low), math.log(high)))
+
+    def pick(self, weights):
+        """One of the keys of {choice: weight}."""
+        return self.random.choices(list(weights), list(weights.values()))[0]
+
+    def direction(self):
+        while True:
+            v = numpy.array([self.random.gauss(0, 1) for _ in range(3)])
+            if numpy.linalg.norm(v) > 0.1:
+                return v / numpy.linalg.norm(v)
+
+    def quaternion(self):
+        while True:
+            q = numpy.array([self.random.gauss(0, 1) for _ in range(4)])
+            if numpy.linalg.norm(q) > 0.1:
+                return (q / numpy.linalg.norm(q)).tolist()
+
+    def wall(self, shape, **more):
+        material = self.random.choice(self.wall_materials)
+        self.case.walls.append({"shape": shape, "material": material, **more})
+        return self.case.walls[-1]
+
+
+def generate(seed):
+    draft = Draft(seed)
+    for function in FEATURES:
+        function(draft)
+    return draft.case
+
+
+# ---- what a scene is made of
+
+@feature
+def scale_of_things(d):
+    """Lengths from millimetres to metres, densities of foam to steel, speeds around those of a fall by a radius."""
+    d.radius = d.log_between(1e-3, 1.0)
+    d.density = d.log_between(300, 8000)
+    d.speed = math.sqrt(9.81 * d.radius) * d.log_between(0.3, 3)
+    d.margin = d.radius * d.between(0.02, 0.1)
+
+
+@feature
+def gravity(d):
+    kind = d.pick({"default": 4, "none": 3, "other": 3})
+    if kind == "none":
+        d.words["gravity"] = [0, 0, 0]
+    elif kind == "other":
+        size = d.speed**2 / d.radius * d.log_between(0.02, 1)
+        lean = d.direction() * d.between(0, 0.4) + [0, 0, -1]
+        d.words["gravity"] = (size * lean / numpy.linalg.norm(lean)).tolist()
+    d.g = float(numpy.linalg.norm(d.case.gravity))
+
+
+@feature
+def materials(d):
+    count = d.pick({1: 5, 2: 3, 3: 1})
+    d.materials = ["m", "other", "third"][:count]
+    d.words["materials"] = {name: {"density": d.density * d.between(0.7, 1)} for name in d.materials}
+    d.wall_materials = d.materials if d.chance(0.7) else d.materials[-1:]
+
+
+@feature
+def shapes(d):
+    """Balls, meshes of a dozen to a hundred triangles, or both."""
+    kind = d.pick({"balls": 4, "meshes": 4, "both": 3})
+    d.words["shapes"] = {}
+    names = []
+    if kind != "meshes":
+        for i in range(d.pick({1: 3, 2: 1})):
+            name = f"ball{i}"
+            d.words["shapes"][name] = {"sphere": {"radius": d.radius * d.between(0.5, 1)}}
+            names.append(name)
+    if kind != "balls":
+        for i in range(d.pick({1: 3, 2: 1})):
+            name = d.random.choice(sorted(solids.SOLIDS)) + str(i)
+            d.case.meshes[name] = solids.SOLIDS[name[:-1]](d.random, d.radius * d.between(0.6, 1))
+            d.words["shapes"][name] = {"file": "@" + name}
+            names.append(name)
+    d.shapes, d.meshed = names, kind != "balls"
+
+
+@feature
+def how_many(d):
+    most = 12 if d.meshed else 30
+    d.count = d.pick({1: 1, 2: 3, d.random.randint(3, 8): 4, d.random.randint(4, most): 4})
+    d.gap = 2.2 * d.margin
+    d.cell = 2 * d.radius + d.gap + d.radius * d.log_between(0.005, 0.6)
+    base = max(1, round((d.count / d.between(1, 3)) ** (1 / 2.5)))
+    d.cells = [base, max(1, base - d.random.randint(0, 1)), 0]
+    d.cells[2] = math.ceil(d.count / (d.cells[0] * d.cells[1]))
+    d.size = numpy.array(d.cells) * d.cell
+
+
+# ---- walls: each container sets d.room and d.closed
+
+CONTAINERS = {}
+
+
+def container(weight):
+    def keep(function):
+        CONTAINERS[function] = weight
+        return function
+    return keep
+
+
+@feature
+def walls(d):
+    half = d.size / 2
+    d.room = numpy.array([[-half[0], -half[1], d.gap], [half[0], half[1], d.gap + d.size[2]]])
+    d.periodic, d.closed = [], False
+    d.pick(CONTAINERS)(d)
+    for i, wall in enumerate(d.case.walls):
+        if d.chance(0.3):
+            wall["name"] = d.random.choice(["wall", "Wand", "left & right", "w"]) + str(i)
+
+
+@container(3)
+def open_space(d):
+    axes = [axis for axis in "xyz" if d.chance(0.35)]
+    make_periodic(d, axes)
+
+
+@container(4)
+def one_plane(d):
+    axes = [axis for axis in "xy" if d.chance(0.25)]
+    make_periodic(d, axes)
+    lean = numpy.array([0 if "x" in axes else d.between(-0.3, 0.3), 0 if "y" in axes else d.between(-0.3, 0.3), 1.0])
+    if d.chance(0.5):
+        lean = numpy.array([0, 0, 1.0])
+    lean /= numpy.linalg.norm(lean)
+    # below the lowest corner of the room
+    low = min(float(lean @ [x, y, d.room[0][2]]) for x in d.room[:, 0] for y in d.room[:, 1])
+    d.wall({"plane": {"point": (lean * (low - d.gap)).tolist(), "normal": lean.tolist()}})
+
+
+@container(2)
+def several_planes(d):
+    d.wall({"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}})
+    for axis in range(2):
+        for side in range(2):
+            if d.chance(0.7):
+                point, normal = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+                point[axis], normal[axis] = float(d.room[side][axis] + (2 * side - 1) * d.gap), 1.0 - 2 * side
+                d.wall({"plane": {"point": point, "normal": normal}})
+
+
+@container(4)
+def box_inside(d):
+    axes = [axis for axis in "xyz" if d.chance(0.2)]
+    make_periodic(d, axes)
+    low, high = d.room[0] - d.gap, d.room[1] + d.gap
+    for k, axis in enumerate("xyz"):
+        if axis in axes:   # faces across a periodic axis are left out; they stand at the seam or beyond
+            low[k], high[k] = d.words["domain"]["min"][k], d.words["domain"]["max"][k]
+    d.wall({"box_inside": [low.tolist(), high.tolist()]})
+    d.closed = True
+
+
+@container(3)
+def cylinder_inside(d):
+    k = d.random.randrange(3)
+    across = [j for j in range(3) if j != k]
+    middle = d.room.mean(axis=0)
+    radius = float(numpy.linalg.norm((d.room[1] - d.room[0])[across]) / 2 + d.gap)
+    start, end = middle.copy(), middle.copy()
+    start[k], end[k] = d.room[0][k] - d.gap, d.room[1][k] + d.gap
+    if d.chance(0.3):
+        make_periodic(d, ["xyz"[k]], {j: radius + d.radius for j in across})
+        start[k], end[k] = d.words["domain"]["min"][k], d.words["domain"]["max"][k]
+    d.wall({"cylinder_inside": {"start": start.tolist(), "end": end.tolist(), "radius": radius}})
+    d.axis, d.closed = (k, middle), True
+
+
+@container(2)
+def sphere_inside(d):
+    middle = d.room.mean(axis=0)
+    d.wall({"sphere_inside": {"centre": middle.tolist(), "radius": float(numpy.linalg.norm(d.room[1] - middle) + d.gap)}})
+    d.closed = True
+
+
+@container(2)
+def plate(d):
+    a, b = numpy.array([1.0, d.between(-0.3, 0.3), 0]), numpy.array([d.between(-0.3, 0.3), 1.0, 0])
+    reach = 2.5 * float(d.size[:2].max())
+    d.wall({"plate": {"corner": (-(a + b) * reach / 2).tolist(), "side_a": (a * reach).tolist(), "side_b": (b * reach).tolist()}})
+
+
+@container(2)
+def disc(d):
+    reach = float(numpy.linalg.norm(d.size[:2])) * d.between(0.8, 1.2)
+    shape = {"centre": [0, 0, 0], "normal": [0, 0, 1], "radius": reach, "segments": d.random.choice([5, 8, 16])}
+    if d.chance(0.3):
+        shape["hole"] = reach * d.between(0.1, 0.4)
+        d.wall({"plane": {"point": [0, 0, -3 * d.radius], "normal": [0, 0, 1]}})
+    d.wall({"disc": shape})
+
+
+@container(3)
+def box(d):
+    low, high = d.room[0] - d.gap, d.room[1] + d.gap
+    shape = {"corners": [low.tolist(), high.tolist()]}
+    if d.chance(0.6):
+        shape["open"] = sorted({"+z", *(side for side in ("-x", "+y") if d.chance(0.15))})
+    d.wall({"box": shape})
+    d.closed = "open" not in shape
+
+
+@container(2)
+def tube(d):
+    radius = float(numpy.linalg.norm(d.size[:2]) / 2 + d.gap) / math.cos(math.pi / 8)
+    shape = {"start": [0, 0, 0], "end": [0, 0, float(d.room[1][2] + d.gap)], "radius": radius, "segments": d.random.choice([8, 12, 16])}
+    openings = d.pick({(): 1, ("end",): 3, ("start", "end"): 1})
+    if openings:
+        shape["open"] = list(openings)
+    if "start" in openings:
+        d.wall({"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}})
+    d.wall({"cylinder": shape})
+    d.axis, d.closed = (2, numpy.zeros(3)), not openings
+
+
+@container(2)
+def cone(d):
+    bottom = float(numpy.linalg.norm(d.size[:2]) / 2 + 2 * d.gap) / math.cos(math.pi / 8)
+    top = bottom * d.between(1.05, 1.6)
+    shape = {"start": [0, 0, 0], "end": [0, 0, float(d.room[1][2] + d.gap)], "radius_start": bottom, "radius_end": top, "open": ["end"],
+             "segments": d.random.choice([8, 12])}
+    d.wall({"cone": shape})
+
+
+@container(2)
+def hopper(d):
+    width = float(numpy.linalg.norm(d.size[:2]) + 2 * d.gap) / math.cos(math.pi / 8)
+    outlet = min(0.7 * width, d.between(1.2, 2.5) * d.radius)
+    shape = {"outlet": outlet, "bin": width, "bin_height": float(d.size[2] + 2 * d.gap), "segments": d.random.choice([8, 12])}
+    if d.chance(0.3):
+        shape |= {"outlet": [outlet, outlet], "bin": [width, width]}
+        del shape["segments"]
+    if d.chance(0.6):
+        shape["half_angle"] = math.radians(d.between(30, 70))
+        height = 0.5 * (width - outlet) / math.tan(shape["half_angle"])
+    else:
+        height = shape["funnel_height"] = 0.5 * (width - outlet) * d.between(0, 1.5)
+    if d.chance(0.3):
+        shape["stub"] = d.radius * d.between(0.2, 1)
+    d.wall({"hopper": shape}, name="hopper")
+    d.room = d.room + [0, 0, height]
+    if d.chance(0.7):
+        low = -shape.get("stub", 0) - 2.5 * d.margin
+        d.wall({"plate": {"corner": [-width / 2, -width / 2, low], "side_a": [width, 0, 0], "side_b": [0, width, 0]}}, name="gate")
+
+
+@container(2)
+def drum(d):
+    lifters = {"count": d.random.randint(2, 6), "height": d.radius * d.between(0.2, 0.6), "width": d.radius * d.between(0.2, 0.5)}
+    if d.chance(0.4):
+        lifters["top_width"] = lifters["width"] * d.between(0.5, 1)
+    middle = d.room.mean(axis=0)
+    radius = float(numpy.linalg.norm(d.size[[0, 2]]) / 2 + d.gap + lifters["height"]) / math.cos(math.pi / 12)
+    start, end = middle.copy(), middle.copy()
+    start[1], end[1] = d.room[0][1] - d.gap, d.room[1][1] + d.gap
+    shape = {"start": start.tolist(), "end": end.tolist(), "radius": radius, "segments": d.random.choice([12, 24])}
+    if d.chance(0.8):
+        shape["lifters"] = lifters
+    d.wall({"drum": shape})
+    d.axis, d.closed = (1, middle), True
+
+
+@container(3)
+def surface_from_file(d):
+    name = d.random.choice(sorted(solids.SURFACES))
+    half = float(d.size[:2].max()) * d.between(0.8, 1.2) + 2 * d.gap
+    d.case.meshes[name] = solids.SURFACES[name](d.random, half)
+    d.wall({"file": "@" + name})
+    if d.chance(0.3):
+        d.case.walls[-1]["scale"] = d.between(1.0, 1.3)
+    if name != "tray" and d.chance(0.3):
+        # far enough beyond the seam
+        room = d.room
+        make_periodic(d, [axis for axis in "xy" if d.chance(0.6)])
+        if d.periodic and max(abs(v) for v in d.words["domain"]["min"][:2]) + 2 * d.radius > half:
+            d.words.pop("domain")
+            d.periodic, d.room = [], room
+
+
+@container(2)
+def row_of_fixed_bodies(d):
+    """A floor of bodies that never move, over a plane that catches what falls between them."""
+    d.fixed_row = True
+    d.wall({"plane": {"point": [0, 0, -4.5 * d.radius], "normal": [0, 0, 1]}})
+
+
+@container(1)
+def two_things(d):
+    """A mesh inside a formula: contacts with both at once."""
+    box_inside(d)
+    low = float(d.room[0][2]) - 0.9 * d.gap
+    if not d.periodic and d.chance(0.8):
+        x, y = d.room[:, 0] * 0.9, d.room[:, 1] * 0.9
+        d.wall({"plate": {"corner": [x[0], y[0], low + 0.1 * d.gap], "side_a": [x[1] - x[0], 0, 0], "side_b": [0, y[1] - y[0], 0]}})
+        d.room[0][2] += 1.5 * d.gap
+        d.room[1][2] += 1.5 * d.gap
+        inside = d.case.walls[0]["shape"]["box_inside"]
+        inside[1][2] += 2 * d.gap
+
+
+def make_periodic(d, axes, reach=None):
+    """A domain around the room, periodic along the axes."""
+    if not axes:
+        return
+    low, high = d.room[0].copy(), d.room[1].copy()
+    for k, axis in enumerate("xyz"):
+        if axis in axes:
+            lack = max(0.0, 4.2 * (d.radius + d.margin) - (high[k] - low[k])) / 2
+            low[k], high[k] = low[k] - lack, high[k] + lack
+        else:
+            more = max(20 * d.radius, 2 * d.size[k], (reach or {}).get(k, 0))
+            low[k], high[k] = low[k] - more, high[k] + more
+    d.words["domain"] = {"min": low.tolist(), "max": high.tolist(), "periodic": list(axes)}
+    d.periodic = list(axes)
+
+
+@feature
+def domain(d):
+    if d.periodic:
+        if d.chance(0.5):
+            d.words["domain"]["outside"] = d.random.choice(["stop", "remove", "keep"])
+        return
+    if d.chance(0.25):
+        outside = d.pick({"remove": 3, "keep": 1, "stop": 1})
+        room = d.radius * (d.log_between(0.2, 5) if outside != "stop" else 50)
+        d.words["domain"] = {"min": (d.room[0] - room - d.gap).tolist(), "max": (d.room[1] + room + d.gap).tolist(), "outside": outside}
+
+
+# ---- bodies
+
+@feature
+def bodies(d):
+    """In the cells of a grid, or drawn by the decomposer."""
+    if getattr(d, "fixed_row", False):
+        add_fixed_row(d)
+    if d.chance(0.3) and not getattr(d, "fixed_row", False):
+        populations(d)
+        return
+    cells = [(i, j, k) for k in range(d.cells[2]) for j in range(d.cells[1]) for i in range(d.cells[0])][:d.count]
+    heading = d.chance(0.5)
+    middle = d.room.mean(axis=0)
+    for cell in cells:
+        shape = d.random.choice(d.shapes)
+        free = 0.5 * (d.cell - 2 * d.radius - d.gap)
+        at = d.room[0] + (numpy.array(cell) + 0.5) * d.cell + [d.between(-free, free) for _ in range(3)]
+        body = {"shape": shape, "material": d.random.choice(d.materials), "position": at.tolist()}
+        if d.chance(0.8) and not shape.startswith("ball") or d.chance(0.2):
+            body["orientation"] = d.quaternion()
+        if d.chance(0.8):
+            way = middle - at
+            way = way / numpy.linalg.norm(way) if heading and numpy.linalg.norm(way) > 0.1 * d.radius else d.direction()
+            body["velocity"] = (d.speed * d.between(0, 1) * way).tolist()
+        if d.chance(0.5):
+            body["angular_velocity"] = (0.5 * d.speed / d.radius * d.between(0, 1) * d.direction()).tolist()
+        if d.chance(0.2):
+            body["scale"] = d.between(0.5, 1)
+        if d.chance(0.05):
+            body["lock_rotation"] = True
+        d.case.bodies.append(body)
+    if len(d.case.bodies) > 2 and d.chance(0.1):
+        body = d.random.choice(d.case.bodies)
+        for key in ("velocity", "angular_velocity"):
+            body.pop(key, None)
+        body["fixed"] = True
+
+
+def add_fixed_row(d):
+    pitch = 2.2 * d.radius
+    for i in range(-2, 3):
+        d.case.bodies.append({"shape": d.random.choice(d.shapes), "material": d.random.choice(d.materials),
+                              "position": [i * pitch, 0.0, -d.radius - 0.1 * d.gap], "fixed": True})
+
+
+def populations(d):
+    kinds = {"random": 6, "lattice": 3, "settle": 1.0 if d.g > 0 and d.closed and not d.periodic else 0, "compact": 0.7 if d.closed else 0}
+    method = d.pick(kinds)
+    if method in ("settle", "compact"):
+        d.count = min(d.count, 12)
+    room = d.room.copy()
+    split = d.count > 3 and method in ("random", "lattice") and d.chance(0.25)
+    layers = [room] if not split else [numpy.array([room[0], [*room[1][:2], room[:, 2].mean() - 0.1 * d.gap]]),
+                                       numpy.array([[*room[0][:2], room[:, 2].mean() + 0.1 * d.gap], room[1]])]
+    d.words["populations"] = []
+    for layer in layers:
+        population = {"material": d.random.choice(d.materials)}
+        names = d.random.sample(d.shapes, d.random.randint(1, len(d.shapes)))
+        if len(names) == 1 and d.chance(0.7):
+            population["shape"] = names[0]
+        else:
+            population["shapes"] = {name: d.random.randint(1, 3) for name in names}
+            if d.chance(0.4):
+                population["shares_by"] = "mass"
+        population |= region_of(d, layer, method)
+        population |= sizes_of(d, names)
+        population |= amount_of(d, layer, names, population, max(1, d.count // len(layers)))
+        if method != "random" or d.chance(0.3):
+            population["method"] = method
+        if method == "lattice" and d.chance(0.6):
+            population["jitter"] = d.between(0, 1)
+        population |= orientation_of(d)
+        if d.chance(0.5):
+            population["velocity"] = (0.5 * d.speed * d.direction()).tolist()
+        if d.chance(0.3):
+            population["angular_velocity"] = (0.3 * d.speed / d.radius * d.direction()).tolist()
+        d.words["populations"].append(population)
+
+
+def region_of(d, room, method):
+    middle, half = room.mean(axis=0), (room[1] - room[0]) / 2
+    kind = d.pick({"box": 5, "cylinder": 2, "sphere": 2, "inside": 1, "inside_wall": 2})
+    if kind == "inside_wall" and len(d.case.walls) == 1 and not d.periodic and d.closed and next(iter(d.case.walls[0]["shape"])) not in ("file", "plane"):
+        d.case.walls[0]["name"] = "container"
+        return {"region": {"inside_wall": "container"}}
+    if kind == "cylinder":
+        k = d.random.randrange(3)
+        start, end = middle.copy(), middle.copy()
+        start[k], end[k] = room[0][k], room[1][k]
+        radius = float(min(half[j] for j in range(3) if j != k))
+        return {"region": {"cylinder": {"start": start.tolist(), "end": end.tolist(), "radius": radius}}}
+    if kind == "sphere":
+        return {"region": {"sphere": {"centre": middle.tolist(), "radius": float(min(half))}}}
+    if kind == "inside":
+        name = f"region{len(d.case.meshes)}"
+        lower, upper = room
+        d.case.meshes[name] = solids.clean_mesh(solids.library.box(tuple(upper - lower), 1, tuple(middle)))
+        return {"region": {"inside": "@" + name}}
+    return {"region": {"box": room.tolist()}}
+
+
+def equivalent_diameters(d, names):
+    found = []
+    for name in names:
+        shape = d.words["shapes"][name]
+        if "sphere" in shape:
+            found.append(2 * shape["sphere"]["radius"])
+        else:
+            mesh = d.case.meshes[name]
+            found.append((6 * solids.library.mass_properties((mesh.vertices, mesh.triangles))[0] / math.pi) ** (1 / 3))
+    return found
+
+
+def sizes_of(d, names):
+    if d.chance(0.3):
+        return {}
+    top = min(equivalent_diameters(d, names))
+    low = top * d.between(0.4, 0.9)
+    middle, width = (top + low) / 2, (top - low) / 2
+    kind = d.random.choice(["length", "fixed", "uniform", "normal", "lognormal", "weibull", "power", "sieve"])
+    if kind == "length":
+        return {"size": top}
+    if kind == "fixed":
+        return {"size": {"distribution": "fixed", "diameter": top}}
+    if kind == "sieve":
+        return {"size": {"distribution": "sieve", "diameter": [low, middle, top], "passing": [0, d.between(0.2, 0.8), 1]}}
+    size = {"distribution": kind, "min": low, "max": top}
+    size |= {"uniform": {}, "normal": {"mean": middle, "sigma": width * d.between(0.3, 1)},
+             "lognormal": {"median": middle, "sigma": d.between(0.05, 0.5)}, "weibull": {"scale": middle, "shape": d.between(1, 6)},
+             "power": {"exponent": d.between(0, 4)}}[kind]
+    if d.chance(0.4):
+        size["by"] = "mass"
+    return {"size": size}
+
+
+def amount_of(d, room, names, population, count):
+    """A number, or what so many bodies weigh or fill."""
+    method = population.get("method", "random")
+    diameter = min(equivalent_diameters(d, names))
+    volume = count * math.pi / 6 * diameter**3
+    kind = d.pick({"count": 5, "mass": 2, "solid_fraction": 2, "fill": 1 if method == "settle" else 0})
+    if kind == "mass":
+        return {"mass": volume * d.words["materials"][population["material"]]["density"]}
+    if kind == "solid_fraction" and "box" in population["region"]:
+        return {"solid_fraction": min(0.2, volume / float(numpy.prod(room[1] - room[0])))}
+    if kind == "fill":
+        return {"fill": True}
+    return {"count": count}
+
+
+def orientation_of(d):
+    kind = d.pick({"none": 4, "random": 1, "given": 1, "aligned": 2})
+    if kind == "none":
+        return {}
+    if kind == "random":
+        return {"orientation": "random"}
+    if kind == "given":
+        return {"orientation": d.quaternion()}
+    aligned = {"align": d.direction().tolist()}
+    if d.chance(0.6):
+        aligned["axis"] = d.random.choice(["longest", "shortest", d.direction().tolist()])
+    if d.chance(0.5):
+        aligned["scatter"] = d.between(0, 0.5)
+    return {"orientation": aligned}
+
+
+# ---- what moves
+
+@feature
+def motions(d):
+    """Some walls move, slowly enough for what they carry; times in shares of the duration, set by `duration`."""
+    for wall in d.case.walls:
+        if not d.chance(0.3):
+            continue
+        kind, shape = next(iter(wall["shape"].items()))
+        speed = d.speed * d.between(0.05, 0.5)
+        motion = d.pick({"rotate": 3, "translate": 2, "oscillate": 3, "table": 1})
+        if d.periodic and motion == "rotate" or kind == "box_inside" and motion == "rotate":
+            motion = "oscillate"
+        way = d.direction()
+        for k, axis in enumerate("xyz"):
+            if axis in d.periodic:
+                way[k] = 0
+        if not numpy.linalg.norm(way) > 0.1:
+            continue
+        way = way / numpy.linalg.norm(way)
+        if motion == "rotate":
+            k, centre = getattr(d, "axis", (2, d.room.mean(axis=0)))
+            axis = numpy.eye(3)[k] if d.chance(0.6) else d.direction()
+            if d.chance(0.4):
+                centre = centre + d.radius * d.direction() * d.log_between(0.1, 10)
+            lever = float(numpy.linalg.norm(numpy.abs(d.room - centre).max(axis=0)) + d.radius)
+            wall["motion"] = {"rotate": {"axis": axis.tolist(), "centre": numpy.asarray(centre).tolist(), "rate": speed / lever}}
+        elif motion == "translate":
+            wall["motion"] = {"translate": {"velocity": (speed * way).tolist()}}
+        elif motion == "oscillate":
+            amplitude = d.radius * d.log_between(0.01, 0.5)
+            wall["motion"] = {"oscillate": {"direction": way.tolist(), "amplitude": amplitude, "frequency": speed / (2 * math.pi * amplitude)}}
+            if d.chance(0.5):
+                wall["motion"]["oscillate"]["phase"] = d.between(0, 6)
+        else:
+            rise = [0, *(d.between(-1, 1) for _ in range(d.random.randint(1, 3)))]
+            wall["motion"] = {"table": {"time": [float(i) for i in range(len(rise))], "position": [(r * way).tolist() for r in rise]}, "speed": speed}
+        if d.chance(0.3):
+            wall["motion"]["start"] = d.between(0, 0.5)
+        if d.chance(0.3):
+            wall["motion"]["stop"] = d.between(0.55, 1.2)
+        d.extra_speed = max(d.extra_speed, speed)
+
+
+# ---- how contacts are computed
+
+@feature
+def contact(d):
+    law = d.pick({"linear": 5, "hunt-crossley": 2, "hertz-mindlin": 3})
+    gather = d.pick({"potential": 8, "area": 1.2, "pairs": 0.8})
+    if gather == "area" and law == "hertz-mindlin":
+        law = "linear"
+    d.law, d.gather = law, gather
+    table = {}
+    if law != "linear" or d.chance(0.2):
+        table["law"] = law
+    if gather != "potential" or d.chance(0.1):
+        table["gather"] = gather
+    only_balls = not d.meshed and not any(is_mesh_wall(wall) for wall in d.case.walls)
+    given = d.chance(0.6) or gather == "area"
+    if only_balls and gather != "area" and d.chance(0.3):
+        table["margin"] = 0.0
+    elif given:
+        table["margin"] = d.margin
+    if d.chance(0.2):
+        table["impact_speed"] = fastest(d) * d.between(0.9, 1.5)
+    d.barrier = 0.0
+    if gather == "potential" and table.get("margin", 0) > 0 and d.chance(0.1):
+        d.barrier = table["barrier"] = d.log_between(0.05, 3)
+    if d.words.get("bodies") and d.chance(0.05):
+        table["relax"] = d.random.choice([True, False])
+    if table:
+        d.words["contact"] = table
+
+
+def is_mesh_wall(wall):
+    return next(iter(wall["shape"])) not in ("plane", "box_inside", "cylinder_inside", "sphere_inside")
+
+
+def fastest(d):
+    """Of the impacts to expect."""
+    height = float(d.room[1][2] - min(0.0, d.room[0][2])) + 2 * d.radius
+    return 2 * d.speed + math.sqrt(2 * d.g * height) + d.extra_speed
+
+
+@feature
+def pairs(d):
+    """Every pair of materials; stiff enough for the fastest impact of the heaviest body."""
+    heaviest = d.density * 4 / 3 * math.pi * d.radius**3
+    speed = fastest(d)
+    d.words["pairs"] = []
+    names = sorted(d.words["materials"])
+    share = d.between(0.3, 0.7)
+    depth = 2 * d.margin * share if d.words.get("contact", {}).get("margin", 1) > 0 else 0.02 * d.radius
+    friction = d.pick({"none": 2, "some": 5})
+    for i, a in enumerate(names):
+        for b in names[i:]:
+            pair = {"between": [a, b] if d.chance(0.5) else [b, a]}
+            stiffer = d.between(1, 2)
+            if d.gather == "area":
+                # of a ball: pi kappa R D^2 with kappa the modulus over both margins
+                pair["layer_modulus"] = stiffer * 1.5 * heaviest * speed**2 / (math.pi * 0.5 * d.radius * depth**3) * 2 * d.margin
+            elif d.law != "hertz-mindlin":
+                pair["stiffness"] = stiffer * heaviest * (speed / depth) ** 2
+            pair["restitution"] = d.pick({1.0: 2, d.between(0.05, 1): 8, d.log_between(1e-5, 0.05): 1})
+            if d.law == "hunt-crossley" and (pair["restitution"] < 1 or d.chance(0.3)):
+                pair["restitution_speed"] = d.speed * d.between(0.5, 2)
+            if friction == "some" and d.chance(0.9):
+                friction_of(d, pair)
+            d.words["pairs"].append(pair)
+    if d.law == "hertz-mindlin":
+        modulus = 0.75 * 1.25 * heaviest * speed**2 / (depth**2.5 * math.sqrt(0.4 * d.radius))
+        for material in d.words["materials"].values():
+            material["poisson"] = d.between(0, 0.45)
+            material["young"] = 2 * modulus * d.between(1, 2)
+    d.stiffness = heaviest * (speed / depth) ** 2
+    d.heaviest = heaviest
+
+
+def friction_of(d, pair):
+    pair["friction"] = d.between(0.05, 1)
+    if d.chance(0.2):
+        pair["friction_sliding"] = pair["friction"] * d.between(0.5, 1)
+    if d.chance(0.2):
+        pair["tangential_ratio"] = d.between(0.1, 1)
+    if d.chance(0.2):
+        pair["tangential_damping"] = d.between(0, 2)
+    if d.chance(0.3):
+        pair["rolling_friction"] = d.log_between(0.01, 0.5)
+        if d.chance(0.5):
+            pair["rolling_model"] = d.random.choice(["elastic-plastic", "constant"])
+    if d.chance(0.2):
+        pair["torsional_friction"] = d.log_between(0.01, 0.5)
+    if d.chance(0.1):
+        pair["contact_radius"] = d.radius * d.between(0.2, 1)
+
+
+@feature
+def cells_of_large_things(d):
+    for wall in d.case.walls:
+        if is_mesh_wall(wall) and d.chance(0.1):
+            wall["cell_size"] = d.radius * d.between(0.5, 3)
+    for shape in d.words["shapes"].values():
+        if "file" in shape and d.chance(0.05):
+            shape["cell_size"] = d.radius * d.between(0.3, 2)
+
+
+@feature
+def fluid(d):
+    if not d.chance(0.12):
+        return
+    density = d.density * d.log_between(0.001, 0.8)
+    fluid_of = {"density": density, "viscosity": density * d.speed * d.radius * d.log_between(0.01, 3)}
+    if d.chance(0.3):
+        fluid_of["velocity"] = (0.3 * d.speed * d.direction()).tolist()
+    if d.chance(0.5):
+        fluid_of["drag"] = d.random.choice(["stokes", "haider-levenspiel"])
+    d.words["fluid"] = fluid_of
+
+
+@feature
+def methods(d):
+    if d.chance(0.3):
+        d.words["motion"] = {"integrator": d.pick({"kdk-dlm": 1, "midpoint": 1, "spiral": 1, "rig": 1, "euler": 1})}
+    if d.chance(0.2):
+        d.words["distance"] = {"precision": d.random.choice(["mixed", "double"])}
+        if d.chance(0.3):
+            d.words["distance"]["method"] = "brute-force"
+
+
+# ---- time and output
+
+@feature
+def duration(d):
+    """As long as it takes to go some radii, at most some ten thousand steps as far as stiffness tells."""
+    per_contact = d.pick({30: 6, 20: 1, 12: 1, 8: 0.5, 50: 1, 100: 0.3})
+    slower = (8 if d.meshed else 3) * math.sqrt(1 + 24 * d.barrier) * (3 if d.gather != "potential" else 1)
+    step = math.pi * math.sqrt(d.heaviest / d.stiffness) / per_contact / slower
+    d.duration = min(d.radius / d.speed * d.log_between(1.5, 12), step * d.log_between(1000, 4000))
+    d.step_guess = step
+    time = {"duration": d.duration}
+    if per_contact != 30:
+        time["steps_per_contact"] = per_contact
+    if d.chance(0.1):
+        time.pop("steps_per_contact", None)
+        time["step"] = step * d.between(0.5, 1)
+    if d.chance(0.15):
+        time["step_control"] = d.pick({"quantised": 4, "fixed": 1})
+    if d.g > 0 and d.chance(0.1):
+        time["stop_at_rest"] = True
+    d.words["time"] = time
+    for wall in d.case.walls:
+        motion = wall.get("motion", {})
+        if "table" in motion:
+            times = motion["table"]["time"]
+            lap = d.duration / len(times) * d.between(0.5, 1.5)
+            most = max(numpy.linalg.norm(numpy.diff(numpy.array(motion["table"]["position"]), axis=0), axis=1).max(), 0.1)
+            way = motion.pop("speed") * lap / most
+            motion["table"]["time"] = [lap * t for t in times]
+            motion["table"]["position"] = [[way * x for x in p] for p in motion["table"]["position"]]
+        for key in ("start", "stop"):
+            if key in motion:
+                motion[key] *= d.duration
+
+
+@feature
+def output(d):
+    table = {"every": d.duration / d.random.randint(5, 12)}
+    if d.chance(0.15):
+        table["contacts"] = d.random.choice([True, False])
+    if d.chance(0.2):
+        table["checkpoint"] = d.duration / d.random.randint(2, 5)
+    d.words["output"] = table
+
+
+@feature
+def anywhere(d):
+    """The whole scene turned and moved: nothing may depend on axes, but boxes stay along them."""
+    if d.case.populations:
+        return
+    bound = "domain" in d.words or any("box_inside" in wall["shape"] for wall in d.case.walls)
+    turn, shift = numpy.eye(3), numpy.zeros(3)
+    if d.chance(0.4):
+        q = d.quaternion()
+        turn = d.random.choice(right_angle_turns()) if bound else rotation(q)
+    if d.chance(0.3):
+        shift = d.direction() * d.radius * d.log_between(1, 1e3)
+    if (turn == numpy.eye(3)).all() and not shift.any():
+        return
+    d.case = placed(d.case, Placement(turn, shift))
+    d.words = d.case.words
+
+
+def rotation(q):
+    w, x, y, z = q
+    return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
