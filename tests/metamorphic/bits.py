@@ -405,7 +405,8 @@ def the_case_in_the_scene(trial):
     """The scene keeps the case word for word: packed again from there, it is the same scene."""
     with h5py.File(trial.scene.path, "r") as file:
         record = json.loads(file["provenance"][()])
-    path = trial.tools.new_path(".toml")
+    path = os.path.join(trial.tools.new_path(".case"), "case.toml")
+    os.makedirs(os.path.dirname(path))
     with open(path, "w") as file:
         file.write(record["configuration"])
     again = trial.tools.pack(trial.case, path=path)

@@ -87,7 +87,9 @@ class Tools:
         return path
 
     def write_case(self, case):
-        path = self.new_path(".toml")
+        folder = self.new_path(".case")
+        os.makedirs(folder)
+        path = os.path.join(folder, "case.toml")   # a case without a title has that of its file
         with open(path, "w") as file:
             file.write(case.text(lambda name: self.mesh_file(case.meshes[name])))
         return path
