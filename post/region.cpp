@@ -77,6 +77,38 @@ Box3 Region::bounds() const {
   return box;
 }
 
+double Region::volume_in(const Box3& box, int lines) const {
+  const Box3 whole = bounds();
+  const Box3 part{component_max(box.lower, whole.lower), component_min(box.upper, whole.upper)};
+  const Vec3 extent = part.extent();
+  if (!(extent.x > 0 && extent.y > 0 && extent.z > 0)) return 0;
+  if (kind == Kind::box) return extent.x * extent.y * extent.z;
+  // lines across the axis of a cylinder: their lengths change steadily from one to the next, those along it from nothing to all
+  int along = 0;
+  if (kind == Kind::cylinder) {
+    const Vec3 axis = upper - lower;
+    for (int k = 1; k < 3; ++k) {
+      if (std::abs(axis[k]) < std::abs(axis[along])) along = k;
+    }
+  }
+  const int u = (along + 1) % 3, v = (along + 2) % 3;
+  const auto place = [lines](double k) { return 0.5 - 0.5 * std::cos(std::numbers::pi * k / lines); };
+  double volume = 0;
+  for (int i = 0; i < lines; ++i) {
+    for (int j = 0; j < lines; ++j) {
+      Vec3 a = part.lower;
+      a[u] += extent[u] * place(i + 0.5);
+      a[v] += extent[v] * place(j + 0.5);
+      Vec3 b = a;
+      b[along] = part.upper[along];
+      if (const auto inside = part_inside(a, b)) {
+        volume += (inside->second - inside->first) * (place(i + 1) - place(i)) * (place(j + 1) - place(j));
+      }
+    }
+  }
+  return volume * extent.x * extent.y * extent.z;
+}
+
 std::optional<std::pair<double, double>> Region::part_inside(const Vec3& a, const Vec3& b) const {
   double first = 0, last = 1;
   const Vec3 d = b - a;

@@ -19,6 +19,11 @@ struct Region {
   bool contains(const Vec3& point) const;
   double volume() const;    ///< [m^3]
   Box3 bounds() const;
+  /// Volume of the part in a box [m^3].
+  /// How: of a box exact; else a sum over lines along an axis of the exact part of each line (part_inside), whose places lie closer
+  /// towards the sides of the box, where the chords of circles end steeply: 3e-5 of the whole with 128 x 128 lines.
+  /// in   lines   along each of the two other axes
+  double volume_in(const Box3& box, int lines = 128) const;
   /// The part of the segment from a to b inside, as shares [first, last] of its length; none when it passes outside.
   std::optional<std::pair<double, double>> part_inside(const Vec3& a, const Vec3& b) const;
 };

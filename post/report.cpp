@@ -199,9 +199,10 @@ std::string view_section(const Run& run, std::size_t index) {
   return html + kViewShaders + kViewScript + "</script>\n";
 }
 
-std::string statistics_section(const Statistics& s) {
+std::string statistics_section(const Statistics& s, const std::string& apparatus) {
   std::string html = fmt::format("<p>Means over {} frames from {:.4g} s to {:.4g} s with 95 % confidence intervals from {} blocks of frames, which hold for a steady state "
                                  "only. Definitions: <code>post/STATISTICS.md</code>.</p>\n", s.frames, s.first_time, s.last_time, s.blocks);
+  if (!apparatus.empty()) html += "<p>" + escaped(apparatus) + ".</p>\n";
   for (const NamedChart& chart : charts_of(s)) html += figure(chart.chart);
   html += "<details open><summary>All quantities</summary><div class=\"wide\"><table class=\"grid-table\"><thead><tr><th>quantity</th><th>mean</th><th>95 %</th><th>min</th>"
           "<th>max</th><th>unit</th></tr></thead><tbody>\n";
@@ -243,7 +244,7 @@ std::string energy_section(const Run& run) {
   settling.lines = {{"translation", t, log.column("kinetic_translational")}, {"rotation", t, log.column("kinetic_rotational")}};
   if (peak > 0) settling.limits = {{kRestKinetic * peak, "at rest: 1e-6 of the peak"}};
 
-  const double scale = std::max(peak, log.column("dissipated").back());
+  const double scale = energy_balance(run).in_play;
   std::vector<double> error = log.column("energy_error");
   for (double& e : error) e = scale > 0 ? 100 * e / scale : 0;
   LineChart balance{"Error of the energy balance", "time", "s", "error [%]", "", false, false, {{"error", t, error}}, {}};
@@ -416,7 +417,7 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
                                                          {"case", "What was run", case_section(run)},
                                                          {"picture", "Pictures", picture_section(run, shown, result.notes)},
                                                          {"view", "3D view", view_section(run, shown)},
-                                                         {"statistics", "Statistics", statistics_section(statistics)},
+                                                         {"statistics", "Statistics", statistics_section(statistics, options.apparatus)},
                                                          {"energies", "Energies", energy_section(run)},
                                                          {"contacts", "Contacts", contact_section(run)},
                                                          {"cost", "Cost", cost_section(run)},

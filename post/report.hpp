@@ -13,6 +13,7 @@ namespace scree {
 struct ReportOptions {
   std::int64_t frame = -1;      ///< of the picture and the 3D view: number as in the name of the file, -1 the last
   FramePool pool{};
+  std::string apparatus;        ///< what set_apparatus_apart did, for the page
 };
 
 struct ReportResult {

@@ -9,6 +9,7 @@
 
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "post/contact_network.hpp"
 
 namespace scree {
 
@@ -125,6 +126,11 @@ Frame load_frame(const Run& run, std::size_t index) {
       throw InputError("{}: body {} has shape {}, but the scene has {} shapes; frame and scene.h5 do not belong together", path,
                        frame.bodies.id[i], shape, shapes);
     }
+  }
+  // a contact of two bodies on either side of a periodic side is written where one of them sees it: beyond the side
+  if (const Periodicity period = periodicity_of(run.scene); period.any()) {
+    Vec3 image;
+    for (Vec3& point : frame.contacts.point) period.wrap(point, image);
   }
   return frame;
 }

@@ -2,6 +2,7 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
+#include "post/apparatus.hpp"
 #include "post/chart_files.hpp"
 #include "post/choice.hpp"
 #include "post/commands.hpp"
@@ -14,7 +15,8 @@ Command add_statistics(CLI::App& app) {
     RunOptions run;
     StatisticsOptions statistics;
     std::string output, container;
-    std::vector<std::string> regions;
+    std::vector<std::string> regions, apparatus;
+    bool count_all = false;
     double from = -1e308, to = 1e308;
     bool no_charts = false;
   };
@@ -30,6 +32,9 @@ Command add_statistics(CLI::App& app) {
   command->add_flag("--by-material", s.by_material, "A group for each material");
   command->add_flag("--by-shape", s.by_shape, "A group for each shape");
   command->add_option("--profile", s.profiles, "Axis and number of layers: z:20, x:10, r:8 (rings); repeat for more (default: along gravity)")->take_all();
+  command->add_option("--apparatus", o->apparatus, "Shape or material whose bodies count as walls: a lid, a stamp; repeat for more (default: bodies of [[bodies]] "
+                      "five times as large as those of the populations)")->take_all();
+  command->add_flag("--count-all", o->count_all, "Count every body that is free to move as a particle, lids too")->excludes("--apparatus");
   command->add_option("--container", o->container, "Box or cylinder the bodies are in, as a region (default: the wall or the periodic sides)");
   command->add_option("--blocks", s.blocks, "Blocks of frames that the confidence intervals are made from (default 10)")->check(CLI::Range(2, 1000));
   command->add_option("--mixing", s.mixing, "Kinds of the mixing index: material, shape, half-x, half-y, half-z, none (default: material, else halves along gravity)")
@@ -40,7 +45,11 @@ Command add_statistics(CLI::App& app) {
   command->add_flag("--no-charts", o->no_charts, "Tables and JSON only");
   return {command, [o] {
             CommandResult result;
-            const Run run = o->run.open(result.notices);
+            Run run = o->run.open(result.notices);
+            if (!o->count_all) {
+              const std::string apart = set_apparatus_apart(run, o->apparatus);
+              if (!apart.empty()) result.notices.push_back(fmt::format("note: {}{}", apart, o->apparatus.empty() ? "; --count-all counts them" : ""));
+            }
             StatisticsOptions& options = o->statistics;
             for (const std::size_t f : choose_frames(run, o->run.frames)) {
               if (run.frames[f].time >= o->from && run.frames[f].time <= o->to) options.frames.push_back(f);

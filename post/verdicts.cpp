@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
+#include "post/drawn_meshes.hpp"
 #include "post/provenance_chain.hpp"
 
 namespace scree {
@@ -53,17 +55,15 @@ Verdict judge_energy(const Run& run) {
     v.evidence = "There is no log.csv.";
     return v;
   }
-  double peak = 0;
-  const auto &translational = run.log.column("kinetic_translational"), &rotational = run.log.column("kinetic_rotational");
-  for (std::size_t i = 0; i < translational.size(); ++i) peak = std::max(peak, translational[i] + rotational[i]);
-  const double scale = std::max(peak, run.log.column("dissipated").back());
-  const double error = largest(run.log, "energy_error");
-  const double relative = scale > 0 ? error / scale : 0;
+  const EnergyBalance e = energy_balance(run);
+  const double relative = e.in_play > 0 ? e.lasting / e.in_play : 0, on_the_way = e.in_play > 0 ? e.largest / e.in_play : 0;
   v.answer = "closed to " + percent(relative);
   v.judgement = relative <= kEnergyGood ? Judgement::good : (relative <= kEnergyDoubtful ? Judgement::doubtful : Judgement::bad);
-  v.evidence = fmt::format("Largest error of kinetic + potential + elastic + dissipated - wall work in the log, {:.3g} J, over the larger of "
-                           "the peak kinetic energy and the energy dissipated, {:.3g} J. Dissipation is summed from the contact forces. "
-                           "Good up to {}.", error, scale, percent(kEnergyGood));
+  v.evidence = fmt::format("Lasting error of kinetic + potential + elastic + dissipated - wall work in the log, {:.3g} J, over the largest energy in play, "
+                           "{:.3g} J. Dissipation is summed from the contact forces. Good up to {}.", e.lasting, e.in_play, percent(kEnergyGood));
+  if (on_the_way > std::max(kEnergyGood, relative)) {
+    v.evidence += fmt::format(" On the way it was {} at most, in contacts, and went as they ended: more steps per contact make it smaller.", percent(on_the_way));
+  }
   return v;
 }
 
@@ -111,21 +111,67 @@ Verdict judge_rest(const Run& run) {
   return v;
 }
 
+/// Bodies in the last frame that lie below everything that could hold them: no wall and no fixed body reaches as low.
+/// None without gravity, without walls, or where a plane that faces upward holds all.
+std::size_t bodies_below_all(const Run& run) {
+  const Scene& scene = run.scene;
+  if (!(squared_length(scene.settings.gravity) > 0)) return 0;
+  const Vec3 down = normalised(scene.settings.gravity);
+  const Frame last = load_frame(run, run.frames.size() - 1);
+  double deepest = -std::numeric_limits<double>::infinity();
+  const std::vector<WallPlace> places = wall_places(last, scene);
+  const auto reach = [&](const TriangleMesh& mesh, double scale, const Vec3& position, const Quat& orientation) {
+    for (const Vec3& p : mesh.vertices) deepest = std::max(deepest, dot(down, position + rotate(orientation, scale * p)));
+  };
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const Wall& wall = scene.walls[w];
+    if (wall.kind == WallKind::plane && dot(wall.normal, down) < 0) return 0;
+    // box, cylinder and sphere hold what is inside them, and nothing is beyond
+    if (wall.kind == WallKind::box_inside || wall.kind == WallKind::cylinder_inside || wall.kind == WallKind::sphere_inside) return 0;
+    if (wall.kind == WallKind::mesh) reach(scene.shapes[static_cast<std::size_t>(wall.shape)].mesh, wall.scale, places[w].position, places[w].orientation);
+  }
+  const FrameBodies& b = last.bodies;
+  std::set<std::int64_t> fixed;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] != 0) fixed.insert(scene.bodies.id[i]);
+  }
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(b.shape[i])];
+    if (fixed.contains(b.id[i])) deepest = std::max(deepest, dot(down, b.position[i]) + b.scale[i] * shape.bounding_radius());
+  }
+  if (!std::isfinite(deepest)) return 0;
+  std::size_t below = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const double radius = b.scale[i] * scene.shapes[static_cast<std::size_t>(b.shape[i])].bounding_radius();
+    if (!fixed.contains(b.id[i]) && dot(down, b.position[i]) - radius > deepest && dot(down, b.velocity[i]) > 0) ++below;
+  }
+  return below;
+}
+
 Verdict judge_bodies(const Run& run) {
   Verdict v{"Lost bodies", Judgement::good, "", ""};
+  const std::size_t below = bodies_below_all(run);
   if (!run.is_finished()) {
     v.judgement = Judgement::information;
     v.answer = "known at the end";
     return v;
   }
   const double lost = number_in(run.outcome, "lost_bodies", 0), outside = number_in(run.outcome, "bodies_outside_domain", 0);
+  const double removed = number_in(run.outcome, "removed_bodies", 0);
   v.answer = lost == 0 && outside == 0 ? "none" : fmt::format("{:.0f} lost, {:.0f} outside the domain", lost, outside);
-  if (lost != 0 || outside != 0) v.judgement = Judgement::bad;
   v.evidence = fmt::format("{} bodies in the scene, {:.0f} at the end.", run.scene.bodies.size(),
                            number_in(run.outcome, "bodies", static_cast<double>(run.scene.bodies.size()) - lost));
-  if (const double removed = number_in(run.outcome, "removed_bodies", 0); removed > 0) {
+  if (removed > 0) {
+    v.answer += fmt::format(", {:.0f} of {} taken out", removed, run.scene.bodies.size());
     v.evidence += fmt::format(" {:.0f} were taken out as the case asks for, because they left the domain.", removed);
   }
+  if (below > 0) {
+    v.answer = (v.answer == "none" ? std::string() : v.answer + ", ") + fmt::format("{} of {} fall below all walls", below, run.scene.bodies.size());
+    v.judgement = Judgement::doubtful;
+    v.evidence += " What falls below all walls meets nothing any more: check the walls for openings, or give a domain with outside = \"remove\" where bodies are "
+                  "meant to leave.";
+  }
+  if (lost != 0 || outside != 0) v.judgement = Judgement::bad;
   return v;
 }
 
@@ -232,6 +278,30 @@ Verdict judge_meshes(const Run& run) {
 }
 
 }  // namespace
+
+EnergyBalance energy_balance(const Run& run) {
+  EnergyBalance balance;
+  const LogTable& log = run.log;
+  if (log.rows() == 0) return balance;
+  const auto at = [&log](const char* name, std::size_t row) { return log.has(name) && std::isfinite(log.column(name)[row]) ? log.column(name)[row] : 0.0; };
+  const Scene& scene = run.scene;
+  double lowest = at("potential", 0), highest = lowest;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] != 0) continue;
+    const double diameter = scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].equivalent_diameter();
+    balance.in_play += kStillFall * scene.mass(i) * length(scene.settings.gravity) * diameter;
+  }
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    const double elastic = at("elastic", i) + at("elastic_tangential", i), error = std::abs(at("energy_error", i));
+    lowest = std::min(lowest, at("potential", i));
+    highest = std::max(highest, at("potential", i));
+    balance.in_play = std::max({balance.in_play, at("kinetic_translational", i) + at("kinetic_rotational", i), elastic, std::abs(at("wall_work", i)),
+                                std::abs(at("dissipated", i)), highest - lowest});
+    balance.largest = std::max(balance.largest, error);
+    balance.lasting = std::max(balance.lasting, i + 1 == log.rows() ? error : error - kContactError * elastic);
+  }
+  return balance;
+}
 
 std::vector<Verdict> judge(const Run& run) {
   return {judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),

@@ -5,6 +5,7 @@
 #include "core/base/error.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
+#include "post/apparatus.hpp"
 #include "post/commands.hpp"
 #include "post/report.hpp"
 #include "post/vtk_or_not.hpp"
@@ -27,11 +28,13 @@ Command add_report(CLI::App& app) {
   command->add_option("--frame", o->report.frame, "Number of the frame of the pictures and the 3D view; -1 is the last (default)");
   return {command, [o] {
             CommandResult result;
-            const Run run = o->run.open(result.notices);
+            Run run = o->run.open(result.notices);
+            o->report.apparatus = set_apparatus_apart(run, {});
             o->report.pool = {o->run.jobs, o->run.skip_damaged};
             const ReportResult report = write_report(run, o->output, o->report);
             if (!o->json.empty()) h5::write_text_file(o->json, json_text(report.numbers, 1) + "\n");
             for (const std::string& line : report.verdicts) result.output += line + "\n";
+            if (!o->report.apparatus.empty()) result.notices.push_back("note: " + o->report.apparatus);
             for (const std::string& note : report.notes) result.notices.push_back("note: " + note);
             result.notices.push_back("wrote " + o->output);
             return result;

@@ -45,11 +45,11 @@ bool Group::holds(const FrameView& view, std::size_t row) const {
   if (view.is_particle[row] == 0) return false;
   if (material >= 0 && b.material[row] != material) return false;
   if (shape >= 0 && b.shape[row] != shape) return false;
-  return region == nullptr || region->contains(b.position[row]);
+  return region == nullptr || view.facts.images_in(*region, b.position[row]) > 0;
 }
 
 bool Group::holds_contact(const FrameView& view, std::size_t contact) const {
-  if (region != nullptr) return region->contains(view.frame.contacts.point[contact]);
+  if (region != nullptr) return view.facts.images_in(*region, view.frame.contacts.point[contact]) > 0;
   if (material < 0 && shape < 0) return true;
   for (const std::int32_t row : {view.row_a[contact], view.row_b[contact]}) {
     if (row >= 0 && holds(view, static_cast<std::size_t>(row))) return true;
@@ -73,8 +73,11 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
   };
   const auto branch_part = [&](const Vec3& centre, const Vec3& branch) {
     if (group.region == nullptr) return 1.0;
-    const auto part = group.region->part_inside(centre - branch, centre);
-    return part ? part->second - part->first : 0.0;
+    double sum = 0;
+    view.facts.for_each_image(*group.region, [&](const Vec3& shift) {
+      if (const auto part = group.region->part_inside(centre + shift - branch, centre + shift)) sum += part->second - part->first;
+    });
+    return sum;
   };
 
   std::vector<std::int32_t> neighbours(b.size());

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "post/statistics/bed.hpp"
 
 namespace scree {
 
@@ -39,7 +40,8 @@ std::vector<Quantity> group_quantities() {
   q.insert(q.end(), {{"pressure", "Pa", "a third of the trace of the stress"},
                      {"deviatoric_stress", "Pa", "sqrt(3/2 s:s) of the deviator"},
                      {"kinetic_pressure", "Pa", "of the velocity fluctuations: density times granular temperature"},
-                     {"solid_fraction", "-", "of the inner 80 % of the bed; of a region: of its volume"},
+                     {"solid_fraction", "-", "of the inner 80 % of the bed, under its own surface; of a region: of its volume"},
+                     {"solid_fraction_of_container", "-", "of the container from the lowest to the highest point of the particles"},
                      {"velocity_x", "m/s", "mean by mass"},
                      {"velocity_y", "m/s", "mean by mass"},
                      {"velocity_z", "m/s", "mean by mass"},
@@ -227,7 +229,6 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
   const FrameView view(*facts, frame);
   const bool has_contacts = run.scene.settings.output_contacts;
   const ForceChains chains = has_contacts ? force_chains(view) : ForceChains{};
-  const double height = view.highest - view.lowest;
   std::vector<double> row;
   row.reserve(size());
   const auto add_vector = [&row](const Vec3& v) { row.insert(row.end(), {v.x, v.y, v.z}); };
@@ -235,9 +236,10 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     row.insert(row.end(), {t[0].x, t[1].y, t[2].z, 0.5 * (t[0].y + t[1].x), 0.5 * (t[0].z + t[2].x), 0.5 * (t[1].z + t[2].y)});
   };
 
+  const BedSolid bed = bed_solid(view);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const Group& group = groups[g];
-    const double room = group.region != nullptr ? group.region->volume() : facts->container.cross_section * height;
+    const double room = group.region != nullptr ? group.region->volume() : view.room_between(view.lowest, view.highest);
     const MotionMeasures motion = motion_measures(view, group);
     ContactMeasures c;
     if (has_contacts) {
@@ -254,15 +256,17 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     row.insert(row.end(), {c.pressure, c.deviatoric_stress});
     if (!has_contacts) std::fill(row.begin() + static_cast<std::ptrdiff_t>(begin) + 2, row.end(), kNaN);
     row.push_back(room > 0 ? motion.mass / room * motion.granular_temperature : kNaN);
-    double solid = kNaN;
+    double solid = kNaN, of_container = kNaN;
     if (group.region != nullptr) {
       solid = region_solid_fraction(view, *group.region);
     } else {
       double own = 0;
       for (std::size_t i = 0; i < view.volume.size(); ++i) own += group.holds(view, i) ? view.volume[i] : 0;
-      solid = bed_solid_fraction(view) * (view.particle_volume > 0 ? own / view.particle_volume : kNaN);
+      const double share = view.particle_volume > 0 ? own / view.particle_volume : kNaN;
+      solid = bed.fraction * share;
+      of_container = bed.of_container * share;
     }
-    row.push_back(solid);
+    row.insert(row.end(), {solid, of_container});
     add_vector(motion.velocity);
     row.insert(row.end(), {motion.speed, motion.spin, motion.granular_temperature});
     add_vector(motion.centre);

@@ -55,23 +55,61 @@ Container container_of(const Scene& scene, const std::optional<Region>& given, c
       c.room.upper[k] = domain.upper[k];
     }
   }
-  const Box3 bounds = c.room.bounds();
-  const Vec3 extent = bounds.extent();
-  const double full = extent.x * extent.y * extent.z;
-  // a cylinder that stands upright has its circle across, one that lies (a drum) its mean chord
-  c.cross_section = c.room.volume() / extent[c.vertical];
-  if (!(full > 0)) c.cross_section = 0;
   return c;
 }
 
+double Container::volume_in(const Box3& box, int lines) const {
+  if (room.kind != Region::Kind::box) return room.volume_in(box, lines);
+  Region open = room;
+  open.lower[vertical] = box.lower[vertical];
+  open.upper[vertical] = box.upper[vertical];
+  return open.volume_in(box);
+}
+
+double Container::ring_volume_in(const Box3& box, double inner, double outer) const {
+  if (room.kind == Region::Kind::box) return std::numbers::pi * (outer * outer - inner * inner) * (box.upper[vertical] - box.lower[vertical]);
+  const auto core = [&](double radius) {
+    Region cylinder = room;
+    cylinder.radius = radius;
+    return radius > 0 ? cylinder.volume_in(box) : 0.0;
+  };
+  return core(outer) - core(inner);
+}
+
+double Container::distance_from_axis(const Vec3& p) const {
+  Vec3 d = p - room.lower;
+  if (room.kind == Region::Kind::box) {
+    d = p - room.bounds().centre();
+    d[vertical] = 0;
+    return length(d);
+  }
+  const Vec3 axis = normalised(room.upper - room.lower);
+  return length(d - dot(d, axis) * axis);
+}
+
+double FrameView::room_between(double low, double high) const {
+  Box3 slab = facts.container.room.bounds();
+  slab.lower[facts.container.vertical] = low;
+  slab.upper[facts.container.vertical] = high;
+  return high > low ? facts.container.volume_in(slab) : 0;
+}
+
 SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Frame& first)
-    : run(&the_run), container(container_of(the_run.scene, given, first)), period(periodicity_of(the_run.scene)) {
+    : run(&the_run), container(container_of(the_run.scene, given, first)), period(periodicity_of(the_run.scene)),
+      cell_lower(the_run.scene.settings.domain.lower) {
   const std::size_t per_body = std::clamp(kSamplesPerFrame / std::max<std::size_t>(1, the_run.scene.bodies.size()), kFewestSamples, kMostSamples);
   for (const Shape& shape : the_run.scene.shapes) {
     volume.push_back(shape.mass.volume);
     diameter.push_back(shape.equivalent_diameter());
     samples.push_back(shape.kind == ShapeKind::surface ? std::vector<Vec3>{Vec3{}} : volume_samples(shape, per_body));
   }
+}
+
+int SceneFacts::images_in(const Region& region, const Vec3& point) const {
+  if (!period.any()) return region.contains(point) ? 1 : 0;
+  int count = 0;
+  for_each_image(region, [&](const Vec3& shift) { count += region.contains(point + shift) ? 1 : 0; });
+  return count;
 }
 
 FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame) : facts(the_facts), frame(the_frame) {

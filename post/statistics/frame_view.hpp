@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -11,12 +12,21 @@
 
 namespace scree {
 
-/// The room that the bodies are in, for volumes: a box or an upright cylinder, with one axis that gravity goes along.
+/// The room that the bodies are in, for volumes: a box or a cylinder that stands, lies or leans, and the axis that gravity goes along.
 struct Container {
-  Region room;                 ///< box or cylinder
+  Region room;                 ///< box, along the vertical axis without an end, or cylinder
   int vertical = 2;            ///< axis (0 x, 1 y, 2 z)
   double up = 1;               ///< +1 or -1: direction of up along it
-  double cross_section = 0;    ///< across the vertical axis [m^2]
+
+  bool holds(Vec3 p) const {
+    if (room.kind == Region::Kind::box) p[vertical] = room.lower[vertical];
+    return room.contains(p);
+  }
+  /// Volume of its part in a box, of a ring about its axis in a box [m^3]. The ring must lie within it.
+  double volume_in(const Box3& box, int lines = 128) const;
+  double ring_volume_in(const Box3& box, double inner, double outer) const;
+  /// Distance from the axis of the cylinder, or from the vertical line in the middle of the box.
+  double distance_from_axis(const Vec3& p) const;
 };
 
 /// What is the same for all frames.
@@ -25,6 +35,26 @@ struct SceneFacts {
   const Run* run;
   Container container;
   Periodicity period;
+  Vec3 cell_lower;                                 ///< of the periodic cell [m]
+  /// How many images of a point, which lies in the cell, are in a region: at a periodic side it may reach into the next cell.
+  int images_in(const Region& region, const Vec3& point) const;
+  /// Calls visit(shift) for the shift from the cell to each image of it that a region can hold a part of.
+  template <class Visit>
+  void for_each_image(const Region& region, const Visit& visit) const {
+    int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
+    const Box3 box = region.bounds();
+    for (int k = 0; k < 3; ++k) {
+      if (!period.is_periodic(k)) continue;
+      // one more on each side: a branch may reach half a period out of the cell
+      first[k] = static_cast<int>(std::floor((box.lower[k] - cell_lower[k]) / period.period()[k])) - 1;
+      last[k] = static_cast<int>(std::floor((box.upper[k] - cell_lower[k]) / period.period()[k])) + 1;
+    }
+    for (int x = first[0]; x <= last[0]; ++x) {
+      for (int y = first[1]; y <= last[1]; ++y) {
+        for (int z = first[2]; z <= last[2]; ++z) visit(Vec3{x * period.period().x, y * period.period().y, z * period.period().z});
+      }
+    }
+  }
   std::vector<double> volume, diameter;            ///< of each shape at scale 1: [m^3], equivalent [m]
   std::vector<std::vector<Vec3>> samples;          ///< points in each shape at scale 1 (volume_samples)
 };
@@ -40,18 +70,25 @@ struct FrameView {
   double particle_volume = 0, mean_diameter = 0;   ///< of all particles [m^3], number mean of equivalent diameters [m]
   /// Along the vertical axis: between which heights lie 10 % to 90 % of the solid, and all of the bodies [m].
   double solid_low = 0, solid_high = 0, lowest = 0, highest = 0;
+  /// Volume of the container between two heights, 0 without an extent.
+  double room_between(double low, double high) const;
 
   bool particle(std::int32_t row) const { return row >= 0 && is_particle[static_cast<std::size_t>(row)] != 0; }
-  /// Calls visit(point, volume, row) for every sample point of every particle.
+  /// Calls visit(point, volume, row) for every sample point of every particle. Points beyond a periodic side come in at the other.
   template <class Visit>
   void for_each_sample(const Visit& visit) const {
     const FrameBodies& b = frame.bodies;
+    Vec3 image;
     for (std::size_t i = 0; i < b.size(); ++i) {
       if (is_particle[i] == 0) continue;
       const std::vector<Vec3>& samples = facts.samples[static_cast<std::size_t>(b.shape[i])];
       const Mat3 turn = matrix_of(b.orientation[i]);
       const double share = volume[i] / static_cast<double>(samples.size());
-      for (const Vec3& s : samples) visit(b.position[i] + turn * (b.scale[i] * s), share, i);
+      for (const Vec3& s : samples) {
+        Vec3 p = b.position[i] + turn * (b.scale[i] * s);
+        if (facts.period.any()) facts.period.wrap(p, image);
+        visit(p, share, i);
+      }
     }
   }
 };

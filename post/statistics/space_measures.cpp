@@ -16,30 +16,10 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 int axis_index(char axis) { return axis - 'x'; }
 
-/// The vertical line in the middle of the container.
-Vec3 middle_of(const Container& c) { return c.room.bounds().centre(); }
-
 double distance_from_line(const Vec3& p, const Vec3& through, int vertical) {
   Vec3 d = p - through;
   d[vertical] = 0;
   return length(d);
-}
-
-/// Area of the cut through the container across an axis, at a place along it.
-double cut_area(const Container& c, int axis, double low, double high, double bed_low, double bed_high) {
-  const Box3 bounds = c.room.bounds();
-  const Vec3 extent = bounds.extent();
-  if (axis != c.vertical) {
-    // the container is filled between the heights of the bed only
-    const int other = 3 - axis - c.vertical;
-    double width = extent[other];
-    if (c.room.kind == Region::Kind::cylinder) {
-      const double r = c.room.radius, x = 0.5 * (low + high) - bounds.centre()[axis];
-      width = 2 * std::sqrt(std::max(0.0, r * r - x * x));
-    }
-    return width * (bed_high - bed_low);
-  }
-  return c.cross_section;
 }
 
 }  // namespace
@@ -75,15 +55,10 @@ MotionMeasures motion_measures(const FrameView& view, const Group& group) {
   return m;
 }
 
-double bed_solid_fraction(const FrameView& view) {
-  const double room = view.facts.container.cross_section * (view.solid_high - view.solid_low);
-  return room > 0 ? 0.8 * view.particle_volume / room : kNaN;
-}
-
 double region_solid_fraction(const FrameView& view, const Region& region) {
   double solid = 0;
   view.for_each_sample([&](const Vec3& p, double v, std::size_t) {
-    if (region.contains(p)) solid += v;
+    solid += view.facts.images_in(region, p) * v;
   });
   return solid / region.volume();
 }
@@ -94,16 +69,16 @@ Profile profile(const FrameView& view, const ProfileBins& bins) {
   const std::size_t n = bins.count;
   const bool rings = bins.axis == 'r';
   const int axis = rings ? 0 : axis_index(bins.axis);
-  const Vec3 middle = middle_of(container);
   const double width = bins.width(), bed_low = view.solid_low, bed_high = view.solid_high;
   const bool in_bed_only = rings || axis != container.vertical;
   const auto bin_of = [&](const Vec3& p) {
     if (in_bed_only && (p[container.vertical] < bed_low || p[container.vertical] >= bed_high)) return n;
-    const double place = ((rings ? distance_from_line(p, middle, container.vertical) : p[axis]) - bins.low) / width;
+    const double place = ((rings ? container.distance_from_axis(p) : p[axis]) - bins.low) / width;
     return place >= 0 && place < static_cast<double>(n) ? static_cast<std::size_t>(place) : n;
   };
   Profile p{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), std::vector<Vec3>(n)};
   view.for_each_sample([&](const Vec3& x, double v, std::size_t) {
+    if (!container.holds(x)) return;  // what has left it is none of its solid
     if (const std::size_t k = bin_of(x); k < n) p.solid_fraction[k] += v;
   });
   std::vector<double> mass(n);
@@ -124,8 +99,16 @@ Profile profile(const FrameView& view, const ProfileBins& bins) {
   }
   for (std::size_t k = 0; k < n; ++k) {
     const double low = bins.low + static_cast<double>(k) * width, high = low + width;
-    const double room = rings ? std::numbers::pi * (high * high - low * low) * (bed_high - bed_low)
-                              : width * cut_area(container, axis, low, high, bed_low, bed_high);
+    Box3 part = container.room.bounds();
+    if (in_bed_only) {
+      part.lower[container.vertical] = bed_low;
+      part.upper[container.vertical] = bed_high;
+    }
+    if (!rings) {
+      part.lower[axis] = low;
+      part.upper[axis] = high;
+    }
+    const double room = rings ? container.ring_volume_in(part, low, high) : container.volume_in(part);
     p.solid_fraction[k] = room > 0 ? p.solid_fraction[k] / room : kNaN;
     if (p.particles[k] == 0) p.granular_temperature[k] = kNaN;
   }

@@ -17,13 +17,11 @@ struct MotionMeasures {
 };
 MotionMeasures motion_measures(const FrameView& view, const Group& group);
 
-/// Solid fraction of the inner part of the bed: 80 % of the solid, between the heights below which 10 % and 90 % of it lie,
-/// over the container there. Neither the floor's layer nor the free surface enters much. NaN without a container.
-double bed_solid_fraction(const FrameView& view);
 /// Solid of the group in its region over the region's volume, from sample points.
 double region_solid_fraction(const FrameView& view, const Region& region);
 
-/// Layers across an axis of the container, or rings about its vertical axis ('r', between the heights of bed_solid_fraction).
+/// Layers across an axis of the container, or rings ('r') about the axis of a cylinder, the vertical middle line of a box. Layers across
+/// the vertical axis are whole; others, and rings, lie between the heights below which 10 % and 90 % of all solid lie.
 struct ProfileBins {
   char axis = 'z';                                  ///< x, y, z or r
   double low = 0, high = 0;                         ///< [m]
@@ -34,7 +32,7 @@ struct Profile {
   std::vector<double> solid_fraction, particles, granular_temperature;
   std::vector<Vec3> velocity;
 };
-/// Layers: solid by sample points over the container's volume in the layer; motion by the centres in it. Granular temperature
+/// Layers: solid by sample points over the volume of the container's part in the layer, whatever way the container lies; motion by the centres in it. Granular temperature
 /// is about the mean velocity of the layer. Layers without particles: NaN for motion.
 Profile profile(const FrameView& view, const ProfileBins& bins);
 

@@ -159,7 +159,7 @@ TEST_F(RunFolder, a_sound_run_is_judged_good_throughout) {
   const std::vector<Verdict> all = judge(open_run(folder.string()));
   for (const Verdict& v : all) EXPECT_EQ(v.judgement, Judgement::good) << v.question << ": " << v.answer;
   EXPECT_EQ(verdict(all, "Step margin").answer, "0.05 of the critical step");
-  EXPECT_EQ(verdict(all, "Energy balance").answer, "closed to 0.25 %");  // 0.05 J of 20 J dissipated
+  EXPECT_EQ(verdict(all, "Energy balance").answer, "closed to 0 %");  // 0.05 J, a tenth of what its contacts hold, and none at the end
   EXPECT_EQ(verdict(all, "Contact depth").answer, "at most 0.250 of the margin");
   EXPECT_EQ(verdict(all, "Came to rest").answer, "yes");                 // 1e-7 J of a peak of 10 J
 }
@@ -234,6 +234,51 @@ TEST_F(RunFolder, rest_is_judged_where_the_case_asks_for_it) {
   EXPECT_EQ(verdict_of(true, false).answer, "no, still moving when its time was up");
   EXPECT_EQ(verdict_of(true, false).judgement, Judgement::doubtful);
   EXPECT_EQ(verdict_of(true, nullptr).answer, "known at the end");  // a run in progress, or of a solver that did not tell
+}
+
+TEST_F(RunFolder, the_energy_is_judged_by_what_lasts_and_against_what_is_in_play) {
+  const auto judged = [&](const std::string& rows) {
+    std::ofstream(folder / "log.csv") << test::log_header() + rows;
+    return verdict(judge(open_run(folder.string())), "Energy balance");
+  };
+  // columns: step, time, kinetic (2), potential, elastic (2), dissipated, wall work, error, ...
+  const std::string rest = ",1,0.1,1,1,0,0,aa\n";
+  // a ball that falls 1 J, presses in a contact (the step's error: 3.7 % of its energy) and flies on with .2 % more
+  const std::string bounce = "0,0,0,0,1,0,0,0,0,0" + rest + "1,1,1,0,0,0,0,0,0,0.0005" + rest + "2,2,0.05,0,0,0.913,0,0,0,-0.037" + rest;
+  EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.002" + rest).answer, "closed to 0.2 %");
+  EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.002" + rest).judgement, Judgement::good);
+  EXPECT_NE(judged(bounce + "3,3,1,0,0,0,0,0,0,0.002" + rest).evidence.find("3.7 %"), std::string::npos);
+  EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.1" + rest).judgement, Judgement::bad);             // it lasts
+  EXPECT_EQ(judged(bounce).judgement, Judgement::doubtful);                                          // as it ends, it counts
+  EXPECT_EQ(judged("0,0,1,0,0,0,0,0,0,0" + rest + "1,1,1,0,0,0.1,0,0,0,0.5" + rest + "2,2,1,0,0,0,0,0,0,0" + rest).judgement, Judgement::bad);  // no contact explains it
+  // nothing moves: rounding of the potential energy of 1 J against 1e-22 J of motion
+  EXPECT_EQ(judged("0,0,0,0,1,0,0,0,0,0" + rest + "1,1,1e-22,0,1,0,0,0,0,1.5e-17" + rest).judgement, Judgement::good);
+}
+
+TEST_F(RunFolder, bodies_that_fall_past_a_plate_are_told) {
+  Scene scene = test::sample_scene(12);
+  scene.shapes.push_back(make_surface("plate", box_mesh({0.3, 0.3, 0.01})));
+  scene.walls.resize(1);
+  scene.walls[0].kind = WallKind::mesh;
+  scene.walls[0].shape = 3;
+  const auto judged = [&](double height, bool with_floor) {
+    Scene changed = scene;
+    if (with_floor) {
+      changed.walls.push_back(Wall{});
+      changed.walls.back().id = changed.walls[0].id + 1;
+      changed.walls.back().point = {0, 0, -100};
+    }
+    write_scene_file((folder / "scene.h5").string(), changed);
+    Frame frame = test::sample_frame(changed, 2, 0.2);
+    for (std::size_t i = 0; i < 11; ++i) frame.bodies.position[i].z = height;
+    write_frame_file(MPI_COMM_SELF, (folder / "frame_000002.hdf").string(), frame);
+    return verdict(judge(open_run(folder.string())), "Lost bodies");
+  };
+  EXPECT_EQ(judged(-5, false).answer, "11 of 12 fall below all walls");
+  EXPECT_EQ(judged(-5, false).judgement, Judgement::doubtful);
+  EXPECT_EQ(judged(-5, true).answer, "none");   // a floor far below holds them
+  EXPECT_EQ(judged(0.05, false).answer, "none");
+  EXPECT_EQ(judged(0.05, false).judgement, Judgement::good);
 }
 
 // the page

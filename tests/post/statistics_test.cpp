@@ -9,7 +9,9 @@
 #include <random>
 #include <sstream>
 
+#include "post/apparatus.hpp"
 #include "post/choice.hpp"
+#include "post/statistics/bed.hpp"
 #include "post/statistics/space_measures.hpp"
 #include "post/statistics/volume_samples.hpp"
 #include "tests/post/sample_run.hpp"
@@ -161,6 +163,39 @@ TEST(ContactMeasures, the_stress_passes_through_a_periodic_side) {
   EXPECT_DOUBLE_EQ(contact_measures(FrameView(facts, p.frame), {}, 1).stress[0].x, 5 * 0.9);
 }
 
+TEST(ContactMeasures, a_lid_on_a_packing_is_apparatus_and_stresses_it_as_a_wall) {
+  constexpr int n = 4;
+  Packing p(0.5, {0, 0, 0}, {n, n, n}, {0, 0, -9.81});
+  p.fill_lattice(n, 1, {0, 0, 3});
+  for (std::int32_t& population : p.run.scene.bodies.population) population = 0;
+  const SceneFacts before(p.run, std::nullopt, p.frame);
+  const FrameView packing(before, p.frame);
+  const double height = packing.highest, stress = contact_measures(packing, {}, packing.room_between(0, height)).stress[2].z;
+  EXPECT_NEAR(stress, 3, 1e-12);   // 3 N on each square metre
+
+  // a plate of [[bodies]] in the place of the upper wall, squeezed from above
+  const std::int64_t lid = static_cast<std::int64_t>(p.frame.bodies.size());
+  for (std::size_t i = 0; i < p.frame.contacts.size(); ++i) {
+    if (p.frame.contacts.body_b[i] == 1000000 && p.frame.contacts.normal[i].z < 0) p.frame.contacts.body_b[i] = lid;
+  }
+  p.run.scene.shapes.push_back(make_solid("plate", box_mesh({n, n, 2})));
+  p.add({n / 2.0, n / 2.0, n + 1}, {}, 1, 2);
+  p.contact(lid, 1000000, {n / 2.0, n / 2.0, n + 2}, {0, 0, -1}, 48);
+  scree::Run run = p.run;
+  EXPECT_NE(set_apparatus_apart(run, {}), "") << "as large as the packing";
+  for (scree::Run* chosen : {&run, &p.run}) {
+    if (chosen == &p.run) {
+      EXPECT_NE(set_apparatus_apart(*chosen, {"plate"}).find("64 (plate)"), std::string::npos);
+    }
+    const SceneFacts facts(*chosen, std::nullopt, p.frame);
+    const FrameView view(facts, p.frame);
+    EXPECT_EQ(view.particles, 64u);
+    EXPECT_DOUBLE_EQ(view.highest, height);
+    EXPECT_DOUBLE_EQ(contact_measures(view, {}, view.room_between(0, view.highest)).stress[2].z, stress);
+  }
+  EXPECT_THROW(set_apparatus_apart(run, {"lid"}), UsageError);
+}
+
 TEST(ContactMeasures, the_anisotropy_of_a_known_distribution_comes_back) {
   // normals with density (1 + a P(n)) / 4 pi, A = diag(-a/2, -a/2, a): by weights on a fine grid of the sphere, carried by forces
   constexpr double a = 0.6;
@@ -230,7 +265,7 @@ TEST(SpaceMeasures, a_cubic_lattice_fills_pi_over_six_of_bed_region_and_every_la
   const FrameView view(facts, p.frame);
   EXPECT_DOUBLE_EQ(view.lowest, 0);
   EXPECT_DOUBLE_EQ(view.highest, n);
-  EXPECT_NEAR(bed_solid_fraction(view), kPi / 6, 0.01);
+  EXPECT_NEAR(bed_solid(view).fraction, kPi / 6, 0.01);
   EXPECT_NEAR(region_solid_fraction(view, parse_region("box:1,1,1,6,6,6")), kPi / 6, 0.005);
   const Profile layers = profile(view, {'z', 0, n, 4 * n});
   for (std::size_t k = 0; k < layers.solid_fraction.size(); ++k) {
@@ -240,6 +275,120 @@ TEST(SpaceMeasures, a_cubic_lattice_fills_pi_over_six_of_bed_region_and_every_la
     EXPECT_NEAR(layers.solid_fraction[k], expected, 0.03) << k;
   }
   EXPECT_EQ(layers.particles[1] + layers.particles[2], n * n);  // the centres lie at the height of the middle of a ball
+}
+
+/// Makes the container of a packing a cylinder.
+void put_into_cylinder(Packing& p, const Vec3& start, const Vec3& end, double radius) {
+  Wall& wall = p.run.scene.walls[0];
+  wall.kind = WallKind::cylinder_inside;
+  wall.axis_start = start;
+  wall.axis_end = end;
+  wall.radius = radius;
+}
+
+/// Share of a unit disc below the height h above its middle.
+double disc_below(double h) { return h <= -1 ? 0 : h >= 1 ? 1 : (kPi / 2 + std::asin(h) + h * std::sqrt(1 - h * h)) / kPi; }
+
+TEST(Region, the_volume_of_its_part_in_a_box_is_the_closed_form_whatever_way_it_lies) {
+  const double whole = kPi * 0.3 * 0.3 * 1.4;
+  for (int axis = 0; axis < 3; ++axis) {
+    Region cylinder;
+    cylinder.kind = Region::Kind::cylinder;
+    cylinder.radius = 0.3;
+    cylinder.upper[axis] = 1.4;
+    const Box3 all = cylinder.bounds();
+    for (int across = 0; across < 3; ++across) {
+      for (const double share : {0.1, 0.5, 0.77, 1.0}) {
+        Box3 box = all;
+        box.upper[across] = all.lower[across] + share * all.extent()[across];
+        const double expected = across == axis ? share * whole : whole * disc_below(2 * share - 1);
+        EXPECT_NEAR(cylinder.volume_in(box), expected, 1e-4 * whole) << axis << across << share;  // 3e-5 with 128 lines
+      }
+    }
+  }
+  const Region ball = parse_region("sphere:0,0,0,1");
+  Box3 cap = ball.bounds();
+  cap.lower.x = 0.5;
+  EXPECT_NEAR(ball.volume_in(cap), ball.volume() * 5 / 32, 1e-4 * ball.volume());
+  const Region box = parse_region("box:0,0,0,1,2,3");
+  EXPECT_DOUBLE_EQ(box.volume_in(parse_region("box:0.5,-1,1,9,1,2").bounds()), 0.5);
+  EXPECT_EQ(box.volume_in(parse_region("box:2,0,0,3,1,1").bounds()), 0);
+
+  // one that leans, in a box that cuts its side and an end: against points at random
+  const Region leaning = parse_region("cylinder:0,0,0,1,2,3,0.8");
+  const Region part = parse_region("box:-0.2,0.3,0.1,1.1,1.4,3.3");
+  std::mt19937_64 generator(11);
+  std::uniform_real_distribution<double> place(0, 1);
+  constexpr int kPoints = 1000000;
+  int inside = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const Vec3 e = part.upper - part.lower;
+    inside += leaning.contains(part.lower + Vec3{e.x * place(generator), e.y * place(generator), e.z * place(generator)}) ? 1 : 0;
+  }
+  const double share = static_cast<double>(inside) / kPoints, sigma = std::sqrt(share * (1 - share) / kPoints);
+  EXPECT_NEAR(leaning.volume_in(part.bounds()) / part.volume(), share, 4 * sigma);
+}
+
+TEST(SpaceMeasures, a_drum_that_lies_is_filled_as_its_lattice_in_layers_rings_and_bed) {
+  // small balls on a cubic lattice fill a lying drum up to a level, or up to a slope of 30 degrees
+  constexpr double d = 0.04, radius = 1, length = 0.8;
+  for (const double slope : {0.0, std::tan(kPi / 6)}) {
+    Packing p(d / 2, {}, {}, {0, 0, -9.81});
+    put_into_cylinder(p, {0, 0, 0}, {0, length, 0}, radius);
+    for (int i = -25; i < 25; ++i) {
+      for (int k = -25; k < 25; ++k) {
+        const double x = (i + 0.5) * d, z = (k + 0.5) * d;
+        if (std::hypot(x, z) > radius - d / 2 || z > -0.2 + slope * x) continue;
+        for (int j = 0; j < 20; ++j) p.add({x, (j + 0.5) * d, z});
+      }
+    }
+    const SceneFacts facts(p.run, std::nullopt, p.frame);
+    const FrameView view(facts, p.frame);
+    const BedSolid bed = bed_solid(view);
+    EXPECT_NEAR(bed.fraction, kPi / 6, 0.02) << slope;
+    const double bodies = view.particle_volume / (kPi * length);
+    EXPECT_NEAR(bed.of_container, bodies / (disc_below(view.highest) - disc_below(view.lowest)), 1e-3) << slope;
+    if (slope > 0) continue;
+    const Profile layers = profile(view, {'z', -1, -0.2, 10});
+    for (std::size_t k = 1; k < 10; ++k) EXPECT_NEAR(layers.solid_fraction[k], kPi / 6, 0.05) << k;   // half a ball and a step of the lattice are empty at either end of a chord of 1 to 2
+    const Profile sides = profile(view, {'x', -0.6, 0.6, 6});
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(sides.solid_fraction[k], kPi / 6, 0.04) << k;
+    const Profile rings = profile(view, {'r', 0.4, 1, 3});   // where the lattice is, between the heights of the bed
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_GT(rings.solid_fraction[k], 0.4) << k;
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(rings.solid_fraction[k], kPi / 6 + 0.04) << k;
+  }
+}
+
+TEST(SpaceMeasures, what_lies_across_a_periodic_side_counts_on_both) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, -9.81});
+  Domain& domain = p.run.scene.settings.domain;
+  domain.bounded = true;
+  domain.upper = {4, 4, 4};
+  domain.periodic = {true, true, false};
+  for (int x = 0; x < 4; ++x) {
+    for (int y = 0; y < 4; ++y) {
+      for (int z = 0; z < 4; ++z) p.add({static_cast<double>(x), static_cast<double>(y), z + 0.5});  // centres on the sides
+    }
+  }
+  const double ball = 4 * kPi / 3 / 8;
+  // contacts on the side of the cell, and beyond it as one of the two bodies sees it
+  p.contact(0, 48, {-0.5, 0, 0.5}, {1, 0, 0}, 1);
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const Profile layers = profile(view, {'x', 0, 4, 4});
+  for (const double fraction : layers.solid_fraction) EXPECT_NEAR(fraction, kPi / 6, 0.03);
+  // the cap of a ball beyond a quarter of its diameter is 5 / 32 of it; half a ball lies on either side of a seam
+  EXPECT_NEAR(region_solid_fraction(view, parse_region("box:0,0,0,0.25,4,4")), 16 * ball * (0.5 - 5.0 / 32) / 4, 0.03);   // a quarter of a body: 4 %
+  EXPECT_NEAR(region_solid_fraction(view, parse_region("box:3.75,0,0,4,4,4")), 16 * ball * (0.5 - 5.0 / 32) / 4, 0.03);
+  for (const char* text : {"box:-1,0,0,1,4,4", "box:3,0,0,5,4,4", "box:7.5,-2,0,8.5,2,4", "box:-4,0,0,4,4,4"}) {  // any image of the cell
+    EXPECT_NEAR(region_solid_fraction(view, parse_region(text)), kPi / 6, 0.01) << text;
+  }
+  const Region seam = parse_region("ball=sphere:4,4,1.5,0.5");
+  EXPECT_NEAR(region_solid_fraction(view, seam), 1, 0.01);
+  EXPECT_EQ(motion_measures(view, {"seam", &seam, -1, -1}).particles, 1);
+  const Region beyond = parse_region("box:3.25,-0.25,0,3.75,0.25,1");
+  EXPECT_TRUE((Group{"beyond", &beyond, -1, -1}.holds_contact(view, 0)));
+  EXPECT_NEAR(bed_solid(view).fraction, kPi / 6, 0.03);
 }
 
 TEST(SpaceMeasures, the_temperature_of_a_layer_does_not_see_the_shear) {
