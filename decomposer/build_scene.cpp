@@ -40,7 +40,7 @@ class Builder {
     choose_margin(case_, parts_, scene(), report());
     check_start(case_, parts_, scene());
     Case placed = case_;
-    if (placed.relax) relax(placed);
+    if (placed.relax != Relax::none) relax(placed);
     Packer packer(placed, parts_, progress_, scene(), report());
     packer.place_given_bodies();
     Placements placements(parts_);
@@ -65,8 +65,9 @@ class Builder {
     for (const CaseBody& b : placed.bodies) gap = std::max(gap, kTouch * b.scale * parts_.shape(b.shape).radius);
     const Relaxation done = relax_given_bodies(placed, parts_, scene(), gap);
     if (done.moved == 0) return;
-    report().notices.push_back(fmt::format("contact.relax: {} bodies parted in {} sweeps, by up to {}; their potential energy changed by {:.3g} J",
-                                           done.moved, done.sweeps, format_quantity(done.furthest, Dimension::length), done.potential_change));
+    report().notices.push_back(fmt::format("contact.relax = {}: {} bodies parted in {} sweeps, by up to {}; their potential energy changed by {:.3g} J. The hardest pressed: {}",
+                                           placed.relax == Relax::all ? "true" : "\"shallow\"", done.moved, done.sweeps,
+                                           format_quantity(done.furthest, Dimension::length), done.potential_change, done.hardest));
   }
 
   Scene& scene() { return out_.scene; }

@@ -40,6 +40,16 @@ Quat read_orientation(const CaseTable& t) {
 
 namespace {
 
+Relax relax_of(const CaseTable& contact) {
+  if (contact.is_text("relax")) {
+    contact.word_or("relax", "shallow", {"shallow"}, {"shallow"});
+    return Relax::shallow;
+  }
+  if (!contact.has("relax")) return Relax::shallow;
+  if (!contact.is_boolean("relax")) throw contact.error("relax", "expected true, false or \"shallow\"");
+  return contact.boolean_or("relax", false) ? Relax::all : Relax::none;
+}
+
 void read_settings(const CaseTable& top, Case& c) {
   Settings& s = c.settings;
   s.title = top.has("title") ? top.text("title") : std::filesystem::path(c.path).stem().string();
@@ -91,7 +101,7 @@ void read_settings(const CaseTable& top, Case& c) {
     s.impact_speed = contact.number_or("impact_speed", Dimension::velocity, 0, Range::positive);
     s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential", "area", "pairs"});
     c.margin_given = contact.has("margin");
-    c.relax = contact.boolean_or("relax", false);
+    c.relax = relax_of(contact);
     if (s.barrier > 0 && s.gather != "potential") throw contact.error("barrier", "goes with gather = \"potential\" only");
     if (s.gather == "area" && s.law == "hertz-mindlin") throw contact.error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");
     if (s.gather == "area" && !contact.has("margin")) throw contact.error("gather", "\"area\" needs contact.margin, the thickness of the elastic layer");

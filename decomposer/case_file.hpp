@@ -85,13 +85,20 @@ struct CasePair {
   MaterialPair pair;
 };
 
+/// What becomes of bodies of [[bodies]] that start too close to each other or to a wall.
+enum class Relax {
+  none,      ///< overlaps are refused, what is pressed starts as it is
+  shallow,   ///< parted where that moves no body further than two margins, refused otherwise
+  all        ///< parted, however far that is
+};
+
 struct Case {
   std::string path;
   std::string text;   ///< word for word, or written anew when keys were changed
   std::string sha256; ///< of the file as it lies on the disk, whatever was changed on the command line
   Settings settings;
   bool margin_given = false;
-  bool relax = false;                                   ///< part given bodies that overlap
+  Relax relax = Relax::shallow;
   std::vector<CaseShape> shapes;
   std::vector<Material> materials;
   std::vector<CasePair> pairs;

@@ -26,6 +26,8 @@ class CaseTable {
 
   bool has(const std::string& key) const { return table_->contains(key); }
   bool is_table(const std::string& key) const { return has(key) && node(key).is_table(); }
+  bool is_boolean(const std::string& key) const { return has(key) && node(key).is_boolean(); }
+  bool is_text(const std::string& key) const { return has(key) && node(key).is_string(); }
   bool is_list(const std::string& key) const { return has(key) && node(key).is_array(); }
   /// "case.toml:14: materials.rock.friction"; the table's own place when the key is absent or "".
   std::string where(const std::string& key = "") const;

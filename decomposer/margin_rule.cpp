@@ -124,8 +124,11 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   for (const Draw& d : parts.draws) add(d.shape, c.populations[d.population].material, d.scale, true);
   report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
   scene.settings.impact_speed = report.fastest_impact;
+  bool wall_meshes = false;
+  for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
+  // spheres touch where they touch; a barrier is made of margins
+  const bool from_touch = !has_meshes && !wall_meshes && !(c.settings.barrier > 0);
   double softest = 1e300;
-  bool margin_given = c.margin_given;
   if (c.settings.law == "hertz-mindlin") {
     // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
     for (const CasePair& p : c.pairs) {
@@ -134,10 +137,6 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
       const double pressed = heaviest > 0 ? hertz_impact_depth(modulus, radius, heaviest, report.fastest_impact) : 0;
       if (pressed > 0) softest = std::min(softest, heaviest * std::pow(report.fastest_impact / pressed, 2));
     }
-    // elastic spheres touch where they touch
-    bool wall_meshes = false;
-    for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
-    margin_given = margin_given || (!has_meshes && !wall_meshes);
   } else {
     // a layer has no stiffness of one contact; its margin is given
     if (c.settings.gather != "area") {
@@ -147,17 +146,25 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
 
   double& margin = scene.settings.margin;
-  if (!margin_given && heaviest > 0) {
+  if (!c.margin_given && heaviest > 0) {
     constexpr double kSmallestShare = 0.01, kNoticeShare = 0.05, kLargestShare = 0.2;  // of the smallest body's diameter
-    margin = std::max(0.5 * depth / kDepthShare, kSmallestShare * smallest);
+    const double derived = std::max(0.5 * depth / kDepthShare, kSmallestShare * smallest);
     const double needed = heaviest * std::pow(report.fastest_impact / (kDepthShare * 2 * kNoticeShare * smallest), 2);
-    const std::string advice = fmt::format(
-        "the margin derived from the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}) is {}, {:.0f} % of "
-        "the smallest body; a stiffness of {} would bring it to 5 %", format_quantity(heaviest, Dimension::mass),
-        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness), metres(margin),
-        100 * margin / smallest, format_quantity(needed, Dimension::stiffness));
-    if (margin > kLargestShare * smallest) throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin", c.path, advice);
-    if (margin > kNoticeShare * smallest) report.notices.push_back(advice);
+    const std::string from = fmt::format("the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({})", format_quantity(heaviest, Dimension::mass),
+                                         format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness));
+    const std::string cure = fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
+    // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
+    // Hertz contacts: what is soft there is so by its material, not by choice.
+    const bool is_free_of_limits = from_touch && c.settings.law == "hertz-mindlin";
+    const std::string advice = from_touch ? fmt::format("{} press spheres into each other by {}, {:.0f} % of the smallest diameter; {} {:.0f} %", from, metres(depth),
+                                                        100 * depth / smallest, cure, 100 * 2 * kDepthShare * kNoticeShare)
+                                          : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from, metres(derived),
+                                                        100 * derived / smallest, cure, 100 * kNoticeShare);
+    if (derived > kLargestShare * smallest && !is_free_of_limits) {
+      throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}", c.path, advice, from_touch ? " (0: run it as it is)" : "");
+    }
+    if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
+    if (!from_touch) margin = derived;
   }
   if (has_meshes && !(margin > 0)) {
     throw UsageError("{}: contact.margin = 0: meshes need a margin > 0 (typically 1 to 3 % of the body's size); leave it out to have it derived",

@@ -96,10 +96,16 @@ void Packer::place_given_bodies() {
     if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
       report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
     }
-    for (std::size_t j = 0; j < placed_.size(); ++j) {
+    near_.clear();
+    grid_.for_each_near(body.position, body.radius() + std::max(gap(), touch), [&](std::int32_t j) {
+      near_.push_back(j);
+      return true;
+    });
+    std::sort(near_.begin(), near_.end());   // reported in the order of the case
+    for (const std::int32_t n : near_) {
+      const auto j = static_cast<std::size_t>(n);
       const CaseBody& other = case_.bodies[static_cast<std::size_t>(given_[j])];
       if (b.fixed && other.fixed) continue;
-      if (length(placed_[j].position - body.position) > placed_[j].radius() + body.radius() + gap()) continue;
       const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
       if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them, or set contact.relax = true", b.where, other.where);
       if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));

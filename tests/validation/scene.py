@@ -110,6 +110,7 @@ class Case:
                                   ("distance", "precision", precision), ("distance", "method", method), ("output", "every", every)]:
             if value is not None:
                 self.tables[table][key] = value
+        self.tables["contact"]["relax"] = False  # many cases start pressed as in equilibrium
         self.tables["time"].update(time or {})
         self.tables["contact"].update(contact or {})
         if domain is not None:
