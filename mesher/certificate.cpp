@@ -14,34 +14,49 @@ namespace scree {
 
 namespace {
 
-/// Above this size of a body in metres the tool asks whether the unit is right: larger particles are rare.
-constexpr double kLargestUsual = 10;
+/// Two units are the same within this part: what formats state comes through single precision.
+constexpr double kSameUnit = 1e-5;
+
+double metres_of(const std::string& unit) { return parse_quantity("1 " + unit, Dimension::length, "--unit"); }
+
+/// Largest side of the bounding box, in the file's own numbers.
+double longest_side(const MeshFile& file) {
+  const Vec3 e = bounding_box(file.mesh).extent();
+  return std::max({e.x, e.y, e.z});
+}
 
 }  // namespace
 
-double length_factor(const std::string& unit, double scale) {
+void expect_unit(const std::string& unit, double scale) {
   if (!(scale > 0) || !std::isfinite(scale))
     throw UsageError("--scale {}: expected a number > 0, for instance 0.001", scale);
-  return parse_quantity("1 " + (unit.empty() ? "m" : unit), Dimension::length, "--unit") * scale;
+  if (!unit.empty()) metres_of(unit);
+}
+
+double metres_per_unit(const MeshFile& file, const std::string& path, const std::string& unit, double scale, CommandResult& result) {
+  expect_unit(unit, scale);
+  const double stated = file.stated_unit, length = file.mesh.vertices.empty() ? 0 : longest_side(file);
+  const double given = unit.empty() ? 0 : metres_of(unit);
+  const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
+  const bool has_size = std::isfinite(length) && length > 0;
+  if (given > 0 && stated > 0 && std::abs(given - stated) > kSameUnit * stated && has_size) {
+    result.notices.push_back(fmt::format(
+        "{}: the file states that its longest side is {}; with --unit {} it is {}", path, length_text(length * stated), unit,
+        length_text(length * given)));
+  }
+  // a scale answers the question, too: who gives one has looked at the size
+  if (given == 0 && stated == 0 && scale == 1 && has_size) {
+    result.notices.push_back(fmt::format(
+        "{}: neither the file nor --unit states a unit: one unit is taken as 1 m, so the longest side is {}; with --unit cm it is {}, "
+        "with --unit mm {}, with --unit um {}", path, length_text(length), length_text(1e-2 * length), length_text(1e-3 * length),
+        length_text(1e-6 * length)));
+  }
+  return (given > 0 ? given : stated > 0 ? stated : 1) * scale;
 }
 
 void scale_mesh(TriangleMesh& mesh, double factor) {
   if (factor == 1) return;
   for (Vec3& p : mesh.vertices) p *= factor;
-}
-
-std::string unit_question(const std::string& path, double extent) {
-  if (!(extent > kLargestUsual) || !std::isfinite(extent)) return "";
-  // the largest unit in which the body is not larger than usual
-  const char* guess = "um";
-  for (const auto& [name, metres] : {std::pair("cm", 1e-2), std::pair("mm", 1e-3)}) {
-    if (extent * metres <= 0.1 * kLargestUsual) {
-      guess = name;
-      break;
-    }
-  }
-  return fmt::format("{}: no --unit is given, so its numbers are metres and the body is {:.4g} m long; were they {}? "
-                     "Then say --unit {}, else --unit m", path, extent, guess, guess);
 }
 
 std::string shape_name_from(const std::string& path) {

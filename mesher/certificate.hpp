@@ -8,19 +8,20 @@
 #include "core/storage/shape_file.hpp"
 #include "mesher/commands.hpp"
 #include "mesher/mesh_check.hpp"
+#include "mesher/mesh_file.hpp"
 #include "mesher/mesh_repair.hpp"
 
 namespace scree {
 
-/// Metres in one unit of a file. An empty unit is metres.   Fails: UsageError for what is no length or scale.
-double length_factor(const std::string& unit, double scale);
+/// Fails: UsageError for what is no unit of length or no scale. Called before a file is read.
+void expect_unit(const std::string& unit, double scale);
 
 void scale_mesh(TriangleMesh& mesh, double factor);
 
-/// What to say when no unit was given and the numbers look like another one: particles are seldom larger than a few
-/// metres. "" when there is nothing to say.
-/// in   extent   largest side of the bounding box, in the file's own numbers
-std::string unit_question(const std::string& path, double extent);
+/// Metres in one unit of a mesh file: what the user gave, else what the file states, else 1. A notice reports the size in each unit
+/// that could be meant when nobody stated one, and a unit that contradicts the file.
+/// Fails: UsageError for what is no length or scale.
+double metres_per_unit(const MeshFile& file, const std::string& path, const std::string& unit, double scale, CommandResult& result);
 
 /// A shape's name is a key in case files: what a key can be without quotes, from the stem of a path.
 std::string shape_name_from(const std::string& path);

@@ -12,7 +12,7 @@ MesherCommand check_line(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* line = app.add_subcommand("check", "Tell whether a mesh file can be a rigid body; exit 3 when not");
   line->add_option("FILE", options->file, "Mesh file (stl obj ply off 3ds dae bmf ...)")->required();
-  line->add_option("--unit", options->unit, "Unit of the numbers in the file (default m)");
+  line->add_option("--unit", options->unit, "Unit of the numbers in the file (default: what the file states, else m)");
   line->add_option("--scale", options->scale, "Factor on top of the unit");
   line->add_flag("--json", options->json, "Machine-readable output");
   return {line, [options](const Words&) { return check_command(*options); }};
@@ -23,7 +23,7 @@ MesherCommand import_line(CLI::App& app) {
   CLI::App* line = app.add_subcommand("import", "Import mesh files into one shape file");
   line->add_option("FILE", options->files, "Mesh files, one shape each")->required();
   line->add_option("-o,--output", options->output, "NAME.shape.h5")->required();
-  line->add_option("--unit", options->unit, "Unit of the numbers in the files (default m)");
+  line->add_option("--unit", options->unit, "Unit of the numbers in the files (default: what a file states, else m)");
   line->add_option("--scale", options->scale, "Factor on top of the unit");
   line->add_option("--name", options->names, "Name of the shape; repeat it for each file (default: file name)")
       ->take_all()
@@ -37,7 +37,7 @@ MesherCommand import_line(CLI::App& app) {
 void add_edit_options(CLI::App* line, EditOptions& options) {
   line->add_option("FILE", options.file, "Mesh file, or NAME.shape.h5")->required();
   line->add_option("-o,--output", options.output, "NAME.shape.h5, or a mesh: NAME.stl .ply .obj .off")->required();
-  line->add_option("--unit", options.unit, "Unit of the numbers in the file (default m)");
+  line->add_option("--unit", options.unit, "Unit of the numbers in the file (default: what the file states, else m)");
   line->add_option("--scale", options.scale, "Factor on top of the unit");
   line->add_flag("--surface", options.surface, "A wall: the result may be open and has no mass");
   line->add_option("--picture", options.picture, "Draw before and after into this PNG");
@@ -96,7 +96,7 @@ MesherCommand describe_line(CLI::App& app) {
   auto options = std::make_shared<DescribeOptions>();
   CLI::App* line = app.add_subcommand("describe", "Sphericity, convexity, elongation ... of meshes, shapes or folders of them");
   line->add_option("FILE", options->files, "Mesh files, shape files, folders")->required();
-  line->add_option("--unit", options->unit, "Unit of the numbers in mesh files (default m)");
+  line->add_option("--unit", options->unit, "Unit of the numbers in mesh files (default: what a file states, else m)");
   line->add_option("--scale", options->scale, "Factor on top of the unit");
   line->add_option("--csv", options->csv, "Write the table, with all columns, into this file");
   return {line, [options](const Words&) { return describe_command(*options); }};

@@ -14,7 +14,7 @@ struct CommandResult {
 
 struct CheckOptions {
   std::string file;
-  std::string unit;  ///< one unit of the file, "mm"; empty: metres, and a question when that looks wrong
+  std::string unit;  ///< one unit of the file, "mm"; empty: what the file states, else metres with a notice of the sizes
   double scale = 1;
   bool json = false;
 };
@@ -24,7 +24,7 @@ CommandResult check_command(const CheckOptions& options);
 struct ImportOptions {
   std::vector<std::string> files;
   std::string output;
-  std::string unit;  ///< one unit of the file, "mm"; empty: metres
+  std::string unit;  ///< one unit of the file, "mm"; empty: as above
   double scale = 1;
   std::vector<std::string> names;  ///< one for each file, or none: then the stems of the file names
   bool surface = false;            ///< wall: may be open, no mass, coordinates kept

@@ -39,9 +39,10 @@ std::vector<std::string> files_of(const std::vector<std::string>& given) {
 
 CommandResult describe_command(const DescribeOptions& options) {
   CommandResult result;
-  const double factor = length_factor(options.unit, options.scale);
+  expect_unit(options.unit, options.scale);
   std::vector<std::string> names, refused;
   std::vector<Descriptors> all;
+  bool unit_was_reported = false;  // one notice for many files
   for (const std::string& path : files_of(options.files)) {
     try {
       std::vector<Shape> shapes;
@@ -49,9 +50,11 @@ CommandResult describe_command(const DescribeOptions& options) {
         shapes = read_shape_file(path).shapes;
       } else {
         MeshFile file = read_mesh_file(path);
-        scale_mesh(file.mesh, factor);
-        clean_mesh(file.mesh, false);
         CommandResult ignored;  // remarks of one mesh among many would drown the table
+        scale_mesh(file.mesh, metres_per_unit(file, path, options.unit, options.scale, ignored));
+        if (!ignored.notices.empty() && !unit_was_reported) result.notices.push_back(ignored.notices.front());
+        unit_was_reported = unit_was_reported || !ignored.notices.empty();
+        clean_mesh(file.mesh, false);
         shapes.push_back(certified_shape(shape_name_from(path), std::move(file.mesh), false, path, ignored));
       }
       for (const Shape& shape : shapes) {

@@ -61,6 +61,7 @@ EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
     }
     return source;
   }
+  expect_unit(options.unit, options.scale);
   MeshFile file = read_mesh_file(options.file);
   if (file.mesh.triangle_count() == 0)
     throw InputError("{}: {} vertices but no triangle was found in it", options.file, file.mesh.vertex_count());
@@ -69,11 +70,7 @@ EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
     throw InputError("{}: vertex {} is not a finite number (NaN or infinite); export the model again", options.file,
                      bad - file.mesh.vertices.begin());
   }
-  if (options.unit.empty()) {
-    const std::string question = unit_question(options.file, extent_of(file.mesh));
-    if (!question.empty()) result.notices.push_back(question);
-  }
-  source.factor = length_factor(options.unit, options.scale);
+  source.factor = metres_per_unit(file, options.file, options.unit, options.scale, result);
   source.reader = file.reader;
   scale_mesh(file.mesh, source.factor);
   EditedMesh edited{shape_name_from(options.file), std::move(file.mesh), {}, {}};

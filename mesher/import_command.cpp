@@ -36,14 +36,7 @@ std::vector<std::string> names_for(const ImportOptions& options) {
   return names;
 }
 
-void ask_unit(const std::string& path, const MeshFile& file, CommandResult& result) {
-  const Vec3 extent = bounding_box(file.mesh).extent();
-  const std::string question = unit_question(path, std::max({extent.x, extent.y, extent.z}));
-  if (!question.empty()) result.notices.push_back(question);
-}
-
-Shape import_one(const std::string& path, const std::string& name, double factor,
-                 const ImportOptions& options, CommandResult& result) {
+Shape import_one(const std::string& path, const std::string& name, const ImportOptions& options, CommandResult& result) {
   MeshFile file = read_mesh_file(path);
   const std::int32_t stored_vertices = file.mesh.vertex_count(),
                      stored_triangles = file.mesh.triangle_count();
@@ -52,8 +45,8 @@ Shape import_one(const std::string& path, const std::string& name, double factor
         "{}: {} vertices but no triangle was found in it; is it really a {} file? Export the model again",
         path, stored_vertices, extension_of(path));
   }
+  const double factor = metres_per_unit(file, path, options.unit, options.scale, result);
   scale_mesh(file.mesh, factor);
-  if (options.unit.empty()) ask_unit(path, file, result);
   RepairCounts repairs = clean_mesh(file.mesh, options.surface);
   if (options.flip && options.surface) {
     for (Triangle& t : file.mesh.triangles) std::swap(t[1], t[2]);
@@ -82,13 +75,12 @@ Shape import_one(const std::string& path, const std::string& name, double factor
 }  // namespace
 
 CommandResult check_command(const CheckOptions& options) {
-  const double factor = length_factor(options.unit, options.scale);
+  expect_unit(options.unit, options.scale);
   MeshFile file = read_mesh_file(options.file);
   const std::int32_t stored_vertices = file.mesh.vertex_count(),
                      stored_triangles = file.mesh.triangle_count();
   CommandResult result;
-  scale_mesh(file.mesh, factor);
-  if (options.unit.empty()) ask_unit(options.file, file, result);
+  scale_mesh(file.mesh, metres_per_unit(file, options.file, options.unit, options.scale, result));
   // The check reports what is in the file, so zero-area and duplicate triangles are counted before they are
   // dropped, and topology is judged as import would see it.
   TriangleMesh welded = file.mesh;
@@ -132,16 +124,16 @@ CommandResult check_command(const CheckOptions& options) {
 }
 
 CommandResult import_command(const ImportOptions& options, const std::vector<std::string>& command) {
-  const double factor = length_factor(options.unit, options.scale);
+  expect_unit(options.unit, options.scale);
   const std::vector<std::string> names = names_for(options);
   expect_shape_path(options.output);
   CommandResult result;
   Provenance provenance = shape_provenance(
-      command, fmt::format("import unit={} scale={} surface={} flip={}", options.unit.empty() ? "m" : options.unit,
+      command, fmt::format("import unit={} scale={} surface={} flip={}", options.unit.empty() ? "as stated, else m" : options.unit,
                            options.scale, options.surface, options.flip));
   std::vector<Shape> shapes;
   for (std::size_t i = 0; i < options.files.size(); ++i) {
-    shapes.push_back(import_one(options.files[i], names[i], factor, options, result));
+    shapes.push_back(import_one(options.files[i], names[i], options, result));
     provenance.inputs.push_back({options.files[i], sha256_of_file(options.files[i]), nullptr});
     result.output += summary_of(shapes.back(), options.files[i]);
   }

@@ -88,7 +88,7 @@ class MesherGmsh : public Mesher {
 
 TEST_F(MesherImport, check_tells_that_a_tetrahedron_is_a_solid) {
   folder.write("rock.obj", kTetrahedron);
-  const ToolRun result = run("check rock.obj");
+  const ToolRun result = run("check rock.obj --unit m");
   EXPECT_EQ(result.code, 0) << result.errors;
   EXPECT_SAYS(result.output, "watertight               yes");
   EXPECT_SAYS(result.output, "volume                   0.166666667 m^3");
@@ -260,6 +260,35 @@ TEST_F(MesherImport, wrong_units_and_scales_are_refused_with_exit_2) {
   EXPECT_EQ(run("import rock.obj --scale 0 -o x.shape.h5").code, 2);
   EXPECT_EQ(run("import rock.obj --scale -1 -o x.shape.h5").code, 2);
   EXPECT_EQ(run("import rock.obj -o x.h5").code, 2);
+}
+
+TEST_F(Mesher, without_a_unit_every_size_that_could_be_meant_is_reported) {
+  folder.write("rock.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");  // 2 mm, perhaps
+  for (const char* command : {"check rock.obj", "import rock.obj -o x.shape.h5", "refine rock.obj --times 1 -o y.shape.h5", "describe rock.obj"}) {
+    const ToolRun result = run(command);
+    EXPECT_EQ(result.code, 0) << result.errors;
+    EXPECT_SAYS(result.errors, "the longest side is 2 m; with --unit cm it is 20 mm, with --unit mm 2 mm, with --unit um 2 um");
+    EXPECT_EQ(run(command + std::string(" --unit mm")).errors.find("--unit"), std::string::npos) << command;
+  }
+  EXPECT_NEAR(shapes("x.shape.h5")[0].mass.volume, 2e-9 / 6, 1e-22);
+}
+
+TEST_F(MesherImport, a_unit_that_the_file_states_is_taken_and_a_contradiction_reported) {
+  folder.write("rock.dae", R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="millimeter" meter="0.001"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="12">0 0 0 20 0 0 0 20 0 0 0 20</float_array><technique_common>
+<accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>
+</technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 1 2 3 0 3 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)");
+  const ToolRun stated = run("import rock.dae -o x.shape.h5");
+  ASSERT_EQ(stated.code, 0) << stated.errors;
+  EXPECT_NEAR(shapes("x.shape.h5")[0].mass.volume, 8e-6 / 6, 1e-11);
+  EXPECT_EQ(stated.errors.find("--unit"), std::string::npos) << stated.errors;
+  EXPECT_SAYS(stated.errors, "rounded to single precision by assimp");
+  const ToolRun other = run("import rock.dae -o x.shape.h5 --unit mm");
+  EXPECT_SAYS(other.errors, "the file states that its longest side is 20 mm; with --unit mm it is 20 um");
 }
 
 TEST_F(Mesher, missing_files_and_unknown_formats_are_told_apart) {
