@@ -89,6 +89,7 @@ MesherCommand remesh_line(CLI::App& app) {
   add_edit_options(line, *options);
   line->add_option("--edge-length", options->edge_length, "Of the new triangles");
   line->add_option("--triangles", options->triangles, "Or how many, about");
+  line->add_option("--largest-change", options->largest_change, "Most by which the volume may change, as part of it (default 0.2)");
   return {line, [options](const Words& words) { return remesh_command(*options, words); }};
 }
 

@@ -70,6 +70,7 @@ CommandResult hull_command(const HullOptions& options, const std::vector<std::st
 struct RemeshOptions : EditOptions {
   std::string edge_length;
   std::int32_t triangles = 0;
+  double largest_change = 0.2;  ///< of the volume, as part of it; a result that differs by more is refused
 };
 CommandResult remesh_command(const RemeshOptions& options, const std::vector<std::string>& command);
 

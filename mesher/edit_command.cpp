@@ -28,6 +28,38 @@ double extent_of(const TriangleMesh& mesh) {
   return std::max({e.x, e.y, e.z});
 }
 
+/// Rounding to single precision, about 6e-8 of a coordinate, is reported from this part of the extent on: the gaps that repair closes
+/// and check takes for none are smaller.
+constexpr double kReportedRounding = 1e-6;
+
+/// What an STL file, which holds single precision, loses of a mesh far from its origin; "" when that is nothing to speak of.
+std::string stl_loss(const TriangleMesh& mesh) {
+  double largest = 0;
+  for (const Vec3& p : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(p[k] - static_cast<double>(static_cast<float>(p[k]))));
+  }
+  const double part = largest / extent_of(mesh);
+  if (!(part > kReportedRounding)) return "";
+  return fmt::format("STL holds single precision, so that vertices of this mesh far from its origin moved by up to {:.2g} of its extent "
+                     "and can coincide; write PLY, OBJ, OFF or .shape.h5, which keep all digits", part);
+}
+
+/// The check of a result without advice to do again what was just done, and with what the command itself advises.
+MeshCheck with_advice_after(const std::string& what, const EditedMesh& edited) {
+  MeshCheck check = check_mesh(edited.mesh);
+  const std::string repair = "'scree-mesher repair'", remesh = "'scree-mesher remesh'";
+  const std::string own = what == "repaired" ? repair : what == "remeshed" ? remesh : "", other = own == repair ? remesh : repair;
+  if (!own.empty()) {
+    for (std::string& text : check.advice) {
+      if (text.find(own) != std::string::npos) text = own == repair ? "make a new closed surface with " + other : "";
+    }
+    std::erase(check.advice, "");
+  }
+  check.advice.insert(check.advice.begin(), edited.advice.begin(), edited.advice.end());
+  if (check.advice.empty()) check.advice.push_back("mend it in a mesh editor");
+  return check;
+}
+
 /// Change of the largest component of the inertia tensor about the centre of mass, as part of the old one.
 double inertia_change(const MassProperties& before, const MassProperties& after) {
   double difference = 0, size = 0;
@@ -57,7 +89,7 @@ EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
         throw InputError("{}: shape '{}' is an analytic sphere and has no triangles to work on", options.file, shape.name);
       }
       for (Vec3& p : shape.mesh.vertices) p += shape.origin_shift;
-      source.meshes.push_back({shape.name, std::move(shape.mesh), {}, {}});
+      source.meshes.push_back({shape.name, std::move(shape.mesh), {}, {}, {}});
     }
     return source;
   }
@@ -73,7 +105,7 @@ EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
   source.factor = metres_per_unit(file, options.file, options.unit, options.scale, result);
   source.reader = file.reader;
   scale_mesh(file.mesh, source.factor);
-  EditedMesh edited{shape_name_from(options.file), std::move(file.mesh), {}, {}};
+  EditedMesh edited{shape_name_from(options.file), std::move(file.mesh), {}, {}, {}};
   const RepairCounts repairs = clean_mesh(edited.mesh, options.surface);
   if (repairs.vertices_welded > 0)
     edited.steps.push_back(fmt::format("{} vertices welded to others of exactly equal position", repairs.vertices_welded));
@@ -101,8 +133,9 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
     for (const std::string& step : edited.steps) result.output += fmt::format("{}: {}\n", edited.name, step);
     try {
       shapes.push_back(certified_shape(edited.name, edited.mesh, options.surface, options.file, result));
-    } catch (const InputError& error) {  // what was done is told all the same
-      result.refusal = fmt::format("{} (after it was {}; nothing is written)", error.what(), what);
+    } catch (const InputError&) {  // what was done is reported all the same
+      result.refusal = fmt::format("{} (after it was {}; nothing is written)",
+                                   refusal_of(options.file, with_advice_after(what, edited)), what);
       return;
     }
     shapes.back().verdict["file"] = options.file;
@@ -113,6 +146,10 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
   if (!options.picture.empty()) {
     draw_meshes({{"before", &source.meshes.front().mesh}, {results.front().name, &results.front().mesh}}, options.picture);
     result.output += fmt::format("wrote {}\n", options.picture);
+  }
+  if (extension_of(options.output) == ".stl") {
+    const std::string loss = stl_loss(results.front().mesh);
+    if (!loss.empty()) result.notices.push_back(fmt::format("{}: {}", options.output, loss));
   }
   if (to_shape) {
     Provenance provenance = shape_provenance(command, what + " " + options.file);
@@ -127,7 +164,7 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
   result.output += fmt::format("wrote {}\n", options.output);
 }
 
-void report_change(const TriangleMesh& before, bool surface, EditedMesh& edited) {
+double report_change(const TriangleMesh& before, bool surface, EditedMesh& edited, double enclosed) {
   const HausdorffDistance h = hausdorff_distance(before, edited.mesh);
   const double extent = extent_of(before);
   edited.steps.push_back(fmt::format(
@@ -137,14 +174,25 @@ void report_change(const TriangleMesh& before, bool surface, EditedMesh& edited)
       (h.forth.lower > h.back.lower ? h.forth : h.back).place.z));
   edited.record["hausdorff_lower"] = h.lower();
   edited.record["hausdorff_upper"] = h.upper();
-  if (surface) return;
-  const MassProperties a = mass_properties(before), b = mass_properties(edited.mesh);
-  if (!(std::abs(a.volume) > 0)) return;
+  const double area = surface_area(edited.mesh) / surface_area(before) - 1;
+  edited.steps.push_back(fmt::format("area changed by {:+.3g} %", 100 * area));
+  edited.record["area_change"] = area;
+  if (surface) return 0;
+  const MassProperties b = mass_properties(edited.mesh);
+  if (enclosed > 0) {
+    const double volume = b.volume / enclosed - 1;
+    edited.steps.push_back(fmt::format("volume changed by {:+.3g} % of what the original, which is no solid, encloses (sampled)", 100 * volume));
+    edited.record["volume_change"] = volume;
+    return volume;
+  }
+  const MassProperties a = mass_properties(before);
+  if (!(std::abs(a.volume) > 0)) return 0;
   const double volume = b.volume / a.volume - 1, inertia = inertia_change(a, b);
   edited.steps.push_back(fmt::format("volume changed by {:+.3g} %, inertia by {:.3g} %, centre of mass by {}",
                                      100 * volume, 100 * inertia, length_text(length(b.centre - a.centre))));
   edited.record["volume_change"] = volume;
   edited.record["inertia_change"] = inertia;
+  return volume;
 }
 
 CommandResult simplify_command(const SimplifyOptions& options, const std::vector<std::string>& command) {
@@ -158,7 +206,7 @@ CommandResult simplify_command(const SimplifyOptions& options, const std::vector
   for (const EditedMesh& original : source.meshes) {
     const MeshCheck check = check_mesh(original.mesh);
     if (!options.surface && !check.is_solid())
-      throw InputError(refusal_of(options.file, check) + ", or repair it first with 'scree-mesher repair'");
+      throw InputError(refusal_of(options.file, check));
     EditedMesh level = original;
     for (std::int32_t target : targets) {
       const std::int32_t from = level.mesh.triangle_count();
@@ -174,7 +222,11 @@ CommandResult simplify_command(const SimplifyOptions& options, const std::vector
         result.notices.push_back(fmt::format("{}: {} triangles were asked for; with fewer than {} the surface would change "
                                              "its topology or fold", done.name, target, done.mesh.triangle_count()));
       }
-      report_change(original.mesh, options.surface, done);
+      const double change = report_change(original.mesh, options.surface, done);
+      if (std::abs(change) > kNoticedChange) {
+        result.notices.push_back(fmt::format("{}: the volume changed by {:+.3g} %; more triangles keep more of the shape", done.name,
+                                             100 * change));
+      }
       done.record["handles_cut"] = counts.handles_cut;
       done.record["original"] = original.name;
       levels.push_back(std::move(done));

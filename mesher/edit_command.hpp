@@ -16,6 +16,7 @@ struct EditedMesh {
   TriangleMesh mesh;               ///< [m]
   std::vector<std::string> steps;  ///< what was done to it, in numbers
   nlohmann::json record;           ///< the same for the shape file's verdict
+  std::vector<std::string> advice; ///< what could still help when the result is no solid
 };
 
 /// What was read, and what is needed to write it again.
@@ -37,7 +38,12 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
                         const std::vector<EditedMesh>& results, const std::vector<std::string>& command,
                         CommandResult& result);
 
-/// Adds to the steps and the record of `edited` how far it is from `before`: Hausdorff distance, volume, inertia.
-void report_change(const TriangleMesh& before, bool surface, EditedMesh& edited);
+/// Adds to the steps and the record of `edited` how far it is from `before`: Hausdorff distance, area, volume, inertia.
+/// in   enclosed   volume that `before` encloses where it is no solid [m^3]; 0: it is one
+/// Returns the change of volume as part of it; 0 for surfaces.
+double report_change(const TriangleMesh& before, bool surface, EditedMesh& edited, double enclosed = 0);
+
+/// A change of volume above this part is a notice: shapes this far apart move and pack differently.
+inline constexpr double kNoticedChange = 0.05;
 
 }  // namespace scree

@@ -116,7 +116,8 @@ std::vector<Triangle> ear_by_ear(const TriangleMesh& mesh, Loop loop, const Edge
 
 }  // namespace
 
-std::int32_t fill_holes(TriangleMesh& mesh, double most_area, double& filled) {
+std::int32_t fill_holes(TriangleMesh& mesh, double most_area, double& filled, OpenHoles& left) {
+  left = {};
   const std::vector<HalfEdge> half = sorted_half_edges(mesh);
   EdgeSet near_border;  // edges at border vertices: those that a filling might double
   std::vector<char> on_border(mesh.vertices.size(), 0);
@@ -134,7 +135,10 @@ std::int32_t fill_holes(TriangleMesh& mesh, double most_area, double& filled) {
   for (const Loop& loop : trace_loops(half)) {
     if (loop.size() < 3) continue;
     Filling f{loop.size() <= kLongHole ? least_area(mesh, loop, near_border) : ear_by_ear(mesh, loop, near_border), 0};
-    if (f.triangles.empty()) continue;
+    if (f.triangles.empty()) {
+      ++left.impossible;
+      continue;
+    }
     for (const Triangle& t : f.triangles) {
       f.area += area_of(mesh, t[0], t[1], t[2]);
       for (std::size_t k = 0; k < 3; ++k) near_border.insert(std::minmax(t[k], t[(k + 1) % 3]));
@@ -145,7 +149,11 @@ std::int32_t fill_holes(TriangleMesh& mesh, double most_area, double& filled) {
   std::stable_sort(fillings.begin(), fillings.end(), [](const Filling& a, const Filling& b) { return a.area < b.area; });
   std::int32_t closed = 0;
   for (const Filling& f : fillings) {
-    if (filled + f.area > most_area) break;
+    if (filled + f.area > most_area || left.too_large > 0) {
+      ++left.too_large;
+      left.area += f.area;
+      continue;
+    }
     filled += f.area;
     mesh.triangles.insert(mesh.triangles.end(), f.triangles.begin(), f.triangles.end());
     ++closed;

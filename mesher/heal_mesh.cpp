@@ -320,7 +320,8 @@ std::int32_t recut(TriangleMesh& mesh, double most_area, double filled) {
     removed += static_cast<std::int32_t>(dropped.size());
     if (static_cast<double>(removed) > kMostRemoved * static_cast<double>(mesh.triangles.size())) return 0;
     drop_triangles(trial, dropped);
-    fill_holes(trial, most_area, filled);
+    OpenHoles ignored;  // the trial counts only when it is closed
+    fill_holes(trial, most_area, filled, ignored);
     drop_unreferenced(trial);
   }
   return 0;
@@ -349,7 +350,8 @@ std::size_t resolve_crossings(TriangleMesh& mesh, double most_area, std::int32_t
     if (static_cast<double>(dropped.size()) > kMostRemoved * static_cast<double>(trial.triangles.size()) + 64) break;
     drop_triangles(trial, dropped);
     double filled = 0;
-    fill_holes(trial, most_area, filled);
+    OpenHoles ignored;  // the trial counts only when it is closed
+    fill_holes(trial, most_area, filled, ignored);
     drop_unreferenced(trial);
     const MeshCheck check = check_mesh(trial);
     if (!check.is_watertight() || check.degenerate_triangles > 0) continue;
@@ -375,7 +377,7 @@ std::vector<TriangleMesh> components_of(const TriangleMesh& mesh) {
   return parts;
 }
 
-void heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std::string>& steps) {
+double heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std::string>& steps) {
   const double extent = extent_of(mesh);
   const auto clean_after = [&] {
     for (const std::string& sentence : clean_mesh(mesh, false).sentences()) steps.push_back(sentence);
@@ -415,10 +417,21 @@ void heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std::
   std::int32_t turned = std::max(0, turn_outward(mesh));
   const double area = surface_area(mesh), most = options.largest_fill * area;
   double filled = 0;
-  if (const std::int32_t holes = area > 0 ? fill_holes(mesh, most, filled) : 0; holes > 0) {
+  OpenHoles left;
+  const std::int32_t holes = area > 0 ? fill_holes(mesh, most, filled, left) : 0;
+  const double needed = left.too_large > 0 ? (filled + left.area) / area : 0;
+  if (holes > 0) {
     steps.push_back(fmt::format("{} closed, {:.3g} % of the area", counted(holes, "hole", "holes"), 100 * filled / area));
     turned += std::max(0, turn_outward(mesh));
     clean_after();
+  }
+  if (left.too_large > 0) {
+    steps.push_back(fmt::format("{} left open: all fillings together would make up {:.3g} % of the area, above the limit of {:.3g} %",
+                                counted(left.too_large, "hole", "holes"), 100 * needed, 100 * options.largest_fill));
+  }
+  if (left.impossible > 0) {
+    steps.push_back(fmt::format("{} left open: every filling would use an edge that the surface has already",
+                                counted(left.impossible, "hole", "holes")));
   }
   if (const std::int32_t removed = recut(mesh, most, filled); removed > 0) {
     steps.push_back(fmt::format("{} at edges that could neither be parted nor closed removed, and the holes filled",
@@ -431,12 +444,13 @@ void heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std::
   const MeshCheck check = check_mesh(mesh);
   if (check.crossing_pairs > 0 && check.is_watertight() && check.crossing_components == 0) {
     std::int32_t removed = 0;
-    const std::size_t left = resolve_crossings(mesh, most, removed);
+    const std::size_t pairs_left = resolve_crossings(mesh, most, removed);
     if (removed > 0) {
       steps.push_back(fmt::format("{} crossing pairs of triangles became {} by removing {} triangles and filling again",
-                                  check.crossing_pairs, left, removed));
+                                  check.crossing_pairs, pairs_left, removed));
     }
   }
+  return needed;
 }
 
 }  // namespace scree

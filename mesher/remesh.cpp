@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -14,6 +15,8 @@
 #include "core/geometry/bvh.hpp"
 #include "mesher/certificate.hpp"
 #include "mesher/edit_command.hpp"
+#include "mesher/half_edges.hpp"
+#include "mesher/mesh_check.hpp"
 #include "mesher/mesh_repair.hpp"
 #include "mesher/mesh_simplify.hpp"
 #include "mesher/winding_field.hpp"
@@ -29,6 +32,36 @@ constexpr double kNearestCut = 0.02;
 /// Halvings of a lattice edge when the place of a cut is sought: to a thousandth of the edge.
 constexpr int kHalvings = 10;
 
+/// Points on which the volume of a mesh that is no solid is sampled: enough to see a change of kNoticedChange in a body that
+/// fills a hundredth of its box.
+constexpr double kVolumeSamples = 2e5;
+
+/// Volume of the points around which the surface winds [m^3]: that of overlapping parts once, and up to the gaps of an open one.
+double enclosed_volume(const TriangleMesh& mesh) {
+  const WindingField field(mesh);
+  const Box3 box = bounding_box(mesh);
+  const Vec3 e = box.extent();
+  const double whole = e.x * e.y * e.z;
+  if (!(whole > 0)) return 0;
+  std::array<std::int64_t, 3> size{};
+  const double pitch = std::cbrt(whole / kVolumeSamples);
+  for (std::size_t k = 0; k < 3; ++k) {
+    // a thin box has few layers, and at most so many points along it
+    size[k] = static_cast<std::int64_t>(std::clamp(e[static_cast<int>(k)] / pitch, 8.0, std::sqrt(kVolumeSamples)));
+  }
+  std::int64_t inside = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k) {
+    for (std::int64_t j = 0; j < size[1]; ++j) {
+      for (std::int64_t i = 0; i < size[0]; ++i) {
+        const Vec3 part{(static_cast<double>(i) + 0.5) / static_cast<double>(size[0]), (static_cast<double>(j) + 0.5) / static_cast<double>(size[1]),
+                        (static_cast<double>(k) + 0.5) / static_cast<double>(size[2])};
+        inside += field.at(box.lower + Vec3{part.x * e.x, part.y * e.y, part.z * e.z}) > 0.5 ? 1 : 0;
+      }
+    }
+  }
+  return whole * static_cast<double>(inside) / static_cast<double>(size[0] * size[1] * size[2]);
+}
+
 /// Lattice points have three coordinates of equal parity: all even or all odd.
 struct Lattice {
   Vec3 origin;
@@ -41,14 +74,27 @@ struct Lattice {
   }
 };
 
-/// Whether each lattice point is inside. Points further from the surface than their neighbours are like them, so the
-/// winding number is asked for near the surface and once for each region away from it.
+/// Whether as many triangles run along each edge one way as the other: then the winding number changes at the surface only.
+bool is_balanced(const TriangleMesh& mesh) {
+  bool balanced = true;
+  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
+  for_each_edge(half, [&](std::size_t i, std::size_t j) {
+    std::int64_t forward = 0;
+    for (std::size_t h = i; h < j; ++h) forward += half[h].is_forward ? 1 : -1;
+    balanced = balanced && forward == 0;
+  });
+  return balanced;
+}
+
+/// Whether each lattice point is inside. Around a balanced surface points away from it are like their neighbours, so the winding
+/// number is computed near the surface and once for each region away from it. With holes it passes one half away from the surface,
+/// too, where it spans them, and is computed everywhere.
 std::vector<char> find_inside(const TriangleMesh& mesh, const Bvh& bvh, const Lattice& lattice) {
   const WindingField field(mesh);
   const std::int64_t count = lattice.size[0] * lattice.size[1] * lattice.size[2];
   constexpr char kUnknown = 2, kFar = 3;
   std::vector<char> inside(static_cast<std::size_t>(count), 0);
-  const double reach = 2 * lattice.spacing;
+  const double reach = is_balanced(mesh) ? 2 * lattice.spacing : std::numeric_limits<double>::infinity();
   std::vector<std::int64_t> points;
   for (std::int64_t k = 0; k < lattice.size[2]; ++k) {
     for (std::int64_t j = 0; j < lattice.size[1]; ++j) {
@@ -64,7 +110,7 @@ std::vector<char> find_inside(const TriangleMesh& mesh, const Bvh& bvh, const La
     Vec3 nearest;
     std::int32_t triangle;
     const Vec3 p = lattice.point(n);
-    const bool is_near = point_mesh_distance({&mesh, &bvh}, p, reach, nearest, triangle) < reach;
+    const bool is_near = std::isinf(reach) || point_mesh_distance({&mesh, &bvh}, p, reach, nearest, triangle) < reach;
     inside[static_cast<std::size_t>(n)] = is_near ? static_cast<char>(field.at(p) > 0.5) : kFar;
   }
   std::vector<std::int64_t> queue;
@@ -198,6 +244,7 @@ CommandResult remesh_command(const RemeshOptions& options, const std::vector<std
     throw UsageError("remesh: give either --edge-length, for instance \"1 mm\", or --triangles, for instance 2000");
   if (options.triangles < 0 || (options.triangles > 0 && options.triangles < 20))
     throw UsageError("--triangles {}: expected at least 20", options.triangles);
+  if (!(options.largest_change >= 0)) throw UsageError("--largest-change {}: expected a part of the volume, for instance 0.2", options.largest_change);
   const EditSource source = read_edit_source(options, result);
   std::vector<EditedMesh> results = source.meshes;
   for (EditedMesh& edited : results) {
@@ -207,6 +254,7 @@ CommandResult remesh_command(const RemeshOptions& options, const std::vector<std
                                    ? std::sqrt(surface_area(before) / options.triangles / 0.4330127018922193)
                                    : parse_quantity(options.edge_length, Dimension::length, "--edge-length");
     turn_outward(edited.mesh);
+    const double enclosed = check_mesh(before).is_solid() ? 0 : enclosed_volume(edited.mesh);
     edited.mesh = remesh(edited.mesh, edge_length);
     if (edited.mesh.triangles.empty()) {
       throw InputError("{}: nothing that it encloses is as thick as {:.3g} m; give a smaller --edge-length, or close it first",
@@ -219,7 +267,19 @@ CommandResult remesh_command(const RemeshOptions& options, const std::vector<std
     simplify_mesh(edited.mesh, std::max(20, static_cast<std::int32_t>(wanted)), false);
     edited.steps.push_back(fmt::format("{} triangles became {}, after {} of the lattice", before.triangle_count(),
                                        edited.mesh.triangle_count(), made));
-    report_change(before, false, edited);
+    const double change = report_change(before, false, edited, enclosed);
+    if (std::abs(change) <= kNoticedChange) continue;
+    const std::string loss = fmt::format(
+        "{}: the volume of '{}' changed by {:+.3g} %: what is thinner than an edge of {} can vanish, and gaps narrower than it can close",
+        options.file, edited.name, 100 * change, format_quantity(edge_length, Dimension::length));
+    if (std::abs(change) > options.largest_change) {
+      for (const std::string& step : edited.steps) result.output += fmt::format("{}: {}\n", edited.name, step);
+      result.refusal = fmt::format("{}; that is above the limit of {:g} % and nothing is written: give more --triangles or a smaller "
+                                   "--edge-length, or allow it with --largest-change {:.2g}", loss, 100 * options.largest_change,
+                                   std::ceil(100 * std::abs(change)) / 100);
+      return result;
+    }
+    result.notices.push_back(loss + "; give more --triangles or a smaller --edge-length");
   }
   write_edit_results("remeshed", options, source, results, command, result);
   return result;

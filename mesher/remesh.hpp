@@ -15,7 +15,7 @@ namespace scree {
 /// triangulating equi-valued surfaces by using tetrahedral cells, 1991.
 /// in   mesh   finite, with its triangles turned outward as far as possible (see turn_outward)
 /// in   edge_length   [m], > 0; throws UsageError when the lattice would have more than kMostLatticePoints
-/// Cost: O(lattice points log T).
+/// Cost: O(lattice points log T); for closed meshes O(lattice points near the surface).
 TriangleMesh remesh(const TriangleMesh& mesh, double edge_length);
 
 inline constexpr double kMostLatticePoints = 5e7;

@@ -44,7 +44,11 @@ CommandResult repair_command(const RepairOptions& options, const std::vector<std
   const EditSource source = read_edit_source(options, result);
   std::vector<EditedMesh> results;
   for (EditedMesh edited : source.meshes) {
-    heal_mesh(edited.mesh, {options.weld, options.largest_fill}, edited.steps);
+    const double needed_fill = heal_mesh(edited.mesh, {options.weld, options.largest_fill}, edited.steps);
+    if (needed_fill > 0) {
+      edited.advice.push_back(fmt::format("close the holes that are left with --largest-fill {:.2g} (the limit was {:g} of the area)",
+                                          std::ceil(100 * needed_fill) / 100, options.largest_fill));
+    }
     if (options.component > 0 || options.keep_largest) edited.mesh = picked(edited.mesh, options, edited.steps);
     if (edited.steps.empty()) edited.steps.push_back("nothing to repair");
     edited.record["steps"] = edited.steps;
@@ -55,7 +59,7 @@ CommandResult repair_command(const RepairOptions& options, const std::vector<std
     const std::vector<TriangleMesh> parts = components_of(edited.mesh);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       results.push_back({fmt::format("{}_{}", edited.name, i + 1), parts[i], i == 0 ? edited.steps : std::vector<std::string>{},
-                         edited.record});
+                         edited.record, edited.advice});
     }
   }
   write_edit_results("repaired", options, source, results, command, result);

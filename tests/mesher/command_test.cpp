@@ -25,6 +25,10 @@ const char* const kInverted = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 
 const char* const kOpen = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
 const char* const kNan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 nan\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
+// A block of 1 x 1 x 1.2 without its lid.
+const char* const kCup =
+    "OFF\n8 5 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1.2\n1 0 1.2\n1 1 1.2\n0 1 1.2\n4 3 2 1 0\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+
 #define EXPECT_SAYS(text, words) \
   EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
@@ -289,6 +293,48 @@ TEST_F(MesherImport, a_unit_that_the_file_states_is_taken_and_a_contradiction_re
   EXPECT_SAYS(stated.errors, "rounded to single precision by assimp");
   const ToolRun other = run("import rock.dae -o x.shape.h5 --unit mm");
   EXPECT_SAYS(other.errors, "the file states that its longest side is 20 mm; with --unit mm it is 20 um");
+}
+
+TEST_F(Mesher, repair_reports_the_hole_that_it_leaves_and_the_limit_that_closes_it) {
+  folder.write("cup.off", kCup);  // its lid would be 17 % of what is there
+  const ToolRun left = run("repair cup.off --unit cm -o cup.shape.h5 --largest-fill 0.1");
+  EXPECT_EQ(left.code, 3);
+  EXPECT_SAYS(left.output, "1 hole left open: all fillings together would make up 17.2 % of the area, above the limit of 10 %");
+  EXPECT_EQ(left.output.find("nothing to repair"), std::string::npos);
+  EXPECT_SAYS(left.errors, "close the holes that are left with --largest-fill 0.18");
+  EXPECT_EQ(left.errors.find("'scree-mesher repair'"), std::string::npos) << left.errors;
+  EXPECT_EQ(run("repair cup.off --unit cm -o cup.shape.h5 --largest-fill 0.18").code, 0);
+  EXPECT_NEAR(shapes("cup.shape.h5").at(0).mass.volume, 1.2e-6, 1e-15);
+}
+
+TEST_F(Mesher, remesh_spans_the_opening_of_a_cup_and_keeps_what_it_encloses) {
+  folder.write("cup.off", kCup);
+  const ToolRun done = run("remesh cup.off --unit cm -o cup.shape.h5 --triangles 2000");
+  ASSERT_EQ(done.code, 0) << done.errors;
+  EXPECT_NEAR(shapes("cup.shape.h5").at(0).mass.volume, 1.2e-6, 0.05 * 1.2e-6);  // chamfered edges, and the lid's plane by sampling
+}
+
+TEST_F(Mesher, remesh_reports_a_change_of_volume_and_refuses_a_large_one) {
+  ASSERT_EQ(run("generate box --size 10cm,10cm,5mm -o plate.shape.h5").code, 0);
+  const ToolRun refused = run("remesh plate.shape.h5 -o x.shape.h5 --triangles 400");  // edges of 11 mm
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_SAYS(refused.output, "area changed by");
+  EXPECT_SAYS(refused.errors, "the volume of 'box' changed by -49 %: what is thinner than an edge of 11.27 mm can vanish");
+  EXPECT_SAYS(refused.errors, "--largest-change 0.5");
+  EXPECT_FALSE(exists("x.shape.h5"));
+  const ToolRun allowed = run("remesh plate.shape.h5 -o x.shape.h5 --triangles 400 --largest-change 0.5");
+  EXPECT_EQ(allowed.code, 0) << allowed.errors;
+  EXPECT_SAYS(allowed.errors, "note: plate.shape.h5: the volume of 'box' changed by -49 %");
+  EXPECT_EQ(run("remesh plate.shape.h5 -o x.shape.h5 --triangles 400 --largest-change -1").code, 2);
+}
+
+TEST_F(Mesher, an_stl_that_would_lose_the_shape_is_reported) {
+  folder.write("near.obj", kTetrahedron);
+  EXPECT_EQ(run("refine near.obj --unit m --times 1 -o near.stl").errors, "");
+  folder.write("far.obj", "v 1e7 0 0\nv 10000001 0 0\nv 1e7 1 0\nv 1e7 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const ToolRun lost = run("refine far.obj --unit m --times 1 -o far.stl");
+  EXPECT_SAYS(lost.errors, "STL holds single precision, so that vertices of this mesh far from its origin moved by up to 0.5 of its extent");
+  EXPECT_EQ(run("refine far.obj --unit m --times 1 -o far.ply").errors, "");
 }
 
 TEST_F(Mesher, missing_files_and_unknown_formats_are_told_apart) {
