@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <tuple>
+#include <type_traits>
 
 #include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
@@ -66,6 +67,47 @@ struct Columns<SpringRow> {
   template <class Action>
   static void visit(Action&& action) { for_each_spring_column(action); }
 };
+
+/// The numbers of a record with their names, for writer and reader alike.
+template <class Record, class Action>
+void for_each_number(Record& r, Action&& action) {
+  action("energy_reference", r.energy_reference);
+  action("kinetic_peak", r.kinetic_peak);
+  action("elastic_peak", r.elastic_peak);
+  action("energy_error", r.energy_error);
+  action("max_depth_ratio", r.max_depth_ratio);
+  action("critical_step", r.stiffest.step);
+  action("critical_a", r.stiffest.key.a);
+  action("critical_b", r.stiffest.key.b);
+  action("critical_zone", r.stiffest.key.zone);
+  action("kinetic_translational", r.energies.translational);
+  action("kinetic_rotational", r.energies.rotational);
+  action("potential", r.energies.potential);
+  action("elastic", r.energies.elastic);
+  action("elastic_tangential", r.energies.tangential_elastic);
+  action("dissipated", r.energies.dissipated);
+  action("wall_work", r.energies.wall_work);
+  action("removed", r.energies.removed);
+  action("imbalance_sum", r.imbalance_sum);
+  action("log_rows", r.log_rows);
+  action("list_renewals", r.list_renewals);
+  action("cuts", r.cuts);
+  action("migrated", r.migrated);
+  action("bytes_sent", r.bytes_sent);
+  action("peak_memory", r.peak_memory);
+  action("wall_seconds", r.wall_seconds);
+  for (std::size_t p = 0; p < r.phases.size(); ++p) action(std::string("t_") + phase_name(static_cast<Phase>(p)), r.phases[p]);
+}
+
+/// Numbers that the file does not have stay as they are: a later version may have more of them, and version 3 has four.
+void read_record(const h5::Group& group, RunRecord& record) {
+  for_each_number(record, [&](const std::string& name, auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if (!group.has_attribute(name)) return;
+    if constexpr (std::is_same_v<Value, double>) value = group.read_double_attribute(name);
+    else value = static_cast<Value>(group.read_integer_attribute(name));
+  });
+}
 
 template <class Row>
 std::int64_t bytes_per_row() {
@@ -146,10 +188,12 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
   c.step = root.read_integer_attribute("step");
   c.step_size = root.read_double_attribute("step_size");
   c.totals.level = root.read_integer_attribute("step_level");
-  c.energy_reference = root.read_double_attribute("energy_reference");
-  c.kinetic_peak = root.read_double_attribute("kinetic_peak");
-  c.max_depth_ratio = root.read_double_attribute("max_depth_ratio");
-  c.energy_error = root.read_double_attribute("energy_error");
+  if (root.read_integer_attribute("format_version") < 4) {
+    read_record(root, c.record);
+  } else {
+    read_record(root.open_group("record"), c.record);
+    c.origin = Vec3{root.read_double_attribute("origin_x"), root.read_double_attribute("origin_y"), root.read_double_attribute("origin_z")};
+  }
   c.totals.max_depth_ratio = root.read_double_attribute("interval_max_depth_ratio");
   c.state_hash = root.read_text_attribute("state_hash");
   c.scene_sha256 = root.read_text_attribute("scene_sha256");
@@ -178,6 +222,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
     words.insert(words.end(), w.begin(), w.end());
   }
   const std::string hash = simulation.state_hash();
+  // attributes are written by all ranks alike, and each has measured other times
+  RunRecord run = so_far.record;
+  static_assert(std::is_trivially_copyable_v<RunRecord>);
+  MPI_Bcast(&run, sizeof run, MPI_BYTE, 0, comm.get());
+  const Vec3 origin = so_far.origin.value_or(Vec3{});
 
   mpi::on_all(comm, [&] {
     const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
@@ -193,13 +242,14 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       root.write_attribute("step", simulation.step());
       root.write_attribute("step_size", simulation.step_size().step);
       root.write_attribute("step_level", totals.level);
-      root.write_attribute("energy_reference", so_far.energy_reference);
-      root.write_attribute("kinetic_peak", so_far.kinetic_peak);
-      root.write_attribute("max_depth_ratio", so_far.max_depth_ratio);
-      root.write_attribute("energy_error", so_far.energy_error);
+      root.write_attribute("origin_x", origin.x);
+      root.write_attribute("origin_y", origin.y);
+      root.write_attribute("origin_z", origin.z);
       root.write_attribute("interval_max_depth_ratio", totals.max_depth_ratio);
       root.write_attribute("state_hash", hash);
       root.write_attribute("scene_sha256", so_far.scene_sha256);
+      const h5::Group group = root.create_group("record");
+      for_each_number(run, [&](const std::string& name, const auto& value) { group.write_attribute(name, value); });
       file.write_text(root, "provenance", record);
       const auto sums = static_cast<std::int64_t>(totals.sums.size());  // the same on every rank: rank 0 writes them
       file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
@@ -267,7 +317,13 @@ Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::stri
   }
 }
 
-void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation, Checkpoint checkpoint) {
+void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation, Checkpoint checkpoint, const Vec3& origin) {
+  mpi::on_root(comm, [&] {
+    if (checkpoint.origin && *checkpoint.origin != origin) {
+      throw InputError("{}: was computed about another origin than this version of the solver chooses; continue with the version that wrote it",
+                       checkpoint.path);
+    }
+  });
   simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), checkpoint.step, checkpoint.step_size, checkpoint.totals);
   const std::string hash = simulation.state_hash();
   mpi::on_root(comm, [&] {

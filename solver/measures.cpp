@@ -233,9 +233,12 @@ FrameContacts Simulation::contacts() {
     halo_->start_refresh(p_, times_);
     halo_->finish_refresh(p_, times_);
   }
+  // Damping acts here with the velocities of the full step; what the step computed, with those that it had then, stays: loads of walls are read from it.
+  const std::vector<PairResult> kept = pairs_.results();
   FrameContacts out;
   evaluate_pairs(scene_, p_, walls_, pairs_.inner(), dt_, 0, step_, scratch_, pairs_, &out);
   evaluate_pairs(scene_, p_, walls_, pairs_.outer(), dt_, 0, step_, scratch_, pairs_, &out);
+  pairs_.results() = kept;
   return out;
 }
 

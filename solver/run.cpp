@@ -184,10 +184,12 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   Watchdog watchdog(comm, options.stall_limit, options.stalled);
   Simulation simulation(comm, *loaded.prepared, options.parallel);
   const std::string checkpoint_path = checkpoint.path;
-  double max_ratio = checkpoint.max_depth_ratio, kinetic_peak = checkpoint.kinetic_peak, worst_balance = checkpoint.energy_error;
-  double reference = checkpoint.energy_reference;
+  const RunRecord before = checkpoint.record;   // of the parts of this run before this one
+  double max_ratio = before.max_depth_ratio, kinetic_peak = before.kinetic_peak, worst_balance = before.energy_error;
+  double reference = before.energy_reference, elastic_peak = before.elastic_peak;
+  CriticalStep stiffest = before.stiffest;      // of all log rows
   if (restarted) {
-    start_from_checkpoint(comm, simulation, std::move(checkpoint));
+    start_from_checkpoint(comm, simulation, std::move(checkpoint), loaded.origin);
   } else {
     simulation.start_from_scene();
   }
@@ -228,8 +230,6 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   const std::string log_path = options.run_folder + "/log.csv", ranks_path = options.run_folder + "/ranks.csv";
   const std::string removed_path = options.run_folder + "/removed.csv", steps_path = options.run_folder + "/steps.csv";
   const bool quantised = settings.step_control == "quantised";
-  CriticalStep stiffest;   // of all log rows
-  double elastic_peak = 0;
   const bool removes = settings.domain.bounded && settings.domain.outside == "remove";
   std::vector<std::string> tables{log_path, ranks_path};
   if (quantised) tables.push_back(steps_path);
@@ -253,11 +253,13 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
 
   const auto start = std::chrono::steady_clock::now();
   auto interval_start = start;
-  std::int64_t interval_step = simulation.step();
-  Energies energies = simulation.energies();
+  const std::int64_t first_step = simulation.step();
+  std::int64_t interval_step = first_step;
+  // after a restart the forces of the last step are not known before the next one
+  Energies energies = before.log_rows > 0 ? before.energies : simulation.energies();
   if (!restarted) reference = energies.balance();
-  double imbalance_sum = 0;
-  std::int64_t log_rows = 0;
+  double imbalance_sum = before.imbalance_sum;
+  std::int64_t log_rows = before.log_rows;
 
   const auto seconds_since = [](std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
@@ -267,6 +269,37 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     action();
     watchdog.progress(simulation.step());
     simulation.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
+  };
+  const auto record_so_far = [&] {   // collective
+    RunRecord run = before;
+    run.energy_reference = reference;
+    run.kinetic_peak = kinetic_peak;
+    run.elastic_peak = elastic_peak;
+    run.energy_error = worst_balance;
+    run.max_depth_ratio = max_ratio;
+    run.stiffest = stiffest;
+    run.energies = energies;
+    run.imbalance_sum = imbalance_sum;
+    run.log_rows = log_rows;
+    run.list_renewals += simulation.list_renewals();
+    run.cuts += simulation.cuts();
+    run.migrated += simulation.migrated();
+    const RankMeasures mine = simulation.rank_measures();
+    run.bytes_sent += comm.sum(mine.bytes + mine.renewal_bytes);
+    run.peak_memory = std::max(run.peak_memory, comm.sum(peak_memory()));
+    run.wall_seconds += seconds_since(start);
+    PhaseTimes times = simulation.times();
+    MPI_Allreduce(MPI_IN_PLACE, times.data(), static_cast<int>(times.size()), MPI_DOUBLE, MPI_SUM, comm.get());
+    for (std::size_t p = 0; p < times.size(); ++p) run.phases[p] += times[p] / comm.size();
+    return run;
+  };
+  /// Measures as log.csv has them: since the start of the run. An earlier part counts with the mean of its ranks, which may have been others.
+  const auto since_start = [&](std::vector<RankMeasures> ranks) {
+    for (RankMeasures& m : ranks) {
+      for (std::size_t p = 0; p < m.times.size(); ++p) m.times[p] += before.phases[p];
+    }
+    if (!ranks.empty()) ranks[0].bytes += before.bytes_sent;
+    return ranks;
   };
   const auto write_events = [&] {
     if (quantised) {
@@ -319,7 +352,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     interval_start = std::chrono::steady_clock::now();
     interval_step = simulation.step();
     mpi::on_root(comm, [&] {
-      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, ranks, rate, removed, critical.step, loads,
+      log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, since_start(ranks), rate, removed, critical.step, loads,
                    walls, hash);
       rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last || rest.at_rest(simulation.time()));
       if (simulation.part_size() > critical.step) {
@@ -336,7 +369,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                                    is_valid && settings.output_contacts, loaded.origin);
     mpi::on_all(comm, [&] { write_frame_file(comm.get(), path, frame); });
     mpi::on_root(comm, [&] {
-      std::erase_if(frames, [&](const FrameEntry& entry) { return entry.path == path; });  // a restart at the end writes the last one again
+      std::erase_if(frames, [&](const FrameEntry& entry) { return entry.path == path; });  // a run that became invalid after its last frame
       frames.push_back({path, simulation.time()});
       write_frame_series(options.run_folder, frames);
     });
@@ -349,10 +382,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       for (const std::string& table : tables) sync_table(table);
     });
     Checkpoint so_far;
-    so_far.energy_reference = reference;
-    so_far.kinetic_peak = kinetic_peak;
-    so_far.max_depth_ratio = max_ratio;
-    so_far.energy_error = worst_balance;
+    so_far.record = record_so_far();
+    so_far.origin = loaded.origin;
     so_far.scene_sha256 = scene_hash;
     write_checkpoint(comm, simulation, options.run_folder, so_far, provenance);
   };
@@ -360,9 +391,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const std::string hash = simulation.state_hash();
     const RemovedTotals removed = simulation.removed();
     const std::int64_t bodies = simulation.body_count(), outside = simulation.bodies_outside();
-    const std::int64_t memory = comm.sum(peak_memory());
-    PhaseTimes times = simulation.times();
-    MPI_Allreduce(MPI_IN_PLACE, times.data(), static_cast<int>(times.size()), MPI_DOUBLE, MPI_SUM, comm.get());
+    const RunRecord whole = record_so_far();
     const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
     mpi::on_root(comm, [&] {
       nlohmann::json run;
@@ -386,13 +415,13 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       run["removed_mass"] = removed.mass;
       run["lost_bodies"] = static_cast<std::int64_t>(scene.bodies.size()) - bodies - static_cast<std::int64_t>(removed.count);
       run["bodies_outside_domain"] = outside;
-      run["wall_seconds"] = seconds_since(start);
-      for (std::size_t i = 0; i < times.size(); ++i) run["phases"][phase_name(static_cast<Phase>(i))] = times[i] / comm.size();
+      run["wall_seconds"] = whole.wall_seconds;
+      for (std::size_t i = 0; i < whole.phases.size(); ++i) run["phases"][phase_name(static_cast<Phase>(i))] = whole.phases[i];
       run["max_depth_ratio"] = max_ratio;
       run["mean_imbalance"] = log_rows > 0 ? imbalance_sum / static_cast<double>(log_rows) : 1.0;
-      run["list_renewals"] = simulation.list_renewals();
-      run["cuts"] = simulation.cuts();
-      run["migrated_bodies_rank_0"] = simulation.migrated();
+      run["list_renewals"] = whole.list_renewals;
+      run["cuts"] = whole.cuts;
+      run["migrated_bodies_rank_0"] = whole.migrated;
       const double scale = std::max(kinetic_peak, energies.dissipated);
       run["energy"] = {{"initial_balance", reference},
                        {"kinetic_peak", kinetic_peak},
@@ -404,7 +433,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                        {"removed", energies.removed},
                        {"error_max", worst_balance},
                        {"error_relative", scale > 0 ? worst_balance / scale : 0.0}};
-      run["peak_rss_bytes"] = memory;
+      run["peak_rss_bytes"] = whole.peak_memory;
       run["memory"] = memory_json(ranks);
       run["parallel"] = {{"halo", options.parallel.strategy == HaloStrategy::overlap ? "overlap" : "blocking"},
                          {"send", options.parallel.selection == HaloSelection::all ? "all" : "selected"},
@@ -432,7 +461,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       watchdog.progress(simulation.step());
       const std::int64_t n = simulation.step();
       if (n % schedule.log == 0 || n == schedule.last) timed_output(write_log);
-      if (n % schedule.frame == 0) timed_output([&] { write_frame(n / schedule.frame); });
+      // before the last checkpoint, after which only the outcome is missing
+      if (n % schedule.frame == 0 || n == schedule.last) timed_output([&] { write_frame((n + schedule.frame - 1) / schedule.frame); });
       if (simulation.pending_signal() != 0) {
         save_state();
         max_ratio = std::max(max_ratio, simulation.take_max_depth_ratio());
@@ -447,7 +477,6 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                                                              energies.translational + energies.rotational));
       }
     }
-    if (simulation.step() % schedule.frame != 0) timed_output([&] { write_frame(schedule.last / schedule.frame + 1); });
   } catch (const mpi::AgreedError& e) {
     // Every rank is here: keep the state and the reason.
     if (e.code() == ExitCode::run_invalid) {
@@ -464,7 +493,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const double elapsed = seconds_since(start);
     progress->finish(fmt::format("{} steps, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}",
                                  simulation.step(),
-                                 static_cast<double>(scene.bodies.size()) * static_cast<double>(simulation.step()) / std::max(elapsed, 1e-9),
+                                 static_cast<double>(scene.bodies.size()) * static_cast<double>(simulation.step() - first_step) / std::max(elapsed, 1e-9),
                                  max_ratio, worst_balance / std::max({kinetic_peak, energies.dissipated, 1e-300})));
   }
   return 0;

@@ -209,7 +209,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
     mpi::on_root(comm, [&] {
       if (checkpoint.scene_sha256 != loaded.sha256) throw InputError("{}: was made from another scene than {}/scene.h5", from, options.run_folder);
     });
-    start_from_checkpoint(comm, simulation, std::move(checkpoint));
+    start_from_checkpoint(comm, simulation, std::move(checkpoint), loaded.origin);
   }
   const std::int64_t first = simulation.step();
   std::int64_t last = first + options.steps;

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """What a run folder holds, and what a restart does with it. usage: folder_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import csv
 import json
 import os
 import shutil
@@ -8,6 +9,9 @@ import socket
 import subprocess
 import sys
 import time
+
+import h5py
+import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 from tool_runs import BIN, ENV, PILE, command, main, make_killed, outcome, physics_of_log, run  # noqa: E402
@@ -28,6 +32,19 @@ def contents(folder):
         with open(os.path.join(folder, name), "rb") as f:
             found[name] = (f.read(), os.stat(f.fileno()).st_mtime_ns)
     return found
+
+
+def change_settings(scene, **changes):
+    with h5py.File(scene, "r+") as f:
+        settings = json.loads(f["settings"][()])
+        settings["settings"].update(changes)
+        del f["settings"]
+        f.create_dataset("settings", data=np.bytes_(json.dumps(settings)))
+
+
+def rows_of(path):
+    with open(path) as f:
+        return [row for row in csv.DictReader(f) if not row["step"].startswith("#")]
 
 
 def start(*arguments, **env):
@@ -165,7 +182,80 @@ def verify_compares_scenes_far_from_the_origin_in_the_world():
     assert said.startswith("the same, bit for bit"), said
 
 
+def the_record_of_a_restarted_run_covers_all_of_it():
+    """Stopped in the middle and continued on other ranks; and killed between its last checkpoint and its outcome."""
+    make_pile(27, 0.3)
+    run(1, "pile.scene.h5", "-o", "whole.run")
+    whole = outcome("whole.run")
+    physics = ("energy", "critical_step", "critical_contact", "max_depth_ratio", "state_hash", "steps", "mean_imbalance")
+    assert whole["critical_step"] and whole["energy"]["elastic_final"] > 0 and whole["energy"]["dissipated"] > 0, whole["energy"]
+    child = start("pile.scene.h5", "-o", "parts.run")
+    wait_until(child, lambda: os.path.exists("parts.run/frame_000007.hdf"))  # the stiffest contacts have been by then
+    child.send_signal(signal.SIGUSR1)
+    assert child.wait(timeout=60) == 128 + signal.SIGUSR1
+    first = outcome("parts.run")
+    assert first["steps"] < whole["steps"]
+    run(1, "pile.scene.h5", "-o", "parts.run", "--restart", "latest")
+    second = outcome("parts.run")
+    for name in physics:
+        assert second[name] == whole[name], (name, second[name], whole[name])
+    for name in ("wall_seconds", "list_renewals", "peak_rss_bytes"):
+        assert second[name] > first[name] or name == "peak_rss_bytes" and second[name] == first[name], (name, first[name], second[name])
+    assert all(second["phases"][p] >= first["phases"][p] for p in first["phases"]), (first["phases"], second["phases"])
+    times = [float(row["t_contact"]) for row in rows_of("parts.run/log.csv")]
+    assert times == sorted(times), "the times in the log begin anew"
+    # everything is there but the outcome
+    os.remove("parts.run/run.json")
+    before = contents("parts.run")
+    run(2, "pile.scene.h5", "-o", "parts.run", "--restart", "latest")
+    third = outcome("parts.run")
+    for name in physics + ("list_renewals", "cuts"):
+        assert third[name] == second[name] or name == "list_renewals", (name, third[name], second[name])
+    assert third["wall_seconds"] >= second["wall_seconds"] - 1, (third["wall_seconds"], second["wall_seconds"])
+    after = contents("parts.run")
+    for name in before:
+        if name.startswith("frame_") or name == "log.csv":
+            assert after[name][0] == before[name][0], f"{name} is another"
+
+
+def a_checkpoint_of_version_3_is_read():
+    """tests/data/checkpoint_v3.h5 is of step 1644 of 2055, from the last solver that wrote this version and two.scene.h5 beside it."""
+    data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
+    old = os.path.join(data, "checkpoint_v3.h5")
+    run(2, os.path.join(data, "two.scene.h5"), "-o", "a.run", "--restart", old)
+    result = outcome("a.run")
+    assert result["steps"] == 2055, result["steps"]
+    with h5py.File(old, "r") as f:
+        assert result["energy"]["initial_balance"] == f.attrs["energy_reference"]
+        assert result["energy"]["kinetic_peak"] >= f.attrs["kinetic_peak"] > 0 and result["energy"]["error_max"] >= f.attrs["energy_error"] > 0
+        assert result["max_depth_ratio"] >= f.attrs["max_depth_ratio"] > 0
+    # and of the present version, what it goes on with
+    with h5py.File(os.path.join("a.run", checkpoints("a.run")[-1]), "r") as f:
+        assert f.attrs["format_version"] == 4 and f["record"].attrs["kinetic_peak"] == result["energy"]["kinetic_peak"]
+
+
+def walls_in_frames_carry_the_forces_of_the_log():
+    make_pile(27, 0.2)
+    change_settings("pile.scene.h5", step=2e-5)  # so that frames are written at steps at which the log has rows
+    run(2, "pile.scene.h5", "-o", "a.run")
+    log = {int(row["step"]): row for row in rows_of("a.run/log.csv")}
+    compared = 0
+    for name in sorted(n for n in os.listdir("a.run") if n.startswith("frame_")):
+        with h5py.File(f"a.run/{name}", "r") as f:
+            row = log.get(int(f["frame"].attrs["step"]))
+            if row is None or f["contacts/depth"].shape[0] == 0:
+                continue
+            wall = int(f["walls/id"][0])
+            for quantity in ("force", "torque"):
+                logged = [float(row[f"wall{wall}_{quantity}_{axis}"]) for axis in "xyz"]
+                assert list(f[f"walls/{quantity}"][0]) == logged, (name, quantity, list(f[f"walls/{quantity}"][0]), logged)
+            compared += any(logged)
+    assert compared > 2, compared
+
+
 TESTS = [a_finished_run_is_left_as_it_is, a_folder_that_is_refused_is_left_as_it_is, only_names_that_the_solver_writes_count,
          a_second_solver_on_a_folder_is_refused, the_list_of_frames_never_names_one_that_is_gone,
-         a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it, verify_compares_scenes_far_from_the_origin_in_the_world]
+         a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it, verify_compares_scenes_far_from_the_origin_in_the_world,
+         the_record_of_a_restarted_run_covers_all_of_it, a_checkpoint_of_version_3_is_read,
+         walls_in_frames_carry_the_forces_of_the_log]
 main(TESTS)
