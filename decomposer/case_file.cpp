@@ -122,7 +122,8 @@ void read_settings(const CaseTable& top, Case& c) {
     const CaseTable output = top.table("output", {"every", "contacts", "checkpoint"});
     s.output_every = output.number_or("every", Dimension::time, s.output_every, Range::positive);
     s.output_contacts = output.boolean_or("contacts", true);
-    s.checkpoint_every = output.number_or("checkpoint", Dimension::time, 0, Range::positive);
+    s.checkpoint_every = output.number_or("checkpoint", Dimension::time, 0, Range::not_negative);
+    s.checkpoint_by_clock = !output.has("checkpoint");   // 0 asks for none but the last
   }
 }
 

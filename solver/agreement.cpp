@@ -14,6 +14,7 @@ extern "C" void combine_news(void* in, void* in_out, int* length, MPI_Datatype* 
     to->renew = std::max(to->renew, from->renew);
     to->signal = std::max(to->signal, from->signal);
     to->failed = std::max(to->failed, from->failed);
+    to->checkpoint = std::max(to->checkpoint, from->checkpoint);
     to->largest_work = std::max(to->largest_work, from->largest_work);
     to->cut_cost = std::max(to->cut_cost, from->cut_cost);
     to->fastest = std::max(to->fastest, from->fastest);

@@ -18,6 +18,7 @@ struct StepNews {
   std::int64_t renew = 0;          ///< body lists must be renewed
   std::int64_t signal = 0;         ///< number of a signal that asks to stop
   std::int64_t failed = 0;         ///< a rank holds an error
+  std::int64_t checkpoint = 0;     ///< number of the checkpoint that rank 0 asks for, see Simulation::ask_for_checkpoint
   std::int64_t largest_work = 0;   ///< computing time since the last cut [ns]
   std::int64_t cut_cost = 0;       ///< of the last cut and what it moved [ns]
   double fastest = 0;              ///< speed of the fastest body [m/s]

@@ -66,6 +66,9 @@ int main(int argc, char** argv) {
     app->add_option("--restart", options.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
     app->add_option("--stall-limit", options.stall_limit, "seconds without a step or output after which the run ends with 4; 0: never")
         ->check(CLI::NonNegativeNumber)->capture_default_str();
+    app->add_option("--checkpoint-interval", options.checkpoint_interval,
+                    "seconds of run time between checkpoints, for a case without output.checkpoint; 0: only at the end")
+        ->check(CLI::NonNegativeNumber)->capture_default_str();
     app->add_option("--halo", halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
     app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")->check(CLI::IsMember({"selected", "all"}));
     app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")->check(CLI::IsMember(cut_method_names()));

@@ -70,6 +70,9 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   else in("domain checks", "outside = " + s.domain.outside);
   if (s.output_contacts) in("contacts in frames", "output.contacts = true");
   else out("contacts in frames", "output.contacts = false");
+  if (s.checkpoint_every > 0) in("checkpoints", fmt::format("output.checkpoint = {}", format_quantity(s.checkpoint_every, Dimension::time)));
+  else if (s.checkpoint_by_clock) in("checkpoints", fmt::format("every {:g} min of run time, or --checkpoint-interval; no output.checkpoint", kCheckpointInterval / 60));
+  else out("checkpoints", "output.checkpoint = 0: one at the end");
 
   const double contacts = 4.0 * static_cast<double>(simulation.active_pair_count());
   const std::size_t pairs = simulation.pairs().pairs().size();

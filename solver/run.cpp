@@ -374,6 +374,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       write_frame_series(options.run_folder, frames);
     });
   };
+  auto last_checkpoint = start;
+  const bool by_clock = settings.checkpoint_every == 0 && settings.checkpoint_by_clock && options.checkpoint_interval > 0;
   const auto save_state = [&] {
     simulation.agree_on_failures();
     write_events();
@@ -386,6 +388,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     so_far.origin = loaded.origin;
     so_far.scene_sha256 = scene_hash;
     write_checkpoint(comm, simulation, options.run_folder, so_far, provenance);
+    simulation.checkpoint_written();
+    last_checkpoint = std::chrono::steady_clock::now();
   };
   const auto write_outcome = [&](const std::string& outcome, const std::string& message, int exit_code) {
     const std::string hash = simulation.state_hash();
@@ -457,6 +461,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       return simulation.step() >= schedule.last || (simulation.step() % schedule.frame == 0 && rest.at_rest(simulation.time()));
     };
     while (!is_over()) {
+      if (by_clock && root && seconds_since(last_checkpoint) >= options.checkpoint_interval) simulation.ask_for_checkpoint();
       simulation.advance();
       watchdog.progress(simulation.step());
       const std::int64_t n = simulation.step();
@@ -471,7 +476,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
         if (root) progress->finish(fmt::format("stopped by signal {} at step {}; a checkpoint was kept", simulation.pending_signal(), n));
         return code;
       }
-      if ((schedule.checkpoint > 0 && n % schedule.checkpoint == 0) || is_over()) timed_output(save_state);
+      if ((schedule.checkpoint > 0 && n % schedule.checkpoint == 0) || simulation.is_checkpoint_asked() || is_over()) timed_output(save_state);
       if (root) {
         progress->update(static_cast<double>(n), fmt::format("t = {}, kinetic {:.3g} J", format_quantity(simulation.time(), Dimension::time),
                                                              energies.translational + energies.rotational));

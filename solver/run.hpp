@@ -24,11 +24,15 @@ LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path);
 /// [s] Long enough for a frame on a slow file system; a stalled run then costs half an hour, not the night.
 inline constexpr double kStallLimit = 1800;
 
+/// [s] of wall time between the checkpoints of a case that says nothing of them.
+inline constexpr double kCheckpointInterval = 1800;
+
 struct RunOptions {
   std::string scene_path, run_folder;
   std::string restart;                     ///< checkpoint path, "latest", "auto", or "" for a fresh start
   ParallelOptions parallel;
   double stall_limit = kStallLimit;        ///< [s], 0: wait for ever; see Watchdog
+  double checkpoint_interval = kCheckpointInterval;   ///< [s] of wall time, for a case that says nothing of checkpoints; 0: only at the end
   std::function<void(const std::string&)> stalled;   ///< ends the process with a message
   std::vector<std::string> command;
 };

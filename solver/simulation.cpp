@@ -181,6 +181,7 @@ StepNews Simulation::exchange_news(bool forced) {
   }
   mine.signal = g_signal;
   mine.failed = failure_ ? 1 : 0;
+  mine.checkpoint = checkpoint_asked_;
   balance_.tell(mine);
   if (!built_with::kRanks || comm_.size() == 1) return mine;
   const PhaseTimer timer(times_, Phase::agree);
@@ -191,6 +192,7 @@ StepNews Simulation::exchange_news(bool forced) {
   now.renew = std::max(now.renew, asked.renew);
   now.signal = std::max(now.signal, asked.signal);
   now.failed = std::max(now.failed, asked.failed);
+  now.checkpoint = std::max(now.checkpoint, asked.checkpoint);
   return now;
 }
 
@@ -235,6 +237,7 @@ void Simulation::advance_part() {
   StepNews news = exchange_news(forced);
   if (forced) news.renew = 1;
   signal_ = static_cast<int>(news.signal);
+  checkpoint_heard_ = news.checkpoint;
   if (news.failed != 0) agree_on_failures();
   if (news.renew != 0) renew_lists(news);
   compute_forces(dt, news.renew == 0);

@@ -95,6 +95,12 @@ class Simulation {
   /// What all ranks share after each step: the largest signal number seen by any rank, 0 when none.
   int pending_signal() const { return signal_; }
 
+  /// A checkpoint that one rank's clock asks for: rank 0 asks, and within two steps all ranks hear it at the same step, with what
+  /// they exchange anyhow. Whoever writes one, for whatever reason, calls checkpoint_written() on every rank.
+  void ask_for_checkpoint() { checkpoint_asked_ = checkpoints_ + 1; }
+  bool is_checkpoint_asked() const { return checkpoint_heard_ > checkpoints_; }
+  void checkpoint_written() { ++checkpoints_; }
+
   std::int64_t step() const { return step_; }
   double time() const { return static_cast<double>(step_) * step_size_.step + static_cast<double>(part_) * dt_; }
   /// What the bodies move by at once [s]: step_size().step, or with quantised steps that divided by a power of two.
@@ -203,6 +209,7 @@ class Simulation {
   bool level_changed_ = false;
   std::vector<StepChange> step_changes_;
   int signal_ = 0;
+  std::int64_t checkpoint_asked_ = 0, checkpoint_heard_ = 0, checkpoints_ = 0;   // numbers: news of one that is written by now ask for nothing
   std::unique_ptr<Error> failure_;            // of this rank; all ranks stop together, a step or two later
   PhaseTimes times_{};
 };

@@ -149,7 +149,8 @@ struct Settings {
   std::string distance_method = "brute-force", distance_precision = "mixed";
   double output_every = 0;                   ///< [s]
   bool output_contacts = true;
-  double checkpoint_every = 0;               ///< [s], 0: only at the end
+  double checkpoint_every = 0;               ///< [s], 0: by the clock, or only at the end
+  bool checkpoint_by_clock = true;           ///< of the machine, when checkpoint_every is 0
 };
 
 /// The pre-partition. Owners are with the bodies; a recursive coordinate bisection has one leaf box per rank too.

@@ -112,6 +112,7 @@ Settings read_settings(const JsonObject& o) {
   s.output_every = o.at_least("output_every", 0);
   s.output_contacts = o.boolean("output_contacts");
   s.checkpoint_every = o.at_least("checkpoint_every", 0);
+  if (o.has("checkpoint_by_clock")) s.checkpoint_by_clock = o.boolean("checkpoint_by_clock");  // added later
   return s;
 }
 
@@ -220,6 +221,7 @@ json settings_json(const Scene& scene) {
   t["output_every"] = s.output_every;
   t["output_contacts"] = s.output_contacts;
   t["checkpoint_every"] = s.checkpoint_every;
+  if (!s.checkpoint_by_clock) t["checkpoint_by_clock"] = false;
 
   j["materials"] = json::array();
   for (const Material& m : scene.materials) {

@@ -190,6 +190,13 @@ checkpoint = "0.1 s"
   EXPECT_DOUBLE_EQ(c.settings.checkpoint_every, 0.1);
 }
 
+TEST(CaseFile, checkpoints_go_by_the_clock_unless_the_case_says_otherwise) {
+  EXPECT_TRUE(parse(kCase).settings.checkpoint_by_clock);
+  const Case none = parse(kCase + "\n[output]\ncheckpoint = 0\n");
+  EXPECT_FALSE(none.settings.checkpoint_by_clock);
+  EXPECT_EQ(none.settings.checkpoint_every, 0);
+}
+
 TEST(CaseFile, an_unknown_key_is_refused_with_its_line_and_the_nearest_name) {
   expect_refusal(replaced("friction = 0.4", "frictoin = 0.4"), {"case.toml:15: pairs[0].frictoin", "unknown key", "did you mean 'friction'"});
   expect_refusal(replaced("[contact]", "[contatc]"), {"case.toml:20: contatc", "did you mean 'contact'"});

@@ -234,6 +234,33 @@ def a_checkpoint_of_version_3_is_read():
         assert f.attrs["format_version"] == 4 and f["record"].attrs["kinetic_peak"] == result["energy"]["kinetic_peak"]
 
 
+def a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing():
+    for name, by_clock in (("clock.scene.h5", True), ("never.scene.h5", False)):
+        make_pile(8, 0.2, name)
+        change_settings(name, checkpoint_every=0, checkpoint_by_clock=by_clock)
+    log = {"LD_PRELOAD": os.path.join(BIN, "libscree_sync_order.so"), "SCREE_SYNC_LOG": os.path.abspath("order")}
+
+    def named():
+        with open("order") as f:
+            names = [line.rstrip("\n").split(" ", 2) for line in f]
+        os.remove("order")
+        return [os.path.basename(path) for what, _, path in names if what == "name" and "checkpoint_" in path]
+
+    counts = {}
+    for scene, ranks, interval in (("never", 1, "0.02"), ("clock", 1, "0"), ("clock", 1, "0.02"), ("clock", 3, "0.02"), ("clock", 1, "1800")):
+        folder = f"{scene}{ranks}_{interval}.run"
+        run(ranks, f"{scene}.scene.h5", "-o", folder, "--checkpoint-interval", interval, env=log)
+        written = named()
+        assert len(written) == len(set(written)), written
+        counts[folder] = len(written)
+        assert physics_of_log(folder) == physics_of_log("never1_0.02.run"), folder
+    assert counts["never1_0.02.run"] == counts["clock1_0.run"] == counts["clock1_1800.run"] == 1, counts
+    assert counts["clock1_0.02.run"] > 2 and counts["clock3_0.02.run"] > 2, counts
+    make_killed("clock3_0.02.run")
+    run(2, "clock.scene.h5", "-o", "clock3_0.02.run", "--restart", "latest")
+    assert physics_of_log("clock3_0.02.run") == physics_of_log("never1_0.02.run")
+
+
 def walls_in_frames_carry_the_forces_of_the_log():
     make_pile(27, 0.2)
     change_settings("pile.scene.h5", step=2e-5)  # so that frames are written at steps at which the log has rows
@@ -257,5 +284,5 @@ TESTS = [a_finished_run_is_left_as_it_is, a_folder_that_is_refused_is_left_as_it
          a_second_solver_on_a_folder_is_refused, the_list_of_frames_never_names_one_that_is_gone,
          a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it, verify_compares_scenes_far_from_the_origin_in_the_world,
          the_record_of_a_restarted_run_covers_all_of_it, a_checkpoint_of_version_3_is_read,
-         walls_in_frames_carry_the_forces_of_the_log]
+         a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing, walls_in_frames_carry_the_forces_of_the_log]
 main(TESTS)
