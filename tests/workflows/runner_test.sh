@@ -64,5 +64,8 @@ for name in $(cd "$copy/workflows" && ls -d */ | tr -d /); do
   [[ -z "$loose" ]] || { printf 'FAILED: a path with a blank is not quoted in %s:\n%s\n' "$name" "$loose"; failures=$((failures + 1)); }
 done
 
+# what the runner would build there configures
+expect 0 "Build files have been written" cmake -S "$(dirname "$runner")/.." -B "$scratch/a build" -G Ninja
+
 [[ $failures -eq 0 ]] && echo "all as expected"
 exit "$((failures > 0))"
