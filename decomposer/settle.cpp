@@ -16,6 +16,8 @@ namespace {
 constexpr std::uint64_t kPourAttempts = 200;
 constexpr int kFailuresInARow = 40;
 constexpr double kLongestRest = 60;   // falls through the region that the bed gets to come to rest
+// Of its size, by which a body without margins may reach out of its region: it is pressed into the walls that it rests on.
+constexpr double kPressedOut = 0.02;
 
 class Settler {
  public:
@@ -146,7 +148,9 @@ class Settler {
     for (std::size_t i = 0; i < moves_.size(); ++i) {
       if (moves_[i] == 0) continue;
       const Region& region = parts_.regions[parts_.draws[i].population];
-      if (holds_around(region, placements_.body[i], *scratch)) continue;
+      PlacedBody body = placements_.body[i];
+      if (scene_.settings.margin == 0) body.scale *= 1 - kPressedOut;
+      if (holds_around(region, body, *scratch)) continue;
       placements_.is_placed[i] = 0;
       ++trimmed;
     }

@@ -60,6 +60,14 @@ TEST(MotionPacking, a_population_of_which_nothing_settles_in_its_region_is_refus
   EXPECT_NE(failure(text).find("none of its bodies lies in its region after settling"), std::string::npos);
 }
 
+// Without margins what rests on a side of its region reaches a little out of it.
+TEST(MotionPacking, balls_without_margins_that_press_on_the_sides_of_their_region_stay) {
+  std::string text = kHead + kPoured;
+  text.replace(text.find("margin = \"100 um\""), 17, "margin = 0");
+  text.replace(text.find("count = 40"), 10, "count = 10");
+  EXPECT_EQ(pack(text).scene.bodies.size(), 10u);
+}
+
 TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
   // 40 balls in four layers: far more than random addition gets into this box
   const PackedScene packed = pack(kHead + kPoured);
