@@ -41,6 +41,7 @@ class Tools:
         self.cache = cache or os.path.join(self.scratch, "meshes")
         os.makedirs(self.cache, exist_ok=True)
         self.count = 0
+        self.mesher = str(os.stat(os.path.join(self.bin, "scree-mesher")).st_mtime_ns) if os.path.exists(os.path.join(self.bin, "scree-mesher")) else ""
 
     def clean(self):
         shutil.rmtree(self.scratch, ignore_errors=True)
@@ -74,7 +75,7 @@ class Tools:
     def mesh_file(self, mesh, surface=None):
         surface = mesh.surface if surface is None else surface
         text = mesh.off()
-        path = os.path.join(self.cache, hashlib.sha256((text + str(surface)).encode()).hexdigest()[:20] + ".shape.h5")
+        path = os.path.join(self.cache, hashlib.sha256((text + str(surface) + self.mesher).encode()).hexdigest()[:20] + ".shape.h5")
         if not os.path.exists(path):
             source = self.new_path(".off")
             with open(source, "w") as file:
