@@ -401,11 +401,11 @@ def bodies(d):
         if d.chance(0.8):
             way = middle - at
             way = way / numpy.linalg.norm(way) if heading and numpy.linalg.norm(way) > 0.1 * d.radius else d.direction()
-            body["velocity"] = (d.speed * d.between(0.2, 1) * way).tolist()
+            body["velocity"] = (d.speed * (d.log_between(2, 20) if d.chance(0.02) else d.between(0.2, 1)) * way).tolist()
         if d.chance(0.5):
             body["angular_velocity"] = (0.5 * d.speed / d.radius * d.between(0, 1) * d.direction()).tolist()
         if d.chance(0.2):
-            body["scale"] = d.between(0.5, 1)
+            body["scale"] = d.log_between(0.03, 0.5) if d.chance(0.1) else d.between(0.5, 1)
         if d.chance(0.05):
             body["lock_rotation"] = True
         d.case.bodies.append(body)
@@ -554,7 +554,7 @@ def motions(d):
         kind, shape = next(iter(wall["shape"].items()))
         speed = d.speed * d.between(0.05, 0.5)
         motion = d.pick({"rotate": 3, "translate": 2, "oscillate": 3, "table": 1})
-        if d.periodic and motion == "rotate" or kind == "box_inside" and motion == "rotate":
+        if d.periodic and motion == "rotate" or kind == "box_inside" and motion == "rotate" and d.chance(0.8):
             motion = "oscillate"
         way = d.direction()
         for k, axis in enumerate("xyz"):
@@ -578,10 +578,10 @@ def motions(d):
             if d.chance(0.5):
                 wall["motion"]["oscillate"]["phase"] = d.between(0, 6)
         else:
-            rise = [0, *(d.between(-1, 1) for _ in range(d.random.randint(1, 3)))]
+            rise = [d.between(-0.3, 0.3) if d.chance(0.3) else 0, *(d.between(-1, 1) for _ in range(d.random.randint(1, 3)))]
             wall["motion"] = {"table": {"time": [float(i) for i in range(len(rise))], "position": [(r * way).tolist() for r in rise]}, "speed": speed}
         if d.chance(0.3):
-            wall["motion"]["start"] = d.between(0, 0.5)
+            wall["motion"]["start"] = d.between(-0.2 if d.chance(0.3) else 0, 0.5)
         if d.chance(0.3):
             wall["motion"]["stop"] = d.between(0.55, 1.2)
         d.extra_speed = max(d.extra_speed, speed)
@@ -612,10 +612,28 @@ def contact(d):
     d.barrier = 0.0
     if gather == "potential" and table.get("margin", 0) > 0 and d.chance(0.1):
         d.barrier = table["barrier"] = d.log_between(0.05, 3)
-    if d.words.get("bodies") and d.chance(0.05):
-        table["relax"] = d.random.choice([True, False])
     if table:
         d.words["contact"] = table
+
+
+@feature
+def pressed_starts(d):
+    """Some bodies begin within the margins of each other, or overlap where the case parts them."""
+    bodies = d.words.get("bodies", [])
+    table = d.words.setdefault("contact", {})
+    relax = d.pick({None: 12, True: 1.5, False: 1, "shallow": 1})
+    if relax is not None:
+        table["relax"] = relax
+    movers = [body for body in bodies if not body.get("fixed")]
+    if len(movers) > 1 and d.chance(0.6 if relax is not None else 0.1):
+        a, b = d.random.sample(movers, 2)
+        gap = d.margin * d.between(0.1, 1.9) if relax is not True else d.radius * d.between(-0.3, 0.1)
+        # as near as balls about both would be
+        reach = sum(d.radius * body.get("scale", 1) if not body["shape"].startswith("ball")
+                    else d.words["shapes"][body["shape"]]["sphere"]["radius"] * body.get("scale", 1) for body in (a, b))
+        b["position"] = (numpy.array(a["position"]) + (reach + gap) * d.direction()).tolist()
+    if not table:
+        del d.words["contact"]
 
 
 def is_mesh_wall(wall):
@@ -769,7 +787,7 @@ def anywhere(d):
         q = d.quaternion()
         turn = d.random.choice(right_angle_turns()) if bound else rotation(q)
     if d.chance(0.3):
-        shift = d.direction() * d.radius * d.log_between(1, 1e3)
+        shift = d.direction() * d.radius * (d.log_between(1, 1e3) if d.chance(0.8) else d.log_between(1e3, 1e6))
     if (turn == numpy.eye(3)).all() and not shift.any():
         return
     d.case = placed(d.case, Placement(turn, shift))

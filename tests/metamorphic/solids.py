@@ -51,7 +51,7 @@ def prism(random, radius):
     return scaled_to(library.cylinder(1.0, random.uniform(0.5, 2.0), random.choice([3, 5, 6, 8])), radius)
 
 
-def ball(random, radius):
+def icosphere(random, radius):
     return scaled_to(library.icosphere(1), radius)
 
 
@@ -79,8 +79,7 @@ def rock(random, radius):
     return scaled_to(library.rock(random.randrange(1000), 1), radius)
 
 
-SOLIDS = {f.__name__: f for f in (cube, brick, tetrahedron, octahedron, prism, ball, ellipsoid, angle, channel, ring, torus, rock)}
-CONVEX = ("cube", "brick", "tetrahedron", "octahedron", "prism", "ball", "ellipsoid")
+SOLIDS = {f.__name__: f for f in (cube, brick, tetrahedron, octahedron, prism, icosphere, ellipsoid, angle, channel, ring, torus, rock)}
 
 
 # surfaces, for walls from files: about the origin, with room for what lies above z = 0 and within `half` of the z axis

@@ -41,6 +41,8 @@ class Tools:
         self.cache = cache or os.path.join(self.scratch, "meshes")
         os.makedirs(self.cache, exist_ok=True)
         self.count = 0
+        # temporary files of Open MPI go where they are removed: processes that are killed leave theirs
+        self.environment = dict(ENVIRONMENT, TMPDIR=self.scratch, OMPI_MCA_btl_vader_backing_directory=self.scratch, OMPI_MCA_orte_tmpdir_base=self.scratch)
         self.mesher = str(os.stat(os.path.join(self.bin, "scree-mesher")).st_mtime_ns) if os.path.exists(os.path.join(self.bin, "scree-mesher")) else ""
 
     def clean(self):
@@ -60,7 +62,7 @@ class Tools:
     def call(self, tool, *arguments, ranks=1, threads=1, environment=None, cwd=None):
         """Gives (exit code, stdout, stderr). A crash or a hang of any tool is a violation, whatever was asked."""
         words = ([self.mpiexec, "-n", str(ranks)] if ranks > 1 else []) + [os.path.join(self.bin, tool), *map(str, arguments)]
-        child = subprocess.Popen(words, env=dict(os.environ, **ENVIRONMENT, OMP_NUM_THREADS=str(threads), TMPDIR=self.scratch, **(environment or {})),
+        child = subprocess.Popen(words, env=dict(os.environ, **self.environment, OMP_NUM_THREADS=str(threads), **(environment or {})),
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", cwd=cwd, start_new_session=True)
         try:
             out, err = child.communicate(timeout=LIMIT)
@@ -119,7 +121,7 @@ class Tools:
     def start(self, scene, folder, ranks, threads, arguments=()):
         """The solver in the background, to be killed."""
         words = ([self.mpiexec, "-n", str(ranks)] if ranks > 1 else []) + [os.path.join(self.bin, "scree-solver"), scene.path, "-o", folder, *arguments]
-        return subprocess.Popen(words, env=dict(os.environ, **ENVIRONMENT, OMP_NUM_THREADS=str(threads), TMPDIR=self.scratch),
+        return subprocess.Popen(words, env=dict(os.environ, **self.environment, OMP_NUM_THREADS=str(threads)),
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
