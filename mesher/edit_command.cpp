@@ -49,6 +49,7 @@ MeshCheck with_advice_after(const std::string& what, const EditedMesh& edited) {
   MeshCheck check = check_mesh(edited.mesh);
   const std::string repair = "'scree-mesher repair'", remesh = "'scree-mesher remesh'";
   const std::string own = what == "repaired" ? repair : what == "remeshed" ? remesh : "", other = own == repair ? remesh : repair;
+  if (what == "simplified") check.advice.clear();  // the result is at fault, not its source: turning or uniting it helps nothing
   if (!own.empty()) {
     for (std::string& text : check.advice) {
       if (text.find(own) != std::string::npos) text = own == repair ? "make a new closed surface with " + other : "";
@@ -226,6 +227,12 @@ CommandResult simplify_command(const SimplifyOptions& options, const std::vector
       if (std::abs(change) > kNoticedChange) {
         result.notices.push_back(fmt::format("{}: the volume changed by {:+.3g} %; more triangles keep more of the shape", done.name,
                                              100 * change));
+      }
+      done.advice.push_back(fmt::format("give more --triangles than {}: with so few its thin parts pass through each other or turn over", target));
+      if (check.crossing_pairs > 0 || check.components.size() > 1) {
+        done.advice.push_back(fmt::format(
+            "or look at what was simplified, which has {} components and {} pairs of triangles that cross: if 'scree-mesher remesh' made it, "
+            "make it again from the original with a smaller --edge-length", check.components.size(), check.crossing_pairs));
       }
       done.record["handles_cut"] = counts.handles_cut;
       done.record["original"] = original.name;

@@ -254,7 +254,8 @@ CommandResult remesh_command(const RemeshOptions& options, const std::vector<std
                                    ? std::sqrt(surface_area(before) / options.triangles / 0.4330127018922193)
                                    : parse_quantity(options.edge_length, Dimension::length, "--edge-length");
     turn_outward(edited.mesh);
-    const double enclosed = check_mesh(before).is_solid() ? 0 : enclosed_volume(edited.mesh);
+    const MeshCheck check = check_mesh(before);
+    const double enclosed = check.is_solid() ? 0 : enclosed_volume(edited.mesh);
     edited.mesh = remesh(edited.mesh, edge_length);
     if (edited.mesh.triangles.empty()) {
       throw InputError("{}: nothing that it encloses is as thick as {:.3g} m; give a smaller --edge-length, or close it first",
@@ -268,6 +269,14 @@ CommandResult remesh_command(const RemeshOptions& options, const std::vector<std
     edited.steps.push_back(fmt::format("{} triangles became {}, after {} of the lattice", before.triangle_count(),
                                        edited.mesh.triangle_count(), made));
     const double change = report_change(before, false, edited, enclosed);
+    std::int32_t pieces = 0;
+    find_components(edited.mesh, pieces);
+    if (check.is_solid() && static_cast<std::size_t>(pieces) != check.components.size()) {
+      result.notices.push_back(fmt::format(
+          "{}: {} of '{}' became {}: necks and gaps narrower than an edge of {} break or close; give more --triangles or a smaller --edge-length",
+          options.file, check.components.size() == 1 ? "1 component" : fmt::format("{} components", check.components.size()), edited.name,
+          pieces, format_quantity(edge_length, Dimension::length)));
+    }
     if (std::abs(change) <= kNoticedChange) continue;
     const std::string loss = fmt::format(
         "{}: the volume of '{}' changed by {:+.3g} %: what is thinner than an edge of {} can vanish, and gaps narrower than it can close",

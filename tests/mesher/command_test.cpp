@@ -328,6 +328,20 @@ TEST_F(Mesher, remesh_reports_a_change_of_volume_and_refuses_a_large_one) {
   EXPECT_EQ(run("remesh plate.shape.h5 -o x.shape.h5 --triangles 400 --largest-change -1").code, 2);
 }
 
+TEST_F(MesherGmsh, simplify_of_a_ring_that_remesh_broke_advises_more_triangles) {
+  ASSERT_EQ(run("generate torus --radius 1cm --tube-radius 1mm -o ring.shape.h5").code, 0);
+  const ToolRun refused = run("remesh ring.shape.h5 -o x.shape.h5 --triangles 300");  // edges of 1.8 mm
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_SAYS(refused.errors, "1 component of 'torus' became");
+  EXPECT_SAYS(refused.errors, "the volume of 'torus' changed by -");
+  ASSERT_EQ(run("remesh ring.shape.h5 -o x.shape.h5 --triangles 300 --largest-change 0.9").code, 0);
+  const ToolRun simplified = run("simplify x.shape.h5 -o y.shape.h5 --triangles 30");
+  EXPECT_EQ(simplified.code, 3);
+  EXPECT_SAYS(simplified.errors, "give more --triangles than 30");
+  EXPECT_SAYS(simplified.errors, "make it again from the original with a smaller --edge-length");
+  EXPECT_EQ(simplified.errors.find("unite the parts"), std::string::npos) << simplified.errors;
+}
+
 TEST_F(Mesher, an_stl_that_would_lose_the_shape_is_reported) {
   folder.write("near.obj", kTetrahedron);
   EXPECT_EQ(run("refine near.obj --unit m --times 1 -o near.stl").errors, "");
