@@ -64,8 +64,8 @@ TEST(MotionPacking, a_population_of_which_nothing_settles_in_its_region_is_refus
 TEST(MotionPacking, balls_without_margins_that_press_on_the_sides_of_their_region_stay) {
   std::string text = kHead + kPoured;
   text.replace(text.find("margin = \"100 um\""), 17, "margin = 0");
-  text.replace(text.find("count = 40"), 10, "count = 10");
-  EXPECT_EQ(pack(text).scene.bodies.size(), 10u);
+  text.replace(text.find("stiffness = 2e4"), 15, "stiffness = 2e5");
+  EXPECT_EQ(pack(text).scene.bodies.size(), 40u);
 }
 
 TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
