@@ -124,7 +124,7 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
       Checkpoint checkpoint = read_latest_checkpoint(comm, folder);
       const std::int64_t springs = comm.sum(static_cast<std::int64_t>(checkpoint.springs.size()));
       if (comm.rank() == 0) { EXPECT_GT(springs, 0); }
-      start_from_checkpoint(comm, *run.simulation, std::move(checkpoint));
+      start_from_checkpoint(comm, *run.simulation, std::move(checkpoint), Vec3{});
       EXPECT_EQ(run.simulation->step(), 700);
       finish(run, continued, continued_impulse);
     });
