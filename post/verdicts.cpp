@@ -94,7 +94,9 @@ Verdict judge_rest(const Run& run) {
   const double last = translational.back() + rotational.back();
   const double part = peak > 0 ? last / peak : 0;
   v.evidence = fmt::format("Kinetic energy at the end is {:.2e} of its peak of {:.4g} J.", part, peak);
-  if (!run.scene.settings.stop_at_rest) {
+  if (run.outcome.contains("no_body_left")) {
+    v.answer = "no body is left";
+  } else if (!run.scene.settings.stop_at_rest) {
     v.answer = part < kRestKinetic ? "yes" : "no, and the case does not ask for it";
     if (part < kRestKinetic) v.judgement = Judgement::good;
     v.evidence += fmt::format(" At rest means below {:.0e} of the peak.", kRestKinetic);

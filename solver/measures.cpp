@@ -192,7 +192,7 @@ std::int64_t Simulation::bodies_outside() const {
 }
 
 std::string Simulation::state_hash() const {
-  std::uint64_t sums[2] = {0, 0};
+  std::uint64_t sums[3] = {0, 0, p_.owned};
   const auto add = [&](const ItemHash& h) {
     sums[0] += h.a;  // a sum modulo 2^64 of item hashes: no order of bodies or ranks enters
     sums[1] += h.b;
@@ -223,7 +223,12 @@ std::string Simulation::state_hash() const {
       add(h);
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, comm_.get());
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_UINT64_T, MPI_SUM, comm_.get());
+  if (sums[2] == 0) {   // no body is a state too, and no hash of it would look like one that was never made
+    ItemHash none;
+    none.add(std::uint64_t{0});
+    add(none);
+  }
   return fmt::format("{:016x}{:016x}", sums[0], sums[1]);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "core/base/progress.hpp"
 #include "core/base/provenance.hpp"
@@ -36,14 +37,15 @@ struct Schedule {
   std::int64_t last, frame, log, checkpoint;
 };
 
-Schedule make_schedule(const Settings& settings, double dt) {
+/// in   longest_row   time that may lie between two rows of the log at most [s]
+Schedule make_schedule(const Settings& settings, double dt, double longest_row) {
   const auto steps = [&](double interval) { return std::max<std::int64_t>(1, std::llround(interval / dt)); };
   Schedule s{};
   s.last = static_cast<std::int64_t>(std::ceil(settings.duration / dt - 1e-9));
   const double every = settings.output_every > 0 ? settings.output_every : settings.duration / 100;
   s.frame = every > 0 ? steps(every) : 1;
   constexpr std::int64_t kLogRowsPerFrame = 10;
-  s.log = std::max<std::int64_t>(1, s.frame / kLogRowsPerFrame);
+  s.log = std::max<std::int64_t>(1, std::min(s.frame / kLogRowsPerFrame, static_cast<std::int64_t>(std::min(longest_row / dt, 0x1p53))));
   s.checkpoint = settings.checkpoint_every > 0 ? steps(settings.checkpoint_every) : 0;
   return s;
 }
@@ -206,8 +208,14 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                                           "costs as many times the steps; a softer pair or a larger light body makes the run shorter",
                                           simulation.step_size().limited_by, unevenness));
   }
-  const Schedule schedule = make_schedule(settings, dt);
-  RestWatch rest(scene);
+  std::optional<RestWatch> watch;
+  mpi::on_all(comm, [&] { watch.emplace(scene); });
+  RestWatch& rest = *watch;
+  const Schedule schedule = make_schedule(settings, dt, rest.row_interval());
+  if (root && rest.is_active() && rest.walls_stop() >= settings.duration) {
+    warn_once("scree-solver", fmt::format("time.stop_at_rest: a wall moves until the end ({}), so that nothing comes to rest before; give its motion a "
+                                          "stop, or leave stop_at_rest out", format_quantity(settings.duration, Dimension::time)));
+  }
 
   Provenance record;
   record.format = kFrameFormat;
@@ -324,6 +332,10 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
                        stiffest.name(), stiffest.step, simulation.part_size(), unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
     });
   };
+  // before the first step, and whenever the run may end
+  const auto look_for_rest = [&] {
+    if (rest.is_active()) rest.look(comm.max(rest.busiest(simulation.particles())), simulation.body_count());
+  };
   const auto write_log = [&] {
     simulation.agree_on_failures();
     write_events();
@@ -411,6 +423,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       run["critical_contact"] = stiffest.name();
       run["time"] = simulation.time();
       if (settings.stop_at_rest) run["came_to_rest"] = rest.at_rest(simulation.time());
+      if (bodies == 0) run["no_body_left"] = true;
       run["state_hash"] = hash;
       run["ranks"] = comm.size();
       run["threads"] = omp_get_max_threads();
@@ -458,13 +471,16 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   }
   try {
     const auto is_over = [&] {
-      return simulation.step() >= schedule.last || (simulation.step() % schedule.frame == 0 && rest.at_rest(simulation.time()));
+      return simulation.step() >= schedule.last ||
+             (simulation.step() % schedule.frame == 0 && (rest.at_rest(simulation.time()) || (rest.is_active() && rest.is_empty())));
     };
+    look_for_rest();
     while (!is_over()) {
       if (by_clock && root && seconds_since(last_checkpoint) >= options.checkpoint_interval) simulation.ask_for_checkpoint();
       simulation.advance();
       watchdog.progress(simulation.step());
       const std::int64_t n = simulation.step();
+      if (n % schedule.frame == 0 || n == schedule.last) look_for_rest();
       if (n % schedule.log == 0 || n == schedule.last) timed_output(write_log);
       // before the last checkpoint, after which only the outcome is missing
       if (n % schedule.frame == 0 || n == schedule.last) timed_output([&] { write_frame((n + schedule.frame - 1) / schedule.frame); });
@@ -493,9 +509,11 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     }
     throw;
   }
-  write_outcome("completed", "", 0);
+  const std::string nobody = simulation.body_count() > 0 ? "" : scene.bodies.size() == 0 ? "the scene has no body" : "no body is left: all left the domain";
+  write_outcome("completed", nobody, 0);
   if (root) {
     const double elapsed = seconds_since(start);
+    if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
     progress->finish(fmt::format("{} steps, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}",
                                  simulation.step(),
                                  static_cast<double>(scene.bodies.size()) * static_cast<double>(simulation.step() - first_step) / std::max(elapsed, 1e-9),

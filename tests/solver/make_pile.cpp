@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     box.lower = {0, 0, 0};
     box.upper = {2 * rim + spacing * side, 2 * rim + spacing * side, 100};
     scene.walls.push_back(box);
-    scene.settings.domain.bounded = kind == "periodic" || kind == "drain";
+    scene.settings.domain.bounded = kind == "periodic" || kind == "drain" || kind == "emptied";
     if (kind == "quantised") scene.settings.step_control = kind;
     scene.settings.domain.lower = {0, 0, 0};
     scene.settings.domain.upper = {box.upper.x, box.upper.y, 100};
@@ -55,6 +55,10 @@ int main(int argc, char** argv) {
     } else if (kind == "drain") {  // bodies go when they come close to the floor
       scene.settings.domain.lower.z = 0.055;
       scene.settings.domain.outside = "remove";
+    } else if (kind == "emptied") {  // all of them; the run is to end at rest
+      scene.settings.domain.lower.z = 0.09;
+      scene.settings.domain.outside = "remove";
+      scene.settings.stop_at_rest = true;
     }
     if (kind == "far") {   // from the origin of the world: computed about its own middle
       const Vec3 away{1e4, -2e4, 3e4};

@@ -252,6 +252,20 @@ def a_run_that_stops_at_rest_stops_there_after_a_restart_too():
         assert sorted(n for n in os.listdir(folder) if n.startswith("frame_")) == sorted(n for n in os.listdir("whole.run") if n.startswith("frame_"))
 
 
+def a_run_that_loses_all_bodies_says_so():
+    """No body is no body at rest, and its state has a hash like any other."""
+    subprocess.run([PILE, "4", "2", "emptied.scene.h5", "1", "3e5", "emptied"], check=True)
+    hashes = set()
+    for ranks in (1, 2):
+        result = run(ranks, "emptied.scene.h5", "-o", f"emptied{ranks}.run")
+        assert "no body is left" in result.stderr, result.stderr
+        told = outcome(f"emptied{ranks}.run")
+        assert told["bodies"] == 0 and told["no_body_left"] is True and told["came_to_rest"] is False, told
+        assert told["message"] and told["time"] < 1.9, (told["message"], told["time"])
+        hashes.add(told["state_hash"])
+    assert len(hashes) == 1 and hashes != {"0" * 32}, hashes
+
+
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
@@ -267,6 +281,7 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          a_full_disk_is_an_error_and_leaves_no_broken_file, a_scene_cut_for_other_ranks_is_cut_again_with_a_notice,
          a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
-         a_run_that_stops_at_rest_stops_there_after_a_restart_too, the_plan_says_what_is_in_and_out]
+         a_run_that_stops_at_rest_stops_there_after_a_restart_too, a_run_that_loses_all_bodies_says_so,
+         the_plan_says_what_is_in_and_out]
 
 main(TESTS)
