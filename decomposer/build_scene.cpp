@@ -38,7 +38,7 @@ class Builder {
     load_regions();
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
-    check_start(case_, parts_, scene());
+    check_start(case_, parts_, scene(), report().notices);
     Case placed = case_;
     if (placed.relax != Relax::none) relax(placed);
     Packer packer(placed, parts_, progress_, scene(), report());

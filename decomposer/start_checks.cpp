@@ -3,23 +3,29 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "core/storage/seam_meshes.hpp"
 #include "core/storage/wall_zones.hpp"
 
 namespace scree {
 
 namespace {
 
-void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& scene) {
+void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
   const Domain& domain = c.settings.domain;
   const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
   if (!periodicity.any()) return;
-  for (std::size_t i = 0; i < c.bodies.size(); ++i) {
-    const CaseBody& b = c.bodies[i];
-    check_period(periodicity, b.scale * parts.shape(b.shape).radius, scene.settings.margin, static_cast<std::int64_t>(i));
-  }
-  for (const Draw& d : parts.draws) check_period(periodicity, d.scale * parts.shape(d.shape).radius, scene.settings.margin, d.id);
+  double largest = 0;
+  const auto check = [&](double radius, std::int64_t id) {
+    check_period(periodicity, radius, scene.settings.margin, id);
+    largest = std::max(largest, radius);
+  };
+  for (std::size_t i = 0; i < c.bodies.size(); ++i) check(c.bodies[i].scale * parts.shape(c.bodies[i].shape).radius, static_cast<std::int64_t>(i));
+  for (const Draw& d : parts.draws) check(d.scale * parts.shape(d.shape).radius, d.id);
   std::vector<std::string> dropped;
   wall_zones(scene.walls, periodicity, dropped);
+  for (std::string& gap : check_meshes_at_seams(scene.walls, scene.shapes, domain, largest + 2 * scene.settings.margin, scene.settings.duration)) {
+    notices.push_back(std::move(gap));
+  }
 }
 
 void check_needs_of_margin(const Case& c, const Settings& s) {
@@ -35,8 +41,8 @@ void check_needs_of_margin(const Case& c, const Settings& s) {
 
 }  // namespace
 
-void check_start(const Case& c, const SceneParts& parts, const Scene& scene) {
-  check_periodic_axes(c, parts, scene);
+void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
+  check_periodic_axes(c, parts, scene, notices);
   check_needs_of_margin(c, scene.settings);
   const Settings& s = scene.settings;
   const bool moves = !parts.draws.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });

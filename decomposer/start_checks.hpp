@@ -6,8 +6,9 @@
 namespace scree {
 
 /// in   scene   with its margin and impact speed, without bodies
-/// Fails: UsageError for a periodic axis that is too short, a wall that changes along one, and laws or walls that need a margin or a
+/// out  notices   lines about mesh walls that end near a seam
+/// Fails: UsageError for a periodic axis that is too short, a wall that changes or moves along one, and laws or walls that need a margin or a
 /// speed which the case does not have.
-void check_start(const Case& c, const SceneParts& parts, const Scene& scene);
+void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices);
 
 }  // namespace scree

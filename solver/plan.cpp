@@ -66,6 +66,7 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   if (prepared.periodicity().any()) in("periodic axes", "positions wrapped, pairs by their nearest images");
   else out("periodic axes", "no axis is periodic: no images");
   for (const std::string& zone : prepared.dropped_zones()) out("wall face", zone + ": the seam takes its place");
+  for (const std::string& gap : prepared.seam_gaps()) out("wall at a seam", gap);
   if (!s.domain.bounded) out("domain checks", "the domain is unbounded");
   else in("domain checks", "outside = " + s.domain.outside);
   if (s.output_contacts) in("contacts in frames", "output.contacts = true");

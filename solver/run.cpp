@@ -180,6 +180,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     if (scene.partition.ranks > 0 && scene.partition.ranks != comm.size()) {
       warn_once("scree-solver", fmt::format("the scene is cut for {} ranks, this run has {}: it is cut again", scene.partition.ranks, comm.size()));
     }
+    for (const std::string& gap : loaded.prepared->seam_gaps()) warn_once("scree-solver", gap);
   });
   if (restarted && checkpoint.step == complete) return nothing_left();
 

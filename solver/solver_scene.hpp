@@ -11,6 +11,7 @@
 #include "core/geometry/periodic.hpp"
 #include "core/storage/scene_file.hpp"
 #include "core/storage/wall_motion.hpp"
+#include "core/storage/seam_meshes.hpp"
 #include "core/storage/wall_zones.hpp"
 #include "solver/laws/laws.hpp"
 
@@ -80,6 +81,8 @@ class SolverScene {
   double largest_radius() const { return largest_radius_; }  ///< bounding, of all bodies [m]
   /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
   const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
+  /// Lines about mesh walls that end near a seam, see check_meshes_at_seams.
+  const std::vector<std::string>& seam_gaps() const { return seam_gaps_; }
   const LawChoice& law_choice() const { return law_choice_; }
   /// gather = "pairs": how many springs a contact of two bodies may have: two faces, edges or corners that lie over each other make about as
   /// many pairs as both have triangles there; more is rare. 0 otherwise.
@@ -97,7 +100,7 @@ class SolverScene {
   std::vector<PairLaw> laws_;
   std::size_t material_count_ = 0;
   std::vector<WallZone> zones_;
-  std::vector<std::string> dropped_zones_;
+  std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
   double margin_ = 0, largest_radius_ = 0;
   LawChoice law_choice_;

@@ -123,6 +123,21 @@ TEST(Refusals, a_period_and_walls_that_the_solver_would_refuse_are_refused) {
                       ExitCode::usage), {"'mill'", "periodic axis x"});
 }
 
+TEST(Refusals, a_mesh_that_does_not_fit_a_periodic_axis_is_refused_or_named) {
+  const std::string head = kHead + kMargin + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n"
+                           "[[bodies]]\nshape = \"ball\"\nscale = 0.1\nmaterial = \"stone\"\nposition = [0.5, 0.5, 0.5]\n";
+  const auto plate = [](double from, double length) {
+    return fmt::format("[[walls]]\nname = \"belt\"\nmaterial = \"stone\"\nshape = {{ plate = {{ corner = [{}, 0, 0.2], side_a = [{}, 0, 0], side_b = [0, 1, 0] }} }}\n",
+                       from, length);
+  };
+  EXPECT_EQ(pack(head + plate(-0.1, 1.2)).report.notices.size(), 1u) << "the pea is not used";
+  const PackedScene gap = pack(head + plate(0, 1));
+  ASSERT_EQ(gap.report.notices.size(), 2u);
+  expect_says(gap.report.notices[1], {"'belt'", "periodic axis x", "0.054 m"});
+  expect_says(failure(head + plate(0.5, 1), ExitCode::usage), {"'belt'", "periodic axis x", "beyond one end"});
+  expect_says(failure(head + plate(-0.1, 1.2) + "motion = { translate = { velocity = [0.5, 0, 0] } }\n", ExitCode::usage), {"'belt'", "periodic axis x", "-0.1 to 1.6 m"});
+}
+
 TEST(Refusals, walls_and_laws_that_need_a_margin_or_a_speed_are_refused_without) {
   const std::string ball = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 1]\n";
   const std::string plate = "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\n";

@@ -127,6 +127,72 @@ TEST(PeriodicAxes, that_are_too_short_or_met_by_a_wall_are_refused) {
 }
 
 // Momentum of a gas in a box without walls, friction on: 1e-13 sqrt(steps) of the sum of m |v|.
+/// What is said of a plate on y = z = 0.2 to 0.8 of a cell of 1 m, periodic along x; a ball of 5 cm reaches 5.4 cm.
+std::vector<std::string> seam_gaps_of(double from, double to, const WallMotion& motion) {
+  Scene scene = test::empty_scene(1e5, 0.5, 0, 0.002);
+  make_periodic(scene, {0, 0, 0}, {1, 1, 1}, {true, false, false});
+  scene.settings.duration = 2;
+  scene.shapes = {make_sphere("ball", 0.05), make_surface("plate", {{{from, 0.2, 0.2}, {to, 0.2, 0.2}, {to, 0.8, 0.2}, {from, 0.8, 0.2}}, {{0, 1, 2}, {0, 2, 3}}})};
+  test::add_body(scene, 0, {0.5, 0.5, 0.5});
+  Wall plate;
+  plate.id = 1;
+  plate.name = "plate";
+  plate.kind = WallKind::mesh;
+  plate.shape = 1;
+  plate.motion = motion;
+  scene.walls = {plate};
+  return SolverScene(scene).seam_gaps();
+}
+
+TEST(PeriodicAxes, take_a_mesh_wall_that_is_met_everywhere_and_refuse_or_name_others) {
+  const WallMotion still;
+  EXPECT_TRUE(seam_gaps_of(0.1, 0.9, still).empty());      // inside, out of reach of the seam
+  EXPECT_TRUE(seam_gaps_of(-0.06, 1.06, still).empty());   // beyond both ends by the reach
+  for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.02, 0.9}, {-0.03, 1.06}}) {
+    const std::vector<std::string> gaps = seam_gaps_of(from, to, still);
+    ASSERT_EQ(gaps.size(), 1u) << from;
+    for (const char* word : {"'plate'", "periodic axis x", "0.054 m"}) EXPECT_NE(gaps[0].find(word), std::string::npos) << gaps[0];
+  }
+  const auto refusal = [](double from, double to, const WallMotion& motion) -> std::string {
+    try {
+      seam_gaps_of(from, to, motion);
+    } catch (const UsageError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal(0.5, 1.2, still).find("'plate'"), std::string::npos) << "beyond one end only";
+  WallMotion slides;
+  slides.kind = WallMotion::Kind::translate;
+  slides.axis = {1, 0, 0};
+  slides.rate = 0.2;
+  const std::string lost = refusal(-0.06, 1.06, slides);
+  for (const char* word : {"'plate'", "periodic axis x", "-0.06 to 1.46 m"}) EXPECT_NE(lost.find(word), std::string::npos) << lost;
+  EXPECT_EQ(refusal(-0.5, 1.06, slides), "") << "a belt that is long enough";
+  EXPECT_EQ(refusal(0.1, 0.5, slides), "") << "a slider that stays inside";
+  slides.stop = -1;
+  EXPECT_EQ(refusal(-0.06, 1.06, slides), "");
+  slides.stop = 1e300;
+  slides.axis = {0, 1, 0};
+  EXPECT_EQ(refusal(-0.06, 1.06, slides), "") << "across the axis";
+  WallMotion turns;
+  turns.kind = WallMotion::Kind::rotate;
+  turns.rate = 3;
+  turns.centre = {0.5, 0.5, 0.5};
+  turns.axis = {1, 0, 0};
+  EXPECT_EQ(refusal(-0.06, 1.06, turns), "") << "about the axis";
+  turns.axis = {0, 0, 1};
+  EXPECT_NE(refusal(-0.06, 1.06, turns), "");
+  EXPECT_EQ(refusal(0.4, 0.6, turns), "") << "a stirrer inside";
+  WallMotion shakes;
+  shakes.kind = WallMotion::Kind::oscillate;
+  shakes.axis = {1, 0, 0};
+  shakes.amplitude = 0.05;
+  shakes.frequency = 1;
+  EXPECT_NE(refusal(-0.06, 1.06, shakes), "");
+  EXPECT_EQ(refusal(-0.11, 1.11, shakes), "");
+}
+
 TEST(PeriodicAxes, keep_the_momentum_of_many_bodies) {
   TestRun run(test::empty_scene(1e6, 0.8, 0.3, 0.001));
   make_periodic(run.scene, {0, 0, 0}, {0.3, 0.3, 0.3}, {true, true, true});

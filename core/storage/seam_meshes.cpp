@@ -1,0 +1,105 @@
+#include "core/storage/seam_meshes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.hpp"
+
+namespace scree {
+
+namespace {
+
+struct Range {
+  double lower = 1e300, upper = -1e300;
+  void add(double value) {
+    lower = std::min(lower, value);
+    upper = std::max(upper, value);
+  }
+};
+
+/// Along one axis: what a wall takes up where it is placed, and how far it goes from there during a run [m].
+struct SweptWall {
+  Range place, shift;
+  bool turns = false;   ///< about another axis: `place` is that of full turns
+};
+
+Range shifts_along(const WallMotion& m, int axis, double duration) {
+  Range shift;
+  shift.add(0);
+  const auto elapsed = [&](double time) { return std::clamp(time, m.start, std::max(m.start, m.stop)) - m.start; };
+  const double first = elapsed(0), last = elapsed(duration);
+  switch (m.kind) {
+    case WallMotion::Kind::none:
+    case WallMotion::Kind::rotate:
+      break;
+    case WallMotion::Kind::translate:
+      shift.add(m.rate * first * m.axis[axis]);
+      shift.add(m.rate * last * m.axis[axis]);
+      break;
+    case WallMotion::Kind::oscillate:
+      if (last > 0 && m.frequency != 0) {
+        for (const double side : {-1.0, 1.0}) shift.add(m.amplitude * (side - std::sin(m.phase)) * m.axis[axis]);
+      }
+      break;
+    case WallMotion::Kind::table:
+      for (std::size_t i = 0; i < m.table_time.size(); ++i) {
+        shift.add(m.table_position[i][axis]);
+        if (m.table_time[i] >= last) break;
+      }
+      break;
+  }
+  return shift;
+}
+
+SweptWall sweep(const Wall& wall, const TriangleMesh& mesh, int axis, double duration) {
+  constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
+  SweptWall swept;
+  const WallMotion& m = wall.motion;
+  swept.turns = m.kind == WallMotion::Kind::rotate && m.rate != 0 && duration > m.start && m.stop > m.start && 1 - std::abs(m.axis[axis]) > kAligned;
+  double farthest = 0;
+  for (const Vec3& vertex : mesh.vertices) {
+    const Vec3 x = wall.position + wall.scale * rotate(wall.orientation, vertex);
+    swept.place.add(x[axis]);
+    farthest = std::max(farthest, length(x - m.centre));
+  }
+  if (swept.turns) swept.place = {m.centre[axis] - farthest, m.centre[axis] + farthest};
+  swept.shift = shifts_along(m, axis, duration);
+  return swept;
+}
+
+}  // namespace
+
+std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, const std::vector<Shape>& shapes, const Domain& domain, double reach,
+                                               double duration) {
+  // of the period: coordinates of files in single precision
+  constexpr double kRounding = 1e-6;
+  std::vector<std::string> gaps;
+  for (const Wall& wall : walls) {
+    if (wall.kind != WallKind::mesh) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!domain.periodic[static_cast<std::size_t>(axis)]) continue;
+      const SweptWall swept = sweep(wall, shapes[static_cast<std::size_t>(wall.shape)].mesh, axis, duration);
+      const double lower = domain.lower[axis], upper = domain.upper[axis], rounding = kRounding * (upper - lower);
+      const double low = swept.place.lower + swept.shift.lower, high = swept.place.upper + swept.shift.upper;
+      const bool moves = swept.turns || swept.shift.upper - swept.shift.lower > rounding;
+      const bool stays_inside = low >= lower + reach - rounding && high <= upper - reach + rounding;
+      const bool goes_on = !swept.turns && swept.place.lower + swept.shift.upper <= lower - reach + rounding &&
+                           swept.place.upper + swept.shift.lower >= upper + reach - rounding;
+      if (stays_inside || goes_on) continue;
+      const std::string where = fmt::format("wall {} ('{}'), a mesh, {} {:g} to {:g} m along the periodic axis {}, whose cell is {:g} to {:g} m",
+                                            wall.id, wall.name, moves ? "takes up, as it moves," : "takes up", low, high, "xyz"[axis], lower, upper);
+      const std::string cure = fmt::format("keep it {:.3g} m (the reach of a body) away from both ends, or let it go on as far beyond both", reach);
+      if (moves) {
+        throw UsageError("{}: meshes are not repeated, so bodies would lose it at the seam; {} all the time, or use a plane or cylinder, which has no end",
+                         where, cure);
+      }
+      if ((low < lower - rounding) != (high > upper + rounding)) {
+        throw UsageError("{}: meshes are not repeated, so what lies beyond one end is not met from the other; {}", where, cure);
+      }
+      gaps.push_back(fmt::format("{}: bodies at the seam meet it on one side of the seam only; {}", where, cure));
+    }
+  }
+  return gaps;
+}
+
+}  // namespace scree
