@@ -105,7 +105,7 @@ const toml::node& CaseTable::node(const std::string& key) const {
 void CaseTable::check_range(const std::string& key, double value, Range range) const {
   if (range == Range::positive && !(value > 0)) throw error(key, "expected a value > 0");
   if (range == Range::not_negative && !(value >= 0)) throw error(key, "expected a value >= 0");
-  if (range == Range::unit_interval && !(value > 0 && value <= 1)) throw error(key, "expected a value above 0 and at most 1");
+  if (range == Range::unit_interval && !(value >= 0 && value <= 1)) throw error(key, "expected a value of at least 0 and at most 1");
   if (range == Range::fraction && !(value > 0 && value < 1)) throw error(key, "expected a value between 0 and 1");
 }
 

@@ -74,6 +74,7 @@ void for_each_number(Record& r, Action&& action) {
   action("energy_reference", r.energy_reference);
   action("kinetic_peak", r.kinetic_peak);
   action("elastic_peak", r.elastic_peak);
+  action("dissipated_peak", r.dissipated_peak);
   action("energy_error", r.energy_error);
   action("max_depth_ratio", r.max_depth_ratio);
   action("critical_step", r.stiffest.step);

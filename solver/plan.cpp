@@ -4,6 +4,7 @@
 
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
+#include "solver/laws/restitution.hpp"
 #include "solver/run.hpp"
 
 namespace scree {
@@ -36,7 +37,12 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   in("normal contact", fmt::format("{} law, {} gathering, margin {} per body", s.law, s.gather, format_quantity(s.margin, Dimension::length)));
   if (prepared.has_damping()) in("damping", "restitution below 1 for some pair");
   else out("damping", "every restitution is 1");
-  if (prepared.has_friction()) in("friction springs", fmt::format("{} bytes per contact", sizeof(FrictionSpring)));
+  for (const MaterialPair& pair : scene.pairs) {
+    if (pair.restitution >= kLeastRestitution) continue;
+    in("restitution", fmt::format("{} between {} and {} is computed as {}", pair.restitution, scene.materials[static_cast<std::size_t>(pair.a)].name,
+                                  scene.materials[static_cast<std::size_t>(pair.b)].name, kLeastRestitution));
+  }
+  if (prepared.has_friction()) in("friction springs", fmt::format("{0} bytes per contact, and {0} per pair in contact", sizeof(FrictionSpring)));
   else out("friction springs", "every friction is 0: no history is kept");
   if (prepared.law_choice().rolling) in("rolling resistance", "one spring of moment per body pair");
   else out("rolling resistance", "no pair asks for it");

@@ -205,11 +205,23 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   if (law.barrier > 0) normal_sum += add_barrier(features, law, normal, per_depth, result);
 
   // damping of a feature is f_j chi v_n, never more than f_j itself
+  const double reduced = motion.inverse_mass_a + motion.inverse_mass_b;
+  const bool on_their_own = motion.independent && Damp::acts(law);
   Damping damping;
+  double pair_rate = 0;
   if (Damp::acts(law) && normal_sum > 0) {
-    double mobility = motion.inverse_mass_a + motion.inverse_mass_b;
+    double mobility = reduced;
     if (!motion.independent) mobility = std::max(mobility, wrench_mobility(motion, result.force, result.torque) / (normal_sum * normal_sum));
-    if (mobility > 0) damping = Damp::of(law, result.elastic, normal_sum, mobility, dt);
+    if (mobility > 0) {
+      const double chi = Damp::chi(law, result.elastic, mobility);
+      pair_rate = chi * normal_sum * mobility * dt;
+      damping = Damp::in_step(chi, pair_rate, pair_rate);
+    }
+  }
+  if (on_their_own) {
+    // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
+    pair_rate = 0;
+    for (std::size_t j = 0; j < count; ++j) pair_rate += Damp::chi(law, law_of_depth.energy(features[j].depth), reduced) * normal[j] * reduced * dt;
   }
   double chi = damping.chi;
   result.damping = chi;
@@ -236,9 +248,9 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
     const Vec3 velocity = motion.v_a + turning_a - motion.v_b - turning_b;
     const double vn = dot(velocity, f.n);
-    if (motion.independent && Damp::acts(law)) {
-      // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
-      damping = Damp::of(law, law_of_depth.energy(f.depth), normal[j], motion.inverse_mass_a + motion.inverse_mass_b, dt);
+    if (on_their_own) {
+      chi = Damp::chi(law, law_of_depth.energy(f.depth), reduced);
+      damping = Damp::in_step(chi, chi * normal[j] * reduced * dt, pair_rate);
       chi = damping.chi;
     }
     const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(damping.most_onset, onset_weight(f.depth, vn, dt)) * vn);

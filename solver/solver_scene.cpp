@@ -206,6 +206,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
   law.rolling_spring = pair.rolling_model != "constant";
   law.radius = pair.contact_radius;
   law.step_stiffness = pair.stiffness;
+  law.step_damping = damping_ratio_of_restitution(pair.restitution);
   if (law_choice_.area) {
     if (!(pair.layer_modulus > 0)) {
       throw UsageError("pairs: '{}' and '{}': layer_modulus is missing; contact.gather = \"area\" needs it", a.name, b.name);
@@ -222,7 +223,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
     }
     return law;
   }
-  law.damping_ratio = damping_ratio_of_restitution(pair.restitution);
+  law.damping_ratio = law.step_damping;
   if (settings.law != "hertz-mindlin") return law;
   if (!(a.young > 0 && b.young > 0)) {
     throw UsageError("materials: '{}' and '{}' need young (Young's modulus) for contact.law = \"hertz-mindlin\"", a.name, b.name);

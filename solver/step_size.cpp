@@ -1,6 +1,7 @@
 #include "solver/step_size.hpp"
 
 #include "solver/approach.hpp"
+#include "solver/laws/restitution.hpp"
 
 #include <algorithm>
 #include <array>
@@ -90,6 +91,8 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
   const std::vector<Touchable> all = touchables(comm, scene, p);
   StepSize result;
   double stiffest = 0, softest = 1e300;   // omega^2 of contacts that can occur [1/s^2]
+  double fastest = 0;                     // omega (1 + zeta) of the pairs that are strongly damped [1/s]
+  std::string most_damped;
   for (const MaterialPair& pair : source.pairs) {
     for (std::size_t roughness = 0; roughness < 4; ++roughness) {
       const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
@@ -98,7 +101,12 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
       const double potential = rough_a + rough_b == 0 || scene.law_choice().area ? 1.0 : std::sqrt(std::sqrt(4.0));
       const double features = rough_a + rough_b == 0 ? potential : std::max(potential, static_cast<double>(scene.springs_per_pair()));
       const auto consider = [&](double mobility, const std::string& name) {
-        const double omega2 = scene.law(pair.a, pair.b).step_stiffness * features * mobility;
+        const PairLaw& law = scene.law(pair.a, pair.b);
+        const double omega2 = law.step_stiffness * features * mobility, rate = std::sqrt(omega2) * (1 + law.step_damping);
+        if (law.step_damping > kStrongDamping && rate > fastest) {
+          fastest = rate;
+          most_damped = fmt::format("{} at restitution {:g}", name, std::max(pair.restitution, kLeastRestitution));
+        }
         if (!(omega2 > stiffest)) return;
         stiffest = omega2;
         result.limited_by = name;
@@ -135,10 +143,19 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
                        "or leave it out", result.step, result.step / result.critical(), result.critical(), result.limited_by,
                        result.contact_time / 20);
     }
+    if (result.step * fastest > std::numbers::pi / kStepsPerDamping) {
+      constexpr double kRoundDown = 0.99;   // three digits that are not above the limit
+      throw UsageError("time.step = {:g} s is too long for the damping of {}: they would rebound otherwise; use at most {:.3g} s, or leave it out",
+                       result.step, most_damped, kRoundDown * std::numbers::pi / (kStepsPerDamping * fastest));
+    }
     return result;
   }
   if (stiffest > 0) {
     result.step = result.contact_time / source.settings.steps_per_contact;
+    if (result.step * fastest > std::numbers::pi / kStepsPerDamping) {
+      result.step = std::numbers::pi / (kStepsPerDamping * fastest);
+      result.limited_by = "the damping of " + most_damped;
+    }
   } else {
     result.step = source.settings.duration > 0 ? source.settings.duration / 1000 : 1;
     result.limited_by = "no contact can occur: a thousandth of the duration";

@@ -24,7 +24,7 @@ struct Material {
 struct MaterialPair {
   std::int32_t a = 0, b = 0;      ///< material indices, a <= b
   double stiffness = 0;           ///< [N/m]
-  double restitution = 1;         ///< [-], in (0, 1]
+  double restitution = 1;         ///< [-], from 0 to 1
   double friction = 0;            ///< [-] static
   double friction_sliding = -1;   ///< [-], < 0: as static
   double rolling_friction = 0;    ///< [-] rolling moment at most this times R* times the normal force

@@ -256,8 +256,8 @@ void read_settings_json(const json& text, const std::string& where, Scene& scene
     // a Hertz contact and a layer have no stiffness of their own: it comes from the materials
     const bool no_stiffness = scene.settings.law == "hertz-mindlin" || scene.settings.gather == "area";
     p.stiffness = no_stiffness ? o.at_least("stiffness", 0) : o.positive("stiffness");
-    p.restitution = o.positive("restitution");
-    if (p.restitution > 1) throw InputError("{}.restitution: {:g} found, a value in (0, 1] expected", o.where(), p.restitution);
+    p.restitution = o.at_least("restitution", 0);
+    if (p.restitution > 1) throw InputError("{}.restitution: {:g} found, a value from 0 to 1 expected", o.where(), p.restitution);
     p.friction = o.at_least("friction", 0);
     p.friction_sliding = o.number("friction_sliding");
     p.rolling_friction = o.at_least("rolling_friction", 0);

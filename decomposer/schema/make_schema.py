@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 RANGES = {"any": {}, "positive": {"exclusiveMinimum": 0}, "not_negative": {"minimum": 0},
-          "unit_interval": {"exclusiveMinimum": 0, "maximum": 1}, "fraction": {"exclusiveMinimum": 0, "exclusiveMaximum": 1}}
+          "unit_interval": {"minimum": 0, "maximum": 1}, "fraction": {"exclusiveMinimum": 0, "exclusiveMaximum": 1}}
 QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*[^\s].*$"   # a number and a unit
 VECTOR = {"type": "array", "minItems": 3, "maxItems": 3}
 

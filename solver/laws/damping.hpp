@@ -8,6 +8,12 @@
 // - onset: a feature at depth d that closes at speed v has been in touch for d / v. When that is less than a step, the
 //   impulse of this force evaluation stands for d / v + dt / 2 instead of dt.
 // Hunt-Crossley damping starts at zero force and its lag cancels to second order by itself: it needs neither.
+//
+// What damping takes in a step. Damping alone changes a pair's speed by the share y = r dt, or r dt / (1 + r dt / 4) where the lag is
+// corrected. Beyond 1 it would turn the motion round, beyond 2 create energy. Both laws therefore let y go on to 1 and not past it
+// once r dt passes their kFreeRate. The elastic force stays whole: a contact at rest carries the same load at the same depth.
+// A step that the solver derives keeps r dt below kFreeRate (step_size.hpp); it is passed by impacts faster or stiffer than the
+// step was made for, and by Hunt-Crossley impacts above the speed of their restitution.
 #pragma once
 
 #include <algorithm>
@@ -23,26 +29,48 @@ struct Damping {
   double most_onset = 1;   ///< largest weight of damping in the step of touch
 };
 
+/// Share of a pair's speed that damping takes in a step, beyond the rate at which it is free: from `share` on with its `slope`, to 1.
+inline double share_in_step(double beyond, double share, double slope) {
+  return share - (1 - share) * std::expm1(-beyond * slope / (1 - share));
+}
+
 /// Restitution independent of speed: chi = 2 zeta sqrt(m* / 2U), a linear oscillator in pseudo-time for every U.
 struct ViscousDamping {
   static bool acts(const PairLaw& law) { return law.damping_ratio > 0; }
-  /// in   elastic  U [J]    in  normal_sum  of the features' elastic forces [N]    in  mobility  1/m* [1/kg], > 0
-  static Damping of(const PairLaw& law, double elastic, double normal_sum, double mobility, double dt) {
+  /// in   elastic  U [J], > 0    in  mobility  1/m* [1/kg], > 0
+  static double chi(const PairLaw& law, double elastic, double mobility) { return 2 * law.damping_ratio / std::sqrt(2 * elastic * mobility); }
+  /// in   rate       chi times the sum of the elastic forces that it damps, times mobility and step [1]
+  /// in   pair_rate  the same of the whole pair: more than `rate` where features damp on their own (gather = "pairs")
+  static Damping in_step(double chi, double rate, double pair_rate) {
     constexpr double kMostOnset = 1.5;  // a whole step in touch, and the half step after it
-    Damping d;
-    d.chi = 2 * law.damping_ratio / std::sqrt(2 * elastic * mobility);
-    const double rate = d.chi * normal_sum * mobility * dt;
-    d.chi /= 1 + 0.25 * rate;
+    if (pair_rate > kFreeRate) {
+      const double share = share_in_step(pair_rate - kFreeRate, kFreeShare, kFreeSlope);
+      return {chi * (share / pair_rate), std::clamp(1 / share, 1.0, kMostOnset)};
+    }
+    Damping d{chi / (1 + 0.25 * rate), 1};
     // weighted damping must not turn the motion round within one step
     if (rate > 0) d.most_onset = std::clamp((1 + 0.25 * rate) / rate, 1.0, kMostOnset);
     return d;
   }
+
+ private:
+  /// The rate of the least restitution at 30 steps a contact: up to it the correction of the lag is right.
+  static constexpr double kFreeRate = 1.05;
+  static constexpr double kDivisor = 1 + 0.25 * kFreeRate, kFreeShare = kFreeRate / kDivisor, kFreeSlope = 1 / (kDivisor * kDivisor);
 };
 
 /// Force without a jump at touch: chi is a constant, restitution falls with speed and is as asked at the speed given for it.
 struct HuntCrossleyDamping {
   static bool acts(const PairLaw& law) { return law.damping_slope > 0; }
-  static Damping of(const PairLaw& law, double, double, double, double) { return {law.damping_slope, 1}; }
+  static double chi(const PairLaw& law, double, double) { return law.damping_slope; }
+  static Damping in_step(double chi, double, double pair_rate) {
+    if (pair_rate > kFreeRate) chi *= share_in_step(pair_rate - kFreeRate, kFreeRate, 1) / pair_rate;
+    return {chi, 1};
+  }
+
+ private:
+  /// Up to here restitution has no error of the lag that can be seen (1e-4).
+  static constexpr double kFreeRate = 0.75;
 };
 
 /// Share of a step that the force on a feature stands for.

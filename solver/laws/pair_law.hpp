@@ -21,6 +21,7 @@ struct PairLaw {
   double barrier = 0;               ///< k_b of laws/barrier.hpp [N/m]; 0: none
   double margin = 0;                ///< margin sum [m]
   double step_stiffness = 0;        ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
+  double step_damping = 0;          ///< damping ratio of restitution, of every law: the step is derived from it
 };
 
 }  // namespace scree

@@ -3,7 +3,12 @@
 
 namespace scree {
 
-/// Damping ratio zeta that gives restitution e in (0, 1] for an impact without tension.
+/// The least restitution that is computed; less, 0 included, is computed as this. A rebound of a hundredth of the arrival speed has 1e-4 of
+/// its energy. Less would need a damping ratio that grows without end (1 / (2 sqrt(e)), 4.8 here): steps far shorter than the contact
+/// asks for, and contacts that take hundreds of contact times to part.
+inline constexpr double kLeastRestitution = 0.01;
+
+/// Damping ratio zeta that gives restitution e in [0, 1] for an impact without tension.
 ///
 /// How: bisection on e = exp(-zeta/s (pi - atan2(2 zeta s, 1 - 2 zeta^2))), s = sqrt(1 - zeta^2), and its continuation
 /// for zeta > 1. Holds for every potential U(d) with the energy-scaled damping used here: in the pseudo-time
@@ -13,7 +18,7 @@ double damping_ratio_of_restitution(double restitution);
 /// The forward map.
 double restitution_of_damping_ratio(double zeta);
 
-/// alpha = chi v of Hunt-Crossley damping, f (1 + chi * approach speed), that gives restitution e in (0, 1] at approach
+/// alpha = chi v of Hunt-Crossley damping, f (1 + chi * approach speed), that gives restitution e in [0, 1] at approach
 /// speed v: alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)).
 ///
 /// How: bisection; alpha lies in (0, 1/e). The energy integral of m v dv / (1 + chi v) = -F dd does not contain F, so the

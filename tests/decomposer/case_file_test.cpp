@@ -223,7 +223,8 @@ TEST(CaseFile, a_wrong_type_is_refused) {
 
 TEST(CaseFile, a_value_out_of_range_is_refused) {
   expect_refusal(replaced("restitution = 0.5", "restitution = 1.5"), {"case.toml:14: pairs[0].restitution = 1.5", "at most 1"});
-  expect_refusal(replaced("restitution = 0.5", "restitution = 0"), {"above 0"});
+  expect_refusal(replaced("restitution = 0.5", "restitution = -0.1"), {"at least 0"});
+  EXPECT_EQ(parse(replaced("restitution = 0.5", "restitution = 0")).pairs[0].pair.restitution, 0);
   expect_refusal(replaced("friction = 0.4", "friction = -0.1"), {">= 0"});
   expect_refusal(replaced("density = 2700", "density = 0"), {"> 0"});
   expect_refusal(replaced("density = 2700", "density = nan"), {"density"});

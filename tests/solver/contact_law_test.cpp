@@ -2,10 +2,15 @@
 // tests 1 to 8 of Chung & Ooi, Granul. Matter 13 (2011) 643, rolling and torsional resistance.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "solver/laws/restitution.hpp"
+#include "solver/run.hpp"
+#include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
 namespace scree {
@@ -92,6 +97,119 @@ TEST(LinearLaw, meets_the_demands_on_restitution_at_every_phase_of_touch) {
     EXPECT_LE(worst, .1 * damped) << steps;  // of second order in the step, far below what is asked
     EXPECT_LE(worst_elastic, elastic) << steps;
   }
+}
+
+/// A unit ball, or a cube that lands flat, a share `phase` of a step above touch, with the step that the solver derives.
+TestRun unit_drop(const std::string& law, bool is_cube, double restitution, double steps_per_contact, double phase) {
+  constexpr double k = 1e4, side = .2, margin = .02;
+  const double density = is_cube ? 1 / (side * side * side) : 1 / (pi / 6 * side * side * side);
+  TestRun run(test::empty_scene(k, restitution, 0, margin, density));
+  Settings& settings = run.scene.settings;
+  settings.law = law;
+  settings.steps_per_contact = steps_per_contact;
+  settings.impact_speed = 1;
+  if (law == "hunt-crossley") run.scene.pairs[0].restitution_speed = 1;
+  if (law == "hertz-mindlin") {
+    run.scene.materials[0].young = 1.3e5;   // about as stiff at unit speed
+    run.scene.pairs[0].stiffness = 0;
+  }
+  run.scene.shapes.push_back(is_cube ? make_solid("cube", test::grid_box(1, {side, side, side})) : make_sphere("ball", side / 2));
+  test::add_body(run.scene, 0, {0, 0, 0}, {}, {0, 0, -1});
+  run.scene.bodies.lock_rotation[0] = 1;
+  test::add_plane(run.scene, {0, 0, -side / 2 - 3 * margin}, {0, 0, 1});
+  run.start();
+  // down to `phase` of a step above touch
+  const double to_touch = margin - phase * run.simulation->step_size().step;
+  test::TestRun moved(run.scene);
+  moved.scene.bodies.position[0].z -= to_touch;
+  moved.start();
+  return moved;
+}
+
+// Restitution from 0 to 1, from coarse to fine steps, at any phase of touch: as requested, and no energy from nowhere. With less than
+// .006 requested the damping of a step passed what the body had: it rebounded with up to three times its speed.
+TEST(Restitution, from_0_to_1_is_as_requested_in_steps_from_coarse_to_fine) {
+  constexpr double kWithin = 0.02;   // of the arrival speed
+  double worst = 0;
+  for (const std::string law : {"linear", "hunt-crossley", "hertz-mindlin"}) {
+    for (const bool is_cube : {false, true}) {
+      for (const double e : {0.0, 1e-5, 1e-4, 1e-3, .003, .006, .01, .03, .1, .2, .3, .5, .7, .9, 1.0}) {
+        for (const double steps : {8.0, 12.0, 20.0, 30.0, 100.0}) {
+          for (const double phase : {.01, .3, .6, .95}) {
+            TestRun run = unit_drop(law, is_cube, e, steps, phase);
+            bool touched = false;
+            double highest = 0, returned = 0, taken = 0;
+            for (std::int64_t n = 0; n < 20000; ++n) {
+              run.simulation->advance();
+              const bool touches = run.simulation->contact_count() > 0;
+              if (touched && !touches) break;
+              touched = touched || touches;
+              const Energies now = run.simulation->energies();
+              highest = std::max(highest, now.translational + now.elastic);
+              taken = std::max(taken, now.dissipated);
+              returned = std::max(returned, taken - now.dissipated);
+            }
+            const std::string what = fmt::format("{} {} e = {} {} steps, phase {}", law, is_cube ? "cube" : "ball", e, steps, phase);
+            ASSERT_TRUE(touched) << what;
+            const double error = std::abs(run.velocity(0).z - e);
+            worst = std::max(worst, error);
+            EXPECT_LE(error, kWithin) << what;
+            // the energies of a leapfrog swing by (omega h)^2 / 4
+            const double swing = pi * pi / (4 * steps * steps);
+            EXPECT_LE(highest, .5 * (1 + swing)) << what;
+            EXPECT_LE(returned, .5 * swing) << what;
+          }
+        }
+      }
+    }
+  }
+  std::printf("rebound within %.4f of the arrival speed\n", worst);
+}
+
+TEST(Restitution, that_a_given_step_cannot_resolve_is_refused) {
+  TestRun run = unit_ball(.001, 12, .5);
+  try {
+    run.start();
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("too long for the damping of body 0 (rock) on fixed rock at restitution 0.01"), std::string::npos) << error.what();
+  }
+}
+
+// A crystal under pressure whose damping, meant for impacts far slower, turns the motion round among many neighbours: energy from nowhere.
+// Such a run was told "energy balance good" and ended with exit 0.
+TEST(Restitution, a_run_in_which_damping_gives_energy_back_ends) {
+  Scene scene = test::empty_scene(1e5, .01, 0, 0);
+  scene.settings.law = "hunt-crossley";
+  scene.settings.duration = .02;
+  scene.settings.output_every = .001;
+  scene.pairs[0].restitution_speed = .01;
+  scene.shapes = {make_sphere("ball", .1)};
+  for (int i = -2; i <= 2; ++i) {
+    for (int j = -2; j <= 2; ++j) {
+      for (int k = -2; k <= 2; ++k) {
+        if ((i + j + k) % 2 != 0) continue;
+        const bool fixed = std::max({std::abs(i), std::abs(j), std::abs(k)}) == 2;
+        const Vec3 speed{1e-4 * (i - j), 1e-4 * (j + k), 1e-4 * (i * k + 1)};
+        const std::size_t body = test::add_body(scene, 0, {.14 * i, .14 * j, .14 * k}, {}, fixed ? Vec3{} : speed);
+        scene.bodies.fixed[body] = fixed ? 1 : 0;
+      }
+    }
+  }
+  const std::string folder = (std::filesystem::temp_directory_path() / fmt::format("scree_crystal_{}", getpid())).string();
+  std::filesystem::create_directories(folder);
+  RunOptions options;
+  options.scene_path = folder + "/crystal.scene.h5";
+  options.run_folder = folder + "/crystal.run";
+  write_scene_file(options.scene_path, scene);
+  try {
+    run_scene(*test::g_comm, options);
+    ADD_FAILURE() << "completed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::run_invalid);
+    EXPECT_NE(std::string(error.what()).find("damping and friction gave back"), std::string::npos) << error.what();
+  }
+  std::filesystem::remove_all(folder);
 }
 
 // C2: restitution as asked at the speed given, and by alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)) at others.
