@@ -48,6 +48,12 @@ bool is_perpendicular(const SolverShape& shape, std::int32_t triangle, const Vec
   return std::abs(dot(outward, ab)) <= allowed * length(ab) && std::abs(dot(outward, ac)) <= allowed * length(ac);
 }
 
+/// Whether a vertex inside a straight edge is the foot on it, and not only the end of one of its pieces.
+bool is_across(const SolverShape& shape, std::int32_t triangle, std::size_t k, const Vec3& outward) {
+  const Vec3 along = shape.mesh.corner(triangle, static_cast<int>((k + 1) % 3)) - shape.mesh.corner(triangle, static_cast<int>(k));
+  return std::abs(dot(outward, along)) <= kNeighbourCosine * length(outward) * length(along);
+}
+
 /// The minimum that the nearest point of one triangle is, if it is one.
 bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& centre, Minimum& minimum) {
   const auto t = static_cast<std::size_t>(triangle);
@@ -73,8 +79,8 @@ bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& c
   const auto k = static_cast<std::size_t>(nearest.place - 3);
   const std::int32_t corner = shape.features.corner_of[static_cast<std::size_t>(shape.mesh.triangles[t][k])];
   if (corner < 0) {  // inside a flat region or on a straight edge
-    if (shape.features.edge_kind(t, k) != EdgeKind::flat) return take_edge(k);
-    return take_edge((k + 2) % 3);
+    const std::size_t edge = shape.features.edge_kind(t, k) != EdgeKind::flat ? k : (k + 2) % 3;
+    return take_edge(edge) && (minimum.kind != kEdge || is_across(shape, triangle, edge, outward));
   }
   minimum.kind = kCorner;
   minimum.index = corner;

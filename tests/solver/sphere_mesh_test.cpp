@@ -83,6 +83,37 @@ TEST(SphereOnMesh, rests_on_both_faces_of_a_groove) {
   EXPECT_NEAR(run.position(0).z, std::sqrt(2.0) * (0.1 + 0.004 - depth), 1e-6);
 }
 
+// A straight ridge with vertices inside it carries as one edge: a contact, and no speed along the ridge without friction. Pieces that
+// end beside the foot were contacts too, under the same key.
+TEST(SphereOnMesh, on_a_straight_ridge_with_inner_vertices_has_one_contact) {
+  TriangleMesh roof;
+  constexpr std::int32_t kPieces = 4;
+  for (std::int32_t i = 0; i <= kPieces; ++i) {
+    const double y = i - 0.5 * kPieces;
+    for (const double x : {0.0, 1.0, -1.0}) roof.vertices.push_back({x, y, -std::abs(x)});
+  }
+  for (std::int32_t i = 0; i < 3 * kPieces; i += 3) {
+    for (const Triangle& t : {Triangle{i, i + 1, i + 3}, Triangle{i + 1, i + 4, i + 3}, Triangle{i, i + 3, i + 2}, Triangle{i + 3, i + 5, i + 2}}) roof.triangles.push_back(t);
+  }
+  for (const double beside : {0.0, 1e-9, 1e-4, 0.01, 0.04, 0.5}) {
+    TestRun run(bouncing_ball({0, beside, 0.107}, {0, 0, -1}, {}));
+    run.scene.settings.gravity = {};
+    run.scene.pairs[0].friction = 0;
+    run.scene.pairs[0].stiffness = 1e6;
+    run.scene.settings.step = 2e-5;
+    add_mesh_wall(run.scene, roof);
+    run.start();
+    std::int64_t most = 0;
+    for (int n = 0; n < 1500; ++n) {
+      run.simulation->advance();
+      most = std::max(most, run.simulation->contact_count());
+    }
+    EXPECT_EQ(most, 1) << beside;
+    EXPECT_GT(run.velocity(0).z, 0.5) << beside;
+    EXPECT_LE(std::abs(run.velocity(0).y), 1e-12) << beside;
+  }
+}
+
 // Sphere against a free rock: momentum, angular momentum and energy are kept, in both orders of ids.
 TEST(SphereOnMesh, collides_with_a_rock_without_losing_momentum_or_energy) {
   for (const bool sphere_first : {true, false}) {
