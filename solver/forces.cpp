@@ -95,13 +95,15 @@ struct PairVelocities {
   Vec3 v_a, w_a, v_b, w_b;
 };
 
-PairVelocities velocities_of(const ParticleSet& p, const std::vector<WallState>& walls, const BodyPair& pair, const PairView& view) {
+/// Within a step the bodies' are those of half a step before, and so are the walls'; at its end, where springs do not move, those of now.
+PairVelocities velocities_of(const ParticleSet& p, const std::vector<WallState>& walls, const BodyPair& pair, const PairView& view, bool in_step) {
   const auto i = static_cast<std::size_t>(pair.a);
   if (pair.b >= 0) {
     const auto j = static_cast<std::size_t>(pair.b);
     return {p.v[i], p.w[i], p.v[j], p.w[j]};
   }
   const WallState& state = walls[static_cast<std::size_t>(view.zone->wall)];
+  if (in_step) return {p.v[i], p.w[i], state.velocity_before, state.angular_velocity_before};
   return {p.v[i], p.w[i], state.velocity, state.angular_velocity};
 }
 
@@ -253,7 +255,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       result.active = false;
       result.contact_count = 0;
       const PairView view = view_of(scene, p, walls, pair);
-      const PairVelocities velocities = velocities_of(p, walls, pair, view);
+      const PairVelocities velocities = velocities_of(p, walls, pair, view, friction_dt > 0);
       double moved = 0;
       if (pair.lists.skin >= 0) moved = motion_since_listed(pair.lists, view.pose, view.radius_a, view.radius_b);
       const bool has_mesh = built_with::kMeshes && (view.zone == nullptr ? !is_sphere_pair(view) : view.zone->kind == WallZone::Kind::mesh);

@@ -107,7 +107,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
 
 void Simulation::set_walls(double time) {
   walls_.clear();
-  for (const Wall& wall : scene_.source().walls) walls_.push_back(wall_state(wall, time));
+  for (const Wall& wall : scene_.source().walls) walls_.push_back(wall_state(wall, time, dt_));
 }
 
 void Simulation::compute_pairs(std::span<const std::int32_t> which, double friction_dt, Phase phase) {

@@ -8,8 +8,10 @@
 
 namespace scree {
 
-WallState wall_state(const Wall& wall, double time) {
-  WallState state{wall.position, wall.orientation, {}, {}};
+namespace {
+
+WallState state_at(const Wall& wall, double time) {
+  WallState state{wall.position, wall.orientation, {}, {}, {}, {}};
   const WallMotion& m = wall.motion;
   if (m.kind == WallMotion::Kind::none) return state;
   const double elapsed = std::clamp(time, m.start, std::max(m.start, m.stop)) - m.start;
@@ -55,6 +57,17 @@ WallState wall_state(const Wall& wall, double time) {
       break;
     }
   }
+  return state;
+}
+
+}  // namespace
+
+WallState wall_state(const Wall& wall, double time, double step) {
+  WallState state = state_at(wall, time);
+  if (wall.motion.kind == WallMotion::Kind::none) return state;
+  const WallState before = step > 0 ? state_at(wall, time - 0.5 * step) : state;
+  state.velocity_before = before.velocity;
+  state.angular_velocity_before = before.angular_velocity;
   return state;
 }
 

@@ -10,8 +10,10 @@ struct WallState {
   Vec3 position;                    ///< of the wall frame's origin [m]
   Quat orientation;
   Vec3 velocity, angular_velocity;  ///< [m/s] of the origin, [rad/s]
+  Vec3 velocity_before, angular_velocity_before;  ///< the same half a step before
 };
-WallState wall_state(const Wall& wall, double time);
+/// in   step   [s]; without one the velocities before are those at the time itself
+WallState wall_state(const Wall& wall, double time, double step = 0);
 
 /// The wall as it stands when a run begins, without its motion. A `start` before 0 and the first rows of a table move it away from
 /// where the case draws it; a wall that is not moved is given back bit for bit.

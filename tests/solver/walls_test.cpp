@@ -111,6 +111,42 @@ TEST(DrivenWall, that_turns_carries_a_block_round_by_friction) {
   EXPECT_LE(std::abs(load.power(run.simulation->walls()[0])), 2e-2 * mass * omega * omega * r * r * omega);
 }
 
+// Where the axis is makes no difference. With the axis 3 m from the wall's origin the block slid by h w^2 r / 2 = .6 mm/s.
+TEST(DrivenWall, that_turns_about_an_axis_away_from_its_origin_carries_a_block_as_well) {
+  const auto place_after = [](double away) {
+    TestRun run(test::empty_scene(1e6, 0.3, 0.5, 0.005));
+    run.scene.settings.gravity = {0, 0, -9.81};
+    run.scene.settings.step = 1e-4;
+    run.scene.shapes = {make_solid("block", test::grid_box(1, {0.1, 0.1, 0.04}))};
+    const double mass = 0.4, depth = mass * 9.81 / (std::sqrt(2.0) * 1e6), r = 0.5, omega = 2;
+    test::add_body(run.scene, 0, {away + r, 0, 0.02 + 0.01 - depth}, {}, {0, r * omega, 0}, {0, 0, omega});
+    test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+    WallMotion& m = run.scene.walls[0].motion;
+    m.kind = WallMotion::Kind::rotate;
+    m.axis = {0, 0, 1};
+    m.centre = {away, 0, 0};
+    m.rate = omega;
+    run.start();
+    run.run_for(1.0);
+    return run.position(0) - Vec3{away, 0, 0};
+  };
+  // of second order in the step now: (h w)^2 of the way, 4e-8 of 3 m
+  EXPECT_LE(length(place_after(3) - place_after(0)), 1e-7);
+}
+
+/// The velocity half a step before is the way of the step over the step, for every motion.
+TEST(DrivenWall, has_half_a_step_before_the_velocity_of_the_way_gone) {
+  for (const WallMotion& motion : all_motions()) {
+    Wall wall;
+    wall.position = {0.5, 0.1, 0};
+    wall.motion = motion;
+    const double h = 1e-4, time = 0.47;
+    const WallState now = wall_state(wall, time, h), before = wall_state(wall, time - h);
+    EXPECT_LE(length((1 / h) * (now.position - before.position) - now.velocity_before), 1e-5) << static_cast<int>(motion.kind);
+    EXPECT_EQ(now.velocity, wall_state(wall, time).velocity);
+  }
+}
+
 // A wall that swings by a table and one that swings by the same sine give the same bounces as the table gets finer.
 TEST(DrivenWall, given_as_a_table_goes_to_the_motion_it_samples) {
   const auto height = [](int rows) {
