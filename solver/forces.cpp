@@ -116,6 +116,7 @@ PairMotion motion_of(const ParticleSet& p, const BodyPair& pair, const PairView&
   m.w_b = transpose_times(a_to_world, world.w_b);
   m.centre_b = view.pose.centre;
   m.b_to_a = view.pose.rotation;
+  m.turn = view.pose.turn;
   const auto i = static_cast<std::size_t>(pair.a);
   m.inverse_mass_a = p.inverse_mass[i];
   m.inverse_inertia_a = p.inverse_inertia[i];

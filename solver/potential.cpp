@@ -31,9 +31,35 @@ double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torqu
   return sum;
 }
 
+/// Takes springs, kept in the frame of A, along with both bodies: by half of what B has turned against A since they were set. Seen from B
+/// it is the same rotation, so that which of the two is A changes nothing but rounding.
+class MeanTurn {
+ public:
+  /// in   springs   of the last step, with their kTurnKey     in  turn  B to A, now
+  MeanTurn(const std::vector<FrictionSpring>& springs, const Quat& turn, double friction_dt) {
+    if (springs.empty() || springs.back().key != kTurnKey || !(friction_dt > 0)) return;
+    const FrictionSpring& kept = springs.back();
+    const Quat before{kept.stiffness, kept.force.x, kept.force.y, kept.force.z};
+    if (before == turn) return;   // at rest, to the last bit
+    Quat by = turn * conjugate(before);
+    if (by.w < 0) by = {-by.w, -by.x, -by.y, -by.z};
+    w_ = std::sqrt(0.5 * (1 + by.w));
+    u_ = (0.5 / w_) * Vec3{by.x, by.y, by.z};
+  }
+  Vec3 operator()(const Vec3& s) const {
+    const Vec3 t = cross(2 * u_, s);
+    return s + w_ * t + cross(u_, t);
+  }
+  static FrictionSpring entry(const Quat& turn) { return {kTurnKey, {turn.x, turn.y, turn.z}, turn.w}; }
+
+ private:
+  Vec3 u_;
+  double w_ = 1;
+};
+
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
 void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum,
-                 const std::vector<double>& per_depth, double tangential_damping, double dt, double friction_dt,
+                 const std::vector<double>& per_depth, double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
                  const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(elastic_force);
   if (!(size > 0)) return;
@@ -49,9 +75,10 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
   const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
   state.spin_mobility = largest(m.inverse_inertia_a) + largest(m.inverse_inertia_b);
   FrictionSpring old{kRollingKey, Vec3{}, 0};
-  if (!springs.empty() && springs.back().key == kRollingKey) old = springs.back();
-  // the spring turns with the bodies' mean spin against the frame of A
-  old.force += cross((-0.5 * friction_dt) * state.relative_spin, old.force);
+  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kRollingKey; ++s) {
+    if (s->key == kRollingKey) old = *s;
+  }
+  old.force = turned(old.force);
   const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
   result.lossy_torque += moment.moment;
   if (!law.rolling_spring) return;
@@ -159,7 +186,8 @@ double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& l
 }
 
 /// The elastic layer of two meshes: energy, pressure and wrench as area_pressure.hpp found them.
-double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_depth, PairForce& result) {
+double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_depth,
+                   PairForce& result) {
   double sum = 0;
   for (std::size_t j = 0; j < contact.patches.size(); ++j) {
     const AreaPatch& patch = contact.patches[j];
@@ -237,7 +265,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
 
   const double tangential_share = tangential_damping_share(law, Normal::kExponent);
   const Vec3 elastic_force = result.force;
-  const Vec3 relative_spin = motion.w_b - motion.w_a;
+  const MeanTurn turned(springs, motion.turn, friction_dt);
   const double rounding = kStiffnessRounding * length(motion.centre_b);
   thread_local std::vector<FrictionSpring> next;
   next.clear();
@@ -266,9 +294,8 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
       const Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
       const Vec3 vt = slip - dot(slip, f.n) * f.n;
       if (old < springs.size() && springs[old].key == f.key) {
-        // turn with the mean spin about the normal, back into the tangent plane at its own length
-        Vec3 s = springs[old].force;
-        s += (0.5 * friction_dt * dot(relative_spin, f.n)) * cross(f.n, s);
+        // turn with the bodies' mean frame, back into the tangent plane at its own length
+        Vec3 s = turned(springs[old].force);
         s -= dot(s, f.n) * f.n;
         const double flat = squared_length(s);
         if (flat > 0) s *= std::sqrt(squared_length(springs[old].force) / flat);
@@ -298,7 +325,8 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     result.lossy_torque += cross(f.x, lossy);
     if (outputs != nullptr) (*outputs)[j] = {damped, tangential};
   }
-  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_share * chi, dt, friction_dt, springs, next, result);
+  if (rolls) add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_share * chi, dt, friction_dt, turned, springs, next, result);
+  if (!next.empty()) next.push_back(MeanTurn::entry(motion.turn));
   springs.swap(next);
   result.force += result.lossy_force;
   result.torque += result.lossy_torque;

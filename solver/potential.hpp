@@ -27,6 +27,7 @@ struct PairMotion {
   Vec3 inverse_inertia_a;                ///< principal
   Vec3 inverse_inertia_b;                ///< principal of B
   Mat3 b_to_a;
+  Quat turn;                             ///< the same rotation, B to A
   bool independent = false;              ///< gather = "pairs": `cells` holds one for every feature
   const AreaContact* area = nullptr;     ///< gather = "area": the layer between two meshes, patches as the features
   const std::vector<CellShare>* cells = nullptr;  ///< B is a wall with cells: one potential for each
@@ -55,6 +56,8 @@ inline constexpr int kNorm = 8;
 
 /// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
 inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
+/// Key of the last entry: no spring, but how B was turned against A when the springs were set, x y z and w of a quaternion.
+inline constexpr std::int64_t kTurnKey = std::int64_t{7} << 60;
 
 /// Factor on chi in the damping of sliding: against the tangent stiffness of the normal force, as in the normal direction.
 inline double tangential_damping_share(const PairLaw& law, double exponent) {

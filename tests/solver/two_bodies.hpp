@@ -48,7 +48,8 @@ class TwoBodies {
     m.inverse_mass_b = inverse_mass[1];
     m.inverse_inertia_a = inverse_inertia[0];
     m.inverse_inertia_b = inverse_inertia[1];
-    m.b_to_a = matrix_of(to_a * body[1].q);
+    m.turn = to_a * body[1].q;
+    m.b_to_a = matrix_of(m.turn);
     if (cell_size > 0) {
       find_cell_shares(body[0], body[1], cell_size, cells_on_a, features, cells_);
       m.cells = &cells_;
