@@ -211,7 +211,7 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
     // the zone of a wall is part of the key: two faces of a box touch the same corner
     out.feature.push_back(f.key + (pair.key.zone < 0 ? 0 : pair.key.zone));
     out.point.push_back(view.a.x + rotate(view.a.q, f.x));
-    out.normal.push_back(side * rotate(view.a.q, f.n));
+    out.normal.push_back(side * rotate(view.a.q, outputs[j].normal));
     out.depth.push_back(f.depth);
     out.margin.push_back(view.margin);
     out.normal_force.push_back(outputs[j].normal_force);

@@ -57,6 +57,14 @@ class MeanTurn {
   double w_ = 1;
 };
 
+/// A contact's record: the force without friction has the feature's direction, but for what a weight adds that changes with the pose.
+ContactOutput output_of(const Vec3& n, double damped, const Vec3& from_weight, const Vec3& tangential) {
+  if (!(squared_length(from_weight) > 0)) return {n, damped, tangential};
+  const Vec3 force = damped * n + from_weight;
+  const double size = length(force);
+  return {size > 0 ? (1 / size) * force : n, size, tangential};
+}
+
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
 void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum,
                  const std::vector<double>& per_depth, double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
@@ -87,9 +95,10 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
 }
 
 /// The potential of all features: energy, forces and wrench. Returns the sum of the forces.
+/// `from_weight`, where not null, is given each feature's force from a weight that changes with the pose, as in the two after it.
 template <class Normal>
 double add_potential(const std::vector<ContactFeature>& features, const Normal& law_of_depth, std::vector<double>& normal,
-                     std::vector<double>& per_depth, PairForce& result) {
+                     std::vector<double>& per_depth, std::vector<Vec3>* from_weight, PairForce& result) {
   // U(D), D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
   for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
   double sum = 0;
@@ -114,6 +123,7 @@ double add_potential(const std::vector<ContactFeature>& features, const Normal& 
       const double c = dU * D / kNorm * r7 * r;  // dU/da_j
       result.force -= c * f.weight_gradient.force;
       result.torque -= c * f.weight_gradient.couple;
+      if (from_weight != nullptr) (*from_weight)[j] -= c * f.weight_gradient.force;
     }
   }
   return normal_sum;
@@ -122,7 +132,7 @@ double add_potential(const std::vector<ContactFeature>& features, const Normal& 
 /// The same with one potential per cell of the wall (wall_cells.hpp).
 template <class Normal>
 double add_cell_potentials(const std::vector<ContactFeature>& features, const std::vector<CellShare>& shares, const Normal& law_of_depth,
-                           std::vector<double>& normal, std::vector<double>& per_depth, PairForce& result) {
+                           std::vector<double>& normal, std::vector<double>& per_depth, std::vector<Vec3>* from_weight, PairForce& result) {
   constexpr double kPower = kNorm / (1 + Normal::kExponent);  // a single feature's energies then sum to U(d)
   for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
   double normal_sum = 0;
@@ -152,9 +162,11 @@ double add_cell_potentials(const std::vector<ContactFeature>& features, const st
       if (f.faded) {
         result.force -= (c * weight) * f.weight_gradient.force;
         result.torque -= (c * weight) * f.weight_gradient.couple;
+        if (from_weight != nullptr) (*from_weight)[j] -= (c * weight) * f.weight_gradient.force;
       }
       result.force -= (c * f.weight * slope) * share.gradient.force;
       result.torque -= (c * f.weight * slope) * share.gradient.couple;
+      if (from_weight != nullptr) (*from_weight)[j] -= (c * f.weight * slope) * share.gradient.force;
     }
   }
   return normal_sum;
@@ -162,7 +174,7 @@ double add_cell_potentials(const std::vector<ContactFeature>& features, const st
 
 /// The barrier of each feature that is near enough, on top of the potential. Returns the sum of its forces.
 double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& law, std::vector<double>& normal, std::vector<double>& per_depth,
-                   PairForce& result) {
+                   std::vector<Vec3>* from_weight, PairForce& result) {
   const Barrier barrier(law);
   double sum = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
@@ -179,6 +191,7 @@ double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& l
     if (f.faded) {
       result.force -= energy * f.weight_gradient.force;
       result.torque -= energy * f.weight_gradient.couple;
+      if (from_weight != nullptr) (*from_weight)[j] -= energy * f.weight_gradient.force;
     }
   }
   result.elastic += result.barrier;
@@ -187,7 +200,7 @@ double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& l
 
 /// The elastic layer of two meshes: energy, pressure and wrench as area_pressure.hpp found them.
 double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_depth,
-                   PairForce& result) {
+                   std::vector<Vec3>* from_weight, const std::vector<ContactFeature>& features, PairForce& result) {
   double sum = 0;
   for (std::size_t j = 0; j < contact.patches.size(); ++j) {
     const AreaPatch& patch = contact.patches[j];
@@ -196,6 +209,7 @@ double add_patches(const AreaContact& contact, double kappa, std::vector<double>
     result.force -= kappa * patch.gradient.force;
     result.torque -= kappa * patch.gradient.couple;
     normal[j] = kappa * patch.force;
+    if (from_weight != nullptr) (*from_weight)[j] = -kappa * patch.gradient.force - normal[j] * features[j].n;
     sum += normal[j];
   }
   // F / D with U = F D / 2: kappa times the area where the depth is even
@@ -220,17 +234,23 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
 
   const Normal law_of_depth(law, motion.radius);
   thread_local std::vector<double> normal, per_depth;  // f_j, and f_j / D for the tangential stiffness
+  thread_local std::vector<Vec3> weight_forces;
+  std::vector<Vec3>* from_weight = nullptr;
+  if (outputs != nullptr) {
+    weight_forces.assign(count, Vec3{});
+    from_weight = &weight_forces;
+  }
   normal.assign(count, 0);
   per_depth.assign(count, 0);
   double normal_sum = [&] {
     if constexpr (std::is_same_v<Normal, LayerLaw>) {
-      if (motion.area != nullptr) return add_patches(*motion.area, law_of_depth.kappa, normal, per_depth, result);
+      if (motion.area != nullptr) return add_patches(*motion.area, law_of_depth.kappa, normal, per_depth, from_weight, features, result);
     }
-    return motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, result)
-                                   : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, result);
+    return motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, from_weight, result)
+                                   : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, from_weight, result);
   }();
 
-  if (law.barrier > 0) normal_sum += add_barrier(features, law, normal, per_depth, result);
+  if (law.barrier > 0) normal_sum += add_barrier(features, law, normal, per_depth, from_weight, result);
 
   // damping of a feature is f_j chi v_n, never more than f_j itself
   const double reduced = motion.inverse_mass_a + motion.inverse_mass_b;
@@ -257,7 +277,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   const bool rolls = kRolling && (law.rolling_friction > 0 || law.torsional_friction > 0);
   if (chi == 0 && !frictional && !rolls) {
     if (outputs != nullptr) {
-      for (std::size_t j = 0; j < count; ++j) (*outputs)[j] = {normal[j], Vec3{}};
+      for (std::size_t j = 0; j < count; ++j) (*outputs)[j] = output_of(features[j].n, normal[j], weight_forces[j], Vec3{});
     }
     springs.clear();
     return result;
@@ -323,7 +343,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     }
     result.lossy_force += lossy;
     result.lossy_torque += cross(f.x, lossy);
-    if (outputs != nullptr) (*outputs)[j] = {damped, tangential};
+    if (outputs != nullptr) (*outputs)[j] = output_of(f.n, damped, weight_forces[j], tangential);
   }
   if (rolls) add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_share * chi, dt, friction_dt, turned, springs, next, result);
   if (!next.empty()) next.push_back(MeanTurn::entry(motion.turn));

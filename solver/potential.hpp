@@ -45,9 +45,10 @@ struct PairForce {
   double damping = 0;                    ///< chi: the damping force of a feature is its normal force times chi times its speed [s/m]
 };
 
-/// One contact as it is written to frames.
+/// One contact as it is written to frames. All contacts of a pair add up to its force.
 struct ContactOutput {
-  double normal_force;                   ///< on A along n [N], damping included
+  Vec3 normal;                           ///< unit: n of the feature; where its weight changes with the pose, of the force without friction
+  double normal_force;                   ///< on A along `normal` [N], damping included
   Vec3 tangential_force;                 ///< on A, A frame [N]
 };
 

@@ -26,6 +26,10 @@ void expect_exact_gradient(double cell_size, bool cells_on_a = false, double bar
     if (pair.features.size() < 2) continue;
     for (const ContactFeature& f : pair.features) faded += f.faded ? 1 : 0;
     const PairForce at = pair.force(0);
+    // what frames hold of the contacts adds up to the force, fading and cells included
+    Vec3 of_contacts;
+    for (const ContactOutput& c : pair.outputs) of_contacts += c.normal_force * c.normal + c.tangential_force;
+    EXPECT_LE(length(of_contacts - at.force), 1e-12 * length(at.force));
     const Vec3 force = rotate(pair.body[0].q, at.force), torque = rotate(pair.body[0].q, at.torque);
     const PairBody home = pair.body[0];
     constexpr double kStep = 1e-7;
