@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
@@ -19,12 +20,17 @@ namespace scree {
 namespace {
 
 /// Found out before the work, not after it.
-void check_output(const std::string& path) {
+void check_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder)) {
     throw SystemError("-o {}: there is no folder {}; make it first", path, folder.string());
   }
   if (std::filesystem::is_directory(path)) throw UsageError("-o {}: is a folder, expected a file name such as box.scene.h5", path);
+}
+
+void check_output(const std::string& path) {
+  check_folder(path);
+  expect_ending("-o", path, "a scene", {".scene.h5"});
 }
 
 nlohmann::json record(const std::vector<std::string>& command, const std::string& configuration,
@@ -104,8 +110,8 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
                            const std::function<void(double, double)>& progress) {
   check_output(options.output);
   const Case c = read_case(options.case_path, options.changes);
-  if (!options.sizes.empty()) check_output(options.sizes);
-  if (!options.preview.empty()) check_output(options.preview);
+  if (!options.sizes.empty()) check_folder(options.sizes);
+  if (!options.preview.empty()) check_folder(options.preview);
   PackedScene packed = build_scene(c, progress, options.solver);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;
@@ -140,7 +146,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
 
 CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command) {
   check_output(options.output);
-  if (!options.preview.empty()) check_output(options.preview);
+  if (!options.preview.empty()) check_folder(options.preview);
   Scene scene = read_scene_file(options.scene_path);
   const PredictedWork work = predicted_work(scene);
   partition_scene(scene, work, options.ranks, options.cut);

@@ -83,12 +83,11 @@ int run(int argc, char** argv) {
   compare_command->add_option("--skin", compare.skin, "Skin of the body lists, of the smallest radius (default 0.1)")->check(CLI::Range(0.0, 1.0));
 
   scree::TileOptions tile;
-  std::string duration;
   auto* tile_command = app->add_subcommand("tile", "Repeat a box of bodies side by side");
   tile_command->add_option("SCENE", tile.scene_path, "NAME.scene.h5 with one wall, box_inside")->required();
   tile_command->add_option("--frame", tile.frame_path, "Frame of a run of that scene to take the bodies from");
   tile_command->add_option("--copies", tile.copies, "Copies along x, y and z, for instance 4,4,1")->required()->delimiter(',')->check(CLI::PositiveNumber);
-  tile_command->add_option("--duration", duration, "Of the new scene, for instance \"2 ms\" (default: as the old one)");
+  scree::add_quantity(*tile_command, "--duration", tile.duration, scree::Dimension::time, "Of the new scene, for instance \"2 ms\" (default: as the old one)");
   tile_command->add_option("-o,--output", tile.output, "NAME.scene.h5")->required();
 
   // 2. run the one that was asked for; results to stdout, notes to stderr
@@ -112,7 +111,6 @@ int run(int argc, char** argv) {
   } else if (*compare_command) {
     result = scree::compare_command(compare);
   } else if (*tile_command) {
-    if (!duration.empty()) tile.duration = scree::parse_quantity(duration, scree::Dimension::time, "--duration");
     result = scree::tile_command(tile, command);
   } else {
     result = scree::partition_command(partition, command);

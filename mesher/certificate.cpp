@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/provenance.hpp"
 #include "core/base/units.hpp"
@@ -71,8 +72,7 @@ std::string shape_name_from(const std::string& path) {
 }
 
 void expect_shape_path(const std::string& path) {
-  if (path.ends_with(".shape.h5")) return;
-  throw UsageError("-o {}: a shape file is called NAME.shape.h5; write -o {}.shape.h5", path, shape_name_from(path));
+  expect_ending("-o", path, "a shape file", {".shape.h5"});
 }
 
 std::string joined(const std::vector<std::string>& texts, const char* separator) {

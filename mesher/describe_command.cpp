@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/command_line.hpp"
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
@@ -38,6 +39,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& given) {
 }  // namespace
 
 CommandResult describe_command(const DescribeOptions& options) {
+  if (!options.csv.empty()) expect_ending("--csv", options.csv, "a table", {".csv"});
   CommandResult result;
   expect_unit(options.unit, options.scale);
   std::vector<std::string> names, refused;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "mesher/certificate.hpp"
@@ -74,7 +75,10 @@ double inertia_change(const MassProperties& before, const MassProperties& after)
 }  // namespace
 
 EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
-  if (!options.picture.empty()) {  // known before the work is done
+  // known before the work is done
+  if (!is_writable_format(options.output)) expect_ending("-o", options.output, "a shape file or a mesh", {".shape.h5", ".stl", ".ply", ".obj", ".off"});
+  if (!options.picture.empty()) {
+    expect_ending("--picture", options.picture, "a picture", {".png"});
     if (const std::string reason = picture_obstacle(); !reason.empty())
       throw SystemError("cannot draw a picture: {}", reason);
   }
@@ -122,9 +126,6 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
                         const std::vector<EditedMesh>& results, const std::vector<std::string>& command,
                         CommandResult& result) {
   const bool to_shape = options.output.ends_with(".shape.h5");
-  if (!to_shape && !is_writable_format(options.output)) {
-    throw UsageError("-o {}: expected NAME.shape.h5, or a mesh file NAME.stl .ply .obj .off", options.output);
-  }
   if (!to_shape && results.size() != 1) {
     throw UsageError("-o {}: {} meshes cannot go into one mesh file; write them to NAME.shape.h5", options.output,
                      results.size());

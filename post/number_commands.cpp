@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
@@ -31,6 +32,7 @@ Command add_bodies(CLI::App& app) {
   const auto o = std::make_shared<TableOptions>();
   CLI::App* command = o->add(app, "bodies", "Write a table of all bodies in all frames");
   return {command, [o] {
+            expect_ending("-o", o->output, "a table", {".csv"});
             CommandResult result;
             write_bodies_table(o->run.open(result.notices), o->output);
             result.notices.push_back("wrote " + o->output);
@@ -42,6 +44,7 @@ Command add_contacts(CLI::App& app) {
   const auto o = std::make_shared<TableOptions>();
   CLI::App* command = o->add(app, "contacts", "Write a table of all contacts, and print their statistics");
   return {command, [o] {
+            expect_ending("-o", o->output, "a table", {".csv"});
             CommandResult result;
             const Run run = o->run.open(result.notices);
             if (!run.scene.settings.output_contacts) {

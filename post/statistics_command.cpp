@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
 #include "post/apparatus.hpp"
@@ -25,8 +26,8 @@ Command add_statistics(CLI::App& app) {
   StatisticsOptions& s = o->statistics;
   o->run.add_to(*command, "Frames: all, last, 7, 0,5,-1, 10:50, ::5 (first:last:step; default all)");
   command->add_option("-o,--output", o->output, "Folder for CSV, JSON, SVG and PNG")->required();
-  command->add_option("--from", o->from, "Only frames from this time on [s]");
-  command->add_option("--to", o->to, "Only frames up to this time [s]");
+  add_quantity(*command, "--from", o->from, Dimension::time, "Only frames from this time on: 2, \"500 ms\"");
+  add_quantity(*command, "--to", o->to, Dimension::time, "Only frames up to this time");
   command->add_option("--region", o->regions, "A group of its own: [NAME=]box:x0,y0,z0,x1,y1,z1 or cylinder:x0,y0,z0,x1,y1,z1,r or sphere:x,y,z,r; repeat for more")
       ->take_all();
   command->add_flag("--by-material", s.by_material, "A group for each material");

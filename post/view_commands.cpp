@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
@@ -27,6 +28,8 @@ Command add_report(CLI::App& app) {
   command->add_option("--json", o->json, "Write the same numbers to this file");
   command->add_option("--frame", o->report.frame, "Number of the frame of the pictures and the 3D view; -1 is the last (default)");
   return {command, [o] {
+            expect_ending("-o", o->output, "a page", {".html"});
+            if (!o->json.empty()) expect_ending("--json", o->json, "its numbers", {".json"});
             CommandResult result;
             Run run = o->run.open(result.notices);
             o->report.apparatus = set_apparatus_apart(run, {});
@@ -133,11 +136,12 @@ Command add_picture(CLI::App& app) {
   command->add_flag("--time", o->picture.time, "Write the time into the corner");
   command->add_flag("--no-walls", o->no_walls, "Bodies only");
   command->add_option("--from", o->from, "Direction from what is seen to the camera: X Y Z")->expected(3);
-  command->add_option("--at", o->at, "Point the camera looks at: X Y Z [m] (default: the middle of the bodies)")->expected(3);
+  add_quantities(*command, "--at", o->at, 3, Dimension::length, "Point the camera looks at: X Y Z (default: the middle of the bodies)");
   command->add_option("--up", o->up, "Direction that is up in the picture: X Y Z (default: against gravity)")->expected(3);
   command->add_option("--zoom", o->picture.zoom, "2 is twice as near (default 1: everything is seen)")->check(CLI::PositiveNumber);
   command->add_option("--size", o->size, "WIDTH HEIGHT in pixels (default 1280 960)")->expected(2)->check(CLI::Range(16, 8192));
   return {command, [o] {
+            expect_ending("-o", o->output, "a picture", {".png"});
             require_vtk();
             if (const std::string reason = picture_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
             const auto vector_of = [](const std::vector<double>& v, const char* name) -> std::optional<Vec3> {

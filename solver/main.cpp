@@ -64,11 +64,10 @@ int main(int argc, char** argv) {
     app->add_flag("--plan", plan, "print what would be done, and stop");
     app->add_flag("--print-slurm", slurm, "print a job script for SLURM that requeues itself, and stop");
     app->add_option("--restart", options.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
-    app->add_option("--stall-limit", options.stall_limit, "seconds without a step or output after which the run ends with 4; 0: never")
-        ->check(CLI::NonNegativeNumber)->capture_default_str();
-    app->add_option("--checkpoint-interval", options.checkpoint_interval,
-                    "seconds of run time between checkpoints, for a case without output.checkpoint; 0: only at the end")
-        ->check(CLI::NonNegativeNumber)->capture_default_str();
+    add_quantity(*app, "--stall-limit", options.stall_limit, Dimension::time, "time without a step or output after which the run ends with 4, "
+                 "for instance \"10 min\"; 0: never (default 30 min)");
+    add_quantity(*app, "--checkpoint-interval", options.checkpoint_interval, Dimension::time,
+                 "run time between checkpoints, for a case without output.checkpoint; 0: only at the end (default 30 min)");
     app->add_option("--halo", halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
     app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")->check(CLI::IsMember({"selected", "all"}));
     app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")->check(CLI::IsMember(cut_method_names()));
@@ -84,6 +83,10 @@ int main(int argc, char** argv) {
     MPI_Bcast(&flag, 1, MPI_INT, 0, comm.get());
     if (flag == 0) return 0;
     if (comm.rank() != 0) parse_command_line(*app, argc, argv);
+    mpi::on_root(comm, [&] {
+      if (!(options.stall_limit >= 0)) throw UsageError("--stall-limit {:g}: expected a time >= 0 s", options.stall_limit);
+      if (!(options.checkpoint_interval >= 0)) throw UsageError("--checkpoint-interval {:g}: expected a time >= 0 s", options.checkpoint_interval);
+    });
     limit_simd(simd);
     options.parallel = {halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,
                         send == "all" ? HaloSelection::all : HaloSelection::selected, cut_method_of(cut)};

@@ -109,6 +109,38 @@ bool parse_command_line(CLI::App& app, int argc, char** argv) {
   return true;
 }
 
+CLI::Option* add_quantity(CLI::App& line, const std::string& names, double& value, Dimension dimension, const std::string& help) {
+  const std::string option = names.substr(names.find("--"));
+  return line.add_option_function<std::string>(
+      names, [&value, dimension, option](const std::string& text) { value = parse_quantity(text, dimension, option); }, help);
+}
+
+CLI::Option* add_quantities(CLI::App& line, const std::string& names, std::vector<double>& values, int count, Dimension dimension,
+                            const std::string& help) {
+  const std::string option = names.substr(names.find("--"));
+  return line.add_option_function<std::vector<std::string>>(
+      names,
+      [&values, dimension, option](const std::vector<std::string>& texts) {
+        values.clear();
+        for (const std::string& text : texts) values.push_back(parse_quantity(text, dimension, option));
+      },
+      help)->expected(count);
+}
+
+void expect_ending(const std::string& option, const std::string& path, const std::string& what, std::initializer_list<const char*> endings) {
+  std::string stem = path, known;
+  for (const std::string ending : endings) {
+    if (path.size() > ending.size() && path.ends_with(ending)) return;
+    known += (known.empty() ? "NAME" : ", ") + ending;
+  }
+  // what there is of an ending goes: x, x.h5 and x.scene become x.scene.h5
+  for (const std::string ending : {".h5", ".scene", ".shape"}) {
+    if (stem.ends_with(ending)) stem.resize(stem.size() - ending.size());
+  }
+  if (stem.empty() || stem.ends_with('/')) stem += "NAME";
+  throw UsageError("{} {}: {} is called {}; write {} {}{}", option, path, what, known, option, stem, *endings.begin());
+}
+
 std::vector<std::string> command_words(int argc, char** argv) { return {argv, argv + argc}; }
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "core/base/units.hpp"
 
 namespace scree {
 
@@ -23,6 +26,18 @@ std::unique_ptr<CLI::App> make_command_line(const std::string& tool, const std::
 /// for with --print-manual-page or --print-completion (tool_manual.hpp).
 /// Throws UsageError (exit 2) with the nearest known option named when something is not understood.
 bool parse_command_line(CLI::App& app, int argc, char** argv);
+
+/// An option that is a quantity: a number with a unit, "2.5 mm", or a bare one in SI units. Every such option of every tool is made
+/// here, so that what one of them takes all of them take.
+/// Fails, when it is read: UsageError with what was found and what was expected.
+CLI::Option* add_quantity(CLI::App& line, const std::string& names, double& value, Dimension dimension, const std::string& help);
+/// The same for several numbers, given as one word each.
+CLI::Option* add_quantities(CLI::App& line, const std::string& names, std::vector<double>& values, int count, Dimension dimension,
+                            const std::string& help);
+
+/// Refuses, with UsageError, the name of a file to write that has none of these endings, and says what to write.
+/// in   option   "-o"     in   what   "a scene"     in   endings   ".scene.h5"; the first is the one to write
+void expect_ending(const std::string& option, const std::string& path, const std::string& what, std::initializer_list<const char*> endings);
 
 /// Words of the command line, for provenance.
 std::vector<std::string> command_words(int argc, char** argv);

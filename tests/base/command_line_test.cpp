@@ -77,6 +77,37 @@ TEST(command_line, refuses_what_is_missing_or_of_the_wrong_type) {
   EXPECT_NE(Tool().complaint({"weigh", "rock.stl", "--scale", "big"}).find("--scale"), std::string::npos);
 }
 
+TEST(command_line, takes_a_quantity_with_a_unit_and_a_bare_number_in_si) {
+  Tool tool;
+  double length = 0;
+  std::vector<double> point;
+  add_quantity(*tool.weigh, "-l,--length", length, Dimension::length, "How long");
+  add_quantities(*tool.weigh, "--at", point, 3, Dimension::length, "Where");
+  EXPECT_TRUE(tool.call({"weigh", "rock.stl", "--length", "2 mm", "--at", "-1", "2 cm", "-3mm"}));
+  EXPECT_EQ(length, 0.002);
+  EXPECT_EQ(point, (std::vector<double>{-1, 0.02, -0.003}));
+  EXPECT_TRUE(tool.call({"weigh", "rock.stl", "-l", "0.25"}));
+  EXPECT_EQ(length, 0.25);
+  EXPECT_NE(tool.complaint({"weigh", "rock.stl", "--length", "2 s"}).find("--length = \"2 s\": a time"), std::string::npos);
+  EXPECT_NE(tool.complaint({"weigh", "rock.stl", "--at", "1", "2"}), "accepted");
+}
+
+TEST(command_line, says_which_name_to_write_where_an_ending_is_missing) {
+  const auto complaint = [](const std::string& path) {
+    try {
+      expect_ending("-o", path, "a scene", {".scene.h5"});
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(complaint("runs/box.scene.h5"), "accepted");
+  for (const char* path : {"runs/box", "runs/box.h5", "runs/box.scene", "runs/box.shape.h5"}) {
+    EXPECT_EQ(complaint(path), fmt::format("-o {}: a scene is called NAME.scene.h5; write -o runs/box.scene.h5", path));
+  }
+  EXPECT_NE(complaint(".scene.h5"), "accepted");
+}
+
 TEST(nearest_name, forgives_a_third_of_a_word_and_no_more) {
   const std::vector<std::string> keys{"density", "friction", "restitution", "rolling_friction"};
   EXPECT_EQ(nearest_name("desnity", keys), "density");

@@ -244,6 +244,16 @@ TEST_F(Command, files_that_are_missing_and_folders_that_do_not_exist_are_told_ap
   expect("pack case.toml -o a.scene.h5", 3, {"case.toml:4: shapes.cube", "no such file"});
 }
 
+TEST_F(Command, a_scene_without_its_ending_is_refused_with_the_name_to_write) {
+  for (const char* name : {"box", "box.h5", "box.scene"}) {
+    expect(std::string("pack case.toml -o ") + name, 2, {"a scene is called NAME.scene.h5; write -o box.scene.h5"});
+    EXPECT_FALSE(fs::exists(folder_ / name));
+  }
+  expect("pack case.toml -o a.scene.h5", 0, {});
+  expect("partition a.scene.h5 --ranks 2 -o b", 2, {"write -o b.scene.h5"});
+  expect("tile a.scene.h5 --copies 2,1,1 -o t", 2, {"write -o t.scene.h5"});
+}
+
 TEST_F(Command, a_full_disk_exits_with_4_and_leaves_no_file) {
   if (access("/dev/full", W_OK) != 0 || geteuid() != 0) GTEST_SKIP() << "needs the right to mount a small tmpfs";
   const fs::path small = folder_ / "small";

@@ -25,6 +25,13 @@ for file in summary.csv series.csv walls.csv profile_r.csv profile_z_over_time.c
 if command -v rsvg-convert >/dev/null; then there st/stress.png; fi
 expect 0 "SVG only" env PATH=/nowhere "$(command -v "$post")" statistics sample.run -o st2 --frames last
 expect 2 "no frame between" "$post" statistics sample.run -o st3 --from 7
+expect 0 "coordination_number" "$post" statistics sample.run -o st4 --from "0 ms" --to "1 h" --no-charts
+expect 2 "for instance" "$post" statistics sample.run -o st5 --from "2 mm"
+expect 2 "write -o bodies.csv" "$post" bodies sample.run -o bodies
+expect 2 "write -o contacts.csv" "$post" contacts sample.run -o contacts
+expect 2 "write -o page.html" "$post" report sample.run -o page;  absent page
+expect 2 "write --json page.json" "$post" report sample.run -o page.html --json page;  absent page.html
+expect 2 "write -o look.png" "$post" picture sample.run -o look
 expect 2 "is no axis" "$post" statistics sample.run -o st3 --profile q:4
 expect 0 "Energy balance" env -u DISPLAY "$post" report sample.run -o report.html;  there report.html
 expect 0 "scree-post report" "$post" --help
