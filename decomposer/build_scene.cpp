@@ -25,8 +25,7 @@ namespace {
 
 class Builder {
  public:
-  Builder(const Case& c, const std::function<void(double, double)>& progress, const ChildSolver& solver)
-      : case_(c), progress_(progress), solver_(solver) {}
+  Builder(const Case& c, const ChildSolver& solver) : case_(c), solver_(solver) {}
 
   PackedScene build() {
     out_.inputs.push_back({case_.path, case_.sha256, nullptr});
@@ -41,14 +40,14 @@ class Builder {
     check_start(case_, parts_, scene(), report().notices);
     Case placed = case_;
     if (placed.relax != Relax::none) relax(placed);
-    Packer packer(placed, parts_, progress_, scene(), report());
+    Packer packer(placed, parts_, scene(), report());
     packer.place_given_bodies();
     Placements placements(parts_);
     check_feasible(placed, parts_, scene());
     packer.place_particles(placements);
-    settle_populations(placed, parts_, scene(), solver_, progress_, placements, report());
+    settle_populations(placed, parts_, scene(), solver_, placements, report());
     for (std::size_t k = 0; k < placed.populations.size(); ++k) {
-      if (placed.populations[k].method == PackingMethod::compact) compact_population(placed, parts_, scene(), k, solver_, progress_, placements, report());
+      if (placed.populations[k].method == PackingMethod::compact) compact_population(placed, parts_, scene(), k, solver_, placements, report());
     }
     for (std::size_t k = 0; k < placed.populations.size(); ++k) {
       report().solid_fraction[k] = placements.volume_placed(parts_, k) / parts_.regions[k].volume;
@@ -308,7 +307,6 @@ class Builder {
   }
 
   const Case& case_;
-  const std::function<void(double, double)>& progress_;
   const ChildSolver& solver_;
   PackedScene out_;
   std::map<std::string, ShapeFile> files_;
@@ -328,8 +326,8 @@ double container_volume(const Scene& scene) {
   return 0;
 }
 
-PackedScene build_scene(const Case& c, const std::function<void(double, double)>& progress, const ChildSolver& solver) {
-  return Builder(c, progress, solver).build();
+PackedScene build_scene(const Case& c, const ChildSolver& solver) {
+  return Builder(c, solver).build();
 }
 
 }  // namespace scree

@@ -1,15 +1,16 @@
 #include "decomposer/child_solver.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "core/base/error.hpp"
 
@@ -57,15 +58,61 @@ std::vector<std::string> solver_words(const ChildSolver& solver) {
   return {!failed && fs::exists(beside) ? beside.string() : "scree-solver"};
 }
 
-/// The line of the solver's talk that tells what went wrong.
-std::string error_of(const std::string& path) {
-  std::ifstream file(path);
-  std::string line, found;
-  while (std::getline(file, line)) {
-    const auto at = line.find("error: ");
-    if (at != std::string::npos) found = line.substr(at + 7);
+/// What the solver says while it runs, line by line.
+class Talk {
+ public:
+  explicit Talk(const std::function<void(double)>& progress) : progress_(progress) {}
+
+  void add(const char* bytes, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) {
+      if (bytes[i] == '\n') {
+        take();
+        line_.clear();
+      } else {
+        line_ += bytes[i];
+      }
+    }
   }
-  return found.empty() ? "it said nothing" : found;
+  void tell() const {
+    if (progress_) progress_(share_);
+  }
+  /// The last line that tells what went wrong.
+  std::string error() {
+    take();
+    return error_.empty() ? "it said nothing" : error_;
+  }
+
+ private:
+  void take() {
+    const auto at = line_.find("error: ");
+    if (at != std::string::npos) error_ = line_.substr(at + 7);
+    double percent = 0;
+    char sign = 0;
+    if (std::sscanf(line_.c_str(), "solver: %lf %c", &percent, &sign) != 2 || sign != '%') return;
+    share_ = 0.01 * percent;
+    tell();
+  }
+
+  const std::function<void(double)>& progress_;
+  std::string line_, error_;
+  double share_ = 0;
+};
+
+/// Reads all that comes until every writer has gone.
+void listen(int descriptor, Talk& talk) {
+  constexpr int kAgain = 1000;   // [ms] a run that says nothing new is still told of: the time goes on
+  char bytes[4096];
+  while (true) {
+    pollfd waits{descriptor, POLLIN, 0};
+    if (poll(&waits, 1, kAgain) == 0) {
+      talk.tell();
+      continue;
+    }
+    const ssize_t n = read(descriptor, bytes, sizeof bytes);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;
+    talk.add(bytes, static_cast<std::size_t>(n));
+  }
 }
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
@@ -77,9 +124,9 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
 
 }  // namespace
 
-Frame run_solver(const ChildSolver& solver, const Scene& scene) {
+Frame run_solver(const ChildSolver& solver, const Scene& scene, const std::function<void(double)>& progress) {
   const TemporaryFolder folder;
-  const std::string scene_path = folder / "packing.scene.h5", run = folder / "packing.run", talk = folder / "talk.txt";
+  const std::string scene_path = folder / "packing.scene.h5", run = folder / "packing.run";
   write_scene_file(scene_path, scene);
 
   std::vector<std::string> words = solver_words(solver), variables;
@@ -90,11 +137,17 @@ Frame run_solver(const ChildSolver& solver, const Scene& scene) {
   std::vector<char*> argv = pointers(words), envp = pointers(variables);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, talk.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw SystemError("cannot make a pipe: {}", std::strerror(errno));
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   pid_t child = 0;
   const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), envp.data());
   posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  Talk talk(progress);
+  if (failed == 0) listen(ends[0], talk);
+  close(ends[0]);
   if (failed != 0) {
     throw SystemError("cannot start {}, which this packing needs: {}; say how with --solver", words.front(), std::strerror(failed));
   }
@@ -103,8 +156,8 @@ Frame run_solver(const ChildSolver& solver, const Scene& scene) {
     if (errno != EINTR) throw SystemError("lost sight of {}: {}", words.front(), std::strerror(errno));
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  if (code == 2 || code == 3 || code == 5) throw RunInvalid(error_of(talk));
-  if (code != 0) throw SystemError("{} ended with {}: {}", words.front(), code, error_of(talk));
+  if (code == 2 || code == 3 || code == 5) throw RunInvalid(talk.error());
+  if (code != 0) throw SystemError("{} ended with {}: {}", words.front(), code, talk.error());
   return read_frame_file(list_frames(run).back().path);
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/h5.hpp"
@@ -77,7 +78,9 @@ std::string write_preview(const std::string& name, const Scene& scene, const std
   if (scene.bodies.size() == 0) throw InputError("--preview: the scene holds no bodies to cut");
   h5::write_text_file(name + ".vtp", preview_file(scene, work));
   std::vector<CutMeasures> cuts;
+  LongWork progress("preview", 0);
   for (const int parts : preview_ranks(scene.partition.ranks, scene.bodies.size())) {
+    progress.update(0, fmt::format("cut into {} parts", parts));
     cuts.push_back(measure_cut(scene, work, cut_method_of(scene.partition.method), parts, skin_of(scene, kDefaultSkin)));
   }
   h5::write_text_file(name + ".csv", cut_table(cuts));
@@ -106,13 +109,12 @@ CommandResult check_command(const std::string& case_path, const std::vector<std:
   return result;
 }
 
-CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command,
-                           const std::function<void(double, double)>& progress) {
+CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command) {
   check_output(options.output);
   const Case c = read_case(options.case_path, options.changes);
   if (!options.sizes.empty()) check_folder(options.sizes);
   if (!options.preview.empty()) check_folder(options.preview);
-  PackedScene packed = build_scene(c, progress, options.solver);
+  PackedScene packed = build_scene(c, options.solver);
   Scene& scene = packed.scene;
   const PackingReport& report = packed.report;
   const PredictedWork work = options.ranks > 0 ? predicted_work(scene) : PredictedWork{};
@@ -169,8 +171,12 @@ CommandResult compare_command(const CompareOptions& options) {
   const double skin = skin_of(scene, options.skin);
   const std::vector<double> work = predicted_work(scene).of_body;
   std::vector<CutMeasures> cuts;
+  LongWork progress("comparison", static_cast<double>(options.cuts.size() * options.parts.size()));
   for (const std::string& name : options.cuts) {
-    for (const int parts : options.parts) cuts.push_back(measure_cut(scene, work, cut_method_of(name), parts, skin));
+    for (const int parts : options.parts) {
+      progress.update(static_cast<double>(cuts.size()), fmt::format("{} into {} parts", name, parts));
+      cuts.push_back(measure_cut(scene, work, cut_method_of(name), parts, skin));
+    }
   }
   CommandResult result;
   result.output = cut_table(cuts);

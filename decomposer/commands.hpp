@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,8 +48,7 @@ struct TileOptions {
 
 /// in   command   words of the command line, for the provenance
 CommandResult check_command(const std::string& case_path, const std::vector<std::string>& changes);
-CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command,
-                           const std::function<void(double, double)>& progress = {});
+CommandResult pack_command(const PackOptions& options, const std::vector<std::string>& command);
 CommandResult partition_command(const PartitionOptions& options, const std::vector<std::string>& command);
 CommandResult compare_command(const CompareOptions& options);
 CommandResult tile_command(const TileOptions& options, const std::vector<std::string>& command);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "decomposer/packer.hpp"
 
@@ -41,7 +42,7 @@ class Compactor {
     }
   }
 
-  void run(const std::function<void(double, double)>& progress) {
+  void run() {
     const Region& region = parts_.regions[population_];
     if (!(volume_ > 0)) return;
     // As far apart as a stage of the fastest growth leaves bodies. Placed at the gap of the case and grown at once, they would begin
@@ -51,15 +52,18 @@ class Compactor {
     double scale = placed < 1 ? placed / (1 + kFastestGrowth / kPressedShare) : 1;   // what finds room in its size need not grow
     double most = kFastestGrowth;
     int rounds = 0;
+    LongWork work("compact", 1);
     while (scale < 1) {
-      const double rest = 1 / scale - 1;
-      const double wanted = std::min({most, std::max(kGrowthOfRest * rest, 0.25 * case_margin() / largest_), rest});
-      const double next = rest <= wanted * (1 + 1e-12) ? 1 : scale * (1 + wanted);
+      const double wanted = growth(scale, most), next = grown(scale, wanted);
+      const int left = stages_left(scale, most);
+      progress_ = [&, left](double share) {
+        work.update((stages_ + share) / (stages_ + left), fmt::format("{:.3f} of the size, stage {} of about {}", scale, stages_ + 1, stages_ + left));
+      };
+      progress_(0);
       const Placements before = placements_;
       if (grow(next, std::max(case_margin(), wanted * next * largest_ / kPressedShare))) {
         scale = next;
         most = std::min(kRecovery * most, kFastestGrowth);
-        if (progress) progress(scale * scale * scale * static_cast<double>(parts_.draws.size()), static_cast<double>(parts_.draws.size()));
         continue;
       }
       placements_ = before;
@@ -100,7 +104,7 @@ class Compactor {
     for (std::size_t i = 0; i < small.wall_bodies.size(); ++i) {
       if (small.wall_bodies[i].shape != nullptr) small.wall_bodies[i].shape = &small.wall_shapes[i];
     }
-    Packer packer(case_, small, {}, unused, report_);
+    Packer packer(case_, small, unused, report_);
     for (std::size_t i = 0; i < placements_.body.size(); ++i) {
       if (placements_.is_placed[i] != 0) packer.keep(placements_.body[i]);
     }
@@ -116,6 +120,23 @@ class Compactor {
       packer.keep(body);
       placements_.is_placed[i] = 1;
     }
+  }
+
+  /// By which share of a scale the next stage grows, and to which.
+  double growth(double scale, double most) const {
+    const double rest = 1 / scale - 1;
+    return std::min({most, std::max(kGrowthOfRest * rest, 0.25 * case_margin() / largest_), rest});
+  }
+  static double grown(double scale, double wanted) { return 1 / scale - 1 <= wanted * (1 + 1e-12) ? 1 : scale * (1 + wanted); }
+  /// Stages from a scale to the end when none of them fails.
+  int stages_left(double scale, double most) const {
+    constexpr int kMostStages = 10000;
+    int stages = 0;
+    for (; scale < 1 && stages < kMostStages; ++stages) {
+      scale = grown(scale, growth(scale, most));
+      most = std::min(kRecovery * most, kFastestGrowth);
+    }
+    return stages;
   }
 
   /// Gives all bodies a new size and lets them move apart. False when they cannot.
@@ -155,8 +176,10 @@ class Compactor {
     s.output_contacts = true;
     Frame frame;
     try {
-      frame = run_solver(solver_, stage);
+      frame = run_solver(solver_, stage, progress_);
+      ++stages_;
     } catch (const RunInvalid& e) {
+      ++stages_;
       why_ = e.what();
       return false;
     }
@@ -203,6 +226,8 @@ class Compactor {
   std::vector<std::uint8_t> moves_;
   std::vector<Vec3> still_;
   double volume_ = 0, largest_ = 0, lightest_ = 1e300;   // [m^3], [m], [m^3]
+  int stages_ = 0;                                       // that were run
+  std::function<void(double)> progress_;                 // told the share of a stage that is done
   double worst_ = 0;                                     // depth over margins at the end of the last stage
   double jammed_at_ = 0;                                 // largest scale that was reached before
   std::string why_ = "no stage was run";
@@ -211,8 +236,8 @@ class Compactor {
 }  // namespace
 
 void compact_population(const Case& c, const SceneParts& parts, const Scene& scene, std::size_t population, const ChildSolver& solver,
-                        const std::function<void(double, double)>& progress, Placements& placements, PackingReport& report) {
-  Compactor(c, parts, scene, population, solver, placements, report).run(progress);
+                        Placements& placements, PackingReport& report) {
+  Compactor(c, parts, scene, population, solver, placements, report).run();
 }
 
 }  // namespace scree

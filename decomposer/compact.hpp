@@ -20,6 +20,6 @@ namespace scree {
 /// again twice, which makes it denser (J. Knight et al. (1995), Phys. Rev. E 51, 3957, tapped theirs); then growth ends.
 /// Throws InputError when it jams before all bodies have their size; says which fraction was reached.
 void compact_population(const Case& c, const SceneParts& parts, const Scene& scene, std::size_t population, const ChildSolver& solver,
-                        const std::function<void(double, double)>& progress, Placements& placements, PackingReport& report);
+                        Placements& placements, PackingReport& report);
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "decomposer/orientation.hpp"
 #include "decomposer/packer.hpp"
@@ -69,6 +70,7 @@ bool Packer::fill_lattice(std::size_t population, const std::vector<std::size_t>
   const Region& region = parts_.regions[population];
   Vec3 pitch;
   for (int k = 0; k < 3; ++k) pitch[k] = box.extent()[k] / static_cast<double>(cells[static_cast<std::size_t>(k)]);
+  LongWork work("lattice", static_cast<double>(members.size()));
   const double sites = static_cast<double>(cells[0]) * static_cast<double>(cells[1]) * static_cast<double>(cells[2]);
   for (const std::size_t i : members) placements.is_placed[i] = 0;
   std::size_t next = 0;
@@ -94,6 +96,7 @@ bool Packer::fill_lattice(std::size_t population, const std::vector<std::size_t>
         body.position = place;
         if (!is_free(body, region)) continue;
         placements.is_placed[members[next++]] = 1;
+        work.update(static_cast<double>(next));
       }
     }
   }

@@ -4,12 +4,11 @@
 
 #include <cstdio>
 #include <iterator>
-#include <memory>
 #include <sstream>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
-#include "core/base/progress.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "decomposer/commands.hpp"
@@ -96,18 +95,12 @@ int run(int argc, char** argv) {
   pack.cut = partition.cut = scree::cut_method_of(cut);
   std::istringstream solver_words(solver);
   pack.solver.command = {std::istream_iterator<std::string>(solver_words), {}};
+  scree::print_progress(true);
   scree::CommandResult result;
   if (*check) {
     result = scree::check_command(case_path, pack.changes);
   } else if (*pack_command) {
-    std::unique_ptr<scree::Progress> progress;
-    result = scree::pack_command(pack, command, [&](double done, double total) {
-      constexpr double kWorthTelling = 2000;   // a smaller packing is done before one could read it
-      if (total < kWorthTelling) return;
-      if (!progress) progress = std::make_unique<scree::Progress>("packing", total);
-      if (done >= total) progress->finish("all bodies placed");
-      else progress->update(done, fmt::format("{:.0f} of {:.0f} bodies", done, total));
-    });
+    result = scree::pack_command(pack, command);
   } else if (*compare_command) {
     result = scree::compare_command(compare);
   } else if (*tile_command) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "decomposer/orientation.hpp"
 #include "decomposer/random_numbers.hpp"
@@ -21,9 +22,8 @@ std::string metres(double value) { return format_quantity(value, Dimension::leng
 
 }  // namespace
 
-Packer::Packer(const Case& c, const SceneParts& parts, const std::function<void(double, double)>& progress, Scene& scene,
-               PackingReport& report)
-    : case_(c), parts_(parts), progress_(progress), scene_(scene), report_(report),
+Packer::Packer(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report)
+    : case_(c), parts_(parts), scene_(scene), report_(report),
       periodicity_(c.settings.domain.lower, c.settings.domain.upper, c.settings.domain.periodic), scratch_(make_mesh_distance_scratch()) {
   vacancies_.resize(case_.populations.size());
   smallest_ball_.assign(case_.populations.size(), 1e300);
@@ -218,13 +218,14 @@ void Packer::place_particles(Placements& placements) {
   for (std::size_t k = 0; k < case_.populations.size(); ++k) {
     if (case_.populations[k].method == PackingMethod::lattice) place_on_lattice(k, placements);
   }
+  LongWork work("packing", static_cast<double>(order.size()));
   for (std::size_t n = 0; n < order.size(); ++n) {
     const Draw& d = parts_.draws[order[n]];
     const std::uint64_t before = report_.attempts;
     if (!try_place(d, placements.body[order[n]], kAttempts, 0)) fail(d, report_.attempts - before, placements);
     keep(placements.body[order[n]]);
     placements.is_placed[order[n]] = 1;
-    if (progress_) progress_(static_cast<double>(n + 1), static_cast<double>(order.size()));
+    work.update(static_cast<double>(n + 1), fmt::format("{} of {} bodies", n + 1, order.size()));
   }
 }
 

@@ -19,8 +19,7 @@ namespace scree {
 class Packer {
  public:
   /// Borrows all; scene.settings.margin is known by now.
-  Packer(const Case& c, const SceneParts& parts, const std::function<void(double, double)>& progress, Scene& scene,
-         PackingReport& report);
+  Packer(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report);
 
   /// Adds the bodies given one by one. Throws InputError when one overlaps another, a wall, or lies outside.
   void place_given_bodies();
@@ -51,7 +50,6 @@ class Packer {
 
   const Case& case_;
   const SceneParts& parts_;
-  const std::function<void(double, double)>& progress_;
   Scene& scene_;
   PackingReport& report_;
   Periodicity periodicity_;

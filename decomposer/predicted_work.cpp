@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/long_work.hpp"
 #include "core/geometry/features.hpp"
 #include "core/search/multilevel_grid.hpp"
 #include "core/storage/wall_motion.hpp"
@@ -104,7 +105,9 @@ PredictedWork predicted_work(const Scene& scene) {
   std::vector<Vec3> vertices;
   std::vector<Wall> walls;
   for (const Wall& wall : scene.walls) walls.push_back(wall_at_start(wall));
+  LongWork progress("work of the bodies", static_cast<double>(bodies.size()));
   for (std::size_t i = 0; i < bodies.size() && !walls.empty(); ++i) {
+    progress.advance();
     if (bodies.fixed[i] != 0) continue;
     placed[i].world_vertices(vertices);
     const double contact = 2 * margin + kTouch * placed[i].radius();

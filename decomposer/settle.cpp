@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "decomposer/packer.hpp"
 
@@ -22,8 +23,8 @@ constexpr double kPressedOut = 0.02;
 class Settler {
  public:
   Settler(const Case& c, const SceneParts& parts, const Scene& scene, const ChildSolver& solver,
-          const std::function<void(double, double)>& progress, Placements& placements, PackingReport& report)
-      : case_(c), parts_(parts), scene_(scene), solver_(solver), progress_(progress), placements_(placements), report_(report),
+          Placements& placements, PackingReport& report)
+      : case_(c), parts_(parts), scene_(scene), solver_(solver), placements_(placements), report_(report),
         moves_(parts.draws.size(), 0), velocity_(parts.draws.size()), spin_(parts.draws.size()) {
     const double g = length(c.settings.gravity);
     double height = 0;
@@ -44,17 +45,22 @@ class Settler {
   }
 
   void run() {
-    while (!waiting_.empty()) {
-      const std::size_t added = pour();
-      if (added == 0) break;
-      if (progress_) progress_(static_cast<double>(wanted_ - waiting_.size()), static_cast<double>(wanted_));
-      const bool is_last = waiting_.empty();
-      move(is_last ? kLongestRest * fall_ : fall_, is_last);
+    if (waiting_.empty()) return;
+    bool rests = false;
+    {
+      LongWork work("settle", static_cast<double>(wanted_));
+      while (!waiting_.empty()) {
+        const std::size_t before = wanted_ - waiting_.size(), added = pour();
+        if (added == 0) break;
+        rests = waiting_.empty();
+        if (rests) break;   // the last ones come to rest with all
+        move(fall_, false, [&](double share) {
+          work.update(static_cast<double>(before) + share * static_cast<double>(added), fmt::format("{} of {} bodies poured", before + added, wanted_));
+        });
+      }
     }
-    if (!waiting_.empty()) {
-      refuse_what_does_not_fit();
-      move(kLongestRest * fall_, true);
-    }
+    if (!rests) refuse_what_does_not_fit();
+    come_to_rest();
     trim();
   }
 
@@ -64,7 +70,7 @@ class Settler {
     Scene unused;
     unused.settings = scene_.settings;
     unused.walls = scene_.walls;
-    Packer packer(case_, parts_, {}, unused, report_);
+    Packer packer(case_, parts_, unused, report_);
     for (std::size_t i = 0; i < placements_.body.size(); ++i) {
       if (placements_.is_placed[i] != 0) packer.keep(placements_.body[i]);
     }
@@ -93,8 +99,19 @@ class Settler {
     return added;
   }
 
+  /// How long this takes nobody knows: no share of it is told, and what it takes at most is long.
+  void come_to_rest() {
+    const double longest = kLongestRest * fall_;
+    LongWork work("settle", 0);
+    work.update(0);
+    move(longest, true, [&](double share) {
+      work.update(0, fmt::format("{} bodies come to rest, {} of at most {}", wanted_ - waiting_.size(), format_quantity(share * longest, Dimension::time),
+                                 format_quantity(longest, Dimension::time)));
+    });
+  }
+
   /// Lets all poured bodies move for a time, or until they rest.
-  void move(double time, bool until_rest) {
+  void move(double time, bool until_rest, const std::function<void(double)>& progress) {
     std::vector<std::int64_t> draw_of_body;
     Scene stage = stage_scene(case_, parts_, scene_, placements_, moves_, velocity_, spin_, draw_of_body);
     stage.settings.duration = time;
@@ -102,7 +119,7 @@ class Settler {
     stage.settings.stop_at_rest = until_rest;
     Frame frame;
     try {
-      frame = run_solver(solver_, stage);
+      frame = run_solver(solver_, stage, progress);
     } catch (const RunInvalid& e) {
       throw InputError("{}: settling failed after {} of {} bodies were poured: {}", case_.populations[population()].where,
                        wanted_ - waiting_.size(), wanted_, e.what());
@@ -182,7 +199,6 @@ class Settler {
   const SceneParts& parts_;
   const Scene& scene_;
   const ChildSolver& solver_;
-  const std::function<void(double, double)>& progress_;
   Placements& placements_;
   PackingReport& report_;
   std::vector<std::uint8_t> moves_;
@@ -196,8 +212,8 @@ class Settler {
 }  // namespace
 
 void settle_populations(const Case& c, const SceneParts& parts, const Scene& scene, const ChildSolver& solver,
-                        const std::function<void(double, double)>& progress, Placements& placements, PackingReport& report) {
-  Settler settler(c, parts, scene, solver, progress, placements, report);
+                        Placements& placements, PackingReport& report) {
+  Settler settler(c, parts, scene, solver, placements, report);
   settler.run();
 }
 

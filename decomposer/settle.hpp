@@ -18,6 +18,6 @@ namespace scree {
 /// Throws InputError when the region is full before all bodies are in (not for `fill`), when nothing falls, or with the solver's words
 /// when a stage fails; says what was reached.
 void settle_populations(const Case& c, const SceneParts& parts, const Scene& scene, const ChildSolver& solver,
-                        const std::function<void(double, double)>& progress, Placements& placements, PackingReport& report);
+                        Placements& placements, PackingReport& report);
 
 }  // namespace scree

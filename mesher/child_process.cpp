@@ -15,6 +15,7 @@
 #include <new>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 
 namespace scree {
 
@@ -92,6 +93,7 @@ std::vector<char> run_in_child(const std::string& what, const std::function<std:
     throw SystemError("{}: cannot start a child process: {}", what, std::strerror(fault));
   }
   if (child == 0) {
+    print_progress(false);
     close(ends[0]);
     be_the_child(ends[1], work, limits);
   }

@@ -6,6 +6,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/storage/h5.hpp"
 #include "mesher/certificate.hpp"
 #include "mesher/descriptors.hpp"
@@ -45,7 +46,10 @@ CommandResult describe_command(const DescribeOptions& options) {
   std::vector<std::string> names, refused;
   std::vector<Descriptors> all;
   bool unit_was_reported = false;  // one notice for many files
-  for (const std::string& path : files_of(options.files)) {
+  const std::vector<std::string> paths = files_of(options.files);
+  LongWork work("describe", static_cast<double>(paths.size()));
+  for (const std::string& path : paths) {
+    work.advance();
     try {
       std::vector<Shape> shapes;
       if (path.ends_with(".shape.h5")) {

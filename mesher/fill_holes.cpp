@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "core/base/long_work.hpp"
 #include "mesher/half_edges.hpp"
 #include "mesher/heal_mesh.hpp"
 
@@ -132,7 +133,10 @@ std::int32_t fill_holes(TriangleMesh& mesh, double most_area, double& filled, Op
     double area;
   };
   std::vector<Filling> fillings;
-  for (const Loop& loop : trace_loops(half)) {
+  const std::vector<Loop> loops = trace_loops(half);
+  LongWork work("filling holes", static_cast<double>(loops.size()));
+  for (const Loop& loop : loops) {
+    work.advance();
     if (loop.size() < 3) continue;
     Filling f{loop.size() <= kLongHole ? least_area(mesh, loop, near_border) : ear_by_ear(mesh, loop, near_border), 0};
     if (f.triangles.empty()) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "mesher/certificate.hpp"
 #include "mesher/descriptors.hpp"
@@ -192,7 +193,9 @@ std::vector<NamedMesh> make_family(const GenerateOptions& options, const std::st
   form.triangles = options.triangles > 0 ? options.triangles : (options.what == "rock" ? 320 : 120);
   std::vector<NamedMesh> family;
   std::vector<Descriptors> all;
+  LongWork work("generate", options.count);
   for (std::int32_t i = 0; i < options.count; ++i) {
+    work.advance();
     form.seed = options.seed + static_cast<std::uint64_t>(i);
     // two sequences of low discrepancy, so that a small family covers its ranges evenly
     const auto share = [&](double step) { return std::fmod(0.5 + static_cast<double>(form.seed % 1'000'003) * step, 1.0); };

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/utf8.hpp"
 #include "mesher/certificate.hpp"
 #include "mesher/commands.hpp"
@@ -132,7 +133,9 @@ CommandResult import_command(const ImportOptions& options, const std::vector<std
       command, fmt::format("import unit={} scale={} surface={} flip={}", options.unit.empty() ? "as stated, else m" : options.unit,
                            options.scale, options.surface, options.flip));
   std::vector<Shape> shapes;
+  LongWork work("import", static_cast<double>(options.files.size()));
   for (std::size_t i = 0; i < options.files.size(); ++i) {
+    if (i > 0) work.update(static_cast<double>(i), options.files[i]);
     shapes.push_back(import_one(options.files[i], names[i], options, result));
     provenance.inputs.push_back({options.files[i], sha256_of_file(options.files[i]), nullptr});
     result.output += summary_of(shapes.back(), options.files[i]);

@@ -5,6 +5,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "mesher/command_lines.hpp"
 #include "mesher/generate.hpp"
 #include "mesher/mesh_file.hpp"
@@ -44,6 +45,7 @@ int run(int argc, char** argv) {
   // 2. run the one that was asked for
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
   const std::vector<std::string> command = scree::command_words(argc, argv);
+  scree::print_progress(true);
   for (const scree::MesherCommand& candidate : commands) {
     if (*candidate.app) return print(candidate.run(command));
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/long_work.hpp"
 #include "core/distance/mesh_distance.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/geometry/bvh.hpp"
@@ -39,18 +40,22 @@ class Search {
   Deviation run() {
     std::vector<Probe> probes(from_.vertices.size());
     std::vector<char> used(from_.vertices.size(), 0);
+    // the vertices of all triangles, then their faces, then what is left of them: that part is mostly short
+    LongWork work("distance", 2 * static_cast<double>(from_.triangles.size()));
     for (const Triangle& t : from_.triangles) {
       for (std::int32_t v : t) {
         const auto i = static_cast<std::size_t>(v);
         if (!used[i]) probes[i] = probe(from_.vertices[i]);
         used[i] = 1;
       }
+      work.advance();
     }
     work_ = 0;
     std::vector<Piece> heap;
     for (const Triangle& t : from_.triangles) {
       add({probes[static_cast<std::size_t>(t[0])], probes[static_cast<std::size_t>(t[1])],
            probes[static_cast<std::size_t>(t[2])]}, heap);
+      work.advance();
     }
     std::make_heap(heap.begin(), heap.end());
     double left = 0;  // the largest bound that was not followed up
@@ -68,6 +73,7 @@ class Search {
       }
       const Probe &a = piece.corner[longest], &b = piece.corner[(longest + 1) % 3], &c = piece.corner[(longest + 2) % 3];
       const Probe m = probe(0.5 * (a.point + b.point));
+      work.advance(0);
       for (const auto& half : {std::array{a, m, c}, std::array{m, b, c}}) {
         const std::size_t before = heap.size();
         add(half, heap);

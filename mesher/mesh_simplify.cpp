@@ -1,5 +1,7 @@
 #include "mesher/mesh_simplify.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <queue>
 #include <vector>
 
+#include "core/base/long_work.hpp"
 #include "mesher/half_edges.hpp"
 #include "mesher/mesh_repair.hpp"
 
@@ -151,6 +154,8 @@ class Simplifier {
 
   SimplifyCounts run(std::int32_t target) {
     SimplifyCounts counts;
+    const std::int32_t from = live_;
+    LongWork work("simplify", from - target);
     while (live_ > target && !heap_.empty()) {
       Candidate top = heap_.top();
       heap_.pop();
@@ -167,6 +172,8 @@ class Simplifier {
       } else {
         collapse(top.a, top.b, place.x);
         ++counts.collapses;
+        constexpr std::int32_t kCollapsesPerLook = 64;   // a look at the clock costs as much as a small part of a collapse
+        if (counts.collapses % kCollapsesPerLook == 0) work.update(from - live_, fmt::format("{} triangles", live_));
       }
     }
     counts.reached_target = live_ <= target;

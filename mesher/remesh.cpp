@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/bvh.hpp"
@@ -106,7 +107,9 @@ std::vector<char> find_inside(const TriangleMesh& mesh, const Bvh& bvh, const La
       }
     }
   }
+  LongWork work("remesh", static_cast<double>(points.size()));
   for (std::int64_t n : points) {
+    work.advance();
     Vec3 nearest;
     std::int32_t triangle;
     const Vec3 p = lattice.point(n);
@@ -206,8 +209,10 @@ TriangleMesh remesh(const TriangleMesh& mesh, double edge_length) {
     }
   };
   // every edge of a sublattice along an axis, with two neighbouring points of the other sublattice around it
+  LongWork work("remesh", static_cast<double>(lattice.size[2] * lattice.size[1]));
   for (std::int64_t k = 0; k < lattice.size[2]; ++k) {
     for (std::int64_t j = 0; j < lattice.size[1]; ++j) {
+      work.advance();
       for (std::int64_t i = 0; i < lattice.size[0]; ++i) {
         if ((i ^ j) & 1 || (j ^ k) & 1 || i & 1) continue;  // even points only: their edges give all tetrahedra
         for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/long_work.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/geometry/bvh.hpp"
 
@@ -64,10 +65,12 @@ std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh) {
     Box box_a, box_b;
   };
   std::vector<Subtrees> stack{{0, 0, {}, {}}};
+  LongWork work("check", static_cast<double>(bvh.leaves.size()));
   while (!stack.empty()) {
     const Subtrees pair = stack.back();
     stack.pop_back();
     if (pair.a < 0 && pair.b < 0) {
+      if (pair.a == pair.b) work.advance();
       const BvhLeaf &a = bvh.leaves[static_cast<std::size_t>(~pair.a)], &b = bvh.leaves[static_cast<std::size_t>(~pair.b)];
       for (std::int32_t m = 0; m < a.count; ++m)
         for (std::int32_t n = pair.a == pair.b ? m + 1 : 0; n < b.count; ++n) test(a.triangle[m], b.triangle[n]);

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 
 namespace scree {
 
@@ -98,6 +99,7 @@ class Children {
       throw SystemError("cannot start a process: {}; give fewer --jobs", std::strerror(errno));
     }
     if (process == 0) {
+      print_progress(false);
       close(ends[0]);
       for (const Child& child : children_) close(child.descriptor);
       work(ends[1]);
@@ -143,10 +145,15 @@ FramePoolResult for_each_frame(const std::vector<std::size_t>& frames, const Fra
       sink(frame, answer.bytes);
     }
   };
+  LongWork work("frames", static_cast<double>(frames.size()));
+  const auto done = [&](std::size_t count) { work.update(static_cast<double>(count), fmt::format("{} of {}", count, frames.size())); };
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t jobs = std::min(frames.size(), pool.jobs > 0 ? static_cast<std::size_t>(pool.jobs) : cores);
   if (jobs <= 1) {
-    for (const std::size_t frame : frames) take(frame, answer_of(task, frame, pool.skip_damaged));
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      take(frames[i], answer_of(task, frames[i], pool.skip_damaged));
+      done(i + 1);
+    }
     return result;
   }
   Children children;
@@ -162,7 +169,10 @@ FramePoolResult for_each_frame(const std::vector<std::size_t>& frames, const Fra
       }
     });
   }
-  for (std::size_t i = 0; i < frames.size(); ++i) take(frames[i], children.receive(i % jobs, frames[i]));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    take(frames[i], children.receive(i % jobs, frames[i]));
+    done(i + 1);
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "post/commands.hpp"
 #include "post/vtk_or_not.hpp"
 
@@ -35,6 +36,7 @@ int run(int argc, char** argv) {
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
 
   // 2. run the one that was asked for
+  scree::print_progress(true);
   for (const scree::Command& command : commands) {
     if (!*command.options) continue;
     const scree::CommandResult result = command.run();

@@ -3,6 +3,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/commands.hpp"
@@ -53,7 +54,9 @@ Command add_contacts(CLI::App& app) {
             write_contacts_table(run, o->output);
             nlohmann::json frames = nlohmann::json::array();
             ContactStatistics last;
+            LongWork work("statistics of contacts", static_cast<double>(run.frames.size()));
             for (std::size_t f = 0; f < run.frames.size(); ++f) {
+              work.advance();
               last = contact_statistics(load_frame(run, f), run.boundary_ids);
               frames.push_back(json_of(last));
             }

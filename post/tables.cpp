@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/long_work.hpp"
 #include "post/output_file.hpp"
 
 namespace scree {
@@ -9,7 +10,9 @@ namespace scree {
 void write_bodies_table(const Run& run, const std::string& path) {
   OutputFile file(path);
   file.add("time,id,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n");
+  LongWork work("frames", static_cast<double>(run.frames.size()));
   for (std::size_t f = 0; f < run.frames.size(); ++f) {
+    work.advance();
     const Frame frame = load_frame(run, f);
     const FrameBodies& b = frame.bodies;
     std::string rows;
@@ -27,7 +30,9 @@ void write_bodies_table(const Run& run, const std::string& path) {
 void write_contacts_table(const Run& run, const std::string& path) {
   OutputFile file(path);
   file.add("time,body_a,body_b,feature,x,y,z,nx,ny,nz,depth,fn,ftx,fty,ftz\n");
+  LongWork work("frames", static_cast<double>(run.frames.size()));
   for (std::size_t f = 0; f < run.frames.size(); ++f) {
+    work.advance();
     const Frame frame = load_frame(run, f);
     const FrameContacts& c = frame.contacts;
     std::string rows;

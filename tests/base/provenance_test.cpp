@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
 #include "core/base/progress.hpp"
 #include "core/base/version.hpp"
 
@@ -65,6 +66,36 @@ TEST(progress, writes_one_line_per_five_percent_when_nobody_watches) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 21) << text;  // 0 %, 5 %, ... 100 %
   EXPECT_EQ(text.find('\r'), std::string::npos);
   EXPECT_NE(text.find("left"), std::string::npos);
+}
+
+TEST(progress, long_work_speaks_when_it_takes_long_and_is_silent_else) {
+  const auto lines_of = [](const char* after, double total, const std::function<void(LongWork&)>& work) {
+    setenv("SCREE_PROGRESS_AFTER", after, 1);
+    testing::internal::CaptureStderr();
+    {
+      LongWork outer("settle", total);
+      work(outer);
+    }
+    unsetenv("SCREE_PROGRESS_AFTER");
+    return testing::internal::GetCapturedStderr();
+  };
+  const auto hundred = [](LongWork& work) {
+    for (int i = 1; i <= 100; ++i) {
+      work.update(i, fmt::format("{} of 100 bodies", i));
+      LongWork inner("check", 2);   // work inside other work
+      inner.advance();
+    }
+  };
+  EXPECT_EQ(lines_of("0", 100, hundred), "") << "before main asked for it";
+  print_progress(true);
+  EXPECT_EQ(lines_of("3600", 100, hundred), "");
+  const std::string text = lines_of("0", 100, hundred);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 22) << text;   // the first, every 5 %, and the end
+  EXPECT_NE(text.find("settle:  40 %  40 of 100 bodies, 0.0 s left\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("settle: done in 0.0 s\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("check"), std::string::npos);
+  EXPECT_NE(lines_of("0", 0, [](LongWork& work) { work.update(0, "3 holes"); }).find("settle:  3 holes, 0.0 s so far\n"), std::string::npos);
+  print_progress(false);
 }
 
 TEST(progress, writes_durations_as_people_say_them) {

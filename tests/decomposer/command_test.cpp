@@ -254,6 +254,40 @@ TEST_F(Command, a_scene_without_its_ending_is_refused_with_the_name_to_write) {
   expect("tile a.scene.h5 --copies 2,1,1 -o t", 2, {"write -o t.scene.h5"});
 }
 
+TEST_F(Command, long_packings_tell_their_progress_and_short_ones_nothing) {
+  write("balls.toml", R"(
+seed = 4
+[time]
+duration = 1
+[shapes.ball]
+sphere = { radius = "5 mm" }
+[materials.glass]
+density = 2500
+[[pairs]]
+between = ["glass", "glass"]
+stiffness = 2e3
+restitution = 0.3
+friction = 0.4
+[contact]
+margin = "100 um"
+[[populations]]
+shape = "ball"
+material = "glass"
+count = 15
+method = "settle"
+region = { box = [[0, 0, 0], [0.03, 0.03, 0.03]] }
+[[walls]]
+shape = { box_inside = [[0, 0, 0], [0.03, 0.03, 0.04]] }
+material = "glass"
+)");
+  EXPECT_EQ(run("pack balls.toml -o a.scene.h5 --set populations.0.method=random --set populations.0.count=5").errors, "");
+  setenv("SCREE_PROGRESS_AFTER", "0", 1);
+  expect("pack balls.toml -o a.scene.h5 --set populations.0.method=random --set populations.0.count=4", 0, {"packing:  50 %  2 of 4 bodies, ", " left\n"});
+  expect("pack balls.toml -o a.scene.h5", 0, {"settle:  15 bodies come to rest, ", "so far\n", "settle: done in "});
+  expect("pack balls.toml -o a.scene.h5 --set populations.0.method=compact", 0, {"compact:", " of the size, stage 2 of about ", " left\n"});
+  unsetenv("SCREE_PROGRESS_AFTER");
+}
+
 TEST_F(Command, a_full_disk_exits_with_4_and_leaves_no_file) {
   if (access("/dev/full", W_OK) != 0 || geteuid() != 0) GTEST_SKIP() << "needs the right to mount a small tmpfs";
   const fs::path small = folder_ / "small";

@@ -28,7 +28,7 @@ margin = "100 um"
 )";
 constexpr double kGapOfMargins = 2e-4;
 
-PackedScene pack(const std::string& text, const ChildSolver& solver = {{SCREE_SOLVER}}) { return build_scene(parse_case(text, "case.toml", ""), {}, solver); }
+PackedScene pack(const std::string& text, const ChildSolver& solver = {{SCREE_SOLVER}}) { return build_scene(parse_case(text, "case.toml", ""), solver); }
 
 std::string failure(const std::string& text, ExitCode code = ExitCode::bad_data, const ChildSolver& solver = {{SCREE_SOLVER}}) {
   try {

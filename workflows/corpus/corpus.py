@@ -131,7 +131,11 @@ def main():
     root = os.path.join(options.out, "packages")
     os.makedirs(root, exist_ok=True)
     faults, rows, seen = [], [], set()
-    for package, pattern in CORPUS:
+    begin = time.monotonic()
+    for done, (package, pattern) in enumerate(CORPUS):
+        if done > 0:
+            left = (time.monotonic() - begin) / done * (len(CORPUS) - done)
+            print(f"{package}: {done + 1} of {len(CORPUS)} packages, about {left:.0f} s left", file=sys.stderr, flush=True)
         files = find(package, pattern, root)
         if not files and options.fetch:
             fetch(package, root)
