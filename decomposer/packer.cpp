@@ -5,6 +5,7 @@
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
+#include "core/storage/contact_limits.hpp"
 #include "decomposer/orientation.hpp"
 #include "decomposer/random_numbers.hpp"
 
@@ -89,9 +90,12 @@ void Packer::place_given_bodies() {
     // a fixed body may stand in a wall: nothing ever computes their contact
     std::size_t wall = 0;
     const std::vector<Vec3> vertices = body.world_vertices();
-    const double touch = kTouch * body.radius();
+    // what touches deeper than this ends the run before its first step
+    const double deepest = scene_.settings.barrier > 0 ? 0 : (1 - kStopDepthRatio) * gap();
+    const double touch = std::max(kTouch * body.radius(), deepest);
     if (!b.fixed && !walls_allow(body, vertices, touch, &wall)) {
-      throw InputError("{}: overlaps {} (wall '{}') or lies behind it; move it, or set contact.relax = true", b.where, case_.walls[wall].where, scene_.walls[wall].name);
+      throw InputError("{}: overlaps {} (wall '{}'), touches it to more than {} of the margins, or lies behind it; move it, or set contact.relax = true", b.where, case_.walls[wall].where,
+                       scene_.walls[wall].name, kStopDepthRatio);
     }
     if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
       report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
@@ -107,7 +111,10 @@ void Packer::place_given_bodies() {
       const CaseBody& other = case_.bodies[static_cast<std::size_t>(given_[j])];
       if (b.fixed && other.fixed) continue;
       const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
-      if (!(found > 0)) throw InputError("{}: overlaps {}; move one of them, or set contact.relax = true", b.where, other.where);
+      if (!(found > deepest)) {
+        throw InputError("{}: overlaps {}, or touches it to more than {} of the margins; move one of them, or set contact.relax = true", b.where, other.where,
+                         kStopDepthRatio);
+      }
       if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
     }
     keep(body, static_cast<std::int32_t>(i));

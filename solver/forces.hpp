@@ -5,14 +5,11 @@
 #include <span>
 #include <string>
 
+#include "core/storage/contact_limits.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/pair_list.hpp"
 
 namespace scree {
-
-/// The depth over the margin sum at which a run is stopped: beyond it a step could carry a feature through the
-/// surface unseen. Pairs without margin (analytic spheres) have no such limit.
-inline constexpr double kStopDepthRatio = 0.97;
 
 /// Scratch memory of each thread, and of a step whose pairs are timed.
 struct ForceScratch {

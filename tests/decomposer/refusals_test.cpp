@@ -150,5 +150,18 @@ TEST(Refusals, walls_and_laws_that_need_a_margin_or_a_speed_are_refused_without)
   EXPECT_EQ(pack(hertz + "impact_speed = 1\n" + two).scene.bodies.size(), 2u);
 }
 
+// The solver ends a run at .97 of the margins; of two margins of 2 mm that leaves 0.12 mm.
+TEST(Refusals, given_bodies_that_touch_deeper_than_a_run_may_are_refused) {
+  const auto two = [](double gap, const std::string& walls) {
+    return kHead + "[contact]\nmargin = \"2 mm\"\nrelax = false\n" + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 0.5]\n" +
+           "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, " + fmt::format("{}", 1.5 + gap) + "]\n" + walls;
+  };
+  EXPECT_EQ(pack(two(0.000125, "")).scene.bodies.size(), 2u);
+  expect_says(failure(two(0.000115, ""), ExitCode::bad_data), {"bodies[1]", "bodies[0]", "0.97 of the margins"});
+  const auto floor = [](double z) { return fmt::format("[[walls]]\nmaterial = \"stone\"\nshape = {{ plane = {{ point = [0, 0, {}], normal = [0, 0, 1] }} }}\n", z); };
+  EXPECT_EQ(pack(two(1, floor(-0.000125))).scene.bodies.size(), 2u);
+  expect_says(failure(two(1, floor(-0.000115)), ExitCode::bad_data), {"bodies[0]", "walls[0]", "0.97 of the margins"});
+}
+
 }  // namespace
 }  // namespace scree

@@ -1,0 +1,10 @@
+// How deep surfaces may touch. Who packs a scene and who runs it draw the line at the same place.
+#pragma once
+
+namespace scree {
+
+/// The depth over the margin sum at which a run is stopped: beyond it a step could carry a feature through the
+/// surface unseen. Pairs without margin (analytic spheres) have no such limit; a contact.barrier reaches deeper.
+inline constexpr double kStopDepthRatio = 0.97;
+
+}  // namespace scree
