@@ -11,6 +11,7 @@
 #include "core/base/units.hpp"
 #include "core/storage/wall_motion.hpp"
 #include "decomposer/compact.hpp"
+#include "decomposer/doubts.hpp"
 #include "decomposer/feasibility.hpp"
 #include "decomposer/margin_rule.hpp"
 #include "decomposer/packer.hpp"
@@ -55,6 +56,7 @@ class Builder {
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
     fill_report();
+    report().doubts = doubts_about(case_, parts_, scene());
     return std::move(out_);
   }
 

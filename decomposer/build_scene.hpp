@@ -30,6 +30,7 @@ struct PackingReport {
   double fastest_impact = 0;            ///< estimate [m/s]
   double depth_share = 0;               ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;
+  std::vector<std::string> doubts;      ///< doubts.hpp
 };
 
 struct PackedScene {

@@ -184,6 +184,7 @@ void read_pairs(const CaseTable& top, const std::vector<std::string>& materials,
     if (!hertz && !area) p.pair.stiffness = t.number("stiffness", Dimension::stiffness, Range::positive);
     p.pair.restitution = t.number("restitution", Dimension::none, Range::unit_interval);
     p.pair.friction = t.number_or("friction", Dimension::none, 0, Range::not_negative);
+    p.friction_given = t.has("friction");
     p.pair.friction_sliding = t.number_or("friction_sliding", Dimension::none, -1);
     if (t.has("friction_sliding") && !(p.pair.friction_sliding >= 0 && p.pair.friction_sliding <= p.pair.friction)) {
       throw t.error("friction_sliding", fmt::format("expected a value from 0 to friction ({:g})", p.pair.friction));

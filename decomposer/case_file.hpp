@@ -83,6 +83,7 @@ struct CaseWall {
 struct CasePair {
   std::string where;
   MaterialPair pair;
+  bool friction_given = false;
 };
 
 /// What becomes of bodies of [[bodies]] that start too close to each other or to a wall.

@@ -11,6 +11,7 @@
 #include "core/storage/h5.hpp"
 #include "decomposer/build_scene.hpp"
 #include "decomposer/compare_cuts.hpp"
+#include "decomposer/doubts.hpp"
 #include "decomposer/preview.hpp"
 #include "decomposer/predicted_work.hpp"
 #include "decomposer/sizes_report.hpp"
@@ -103,6 +104,7 @@ CommandResult check_command(const std::string& case_path, const std::vector<std:
     count += p.value;
   }
   CommandResult result;
+  result.warnings = doubts_about(c);
   result.output = fmt::format("{}: correct; {} materials, {} pairs that can meet, {} shapes, {} bodies, {} populations{}, {} walls\n", case_path,
                               c.materials.size(), c.pairs.size(), c.shapes.size(), c.bodies.size(), c.populations.size(),
                               by_count && count > 0 ? fmt::format(" ({:.0f} particles)", count) : "", c.walls.size());
@@ -124,6 +126,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
 
   CommandResult result;
   result.notices = report.notices;
+  result.warnings = report.doubts;
   result.output = fmt::format("{}: {} bodies of {} shapes, {} walls, {} draws\n", options.output, scene.bodies.size(), scene.shapes.size(),
                               scene.walls.size(), report.attempts);
   for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {

@@ -16,6 +16,7 @@ inline constexpr double kDefaultSkin = 0.1;
 struct CommandResult {
   std::string output;                 ///< for stdout
   std::vector<std::string> notices;   ///< for stderr, one line each
+  std::vector<std::string> warnings;  ///< the same, of what is probably a slip
 };
 
 struct PackOptions {

@@ -108,6 +108,7 @@ int run(int argc, char** argv) {
   } else {
     result = scree::partition_command(partition, command);
   }
+  for (const std::string& warning : result.warnings) scree::warn_once(kTool, warning);
   for (const std::string& notice : result.notices) fmt::print(stderr, "{}: note: {}\n", kTool, notice);
   std::fputs(result.output.c_str(), stdout);
   return 0;

@@ -254,6 +254,20 @@ TEST_F(Command, a_scene_without_its_ending_is_refused_with_the_name_to_write) {
   expect("tile a.scene.h5 --copies 2,1,1 -o t", 2, {"write -o t.scene.h5"});
 }
 
+TEST_F(Command, no_case_of_a_workflow_is_doubted_and_a_slip_is_a_warning_of_one_line) {
+  int cases = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(SCREE_DECOMPOSER_FOLDER).parent_path() / "workflows")) {
+    if (entry.path().extension() != ".toml" || entry.path().filename().string().rfind("case", 0) != 0) continue;
+    ++cases;
+    EXPECT_EQ(run("check '" + entry.path().string() + "'").errors, "") << entry.path();
+  }
+  EXPECT_GE(cases, 8);
+  write_changed("density = 2500", "density = 2.5");
+  for (const char* command : {"check case.toml", "pack case.toml -o a.scene.h5"}) {
+    expect(command, 0, {"scree-decomposer: warning: materials.stone.density = 2.5 kg/m^3", "scree-decomposer: warning: no friction is given"});
+  }
+}
+
 TEST_F(Command, long_packings_tell_their_progress_and_short_ones_nothing) {
   write("balls.toml", R"(
 seed = 4

@@ -1,0 +1,235 @@
+#include "decomposer/doubts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+
+namespace scree {
+
+namespace {
+
+// Where a number is more likely a slip than meant. Each is far from what stones, plastics, metals and grains have.
+constexpr double kLightest = 100;          // [kg/m^3] of a body: balsa has more, only foams and snow have less; g/cm^3 ends at 23
+constexpr double kHeaviest = 25000;        // [kg/m^3] osmium has 22 590
+constexpr double kSoftest = 1000;          // [Pa] Young's modulus of jelly: GPa or MPa was left out
+constexpr double kMostFriction = 2;        // rubber on dry concrete has 1: more looks like an angle in degrees
+constexpr double kFastest = 300;           // [m/s] of an impact, the speed of sound
+constexpr double kMostFrames = 1e5, kMostSteps = 1e9;
+constexpr double kLiquid = 1e-4;           // [Pa s] viscosity above that of any gas
+constexpr double kThinnestLiquid = 50;     // [kg/m^3] liquid hydrogen has 70
+constexpr double kFarLarger = 1000;        // extents, of a container and of the bodies in it: mm were taken for m
+constexpr double kFarSmaller = 100;        // a wall beside the bodies that meet it
+constexpr double kPressedShare = 0.5;      // of the margins, by a body's own weight
+constexpr double kPressedDiameter = 0.01;  // the same where there is no margin: spheres no longer behave like spheres
+constexpr double kSurely = 1.0 / 3;        // of the time of a contact: levers shorten it by no more than that
+
+std::string metres(double value) { return format_quantity(value, Dimension::length); }
+std::string seconds(double value) { return format_quantity(value, Dimension::time); }
+
+void doubt_materials(const Case& c, std::vector<std::string>& doubts) {
+  std::set<std::int32_t> of_movers;
+  for (const CaseBody& b : c.bodies) {
+    if (!b.fixed) of_movers.insert(b.material);
+  }
+  for (const CasePopulation& p : c.populations) of_movers.insert(p.material);
+  for (const std::int32_t index : of_movers) {
+    const Material& m = c.materials[static_cast<std::size_t>(index)];
+    if (m.density < kLightest) {
+      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is less than wood has (above {:g}); was \"{:g} g/cm^3\" meant?", m.name, m.density,
+                                   kLightest, m.density));
+    } else if (m.density > kHeaviest) {
+      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is more than any metal has (below {:g}); is the unit right?", m.name, m.density, kHeaviest));
+    }
+    if (m.young > 0 && m.young < kSoftest) {
+      doubts.push_back(fmt::format("materials.{}.young = {:g} Pa is softer than jelly ({:g} Pa); was \"{:g} GPa\" or \"{:g} MPa\" meant?", m.name, m.young,
+                                   kSoftest, m.young, m.young));
+    }
+  }
+  std::string frictionless;
+  for (const CasePair& p : c.pairs) {
+    const std::string name = fmt::format("{} on {}", c.materials[static_cast<std::size_t>(p.pair.a)].name, c.materials[static_cast<std::size_t>(p.pair.b)].name);
+    if (!p.friction_given) frictionless += (frictionless.empty() ? "" : ", ") + name;
+    if (p.pair.friction > kMostFriction) {
+      doubts.push_back(fmt::format("{}: friction = {:g} of {} is a coefficient, the tangent of an angle; {:g} degrees would be {:.3g}", p.where,
+                                   p.pair.friction, name, p.pair.friction, std::abs(std::tan(p.pair.friction * std::numbers::pi / 180))));
+    }
+  }
+  if (!frictionless.empty()) doubts.push_back(fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
+}
+
+void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
+  const Settings& s = c.settings;
+  const double g = length(s.gravity);
+  constexpr double kEarth = 9.81, kNear = 0.01;
+  for (const auto& [factor, unit] : {std::pair{100.0, "cm/s^2"}, {1000.0, "mm/s^2"}}) {
+    if (std::abs(g / (factor * kEarth) - 1) < kNear) {
+      doubts.push_back(fmt::format("gravity of {:g} m/s^2 is {:g} times that of the Earth; was \"{:g} {}\" meant?", g, factor, g, unit));
+    }
+  }
+  if (s.fluid && s.fluid->viscosity > kLiquid && s.fluid->density < kThinnestLiquid) {
+    doubts.push_back(fmt::format("fluid.density = {:g} kg/m^3 is that of a gas, and fluid.viscosity = {:g} Pa s that of a liquid; was \"{:g} g/cm^3\" meant?",
+                                 s.fluid->density, s.fluid->viscosity, s.fluid->density));
+  }
+  const bool moves = !c.populations.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
+  if (!moves) doubts.push_back("nothing moves: the case has no population and no body that is not fixed");
+  const bool is_held = !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
+  if (moves && g > 0 && !is_held && !s.fluid) {
+    doubts.push_back(fmt::format("nothing holds the bodies: no wall, no fixed body, and gravity of {:g} m/s^2: they all fall freely, {} until the end", g,
+                                 metres(0.5 * g * s.duration * s.duration)));
+  }
+}
+
+void doubt_times(const Case& c, std::vector<std::string>& doubts) {
+  const Settings& s = c.settings;
+  if (!(s.duration > 0)) return;
+  if (s.output_every > s.duration) {
+    doubts.push_back(fmt::format("output.every = {} is longer than the run of {}: only its first and last state are kept", seconds(s.output_every),
+                                 seconds(s.duration)));
+  } else if (s.duration / s.output_every > kMostFrames) {
+    doubts.push_back(fmt::format("output.every = {} makes {:.3g} frames of a run of {}", seconds(s.output_every), s.duration / s.output_every, seconds(s.duration)));
+  }
+  for (const CaseWall& w : c.walls) {
+    if (w.wall.motion.kind == WallMotion::Kind::none || w.wall.motion.start < s.duration) continue;
+    doubts.push_back(fmt::format("{}: wall '{}' starts to move at {}, and the run ends at {}", w.where, w.wall.name, seconds(w.wall.motion.start), seconds(s.duration)));
+  }
+  const bool loses = s.fluid || std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return p.pair.restitution < 1 || p.pair.friction > 0; });
+  if (s.stop_at_rest && !loses) doubts.push_back("time.stop_at_rest: nothing takes energy away (restitution 1 and no friction in all pairs), so that nothing comes to rest");
+}
+
+/// Moving bodies of a packed scene, by what matters here.
+struct Movers {
+  double lightest = 1e300, smallest = 1e300, largest = 0;   ///< [kg]; extents [m]
+  struct Heaviest {
+    double mass = 0, diameter = 0;
+  };
+  std::vector<Heaviest> of_material;
+};
+
+Movers movers_of(const Scene& scene) {
+  Movers movers;
+  movers.of_material.resize(scene.materials.size());
+  std::vector<double> radius;
+  for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] != 0) continue;
+    const auto shape = static_cast<std::size_t>(scene.bodies.shape[i]);
+    const double mass = scene.mass(i), extent = 2 * scene.bodies.scale[i] * radius[shape];
+    movers.lightest = std::min(movers.lightest, mass);
+    movers.smallest = std::min(movers.smallest, extent);
+    movers.largest = std::max(movers.largest, extent);
+    Movers::Heaviest& heaviest = movers.of_material[static_cast<std::size_t>(scene.bodies.material[i])];
+    if (mass > heaviest.mass) heaviest = {mass, scene.bodies.scale[i] * scene.shapes[shape].equivalent_diameter()};
+  }
+  return movers;
+}
+
+double longest(const Box3& box) {
+  const Vec3 e = box.extent();
+  return std::max({e.x, e.y, e.z});
+}
+
+void doubt_extents(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+  double most = 0;
+  std::string name;
+  const auto consider = [&](double extent, const std::string& what) {
+    if (extent <= most) return;
+    most = extent;
+    name = what;
+  };
+  for (std::size_t i = 0; i < parts.walls.size(); ++i) {
+    const Wall& w = parts.walls[i];
+    if (w.kind == WallKind::plane) continue;
+    const double extent = longest(w.kind == WallKind::mesh ? parts.wall_bodies[i].world_box() : region_of(w).box);
+    const std::string what = fmt::format("{} (wall '{}')", c.walls[i].where, w.name);
+    if (!(w.cell_size > 0)) consider(extent, what);   // terrain may be as long as it likes
+    if (extent * kFarSmaller < movers.smallest) {
+      doubts.push_back(fmt::format("{} is {} long, and the smallest body is {} across: {:.0f} times as much; is the unit of one of them right?", what,
+                                   metres(extent), metres(movers.smallest), movers.smallest / extent));
+    }
+  }
+  for (std::size_t k = 0; k < parts.regions.size(); ++k) consider(longest(parts.regions[k].box), c.populations[k].where + ".region");
+  if (c.settings.domain.bounded && parts.walls.empty()) consider(longest({c.settings.domain.lower, c.settings.domain.upper}), "the domain");
+  if (most > kFarLarger * movers.largest) {
+    doubts.push_back(fmt::format("{} is {} long, and the largest body is {} across: {:.0f} times less; is the unit of one of them right?", name, metres(most),
+                                 metres(movers.largest), most / movers.largest));
+  }
+}
+
+/// A contact of the lightest body by the stiffest pair [s]; 0 where a law has no stiffness.
+double shortest_contact(const Case& c, const Movers& movers) {
+  double stiffest = 0;
+  for (const CasePair& p : c.pairs) stiffest = std::max(stiffest, p.pair.stiffness);
+  return stiffest > 0 ? std::numbers::pi * std::sqrt(movers.lightest / (2 * stiffest)) : 0;
+}
+
+void doubt_steps(const Case& c, const Movers& movers, std::vector<std::string>& doubts) {
+  const Settings& s = c.settings;
+  const double contact = shortest_contact(c, movers);
+  if (!(contact > 0 && s.duration > 0)) return;
+  if (s.duration < kSurely * contact) {
+    doubts.push_back(fmt::format("time.duration = {} is less than a single contact takes ({} of the lightest body, {}, by the stiffest pair)", seconds(s.duration),
+                                 seconds(contact), format_quantity(movers.lightest, Dimension::mass)));
+  }
+  const double step = s.step > 0 ? s.step : contact / s.steps_per_contact;
+  if (s.duration / step > kMostSteps) {
+    doubts.push_back(fmt::format("time.duration = {} takes about {:.2g} steps of {} (the lightest body, {}, by the stiffest pair); a softer pair or larger bodies make it fewer",
+                                 seconds(s.duration), s.duration / step, seconds(step), format_quantity(movers.lightest, Dimension::mass)));
+  }
+}
+
+void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+  const Settings& s = scene.settings;
+  for (const CasePair& p : c.pairs) {
+    Movers::Heaviest body;
+    double density = 1;
+    for (const std::int32_t m : {p.pair.a, p.pair.b}) {
+      const Movers::Heaviest& other = movers.of_material[static_cast<std::size_t>(m)];
+      if (other.mass <= body.mass) continue;
+      body = other;
+      density = scene.materials[static_cast<std::size_t>(m)].density;
+    }
+    const double weight = body.mass * length(s.gravity) * (s.fluid ? std::abs(1 - s.fluid->density / density) : 1.0);
+    double depth = p.pair.stiffness > 0 ? weight / p.pair.stiffness : 0;
+    if (s.law == "hertz-mindlin" && body.diameter > 0) {
+      const double modulus = effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
+      const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * body.diameter;
+      depth = std::cbrt(9 * weight * weight / (16 * modulus * modulus * radius));
+    }
+    const double most = s.margin > 0 ? kPressedShare * 2 * s.margin : kPressedDiameter * body.diameter;
+    if (!(depth > most)) continue;
+    doubts.push_back(fmt::format("{}: the heaviest body ({}) is pressed {} into the floor by its own weight, {}; a stiffer pair or a lighter body is needed", p.where,
+                                 format_quantity(body.mass, Dimension::mass), metres(depth),
+                                 s.margin > 0 ? fmt::format("{:.2f} of the margins, which end the run at 1", depth / (2 * s.margin))
+                                              : fmt::format("{:.1f} % of its diameter", 100 * depth / body.diameter)));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> doubts_about(const Case& c) {
+  std::vector<std::string> doubts;
+  doubt_materials(c, doubts);
+  doubt_surroundings(c, doubts);
+  doubt_times(c, doubts);
+  return doubts;
+}
+
+std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene) {
+  std::vector<std::string> doubts = doubts_about(c);
+  const Movers movers = movers_of(scene);
+  if (!(movers.largest > 0)) return doubts;
+  doubt_extents(c, parts, movers, doubts);
+  doubt_steps(c, movers, doubts);
+  doubt_stiffness(c, scene, movers, doubts);
+  if (scene.settings.impact_speed > kFastest) {
+    doubts.push_back(fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",
+                                 format_quantity(scene.settings.impact_speed, Dimension::velocity)));
+  }
+  return doubts;
+}
+
+}  // namespace scree

@@ -1,0 +1,20 @@
+// What is allowed in a case and is mostly a slip: a unit, a forgotten key, a run that ends before anything happens. Each doubt is one
+// line with numbers, for stderr; none of them changes a result.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "decomposer/build_scene.hpp"
+#include "decomposer/scene_parts.hpp"
+
+namespace scree {
+
+/// What the case alone shows.
+std::vector<std::string> doubts_about(const Case& c);
+
+/// What shows when bodies, walls and margin are known.
+/// in   scene   packed
+std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene);
+
+}  // namespace scree

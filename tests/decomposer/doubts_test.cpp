@@ -1,0 +1,135 @@
+// What is allowed and mostly a slip is told in one line with numbers; what is plainly fine is not.
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "decomposer/build_scene.hpp"
+#include "decomposer/doubts.hpp"
+
+namespace scree {
+namespace {
+
+// Balls of 12 mm in a box of 80 mm: nothing to doubt.
+const std::string kCase = R"(
+gravity = [0, 0, -9.81]
+[time]
+duration = 2
+stop_at_rest = false
+[output]
+every = 0.1
+[contact]
+margin = 0.0001
+[shapes.ball]
+sphere = { radius = 0.006 }
+[materials.stone]
+density = 2700
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = 1e4
+restitution = 0.5
+friction = 0.5
+[[populations]]
+shape = "ball"
+material = "stone"
+count = 20
+region = { box = [[0, 0, 0], [0.08, 0.08, 0.08]] }
+[[walls]]
+name = "crate"
+shape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }
+material = "stone"
+)";
+
+std::vector<std::string> doubts(const std::vector<std::pair<std::string, std::string>>& changes) {
+  std::string text = kCase;
+  for (const auto& [from, to] : changes) {
+    EXPECT_NE(text.find(from), std::string::npos) << from;
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+  }
+  return build_scene(parse_case(text, "case.toml", "")).report.doubts;
+}
+
+/// One doubt, with these words.
+void expect_doubt(const std::vector<std::pair<std::string, std::string>>& changes, const std::vector<std::string>& says) {
+  const std::vector<std::string> found = doubts(changes);
+  ASSERT_EQ(found.size(), 1u) << changes[0].second << (found.empty() ? "" : ": " + found[0] + (found.size() > 1 ? " | " + found[1] : ""));
+  for (const std::string& part : says) EXPECT_NE(found[0].find(part), std::string::npos) << "'" << part << "' not in: " << found[0];
+}
+
+TEST(Doubts, there_is_none_of_a_case_that_is_plainly_fine) {
+  EXPECT_EQ(doubts({}), std::vector<std::string>{});
+  EXPECT_EQ(doubts({{"friction = 0.5", "friction = 0"}}), std::vector<std::string>{});
+  EXPECT_EQ(doubts({{"duration = 2", "duration = 0"}}), std::vector<std::string>{});
+}
+
+TEST(Doubts, a_density_in_grams_per_cubic_centimetre) {
+  expect_doubt({{"2700", "2.7"}, {"stiffness = 1e4", "stiffness = 10"}}, {"materials.stone.density = 2.7 kg/m^3", "\"2.7 g/cm^3\""});
+  expect_doubt({{"2700", "2.7e6"}, {"stiffness = 1e4", "stiffness = 1e7"}}, {"2.7e+06 kg/m^3", "more than any metal"});
+}
+
+TEST(Doubts, a_box_of_80_metres_around_balls_of_12_millimetres) {
+  expect_doubt({{"0.08", "80"}, {"margin = 0.0001", "impact_speed = 1\nmargin = 0.0001"}}, {"walls[0] (wall 'crate') is 80 m long", "12 mm across", "6667 times less"});
+}
+
+TEST(Doubts, a_wall_that_is_tiny_beside_the_bodies) {
+  expect_doubt({{"[[walls]]\nname", "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, 0, 0], side_a = [0.0001, 0, 0], side_b = "
+                                    "[0, 0.0001, 0] } }\n[[walls]]\nname"}}, {"wall 'tray'", "100 um long", "120 times as much"});
+}
+
+TEST(Doubts, friction_that_is_left_out) { expect_doubt({{"friction = 0.5\n", ""}}, {"no friction is given", "stone on stone", "write friction = 0"}); }
+
+TEST(Doubts, friction_in_degrees) { expect_doubt({{"friction = 0.5", "friction = 30"}}, {"friction = 30", "coefficient", "0.577"}); }
+
+TEST(Doubts, gravity_in_millimetres) {
+  expect_doubt({{"-9.81", "-9810"}, {"stiffness = 1e4", "stiffness = 1e7"}}, {"gravity of 9810 m/s^2", "\"9810 mm/s^2\""});
+}
+
+TEST(Doubts, a_run_shorter_than_a_contact) {
+  // pi sqrt(2.44 g / (2 x 1e4)) = 1.1 ms
+  expect_doubt({{"duration = 2", "duration = \"0.1 ms\""}, {"[output]\nevery = 0.1\n", ""}}, {"time.duration = 100 us", "single contact", "1.098 ms"});
+}
+
+TEST(Doubts, a_run_of_more_steps_than_anyone_waits_for) {
+  expect_doubt({{"duration = 2", "duration = 1e5"}, {"every = 0.1", "every = 1e4"}}, {"2.7e+09 steps of 36.6 us", "2.443 g"});
+}
+
+TEST(Doubts, a_stiffness_that_does_not_carry_a_body) {
+  // 2.44 g x 9.81 / 150 N/m = 160 um of 200 um
+  expect_doubt({{"stiffness = 1e4", "stiffness = 150"}, {"margin = 0.0001", "impact_speed = 0.01\nmargin = 0.0001"}}, {"pairs[0]", "2.443 g", "159.8 um", "0.80 of the margins"});
+}
+
+TEST(Doubts, a_modulus_without_its_giga) {
+  expect_doubt({{"stiffness = 1e4\n", ""}, {"density = 2700", "density = 2700\nyoung = 70"}, {"margin = 0.0001", "law = \"hertz-mindlin\"\nimpact_speed = 0.01"},
+                {"-9.81", "-1e-9"}}, {"materials.stone.young = 70 Pa", "\"70 GPa\""});
+}
+
+TEST(Doubts, output_less_often_than_the_run_is_long_and_far_too_often) {
+  expect_doubt({{"every = 0.1", "every = 10"}}, {"output.every = 10 s is longer than the run of 2 s"});
+  expect_doubt({{"every = 0.1", "every = 1e-6"}}, {"output.every = 1 us", "2e+06 frames"});
+}
+
+TEST(Doubts, a_wall_that_starts_after_the_end) {
+  expect_doubt({{"name = \"crate\"", "name = \"crate\"\nmotion = { translate = { velocity = [0, 0, 1] }, start = 5 }"}}, {"wall 'crate' starts to move at 5 s", "ends at 2 s"});
+}
+
+TEST(Doubts, rest_that_nothing_leads_to) {
+  expect_doubt({{"stop_at_rest = false", "stop_at_rest = true"}, {"restitution = 0.5", "restitution = 1"}, {"friction = 0.5", "friction = 0"}}, {"nothing comes to rest"});
+}
+
+TEST(Doubts, bodies_that_nothing_holds) {
+  expect_doubt({{"[[walls]]\nname = \"crate\"\nshape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }\nmaterial = \"stone\"\n", ""}}, {"nothing holds the bodies", "19.62 m until the end"});
+}
+
+TEST(Doubts, a_liquid_as_light_as_a_gas) {
+  const auto in_fluid = [](const std::string& density) {
+    return std::vector<std::pair<std::string, std::string>>{{"[contact]", "[fluid]\ndensity = " + density + "\nviscosity = \"1 mPa s\"\n[contact]"}};
+  };
+  expect_doubt(in_fluid("1"), {"fluid.density = 1 kg/m^3", "\"1 g/cm^3\""});
+  EXPECT_EQ(doubts(in_fluid("1000")), std::vector<std::string>{});
+}
+
+TEST(Doubts, an_impact_faster_than_sound) {
+  expect_doubt({{"count = 20", "count = 20\nvelocity = [500, 0, 0]"}, {"stiffness = 1e4", "stiffness = 1e9"}, {"duration = 2", "duration = 0.01"}, {"every = 0.1", "every = 0.001"}},
+               {"fastest impact to expect is 1", "km/s"});
+}
+
+}  // namespace
+}  // namespace scree
