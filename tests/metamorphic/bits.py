@@ -140,6 +140,11 @@ def many_ranks(trial):
     same(trial.run, trial.solve(ranks=ranks), f"{ranks} ranks")
 
 
+@relation("known", another_hash)
+def three_ranks(trial):
+    same(trial.run, trial.solve(ranks=3), "3 ranks")
+
+
 @relation("bits", another_last_digit)
 def any_vector_width(trial):
     width = trial.random.choice(["avx2", "sse4", "scalar"])

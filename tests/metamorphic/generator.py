@@ -126,7 +126,8 @@ def shapes(d):
 
 @feature
 def how_many(d):
-    most = 12 if d.meshed else 30
+    d.settles = d.g > 0 and d.chance(0.1)   # meant to come to rest
+    most = 4 if d.settles else 12 if d.meshed else 30
     d.count = d.pick({1: 1, 2: 3, d.random.randint(3, 8): 4, d.random.randint(4, most): 4})
     d.gap = 2.2 * d.margin
     d.cell = 2 * d.radius + d.gap + d.radius * d.log_between(0.005, 0.6)
@@ -665,7 +666,7 @@ def pairs(d):
                 pair["layer_modulus"] = stiffer * 1.5 * heaviest * speed**2 / (math.pi * 0.5 * d.radius * depth**3) * 2 * d.margin
             elif d.law != "hertz-mindlin":
                 pair["stiffness"] = stiffer * heaviest * (speed / depth) ** 2
-            pair["restitution"] = d.pick({1.0: 2, d.between(0.05, 1): 8, d.log_between(1e-5, 0.05): 1})
+            pair["restitution"] = d.between(0.05, 0.3) if d.settles else d.pick({1.0: 2, d.between(0.05, 1): 8, d.log_between(1e-5, 0.05): 1})
             if d.law == "hunt-crossley" and (pair["restitution"] < 1 or d.chance(0.3)):
                 pair["restitution_speed"] = d.speed * d.between(0.5, 2)
             if friction == "some" and d.chance(0.9):
@@ -749,7 +750,9 @@ def duration(d):
         time["step"] = step * d.between(0.5, 1)
     if d.chance(0.15):
         time["step_control"] = d.pick({"quantised": 4, "fixed": 1})
-    if d.g > 0 and d.chance(0.1):
+    if d.settles:
+        d.duration = time["duration"] = 8 * d.duration
+    if d.settles and d.chance(0.8) or d.g > 0 and d.chance(0.05):
         time["stop_at_rest"] = True
     d.words["time"] = time
     for wall in d.case.walls:
@@ -768,7 +771,7 @@ def duration(d):
 
 @feature
 def output(d):
-    table = {"every": d.duration / d.random.randint(5, 12)}
+    table = {"every": d.duration / (40 if d.settles else d.random.randint(5, 12))}
     if d.chance(0.15):
         table["contacts"] = d.random.choice([True, False])
     if d.chance(0.2):

@@ -9,6 +9,8 @@ import random
 
 import numpy
 
+from geometry import turned as turned_by
+from model import Mesh
 from relations import NotApplicable, Refused, Violation, relation, require
 from transforms import Placement, disturbed, frozen, in_units, placed, reordered, right_angle_turns, with_split_faces
 
@@ -212,6 +214,32 @@ def split_faces(trial):
     other = trial.solve_case(with_split_faces(case, trial.random))
     same_step(trial, other)
     near(trial, other, as_it_is, 0, "with split faces")
+
+
+@relation("near", a_little_aside)
+def other_origin_of_meshes(trial):
+    """A wall's mesh told about another origin, placed where it was: motions turn about their own centre, not about the mesh's."""
+    case = base(trial)
+    walls = [wall for wall in case.walls if "file" in wall["shape"]]
+    if not walls:
+        raise NotApplicable("no walls from files")
+    other = case.copy()
+    size = trial.frozen_scene.size()
+    for wall in other.walls:
+        if "file" not in wall["shape"]:
+            continue
+        name = wall["shape"]["file"][1:]
+        mesh = case.meshes[name]
+        # whole grid steps of the mesh, so that its vertices stay exact
+        unit = 2.0 ** round(math.log2(size))
+        shift = unit * numpy.array([trial.random.randint(-20, 20) for _ in range(3)])
+        other.meshes[name + "_elsewhere"] = Mesh(mesh.vertices + shift, mesh.triangles, mesh.surface)
+        wall["shape"] = {"file": f"@{name}_elsewhere"}
+        away = turned_by(wall.get("orientation", [1, 0, 0, 0]), wall.get("scale", 1.0) * shift[None])[0]
+        wall["position"] = (numpy.array(wall.get("position", [0, 0, 0]), float) - away).tolist()
+    run = trial.solve_case(other)
+    reach = 40 * size * max(wall.get("scale", 1.0) for wall in walls)
+    near(trial, run, as_it_is, 2 * EPSILON * reach, "with meshes about another origin")
 
 
 @relation("near", a_little_aside)

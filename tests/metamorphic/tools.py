@@ -13,7 +13,7 @@ import time
 import h5py
 import numpy
 
-LIMIT = 240        # s, after which a command counts as hanging: far above the second that a case takes, on a machine that does other work too
+LIMIT = 150        # s, after which a command counts as hanging: far above the second that a case takes, on a machine that does other work too
 ENVIRONMENT = dict(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
                    OMPI_MCA_hwloc_base_binding_policy="none", OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_btl_base_warn_component_unused="0")
 
@@ -79,14 +79,16 @@ class Tools:
         text = mesh.off()
         path = os.path.join(self.cache, hashlib.sha256((text + str(surface) + self.mesher).encode()).hexdigest()[:20] + ".shape.h5")
         if not os.path.exists(path):
-            source = self.new_path(".off")
-            with open(source, "w") as file:
+            source = path.replace(".shape.h5", ".off")   # stays: reports look for it
+            own = self.new_path(".off")
+            with open(own, "w") as file:
                 file.write(text)
+            shutil.move(own, source)
             own = self.new_path(".shape.h5")
             code, out, err = self.call("scree-mesher", "import", source, "-o", own, *(["--surface"] if surface else []))
             if code != 0:
                 raise Refused(f"import: {err.strip()}")
-            os.replace(own, path) if os.path.dirname(own) == os.path.dirname(path) else shutil.move(own, path)
+            shutil.move(own, path)
         return path
 
     def write_case(self, case):
