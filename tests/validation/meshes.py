@@ -1,7 +1,7 @@
 """Triangle meshes for the validation cases, and their mass properties by an independent sum.
 
-A mesh is (V x 3 vertices [m], T x 3 indices, outward). Vertices are rounded to single precision, because that is what
-survives the mesh import; the closed forms then use the very numbers that the tools see.
+A mesh is (V x 3 vertices [m], T x 3 indices, outward). Vertices are rounded to single precision and written with all
+digits: whatever the import keeps, the closed forms use the very numbers that the tools see.
 """
 import math
 
@@ -15,7 +15,7 @@ def rounded(vertices):
 def write_off(path, vertices, triangles):
     with open(path, "w") as file:
         file.write(f"OFF\n{len(vertices)} {len(triangles)} 0\n")
-        file.writelines("%.9g %.9g %.9g\n" % tuple(v) for v in vertices)
+        file.writelines("%.17g %.17g %.17g\n" % tuple(v) for v in vertices)
         file.writelines("3 %d %d %d\n" % tuple(t) for t in triangles)
 
 
