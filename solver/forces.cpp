@@ -93,6 +93,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
 /// Velocities of both sides, world axes.
 struct PairVelocities {
   Vec3 v_a, w_a, v_b, w_b;
+  Vec3 pivot_b, pivot_v_b;   ///< a point of B and its velocity; arms of slip are taken to it
 };
 
 /// Within a step the bodies' are those of half a step before, and so are the walls'; at its end, where springs do not move, those of now.
@@ -100,11 +101,11 @@ PairVelocities velocities_of(const ParticleSet& p, const std::vector<WallState>&
   const auto i = static_cast<std::size_t>(pair.a);
   if (pair.b >= 0) {
     const auto j = static_cast<std::size_t>(pair.b);
-    return {p.v[i], p.w[i], p.v[j], p.w[j]};
+    return {p.v[i], p.w[i], p.v[j], p.w[j], view.b.x, p.v[j]};
   }
   const WallState& state = walls[static_cast<std::size_t>(view.zone->wall)];
-  if (in_step) return {p.v[i], p.w[i], state.velocity_before, state.angular_velocity_before};
-  return {p.v[i], p.w[i], state.velocity, state.angular_velocity};
+  if (in_step) return {p.v[i], p.w[i], state.velocity_before, state.angular_velocity_before, state.pivot, state.pivot_velocity_before};
+  return {p.v[i], p.w[i], state.velocity, state.angular_velocity, view.b.x, state.velocity};
 }
 
 /// All that the law asks for, A frame.
@@ -114,7 +115,12 @@ PairMotion motion_of(const ParticleSet& p, const BodyPair& pair, const PairView&
   m.w_a = transpose_times(a_to_world, world.w_a);
   m.v_b = transpose_times(a_to_world, world.v_b);
   m.w_b = transpose_times(a_to_world, world.w_b);
-  m.centre_b = view.pose.centre;
+  m.centre_b = m.pivot_b = view.pose.centre;
+  m.pivot_v_b = m.v_b;
+  if (!(world.pivot_b == view.b.x)) {
+    m.pivot_b = rotate_inverse(view.a.q, world.pivot_b - view.a.x);
+    m.pivot_v_b = transpose_times(a_to_world, world.pivot_v_b);
+  }
   m.b_to_a = view.pose.rotation;
   m.turn = view.pose.turn;
   const auto i = static_cast<std::size_t>(pair.a);

@@ -292,9 +292,9 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
   std::size_t old = 0;
   for (std::size_t j = 0; j < count; ++j) {
     const ContactFeature& f = features[j];
-    const Vec3 arm_b = f.x - motion.centre_b;
+    const Vec3 arm_b = f.x - motion.pivot_b;
     const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
-    const Vec3 velocity = motion.v_a + turning_a - motion.v_b - turning_b;
+    const Vec3 velocity = motion.v_a + turning_a - motion.pivot_v_b - turning_b;
     const double vn = dot(velocity, f.n);
     if (on_their_own) {
       chi = Damp::chi(law, law_of_depth.energy(f.depth), reduced);

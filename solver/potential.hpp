@@ -23,6 +23,7 @@ struct FrictionSpring {
 struct PairMotion {
   Vec3 v_a, w_a, v_b, w_b;
   Vec3 centre_b;                         ///< of B [m]
+  Vec3 pivot_b, pivot_v_b;               ///< a point of B and its velocity [m, m/s]: its centre; of a wall that turns, on the axis
   double inverse_mass_a, inverse_mass_b;
   Vec3 inverse_inertia_a;                ///< principal
   Vec3 inverse_inertia_b;                ///< principal of B

@@ -11,7 +11,7 @@ namespace scree {
 namespace {
 
 WallState state_at(const Wall& wall, double time) {
-  WallState state{wall.position, wall.orientation, {}, {}, {}, {}};
+  WallState state{wall.position, wall.orientation, {}, {}, {}, {}, {}, {}};
   const WallMotion& m = wall.motion;
   if (m.kind == WallMotion::Kind::none) return state;
   const double elapsed = std::clamp(time, m.start, std::max(m.start, m.stop)) - m.start;
@@ -64,10 +64,13 @@ WallState state_at(const Wall& wall, double time) {
 
 WallState wall_state(const Wall& wall, double time, double step) {
   WallState state = state_at(wall, time);
+  state.pivot = state.position;
   if (wall.motion.kind == WallMotion::Kind::none) return state;
   const WallState before = step > 0 ? state_at(wall, time - 0.5 * step) : state;
   state.velocity_before = before.velocity;
   state.angular_velocity_before = before.angular_velocity;
+  if (wall.motion.kind == WallMotion::Kind::rotate) state.pivot = wall.motion.centre;
+  else state.pivot_velocity_before = before.velocity;
   return state;
 }
 

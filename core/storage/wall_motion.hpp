@@ -11,6 +11,9 @@ struct WallState {
   Quat orientation;
   Vec3 velocity, angular_velocity;  ///< [m/s] of the origin, [rad/s]
   Vec3 velocity_before, angular_velocity_before;  ///< the same half a step before
+  /// A point of the wall and its velocity half a step before [m, m/s]: of a wall that turns on the axis, so that arms to it are those of
+  /// the motion wherever the wall's origin is; else the origin.
+  Vec3 pivot, pivot_velocity_before;
 };
 /// in   step   [s]; without one the velocities before are those at the time itself
 WallState wall_state(const Wall& wall, double time, double step = 0);

@@ -43,7 +43,8 @@ class TwoBodies {
     m.v_b = rotate(to_a, v[1]);
     m.w_a = rotate(to_a, spin(0));
     m.w_b = rotate(to_a, spin(1));
-    m.centre_b = rotate(to_a, body[1].x - body[0].x);
+    m.centre_b = m.pivot_b = rotate(to_a, body[1].x - body[0].x);
+    m.pivot_v_b = m.v_b;
     m.inverse_mass_a = inverse_mass[0];
     m.inverse_mass_b = inverse_mass[1];
     m.inverse_inertia_a = inverse_inertia[0];
