@@ -666,7 +666,7 @@ def pairs(d):
                 pair["layer_modulus"] = stiffer * 1.5 * heaviest * speed**2 / (math.pi * 0.5 * d.radius * depth**3) * 2 * d.margin
             elif d.law != "hertz-mindlin":
                 pair["stiffness"] = stiffer * heaviest * (speed / depth) ** 2
-            pair["restitution"] = d.between(0.05, 0.3) if d.settles else d.pick({1.0: 2, d.between(0.05, 1): 8, d.log_between(1e-5, 0.05): 1})
+            pair["restitution"] = d.between(0.05, 0.3) if d.settles else d.pick({1.0: 2, d.between(0.05, 1): 8, d.log_between(1e-5, 0.05): 0.7, 0.0: 0.3})
             if d.law == "hunt-crossley" and (pair["restitution"] < 1 or d.chance(0.3)):
                 pair["restitution_speed"] = d.speed * d.between(0.5, 2)
             if friction == "some" and d.chance(0.9):

@@ -18,8 +18,11 @@ import sys
 import time
 import traceback
 
-import bits  # noqa: F401  (the three register their relations)
+import bits  # noqa: F401  (these register their relations)
+import mesh_formats  # noqa: F401
 import near  # noqa: F401
+import packings  # noqa: F401
+import post_says  # noqa: F401
 import sums  # noqa: F401
 from generator import generate
 from model import case_from_json, read_case

@@ -8,8 +8,11 @@ import json
 import sys
 import time
 
-import bits  # noqa: F401  (the three register their relations)
+import bits  # noqa: F401  (these register their relations)
+import mesh_formats  # noqa: F401
 import near  # noqa: F401
+import packings  # noqa: F401
+import post_says  # noqa: F401
 import sums  # noqa: F401
 from dimensions import DIMENSIONS, PLAIN, in_other_units
 from generator import generate

@@ -114,6 +114,8 @@ class Tools:
         """Gives a Run, completed or invalid (exit 5)."""
         folder = folder or self.new_path(".run")
         code, out, err = self.call("scree-solver", scene.path, "-o", folder, *arguments, ranks=ranks, threads=threads, environment=environment)
+        if code == 2 and "time.step = " in err:
+            raise Refused(f"solver: {err.strip()}")   # a step that is given; only the solver knows which are too long
         if code in (2, 3):
             raise Violation(f"solver refuses what pack took, exit {code}: {err.strip()[-1000:]}")
         if code not in (0, 5):
