@@ -21,29 +21,7 @@ struct SpringRow {
   double stiffness;
 };
 
-// The columns of both tables, for writer, reader and the estimate of space alike.
-template <class Action>
-void for_each_body_column(Action&& action) {
-  action("id", "", &ParticleRecord::id);
-  action("shape", "", &ParticleRecord::shape);
-  action("material", "", &ParticleRecord::material);
-  action("fixed", "", &ParticleRecord::fixed);
-  action("lock_rotation", "", &ParticleRecord::lock_rotation);
-  action("scale", "", &ParticleRecord::scale);
-  action("x", "m", &ParticleRecord::x);
-  action("x_remainder", "m", &ParticleRecord::x_remainder);
-  action("v", "m/s", &ParticleRecord::v);
-  action("L", "kg m^2/s", &ParticleRecord::L);
-  action("w", "rad/s", &ParticleRecord::w);
-  action("force", "N", &ParticleRecord::force);
-  action("torque", "N m", &ParticleRecord::torque);
-  action("q_principal", "", &ParticleRecord::q);
-  action("q_remainder", "", &ParticleRecord::q_remainder);
-  action("dissipated", "J", &ParticleRecord::dissipated);
-  action("work", "", &ParticleRecord::work);
-  action("image", "", &ParticleRecord::image);
-}
-
+// The columns of the springs, for writer, reader and the estimate of space alike; those of bodies are in body_columns.hpp.
 template <class Action>
 void for_each_spring_column(Action&& action) {
   action("a", "", &SpringRow::a);
@@ -60,7 +38,9 @@ struct Columns;
 template <>
 struct Columns<ParticleRecord> {
   template <class Action>
-  static void visit(Action&& action) { for_each_body_column(action); }
+  static void visit(Action&& action) {
+    for_each_body_column([&](const auto& c) { action(c.dataset, c.unit, c.field); });
+  }
 };
 template <>
 struct Columns<SpringRow> {

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <concepts>
 #include <cstring>
 
 #include "core/storage/checksum.hpp"
@@ -25,10 +26,18 @@ struct ItemHash {
     std::memcpy(&bits, &value, sizeof bits);
     add(bits);
   }
+  template <std::integral Value>
+  void add(Value value) {
+    add(static_cast<std::uint64_t>(value));
+  }
   void add(const Vec3& v) {
     add(v.x);
     add(v.y);
     add(v.z);
+  }
+  void add(const Quat& q) {
+    add(q.w);
+    add(Vec3{q.x, q.y, q.z});
   }
 };
 
@@ -199,25 +208,19 @@ std::string Simulation::state_hash() const {
   };
   for (std::size_t i = 0; i < p_.owned; ++i) {
     ItemHash h;
-    h.add(static_cast<std::uint64_t>(p_.id[i]));
-    h.add(p_.x[i]);
-    h.add(p_.x_remainder[i]);
-    h.add(p_.q[i].w);
-    h.add(Vec3{p_.q[i].x, p_.q[i].y, p_.q[i].z});
-    h.add(p_.q_remainder[i].w);
-    h.add(Vec3{p_.q_remainder[i].x, p_.q_remainder[i].y, p_.q_remainder[i].z});
-    h.add(p_.v[i]);
-    h.add(p_.L[i]);
+    for_each_body_column([&](const auto& c) {
+      if (c.uses & kHashed) h.add((p_.*c.column)[i]);
+    });
     add(h);
   }
   for (const BodyPair& pair : pairs_.pairs()) {
     if (!counts_here(pair, p_)) continue;
     for (const FrictionSpring& s : pair.springs) {
       ItemHash h;
-      h.add(static_cast<std::uint64_t>(pair.key.a));
-      h.add(static_cast<std::uint64_t>(pair.key.b));
-      h.add(static_cast<std::uint64_t>(pair.key.zone));
-      h.add(static_cast<std::uint64_t>(s.key));
+      h.add(pair.key.a);
+      h.add(pair.key.b);
+      h.add(static_cast<std::int64_t>(pair.key.zone));
+      h.add(s.key);
       h.add(s.force);
       h.add(s.stiffness);
       add(h);

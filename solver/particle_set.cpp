@@ -7,33 +7,12 @@ namespace {
 /// Applies one action to every column, so that no function forgets one.
 template <class Set, class Action>
 void for_each_column(Set& p, Action&& action) {
-  action(p.id);
-  action(p.shape);
-  action(p.material);
-  action(p.scale);
-  action(p.radius);
-  action(p.mass);
-  action(p.inverse_mass);
-  action(p.inertia);
-  action(p.inverse_inertia);
-  action(p.fixed);
-  action(p.lock_rotation);
-  action(p.isotropic);
-  action(p.x);
-  action(p.x_remainder);
-  action(p.q);
-  action(p.q_remainder);
-  action(p.v);
-  action(p.L);
-  action(p.w);
-  action(p.force);
-  action(p.torque);
-  action(p.lossy_force);
-  action(p.lossy_torque);
-  action(p.dissipated);
-  action(p.work);
-  action(p.x_listed);
-  action(p.image);
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) action(p.name);
+#define SCREE_COLUMN_DERIVED(type, name, what) action(p.name);
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+  SCREE_BODY_DERIVED(SCREE_COLUMN_DERIVED)
+#undef SCREE_COLUMN_STATE
+#undef SCREE_COLUMN_DERIVED
 }
 
 }  // namespace
@@ -54,61 +33,27 @@ void ParticleSet::copy_row(std::size_t from, std::size_t to) {
 
 ParticleRecord record_of(const ParticleSet& p, std::size_t i) {
   ParticleRecord r{};
-  r.id = p.id[i];
-  r.shape = p.shape[i];
-  r.material = p.material[i];
-  r.fixed = p.fixed[i];
-  r.lock_rotation = p.lock_rotation[i];
-  r.scale = p.scale[i];
-  r.x = p.x[i];
-  r.x_remainder = p.x_remainder[i];
-  r.v = p.v[i];
-  r.L = p.L[i];
-  r.w = p.w[i];
-  r.q = p.q[i];
-  r.q_remainder = p.q_remainder[i];
-  r.force = p.force[i];
-  r.torque = p.torque[i];
-  r.image = p.image[i];
-  r.dissipated = p.dissipated[i];
-  r.work = p.work[i];
+  for_each_body_column([&](const auto& c) { r.*c.field = (p.*c.column)[i]; });
   return r;
 }
 
 void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& scene) {
   const std::size_t i = p.size();
   p.resize(i + 1);
+  for_each_body_column([&](const auto& c) { (p.*c.column)[i] = r.*c.field; });
   const SolverShape& shape = scene.shape(r.shape);
   const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
   const double s3 = r.scale * r.scale * r.scale;
-  p.id[i] = r.id;
-  p.shape[i] = r.shape;
-  p.material[i] = r.material;
-  p.scale[i] = r.scale;
   p.radius[i] = r.scale * shape.radius;
   p.mass[i] = density * s3 * shape.volume;
   p.inertia[i] = (density * s3 * r.scale * r.scale) * shape.inertia;
-  p.fixed[i] = r.fixed;
-  p.lock_rotation[i] = r.lock_rotation;
   p.isotropic[i] = shape.isotropic ? 1 : 0;
   p.inverse_mass[i] = r.fixed ? 0.0 : 1 / p.mass[i];
   p.inverse_inertia[i] =
       r.fixed || r.lock_rotation ? Vec3{} : Vec3{1 / p.inertia[i].x, 1 / p.inertia[i].y, 1 / p.inertia[i].z};
-  p.x[i] = r.x;
-  p.x_remainder[i] = r.x_remainder;
-  p.v[i] = r.v;
-  p.L[i] = r.L;
-  p.w[i] = r.w;
-  p.q[i] = r.q;
-  p.q_remainder[i] = r.q_remainder;
-  p.force[i] = r.force;
-  p.torque[i] = r.torque;
   p.lossy_force[i] = {};
   p.lossy_torque[i] = {};
-  p.dissipated[i] = r.dissipated;
-  p.work[i] = r.work;
   p.x_listed[i] = r.x;
-  p.image[i] = r.image;
 }
 
 void wrap_positions(const Periodicity& periodicity, ParticleSet& p) {

@@ -1,41 +1,25 @@
-// Bodies of one rank: owned first, ghosts after them.
+// Bodies of one rank: owned first, ghosts after them. Every column is a line of body_columns.hpp.
 //
-// Hot state (x, q and their remainders, v, L, w) is read and written every step; accumulators (f, t) are written by the gather and
-// read by the kick; cold facts never change. When a body changes rank everything of its row travels; a ghost
-// refresh carries x, q, v, w only. Orientation is that of the principal frame: body_from_principal of the
-// shape is applied at load and undone at output.
+// Hot state (x, q and their remainders, v, L, w) is read and written every step; accumulators (force, torque) are written by the gather and
+// read by the kick; cold facts never change. Orientation is that of the principal frame: body_from_principal of the shape is applied at
+// load and undone at output.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "solver/body_columns.hpp"
 #include "solver/solver_scene.hpp"
 
 namespace scree {
 
 struct ParticleSet {
-  // cold
-  std::vector<std::int64_t> id;
-  std::vector<std::int32_t> shape, material;
-  std::vector<double> scale, radius;           ///< radius: bounding, scaled [m]
-  std::vector<double> mass, inverse_mass;      ///< inverse 0 for a fixed body
-  std::vector<Vec3> inertia, inverse_inertia;  ///< principal [kg m^2]; inverse 0 for fixed or locked bodies
-  std::vector<std::uint8_t> fixed, lock_rotation, isotropic;
-  // hot
-  std::vector<Vec3> x;        ///< centre of mass, world [m]
-  std::vector<Vec3> x_remainder;  ///< what rounding took from x, below one unit in its last place; the next drift adds it [m]
-  std::vector<Quat> q;        ///< principal frame to world
-  std::vector<Quat> q_remainder;  ///< the same of q
-  std::vector<Vec3> v;        ///< [m/s]
-  std::vector<Vec3> L;        ///< angular momentum about the centre, world [kg m^2/s]
-  std::vector<Vec3> w;        ///< angular velocity, world [rad/s]; follows from q and L
-  // accumulators
-  std::vector<Vec3> force, torque;             ///< contact and gravity, world; torque about the centre
-  std::vector<Vec3> lossy_force, lossy_torque; ///< the part from damping and friction
-  std::vector<double> dissipated;              ///< energy taken from this body by damping and friction [J]
-  std::vector<double> work;                    ///< measured work since the last cut, arbitrary unit
-  std::vector<Vec3> x_listed;                  ///< centre when the body lists were made
-  std::vector<Vec3> image;                     ///< periods gone along periodic axes, see Periodicity::wrap
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) std::vector<type> name;
+#define SCREE_COLUMN_DERIVED(type, name, what) std::vector<type> name;
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+  SCREE_BODY_DERIVED(SCREE_COLUMN_DERIVED)
+#undef SCREE_COLUMN_STATE
+#undef SCREE_COLUMN_DERIVED
 
   std::size_t owned = 0;                       ///< rows [0, owned) are ours
 
@@ -46,16 +30,33 @@ struct ParticleSet {
   void copy_row(std::size_t from, std::size_t to);
 };
 
-/// The row of a body as it travels between ranks and into checkpoints.
+/// The state of a body as it travels between ranks and into checkpoints.
 struct ParticleRecord {
-  std::int64_t id;
-  std::int32_t shape, material;
-  std::uint8_t fixed, lock_rotation, unused[6];
-  double scale;
-  Vec3 x, x_remainder, v, L, w, force, torque, image;
-  Quat q, q_remainder;
-  double dissipated, work;
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) type name;
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+#undef SCREE_COLUMN_STATE
 };
+
+/// A column of the state, for what goes over all of them.
+template <class T>
+struct BodyColumn {
+  using Value = T;
+  const char* name;
+  const char* dataset;
+  const char* unit;
+  unsigned uses;
+  std::vector<T> ParticleSet::*column;
+  T ParticleRecord::*field;
+};
+
+/// Calls action(BodyColumn) for every column of the state, in the order of the table.
+template <class Action>
+constexpr void for_each_body_column(Action&& action) {
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) \
+  action(BodyColumn<type>{#name, dataset, unit, uses, &ParticleSet::name, &ParticleRecord::name});
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+#undef SCREE_COLUMN_STATE
+}
 
 ParticleRecord record_of(const ParticleSet& p, std::size_t i);
 /// Appends a row; mass, inertia and radius follow from shape, scale and material.

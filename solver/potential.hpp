@@ -31,7 +31,7 @@ struct PairMotion {
   Quat turn;                             ///< the same rotation, B to A
   bool independent = false;              ///< gather = "pairs": `cells` holds one for every feature
   const AreaContact* area = nullptr;     ///< gather = "area": the layer between two meshes, patches as the features
-  const std::vector<CellShare>* cells = nullptr;  ///< B is a wall with cells: one potential for each
+  const std::vector<CellShare>* cells = nullptr;  ///< A or B has cells (SolverShape::cell_size, of a wall or a free body): one potential for each
   double radius = 0;                     ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
 };
 

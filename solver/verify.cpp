@@ -63,28 +63,33 @@ struct Differences {
   }
 };
 
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-std::string describe(std::int64_t body, const char* field, std::span<const double> recorded, std::span<const double> found) {
-  const auto list = [](std::span<const double> values) {
-    std::string text;
-    for (const double v : values) text += fmt::format("{}{:.17g}", text.empty() ? "" : " ", v);
-    return text;
-  };
-  return fmt::format("body {}, {}: recorded {}, found {}", body, field, list(recorded), list(found));
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
 std::span<const double> numbers(const Vec3& v) { return {&v.x, 3}; }
 std::span<const double> numbers(const Quat& q) { return {&q.w, 4}; }
 std::span<const double> numbers(const double& d) { return {&d, 1}; }
 
+std::string text_of(std::span<const double> values) {
+  std::string text;
+  for (const double v : values) text += fmt::format("{}{:.17g}", text.empty() ? "" : " ", v);
+  return text;
+}
+template <class T>
+std::string text_of(const T& value) {
+  if constexpr (std::is_integral_v<T>) return fmt::format("{}", value);
+  else return text_of(numbers(value));
+}
+
 /// Notes the first field that differs, if any. Fields come as (name, recorded, found).
 template <class... Fields>
 void compare_fields(std::int64_t body, Differences& differences, const Fields&... fields) {
   bool told = false;
   const auto compare = [&](const char* name, std::span<const double> recorded, std::span<const double> found) {
-    if (told || std::equal(recorded.begin(), recorded.end(), found.begin(), same_bits)) return;
-    differences.add(body, describe(body, name, recorded, found));
+    if (told || std::equal(recorded.begin(), recorded.end(), found.begin(), same_bits<double>)) return;
+    differences.add(body, fmt::format("body {}, {}: recorded {}, found {}", body, name, text_of(recorded), text_of(found)));
     told = true;
   };
   (std::apply(compare, fields), ...);
@@ -146,9 +151,12 @@ Differences compare_with_checkpoint(const Checkpoint& now, const Checkpoint& rec
   Differences differences;
   match_bodies(ids_of(recorded.bodies), ids_of(now.bodies), differences, [&](std::size_t i, std::size_t j) {
     const ParticleRecord &a = recorded.bodies[i], &b = now.bodies[j];
-    compare_fields(b.id, differences, field("position", a.x, b.x), field("remainder of position", a.x_remainder, b.x_remainder), field("periods gone", a.image, b.image), field("orientation", a.q, b.q), field("remainder of orientation", a.q_remainder, b.q_remainder),
-                   field("velocity", a.v, b.v), field("angular momentum", a.L, b.L), field("angular velocity", a.w, b.w), field("force", a.force, b.force),
-                   field("torque", a.torque, b.torque), field("dissipated energy", a.dissipated, b.dissipated));
+    bool told = false;
+    for_each_body_column([&](const auto& c) {
+      if (told || (c.uses & kMeasured) || same_bits(a.*c.field, b.*c.field)) return;
+      told = true;
+      differences.add(b.id, fmt::format("body {}, {}: recorded {}, found {}", b.id, c.dataset, text_of(a.*c.field), text_of(b.*c.field)));
+    });
   });
   // springs in the order of their pairs; the first that differs is that of the lower body
   const std::size_t pairs = std::max(recorded.springs.size(), now.springs.size());

@@ -15,24 +15,19 @@ namespace {
 
 using namespace scree;
 
-struct Fields {
-  std::vector<Vec3> x, v, w;
-  std::vector<Quat> q;
-  explicit Fields(std::size_t n) : x(n, Vec3{1, 2, 3}), v(n), w(n), q(n) {}
-};
 struct Record {
   Vec3 x, v, w;
   Quat q;
 };
 
-void pack_records(const Fields& p, const std::vector<std::int32_t>& rows, char* buffer) {
+void pack_records(const ParticleSet& p, const std::vector<std::int32_t>& rows, char* buffer) {
   auto* out = reinterpret_cast<Record*>(buffer);
   for (const std::int32_t row : rows) {
     const auto i = static_cast<std::size_t>(row);
     *out++ = {p.x[i], p.v[i], p.w[i], p.q[i]};
   }
 }
-void unpack_records(Fields& p, std::size_t first, std::size_t count, const char* buffer) {
+void unpack_records(ParticleSet& p, std::size_t first, std::size_t count, const char* buffer) {
   const auto* in = reinterpret_cast<const Record*>(buffer);
   for (std::size_t k = 0; k < count; ++k) {
     p.x[first + k] = in[k].x;
@@ -59,7 +54,8 @@ int main(int argc, char** argv) {
   const auto argument = [&](int k, int otherwise) { return argc > k ? std::atoi(argv[k]) : otherwise; };
   const auto ghosts = static_cast<std::size_t>(argument(1, 2000)), bodies = static_cast<std::size_t>(argument(2, 10000));
   const int repeats = argument(3, 300);
-  Fields p(bodies + ghosts);
+  ParticleSet p;
+  p.resize(bodies + ghosts);
   std::vector<char> buffer(ghosts * sizeof(Record));
   std::fputs("layout,rows,ghosts,pack_ns,unpack_ns\n", stdout);
   for (const bool scattered : {false, true}) {
