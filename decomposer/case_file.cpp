@@ -112,11 +112,6 @@ void read_settings(const CaseTable& top, Case& c) {
                        .word_or("integrator", s.integrator, {"kdk-dlm", "rig", "spiral", "midpoint", "euler"},
                                 {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
   }
-  if (top.has("distance")) {
-    const CaseTable distance = top.table("distance", {"method", "precision"});
-    s.distance_method = distance.word_or("method", s.distance_method, {"brute-force", "penalty", "hybrid"}, {"brute-force"});
-    s.distance_precision = distance.word_or("precision", s.distance_precision, {"double", "mixed"}, {"double", "mixed"});
-  }
   s.output_every = s.duration / 100;
   if (top.has("output")) {
     const CaseTable output = top.table("output", {"every", "contacts", "checkpoint"});
@@ -297,8 +292,12 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
     throw UsageError("{}:{}:{}: {}", path, e.source().begin.line, e.source().begin.column, e.description());
   }
   apply_settings(file, changes);
+  if (const toml::node* removed = file.get("distance")) {
+    throw UsageError("{}:{}: [distance] is no longer part of the case language: the solver has one exact distance, in double precision. Remove it",
+                     path, removed->source().begin.line);
+  }
   const CaseTable top(file, path, "", {"title", "seed", "gravity", "time", "domain", "fluid", "shapes", "materials", "pairs", "contact", "motion",
-                                       "distance", "bodies", "populations", "walls", "output"}, reads);
+                                       "bodies", "populations", "walls", "output"}, reads);
   Case c;
   c.path = path;
   c.sha256 = sha256_of_bytes(text.data(), text.size());

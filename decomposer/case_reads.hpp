@@ -1,4 +1,4 @@
-// What the reader of a case asked of its tables: the case language as it is read, for its schema (case_schema.hpp).
+// What the reader of a case asked of its tables: the case language as it is read, for its schema (schema/print_reads.cpp).
 #pragma once
 
 #include <string>

@@ -23,7 +23,7 @@ inline constexpr double kEnergyDoubtful = 0.05;
 inline constexpr double kDepthDoubtful = 0.8;     ///< depth over margin; at 1 the surfaces themselves would touch
 inline constexpr double kRestKinetic = 1e-6;      ///< kinetic energy over its peak
 inline constexpr double kStepGood = 0.2;          ///< step over the critical step of the contacts: where energies hold to a per cent
-inline constexpr double kStepDoubtful = 0.5;      ///< above it the solver refuses a step that is given
+inline constexpr double kStepDoubtful = 0.5;      ///< above it energies err by per cents; the solver refuses a given step only above kMostCritical (solver/step_size.hpp)
 inline constexpr double kImbalanceGood = 1.3;     ///< largest over mean work of the ranks; more costs time, never correctness
 
 std::vector<Verdict> judge(const Run& run);

@@ -146,7 +146,6 @@ struct Settings {
   double impact_speed = 0;                   ///< [m/s] of the fastest impact expected; 0 when not known
   double margin = 0;                         ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
   std::string integrator = "kdk-dlm";
-  std::string distance_method = "brute-force", distance_precision = "mixed";
   double output_every = 0;                   ///< [s]
   bool output_contacts = true;
   double checkpoint_every = 0;               ///< [s], 0: by the clock, or only at the end

@@ -107,8 +107,6 @@ Settings read_settings(const JsonObject& o) {
   if (o.has("impact_speed")) s.impact_speed = o.at_least("impact_speed", 0);
   s.margin = o.at_least("margin", 0);
   s.integrator = o.one_of("integrator", {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
-  s.distance_method = o.one_of("distance_method", {"brute-force", "penalty", "hybrid"});
-  s.distance_precision = o.one_of("distance_precision", {"double", "mixed"});
   s.output_every = o.at_least("output_every", 0);
   s.output_contacts = o.boolean("output_contacts");
   s.checkpoint_every = o.at_least("checkpoint_every", 0);
@@ -216,8 +214,6 @@ json settings_json(const Scene& scene) {
   t["barrier"] = s.barrier;
   t["margin"] = s.margin;
   t["integrator"] = s.integrator;
-  t["distance_method"] = s.distance_method;
-  t["distance_precision"] = s.distance_precision;
   t["output_every"] = s.output_every;
   t["output_contacts"] = s.output_contacts;
   t["checkpoint_every"] = s.checkpoint_every;

@@ -274,7 +274,7 @@ TEST(CaseFile, names_that_do_not_exist_are_refused_with_the_nearest) {
 
 TEST(CaseFile, what_is_not_built_yet_is_refused_with_what_is) {
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"liniar\""), {"did you mean 'linear'"});
-  expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"not available", "brute-force"});
+  expect_refusal(kCase + "[distance]\nmethod = \"penalty\"\n", {"no longer part", "Remove it"});
   expect_refusal(kCase + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"w\"]\n", {"periodic", "expected \"x\""});
   expect_refusal(kCase + "[domain]\nperiodic = [\"x\"]\n", {"periodic", "needs min and max"});
 }

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/base/error.hpp"
-#include "core/distance/distance_methods.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "tests/distance/exact_oracle.hpp"
 #include "tests/distance/families.hpp"
 

@@ -1,7 +1,7 @@
 // Distances from indices into placed shapes, against the same triangles placed one by one in double precision.
 #include <gtest/gtest.h>
 
-#include "core/distance/indexed_distance.hpp"
+#include "tests/benchmarks/distance/methods/indexed_distance.hpp"
 #include "tests/distance/triangle_pairs.hpp"
 
 namespace scree {

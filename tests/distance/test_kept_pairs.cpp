@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/distance/kept_pairs.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "tests/benchmarks/candidates/all_pairs.hpp"
 #include "tests/benchmarks/candidates/trajectories.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "core/distance/kept_pairs.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "tests/benchmarks/candidates/all_pairs.hpp"
 #include "tests/benchmarks/candidates/trajectories.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <functional>
 
-#include "core/distance/distance_methods.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "core/distance/triangle_intersection.hpp"
 #include "tests/distance/exact_oracle.hpp"
 #include "tests/distance/families.hpp"

@@ -213,7 +213,6 @@ TEST(Restitution, a_run_in_which_damping_gives_energy_back_ends) {
   std::filesystem::remove_all(folder);
 }
 
-// C2: restitution as asked at the speed given, and by alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)) at others.
 // The barrier ends smoothly at its reach, its force and curvature are derivatives, and it diverges as -ln(gap).
 TEST(Barrier, is_twice_continuous_and_has_no_end) {
   PairLaw law;
@@ -231,6 +230,7 @@ TEST(Barrier, is_twice_continuous_and_has_no_end) {
   EXPECT_FALSE(barrier.acts(2));
 }
 
+// C2: restitution as asked at the speed given, and by alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)) at others.
 TEST(HuntCrossleyLaw, has_the_restitution_of_the_closed_form_at_any_speed) {
   const double table[][2] = {{.1, 9.998159}, {.2, 4.919167}, {.3, 3.087082}, {.5, 1.432751}, {.7, .634828}, {.8, .373146}, {.9, .166482}, {.95, .078927}};
   for (const auto& row : table) EXPECT_NEAR(hunt_crossley_number_of_restitution(row[0]), row[1], 1e-6);

@@ -8,7 +8,7 @@ import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, children, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, Skipped, children, main, make_killed, outcome, physics_of_log, run  # noqa: E402
 
 
 def same_state_for_any_ranks_and_threads():
@@ -122,12 +122,10 @@ def a_scene_that_one_rank_cannot_read_ends_all_ranks():
 
 def a_full_disk_is_an_error_and_leaves_no_broken_file():
     if os.geteuid() != 0:
-        print("skipped: mounting a small tmpfs needs root")
-        return
+        raise Skipped("mounting a small tmpfs needs root")
     os.mkdir("small")
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", "small"], capture_output=True).returncode != 0:
-        print("skipped: this machine does not allow mounting a tmpfs")
-        return
+        raise Skipped("this machine does not allow mounting a tmpfs")
     try:
         subprocess.run([PILE, "64", "0.2", "pile.scene.h5"], check=True)
         result = run(2, "pile.scene.h5", "-o", "small/full.run", expect=4)

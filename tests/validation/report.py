@@ -102,18 +102,14 @@ class Report:
 
 
 def row_of(case, run, walls=None, **errors):
-    settings, provenance = run.record["settings"], run.record["provenance"]
-    words = run.case.tables if run.case else {}
+    settings, provenance = run.record["settings"]["settings"], run.record["provenance"]
     energy = run.energy()
     phases = run.record["phases"]
     row = dict.fromkeys(COLUMNS, "")
     row.update(case=case, commit=provenance["git"][:12] + ("+" if provenance["git_dirty"] else ""), compiler=provenance["compiler"],
                isa=provenance["instruction_set"], threads=run.record["threads"], ranks=run.record["ranks"],
-               precision=settings.get("precision", words.get("distance", {}).get("precision", "mixed")),
-               integrator=settings.get("integrator", words.get("motion", {}).get("integrator", "kdk-dlm")),
-               law=settings.get("law", words.get("contact", {}).get("law", "linear")),
-               ttd=settings.get("distance_method", words.get("distance", {}).get("method", "brute-force")),
-               steps_per_contact=settings.get("steps_per_contact", ""), step=run.step, margin=settings.get("margin", ""),
+               precision="double", integrator=settings["integrator"], law=settings["law"], ttd="brute-force",  # the solver has one exact distance
+               steps_per_contact=settings["steps_per_contact"], step=run.step, margin=settings["margin"],
                triangles=sum(len(mesh[1]) for mesh in run.case.solids.values()) if run.case else "", steps=run.steps,
                contacts_per_step=f"{numpy.mean(run.log['contacts']):.4g}", wall_median=numpy.median(walls or [run.wall_seconds]),
                wall_min=min(walls or [run.wall_seconds]), max_depth_ratio=run.max_depth_ratio)

@@ -101,13 +101,13 @@ class Case:
     """The words of one case file. Keyword arguments of the constructor go to [time], [contact], [motion], [output]."""
 
     def __init__(self, name, duration, step=None, steps_per_contact=None, gravity=(0, 0, 0), margin=None, law=None, gather=None,
-                 integrator=None, precision=None, method=None, every=None, contacts=False, seed=0, domain=None, time=None, contact=None):
+                 integrator=None, every=None, contacts=False, seed=0, domain=None, time=None, contact=None):
         self.name = name
         self.top = {"title": name, "seed": seed, "gravity": list(gravity)}
-        self.tables = {"time": {"duration": duration}, "contact": {}, "motion": {}, "distance": {}, "output": {"contacts": contacts}}
+        self.tables = {"time": {"duration": duration}, "contact": {}, "motion": {}, "output": {"contacts": contacts}}
         for table, key, value in [("time", "step", step), ("time", "steps_per_contact", steps_per_contact), ("contact", "margin", margin),
                                   ("contact", "law", law), ("contact", "gather", gather), ("motion", "integrator", integrator),
-                                  ("distance", "precision", precision), ("distance", "method", method), ("output", "every", every)]:
+                                  ("output", "every", every)]:
             if value is not None:
                 self.tables[table][key] = value
         self.tables["contact"]["relax"] = False  # many cases start pressed as in equilibrium

@@ -268,22 +268,6 @@ def x19(tools, table):
         table.refusal("gap of 5e-324 m", error)
 
 
-@case("X23", "single precision as filter")
-def x23(tools, table):
-    ends = {}
-    for precision in ("mixed", "double"):
-        c = simple("X23", 1.0, 2e4, e=.4, mu=.4, density=1.0, gravity=(0, 0, -G), margin=.01, steps_per_contact=20, every=.25, precision=precision)
-        c.mesh("rock", meshes.rock(3, 2))
-        c.mesh("rock2", meshes.rock(5, 1))
-        for i in range(4):
-            c.body("rock" if i % 2 else "rock2", "m", (1000 + .2 * (i % 2), 1000, .9 + 1.5 * i), orientation=quaternion((1, i, 2), .5 * i))
-        c.floor()
-        run = c.run(tools)
-        ends[precision] = run.record["state_hash"], run.x
-    same = ends["mixed"][0] == ends["double"][0]
-    table.truth("four rocks in a heap, 1000 L from the origin: mixed against double", same, "the same bits" if same else f"differ by {numpy.abs(ends['mixed'][1] - ends['double'][1]).max():.2g} m")
-
-
 @case("X24", "faces that touch exactly at the start")
 def x24(tools, table):
     for relax in (False, True):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures error against run time for what a user can choose. usage: measure.py STUDY BIN OUT [--repeats 5]
 
-STUDY is one of: integrators, impact, collision, mesh, margin, precision, drift. Writes OUT/STUDY.csv (one row per setting,
+STUDY is one of: integrators, impact, collision, mesh, margin, drift. Writes OUT/STUDY.csv (one row per setting,
 columns of VALIDATION 4.5) and OUT/STUDY.json (what the plots draw). The time of a setting is that of its steps, output
 left out, the least of all repeats (the median is in the CSV); repeats of all settings of a study are interleaved, so that a
 busy machine spoils all alike.
@@ -217,28 +217,6 @@ def margin(study):
             study.add(make, error, case="corner", curve=f"{steps} steps a contact", margin=share)
 
 
-def precision(study):
-    """A small heap of rocks by precision of the filter, and by method where there is a choice: time, and whether the bits agree."""
-    rocks = [meshes.rock(i, 2) for i in (3, 4)]
-    states = {}
-    for name, method in (("mixed", "brute-force"), ("double", "brute-force"), ("mixed", "hybrid"), ("mixed", "penalty")):
-        def make(name=name, method=method):
-            c = Case(f"precision-{name}-{method}", duration=.5, steps_per_contact=20, gravity=(0, 0, -9.81), margin=.01, every=.5, precision=name, method=method)
-            for i, body in enumerate(rocks):
-                c.mesh(f"rock{i}", body)
-            c.material("m", 10.0)
-            c.pair_all(stiffness=1e5, restitution=.4, friction=.4)
-            for i in range(27):
-                c.body(f"rock{i % 2}", "m", (1.35 * (i % 3), 1.35 * (i // 3 % 3), .9 + 1.35 * (i // 9)), orientation=quaternion((1 + i % 4, i % 3, 2), .7 * i))
-            c.wall({"box_inside": [[-.9, -.9, 0], [3.6, 3.6, 9]]}, "m")
-            return c
-
-        def error(run, key=(name, method)):
-            states[key] = run.x[-1]
-            return {"error_traj": numpy.abs(run.x[-1] - states["mixed", "brute-force"]).max(), "hash": run.record["state_hash"]}
-        study.add(make, error, case="heap", curve=f"{name}, {method}")
-
-
 def drift(study):
     """Energy error over time: free rotation over the middle axis, and a cube that bounces for ever."""
     for name in INTEGRATORS:
@@ -274,7 +252,7 @@ def drift(study):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    studies = {f.__name__: f for f in (integrators, impact, collision, mesh, margin, precision, drift)}
+    studies = {f.__name__: f for f in (integrators, impact, collision, mesh, margin, drift)}
     parser.add_argument("study", choices=studies)
     parser.add_argument("bin")
     parser.add_argument("out")

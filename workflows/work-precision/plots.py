@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the plots P1, P2, P4, P5, P6, P8 of VALIDATION 4.5. usage: plots.py FOLDER (reads *.json and fronts/, writes P*.svg and P*.png)
+"""Draws the plots P1, P2, P4, P5, P8 of VALIDATION 4.5. usage: plots.py FOLDER (reads *.json and fronts/, writes P*.svg and P*.png)
 
 The front of a plot: settings for which no other is both faster and more exact, as scree-post error-vs-time finds them; marked by a
 grey line and rings.
@@ -148,21 +148,6 @@ def p5():
     save(figure, "P5")
 
 
-def p6():
-    rows = load("precision")
-    figure, axes = plt.subplots(figsize=(6.4, 3.2))
-    names = [row["curve"] for row in rows]
-    base = rows[0]["seconds"]
-    axes.barh(names, [row["seconds"] / base for row in rows], color=COLOURS[:len(rows)])
-    for i, row in enumerate(rows):
-        same = "the same bits" if row["hash"] == rows[0]["hash"] else f"differs by {row['error_traj']:.1g} m"
-        axes.text(.02, i, f"{same}; {row['seconds'] * 1e6 / row['steps'] / 27:.2f} us a body and step", va="center", color="white", fontsize=8)
-    axes.invert_yaxis()
-    axes.set_xlabel("time over that of the default")
-    axes.set_title("27 rocks of 320 triangles, 0.5 s of settling")
-    save(figure, "P6")
-
-
 def p8():
     rows = load("drift")
     cases = list(dict.fromkeys(row["case"] for row in rows))
@@ -186,5 +171,5 @@ def table():
         file.write("\n".join(lines) + "\n")
 
 
-for part in (p1_p2, p4, p5, p6, p8, table):
+for part in (p1_p2, p4, p5, p8, table):
     part()

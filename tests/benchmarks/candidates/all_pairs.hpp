@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "core/distance/kept_pairs.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "core/distance/mesh_distance.hpp"
 
 namespace scree {

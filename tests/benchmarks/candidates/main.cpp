@@ -7,7 +7,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
-#include "core/distance/kept_pairs.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "core/geometry/features.hpp"
 #include "core/search/multilevel_grid.hpp"
 #include "tests/benchmarks/candidates/all_pairs.hpp"

@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 #include "core/distance/batch-inl.hpp"
-#include "core/distance/penalty-inl.hpp"
+#include "tests/benchmarks/distance/methods/penalty-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {

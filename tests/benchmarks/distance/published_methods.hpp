@@ -12,7 +12,7 @@
 //   1e-8 sends the whole batch to brute force.
 #pragma once
 
-#include "core/distance/distance_methods.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 
 namespace scree {
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
-#include "core/distance/indexed_distance.hpp"
+#include "tests/benchmarks/distance/methods/indexed_distance.hpp"
 #include "tests/benchmarks/distance/published_methods.hpp"
 #include "tests/distance/exact_oracle.hpp"
 

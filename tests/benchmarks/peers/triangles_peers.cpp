@@ -12,7 +12,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
-#include "core/distance/distance_methods.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "tests/benchmarks/distance/regimes.hpp"
 #include "tests/benchmarks/peers/peer_scene.hpp"
 #include "tests/benchmarks/peers/rounds.hpp"

@@ -1,10 +1,10 @@
 // Rows of triangles into batches, for every SIMD target. Compiled for the baseline instruction set only.
-#include "core/distance/indexed_distance.hpp"
+#include "tests/benchmarks/distance/methods/indexed_distance.hpp"
 
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/distance/indexed_distance.cpp"
+#define HWY_TARGET_INCLUDE "tests/benchmarks/distance/methods/indexed_distance.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -1,7 +1,7 @@
 // The list, and its loops in SIMD for every target (see mesh_descent.cpp).
 //
 // The file must be compiled for the baseline instruction set: never with -march=native.
-#include "core/distance/kept_pairs.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include "core/distance/mesh_descent.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/distance/kept_pairs.cpp"
+#define HWY_TARGET_INCLUDE "tests/benchmarks/distance/methods/kept_pairs.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

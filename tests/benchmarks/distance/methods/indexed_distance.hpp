@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/distance/distance_methods.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "core/distance/mesh_distance.hpp"
 
 namespace scree {

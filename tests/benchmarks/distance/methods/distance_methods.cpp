@@ -1,7 +1,7 @@
 // The three methods over batches, for every SIMD target (see triangle_distance.cpp for the dispatch).
 //
 // The file must be compiled for the baseline instruction set: never with -march=native.
-#include "core/distance/distance_methods.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,12 +9,12 @@
 #include "core/base/error.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/distance/distance_methods.cpp"
+#define HWY_TARGET_INCLUDE "tests/benchmarks/distance/methods/distance_methods.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "core/distance/batch-inl.hpp"
-#include "core/distance/penalty-inl.hpp"
+#include "tests/benchmarks/distance/methods/penalty-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
