@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <tuple>
 #include <type_traits>
+#include <unordered_set>
 
 #include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
@@ -14,38 +15,35 @@ namespace scree {
 
 namespace {
 
-/// A friction spring with the pair it belongs to, as a row of a table.
-struct SpringRow {
-  std::int64_t a, b, zone, feature;
-  Vec3 force;
-  double stiffness;
+/// A row of the state of a pair, as it lies in the file.
+template <class Row>
+struct PairRow {
+  std::int64_t a, b, zone;
+  Row row;
+  PairKey key() const { return {a, b, static_cast<std::int32_t>(zone)}; }
 };
 
-// The columns of the springs, for writer, reader and the estimate of space alike; those of bodies are in body_columns.hpp.
-template <class Action>
-void for_each_spring_column(Action&& action) {
-  action("a", "", &SpringRow::a);
-  action("b", "", &SpringRow::b);
-  action("zone", "", &SpringRow::zone);
-  action("feature", "", &SpringRow::feature);
-  action("force", "N", &SpringRow::force);
-  action("stiffness", "N/m", &SpringRow::stiffness);
-}
-
-/// What is asked of each column by write_columns, read_columns and bytes_per_row.
-template <class Row>
-struct Columns;
-template <>
-struct Columns<ParticleRecord> {
+// The columns of a table as visit(action), action(dataset, unit, value_of), for writer, reader and the estimate of space alike.
+// value_of(row) refers to the value, of a constant row or of one that is read. The tables themselves are body_columns.hpp and pair_state.hpp.
+struct BodyTableColumns {
+  using Item = ParticleRecord;
   template <class Action>
   static void visit(Action&& action) {
-    for_each_body_column([&](const auto& c) { action(c.dataset, c.unit, c.field); });
+    for_each_body_column([&](const auto& c) { action(c.dataset, c.unit, [field = c.field](auto& row) -> auto& { return row.*field; }); });
   }
 };
-template <>
-struct Columns<SpringRow> {
+template <class Row>
+struct PairTableColumns {
+  using Item = PairRow<Row>;
   template <class Action>
-  static void visit(Action&& action) { for_each_spring_column(action); }
+  static void visit(Action&& action) {
+    action("a", "", [](auto& row) -> auto& { return row.a; });
+    action("b", "", [](auto& row) -> auto& { return row.b; });
+    action("zone", "", [](auto& row) -> auto& { return row.zone; });
+    PairKind<Row>::visit([&](const char* name, const char* unit, auto field) {
+      action(name, unit, [field](auto& row) -> auto& { return row.row.*field; });
+    });
+  }
 };
 
 /// The numbers of a record with their names, for writer and reader alike.
@@ -90,79 +88,98 @@ void read_record(const h5::Group& group, RunRecord& record) {
   });
 }
 
-template <class Row>
+template <class Columns>
 std::int64_t bytes_per_row() {
   std::size_t bytes = 0;
-  Columns<Row>::visit([&](const char*, const char*, auto member) { bytes += sizeof(Row{}.*member); });
+  const typename Columns::Item row{};
+  Columns::visit([&](const char*, const char*, auto value_of) { bytes += sizeof(value_of(row)); });
   return static_cast<std::int64_t>(bytes);
 }
 
-template <class Row>
-void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<Row>& mine, Rows rows) {
-  Columns<Row>::visit([&](const char* name, const char* unit, auto member) {
-    std::vector<std::decay_t<decltype(Row{}.*member)>> values;
+template <class Columns>
+void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<typename Columns::Item>& mine, Rows rows) {
+  Columns::visit([&](const char* name, const char* unit, auto value_of) {
+    std::vector<std::decay_t<decltype(value_of(mine[0]))>> values;
     values.reserve(mine.size());
-    for (const Row& r : mine) values.push_back(r.*member);
+    for (const auto& row : mine) values.push_back(value_of(row));
     file.write(group, name, values, rows, unit);
   });
 }
 
 /// This rank's part of the rows, as they lie in the file.
-template <class Row>
-std::vector<Row> read_columns(const mpi::Communicator& comm, const h5::Group& group, const char* first_column) {
+template <class Columns>
+std::vector<typename Columns::Item> read_columns(const mpi::Communicator& comm, const h5::Group& group, const char* first_column) {
   const std::int64_t total = group.row_count(first_column);
   const std::int64_t first = total * comm.rank() / comm.size(), last = total * (comm.rank() + 1) / comm.size();
-  std::vector<Row> rows(static_cast<std::size_t>(last - first), Row{});
-  Columns<Row>::visit([&](const char* name, const char*, auto member) {
-    using Value = std::decay_t<decltype(Row{}.*member)>;
+  std::vector<typename Columns::Item> rows(static_cast<std::size_t>(last - first), typename Columns::Item{});
+  Columns::visit([&](const char* name, const char*, auto value_of) {
+    using Value = std::decay_t<decltype(value_of(rows[0]))>;
     const std::vector<Value> values = group.read_rows<Value>(name, first, last - first);
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*member = values[i];
+    for (std::size_t i = 0; i < rows.size(); ++i) value_of(rows[i]) = values[i];
   });
   return rows;
 }
 
-/// The rank whose share holds a body (see in_share). Ids count from 0 without gaps, so the shares are even, and nobody needs a
-/// directory to find a body.
+/// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
 std::size_t home_rank(std::int64_t id, int ranks) { return static_cast<std::size_t>(id % ranks); }
 
-/// Own bodies, and the springs of the pairs that count here.
-void collect_state(const Simulation& simulation, std::vector<ParticleRecord>& bodies, std::vector<SpringRow>& springs) {
+/// Own bodies, and the state of the pairs that count here: those listed, and those that wait while their bodies are apart.
+void collect_state(const Simulation& simulation, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
   const ParticleSet& p = simulation.particles();
   for (std::size_t i = 0; i < p.owned; ++i) bodies.push_back(record_of(p, i));
   for (const BodyPair& pair : simulation.pairs().pairs()) {
-    if (!counts_here(pair, p)) continue;
-    for (const FrictionSpring& s : pair.springs) springs.push_back({pair.key.a, pair.key.b, pair.key.zone, s.key, s.force, s.stiffness});
+    if (counts_here(pair, p) && !pair.state.empty()) states.push_back({pair.key, pair.state});
+  }
+  const std::vector<WaitingState>& waiting = simulation.pairs().waiting();
+  if (waiting.empty()) return;
+  const std::unordered_set<std::int64_t> owned(p.id.begin(), p.id.begin() + static_cast<std::ptrdiff_t>(p.owned));
+  for (const WaitingState& w : waiting) {
+    if (owned.contains(w.key.a)) states.push_back(w);
   }
 }
 
-/// Sends rows to the ranks whose shares they belong to. Collective.
-void share_out(const mpi::Communicator& comm, const std::vector<ParticleRecord>& bodies, const std::vector<SpringRow>& springs, Checkpoint& c) {
+/// Sends bodies and state to the ranks whose shares they belong to. Collective.
+void share_out(const mpi::Communicator& comm, const std::vector<ParticleRecord>& bodies, const std::vector<WaitingState>& states, Checkpoint& c) {
   const auto ranks = static_cast<std::size_t>(comm.size());
   std::vector<std::vector<ParticleRecord>> bodies_to(ranks);
   for (const ParticleRecord& r : bodies) bodies_to[home_rank(r.id, comm.size())].push_back(r);
   for (const auto& block : comm.exchange(bodies_to)) c.bodies.insert(c.bodies.end(), block.begin(), block.end());
   std::sort(c.bodies.begin(), c.bodies.end(), [](const auto& l, const auto& r) { return l.id < r.id; });
 
-  std::vector<std::vector<SpringRow>> springs_to(ranks);
-  for (const SpringRow& s : springs) {
-    const std::size_t first = home_rank(s.a, comm.size());
-    springs_to[first].push_back(s);
-    const bool two_bodies = s.zone < 0;
-    if (two_bodies && home_rank(s.b, comm.size()) != first) springs_to[home_rank(s.b, comm.size())].push_back(s);
-  }
-  std::vector<SpringRow> mine;
-  for (const auto& block : comm.exchange(springs_to)) mine.insert(mine.end(), block.begin(), block.end());
-  std::sort(mine.begin(), mine.end(), [](const SpringRow& l, const SpringRow& r) {
-    return std::tie(l.a, l.b, l.zone, l.feature) < std::tie(r.a, r.b, r.zone, r.feature);
+  for_each_kind(PairState{}, [&](const auto& kind) {
+    using Row = typename std::decay_t<decltype(kind)>::value_type;
+    std::vector<std::vector<KeyedRow<Row>>> rows_to(ranks);
+    for (const KeyedRow<Row>& r : keyed_rows<Row>(states)) {
+      const std::size_t first = home_rank(r.key.a, comm.size());
+      rows_to[first].push_back(r);
+      const bool two_bodies = r.key.zone < 0;
+      if (two_bodies && home_rank(r.key.b, comm.size()) != first) rows_to[home_rank(r.key.b, comm.size())].push_back(r);
+    }
+    // rows of a file come in any order: those of one pair may come from several ranks
+    std::vector<KeyedRow<Row>> mine;
+    for (const auto& block : comm.exchange(rows_to)) mine.insert(mine.end(), block.begin(), block.end());
+    std::sort(mine.begin(), mine.end(), [](const auto& l, const auto& r) { return std::tie(l.key, l.row.key) < std::tie(r.key, r.row.key); });
+    add_rows(mine, c.states);
   });
-  for (const SpringRow& s : mine) {
-    const PairKey key{s.a, s.b, static_cast<std::int32_t>(s.zone)};
-    if (c.springs.empty() || c.springs.back().key != key) c.springs.push_back({key, {}});
-    c.springs.back().springs.push_back({s.feature, s.force, s.stiffness});
-  }
+  merge(c.states);
 }
 
-void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<ParticleRecord>& bodies, std::vector<SpringRow>& springs) {
+/// The state of a table, one entry for each row: share_out() puts those of one pair together.
+template <class Row>
+void read_states(const mpi::Communicator& comm, const h5::Group& root, std::vector<WaitingState>& states) {
+  std::vector<KeyedRow<Row>> rows;
+  for (const auto& r : read_columns<PairTableColumns<Row>>(comm, root.open_group(PairKind<Row>::kGroup), "a")) rows.push_back({r.key(), r.row});
+  add_rows(rows, states);
+}
+
+template <class Row>
+std::vector<PairRow<Row>> table_of(const std::vector<WaitingState>& states) {
+  std::vector<PairRow<Row>> rows;
+  for (const KeyedRow<Row>& r : keyed_rows<Row>(states)) rows.push_back({r.key.a, r.key.b, r.key.zone, r.row});
+  return rows;
+}
+
+void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
   const h5::File file(c.path);
   const h5::Group& root = file.root();
   check_format(root, kCheckpointFormat, kCheckpointFormatVersion);
@@ -185,8 +202,8 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(i * ExactSum::kWords), ExactSum::kWords, sum.begin());
     c.totals.sums[i].set_words(sum);
   }
-  bodies = read_columns<ParticleRecord>(comm, root.open_group("bodies"), "id");
-  springs = read_columns<SpringRow>(comm, root.open_group("springs"), "a");
+  bodies = read_columns<BodyTableColumns>(comm, root.open_group("bodies"), "id");
+  for_each_kind(PairState{}, [&](const auto& kind) { read_states<typename std::decay_t<decltype(kind)>::value_type>(comm, root, states); });
 }
 
 }  // namespace
@@ -194,8 +211,8 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
 void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder,
                       const Checkpoint& so_far, const nlohmann::json& provenance) {
   std::vector<ParticleRecord> bodies;
-  std::vector<SpringRow> springs;
-  collect_state(simulation, bodies, springs);
+  std::vector<WaitingState> states;
+  collect_state(simulation, bodies, states);
   const RunTotals totals = simulation.totals();
   std::vector<std::int64_t> words;
   for (const ExactSum& sum : totals.sums) {
@@ -212,9 +229,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   mpi::on_all(comm, [&] {
     const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
     const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
-    const Rows spring_rows = distribute(comm.get(), static_cast<std::int64_t>(springs.size()));
-    const std::int64_t bytes = body_rows.total * bytes_per_row<ParticleRecord>() + spring_rows.total * bytes_per_row<SpringRow>() +
-                               static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
+    std::int64_t bytes = body_rows.total * bytes_per_row<BodyTableColumns>() + static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
+    for_each_kind(PairState{}, [&](const auto& kind) {
+      using Row = typename std::decay_t<decltype(kind)>::value_type;
+      bytes += comm.sum(static_cast<std::int64_t>(keyed_rows<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
+    });
     CollectiveFile file(comm.get(), folder + "/" + checkpoint_name(simulation.step()), bytes, CollectiveFile::Kind::checksummed);
     {
       const h5::Group& root = file.root();
@@ -235,8 +254,13 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       const auto sums = static_cast<std::int64_t>(totals.sums.size());  // the same on every rank: rank 0 writes them
       file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
                  static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
-      write_columns(file, root.create_group("bodies"), bodies, body_rows);
-      write_columns(file, root.create_group("springs"), springs, spring_rows);
+      write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
+      for_each_kind(PairState{}, [&](const auto& kind) {
+        using Row = typename std::decay_t<decltype(kind)>::value_type;
+        const std::vector<PairRow<Row>> rows = table_of<Row>(states);
+        write_columns<PairTableColumns<Row>>(file, root.create_group(PairKind<Row>::kGroup), rows,
+                                             distribute(comm.get(), static_cast<std::int64_t>(rows.size())));
+      });
     }
     file.commit();
   });
@@ -250,10 +274,10 @@ Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& pat
   Checkpoint c;
   c.path = path;
   std::vector<ParticleRecord> bodies;
-  std::vector<SpringRow> springs;
+  std::vector<WaitingState> states;
   mpi::on_all(comm, [&] { check_checksum(comm.get(), path); });
-  mpi::on_all(comm, [&] { read_whole_file(comm, c, bodies, springs); });
-  share_out(comm, bodies, springs, c);
+  mpi::on_all(comm, [&] { read_whole_file(comm, c, bodies, states); });
+  share_out(comm, bodies, states, c);
   return c;
 }
 
@@ -264,9 +288,9 @@ Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simula
   c.totals = simulation.totals();
   c.state_hash = simulation.state_hash();
   std::vector<ParticleRecord> bodies;
-  std::vector<SpringRow> springs;
-  collect_state(simulation, bodies, springs);
-  share_out(comm, bodies, springs, c);
+  std::vector<WaitingState> states;
+  collect_state(simulation, bodies, states);
+  share_out(comm, bodies, states, c);
   return c;
 }
 
@@ -305,7 +329,7 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
                        checkpoint.path);
     }
   });
-  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.springs), checkpoint.step, checkpoint.step_size, checkpoint.totals);
+  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size, checkpoint.totals);
   const std::string hash = simulation.state_hash();
   mpi::on_root(comm, [&] {
     if (hash != checkpoint.state_hash) {

@@ -37,13 +37,13 @@ struct Checkpoint {
   RunTotals totals;                                                ///< of all ranks
   std::string state_hash, scene_sha256;
   std::vector<ParticleRecord> bodies;   ///< this rank's share, ascending id
-  std::vector<PendingSprings> springs;  ///< of every pair with one of these bodies, ascending
+  std::vector<WaitingState> states;     ///< of every pair with one of these bodies, ascending
 };
 
 /// Whether the share of this rank holds a body.
 inline bool in_share(const mpi::Communicator& comm, std::int64_t id) { return id % comm.size() == comm.rank(); }
 
-/// Writes the state, each rank its own bodies and springs; whole or not at all; keeps the last two. Collective.
+/// Writes the state, each rank its own bodies and the state of its pairs; whole or not at all; keeps the last two. Collective.
 /// `so_far` gives what the run keeps besides the state: its record, origin, hash of the scene. Rank 0's record counts.
 /// Fails: throws SystemError on every rank when the disk refuses; the checkpoints before it are as they were.
 void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder,

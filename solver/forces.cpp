@@ -157,7 +157,7 @@ void prefetch_pair(const BodyPair& pair, const PairResult& result) {
   prefetch<1>(pair.lists.corners_a.data());   // the rest of a list follows by itself
   prefetch<1>(pair.lists.corners_b.data());
   prefetch<1>(pair.lists.edges.data());
-  prefetch<4 * sizeof(FrictionSpring)>(pair.springs.data());
+  prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
   prefetch<sizeof(PairResult)>(&result);
 }
 
@@ -283,7 +283,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         // nothing can be within the margin before both have gone what is left
         if (only_looks) return;
         if (pair.b >= 0 || !scene.has_driven_walls()) rest.way = way_of(rest) + (pair.lists.first_slack - moved);
-        pair.springs.clear();
+        pair.state.springs.clear();
         return;
       }
       rest.way = kNoRest;
@@ -304,7 +304,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         mesh_pair_features(view.a, view.b, view.pose, view.margin, moved, pair.lists, features);
       }
       if (features.empty()) {
-        if (!only_looks) pair.springs.clear();
+        if (!only_looks) pair.state.springs.clear();
         return;
       }
       std::int32_t material_b = 0;
@@ -330,8 +330,8 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       }
       // Looking must not change anything: it works on a copy of the springs.
       std::vector<FrictionSpring> copy;
-      if (only_looks) copy = pair.springs;
-      const PairForce f = force_of(features, law, relative, dt, friction_dt, only_looks ? copy : pair.springs,
+      if (only_looks) copy = pair.state.springs;
+      const PairForce f = force_of(features, law, relative, dt, friction_dt, only_looks ? copy : pair.state.springs,
                                      out != nullptr ? &outputs : nullptr);
       if (look != nullptr) (*look)({pair, features, f, relative, exponent, law});
       result.active = true;

@@ -8,12 +8,6 @@ namespace scree {
 
 namespace {
 
-/// A friction spring as it travels with a body.
-struct SpringRecord {
-  PairKey key;
-  FrictionSpring spring;
-};
-
 /// Distance along one axis between two intervals, in a domain of that period (0: not periodic).
 double gap_along(double lower_a, double upper_a, double lower_b, double upper_b, double period) {
   // the nearest image of a; positions may have left the domain by any number of periods
@@ -91,25 +85,25 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
     owner[i] = owner_of(p.id[i], p.x[i]);
     if (owner[i] != comm_.rank()) bodies[static_cast<std::size_t>(owner[i])].push_back(record_of(p, i));
   }
-  // The springs of every pair of a leaving body go with it; our own copy stays while we own the partner.
-  std::vector<std::vector<SpringRecord>> springs(ranks);
+  // The state of every pair of a leaving body goes with it; our own copy stays while we own the partner.
+  std::vector<std::vector<WaitingState>> states(ranks);
   for (const BodyPair& pair : list.pairs()) {
-    if (pair.springs.empty()) continue;
+    if (pair.state.empty()) continue;
     int first = comm_.rank();
     for (const std::int32_t row : {pair.a, pair.b}) {
       if (row < 0 || static_cast<std::size_t>(row) >= p.owned) continue;
       const int to = owner[static_cast<std::size_t>(row)];
       if (to == comm_.rank() || to == first) continue;
-      for (const FrictionSpring& s : pair.springs) springs[static_cast<std::size_t>(to)].push_back({pair.key, s});
+      states[static_cast<std::size_t>(to)].push_back({pair.key, pair.state});
       first = to;
     }
   }
-  // Springs that still wait for their pairs, at a restart, are at every rank that has a body of theirs, and go the same way.
-  std::vector<PendingSprings> waiting;
-  waiting.swap(list.pending());
+  // State that waits for its pair is at every rank that has a body of it, and goes the same way.
+  std::vector<WaitingState> waiting;
+  waiting.swap(list.waiting());
   std::unordered_map<std::int64_t, int> owner_of_id;
   for (std::size_t i = 0; !waiting.empty() && i < p.owned; ++i) owner_of_id.emplace(p.id[i], owner[i]);
-  for (PendingSprings& pair : waiting) {
+  for (WaitingState& pair : waiting) {
     bool stays = false;
     int first = comm_.rank();
     for (const std::int64_t id : {pair.key.a, pair.key.b}) {
@@ -118,10 +112,10 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
       const int to = found->second;
       if (to == comm_.rank()) stays = true;
       if (to == comm_.rank() || to == first) continue;
-      for (const FrictionSpring& s : pair.springs) springs[static_cast<std::size_t>(to)].push_back({pair.key, s});
+      states[static_cast<std::size_t>(to)].push_back({pair.key, pair.state});
       first = to;
     }
-    if (stays) list.pending().push_back(std::move(pair));
+    if (stays) list.waiting().push_back(std::move(pair));
   }
   std::int64_t left = 0;
   std::size_t kept = 0;
@@ -138,20 +132,17 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
     for (const auto& block : blocks) traffic_.renewal_bytes += static_cast<std::int64_t>(block.size() * sizeof(block[0]));
   };
   count_sent(bodies);
-  count_sent(springs);
   for (const auto& block : comm_.exchange(bodies)) {
     for (const ParticleRecord& record : block) append_record(p, record, scene);
   }
   p.owned = p.size();
-  auto& pending = list.pending();
-  for (const auto& block : comm_.exchange(springs)) {
-    const PairKey* last = nullptr;  // in this block: two owners may send the springs of one pair, each all of them
-    for (const SpringRecord& record : block) {
-      if (last == nullptr || *last != record.key) pending.push_back({record.key, {}});
-      pending.back().springs.push_back(record.spring);
-      last = &record.key;
-    }
-  }
+  for_each_kind(PairState{}, [&](const auto& kind) {
+    using Row = typename std::decay_t<decltype(kind)>::value_type;
+    std::vector<std::vector<KeyedRow<Row>>> rows(ranks);
+    for (std::size_t r = 0; r < ranks; ++r) rows[r] = keyed_rows<Row>(states[r]);
+    count_sent(rows);
+    for (const auto& block : comm_.exchange(rows)) add_rows(block, list.waiting());
+  });
   return left;
 }
 

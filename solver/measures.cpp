@@ -215,16 +215,16 @@ std::string Simulation::state_hash() const {
   }
   for (const BodyPair& pair : pairs_.pairs()) {
     if (!counts_here(pair, p_)) continue;
-    for (const FrictionSpring& s : pair.springs) {
-      ItemHash h;
-      h.add(pair.key.a);
-      h.add(pair.key.b);
-      h.add(static_cast<std::int64_t>(pair.key.zone));
-      h.add(s.key);
-      h.add(s.force);
-      h.add(s.stiffness);
-      add(h);
-    }
+    for_each_kind(pair.state, [&](const auto& rows) {
+      for (const auto& row : rows) {
+        ItemHash h;
+        h.add(pair.key.a);
+        h.add(pair.key.b);
+        h.add(static_cast<std::int64_t>(pair.key.zone));
+        KindOf<decltype(rows)>::visit([&](const char*, const char*, auto field) { h.add(row.*field); });
+        add(h);
+      }
+    });
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_UINT64_T, MPI_SUM, comm_.get());
   if (sums[2] == 0) {   // no body is a state too, and no hash of it would look like one that was never made

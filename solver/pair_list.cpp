@@ -51,7 +51,7 @@ void sort_in_parallel(std::vector<Item>& items, const Less& less) {
 
 std::size_t memory_of(const BodyPair& pair) {
   return sizeof(BodyPair) + sizeof(PairResult) + sizeof(PairRest) + (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
-         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.springs.capacity() * sizeof(FrictionSpring);
+         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.state.memory();
 }
 
 void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
@@ -68,7 +68,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   }
 
   // keep what known pairs hold
-  std::sort(pending_.begin(), pending_.end(), [](const PendingSprings& l, const PendingSprings& r) { return l.key < r.key; });
+  merge(waiting_);
   const auto count = static_cast<std::ptrdiff_t>(found.size());
   std::vector<BodyPair> next(found.size());
   results_.resize(found.size());
@@ -76,7 +76,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
 #pragma omp parallel
   {
     // each thread takes a run of keys, and looks up where the known ones begin only once
-    std::size_t known = pairs_.size(), waiting = pending_.size();
+    std::size_t known = pairs_.size(), waiting = waiting_.size();
     bool begun = false;
 #pragma omp for schedule(static)
     for (std::ptrdiff_t n = 0; n < count; ++n) {
@@ -88,23 +88,27 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
       if (!begun) {
         const auto before = [](const auto& item, const PairKey& key) { return item.key < key; };
         known = static_cast<std::size_t>(std::lower_bound(pairs_.begin(), pairs_.end(), pair.key, before) - pairs_.begin());
-        waiting = static_cast<std::size_t>(std::lower_bound(pending_.begin(), pending_.end(), pair.key, before) - pending_.begin());
+        waiting = static_cast<std::size_t>(std::lower_bound(waiting_.begin(), waiting_.end(), pair.key, before) - waiting_.begin());
         begun = true;
       }
       while (known < pairs_.size() && pairs_[known].key < pair.key) ++known;
       if (known < pairs_.size() && pairs_[known].key == pair.key) {
         pair.lists = std::move(pairs_[known].lists);
-        pair.springs = std::move(pairs_[known].springs);
+        pair.state = std::exchange(pairs_[known].state, {});
       }
-      while (waiting < pending_.size() && pending_[waiting].key < pair.key) ++waiting;
-      if (waiting < pending_.size() && pending_[waiting].key == pair.key && pair.springs.empty()) {
-        pair.springs = std::move(pending_[waiting].springs);
+      while (waiting < waiting_.size() && waiting_[waiting].key < pair.key) ++waiting;
+      if (waiting < waiting_.size() && waiting_[waiting].key == pair.key && pair.state.empty()) {
+        pair.state = std::exchange(waiting_[waiting].state, {});
       }
       results_[k] = PairResult{};
       rests_[k] = {pair.a, pair.b, kNoRest};
     }
   }
-  pending_.clear();
+  // what lasts waits until its bodies are near again
+  std::erase_if(waiting_, [](WaitingState& w) { return !w.state.keep_lasting(); });
+  for (BodyPair& pair : pairs_) {
+    if (pair.state.keep_lasting()) waiting_.push_back({pair.key, std::move(pair.state)});
+  }
   pairs_ = std::move(next);
   ways_.restart(p);
 

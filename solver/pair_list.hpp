@@ -15,18 +15,12 @@
 
 namespace scree {
 
-struct PairKey {
-  std::int64_t a, b;      ///< ids; b is a wall's id for a wall zone
-  std::int32_t zone;      ///< -1 for two bodies, else index into SolverScene::zones()
-  auto operator<=>(const PairKey&) const = default;
-};
-
 /// Kept between steps.
 struct BodyPair {
   PairKey key;
   std::int32_t a = 0, b = 0;              ///< rows in ParticleSet; b is -1 for a wall zone
   CandidateLists lists;
-  std::vector<FrictionSpring> springs;
+  PairState state;
 };
 
 /// Written by one thread per pair and step, read by the gather. World axes. What every pair is asked for comes first.
@@ -46,19 +40,13 @@ struct PairRest {
 };
 inline constexpr double kNoRest = -1;     ///< such a pair is looked at in every step
 
-/// Bytes that a pair holds, its lists, springs and result included.
+/// Bytes that a pair holds, its lists, state and result included.
 std::size_t memory_of(const BodyPair& pair);
-
-/// Springs of a pair that arrived by migration or from a checkpoint, waiting for its pair to be listed.
-struct PendingSprings {
-  PairKey key;
-  std::vector<FrictionSpring> springs;
-};
 
 class PairList {
  public:
   /// Lists all pairs that can touch while no body moves further than `skin / 2`, keeps what known pairs hold, and
-  /// hands pending springs to theirs. Pairs of two fixed bodies and of two ghosts are left out.
+  /// hands waiting state to theirs. Pairs of two fixed bodies and of two ghosts are left out.
   void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin, PhaseTimes& times);
 
   std::vector<BodyPair>& pairs() { return pairs_; }
@@ -67,7 +55,9 @@ class PairList {
   const std::vector<PairResult>& results() const { return results_; }
   std::vector<PairRest>& rests() { return rests_; }
   BodyWays& ways() { return ways_; }
-  std::vector<PendingSprings>& pending() { return pending_; }
+  /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
+  std::vector<WaitingState>& waiting() { return waiting_; }
+  const std::vector<WaitingState>& waiting() const { return waiting_; }
   /// Indices of pairs among owned bodies and walls; of pairs with a ghost that this rank counts; and of those that the ghost's
   /// owner counts, and computes too.
   const std::vector<std::int32_t>& inner() const { return inner_; }
@@ -93,7 +83,7 @@ class PairList {
   std::vector<PairResult> results_;
   std::vector<PairRest> rests_;
   BodyWays ways_;
-  std::vector<PendingSprings> pending_;
+  std::vector<WaitingState> waiting_;
   std::vector<std::int32_t> inner_, outer_, twice_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order
   std::vector<std::int32_t> start_, entry_;

@@ -8,16 +8,10 @@
 #include <vector>
 
 #include "solver/area_pressure.hpp"
+#include "solver/pair_state.hpp"
 #include "solver/wall_cells.hpp"
 
 namespace scree {
-
-/// Friction memory of one feature: spring force on A (A frame) and the stiffness it was built with.
-struct FrictionSpring {
-  std::int64_t key;
-  Vec3 force;       ///< [N]
-  double stiffness; ///< kappa [N/m]
-};
 
 /// Velocities and inverse masses of both sides, A frame (its principal axes, origin at its centre).
 struct PairMotion {

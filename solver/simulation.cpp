@@ -78,9 +78,9 @@ void Simulation::start_from_scene() {
   agree_on_failures();
 }
 
-void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
+void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state,
                                     std::int64_t step, double step_size, const RunTotals& totals) {
-  pairs_.pending() = std::move(springs);
+  pairs_.waiting() = std::move(state);
   max_depth_ratio_ = totals.max_depth_ratio;
   if (comm_.rank() == 0) wall_sums_ = totals.sums;
   level_ = totals.level;

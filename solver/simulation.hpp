@@ -82,7 +82,7 @@ class Simulation {
   /// Starts from the scene, or from a checkpoint: every rank gives its own part of the bodies, in any way, and the springs of
   /// their pairs. `step_size` is kept as it was. Totals are those of all ranks, the same on each.
   void start_from_scene();
-  void start_from_records(const std::vector<ParticleRecord>& records, std::vector<PendingSprings> springs,
+  void start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state,
                           std::int64_t step, double step_size, const RunTotals& totals);
 
   /// One step, in 2^level equal parts of: kick, drift, lists or ghosts, forces, kick. Collective.

@@ -158,19 +158,22 @@ Differences compare_with_checkpoint(const Checkpoint& now, const Checkpoint& rec
       differences.add(b.id, fmt::format("body {}, {}: recorded {}, found {}", b.id, c.dataset, text_of(a.*c.field), text_of(b.*c.field)));
     });
   });
-  // springs in the order of their pairs; the first that differs is that of the lower body
-  const std::size_t pairs = std::max(recorded.springs.size(), now.springs.size());
+  // state in the order of its pairs; the first that differs is that of the lower body
+  const std::size_t pairs = std::max(recorded.states.size(), now.states.size());
   for (std::size_t k = 0; k < pairs; ++k) {
-    const bool both = k < recorded.springs.size() && k < now.springs.size();
-    const PendingSprings& known = k < recorded.springs.size() ? recorded.springs[k] : now.springs[k];
-    bool equal = both && recorded.springs[k].key == now.springs[k].key && recorded.springs[k].springs.size() == now.springs[k].springs.size();
-    for (std::size_t s = 0; equal && s < known.springs.size(); ++s) {
-      const FrictionSpring &a = recorded.springs[k].springs[s], &b = now.springs[k].springs[s];
-      equal = a.key == b.key && same_bits(a.stiffness, b.stiffness) && same_bits(a.force.x, b.force.x) && same_bits(a.force.y, b.force.y) &&
-              same_bits(a.force.z, b.force.z);
-    }
-    if (equal) continue;
-    differences.add(known.key.a, fmt::format("body {}, friction springs with {}", known.key.a, known.key.b));
+    const bool both = k < recorded.states.size() && k < now.states.size() && recorded.states[k].key == now.states[k].key;
+    const WaitingState& known = k < recorded.states.size() ? recorded.states[k] : now.states[k];
+    std::string different;
+    for_each_kind_of_two(known.state, both ? now.states[k].state : PairState{}, [&](const auto& a, const auto& b) {
+      using Kind = KindOf<decltype(a)>;
+      bool equal = both && a.size() == b.size();
+      for (std::size_t r = 0; equal && r < a.size(); ++r) {
+        Kind::visit([&](const char*, const char*, auto field) { equal = equal && same_bits(a[r].*field, b[r].*field); });
+      }
+      if (!equal && different.empty()) different = Kind::kName;
+    });
+    if (different.empty()) continue;
+    differences.add(known.key.a, fmt::format("body {}, {} with {}", known.key.a, different, known.key.b));
     break;
   }
   return differences;
@@ -275,7 +278,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
     }
     if (where.empty() && (record.frame.empty() && record.checkpoint.empty())) continue;  // go on to a state that names bodies
     return {false, fmt::format("not the same: equal until step {}, different at step {}. At step {}: {}", equal_until, differs_at, step,
-                               where.empty() ? "bodies are the same, friction springs differ" : where)};
+                               where.empty() ? "bodies are the same, the state of pairs differs" : where)};
   }
   if (differs_at >= 0) {
     return {false, fmt::format("not the same: equal until step {}, different at step {} by the hash of the log; no frame or checkpoint "

@@ -16,7 +16,7 @@ std::size_t springs_of(const Simulation& simulation, bool with_room) {
   std::size_t springs = 0;
   for (const BodyPair& pair : simulation.pairs().pairs()) {
     const auto is_spring = [](const FrictionSpring& s) { return s.key != kTurnKey; };
-    springs += with_room ? pair.springs.capacity() : static_cast<std::size_t>(std::count_if(pair.springs.begin(), pair.springs.end(), is_spring));
+    springs += with_room ? pair.state.springs.capacity() : static_cast<std::size_t>(std::count_if(pair.state.springs.begin(), pair.state.springs.end(), is_spring));
   }
   return springs;
 }
