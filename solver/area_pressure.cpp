@@ -223,15 +223,4 @@ void area_features(const PairBody& a, const PairBody& b, double margin, double m
   }
 }
 
-double largest_contact_area(const SolverShape& shape, double thickness) {
-  std::vector<double> area(static_cast<std::size_t>(shape.features.region_count), 0.0);
-  for (std::int32_t t = 0; t < shape.mesh.triangle_count(); ++t) {
-    const Vec3 p[3] = {shape.mesh.corner(t, 0), shape.mesh.corner(t, 1), shape.mesh.corner(t, 2)};
-    area[static_cast<std::size_t>(shape.features.region[static_cast<std::size_t>(t)])] += 0.5 * length(triangle_normal(p));
-  }
-  double largest = 2 * std::numbers::pi * shape.radius * thickness;
-  for (const double flat : area) largest = std::max(largest, flat);
-  return largest;
-}
-
 }  // namespace scree

@@ -51,8 +51,4 @@ void area_features(const PairBody& a, const PairBody& b, double margin, double m
 void area_zone_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion, const CandidateLists& lists,
                         std::vector<ContactFeature>& features, AreaContact& contact);
 
-/// Largest area that a body may have in contact at scale 1 [m^2]: its largest flat region, or the cap that its bounding sphere
-/// presses into a layer of the given thickness.
-double largest_contact_area(const SolverShape& shape, double thickness);
-
 }  // namespace scree

@@ -19,12 +19,6 @@ std::string header() {
 
 }  // namespace
 
-std::vector<RankMeasures> gather_measures(const mpi::Communicator& comm, const RankMeasures& mine) {
-  std::vector<RankMeasures> all(comm.rank() == 0 ? static_cast<std::size_t>(comm.size()) : 0);
-  MPI_Gather(&mine, sizeof mine, MPI_BYTE, all.data(), sizeof mine, MPI_BYTE, 0, comm.get());
-  return all;
-}
-
 RankLog::RankLog(const std::string& path, int ranks, std::int64_t keep_up_to_step) : path_(path) {
   constexpr int kRanksInEveryRow = 16;
   keep_every_ = std::max(1, ranks / kRanksInEveryRow);

@@ -17,7 +17,7 @@
 #include "solver/halo.hpp"
 #include "solver/motion.hpp"
 #include "solver/phases.hpp"
-#include "solver/rank_log.hpp"
+#include "solver/rank_measures.hpp"
 #include "solver/step_size.hpp"
 
 namespace scree {

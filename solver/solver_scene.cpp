@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solver/area_pressure.hpp"
+#include "solver/contact_extent.hpp"
 #include "solver/laws/restitution.hpp"
-#include "solver/triangle_contacts.hpp"
 
 namespace scree {
 

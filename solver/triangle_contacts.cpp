@@ -61,27 +61,4 @@ void triangle_contact_features(const PairBody& a, const PairBody& b, double marg
   }
 }
 
-std::int64_t triangles_on_plane(const TriangleMesh& mesh, double thickness) {
-  std::vector<Vec3> of_triangle, of_vertex(mesh.vertices.size());
-  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    of_triangle.push_back(cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0)));
-    for (const std::int32_t v : mesh.triangles[static_cast<std::size_t>(t)]) of_vertex[static_cast<std::size_t>(v)] += of_triangle.back();
-  }
-  std::int64_t most = 0;
-  std::vector<double> height(mesh.vertices.size());
-  for (const std::vector<Vec3>* directions : {&of_triangle, &of_vertex}) {
-    const std::size_t stride = directions->size() / kSpringDirections + 1;
-    for (std::size_t d = 0; d < directions->size(); d += stride) {
-      const double norm = length((*directions)[d]);
-      if (!(norm > 0)) continue;
-      for (std::size_t v = 0; v < height.size(); ++v) height[v] = dot((*directions)[d], mesh.vertices[v]) / norm;
-      const double within = *std::max_element(height.begin(), height.end()) - thickness;
-      most = std::max(most, std::count_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-        return std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return height[static_cast<std::size_t>(v)] > within; });
-      }));
-    }
-  }
-  return most;
-}
-
 }  // namespace scree

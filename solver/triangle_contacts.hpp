@@ -14,10 +14,4 @@ bool list_triangle_contacts(const PairBody& a, const PairBody& b, double margin,
 void triangle_contact_features(const PairBody& a, const PairBody& b, double margin, double motion, const CandidateLists& lists,
                                std::vector<ContactFeature>& features);
 
-/// The largest number of triangles that come within `thickness` of a plane on which the mesh lies: of how many a face, an edge or a
-/// corner of it consists for gather = "pairs".   Cost: O(T) for each of at most kSpringDirections planes.
-std::int64_t triangles_on_plane(const TriangleMesh& mesh, double thickness);
-/// So many normals of triangles and of vertices each are tried: all of them of a mesh that anybody would gather in pairs.
-inline constexpr std::size_t kSpringDirections = 2000;
-
 }  // namespace scree
