@@ -1,7 +1,7 @@
 #include "post/statistics/block_average.hpp"
 
 #include <algorithm>
-#include <array>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 
@@ -14,14 +14,9 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 }
 
 double student_95(std::size_t degrees_of_freedom) {
-  // M. Abramowitz, I. Stegun, Handbook of mathematical functions, 1964, table 26.10
-  static constexpr std::array<double, 30> kTable{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
-                                                 2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,
-                                                 2.080,  2.074, 2.069, 2.064, 2.060, 2.056, 2.052, 2.048, 2.045, 2.042};
   if (degrees_of_freedom == 0) return kNaN;
-  if (degrees_of_freedom <= kTable.size()) return kTable[degrees_of_freedom - 1];
-  const double n = static_cast<double>(degrees_of_freedom);
-  return 1.959964 + 2.3722 / n + 2.823 / (n * n);  // ibid. 26.7.5
+  constexpr double kUpperTail = 0.025;
+  return boost::math::quantile(boost::math::complement(boost::math::students_t(static_cast<double>(degrees_of_freedom)), kUpperTail));
 }
 
 BlockAverage::BlockAverage(std::size_t quantities, std::size_t frames, std::size_t blocks)

@@ -486,7 +486,7 @@ TEST(BlockAverage, the_interval_of_independent_numbers_is_students) {
   EXPECT_EQ(a.mean, 4);
   EXPECT_EQ(a.smallest, 1);
   EXPECT_EQ(a.largest, 7);
-  EXPECT_NEAR(a.ci95, 12.706 * 2, 1e-9);  // s / sqrt(n) = sqrt(8) / sqrt(2)
+  EXPECT_NEAR(a.ci95, 2 * std::tan(0.475 * std::acos(-1.0)), 1e-12);  // s / sqrt(n) = 2; one degree of freedom is Cauchy's distribution
 }
 
 TEST(BlockAverage, intervals_hold_the_true_mean_in_ninety_five_of_a_hundred_correlated_series) {
