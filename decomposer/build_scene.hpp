@@ -18,7 +18,7 @@ namespace scree {
 /// (packer.hpp says how); a lattice or a settled packing is the way to more.
 inline constexpr std::uint64_t kAttempts = 50000;
 
-/// Largest share of the margins that an impact should use up by the design rule (VALIDATION.md section 2 of the
+/// Largest share of the margins that an impact should use up by the design rule (docs/reference/validation-plan.md section 2 of the
 /// design papers: depth/margin at most 0.5, with a reserve for several contacts at once).
 inline constexpr double kDepthShare = 0.4;
 

@@ -11,7 +11,7 @@
 // Friction and damping act at the centre of pressure of each triangle of the smaller body: flat pieces of the larger one can change
 // under it without a jump.
 // Best for conforming faces. A corner carries only what its depth spans, F ~ d^3, and uses up the margin early.
-// Source: VALIDATION.md section 3.4; elastic layer: Johnson, Contact Mechanics (1985), section 4.3 (Winkler foundation).
+// Source: docs/reference/validation-plan.md section 3.4; elastic layer: Johnson, Contact Mechanics (1985), section 4.3 (Winkler foundation).
 #pragma once
 
 #include <vector>

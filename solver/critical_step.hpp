@@ -9,7 +9,7 @@
 // The leapfrog with damping divided by 1 + gamma h / 4 (potential.hpp) is stable while
 //     h^2 lambda + 2 h gamma / (1 + h gamma / 4) <= 4.
 // What is left out: geometric stiffness (forces times curvature, smaller by depth over lever) and the fading of edges.
-// Source: VALIDATION.md section 2, with the sum over the two bodies of a pair in place of twice the largest.
+// Source: docs/reference/validation-plan.md section 2, with the sum over the two bodies of a pair in place of twice the largest.
 #pragma once
 
 #include <array>

@@ -288,7 +288,7 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
     if (candidate.slack > motion) continue;
     const ShapeEdge ea = a.shape->edge(candidate.edge_a);
     const ShapeEdge eb = b.shape->edge(candidate.edge_b);
-    // letters of CONTACT.md section 3.2: u, v edge vectors, s, t parameters, r = x_A - x_B = g n
+    // letters of docs/reference/contact-law.md section 3.2: u, v edge vectors, s, t parameters, r = x_A - x_B = g n
     const Vec3 pa = a.scale * ea.start, u = a.scale * ea.along;
     const Vec3 pb = pose.a_from_b(b.scale * eb.start), v = pose.rotation * (b.scale * eb.along);
     const Vec3 r0 = pa - pb;

@@ -1,5 +1,5 @@
 // Unique contact features of one body pair: every corner of one body against the nearest point of the other
-// surface, and every convex edge against every convex edge. Source: CONTACT.md section 3.1.
+// surface, and every convex edge against every convex edge. Source: docs/reference/contact-law.md section 3.1.
 //
 // All arithmetic is in the principal frame of body A with its centre as origin, so a scene far from the world's
 // origin behaves as one at it. Candidates carry the slack that the pair's relative motion must use up before they
@@ -74,7 +74,7 @@ struct ContactFeature {
 /// distance itself relative to `size` [m].
 float slack_below(double distance, double margin, double size);
 
-/// Fading widths of edge-edge features (CONTACT.md section 3.1): at the ends of an edge, in the parallel limit and
+/// Fading widths of edge-edge features (docs/reference/contact-law.md section 3.1): at the ends of an edge, in the parallel limit and
 /// across the wedge. Results change by less than a factor 2 in error for end widths from 0.03 to 0.5.
 inline constexpr double kFadeEnd = 0.15;
 inline constexpr double kFadeParallel = 0.01;

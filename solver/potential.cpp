@@ -319,7 +319,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         s -= dot(s, f.n) * f.n;
         const double flat = squared_length(s);
         if (flat > 0) s *= std::sqrt(squared_length(springs[old].force) / flat);
-        // Unloading gives force back in proportion; loading must not create any (passivity, CONTACT.md 3.4). A load that only rounding
+        // Unloading gives force back in proportion; loading must not create any (passivity, docs/reference/contact-law.md 3.4). A load that only rounding
         // moves up and down is neither (docs/decisions/012): springs would lose a little each time, and a stiff heap creep for ever.
         const double before = springs[old].stiffness;
         if (std::abs(kappa - before) * f.depth <= rounding * before) kappa = before;

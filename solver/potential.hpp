@@ -1,5 +1,5 @@
 // The contact law of one body pair: one smooth p-norm potential over its unique features, with the exact force,
-// damping from restitution, and Coulomb friction with history per feature. Source: CONTACT.md sections 3.2 to 3.4.
+// damping from restitution, and Coulomb friction with history per feature. Source: docs/reference/contact-law.md sections 3.2 to 3.4.
 // The normal energy, the damping and the rolling resistance are those of laws/laws.hpp.
 #pragma once
 

@@ -40,8 +40,8 @@ inline constexpr double kStrongDamping = 0.6;
 ///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
 ///             fast without approaching anything is watched in every step instead (pass_through.hpp)
 ///   spin      kTurnPerStep / |w|, of the bodies as they start
-/// Source: CONTACT.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
-/// reach (a factor 2.6 for an elongated asteroid); VALIDATION.md section 4.3. Collective.
+/// Source: docs/reference/contact-law.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
+/// reach (a factor 2.6 for an elongated asteroid); docs/reference/validation-plan.md section 4.3. Collective.
 /// A given step is taken as it is. Throws UsageError when it is more than kMostCritical critical steps, or too long for
 /// the damping of a pair.
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);

@@ -1,5 +1,5 @@
 // gather = "pairs": one spring for every pair of triangles closer than the margin, as the seed work sums them. Kept for
-// comparison only: stiffness and damping grow with the number of triangles (VALIDATION.md section 3.2).
+// comparison only: stiffness and damping grow with the number of triangles (docs/reference/validation-plan.md section 3.2).
 #pragma once
 
 #include "solver/pair_features.hpp"

@@ -1,5 +1,5 @@
 // Cells of a very large wall or body: a body that meets it at distant places has one potential per cell, so that distant contacts do
-// not share stiffness. Source: CONTACT.md section 4, weakness 1.
+// not share stiffness. Source: docs/reference/contact-law.md section 4, weakness 1.
 //
 // Its frame is divided into cubes of side l, each with a smooth weight w (product of switches in x, y and z, flat over
 // the middle half of the side); the weights of all cubes sum to 1 everywhere. A feature enters the potential of a cell with

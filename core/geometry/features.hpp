@@ -1,7 +1,7 @@
 // Which vertices and edges of a mesh can carry a contact.
 //
 // A vertex or an edge inside a flat region carries none, and collinear pieces of one edge count as one edge:
-// how finely a flat face is meshed cannot matter (CONTACT.md section 3.1 of the design papers; the
+// how finely a flat face is meshed cannot matter (docs/reference/contact-law.md section 3.1 of the design papers; the
 // construction follows the refinement-independent one measured there).
 //
 //   corner        a vertex at which the surface is not flat and not a straight edge

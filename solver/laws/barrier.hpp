@@ -2,7 +2,7 @@
 //     U(g) = -k_b (g - h)^2 ln(g / h) below h = kBarrierShare of the margin sum
 // It is twice continuously differentiable and diverges at touch, so that energy cannot close the gap. Features do not share it:
 // where several come that near, each brings its own.
-// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020) 49, eq. 6; VALIDATION.md section 3.5.
+// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020) 49, eq. 6; docs/reference/validation-plan.md section 3.5.
 #pragma once
 
 #include <algorithm>

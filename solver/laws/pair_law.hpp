@@ -3,7 +3,7 @@
 
 namespace scree {
 
-/// Ratio of tangential to normal stiffness: equal periods for a ball (CONTACT.md section 3.4, rho = 2/7).
+/// Ratio of tangential to normal stiffness: equal periods for a ball (docs/reference/contact-law.md section 3.4, rho = 2/7).
 inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
 
 struct PairLaw {

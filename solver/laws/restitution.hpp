@@ -13,7 +13,7 @@ inline constexpr double kLeastRestitution = 0.01;
 /// How: bisection on e = exp(-zeta/s (pi - atan2(2 zeta s, 1 - 2 zeta^2))), s = sqrt(1 - zeta^2), and its continuation
 /// for zeta > 1. Holds for every potential U(d) with the energy-scaled damping used here: in the pseudo-time
 /// d sigma = F / sqrt(2U) dt every such impact is the linear damped oscillator.
-/// Source: Schwager & Poeschel, Granul. Matter 9 (2007) 465; CONTACT.md section 3.3.
+/// Source: Schwager & Poeschel, Granul. Matter 9 (2007) 465; docs/reference/contact-law.md section 3.3.
 double damping_ratio_of_restitution(double restitution);
 /// The forward map.
 double restitution_of_damping_ratio(double zeta);
@@ -22,7 +22,7 @@ double restitution_of_damping_ratio(double zeta);
 /// speed v: alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)).
 ///
 /// How: bisection; alpha lies in (0, 1/e). The energy integral of m v dv / (1 + chi v) = -F dd does not contain F, so the
-/// map holds for every U(d) and every mass.   Source: VALIDATION.md C2.
+/// map holds for every U(d) and every mass.   Source: docs/reference/validation-plan.md C2.
 double hunt_crossley_number_of_restitution(double restitution);
 
 }  // namespace scree

@@ -119,7 +119,7 @@ TEST(MeshExtremes, slivers_of_aspect_a_million_are_as_all_pairs) {
     fan.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
   }
   const BenchShape needles(std::move(fan)), rock(test::rock(7, 2, 0.22));
-  // Whether a needle is pierced is decided to aspect * roundoff of its length (KERNEL.md section 3.2).
+  // Whether a needle is pierced is decided to aspect * roundoff of its length (docs/reference/candidates.md section 3.2).
   EXPECT_GT(check_queries(needles, rock, random_placements(20, 1, 6), 0.01, 1e-9, "needles and rock").close, 0);
   EXPECT_GT(check_queries(needles, needles, random_placements(10, 1, 7), 0.01, 1e-9, "needles").close, 0);
 }

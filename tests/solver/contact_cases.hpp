@@ -1,4 +1,4 @@
-// The scenes of CONTACT.md section 5 that both the short tests and the full ones run.
+// The scenes of docs/reference/contact-law.md section 5 that both the short tests and the full ones run.
 #pragma once
 
 #include "tests/solver/two_bodies.hpp"

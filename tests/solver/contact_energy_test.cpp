@@ -1,4 +1,4 @@
-// CONTACT.md section 5, tests 2, 3, 5 and 9, at full size; prints what was measured.
+// docs/reference/contact-law.md section 5, tests 2, 3, 5 and 9, at full size; prints what was measured.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -46,7 +46,7 @@ TEST(ContactEnergy, energy_of_nested_bowls) {
   EXPECT_LE(s.worst, 2e-3);
 }
 
-// VALIDATION.md M4.
+// docs/reference/validation-plan.md M4.
 TEST(ContactEnergy, energy_of_boxes_that_land_nearly_flat) {
   for (const bool free_base : {false, true}) {
     const test::Statistics s = test::near_flat_impacts(free_base, 400, 60);
@@ -148,8 +148,8 @@ TEST(ContactEnergy, restitution_of_a_locked_icosphere_is_the_nominal_one_at_any_
   }
 }
 
-// VALIDATION.md M2: restitution within 0.5 % at 1000 steps a contact. The contact gets shorter as more corners carry; M2 asks for a limit 18 %
-// below, but unit weights have none before the facets are as high as the contact is deep (CONTACT.md section 4, and 32 to 24 ms in its 2.2).
+// docs/reference/validation-plan.md M2: restitution within 0.5 % at 1000 steps a contact. The contact gets shorter as more corners carry; M2 asks for a limit 18 %
+// below, but unit weights have none before the facets are as high as the contact is deep (docs/reference/contact-law.md section 4, and 32 to 24 ms in its 2.2).
 TEST(ContactEnergy, a_locked_icosphere_rebounds_within_half_a_percent_and_its_contact_only_shortens) {
   double before = 1e300, first = 0;
   for (int level = 0; level <= 5; ++level) {

@@ -1,4 +1,4 @@
-// CONTACT.md section 5, test 8: sliding without ripple, no creep, torsion, and rest on a bumpy bed.
+// docs/reference/contact-law.md section 5, test 8: sliding without ripple, no creep, torsion, and rest on a bumpy bed.
 #include <gtest/gtest.h>
 
 #include "tests/solver/contact_cases.hpp"

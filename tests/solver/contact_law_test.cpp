@@ -1,4 +1,4 @@
-// The contact laws against closed forms, through whole steps of the solver with analytic spheres: VALIDATION.md C1 to C3,
+// The contact laws against closed forms, through whole steps of the solver with analytic spheres: docs/reference/validation-plan.md C1 to C3,
 // tests 1 to 8 of Chung & Ooi, Granul. Matter 13 (2011) 643, rolling and torsional resistance.
 #include <gtest/gtest.h>
 

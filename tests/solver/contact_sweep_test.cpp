@@ -1,4 +1,4 @@
-// CONTACT.md section 5, test 7: an edge past the end of another, through parallel with it, and a wedge through coplanar.
+// docs/reference/contact-law.md section 5, test 7: an edge past the end of another, through parallel with it, and a wedge through coplanar.
 #include <gtest/gtest.h>
 
 #include <functional>

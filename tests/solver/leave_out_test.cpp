@@ -1,4 +1,4 @@
-// VALIDATION.md section 1.9, L1 to L7: what a scene does not need is not there. Its instructions: tests/benchmarks/leave_out.
+// docs/reference/validation-plan.md section 1.9, L1 to L7: what a scene does not need is not there. Its instructions: tests/benchmarks/leave_out.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Boxes on boxes, both meshed independently: CONTACT.md section 5 test 4, VALIDATION.md section 3.6 M1 and M3.
+// Boxes on boxes, both meshed independently: docs/reference/contact-law.md section 5 test 4, docs/reference/validation-plan.md section 3.6 M1 and M3.
 #include <gtest/gtest.h>
 
 #include <algorithm>

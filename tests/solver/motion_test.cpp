@@ -25,7 +25,7 @@ double rebound(const std::string& integrator, double steps, double phase) {
   return run.velocity(0).z;
 }
 
-// VALIDATION.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler gains
+// docs/reference/validation-plan.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler gains
 // exp(pi^2 / (2 N)) = 28 % at 20.
 TEST(Integrator, keeps_the_speed_of_an_elastic_impact_except_eulers) {
   for (const char* integrator : {"kdk-dlm", "midpoint", "spiral", "rig"}) {

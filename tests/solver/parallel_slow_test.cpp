@@ -1,4 +1,4 @@
-// VALIDATION.md P1 at its full length: 200 rocks, 10^4 steps, up to seven ranks and eight threads, lists dropped at random.
+// docs/reference/validation-plan.md P1 at its full length: 200 rocks, 10^4 steps, up to seven ranks and eight threads, lists dropped at random.
 #include <gtest/gtest.h>
 
 #include "tests/solver/cut_contacts.hpp"

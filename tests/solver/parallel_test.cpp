@@ -74,7 +74,7 @@ TEST(SameBits, whatever_is_sent_when_and_however_bodies_are_shared_out) {
   }
 }
 
-// VALIDATION.md P2: rows in another order, the same ids.
+// docs/reference/validation-plan.md P2: rows in another order, the same ids.
 TEST(SameBits, for_bodies_in_another_order) {
   const Scene scene = dense_heap(2, 2, 3);
   Scene shuffled = scene;
@@ -96,7 +96,7 @@ TEST(SameBits, for_bodies_in_another_order) {
   }
 }
 
-// VALIDATION.md P3, on another number of ranks: state, springs, and what was added up since the start.
+// docs/reference/validation-plan.md P3, on another number of ranks: state, springs, and what was added up since the start.
 TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
   int process = static_cast<int>(getpid());
   MPI_Bcast(&process, 1, MPI_INT, 0, g_comm->get());
@@ -136,7 +136,7 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
   }
 }
 
-// VALIDATION.md P4: blocks that friction alone holds on a tilted belt ride through the cuts, which posts beside the belt keep in place.
+// docs/reference/validation-plan.md P4: blocks that friction alone holds on a tilted belt ride through the cuts, which posts beside the belt keep in place.
 // A block that lost its springs on the way would slip by their stretch, m g_x / k_t = 4e-5 m.
 TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
   const double margin = 0.002, stiffness = 2e5, speed = 0.5, side = 0.1;
@@ -183,7 +183,7 @@ TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
 // At length: parallel_slow_test.cpp.
 TEST(Contacts, of_every_step_at_cuts_and_their_edges_are_those_of_one_rank) { expect_contacts_of_one_rank(tumbling_box(4), 500, {2, 3, 4, 5}); }
 
-// VALIDATION.md P5: forces between bodies cancel, also where both owners compute a pair. No wall, no gravity.
+// docs/reference/validation-plan.md P5: forces between bodies cancel, also where both owners compute a pair. No wall, no gravity.
 TEST(Forces, between_bodies_cancel_across_ranks) {
   Scene scene = rock_scene();
   scene.settings.gravity = {};

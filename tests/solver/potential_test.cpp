@@ -1,4 +1,4 @@
-// The pair potential on pairs of concave rocks: gradient, energy, mesh independence. CONTACT.md section 5.
+// The pair potential on pairs of concave rocks: gradient, energy, mesh independence. docs/reference/contact-law.md section 5.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ void expect_exact_gradient(double cell_size, bool cells_on_a = false, double bar
 
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy) { expect_exact_gradient(0); }
 
-// CONTACT.md section 4, weakness 1: cells of a very large wall, here far smaller than they would ever be.
+// docs/reference/contact-law.md section 4, weakness 1: cells of a very large wall, here far smaller than they would ever be.
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_cells) { expect_exact_gradient(.1); }
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_cells_of_the_first_body) { expect_exact_gradient(.1, true); }
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_a_barrier) { expect_exact_gradient(0, false, 3 * kStiffness); }
@@ -75,7 +75,7 @@ TEST(PairPotential, one_feature_is_a_linear_spring_and_n_equal_ones_are_stiffer_
   EXPECT_NEAR(f.elastic, 0.5 * kStiffness * d * d * std::sqrt(2.0), 1e-13 * kStiffness * d * d * 1e2);
 }
 
-// CONTACT.md section 5, test 3: mean <= 1.5e-4, max <= 3e-3 at 100 steps a contact.
+// docs/reference/contact-law.md section 5, test 3: mean <= 1.5e-4, max <= 3e-3 at 100 steps a contact.
 TEST(PairPotential, elastic_impacts_of_rocks_keep_their_energy_at_every_refinement) {
   for (const int level : {1, 2}) {
     const test::Statistics s = elastic_impacts(level, 0, 100, 60);
@@ -86,7 +86,7 @@ TEST(PairPotential, elastic_impacts_of_rocks_keep_their_energy_at_every_refineme
   }
 }
 
-// CONTACT.md section 5, test 4: a flat subdivision changes nothing.
+// docs/reference/contact-law.md section 5, test 4: a flat subdivision changes nothing.
 TEST(PairPotential, a_flat_subdivision_of_a_rock_changes_no_trajectory) {
   std::vector<double> coarse, fine;
   elastic_impacts(1, 0, 100, 10, &coarse);
@@ -96,7 +96,7 @@ TEST(PairPotential, a_flat_subdivision_of_a_rock_changes_no_trajectory) {
   for (std::size_t i = 0; i < coarse.size(); ++i) EXPECT_NEAR(coarse[i], fine[i], 1e-9);
 }
 
-// CONTACT.md section 5, test 6: each feature pushes, with and without damping.
+// docs/reference/contact-law.md section 5, test 6: each feature pushes, with and without damping.
 TEST(PairPotential, feature_forces_never_pull) {
   std::mt19937 g(5);
   int looked_at = 0, separating = 0;

@@ -1,4 +1,4 @@
-// Free rotation against closed solutions, and every rotor against what was measured of its method: VALIDATION.md sections
+// Free rotation against closed solutions, and every rotor against what was measured of its method: docs/reference/validation-plan.md sections
 // 1.5 (R1, R2, R3, R5) and 4.1.
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace scree {
 namespace {
 
-// Box of VALIDATION.md G1: I = (1/30, 0.34/3, 0.4/3).
+// Box of docs/reference/validation-plan.md G1: I = (1/30, 0.34/3, 0.4/3).
 const Vec3 kInertia{1.0 / 30, 0.34 / 3, 0.4 / 3};
 
 struct Top {
@@ -118,7 +118,7 @@ TEST(FreeRotation, does_not_drift_in_energy_over_a_million_steps) {
   }
 }
 
-// The figures that VALIDATION.md 4.1 measured with programs of their own. Spiral and rig take torque in the kicks here, which
+// The figures that docs/reference/validation-plan.md 4.1 measured with programs of their own. Spiral and rig take torque in the kicks here, which
 // free rotation does not see.
 TEST(FreeRotation, of_every_method_errs_as_was_measured_of_it) {
   // within half a unit of the last digit that was published

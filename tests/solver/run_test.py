@@ -22,7 +22,7 @@ def same_state_for_any_ranks_and_threads():
             assert physics_of_log(folder) == physics_of_log("r1t1.run"), f"{folder}: another log than that of one rank"
     run(2, "pile.scene.h5", "-o", "blocking.run", "--halo", "blocking")
     hashes["blocking.run"] = outcome("blocking.run")["state_hash"]
-    for width in ("avx2", "sse4", "scalar"):  # VALIDATION.md P7: any vector width, with and without fused multiply-add
+    for width in ("avx2", "sse4", "scalar"):  # docs/reference/validation-plan.md P7: any vector width, with and without fused multiply-add
         run(1, "pile.scene.h5", "-o", f"{width}.run", "--simd", width)
         hashes[f"{width}.run"] = outcome(f"{width}.run")["state_hash"]
     assert len(set(hashes.values())) == 1, hashes

@@ -83,7 +83,7 @@ TEST(Impact, dissipates_what_the_energies_lose) {
   EXPECT_GT(run.simulation->energies().dissipated, 0.3 * peak);
 }
 
-// VALIDATION.md F3: v0 = 2, mu = 0.2 stops after v0^2 / (2 mu g) = 1.019368 m.
+// docs/reference/validation-plan.md F3: v0 = 2, mu = 0.2 stops after v0^2 / (2 mu g) = 1.019368 m.
 TEST(Friction, stops_a_sliding_block_where_coulomb_says) {
   TestRun run(test::empty_scene(1e6, 0.5, 0.2, 0.005));
   run.scene.settings.steps_per_contact = 50;

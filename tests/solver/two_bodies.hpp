@@ -1,4 +1,4 @@
-// Two meshes and the law between them, stepped alone: no grid, no ranks. The set-ups of CONTACT.md sections 1 and 2.
+// Two meshes and the law between them, stepped alone: no grid, no ranks. The set-ups of docs/reference/contact-law.md sections 1 and 2.
 #pragma once
 
 #include <gtest/gtest.h>

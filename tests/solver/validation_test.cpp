@@ -1,4 +1,4 @@
-// Closed forms of VALIDATION.md that need whole runs: impulses off centre, mesh independence, stacks, rolling.
+// Closed forms of docs/reference/validation-plan.md that need whole runs: impulses off centre, mesh independence, stacks, rolling.
 #include <gtest/gtest.h>
 
 #include "solver/laws/restitution.hpp"
@@ -56,7 +56,7 @@ TEST(Impulse, of_a_box_on_its_corner_converges_to_the_rigid_formula) {
   }
 }
 
-// CONTACT.md section 5, test 5: |e - 0.5| <= 5e-3 at 100 steps a contact for every level of an icosphere.
+// docs/reference/contact-law.md section 5, test 5: |e - 0.5| <= 5e-3 at 100 steps a contact for every level of an icosphere.
 TEST(MeshIndependence, restitution_of_a_locked_icosphere_is_that_of_every_refinement) {
   for (int level = 0; level <= 4; ++level) {
     TestRun run(test::empty_scene(1e4, 0.5, 0, 0.01, 1));
@@ -73,7 +73,7 @@ TEST(MeshIndependence, restitution_of_a_locked_icosphere_is_that_of_every_refine
   }
 }
 
-// M1 with CONTACT.md test 4: a flat face, however finely meshed.
+// M1 with docs/reference/contact-law.md test 4: a flat face, however finely meshed.
 TEST(MeshIndependence, restitution_of_a_cube_on_its_face_does_not_know_the_mesh) {
   std::vector<double> rebounds;
   for (const int n : {1, 2, 4, 8, 16}) {

@@ -1,4 +1,4 @@
-"""Demands of VALIDATION.md that are missed today, each with the physics or the limit behind it.
+"""Demands of docs/reference/validation-plan.md that are missed today, each with the physics or the limit behind it.
 
 A miss stays a miss in every table. This list only tells an old miss from a new one: validate.py fails when a demand is
 missed that is not here, and also when one that is here holds again, so that the list cannot outlive its reasons.

@@ -5,7 +5,7 @@ usage: validate.py BIN OUT [--tier U|N|W] [--only C1,F2] [--wp FILE] [--repeat N
 
 BIN holds the executables, OUT gets the case files and errors.csv. --wp appends the rows of error against time to FILE instead,
 --repeat times every run so often (five for figures of speed). A case prints what was measured, what was
-expected, the tolerance of VALIDATION.md, wall time, steps and contacts. Exit: 0 all demands met but those of known_misses.py, 1 a new miss, 2 usage.
+expected, the tolerance of docs/reference/validation-plan.md, wall time, steps and contacts. Exit: 0 all demands met but those of known_misses.py, 1 a new miss, 2 usage.
 """
 import argparse
 import importlib

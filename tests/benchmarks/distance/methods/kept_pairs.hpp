@@ -20,7 +20,7 @@
 // least at s^3 = descent v / (2 n' (scan + listing v / (2 s))). Every new list measures n' and v and takes that skin, with
 // the last one on the right.
 // Source: M. P. Allen, D. J. Tildesley, Computer Simulation of Liquids, section 5.3 (neighbour lists); the expiry of a
-// single pair is that of KERNEL.md section 4. Departure: the way is measured at the listed triangles.
+// single pair is that of docs/reference/candidates.md section 4. Departure: the way is measured at the listed triangles.
 #pragma once
 
 #include <cstdint>
