@@ -131,9 +131,6 @@ gather = "potential"
 margin = "0.3 mm"
 [motion]
 integrator = "spiral"
-[distance]
-method    = "brute-force"
-precision = "mixed"
 [[bodies]]
 shape = "toutatis"
 material = "rock"
