@@ -59,7 +59,7 @@ def speed_of(run):
     """A speed that stands for the run [m/s]."""
     fastest = max(float(numpy.linalg.norm(frame.velocity, axis=1).max(initial=0)) for frame in run.frames)
     fall = float(numpy.linalg.norm(run.scene.general["gravity"])) * run.frames[-1].time
-    return max(fastest, 0.01 * fall, 1e-300)
+    return max(fastest, 0.01 * fall, 1e-3 * run.scene.size() / max(run.frames[-1].time, 1e-300))
 
 
 def distances(run, other, back, size, speed):

@@ -5,6 +5,9 @@ Each relation holds on a small scene and is violated once what it reads is spoil
 generator and has a dimension; shrinking leaves what a violation needs.
 """
 import json
+import os
+import random
+import stat
 import sys
 import time
 
@@ -20,7 +23,8 @@ from metamorphic import examine
 from model import Case
 from relations import RELATIONS, Trial
 from shrink import shrink
-from solids import cube
+from solids import SURFACES, cube
+import tools as module
 from tools import Tools, Violation
 
 BIN, MPIEXEC, SCHEMA = sys.argv[1:4]
@@ -32,7 +36,6 @@ def pair(**more):
 
 
 def scene(bodies, walls=(), **more):
-    import random
     words = {"gravity": [0, 0, -9.81], "time": {"duration": 0.08}, "shapes": {"ball": {"sphere": {"radius": 0.01}}, "cube": {"file": "@cube"}},
              "materials": {"m": {"density": 2000.0}}, "pairs": [pair(friction=0.3)], "contact": {"margin": 0.0005, "impact_speed": 0.5},
              "bodies": list(bodies), "walls": list(walls), "output": {"every": 0.01}}
@@ -50,8 +53,14 @@ def scenes():
     towards = [body(0, 0, 0, velocity=[0.3, 0, 0], angular_velocity=[1, 2, 3]), body(0.025, 0.004, 0, "cube", velocity=[-0.3, 0, 0])]
     still = [body(0.2, 0, 0.012, fixed=True), body(0.2, 0.03, 0.012, velocity=[0, -0.2, 0])]
     population = {"shape": "ball", "material": "m", "count": 6, "region": {"box": [[-0.04, -0.04, 0.001], [0.04, 0.04, 0.08]]}}
+    sheet = {"shape": {"file": "@sheet"}, "material": "m", "motion": {"rotate": {"axis": [0, 0, 1], "rate": 2.0}}}
+    less_than_one = population | {"mass": 1e-4}
+    del less_than_one["count"]
+    on_a_sheet = scene(falling, [sheet])
+    on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     return [scene(falling, [floor]), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
-            scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02})]
+            scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
+            on_a_sheet, scene([], [floor], populations=[less_than_one])]
 
 
 def every_relation_can_fail(tools):
@@ -59,7 +68,7 @@ def every_relation_can_fail(tools):
     trials = [Trial(tools, case, 3) for case in scenes()]
     for name, entry in sorted(RELATIONS.items()):
         begun = time.time()
-        for trial in trials:
+        for trial in trials if entry.group != "known" else reversed(trials):
             trial.spoil = None
             outcome, why = examine(trial, name)
             if outcome == "violated":
@@ -81,9 +90,6 @@ def every_relation_can_fail(tools):
 
 
 def a_crash_and_a_hang_are_violations(tools):
-    import os
-    import stat
-    import tools as module
     folder = tools.new_path(".bin")
     os.makedirs(folder)
     for name, script in (("scree-crash", "kill -SEGV $$"), ("scree-hang", "sleep 100")):
