@@ -740,6 +740,7 @@ def duration(d):
     per_contact = d.pick({30: 6, 20: 1, 12: 1, 8: 0.5, 50: 1, 100: 0.3})
     slower = (8 if d.meshed else 3) * math.sqrt(1 + 24 * d.barrier) * (3 if d.gather != "potential" else 1)
     step = math.pi * math.sqrt(d.heaviest / d.stiffness) / per_contact / slower
+    step *= min([1.0, *(body.get("scale", 1.0) for body in d.words.get("bodies", []) if not body.get("fixed"))]) ** 1.5
     d.duration = min(d.radius / d.speed * d.log_between(3, 25), step * d.log_between(3000, 20000) * 20 / (d.count + 12))
     d.step_guess = step
     time = {"duration": d.duration}
