@@ -9,11 +9,11 @@
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/storage/h5.hpp"
-#include "decomposer/build_scene.hpp"
-#include "decomposer/compare_cuts.hpp"
+#include "decomposer/cut/compare_cuts.hpp"
+#include "decomposer/cut/predicted_work.hpp"
 #include "decomposer/doubts.hpp"
+#include "decomposer/packing/build_scene.hpp"
 #include "decomposer/preview.hpp"
-#include "decomposer/predicted_work.hpp"
 #include "decomposer/sizes_report.hpp"
 #include "decomposer/tile_scene.hpp"
 
@@ -35,8 +35,8 @@ void check_output(const std::string& path) {
   expect_ending("-o", path, "a scene", {".scene.h5"});
 }
 
-nlohmann::json record(const std::vector<std::string>& command, const std::string& configuration,
-                      const std::vector<InputRecord>& inputs, std::uint64_t seed) {
+nlohmann::json record(const std::vector<std::string>& command, const std::string& configuration, const std::vector<InputRecord>& inputs,
+                      std::uint64_t seed) {
   Provenance p;
   p.format = kSceneFormat;
   p.format_version = kSceneFormatVersion;
@@ -88,7 +88,8 @@ std::string write_preview(const std::string& name, const Scene& scene, const std
   std::string text = fmt::format("preview            {}.vtp (open it in ParaView, colour by part), {}.csv\n", name, name);
   text += "  ranks  imbalance  bodies at most  ghosts at most  sent at most a step\n";
   for (const CutMeasures& m : cuts) {
-    text += fmt::format("  {:>5}  {:>9.3f}  {:>14.0f}  {:>14.0f}  {:>16.0f} B\n", m.parts, m.imbalance, m.bodies_max, m.ghosts_max, m.bytes_max);
+    text += fmt::format("  {:>5}  {:>9.3f}  {:>14.0f}  {:>14.0f}  {:>16.0f} B\n", m.parts, m.imbalance, m.bodies_max, m.ghosts_max,
+                        m.bytes_max);
   }
   return text;
 }
@@ -105,8 +106,8 @@ CommandResult check_command(const std::string& case_path, const std::vector<std:
   }
   CommandResult result;
   result.warnings = doubts_about(c);
-  result.output = fmt::format("{}: correct; {} materials, {} pairs that can meet, {} shapes, {} bodies, {} populations{}, {} walls\n", case_path,
-                              c.materials.size(), c.pairs.size(), c.shapes.size(), c.bodies.size(), c.populations.size(),
+  result.output = fmt::format("{}: correct; {} materials, {} pairs that can meet, {} shapes, {} bodies, {} populations{}, {} walls\n",
+                              case_path, c.materials.size(), c.pairs.size(), c.shapes.size(), c.bodies.size(), c.populations.size(),
                               by_count && count > 0 ? fmt::format(" ({:.0f} particles)", count) : "", c.walls.size());
   return result;
 }
@@ -157,8 +158,8 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   partition_scene(scene, work, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
   const std::string configuration = scene.provenance.value("configuration", std::string{});
-  scene.provenance = record(command, configuration, {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}},
-                            scene.settings.seed);
+  scene.provenance =
+      record(command, configuration, {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}}, scene.settings.seed);
   write_scene_file(options.output, scene);
   CommandResult result;
   result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());

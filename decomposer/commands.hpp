@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/partition/partition.hpp"
-#include "decomposer/child_solver.hpp"
+#include "decomposer/packing/child_solver.hpp"
 
 namespace scree {
 
@@ -21,30 +21,30 @@ struct CommandResult {
 
 struct PackOptions {
   std::string case_path, output;
-  std::vector<std::string> changes;   ///< "KEY=VALUE" each (case_settings.hpp)
-  int ranks = 0;   ///< 0: not cut
+  std::vector<std::string> changes;  ///< "KEY=VALUE" each (case_settings.hpp)
+  int ranks = 0;                     ///< 0: not cut
   CutMethod cut = CutMethod::rcb;
-  std::string preview;     ///< NAME.vtp and NAME.csv of the cut; empty: none
-  std::string sizes;       ///< NAME.csv and NAME.svg of the sizes asked and got; empty: none
+  std::string preview;  ///< NAME.vtp and NAME.csv of the cut; empty: none
+  std::string sizes;    ///< NAME.csv and NAME.svg of the sizes asked and got; empty: none
   ChildSolver solver;
 };
 struct PartitionOptions {
   std::string scene_path, output;
   int ranks = 0;
   CutMethod cut = CutMethod::rcb;
-  std::string preview;     ///< as with pack
+  std::string preview;  ///< as with pack
 };
 struct CompareOptions {
   std::string scene_path;
   std::vector<int> parts;
-  std::vector<std::string> cuts;   ///< names of cut methods
-  double skin = kDefaultSkin;      ///< of the smallest radius
+  std::vector<std::string> cuts;  ///< names of cut methods
+  double skin = kDefaultSkin;     ///< of the smallest radius
 };
 struct TileOptions {
   std::string scene_path, output;
-  std::string frame_path;          ///< "": the scene as it is
+  std::string frame_path;  ///< "": the scene as it is
   std::array<int, 3> copies{1, 1, 1};
-  double duration = -1;            ///< of the new scene [s]; < 0: as in the old one
+  double duration = -1;  ///< of the new scene [s]; < 0: as in the old one
 };
 
 /// in   command   words of the command line, for the provenance

@@ -13,11 +13,11 @@ namespace scree {
 namespace {
 
 // Where a number is more likely a slip than meant. Each is far from what stones, plastics, metals and grains have.
-constexpr double kLightest = 100;          // [kg/m^3] of a body: balsa has more, only foams and snow have less; g/cm^3 ends at 23
-constexpr double kHeaviest = 25000;        // [kg/m^3] osmium has 22 590
-constexpr double kSoftest = 1000;          // [Pa] Young's modulus of jelly: GPa or MPa was left out
-constexpr double kMostFriction = 2;        // rubber on dry concrete has 1: more looks like an angle in degrees
-constexpr double kFastest = 300;           // [m/s] of an impact, the speed of sound
+constexpr double kLightest = 100;    // [kg/m^3] of a body: balsa has more, only foams and snow have less; g/cm^3 ends at 23
+constexpr double kHeaviest = 25000;  // [kg/m^3] osmium has 22 590
+constexpr double kSoftest = 1000;    // [Pa] Young's modulus of jelly: GPa or MPa was left out
+constexpr double kMostFriction = 2;  // rubber on dry concrete has 1: more looks like an angle in degrees
+constexpr double kFastest = 300;     // [m/s] of an impact, the speed of sound
 constexpr double kMostFrames = 1e5, kMostSteps = 1e9;
 constexpr double kLiquid = 1e-4;           // [Pa s] viscosity above that of any gas
 constexpr double kThinnestLiquid = 50;     // [kg/m^3] liquid hydrogen has 70
@@ -39,26 +39,30 @@ void doubt_materials(const Case& c, std::vector<std::string>& doubts) {
   for (const std::int32_t index : of_movers) {
     const Material& m = c.materials[static_cast<std::size_t>(index)];
     if (m.density < kLightest) {
-      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is less than wood has (above {:g}); was \"{:g} g/cm^3\" meant?", m.name, m.density,
-                                   kLightest, m.density));
+      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is less than wood has (above {:g}); was \"{:g} g/cm^3\" meant?",
+                                   m.name, m.density, kLightest, m.density));
     } else if (m.density > kHeaviest) {
-      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is more than any metal has (below {:g}); is the unit right?", m.name, m.density, kHeaviest));
+      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is more than any metal has (below {:g}); is the unit right?", m.name,
+                                   m.density, kHeaviest));
     }
     if (m.young > 0 && m.young < kSoftest) {
-      doubts.push_back(fmt::format("materials.{}.young = {:g} Pa is softer than jelly ({:g} Pa); was \"{:g} GPa\" or \"{:g} MPa\" meant?", m.name, m.young,
-                                   kSoftest, m.young, m.young));
+      doubts.push_back(fmt::format("materials.{}.young = {:g} Pa is softer than jelly ({:g} Pa); was \"{:g} GPa\" or \"{:g} MPa\" meant?",
+                                   m.name, m.young, kSoftest, m.young, m.young));
     }
   }
   std::string frictionless;
   for (const CasePair& p : c.pairs) {
-    const std::string name = fmt::format("{} on {}", c.materials[static_cast<std::size_t>(p.pair.a)].name, c.materials[static_cast<std::size_t>(p.pair.b)].name);
+    const std::string name =
+        fmt::format("{} on {}", c.materials[static_cast<std::size_t>(p.pair.a)].name, c.materials[static_cast<std::size_t>(p.pair.b)].name);
     if (!p.friction_given) frictionless += (frictionless.empty() ? "" : ", ") + name;
     if (p.pair.friction > kMostFriction) {
-      doubts.push_back(fmt::format("{}: friction = {:g} of {} is a coefficient, the tangent of an angle; {:g} degrees would be {:.3g}", p.where,
-                                   p.pair.friction, name, p.pair.friction, std::abs(std::tan(p.pair.friction * std::numbers::pi / 180))));
+      doubts.push_back(fmt::format("{}: friction = {:g} of {} is a coefficient, the tangent of an angle; {:g} degrees would be {:.3g}",
+                                   p.where, p.pair.friction, name, p.pair.friction,
+                                   std::abs(std::tan(p.pair.friction * std::numbers::pi / 180))));
     }
   }
-  if (!frictionless.empty()) doubts.push_back(fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
+  if (!frictionless.empty())
+    doubts.push_back(fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
 }
 
 void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
@@ -71,15 +75,17 @@ void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
     }
   }
   if (s.fluid && s.fluid->viscosity > kLiquid && s.fluid->density < kThinnestLiquid) {
-    doubts.push_back(fmt::format("fluid.density = {:g} kg/m^3 is that of a gas, and fluid.viscosity = {:g} Pa s that of a liquid; was \"{:g} g/cm^3\" meant?",
-                                 s.fluid->density, s.fluid->viscosity, s.fluid->density));
+    doubts.push_back(fmt::format(
+        "fluid.density = {:g} kg/m^3 is that of a gas, and fluid.viscosity = {:g} Pa s that of a liquid; was \"{:g} g/cm^3\" meant?",
+        s.fluid->density, s.fluid->viscosity, s.fluid->density));
   }
   const bool moves = !c.populations.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
   if (!moves) doubts.push_back("nothing moves: the case has no population and no body that is not fixed");
   const bool is_held = !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
   if (moves && g > 0 && !is_held && !s.fluid) {
-    doubts.push_back(fmt::format("nothing holds the bodies: no wall, no fixed body, and gravity of {:g} m/s^2: they all fall freely, {} until the end", g,
-                                 metres(0.5 * g * s.duration * s.duration)));
+    doubts.push_back(
+        fmt::format("nothing holds the bodies: no wall, no fixed body, and gravity of {:g} m/s^2: they all fall freely, {} until the end",
+                    g, metres(0.5 * g * s.duration * s.duration)));
   }
 }
 
@@ -87,22 +93,27 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
   const Settings& s = c.settings;
   if (!(s.duration > 0)) return;
   if (s.output_every > s.duration) {
-    doubts.push_back(fmt::format("output.every = {} is longer than the run of {}: only its first and last state are kept", seconds(s.output_every),
-                                 seconds(s.duration)));
+    doubts.push_back(fmt::format("output.every = {} is longer than the run of {}: only its first and last state are kept",
+                                 seconds(s.output_every), seconds(s.duration)));
   } else if (s.duration / s.output_every > kMostFrames) {
-    doubts.push_back(fmt::format("output.every = {} makes {:.3g} frames of a run of {}", seconds(s.output_every), s.duration / s.output_every, seconds(s.duration)));
+    doubts.push_back(fmt::format("output.every = {} makes {:.3g} frames of a run of {}", seconds(s.output_every),
+                                 s.duration / s.output_every, seconds(s.duration)));
   }
   for (const CaseWall& w : c.walls) {
     if (w.wall.motion.kind == WallMotion::Kind::none || w.wall.motion.start < s.duration) continue;
-    doubts.push_back(fmt::format("{}: wall '{}' starts to move at {}, and the run ends at {}", w.where, w.wall.name, seconds(w.wall.motion.start), seconds(s.duration)));
+    doubts.push_back(fmt::format("{}: wall '{}' starts to move at {}, and the run ends at {}", w.where, w.wall.name,
+                                 seconds(w.wall.motion.start), seconds(s.duration)));
   }
-  const bool loses = s.fluid || std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return p.pair.restitution < 1 || p.pair.friction > 0; });
-  if (s.stop_at_rest && !loses) doubts.push_back("time.stop_at_rest: nothing takes energy away (restitution 1 and no friction in all pairs), so that nothing comes to rest");
+  const bool loses = s.fluid || std::any_of(c.pairs.begin(), c.pairs.end(),
+                                            [](const CasePair& p) { return p.pair.restitution < 1 || p.pair.friction > 0; });
+  if (s.stop_at_rest && !loses)
+    doubts.push_back(
+        "time.stop_at_rest: nothing takes energy away (restitution 1 and no friction in all pairs), so that nothing comes to rest");
 }
 
 /// Moving bodies of a packed scene, by what matters here.
 struct Movers {
-  double lightest = 1e300, smallest = 1e300, largest = 0;   ///< [kg]; extents [m]
+  double lightest = 1e300, smallest = 1e300, largest = 0;  ///< [kg]; extents [m]
   struct Heaviest {
     double mass = 0, diameter = 0;
   };
@@ -145,17 +156,18 @@ void doubt_extents(const Case& c, const SceneParts& parts, const Movers& movers,
     if (w.kind == WallKind::plane) continue;
     const double extent = longest(w.kind == WallKind::mesh ? parts.wall_bodies[i].world_box() : region_of(w).box);
     const std::string what = fmt::format("{} (wall '{}')", c.walls[i].where, w.name);
-    if (!(w.cell_size > 0)) consider(extent, what);   // terrain may be as long as it likes
+    if (!(w.cell_size > 0)) consider(extent, what);  // terrain may be as long as it likes
     if (extent * kFarSmaller < movers.smallest) {
-      doubts.push_back(fmt::format("{} is {} long, and the smallest body is {} across: {:.0f} times as much; is the unit of one of them right?", what,
-                                   metres(extent), metres(movers.smallest), movers.smallest / extent));
+      doubts.push_back(
+          fmt::format("{} is {} long, and the smallest body is {} across: {:.0f} times as much; is the unit of one of them right?", what,
+                      metres(extent), metres(movers.smallest), movers.smallest / extent));
     }
   }
   for (std::size_t k = 0; k < parts.regions.size(); ++k) consider(longest(parts.regions[k].box), c.populations[k].where + ".region");
   if (c.settings.domain.bounded && parts.walls.empty()) consider(longest({c.settings.domain.lower, c.settings.domain.upper}), "the domain");
   if (most > kFarLarger * movers.largest) {
-    doubts.push_back(fmt::format("{} is {} long, and the largest body is {} across: {:.0f} times less; is the unit of one of them right?", name, metres(most),
-                                 metres(movers.largest), most / movers.largest));
+    doubts.push_back(fmt::format("{} is {} long, and the largest body is {} across: {:.0f} times less; is the unit of one of them right?",
+                                 name, metres(most), metres(movers.largest), most / movers.largest));
   }
 }
 
@@ -171,13 +183,16 @@ void doubt_steps(const Case& c, const Movers& movers, std::vector<std::string>& 
   const double contact = shortest_contact(c, movers);
   if (!(contact > 0 && s.duration > 0)) return;
   if (s.duration < kSurely * contact) {
-    doubts.push_back(fmt::format("time.duration = {} is less than a single contact takes ({} of the lightest body, {}, by the stiffest pair)", seconds(s.duration),
-                                 seconds(contact), format_quantity(movers.lightest, Dimension::mass)));
+    doubts.push_back(
+        fmt::format("time.duration = {} is less than a single contact takes ({} of the lightest body, {}, by the stiffest pair)",
+                    seconds(s.duration), seconds(contact), format_quantity(movers.lightest, Dimension::mass)));
   }
   const double step = s.step > 0 ? s.step : contact / s.steps_per_contact;
   if (s.duration / step > kMostSteps) {
-    doubts.push_back(fmt::format("time.duration = {} takes about {:.2g} steps of {} (the lightest body, {}, by the stiffest pair); a softer pair or larger bodies make it fewer",
-                                 seconds(s.duration), s.duration / step, seconds(step), format_quantity(movers.lightest, Dimension::mass)));
+    doubts.push_back(
+        fmt::format("time.duration = {} takes about {:.2g} steps of {} (the lightest body, {}, by the stiffest pair); a softer pair or "
+                    "larger bodies make it fewer",
+                    seconds(s.duration), s.duration / step, seconds(step), format_quantity(movers.lightest, Dimension::mass)));
   }
 }
 
@@ -195,16 +210,18 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
     const double weight = body.mass * length(s.gravity) * (s.fluid ? std::abs(1 - s.fluid->density / density) : 1.0);
     double depth = p.pair.stiffness > 0 ? weight / p.pair.stiffness : 0;
     if (s.law == "hertz-mindlin" && body.diameter > 0) {
-      const double modulus = effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
+      const double modulus =
+          effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
       const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * body.diameter;
       depth = std::cbrt(9 * weight * weight / (16 * modulus * modulus * radius));
     }
     const double most = s.margin > 0 ? kPressedShare * 2 * s.margin : kPressedDiameter * body.diameter;
     if (!(depth > most)) continue;
-    doubts.push_back(fmt::format("{}: the heaviest body ({}) is pressed {} into the floor by its own weight, {}; a stiffer pair or a lighter body is needed", p.where,
-                                 format_quantity(body.mass, Dimension::mass), metres(depth),
-                                 s.margin > 0 ? fmt::format("{:.2f} of the margins, which end the run at 1", depth / (2 * s.margin))
-                                              : fmt::format("{:.1f} % of its diameter", 100 * depth / body.diameter)));
+    doubts.push_back(fmt::format(
+        "{}: the heaviest body ({}) is pressed {} into the floor by its own weight, {}; a stiffer pair or a lighter body is needed",
+        p.where, format_quantity(body.mass, Dimension::mass), metres(depth),
+        s.margin > 0 ? fmt::format("{:.2f} of the margins, which end the run at 1", depth / (2 * s.margin))
+                     : fmt::format("{:.1f} % of its diameter", 100 * depth / body.diameter)));
   }
 }
 
@@ -226,8 +243,9 @@ std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, co
   doubt_steps(c, movers, doubts);
   doubt_stiffness(c, scene, movers, doubts);
   if (scene.settings.impact_speed > kFastest) {
-    doubts.push_back(fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",
-                                 format_quantity(scene.settings.impact_speed, Dimension::velocity)));
+    doubts.push_back(
+        fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",
+                    format_quantity(scene.settings.impact_speed, Dimension::velocity)));
   }
   return doubts;
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "decomposer/build_scene.hpp"
-#include "decomposer/scene_parts.hpp"
+#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/scene_parts.hpp"
 
 namespace scree {
 

@@ -44,8 +44,11 @@ int run(int argc, char** argv) {
 
   scree::PackOptions pack;
   const auto add_changes = [&pack](CLI::App* command_line) {
-    command_line->add_option("--set", pack.changes, "KEY=VALUE instead of what the case says, for instance pairs.*.friction=0.4; may be repeated")
-        ->take_all()->expected(1)->allow_extra_args(false);
+    command_line
+        ->add_option("--set", pack.changes, "KEY=VALUE instead of what the case says, for instance pairs.*.friction=0.4; may be repeated")
+        ->take_all()
+        ->expected(1)
+        ->allow_extra_args(false);
   };
   add_changes(check);
   auto* pack_command = app->add_subcommand("pack", "Place all bodies of a case and write the scene");
@@ -54,10 +57,13 @@ int run(int argc, char** argv) {
   add_changes(pack_command);
   pack_command->add_option("--ranks", pack.ranks, "Cut the scene for so many ranks of the solver")->check(CLI::PositiveNumber);
 
-  pack_command->add_option("--preview", pack.preview, "With --ranks: write NAME.vtp, the parts for ParaView, and NAME.csv, what they cost")->needs("--ranks");
+  pack_command->add_option("--preview", pack.preview, "With --ranks: write NAME.vtp, the parts for ParaView, and NAME.csv, what they cost")
+      ->needs("--ranks");
   pack_command->add_option("--sizes", pack.sizes, "Write NAME.csv and NAME.svg: sizes asked and got");
   std::string solver;
-  pack_command->add_option("--solver", solver, "Command for settle and compact, for instance \"mpirun -n 4 scree-solver\" (default: the scree-solver beside this)");
+  pack_command->add_option(
+      "--solver", solver,
+      "Command for settle and compact, for instance \"mpirun -n 4 scree-solver\" (default: the scree-solver beside this)");
 
   scree::PartitionOptions partition;
   auto* partition_command = app->add_subcommand("partition", "Cut a scene for a number of ranks");
@@ -77,16 +83,26 @@ int run(int argc, char** argv) {
   compare.cuts = scree::cut_method_names();
   auto* compare_command = app->add_subcommand("compare", "Cut a scene in several ways; print what each would cost, as a table");
   compare_command->add_option("SCENE", compare.scene_path, "NAME.scene.h5")->required();
-  compare_command->add_option("--parts", compare.parts, "Numbers of parts, for instance 16,64,256")->required()->delimiter(',')->check(CLI::PositiveNumber);
-  compare_command->add_option("--cuts", compare.cuts, "Ways to cut (default all)")->delimiter(',')->check(CLI::IsMember(scree::cut_method_names()));
-  compare_command->add_option("--skin", compare.skin, "Skin of the body lists, of the smallest radius (default 0.1)")->check(CLI::Range(0.0, 1.0));
+  compare_command->add_option("--parts", compare.parts, "Numbers of parts, for instance 16,64,256")
+      ->required()
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  compare_command->add_option("--cuts", compare.cuts, "Ways to cut (default all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(scree::cut_method_names()));
+  compare_command->add_option("--skin", compare.skin, "Skin of the body lists, of the smallest radius (default 0.1)")
+      ->check(CLI::Range(0.0, 1.0));
 
   scree::TileOptions tile;
   auto* tile_command = app->add_subcommand("tile", "Repeat a box of bodies side by side");
   tile_command->add_option("SCENE", tile.scene_path, "NAME.scene.h5 with one wall, box_inside")->required();
   tile_command->add_option("--frame", tile.frame_path, "Frame of a run of that scene to take the bodies from");
-  tile_command->add_option("--copies", tile.copies, "Copies along x, y and z, for instance 4,4,1")->required()->delimiter(',')->check(CLI::PositiveNumber);
-  scree::add_quantity(*tile_command, "--duration", tile.duration, scree::Dimension::time, "Of the new scene, for instance \"2 ms\" (default: as the old one)");
+  tile_command->add_option("--copies", tile.copies, "Copies along x, y and z, for instance 4,4,1")
+      ->required()
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  scree::add_quantity(*tile_command, "--duration", tile.duration, scree::Dimension::time,
+                      "Of the new scene, for instance \"2 ms\" (default: as the old one)");
   tile_command->add_option("-o,--output", tile.output, "NAME.scene.h5")->required();
 
   // 2. run the one that was asked for; results to stdout, notes to stderr

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
-#include "decomposer/compare_cuts.hpp"
+#include "decomposer/cut/compare_cuts.hpp"
 
 namespace scree {
 
@@ -13,7 +13,8 @@ namespace {
 
 template <class Values>
 std::string data_array(const std::string& type, const std::string& name, int components, const Values& values, const char* format) {
-  std::string text = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", type, name, components);
+  std::string text =
+      fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", type, name, components);
   for (std::size_t i = 0; i < values.size(); ++i) {
     text += fmt::format(fmt::runtime(format), values[i]);
     text += (i + 1) % 12 == 0 ? '\n' : ' ';
@@ -63,15 +64,19 @@ std::string preview_file(const Scene& scene, const std::vector<double>& predicte
     }
     point_count += 8;
   }
-  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n";
-  text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n", point_count,
-                      bodies, line_ends.size());
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<PolyData>\n";
+  text += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
+                      point_count, bodies, line_ends.size());
   text += "<PointData>\n" + data_array("Int64", "id", 1, id, "{}") + data_array("Float64", "radius", 1, radius, "{:.9g}") +
           data_array("Float64", "predicted_work", 1, work, "{:.6g}") + "</PointData>\n";
   text += "<CellData>\n" + data_array("Int64", "part", 1, cell_part, "{}") + data_array("Int64", "kind", 1, kind, "{}") + "</CellData>\n";
   text += "<Points>\n" + data_array("Float64", "Points", 3, points, "{:.9g}") + "</Points>\n";
-  text += "<Verts>\n" + data_array("Int64", "connectivity", 1, vertices, "{}") + data_array("Int64", "offsets", 1, vertex_ends, "{}") + "</Verts>\n";
-  text += "<Lines>\n" + data_array("Int64", "connectivity", 1, line_points, "{}") + data_array("Int64", "offsets", 1, line_ends, "{}") + "</Lines>\n";
+  text += "<Verts>\n" + data_array("Int64", "connectivity", 1, vertices, "{}") + data_array("Int64", "offsets", 1, vertex_ends, "{}") +
+          "</Verts>\n";
+  text += "<Lines>\n" + data_array("Int64", "connectivity", 1, line_points, "{}") + data_array("Int64", "offsets", 1, line_ends, "{}") +
+          "</Lines>\n";
   return text + "</Piece>\n</PolyData>\n</VTKFile>\n";
 }
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "decomposer/build_scene.hpp"
+#include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
 

@@ -9,7 +9,8 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     throw UsageError("tile: the scene has {} walls; expected one, box_inside, whose inside is the tile", scene.walls.size());
   }
   if (scene.walls[0].motion.kind != WallMotion::Kind::none) {
-    throw UsageError("tile: the wall '{}' moves, and its motion would not fit a box of another size; tile a scene whose box stands still", scene.walls[0].name);
+    throw UsageError("tile: the wall '{}' moves, and its motion would not fit a box of another size; tile a scene whose box stands still",
+                     scene.walls[0].name);
   }
   if (frame.size() != 0 && frame.size() != scene.bodies.size()) {
     throw UsageError("tile: the frame has {} bodies, the scene {}; give a frame of a run of this scene", frame.size(), scene.bodies.size());

@@ -6,9 +6,9 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
-#include "mesher/command_lines.hpp"
-#include "mesher/generate.hpp"
-#include "mesher/mesh_file.hpp"
+#include "mesher/commands/command_lines.hpp"
+#include "mesher/io/mesh_file.hpp"
+#include "mesher/make/generate.hpp"
 
 namespace {
 
@@ -31,8 +31,7 @@ int run(int argc, char** argv) {
       {{"scree-mesher check rock.stl --unit mm", "can it be a rigid body?"},
        {"scree-mesher import rock.stl -o rock.shape.h5 --unit mm", "a solid from a mesh in millimetres"},
        {"scree-mesher import funnel.stl -o funnel.shape.h5 --surface", "a wall; may be open"},
-       {"scree-mesher generate cylinder --radius \"5 mm\" --height 2cm -o pill.shape.h5",
-        "a generated solid"},
+       {"scree-mesher generate cylinder --radius \"5 mm\" --height 2cm -o pill.shape.h5", "a generated solid"},
        {"scree-mesher simplify scan.ply -o rock.shape.h5 --unit mm --triangles 500", "fewer triangles, and how far off"},
        {"scree-mesher repair scan.stl -o scan.ply --unit mm --picture scan.png", "close and mend it, or say why not"},
        {"scree-mesher generate rock --diameter 2cm --elongation 0.6..0.9 --count 20 -o rocks.shape.h5", "a family"},

@@ -6,8 +6,8 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
-#include "post/commands.hpp"
-#include "post/vtk_or_not.hpp"
+#include "post/commands/commands.hpp"
+#include "post/vtk/vtk_or_not.hpp"
 
 namespace {
 

@@ -8,8 +8,8 @@
 
 #include "core/base/command_line.hpp"
 #include "core/distance/triangle_distance.hpp"
-#include "solver/job_script.hpp"
-#include "solver/verify.hpp"
+#include "solver/run/job_script.hpp"
+#include "solver/run/verify.hpp"
 
 namespace {
 
@@ -52,25 +52,27 @@ int main(int argc, char** argv) {
     VerifyOptions again;
     bool plan = false, slurm = false;
     std::string halo = "overlap", send = "selected", cut = "rcb", simd = "best";
-    const auto app = make_command_line(
-        "scree-solver", "Moves the bodies of a scene by the discrete element method.",
-        {{"mpirun -n 2 scree-solver drum.scene.h5 -o drum.run", "run a scene on two ranks"},
-         {"scree-solver drum.scene.h5 --plan", "what is computed, what is left out, memory, step"},
-         {"mpirun -n 4 scree-solver drum.scene.h5 -o drum.run --restart latest", "continue a stopped run"},
-         {"scree-solver drum.scene.h5 --print-slurm > drum.sh", "a job that requeues itself until the end"},
-         {"mpirun -n 3 scree-solver verify drum.run", "the same bits again? where not?"}});
+    const auto app = make_command_line("scree-solver", "Moves the bodies of a scene by the discrete element method.",
+                                       {{"mpirun -n 2 scree-solver drum.scene.h5 -o drum.run", "run a scene on two ranks"},
+                                        {"scree-solver drum.scene.h5 --plan", "what is computed, what is left out, memory, step"},
+                                        {"mpirun -n 4 scree-solver drum.scene.h5 -o drum.run --restart latest", "continue a stopped run"},
+                                        {"scree-solver drum.scene.h5 --print-slurm > drum.sh", "a job that requeues itself until the end"},
+                                        {"mpirun -n 3 scree-solver verify drum.run", "the same bits again? where not?"}});
     app->add_option("scene", options.scene_path, "scene file made by scree-decomposer");
     app->add_option("-o,--output", options.run_folder, "run folder to make (default: the scene's name with .run)");
     app->add_flag("--plan", plan, "print what would be done, and stop");
     app->add_flag("--print-slurm", slurm, "print a job script for SLURM that requeues itself, and stop");
     app->add_option("--restart", options.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
-    add_quantity(*app, "--stall-limit", options.stall_limit, Dimension::time, "time without a step or output after which the run ends with 4, "
+    add_quantity(*app, "--stall-limit", options.stall_limit, Dimension::time,
+                 "time without a step or output after which the run ends with 4, "
                  "for instance \"10 min\"; 0: never (default 30 min)");
     add_quantity(*app, "--checkpoint-interval", options.checkpoint_interval, Dimension::time,
                  "run time between checkpoints, for a case without output.checkpoint; 0: only at the end (default 30 min)");
     app->add_option("--halo", halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
-    app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")->check(CLI::IsMember({"selected", "all"}));
-    app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")->check(CLI::IsMember(cut_method_names()));
+    app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")
+        ->check(CLI::IsMember({"selected", "all"}));
+    app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")
+        ->check(CLI::IsMember(cut_method_names()));
     app->add_option("--simd", simd, "best | avx512 | avx2 | sse4 | scalar");
     CLI::App* verify = app->add_subcommand("verify", "Computes steps of a run again and says whether they are the same, or where not.");
     verify->fallthrough();
@@ -85,7 +87,8 @@ int main(int argc, char** argv) {
     if (comm.rank() != 0) parse_command_line(*app, argc, argv);
     mpi::on_root(comm, [&] {
       if (!(options.stall_limit >= 0)) throw UsageError("--stall-limit {:g}: expected a time >= 0 s", options.stall_limit);
-      if (!(options.checkpoint_interval >= 0)) throw UsageError("--checkpoint-interval {:g}: expected a time >= 0 s", options.checkpoint_interval);
+      if (!(options.checkpoint_interval >= 0))
+        throw UsageError("--checkpoint-interval {:g}: expected a time >= 0 s", options.checkpoint_interval);
     });
     limit_simd(simd);
     options.parallel = {halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,

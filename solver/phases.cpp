@@ -6,18 +6,30 @@ namespace scree {
 
 const char* phase_name(Phase phase) {
   switch (phase) {
-    case Phase::search: return "search";
-    case Phase::sort: return "sort";
-    case Phase::distance: return "contact";
-    case Phase::twice: return "twice";
-    case Phase::gather: return "gather";
-    case Phase::integrate: return "integrate";
-    case Phase::halo: return "halo";
-    case Phase::wait: return "wait";
-    case Phase::agree: return "agree";
-    case Phase::migrate: return "migrate";
-    case Phase::output: return "output";
-    case Phase::count: break;
+    case Phase::search:
+      return "search";
+    case Phase::sort:
+      return "sort";
+    case Phase::distance:
+      return "contact";
+    case Phase::twice:
+      return "twice";
+    case Phase::gather:
+      return "gather";
+    case Phase::integrate:
+      return "integrate";
+    case Phase::halo:
+      return "halo";
+    case Phase::wait:
+      return "wait";
+    case Phase::agree:
+      return "agree";
+    case Phase::migrate:
+      return "migrate";
+    case Phase::output:
+      return "output";
+    case Phase::count:
+      break;
   }
   return "unknown";
 }

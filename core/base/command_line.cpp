@@ -76,8 +76,7 @@ std::string full_name(const CLI::App& app) {
     collect_names(app, is_option, names);
     const std::string near = nearest_name(word.substr(0, word.find('=')), names);
     const bool may_be_command = !is_option && !names.empty() && app.get_subcommands().empty();
-    throw UsageError("{} '{}'{}; {}",
-                     is_option ? "unknown option" : (may_be_command ? "unknown command" : "unexpected argument"), word,
+    throw UsageError("{} '{}'{}; {}", is_option ? "unknown option" : (may_be_command ? "unknown command" : "unexpected argument"), word,
                      near.empty() ? "" : fmt::format(", did you mean '{}'?", near), help);
   }
   throw UsageError("{}; {}", error.what(), help);
@@ -91,8 +90,9 @@ std::unique_ptr<CLI::App> make_command_line(const std::string& tool, const std::
   auto app = std::make_unique<CLI::App>(purpose, tool);
   app->formatter(std::make_shared<ExamplesFirst>(examples));
   app->set_help_flag("-h,--help", "Print this help and exit");
-  app->set_version_flag("--version", [tool, libraries] { return version_text(tool, libraries); },
-                        "Print the version of the tool and of its libraries, and exit");
+  app->set_version_flag(
+      "--version", [tool, libraries] { return version_text(tool, libraries); },
+      "Print the version of the tool and of its libraries, and exit");
   return app;
 }
 
@@ -118,16 +118,19 @@ CLI::Option* add_quantity(CLI::App& line, const std::string& names, double& valu
 CLI::Option* add_quantities(CLI::App& line, const std::string& names, std::vector<double>& values, int count, Dimension dimension,
                             const std::string& help) {
   const std::string option = names.substr(names.find("--"));
-  return line.add_option_function<std::vector<std::string>>(
-      names,
-      [&values, dimension, option](const std::vector<std::string>& texts) {
-        values.clear();
-        for (const std::string& text : texts) values.push_back(parse_quantity(text, dimension, option));
-      },
-      help)->expected(count);
+  return line
+      .add_option_function<std::vector<std::string>>(
+          names,
+          [&values, dimension, option](const std::vector<std::string>& texts) {
+            values.clear();
+            for (const std::string& text : texts) values.push_back(parse_quantity(text, dimension, option));
+          },
+          help)
+      ->expected(count);
 }
 
-void expect_ending(const std::string& option, const std::string& path, const std::string& what, std::initializer_list<const char*> endings) {
+void expect_ending(const std::string& option, const std::string& path, const std::string& what,
+                   std::initializer_list<const char*> endings) {
   std::string stem = path, known;
   for (const std::string ending : endings) {
     if (path.size() > ending.size() && path.ends_with(ending)) return;

@@ -14,10 +14,14 @@ std::vector<std::string> csv_cells(const std::string& line) {
   bool inside = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
-    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"') cells.back() += line[i++];
-    else if (c == '"') inside = !inside;
-    else if (c == ',' && !inside) cells.emplace_back();
-    else if (c != '\r' || i + 1 < line.size()) cells.back() += c;
+    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
+      cells.back() += line[i++];
+    else if (c == '"')
+      inside = !inside;
+    else if (c == ',' && !inside)
+      cells.emplace_back();
+    else if (c != '\r' || i + 1 < line.size())
+      cells.back() += c;
   }
   return cells;
 }

@@ -37,8 +37,7 @@ class UsageError : public Error {
  public:
   explicit UsageError(const std::string& message) : Error(ExitCode::usage, message) {}
   template <class... Args>
-  explicit UsageError(fmt::format_string<Args...> format, Args&&... args)
-    requires(sizeof...(Args) > 0)
+  explicit UsageError(fmt::format_string<Args...> format, Args&&... args) requires(sizeof...(Args) > 0)
       : Error(ExitCode::usage, fmt::format(format, std::forward<Args>(args)...)) {}
 };
 
@@ -47,8 +46,7 @@ class InputError : public Error {
  public:
   explicit InputError(const std::string& message) : Error(ExitCode::bad_data, message) {}
   template <class... Args>
-  explicit InputError(fmt::format_string<Args...> format, Args&&... args)
-    requires(sizeof...(Args) > 0)
+  explicit InputError(fmt::format_string<Args...> format, Args&&... args) requires(sizeof...(Args) > 0)
       : Error(ExitCode::bad_data, fmt::format(format, std::forward<Args>(args)...)) {}
 };
 
@@ -57,8 +55,7 @@ class SystemError : public Error {
  public:
   explicit SystemError(const std::string& message) : Error(ExitCode::system, message) {}
   template <class... Args>
-  explicit SystemError(fmt::format_string<Args...> format, Args&&... args)
-    requires(sizeof...(Args) > 0)
+  explicit SystemError(fmt::format_string<Args...> format, Args&&... args) requires(sizeof...(Args) > 0)
       : Error(ExitCode::system, fmt::format(format, std::forward<Args>(args)...)) {}
 };
 
@@ -67,8 +64,7 @@ class RunInvalid : public Error {
  public:
   explicit RunInvalid(const std::string& message) : Error(ExitCode::run_invalid, message) {}
   template <class... Args>
-  explicit RunInvalid(fmt::format_string<Args...> format, Args&&... args)
-    requires(sizeof...(Args) > 0)
+  explicit RunInvalid(fmt::format_string<Args...> format, Args&&... args) requires(sizeof...(Args) > 0)
       : Error(ExitCode::run_invalid, fmt::format(format, std::forward<Args>(args)...)) {}
 };
 
@@ -94,10 +90,9 @@ namespace detail {
 
 /// Our own invariants. On unless SCREE_NO_ASSERT is defined: their cost is outside the kernels.
 #ifndef SCREE_NO_ASSERT
-#define SCREE_ASSERT(condition, ...)                                                                        \
-  do {                                                                                                      \
-    if (!(condition))                                                                                       \
-      ::scree::detail::assertion_failed(#condition, __FILE__, __LINE__, ::fmt::format("" __VA_ARGS__));     \
+#define SCREE_ASSERT(condition, ...)                                                                                    \
+  do {                                                                                                                  \
+    if (!(condition)) ::scree::detail::assertion_failed(#condition, __FILE__, __LINE__, ::fmt::format("" __VA_ARGS__)); \
   } while (false)
 #else
 #define SCREE_ASSERT(condition, ...) static_cast<void>(0)

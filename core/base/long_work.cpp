@@ -37,7 +37,12 @@ bool on_terminal() { return isatty(STDERR_FILENO) != 0; }
 void print_progress(bool on) { prints = on; }
 
 LongWork::LongWork(std::string name, double total)
-    : name_(std::move(name)), total_(total), speaks_(prints && depth == 0), start_(seconds_now()), next_(start_ + patience()), last_(start_) {
+    : name_(std::move(name)),
+      total_(total),
+      speaks_(prints && depth == 0),
+      start_(seconds_now()),
+      next_(start_ + patience()),
+      last_(start_) {
   ++depth;
 }
 
@@ -46,7 +51,8 @@ LongWork::~LongWork() {
   if (!has_spoken_) return;
   if (on_terminal()) std::fputs("\r\033[K", stderr);
   // work that failed is told by the error
-  if (std::uncaught_exceptions() == 0) std::fprintf(stderr, "%s: done in %s\n", name_.c_str(), format_duration(seconds_now() - start_).c_str());
+  if (std::uncaught_exceptions() == 0)
+    std::fprintf(stderr, "%s: done in %s\n", name_.c_str(), format_duration(seconds_now() - start_).c_str());
   std::fflush(stderr);
 }
 
@@ -66,7 +72,9 @@ void LongWork::print(double now, const std::string& text) {
     last_step_ = step;
   }
   // without a total the silence grows with the work, so that a night does not fill a file
-  const double pause = on_terminal() ? kRedrawInterval : total_ > 0 ? patience() : std::max(patience(), std::min(now - start_, kLongestSilence));
+  const double pause = on_terminal() ? kRedrawInterval
+                       : total_ > 0  ? patience()
+                                     : std::max(patience(), std::min(now - start_, kLongestSilence));
   next_ = now + pause;
   last_ = now;
   has_spoken_ = true;

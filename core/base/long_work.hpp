@@ -35,11 +35,11 @@ class LongWork {
 
   std::string name_;
   double total_, done_ = 0;
-  bool speaks_;                    ///< the outermost work, in a tool that prints progress
+  bool speaks_;  ///< the outermost work, in a tool that prints progress
   bool has_spoken_ = false;
-  double start_ = 0, next_ = 0;    ///< [s] on the steady clock: the beginning, and when a line is due again
-  double last_ = 0;                ///< [s] of the last line
-  int last_step_ = 0;              ///< of 5 %, in the last line
+  double start_ = 0, next_ = 0;  ///< [s] on the steady clock: the beginning, and when a line is due again
+  double last_ = 0;              ///< [s] of the last line
+  int last_step_ = 0;            ///< of 5 %, in the last line
 };
 
 }  // namespace scree

@@ -15,8 +15,11 @@ constexpr int kLinesInAFile = 20;        ///< one line per 5 %
 }  // namespace
 
 Progress::Progress(std::string title, double total)
-    : title_(std::move(title)), total_(total), terminal_(isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()), last_print_(start_) {}
+    : title_(std::move(title)),
+      total_(total),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      last_print_(start_) {}
 
 void Progress::update(double done, const std::string& text) {
   const double share = total_ > 0.0 ? std::clamp(done / total_, 0.0, 1.0) : 1.0;
@@ -43,8 +46,7 @@ void Progress::update(double done, const std::string& text) {
 
 void Progress::finish(const std::string& text) {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  std::fprintf(stderr, "%s%s: %s in %s\n", terminal_ ? "\r\033[K" : "", title_.c_str(), text.c_str(),
-               format_duration(elapsed).c_str());
+  std::fprintf(stderr, "%s%s: %s in %s\n", terminal_ ? "\r\033[K" : "", title_.c_str(), text.c_str(), format_duration(elapsed).c_str());
   std::fflush(stderr);
 }
 

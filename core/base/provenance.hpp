@@ -16,15 +16,15 @@ struct InputRecord {
 
 /// The provenance record, made by each tool and written as JSON text (dataset or key "provenance").
 struct Provenance {
-  std::string format;            ///< for instance "scree-shape"
+  std::string format;  ///< for instance "scree-shape"
   std::int64_t format_version = 0;
-  std::string tool;              ///< "scree-mesher"
+  std::string tool;                  ///< "scree-mesher"
   std::vector<std::string> command;  ///< command line as given
-  std::string configuration;     ///< the case file or the options as read
+  std::string configuration;         ///< the case file or the options as read
   std::vector<InputRecord> inputs;
   std::uint64_t seed = 0;
   int ranks = 1, threads = 1;
-  std::string instruction_set;   ///< SIMD target in use; "scalar" when none
+  std::string instruction_set;  ///< SIMD target in use; "scalar" when none
 };
 
 /// JSON with everything above and what the build knows: tool version, git hash and dirty flag, compiler, UTC time.

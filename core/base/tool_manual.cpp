@@ -16,9 +16,12 @@ std::string roff(const std::string& text) {
   bool line_start = true;
   for (const char c : text) {
     if (line_start && (c == '.' || c == '\'')) out += "\\&";
-    if (c == '\\') out += "\\e";
-    else if (c == '-') out += "\\-";
-    else out += c;
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
     line_start = c == '\n';
   }
   return out;
@@ -104,10 +107,11 @@ std::string manual_page(const CLI::App& app, const std::vector<std::pair<std::st
   for (const CLI::App* sub : commands_of(app)) {
     page += fmt::format(".SS {}\n{}\n{}", roff(sub->get_name()), roff(sub->get_description()), options_text(*sub));
   }
-  page += ".SH EXIT STATUS\n"
-          ".TP\n0\ndone\n.TP\n1\na mistake of Scree itself: please report it\n.TP\n2\nthe command line or the case file is wrong\n"
-          ".TP\n3\nan input cannot be used: a broken mesh, a truncated, damaged or newer file\n.TP\n4\nthe disk, the memory or MPI failed\n"
-          ".TP\n5\nthe simulation became invalid; the message names body, contact and step\n.TP\n128+\\fIn\\fR\nstopped by signal \\fIn\\fR\n";
+  page +=
+      ".SH EXIT STATUS\n"
+      ".TP\n0\ndone\n.TP\n1\na mistake of Scree itself: please report it\n.TP\n2\nthe command line or the case file is wrong\n"
+      ".TP\n3\nan input cannot be used: a broken mesh, a truncated, damaged or newer file\n.TP\n4\nthe disk, the memory or MPI failed\n"
+      ".TP\n5\nthe simulation became invalid; the message names body, contact and step\n.TP\n128+\\fIn\\fR\nstopped by signal \\fIn\\fR\n";
   page += ".SH SEE ALSO\n";
   std::string others;
   for (const char* tool : {"scree-mesher", "scree-decomposer", "scree-solver", "scree-post"}) {

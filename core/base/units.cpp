@@ -62,7 +62,7 @@ struct Prefix {
   std::string_view name;
   double factor;
 };
-constexpr std::array kPrefixes{Prefix{"p", 1e-12}, Prefix{"n", 1e-9}, Prefix{"u", 1e-6},  Prefix{"µ", 1e-6},
+constexpr std::array kPrefixes{Prefix{"p", 1e-12}, Prefix{"n", 1e-9}, Prefix{"u", 1e-6}, Prefix{"µ", 1e-6},
                                Prefix{"μ", 1e-6},  Prefix{"m", 1e-3}, Prefix{"c", 1e-2}, Prefix{"k", 1e3},
                                Prefix{"M", 1e6},   Prefix{"G", 1e9},  Prefix{"T", 1e12}};
 
@@ -216,8 +216,7 @@ std::string dimension_name(Dimension dimension) {
 double parse_quantity(const std::string& text, Dimension expected, const std::string& where) {
   const DimensionFacts& facts = facts_of(expected);
   const auto fail = [&](const std::string& found) {
-    throw UsageError("{} = \"{}\": {}; expected {}, for instance \"{}\"", where, text, found,
-                     dimension_name(expected), facts.example);
+    throw UsageError("{} = \"{}\": {}; expected {}, for instance \"{}\"", where, text, found, dimension_name(expected), facts.example);
   };
 
   std::string_view rest = trimmed(text);

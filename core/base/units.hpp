@@ -6,8 +6,21 @@
 namespace scree {
 
 enum class Dimension {
-  none, length, time, mass, velocity, acceleration, angular_velocity, angle, frequency, density, stiffness,
-  pressure, force, stress_per_length, viscosity
+  none,
+  length,
+  time,
+  mass,
+  velocity,
+  acceleration,
+  angular_velocity,
+  angle,
+  frequency,
+  density,
+  stiffness,
+  pressure,
+  force,
+  stress_per_length,
+  viscosity
 };
 
 /// "a length [m]", for messages.

@@ -15,7 +15,11 @@ constexpr std::uint32_t kPrivate = 0xF700;  // of the private use area: U+F780 t
 std::size_t character_at(const std::string& text, std::size_t at, std::uint32_t& number) {
   const auto byte = [&](std::size_t k) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[k])); };
   const std::uint32_t first = byte(at);
-  const std::size_t size = first < 0x80 ? 1 : first >= 0xC2 && first < 0xE0 ? 2 : first >= 0xE0 && first < 0xF0 ? 3 : first >= 0xF0 && first < 0xF5 ? 4 : 0;
+  const std::size_t size = first < 0x80                    ? 1
+                           : first >= 0xC2 && first < 0xE0 ? 2
+                           : first >= 0xE0 && first < 0xF0 ? 3
+                           : first >= 0xF0 && first < 0xF5 ? 4
+                                                           : 0;
   if (size == 0 || at + size > text.size()) return 0;
   number = size == 1 ? first : first & (0x7FU >> size);
   for (std::size_t k = 1; k < size; ++k) {
@@ -31,7 +35,8 @@ bool stands_for_byte(std::uint32_t number) { return number >= kPrivate + 0x80 &&
 
 std::string private_character(unsigned char byte) {
   const std::uint32_t number = kPrivate + byte;
-  return {static_cast<char>(0xE0U | (number >> 12)), static_cast<char>(0x80U | ((number >> 6) & 0x3FU)), static_cast<char>(0x80U | (number & 0x3FU))};
+  return {static_cast<char>(0xE0U | (number >> 12)), static_cast<char>(0x80U | ((number >> 6) & 0x3FU)),
+          static_cast<char>(0x80U | (number & 0x3FU))};
 }
 
 bool is_utf8(const std::string& text) {
@@ -50,8 +55,10 @@ nlohmann::json with_valid_strings(const nlohmann::json& value) {
   if (!value.is_structured()) return value;
   nlohmann::json copy = value.is_array() ? nlohmann::json::array() : nlohmann::json::object();
   for (const auto& [key, item] : value.items()) {
-    if (value.is_array()) copy.push_back(with_valid_strings(item));
-    else copy[valid(key)] = with_valid_strings(item);
+    if (value.is_array())
+      copy.push_back(with_valid_strings(item));
+    else
+      copy[valid(key)] = with_valid_strings(item);
   }
   return copy;
 }
@@ -78,8 +85,10 @@ std::string bytes_from_utf8(const std::string& text) {
   std::uint32_t number = 0;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t size = std::max<std::size_t>(1, character_at(text, i, number));
-    if (size == 3 && stands_for_byte(number)) bytes += static_cast<char>(number - kPrivate);
-    else bytes += text.substr(i, size);
+    if (size == 3 && stands_for_byte(number))
+      bytes += static_cast<char>(number - kPrivate);
+    else
+      bytes += text.substr(i, size);
     i += size;
   }
   return bytes;
@@ -90,9 +99,12 @@ std::string printable(const std::string& text) {
   std::uint32_t number = 0;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t size = character_at(text, i, number);
-    if (size == 0) shown += fmt::format("\\x{:02X}", static_cast<unsigned char>(text[i]));
-    else if (stands_for_byte(number)) shown += fmt::format("\\x{:02X}", number - kPrivate);
-    else shown += text.substr(i, size);
+    if (size == 0)
+      shown += fmt::format("\\x{:02X}", static_cast<unsigned char>(text[i]));
+    else if (stands_for_byte(number))
+      shown += fmt::format("\\x{:02X}", number - kPrivate);
+    else
+      shown += text.substr(i, size);
     i += std::max<std::size_t>(1, size);
   }
   return shown;

@@ -40,9 +40,9 @@ std::string hdf5_library() {
 }  // namespace
 
 std::string version_text(const std::string& tool, const std::string& more_libraries) {
-  std::string text = fmt::format("{} {}\ngit:       {}{}\ncompiler:  {}\nSIMD:      {}\nMPI:       {}\nHDF5:      {}",
-                                 tool, kVersion, kGitHash, kGitDirty ? " (with local changes)" : "", kCompiler,
-                                 simd_targets(), mpi_library(), hdf5_library());
+  std::string text =
+      fmt::format("{} {}\ngit:       {}{}\ncompiler:  {}\nSIMD:      {}\nMPI:       {}\nHDF5:      {}", tool, kVersion, kGitHash,
+                  kGitDirty ? " (with local changes)" : "", kCompiler, simd_targets(), mpi_library(), hdf5_library());
   if (!more_libraries.empty()) text += "\nlibraries: " + more_libraries;
   return text;
 }

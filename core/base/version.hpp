@@ -5,7 +5,7 @@
 
 namespace scree {
 extern const char* const kVersion;
-extern const char* const kGitHash;   ///< "unknown" outside a git checkout
+extern const char* const kGitHash;  ///< "unknown" outside a git checkout
 extern const bool kGitDirty;
 extern const char* const kCompiler;
 

@@ -20,7 +20,7 @@ constexpr std::array<const char*, 7> kDashes{"", "7 3", "2 3", "10 3 2 3", "", "
 
 constexpr double kWidth = 640, kHeight = 320;
 constexpr double kLeft = 74, kRight = 16, kTop = 62, kBottom = 48;  // two rows of legend fit above
-constexpr std::size_t kMostPoints = 1500;  // more than two points a pixel only make the page heavy
+constexpr std::size_t kMostPoints = 1500;                           // more than two points a pixel only make the page heavy
 
 struct Prefix {
   double factor;
@@ -73,23 +73,29 @@ ChartLine thinned(const ChartLine& line) {
 std::string marker(std::size_t line, double x, double y, const char* colour) {
   constexpr double r = 4;
   switch (line % 4) {
-    case 0: return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n", x, y, r, colour);
-    case 1: return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", x - 3.6, y - 3.6, 7.2, 7.2, colour);
-    case 2: return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}h{}z\" fill=\"{}\"/>\n", x, y - 1.2 * r, 1.1 * r, 2 * r, -2.2 * r, colour);
-    default: return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}l{} {}l{} {}z\" fill=\"{}\"/>\n", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r, -1.3 * r,
-                                 -1.3 * r, colour);
+    case 0:
+      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n", x, y, r, colour);
+    case 1:
+      return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", x - 3.6, y - 3.6, 7.2, 7.2, colour);
+    case 2:
+      return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}h{}z\" fill=\"{}\"/>\n", x, y - 1.2 * r, 1.1 * r, 2 * r, -2.2 * r, colour);
+    default:
+      return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}l{} {}l{} {}z\" fill=\"{}\"/>\n", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r,
+                         1.3 * r, -1.3 * r, -1.3 * r, colour);
   }
 }
 
 /// Whether two ends of an axis are one value for its labels: steps between them would be lost to rounding.
 bool is_flat(double low, double high) {
-  constexpr double kLeastSpan = 1e-9;   // of the values: far above roundoff, far below what a label can show
+  constexpr double kLeastSpan = 1e-9;  // of the values: far above roundoff, far below what a label can show
   return !(high - low > kLeastSpan * std::max(std::abs(low), std::abs(high)));
 }
 
 std::string svg_head(const std::string& title, double height) {
-  return fmt::format("<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\" xmlns=\"http://www.w3.org/2000/svg\">\n"
-                     "<title>{2}</title>\n<text x=\"0\" y=\"18\" class=\"chart-title\">{2}</text>\n", kWidth, height, escaped(title));
+  return fmt::format(
+      "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\" xmlns=\"http://www.w3.org/2000/svg\">\n"
+      "<title>{2}</title>\n<text x=\"0\" y=\"18\" class=\"chart-title\">{2}</text>\n",
+      kWidth, height, escaped(title));
 }
 
 }  // namespace
@@ -97,12 +103,18 @@ std::string svg_head(const std::string& title, double height) {
 std::string escaped(const std::string& text) {
   std::string result;
   for (char c : printable(text)) {
-    if (c == '<') result += "&lt;";
-    else if (c == '>') result += "&gt;";
-    else if (c == '&') result += "&amp;";
-    else if (c == '"') result += "&quot;";
-    else if (c == '\'') result += "&#39;";
-    else result += c;
+    if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '&')
+      result += "&amp;";
+    else if (c == '"')
+      result += "&quot;";
+    else if (c == '\'')
+      result += "&#39;";
+    else
+      result += c;
   }
   return result;
 }
@@ -189,8 +201,10 @@ std::string svg_of(const LineChart& chart) {
 
   // grid and axes
   const auto level = [&](double y, const std::string& text) {
-    svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" class=\"tick\" "
-                       "text-anchor=\"end\">{}</text>\n", kLeft, kLeft + width, py(y), py(y), kLeft - 7, py(y) + 4, text);
+    svg += fmt::format(
+        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" class=\"tick\" "
+        "text-anchor=\"end\">{}</text>\n",
+        kLeft, kLeft + width, py(y), py(y), kLeft - 7, py(y) + 4, text);
   };
   if (chart.logarithmic) {
     const int low = static_cast<int>(std::lround(std::log10(y_low))), high = static_cast<int>(std::lround(std::log10(y_high)));
@@ -201,8 +215,10 @@ std::string svg_of(const LineChart& chart) {
     for (double t : y_ticks) level(t * yp.factor, number(t, step));
   }
   const auto mark = [&](double x, const std::string& text) {
-    svg += fmt::format("<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" class=\"axis\"/><text x=\"{0:.1f}\" y=\"{3}\" class=\"tick\" "
-                       "text-anchor=\"middle\">{4}</text>\n", px(x), kTop + height, kTop + height + 5, kTop + height + 18, text);
+    svg += fmt::format(
+        "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" class=\"axis\"/><text x=\"{0:.1f}\" y=\"{3}\" class=\"tick\" "
+        "text-anchor=\"middle\">{4}</text>\n",
+        px(x), kTop + height, kTop + height + 5, kTop + height + 18, text);
   };
   if (chart.logarithmic_x) {
     const int low = static_cast<int>(std::lround(std::log10(x_low))), high = static_cast<int>(std::lround(std::log10(x_high)));
@@ -223,9 +239,10 @@ std::string svg_of(const LineChart& chart) {
 
   for (const ChartLimit& limit : chart.limits) {
     if (!is_drawn(1, limit.y)) continue;
-    svg += fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" class=\"limit\"/><text x=\"{1}\" y=\"{3:.1f}\" "
-                       "class=\"limit-text\" text-anchor=\"end\">{4}</text>\n", kLeft, kLeft + width, py(limit.y), py(limit.y) - 5,
-                       escaped(limit.text));
+    svg += fmt::format(
+        "<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" class=\"limit\"/><text x=\"{1}\" y=\"{3:.1f}\" "
+        "class=\"limit-text\" text-anchor=\"end\">{4}</text>\n",
+        kLeft, kLeft + width, py(limit.y), py(limit.y) - 5, escaped(limit.text));
   }
 
   // bands, lines and points, then the legend above the frame
@@ -259,14 +276,18 @@ std::string svg_of(const LineChart& chart) {
       if (i < line.labels.size() && !line.labels[i].empty()) {
         const bool left = px(line.x[i]) > kLeft + 100;
         // a ring about the point; the text below and left of it, where a front has nothing else
-        svg += fmt::format("<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7.5\" fill=\"none\" stroke=\"#1c2430\" stroke-width=\"1.4\"/><text x=\"{2:.1f}\" y=\"{3:.1f}\" "
-                           "class=\"tick\" text-anchor=\"{4}\">{5}</text>\n", px(line.x[i]), y_at(line.y[i]), px(line.x[i]) + (left ? -8 : 8), y_at(line.y[i]) + 19,
-                           left ? "end" : "start", escaped(line.labels[i]));
+        svg += fmt::format(
+            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7.5\" fill=\"none\" stroke=\"#1c2430\" stroke-width=\"1.4\"/><text x=\"{2:.1f}\" "
+            "y=\"{3:.1f}\" "
+            "class=\"tick\" text-anchor=\"{4}\">{5}</text>\n",
+            px(line.x[i]), y_at(line.y[i]), px(line.x[i]) + (left ? -8 : 8), y_at(line.y[i]) + 19, left ? "end" : "start",
+            escaped(line.labels[i]));
       }
     }
     if (has_line) {
-      svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-dasharray=\"{}\"/>\n", path,
-                         colour, dash);
+      svg += fmt::format(
+          "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-dasharray=\"{}\"/>\n", path,
+          colour, dash);
     }
     if (chart.lines.size() > 1 || !line.spread.empty()) {
       const double long_name = 32 + 8.8 * static_cast<double>(line.name.size()) + 14;  // room for the larger letters on a phone
@@ -275,8 +296,9 @@ std::string svg_of(const LineChart& chart) {
         legend_y += 15;
       }
       if (has_line) {
-        svg += fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{4}\" y2=\"{4}\" stroke=\"{2}\" stroke-width=\"2.4\" stroke-dasharray=\"{3}\"/>", legend_x,
-                           legend_x + 26, colour, dash, legend_y);
+        svg +=
+            fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{4}\" y2=\"{4}\" stroke=\"{2}\" stroke-width=\"2.4\" stroke-dasharray=\"{3}\"/>",
+                        legend_x, legend_x + 26, colour, dash, legend_y);
       }
       if (has_points) svg += marker(s, legend_x + 13, legend_y, colour);
       svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\">{}</text>\n", legend_x + 32, legend_y + 4, escaped(line.name));
@@ -292,13 +314,16 @@ std::string svg_columns(const BarChart& chart) {
   double largest = 0;
   for (double v : chart.values) largest = std::max(largest, v);
   std::string svg = svg_head(chart.title, kHeight);
-  if (!(largest > 0) || chart.names.size() != chart.values.size() + 1) return svg + "<text x=\"0\" y=\"60\" class=\"chart-text\">nothing to draw</text>\n</svg>\n";
+  if (!(largest > 0) || chart.names.size() != chart.values.size() + 1)
+    return svg + "<text x=\"0\" y=\"60\" class=\"chart-text\">nothing to draw</text>\n</svg>\n";
   const double top = 36, width = kWidth - kLeft - kRight, height = kHeight - top - kBottom;
   const std::vector<double> ticks = round_ticks(0, largest, 5);
   const auto py = [&](double v) { return top + height * (1 - v / ticks.back()); };
   for (double t : ticks) {
-    svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" class=\"tick\" "
-                       "text-anchor=\"end\">{}</text>\n", kLeft, kLeft + width, py(t), py(t), kLeft - 7, py(t) + 4, number(t, ticks[1]));
+    svg += fmt::format(
+        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" class=\"tick\" "
+        "text-anchor=\"end\">{}</text>\n",
+        kLeft, kLeft + width, py(t), py(t), kLeft - 7, py(t) + 4, number(t, ticks[1]));
   }
   const double column = width / static_cast<double>(chart.values.size());
   for (std::size_t i = 0; i < chart.names.size(); ++i) {
@@ -308,7 +333,8 @@ std::string svg_columns(const BarChart& chart) {
                          column - 2, top + height - py(chart.values[i]), kColours[0]);
     }
     if (!chart.names[i].empty()) {
-      svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" class=\"tick\" text-anchor=\"middle\">{}</text>\n", x, top + height + 18, chart.names[i]);
+      svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" class=\"tick\" text-anchor=\"middle\">{}</text>\n", x, top + height + 18,
+                         chart.names[i]);
     }
   }
   svg += fmt::format("<polyline points=\"{0},{1} {0},{2} {3},{2}\" class=\"axis\"/>\n", kLeft, top, top + height, kLeft + width);
@@ -332,10 +358,11 @@ std::string svg_of(const BarChart& chart) {
   for (std::size_t i = 0; i < chart.values.size(); ++i) {
     const double y = top + row * static_cast<double>(i);
     const double length = largest > 0 ? width * std::max(0.0, chart.values[i]) / largest : 0;
-    svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\" text-anchor=\"end\">{}</text><rect x=\"{}\" y=\"{}\" width=\"{:.1f}\" "
-                       "height=\"{}\" fill=\"{}\"/><text x=\"{:.1f}\" y=\"{}\" class=\"tick\">{}</text>\n", name_width - 10, y + 15,
-                       escaped(chart.names[i]), name_width, y + 2, std::max(length, 1.0), row - 8, kColours[0], name_width + length + 8,
-                       y + 15, escaped(i < chart.texts.size() ? chart.texts[i] : ""));
+    svg += fmt::format(
+        "<text x=\"{}\" y=\"{}\" class=\"chart-text\" text-anchor=\"end\">{}</text><rect x=\"{}\" y=\"{}\" width=\"{:.1f}\" "
+        "height=\"{}\" fill=\"{}\"/><text x=\"{:.1f}\" y=\"{}\" class=\"tick\">{}</text>\n",
+        name_width - 10, y + 15, escaped(chart.names[i]), name_width, y + 2, std::max(length, 1.0), row - 8, kColours[0],
+        name_width + length + 8, y + 15, escaped(i < chart.texts.size() ? chart.texts[i] : ""));
   }
   return svg + "</svg>\n";
 }
@@ -347,7 +374,8 @@ std::string csv_of(const LineChart& chart) {
     for (std::size_t i = 0; i < line.x.size(); ++i) {
       if (!std::isfinite(line.y[i])) continue;
       const bool has_spread = i < line.spread.size() && std::isfinite(line.spread[i]);
-      csv += fmt::format("{},{:.9g},{:.9g},{}\n", name(line.name, ""), line.x[i], line.y[i], has_spread ? fmt::format("{:.4g}", line.spread[i]) : "");
+      csv += fmt::format("{},{:.9g},{:.9g},{}\n", name(line.name, ""), line.x[i], line.y[i],
+                         has_spread ? fmt::format("{:.4g}", line.spread[i]) : "");
     }
   }
   return csv;

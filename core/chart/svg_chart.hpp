@@ -11,9 +11,9 @@ namespace scree {
 struct ChartLine {
   std::string name;
   std::vector<double> x, y;
-  std::vector<double> spread{};             ///< half width of a band about y; empty: none
+  std::vector<double> spread{};  ///< half width of a band about y; empty: none
   enum class Style { line, points, points_and_line } style = Style::line;
-  std::vector<std::string> labels{};        ///< a text beside each point; empty: none
+  std::vector<std::string> labels{};  ///< a text beside each point; empty: none
 };
 
 struct ChartLimit {
@@ -23,13 +23,13 @@ struct ChartLimit {
 
 struct LineChart {
   std::string title;
-  std::string x_label, x_unit;      ///< the unit gets a prefix that makes the numbers short
-  std::string y_label, y_unit;      ///< empty: no unit and no prefix
-  bool logarithmic = false;         ///< y axis
-  bool from_zero = false;           ///< y axis starts at 0
+  std::string x_label, x_unit;  ///< the unit gets a prefix that makes the numbers short
+  std::string y_label, y_unit;  ///< empty: no unit and no prefix
+  bool logarithmic = false;     ///< y axis
+  bool from_zero = false;       ///< y axis starts at 0
   std::vector<ChartLine> lines;
-  std::vector<ChartLimit> limits;   ///< dashed level lines with a text
-  bool logarithmic_x = false;       ///< the unit then gets no prefix
+  std::vector<ChartLimit> limits;  ///< dashed level lines with a text
+  bool logarithmic_x = false;      ///< the unit then gets no prefix
 };
 std::string svg_of(const LineChart& chart);
 
@@ -38,8 +38,8 @@ struct BarChart {
   std::string x_label;
   std::vector<std::string> names;
   std::vector<double> values;
-  std::vector<std::string> texts;   ///< beside each bar
-  bool vertical = false;            ///< columns of a histogram; `names` are then texts at the bin edges, one more than values, or empty
+  std::vector<std::string> texts;  ///< beside each bar
+  bool vertical = false;           ///< columns of a histogram; `names` are then texts at the bin edges, one more than values, or empty
   std::string y_label;
 };
 std::string svg_of(const BarChart& chart);

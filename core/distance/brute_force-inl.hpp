@@ -169,9 +169,9 @@ struct ScaledPair {
 /// best; those that agree within rounding are counted and summed; certain collects the lanes in which signs beyond
 /// doubt prove an intersection. w[i][j] belongs to edge i of P and edge j of F; height to the vertices of P.
 template <class T>
-HWY_INLINE void cross_face(const TrianglePack<T>& p, const TrianglePack<T>& f, const Pack<T> w[3][3],
-                           const Pack<T> height[3], Pack<T> w_certain, Pack<T> height_certain, Pack<T> crossing2,
-                           Mask<T> lanes, bool p_is_a, Solution<T>& out, Pack<T>& count, Pack3<T>& sum, Mask<T>& certain) {
+HWY_INLINE void cross_face(const TrianglePack<T>& p, const TrianglePack<T>& f, const Pack<T> w[3][3], const Pack<T> height[3],
+                           Pack<T> w_certain, Pack<T> height_certain, Pack<T> crossing2, Mask<T> lanes, bool p_is_a, Solution<T>& out,
+                           Pack<T>& count, Pack3<T>& sum, Mask<T>& certain) {
   using V = Pack<T>;
   const V zero(T(0)), one(T(1));
   const Pack3<T> f0 = f.p[1] - f.p[0], f2 = f.p[0] - f.p[2], n = cross(f2, f0);
@@ -202,8 +202,8 @@ HWY_INLINE void cross_face(const TrianglePack<T>& p, const TrianglePack<T>& f, c
     out.code = select(better, V(static_cast<T>((p_is_a ? kCodeEdgeA : kCodeEdgeB) + i)), out.code);
     const V least = min(min(abs(w[i][0]), abs(w[i][1])), abs(w[i][2]));
     const V signs = sign_differs_and(sign_all_equal(w[i][0], w[i][1], w[i][2]), height[i], height[k]);
-    const Mask<T> pierces = lanes & mask_of_sign(signs) & (least > w_certain) & (abs(height[i]) > height_certain) &
-                            (abs(height[k]) > height_certain);
+    const Mask<T> pierces =
+        lanes & mask_of_sign(signs) & (least > w_certain) & (abs(height[i]) > height_certain) & (abs(height[k]) > height_certain);
     certain = certain | pierces;
     const Mask<T> meets = pierces | (lanes & (d2 <= crossing2));
     count = select(meets, count + one, count);
@@ -307,9 +307,7 @@ HWY_INLINE Pack<T> vertex_face(const Pack3<T>& f0, const Pack3<T>& f2, const Pac
   const Pack3<T> gu = cross(n, f2), gv = cross(n, f0);
   const V nn = dot(n, n), inverse = one / max(nn, V(Limits<T>::tiny));
   V u = dot(gu, p) * inverse, v = dot(gv, p) * inverse;
-  const auto residual = [&] {
-    return kNegated ? mul_add(u, f0, neg_mul_add(v, f2, p)) : neg_mul_add(u, f0, mul_add(v, f2, p));
-  };
+  const auto residual = [&] { return kNegated ? mul_add(u, f0, neg_mul_add(v, f2, p)) : neg_mul_add(u, f0, mul_add(v, f2, p)); };
   Pack3<T> d = residual();
   if constexpr (kCorrected) {
     u = mul_add(dot(gu, d), inverse, u);

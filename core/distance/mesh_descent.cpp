@@ -41,7 +41,9 @@ struct BoxAt {
 };
 /// One of eight boxes.
 using Column = BoxAt<kBvhWidth>;
-HWY_INLINE Column column_of(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], std::size_t k) { return {lower[0] + k, upper[0] + k}; }
+HWY_INLINE Column column_of(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], std::size_t k) {
+  return {lower[0] + k, upper[0] + k};
+}
 
 /// Squared distances of eight boxes (component by component) from one.
 template <class Box>
@@ -68,14 +70,16 @@ HWY_INLINE std::uint32_t boxes_within(const float lower[3][kBvhWidth], const flo
   return bits;
 }
 template <class Box>
-HWY_INLINE std::uint32_t near_boxes(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const Box& box,
-                                    float reach, float gap2[kBvhWidth]) {
-  return boxes_within(lower, upper, box, [reach](std::size_t) { return all(reach); }, gap2);
+HWY_INLINE std::uint32_t near_boxes(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const Box& box, float reach,
+                                    float gap2[kBvhWidth]) {
+  return boxes_within(
+      lower, upper, box, [reach](std::size_t) { return all(reach); }, gap2);
 }
 template <class Box>
 HWY_INLINE std::uint32_t near_boxes(const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const Box& box,
                                     const float reach[kBvhWidth], float gap2[kBvhWidth]) {
-  return boxes_within(lower, upper, box, [reach](std::size_t part) { return load(reach + part); }, gap2);
+  return boxes_within(
+      lower, upper, box, [reach](std::size_t part) { return load(reach + part); }, gap2);
 }
 
 /// The largest reach in each of eight boxes of B, where there is a slope.
@@ -93,8 +97,8 @@ HWY_INLINE void reaches(const float lower[3][kBvhWidth], const float upper[3][kB
 }
 /// Eight boxes of B, and what they were placed with, against one of A.
 template <class Placed>
-HWY_INLINE std::uint32_t near_placed(const Placed& placed, const float lower[3][kBvhWidth], const float upper[3][kBvhWidth], const Column& box,
-                                     const DescentReach& reach, float gap2[kBvhWidth]) {
+HWY_INLINE std::uint32_t near_placed(const Placed& placed, const float lower[3][kBvhWidth], const float upper[3][kBvhWidth],
+                                     const Column& box, const DescentReach& reach, float gap2[kBvhWidth]) {
   if (!(reach.slope > 0)) return near_boxes(lower, upper, box, reach.base, gap2);
   return near_boxes(lower, upper, box, placed.reach, gap2);
 }
@@ -109,7 +113,8 @@ void place_boxes(const BvhNode& node, const SinglePlacement& frame, const Descen
       half[c] = hn::Mul(half_of, hn::Sub(u, l));
     }
     for (int c = 0; c < 3; ++c) {
-      const Vec8 x = hn::Add(all(frame.translation[c]), dot(all(frame.linear[c][0]), all(frame.linear[c][1]), all(frame.linear[c][2]), centre[0], centre[1], centre[2]));
+      const Vec8 x = hn::Add(all(frame.translation[c]), dot(all(frame.linear[c][0]), all(frame.linear[c][1]), all(frame.linear[c][2]),
+                                                            centre[0], centre[1], centre[2]));
       const Vec8 e = dot(all(frame.absolute[c][0]), all(frame.absolute[c][1]), all(frame.absolute[c][2]), half[0], half[1], half[2]);
       hn::StoreU(hn::Sub(x, e), Tag8(), out.lower[c] + part);
       hn::StoreU(hn::Add(x, e), Tag8(), out.upper[c] + part);
@@ -200,13 +205,15 @@ HWY_INLINE void keep_corners(const BvhLeaf& a, std::uint32_t hits, const PlacedL
 
 HWY_INLINE std::uint32_t first_bits(std::int32_t count) { return (1u << count) - 1u; }
 
-HWY_INLINE PlacedLeaf& placed_leaf(const Bvh& b, std::int32_t leaf, const DescentFrame& frame, const DescentReach& reach, DescentScratch& scratch) {
+HWY_INLINE PlacedLeaf& placed_leaf(const Bvh& b, std::int32_t leaf, const DescentFrame& frame, const DescentReach& reach,
+                                   DescentScratch& scratch) {
   const auto [placed, is_new] = scratch.placed_leaves.place_of(leaf);
   if (is_new) place_leaf(b.leaves[static_cast<std::size_t>(leaf)], frame, reach, placed);
   return placed;
 }
 
-HWY_INLINE PlacedNode& placed_node(const Bvh& b, std::int32_t node, const DescentFrame& frame, const DescentReach& reach, DescentScratch& scratch) {
+HWY_INLINE PlacedNode& placed_node(const Bvh& b, std::int32_t node, const DescentFrame& frame, const DescentReach& reach,
+                                   DescentScratch& scratch) {
   const auto [placed, is_new] = scratch.placed_nodes.place_of(node);
   if (is_new) place_boxes(b.nodes[static_cast<std::size_t>(node)], frame, reach, placed);
   return placed;
@@ -221,8 +228,8 @@ HWY_INLINE PlacedNode& turned_node(const Bvh& a, std::int32_t node, const Descen
 /// A's corners are off there by up to twice the roundoffs that the reach allows for, counted as those of the frame.
 HWY_INLINE float turned_reach(const DescentFrame& frame, float reach) { return (reach + 2 * frame.allowance) * frame.back_scale; }
 
-void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int32_t leaf_a, std::int32_t leaf_b,
-                 const Column& box_a, const DescentReach& reach, DescentScratch& scratch) {
+void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int32_t leaf_a, std::int32_t leaf_b, const Column& box_a,
+                 const DescentReach& reach, DescentScratch& scratch) {
   const BvhLeaf& la = a.leaves[static_cast<std::size_t>(leaf_a)];
   const BvhLeaf& lb = b.leaves[static_cast<std::size_t>(leaf_b)];
   const PlacedLeaf& placed = placed_leaf(b, leaf_b, frame, reach, scratch);
@@ -243,8 +250,10 @@ void meet_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, std::int
     for (std::size_t part = 0; part < kBvhWidth; part += kLanes) {
       Vec8 h[3];
       for (std::size_t v = 0; v < 3; ++v)
-        h[v] = dot(load(of_a.normal[0] + part), load(of_a.normal[1] + part), load(of_a.normal[2] + part), all(placed.corner[3 * v][j]), all(placed.corner[3 * v + 1][j]), all(placed.corner[3 * v + 2][j]));
-      std::uint32_t bits = outside_slabs(h, load(of_a.low + part), load(of_a.high + part), hn::Mul(all(reach_here), load(of_a.normal_length + part)));
+        h[v] = dot(load(of_a.normal[0] + part), load(of_a.normal[1] + part), load(of_a.normal[2] + part), all(placed.corner[3 * v][j]),
+                   all(placed.corner[3 * v + 1][j]), all(placed.corner[3 * v + 2][j]));
+      std::uint32_t bits =
+          outside_slabs(h, load(of_a.low + part), load(of_a.high + part), hn::Mul(all(reach_here), load(of_a.normal_length + part)));
       for (std::size_t v = 0; v < 3; ++v)
         h[v] = dot(all(of_b.normal[0][j]), all(of_b.normal[1][j]), all(of_b.normal[2][j]), load(la.corner[3 * v] + part),
                    load(la.corner[3 * v + 1] + part), load(la.corner[3 * v + 2] + part));
@@ -286,7 +295,8 @@ HWY_INLINE void open_pair(const Bvh& a, const Bvh& b, const DescentFrame& frame,
   }
   const BvhNode& node = b.nodes[static_cast<std::size_t>(pair.b)];
   const PlacedNode& placed = placed_node(b, pair.b, frame, reach, scratch);
-  std::uint32_t rows = near_placed(placed, placed.lower, placed.upper, box_of_a(a, pair.slot_a, scratch), reach, gap2) & first_bits(node.count);
+  std::uint32_t rows =
+      near_placed(placed, placed.lower, placed.upper, box_of_a(a, pair.slot_a, scratch), reach, gap2) & first_bits(node.count);
   if (pair.a < 0) {
     for (; rows != 0; rows &= rows - 1) {
       const int j = std::countr_zero(rows);
@@ -299,7 +309,8 @@ HWY_INLINE void open_pair(const Bvh& a, const Bvh& b, const DescentFrame& frame,
     const float reach_here = reach.slope > 0 ? placed.reach[j] : reach.base;
     const PlacedNode& turned = turned_node(a, pair.a, frame, scratch);
     float turned_gap2[kBvhWidth];
-    const std::uint32_t mask = near_boxes(turned.lower, turned.upper, column_of(node.lower, node.upper, j), turned_reach(frame, reach_here), turned_gap2);
+    const std::uint32_t mask =
+        near_boxes(turned.lower, turned.upper, column_of(node.lower, node.upper, j), turned_reach(frame, reach_here), turned_gap2);
     if (node.child[j] < 0) {
       open_a(node.child[j], box_of(placed_leaf(b, ~node.child[j], frame, reach, scratch)), reach_here, mask);
     } else {
@@ -364,8 +375,9 @@ HWY_NOINLINE void offer_pair(const Bvh& a, const Bvh& b, const DescentFrame& fra
                              NearestSubtrees& nearest) {
   const auto offer_a = [&](std::int32_t child_b, const auto& box_b) {
     const BvhNode& node = a.nodes[static_cast<std::size_t>(pair.a)];
-    offer_boxes(node.lower, node.upper, node.count, box_b, nearest,
-                [&](int i, float gap2) { return SubtreePair{node.child[i], child_b, pair.a * kBvhWidth + i, gap2, 0}; });
+    offer_boxes(node.lower, node.upper, node.count, box_b, nearest, [&](int i, float gap2) {
+      return SubtreePair{node.child[i], child_b, pair.a * kBvhWidth + i, gap2, 0};
+    });
   };
   if (pair.b < 0) {
     offer_a(pair.b, box_of(placed_leaf(b, ~pair.b, frame, DescentReach(0), scratch)));
@@ -374,14 +386,16 @@ HWY_NOINLINE void offer_pair(const Bvh& a, const Bvh& b, const DescentFrame& fra
   const BvhNode& node = b.nodes[static_cast<std::size_t>(pair.b)];
   const PlacedNode& placed = placed_node(b, pair.b, frame, DescentReach(0), scratch);
   if (pair.a < 0) {
-    offer_boxes(placed.lower, placed.upper, node.count, box_of_a(a, pair.slot_a, scratch), nearest,
-                [&](int j, float gap2) { return SubtreePair{pair.a, node.child[j], pair.slot_a, gap2, 0}; });
+    offer_boxes(placed.lower, placed.upper, node.count, box_of_a(a, pair.slot_a, scratch), nearest, [&](int j, float gap2) {
+      return SubtreePair{pair.a, node.child[j], pair.slot_a, gap2, 0};
+    });
     return;
   }
   for (std::int32_t j = 0; j < node.count; ++j) offer_a(node.child[j], column_of(placed.lower, placed.upper, static_cast<std::size_t>(j)));
 }
 
-HWY_NOINLINE float nearest_corners_of(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& leaves, DescentScratch& scratch) {
+HWY_NOINLINE float nearest_corners_of(const Bvh& a, const Bvh& b, const DescentFrame& frame, const SubtreePair& leaves,
+                                      DescentScratch& scratch) {
   const BvhLeaf& la = a.leaves[static_cast<std::size_t>(~leaves.a)];
   const PlacedLeaf& placed = placed_leaf(b, ~leaves.b, frame, DescentReach(0), scratch);
   Vec8 least = all(3e38f);
@@ -391,7 +405,8 @@ HWY_NOINLINE float nearest_corners_of(const Bvh& a, const Bvh& b, const DescentF
       for (std::size_t v = 0; v < 9; v += 3) {
         const Vec8 x = all(placed.corner[v][j]), y = all(placed.corner[v + 1][j]), z = all(placed.corner[v + 2][j]);
         for (std::size_t u = 0; u < 9; u += 3) {
-          const Vec8 dx = hn::Sub(load(la.corner[u] + part), x), dy = hn::Sub(load(la.corner[u + 1] + part), y), dz = hn::Sub(load(la.corner[u + 2] + part), z);
+          const Vec8 dx = hn::Sub(load(la.corner[u] + part), x), dy = hn::Sub(load(la.corner[u + 1] + part), y),
+                     dz = hn::Sub(load(la.corner[u + 2] + part), z);
           least = hn::Min(least, dot(dx, dy, dz, dx, dy, dz));
         }
       }

@@ -1,8 +1,8 @@
 // The single-precision descent of two eight-wide hierarchies: candidates for the exact distance. Internal to
 // core/distance.
 //
-// Everything happens in A's frame, from the middle of A's tree. A filter may keep a pair too many, never lose one: every comparison allows for
-// `allowance`, a bound on what rounding to single precision can do to any distance in this frame.
+// Everything happens in A's frame, from the middle of A's tree. A filter may keep a pair too many, never lose one: every comparison allows
+// for `allowance`, a bound on what rounding to single precision can do to any distance in this frame.
 #pragma once
 
 #include <algorithm>
@@ -25,9 +25,9 @@ struct SinglePlacement {
 
 /// The placement of B's tree in the frame of A's in single precision, each from its own middle, and its error.
 struct DescentFrame : SinglePlacement {
-  float allowance;        ///< [units of A's shape]
-  SinglePlacement back;   ///< of A's tree in the frame of B's
-  float back_scale;       ///< a length in A's units in those of B
+  float allowance;       ///< [units of A's shape]
+  SinglePlacement back;  ///< of A's tree in the frame of B's
+  float back_scale;      ///< a length in A's units in those of B
 };
 DescentFrame make_descent_frame(const Bvh& a, const Bvh& b, const Placement& b_in_a);
 
@@ -41,7 +41,8 @@ struct DescentReach {
   DescentReach(float everywhere) : base(everywhere) {}
   /// Rounding of the distances included.
   DescentReach(float at_centre, double growth, const Vec3& place, const DescentFrame& frame)
-      : base(at_centre + static_cast<float>(growth) * frame.allowance), slope(static_cast<float>(growth * (1 + 0x1p-18))),
+      : base(at_centre + static_cast<float>(growth) * frame.allowance),
+        slope(static_cast<float>(growth * (1 + 0x1p-18))),
         centre{static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)} {}
 };
 
@@ -125,7 +126,8 @@ void for_each_single_distance(const DescentScratch& scratch, const Found& found)
     const std::int64_t size = std::min(count - begin, DescentScratch::kBlock);
     const float* corners = scratch.corners.data() + begin / DescentScratch::kBlock * DescentScratch::kBlockSize;
     triangle_distances(PairBatch<float>{corners, DescentScratch::kStride, size}, distance.data());
-    for (std::int64_t k = 0; k < size; ++k) found(scratch.candidates[static_cast<std::size_t>(begin + k)], distance[static_cast<std::size_t>(k)]);
+    for (std::int64_t k = 0; k < size; ++k)
+      found(scratch.candidates[static_cast<std::size_t>(begin + k)], distance[static_cast<std::size_t>(k)]);
   }
 }
 

@@ -29,8 +29,7 @@ struct MeshDistanceScratch {
 void MeshDistanceScratchDeleter::operator()(MeshDistanceScratch* scratch) const { delete scratch; }
 MeshDistanceScratchPtr make_mesh_distance_scratch() { return MeshDistanceScratchPtr(new MeshDistanceScratch()); }
 
-Placement relative_placement(const Vec3& x_a, const Quat& q_a, double scale_a, const Vec3& x_b, const Quat& q_b,
-                             double scale_b) {
+Placement relative_placement(const Vec3& x_a, const Quat& q_a, double scale_a, const Vec3& x_b, const Quat& q_b, double scale_b) {
   Placement p;
   p.rotation = matrix_of(conjugate(q_a) * q_b);
   p.translation = (1.0 / scale_a) * rotate_inverse(q_a, x_b - x_a);
@@ -110,8 +109,8 @@ std::uint64_t order_of(const TrianglePair& pair) {
 
 }  // namespace
 
-bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach,
-                           MeshDistanceScratch& s, std::vector<TrianglePair>& pairs) {
+bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach, MeshDistanceScratch& s,
+                           std::vector<TrianglePair>& pairs) {
   pairs.clear();
   const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
@@ -183,8 +182,8 @@ void descend_to_leaves(const Bvh& a, const Bvh& b, const DescentFrame& frame, De
 
 }  // namespace
 
-double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
-                     MeshDistanceScratch& s, TrianglePair* nearest) {
+double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& s,
+                     TrianglePair* nearest) {
   const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   TrianglePair found{-1, -1};
   const TrianglePair start = nearest != nullptr ? *nearest : found;
@@ -254,8 +253,7 @@ double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in
   return best;
 }
 
-double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest,
-                           std::int32_t& triangle) {
+double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest, std::int32_t& triangle) {
   struct Entry {
     double gap2;
     std::int32_t code;  // >= 0 node, < 0 leaf ~code
@@ -287,7 +285,8 @@ double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper
       for (std::int32_t k = 0; k < node.count; ++k) {
         double sum = 0;
         for (int c = 0; c < 3; ++c) {
-          const double gap = std::max({static_cast<double>(node.lower[c][k]) - here[c], here[c] - static_cast<double>(node.upper[c][k]), lost}) - lost;
+          const double gap =
+              std::max({static_cast<double>(node.lower[c][k]) - here[c], here[c] - static_cast<double>(node.upper[c][k]), lost}) - lost;
           sum += gap * gap;
         }
         if (sum < best * best) stack.push_back({sum, node.child[k]});

@@ -28,8 +28,7 @@ struct Placement {
 
 /// Placement of B in A's unscaled frame from world poses. Lengths found with it are in units of A's shape:
 /// multiply by scale_a for metres.
-Placement relative_placement(const Vec3& x_a, const Quat& q_a, double scale_a, const Vec3& x_b, const Quat& q_b,
-                             double scale_b);
+Placement relative_placement(const Vec3& x_a, const Quat& q_a, double scale_a, const Vec3& x_b, const Quat& q_b, double scale_b);
 
 struct TrianglePair {
   std::int32_t a, b;
@@ -38,15 +37,17 @@ struct TrianglePair {
 
 /// Reusable scratch memory of the queries; one per thread.
 struct MeshDistanceScratch;
-struct MeshDistanceScratchDeleter { void operator()(MeshDistanceScratch*) const; };
+struct MeshDistanceScratchDeleter {
+  void operator()(MeshDistanceScratch*) const;
+};
 using MeshDistanceScratchPtr = std::unique_ptr<MeshDistanceScratch, MeshDistanceScratchDeleter>;
 MeshDistanceScratchPtr make_mesh_distance_scratch();
 
 /// All triangle pairs whose distance is below `reach` (units of A's shape), sorted by (a, b). No pair is
 /// missed and none made up: single precision decides the pairs that it can, errors allowed for, double the others.
 /// Returns true when some pair intersects.
-bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach,
-                           MeshDistanceScratch& scratch, std::vector<TrianglePair>& pairs);
+bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement& b_in_a, double reach, MeshDistanceScratch& scratch,
+                           std::vector<TrianglePair>& pairs);
 
 /// Smallest distance between the surfaces, or `upper_bound` when it is not below it (units of A's shape).
 /// 0 when they intersect. A body inside a closed shell that touches nothing has a positive distance.
@@ -56,16 +57,15 @@ bool triangle_pairs_within(const MeshView& a, const MeshView& b, const Placement
 /// in/out  nearest   where not null: the pair that was nearest before (-1 or another pair will do, it only makes the
 ///                   first bound); becomes the nearest one, or -1 when the upper bound holds
 /// Cost: two rocks of 1280 triangles near contact take about as long as triangle_pairs_within.
-double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound,
-                     MeshDistanceScratch& scratch, TrianglePair* nearest = nullptr);
+double mesh_distance(const MeshView& a, const MeshView& b, const Placement& b_in_a, double upper_bound, MeshDistanceScratch& scratch,
+                     TrianglePair* nearest = nullptr);
 
 /// Whether the surfaces intersect anywhere. A body inside a closed shell that touches nothing does not.
 /// Cost: stops at the first few triangles that do.
 bool meshes_intersect(const MeshView& a, const MeshView& b, const Placement& b_in_a, MeshDistanceScratch& scratch);
 
 /// Smallest distance from a point to the surface, or upper_bound; nearest triangle and point by reference.
-double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest,
-                           std::int32_t& triangle);
+double point_mesh_distance(const MeshView& mesh, const Vec3& point, double upper_bound, Vec3& nearest, std::int32_t& triangle);
 
 /// Whether a point is inside a closed mesh (generalised winding number, exact for points off the surface).
 bool is_inside(const TriangleMesh& mesh, const Vec3& point);

@@ -27,13 +27,21 @@ struct Mask {
   hn::Mask<Tag<T>> m;
 };
 template <class T>
-HWY_INLINE Mask<T> operator&(Mask<T> a, Mask<T> b) { return {hn::And(a.m, b.m)}; }
+HWY_INLINE Mask<T> operator&(Mask<T> a, Mask<T> b) {
+  return {hn::And(a.m, b.m)};
+}
 template <class T>
-HWY_INLINE Mask<T> operator|(Mask<T> a, Mask<T> b) { return {hn::Or(a.m, b.m)}; }
+HWY_INLINE Mask<T> operator|(Mask<T> a, Mask<T> b) {
+  return {hn::Or(a.m, b.m)};
+}
 template <class T>
-HWY_INLINE Mask<T> operator!(Mask<T> a) { return {hn::Not(a.m)}; }
+HWY_INLINE Mask<T> operator!(Mask<T> a) {
+  return {hn::Not(a.m)};
+}
 template <class T>
-HWY_INLINE bool any(Mask<T> a) { return !hn::AllFalse(Tag<T>(), a.m); }
+HWY_INLINE bool any(Mask<T> a) {
+  return !hn::AllFalse(Tag<T>(), a.m);
+}
 
 template <class T>
 struct Pack {
@@ -46,57 +54,101 @@ struct Pack {
   HWY_INLINE void store(T* to) const { hn::StoreU(v, Tag<T>(), to); }
 };
 template <class T>
-HWY_INLINE std::int64_t lane_count() { return static_cast<std::int64_t>(hn::Lanes(Tag<T>())); }
+HWY_INLINE std::int64_t lane_count() {
+  return static_cast<std::int64_t>(hn::Lanes(Tag<T>()));
+}
 
 template <class T>
-HWY_INLINE Pack<T> operator+(Pack<T> a, Pack<T> b) { return hn::Add(a.v, b.v); }
+HWY_INLINE Pack<T> operator+(Pack<T> a, Pack<T> b) {
+  return hn::Add(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> operator-(Pack<T> a, Pack<T> b) { return hn::Sub(a.v, b.v); }
+HWY_INLINE Pack<T> operator-(Pack<T> a, Pack<T> b) {
+  return hn::Sub(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> operator*(Pack<T> a, Pack<T> b) { return hn::Mul(a.v, b.v); }
+HWY_INLINE Pack<T> operator*(Pack<T> a, Pack<T> b) {
+  return hn::Mul(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> operator/(Pack<T> a, Pack<T> b) { return hn::Div(a.v, b.v); }
+HWY_INLINE Pack<T> operator/(Pack<T> a, Pack<T> b) {
+  return hn::Div(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> operator-(Pack<T> a) { return hn::Neg(a.v); }
+HWY_INLINE Pack<T> operator-(Pack<T> a) {
+  return hn::Neg(a.v);
+}
 template <class T>
-HWY_INLINE Mask<T> operator<(Pack<T> a, Pack<T> b) { return {hn::Lt(a.v, b.v)}; }
+HWY_INLINE Mask<T> operator<(Pack<T> a, Pack<T> b) {
+  return {hn::Lt(a.v, b.v)};
+}
 template <class T>
-HWY_INLINE Mask<T> operator<=(Pack<T> a, Pack<T> b) { return {hn::Le(a.v, b.v)}; }
+HWY_INLINE Mask<T> operator<=(Pack<T> a, Pack<T> b) {
+  return {hn::Le(a.v, b.v)};
+}
 template <class T>
-HWY_INLINE Mask<T> operator>(Pack<T> a, Pack<T> b) { return {hn::Gt(a.v, b.v)}; }
+HWY_INLINE Mask<T> operator>(Pack<T> a, Pack<T> b) {
+  return {hn::Gt(a.v, b.v)};
+}
 template <class T>
-HWY_INLINE Mask<T> operator>=(Pack<T> a, Pack<T> b) { return {hn::Ge(a.v, b.v)}; }
+HWY_INLINE Mask<T> operator>=(Pack<T> a, Pack<T> b) {
+  return {hn::Ge(a.v, b.v)};
+}
 
 /// a b + c
 template <class T>
-HWY_INLINE Pack<T> mul_add(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::MulAdd(a.v, b.v, c.v); }
+HWY_INLINE Pack<T> mul_add(Pack<T> a, Pack<T> b, Pack<T> c) {
+  return hn::MulAdd(a.v, b.v, c.v);
+}
 /// a b - c
 template <class T>
-HWY_INLINE Pack<T> mul_sub(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::MulSub(a.v, b.v, c.v); }
+HWY_INLINE Pack<T> mul_sub(Pack<T> a, Pack<T> b, Pack<T> c) {
+  return hn::MulSub(a.v, b.v, c.v);
+}
 /// c - a b
 template <class T>
-HWY_INLINE Pack<T> neg_mul_add(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::NegMulAdd(a.v, b.v, c.v); }
+HWY_INLINE Pack<T> neg_mul_add(Pack<T> a, Pack<T> b, Pack<T> c) {
+  return hn::NegMulAdd(a.v, b.v, c.v);
+}
 /// -a b - c
 template <class T>
-HWY_INLINE Pack<T> neg_mul_sub(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::NegMulSub(a.v, b.v, c.v); }
+HWY_INLINE Pack<T> neg_mul_sub(Pack<T> a, Pack<T> b, Pack<T> c) {
+  return hn::NegMulSub(a.v, b.v, c.v);
+}
 template <class T>
-HWY_INLINE Pack<T> min(Pack<T> a, Pack<T> b) { return hn::Min(a.v, b.v); }
+HWY_INLINE Pack<T> min(Pack<T> a, Pack<T> b) {
+  return hn::Min(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> max(Pack<T> a, Pack<T> b) { return hn::Max(a.v, b.v); }
+HWY_INLINE Pack<T> max(Pack<T> a, Pack<T> b) {
+  return hn::Max(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> abs(Pack<T> a) { return hn::Abs(a.v); }
+HWY_INLINE Pack<T> abs(Pack<T> a) {
+  return hn::Abs(a.v);
+}
 template <class T>
-HWY_INLINE Pack<T> sqrt(Pack<T> a) { return hn::Sqrt(a.v); }
+HWY_INLINE Pack<T> sqrt(Pack<T> a) {
+  return hn::Sqrt(a.v);
+}
 template <class T>
-HWY_INLINE Pack<T> select(Mask<T> m, Pack<T> yes, Pack<T> no) { return hn::IfThenElse(m.m, yes.v, no.v); }
+HWY_INLINE Pack<T> select(Mask<T> m, Pack<T> yes, Pack<T> no) {
+  return hn::IfThenElse(m.m, yes.v, no.v);
+}
 /// select with a zero on one side: a mask alone, which any pipe of the processor takes.
 template <class T>
-HWY_INLINE Pack<T> where(Mask<T> m, Pack<T> yes) { return hn::IfThenElseZero(m.m, yes.v); }
+HWY_INLINE Pack<T> where(Mask<T> m, Pack<T> yes) {
+  return hn::IfThenElseZero(m.m, yes.v);
+}
 template <class T>
-HWY_INLINE Pack<T> where_not(Mask<T> m, Pack<T> no) { return hn::IfThenZeroElse(m.m, no.v); }
+HWY_INLINE Pack<T> where_not(Mask<T> m, Pack<T> no) {
+  return hn::IfThenZeroElse(m.m, no.v);
+}
 /// The argument is never NaN: how Min and Max treat NaN differs between targets.
 template <class T>
-HWY_INLINE Pack<T> clamp01(Pack<T> x) { return min(max(x, Pack<T>(T(0))), Pack<T>(T(1))); }
+HWY_INLINE Pack<T> clamp01(Pack<T> x) {
+  return min(max(x, Pack<T>(T(0))), Pack<T>(T(1)));
+}
 
 // Predicates in the sign bit, a third of the cost of masks. They see -0 as negative.
 template <class T>
@@ -108,13 +160,21 @@ HWY_INLINE Pack<T> sign_differs_and(Pack<T> condition, Pack<T> a, Pack<T> b) {
   return hn::And(condition.v, hn::Xor(a.v, b.v));
 }
 template <class T>
-HWY_INLINE Pack<T> sign_or(Pack<T> a, Pack<T> b, Pack<T> c) { return hn::Or(a.v, hn::Or(b.v, c.v)); }
+HWY_INLINE Pack<T> sign_or(Pack<T> a, Pack<T> b, Pack<T> c) {
+  return hn::Or(a.v, hn::Or(b.v, c.v));
+}
 template <class T>
-HWY_INLINE Pack<T> sign_or(Pack<T> a, Pack<T> b) { return hn::Or(a.v, b.v); }
+HWY_INLINE Pack<T> sign_or(Pack<T> a, Pack<T> b) {
+  return hn::Or(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> sign_and(Pack<T> a, Pack<T> b) { return hn::And(a.v, b.v); }
+HWY_INLINE Pack<T> sign_and(Pack<T> a, Pack<T> b) {
+  return hn::And(a.v, b.v);
+}
 template <class T>
-HWY_INLINE Pack<T> sign_not(Pack<T> a) { return hn::Not(a.v); }
+HWY_INLINE Pack<T> sign_not(Pack<T> a) {
+  return hn::Not(a.v);
+}
 /// The bits may be those of a NaN, so the sign is tested as an integer's.
 template <class T>
 HWY_INLINE Mask<T> mask_of_sign(Pack<T> a) {
@@ -136,11 +196,17 @@ struct Pack3 {
   Pack<T> x, y, z;
 };
 template <class T>
-HWY_INLINE Pack3<T> operator+(const Pack3<T>& a, const Pack3<T>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+HWY_INLINE Pack3<T> operator+(const Pack3<T>& a, const Pack3<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
 template <class T>
-HWY_INLINE Pack3<T> operator-(const Pack3<T>& a, const Pack3<T>& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE Pack3<T> operator-(const Pack3<T>& a, const Pack3<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 template <class T>
-HWY_INLINE Pack3<T> operator*(Pack<T> s, const Pack3<T>& a) { return {s * a.x, s * a.y, s * a.z}; }
+HWY_INLINE Pack3<T> operator*(Pack<T> s, const Pack3<T>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
 template <class T>
 HWY_INLINE Pack<T> dot(const Pack3<T>& a, const Pack3<T>& b) {
   return mul_add(a.z, b.z, mul_add(a.y, b.y, a.x * b.x));
@@ -164,7 +230,9 @@ HWY_INLINE Pack3<T> select(Mask<T> m, const Pack3<T>& yes, const Pack3<T>& no) {
   return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
 }
 template <class T>
-HWY_INLINE Pack<T> largest_component(const Pack3<T>& a) { return max(max(abs(a.x), abs(a.y)), abs(a.z)); }
+HWY_INLINE Pack<T> largest_component(const Pack3<T>& a) {
+  return max(max(abs(a.x), abs(a.y)), abs(a.z));
+}
 
 /// One triangle per lane.
 template <class T>

@@ -27,7 +27,8 @@ HWY_NOINLINE void solve_float(const float* values, std::int64_t stride, std::int
   solve_batch<float, Want::distance>(values, stride, count, {distance});
 }
 /// The eleven rows of batch-inl.hpp, row_stride apart.
-HWY_NOINLINE void solve_double_in_detail(const double* values, std::int64_t stride, std::int64_t count, double* rows, std::int64_t row_stride) {
+HWY_NOINLINE void solve_double_in_detail(const double* values, std::int64_t stride, std::int64_t count, double* rows,
+                                         std::int64_t row_stride) {
   Rows<double, Want::points_and_difference> out;
   for (std::size_t r = 0; r < out.size(); ++r) out[r] = rows + static_cast<std::int64_t>(r) * row_stride;
   solve_batch<double, Want::points_and_difference>(values, stride, count, out);
@@ -115,7 +116,8 @@ TriangleDistance answer_of(const double* values, std::int64_t stride, const doub
   std::tie(answer.feature_a, answer.feature_b) = decode_features(static_cast<int>(rows[row_stride]));
   if (answer.intersecting) return answer;
   const double ratio = answer.distance / kFeatureNormalRatio;
-  if (ratio * ratio < longest_edge_squared(values, stride)) answer.normal = feature_normal(values, stride, answer.feature_a, answer.feature_b);
+  if (ratio * ratio < longest_edge_squared(values, stride))
+    answer.normal = feature_normal(values, stride, answer.feature_a, answer.feature_b);
   if (answer.normal == Vec3{}) answer.normal = direction_of(vertex(rows + 2 * row_stride, row_stride, 2));
   if (answer.normal == Vec3{} && answer.distance > 0) answer.normal = centre_direction(values, stride);
   return answer;
@@ -154,8 +156,7 @@ void triangle_distances(const PairBatch<double>& pairs, TriangleDistance* answer
   for (std::int64_t begin = 0; begin < pairs.count; begin += kBlock) {
     const std::int64_t count = std::min(kBlock, pairs.count - begin);
     HWY_DYNAMIC_DISPATCH(solve_double_in_detail)(pairs.values + begin, pairs.stride, count, rows, kBlock);
-    for (std::int64_t i = 0; i < count; ++i)
-      answers[begin + i] = answer_of(pairs.values + begin + i, pairs.stride, rows + i, kBlock);
+    for (std::int64_t i = 0; i < count; ++i) answers[begin + i] = answer_of(pairs.values + begin + i, pairs.stride, rows + i, kBlock);
   }
 }
 

@@ -16,9 +16,9 @@ enum class Feature : std::uint8_t { face = 0, edge0 = 1, edge1 = 2, edge2 = 3, v
 
 /// One answer. Closest points lie on their triangles; distance = |point_a - point_b|.
 struct TriangleDistance {
-  double distance = 0;         ///< [m]; 0 when intersecting
-  Vec3 point_a, point_b;       ///< closest points; for an intersecting pair a point of the intersection
-  Vec3 normal;                 ///< unit, from b to a; from the feature when close; zero when intersecting
+  double distance = 0;    ///< [m]; 0 when intersecting
+  Vec3 point_a, point_b;  ///< closest points; for an intersecting pair a point of the intersection
+  Vec3 normal;            ///< unit, from b to a; from the feature when close; zero when intersecting
   Feature feature_a = Feature::face, feature_b = Feature::face;
   /// The closed triangles have a common point, touching included: exactly when the exact distance is 0. Decided in
   /// exact arithmetic where rounding cannot tell, so it is never set for a pair that is apart, however near. It may be
@@ -35,7 +35,7 @@ inline constexpr std::int64_t kBatchPadding = 16;
 template <class Real>
 struct PairBatch {
   const Real* values = nullptr;
-  std::int64_t stride = 0;   ///< >= count rounded up to a multiple of kBatchPadding; what lies past count is read, never used
+  std::int64_t stride = 0;  ///< >= count rounded up to a multiple of kBatchPadding; what lies past count is read, never used
   std::int64_t count = 0;
 };
 

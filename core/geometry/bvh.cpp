@@ -44,7 +44,7 @@ struct BinaryNode {
 struct Plan {
   std::array<double, kBvhWidth + 1> cost{};
   std::array<std::uint8_t, kBvhWidth + 1> roots{}, left_share{};  // left_share only where all roots are used
-  std::uint8_t whole_share = 0;                                    // the same where the node becomes a wide node itself
+  std::uint8_t whole_share = 0;                                   // the same where the node becomes a wide node itself
 };
 
 class Builder {
@@ -68,8 +68,7 @@ class Builder {
     tree_.nodes.shrink_to_fit();
     tree_.leaves.shrink_to_fit();
     const Box3& root = binary_[0].box;
-    for (int c = 0; c < 3; ++c)
-      tree_.size = std::max({tree_.size, round_up(std::abs(root.lower[c])), round_up(std::abs(root.upper[c]))});
+    for (int c = 0; c < 3; ++c) tree_.size = std::max({tree_.size, round_up(std::abs(root.lower[c])), round_up(std::abs(root.upper[c]))});
     double radius2 = 0;
     for (std::int32_t t = 0; t < count; ++t)
       for (int k = 0; k < 3; ++k) radius2 = std::max(radius2, squared_length(mesh.corner(t, k)));
@@ -78,9 +77,7 @@ class Builder {
   Bvh take() { return std::move(tree_); }
 
  private:
-  const Box3& box(std::int32_t position) const {
-    return boxes_[static_cast<std::size_t>(order_[static_cast<std::size_t>(position)])];
-  }
+  const Box3& box(std::int32_t position) const { return boxes_[static_cast<std::size_t>(order_[static_cast<std::size_t>(position)])]; }
   void sort_along(std::int32_t begin, std::int32_t end, int axis) {
     std::sort(order_.begin() + begin, order_.begin() + end, [&](std::int32_t s, std::int32_t t) {
       const double cs = boxes_[static_cast<std::size_t>(s)].centre()[axis], ct = boxes_[static_cast<std::size_t>(t)].centre()[axis];

@@ -26,8 +26,8 @@ struct alignas(32) BvhNode {
 };
 
 struct alignas(32) BvhLeaf {
-  float corner[9][kBvhWidth];          ///< rounded to nearest
-  std::int32_t triangle[kBvhWidth];    ///< index in the mesh
+  float corner[9][kBvhWidth];        ///< rounded to nearest
+  std::int32_t triangle[kBvhWidth];  ///< index in the mesh
   std::int32_t count = 0;
 };
 

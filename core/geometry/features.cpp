@@ -10,8 +10,8 @@ namespace {
 
 /// One undirected mesh edge and the faces on it.
 struct MeshEdge {
-  std::int32_t low, high;                   // vertex indices
-  std::int32_t first_face, face_count;      // range in the sorted half-edge list
+  std::int32_t low, high;               // vertex indices
+  std::int32_t first_face, face_count;  // range in the sorted half-edge list
   std::int32_t faces[2] = {-1, -1};
   EdgeKind kind = EdgeKind::flat;
   std::int32_t feature = -1;
@@ -138,8 +138,7 @@ FeatureTable find_features(const TriangleMesh& mesh) {
       edge.kind = EdgeKind::boundary;
     } else if (edge.face_count > 2) {
       edge.kind = EdgeKind::non_manifold;
-    } else if (table.region[static_cast<std::size_t>(edge.faces[0])] !=
-               table.region[static_cast<std::size_t>(edge.faces[1])]) {
+    } else if (table.region[static_cast<std::size_t>(edge.faces[0])] != table.region[static_cast<std::size_t>(edge.faces[1])]) {
       const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
       const Vec3 into = conormal_of(mesh, edge.faces[1], normal[static_cast<std::size_t>(edge.faces[1])], a, b - a);
       const double side = dot(normal[static_cast<std::size_t>(edge.faces[0])], into);

@@ -38,12 +38,12 @@ Vec3 conormal(const TriangleMesh& mesh, const FeatureEdge& edge, int side);
 
 /// About 38 bytes a triangle of a closed surface on which every edge is sharp and two of three are convex.
 struct FeatureTable {
-  std::vector<std::int32_t> corners;      ///< vertex index of each corner, ascending
-  std::vector<std::int32_t> corner_of;    ///< V: corner index of the vertex, or -1
-  std::vector<FeatureEdge> edges;         ///< convex and boundary edges only: a concave edge is never closest
+  std::vector<std::int32_t> corners;                 ///< vertex index of each corner, ascending
+  std::vector<std::int32_t> corner_of;               ///< V: corner index of the vertex, or -1
+  std::vector<FeatureEdge> edges;                    ///< convex and boundary edges only: a concave edge is never closest
   std::vector<std::array<std::int32_t, 3>> edge_of;  ///< T x 3: feature edge that edge k -> k+1 is a piece of, or -1
-  std::vector<std::uint16_t> marks;       ///< T: who owns what and kinds of edges; read them by the functions below
-  std::vector<std::int32_t> region;       ///< T: flat region of the triangle
+  std::vector<std::uint16_t> marks;                  ///< T: who owns what and kinds of edges; read them by the functions below
+  std::vector<std::int32_t> region;                  ///< T: flat region of the triangle
   std::int32_t region_count = 0;
 
   /// Whether the triangle owns the corner at its vertex k; corner_of tells which one.

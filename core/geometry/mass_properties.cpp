@@ -9,9 +9,9 @@ namespace scree {
 MassProperties mass_properties(const TriangleMesh& mesh) {
   MassProperties result;
   const Vec3 origin = bounding_box(mesh).centre();
-  double volume6 = 0;           // six times the volume
-  Vec3 first{};                 // 24 times the first moment
-  Mat3 second{};                // 120 times the second moment, sum of (x x^T)
+  double volume6 = 0;  // six times the volume
+  Vec3 first{};        // 24 times the first moment
+  Mat3 second{};       // 120 times the second moment, sum of (x x^T)
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const Vec3 a = mesh.corner(t, 0) - origin, b = mesh.corner(t, 1) - origin, c = mesh.corner(t, 2) - origin;
     const double det = dot(a, cross(b, c));
@@ -63,8 +63,9 @@ void find_principal_frame(MassProperties& mass) {
   const double largest = inertia.cwiseAbs().maxCoeff();
   const double off = std::max({std::abs(inertia(0, 1)), std::abs(inertia(0, 2)), std::abs(inertia(1, 2))});
   const bool ascending = inertia(0, 0) <= inertia(1, 1) && inertia(1, 1) <= inertia(2, 2);
-  const bool isotropic = std::max({inertia(0, 0), inertia(1, 1), inertia(2, 2)}) -
-                             std::min({inertia(0, 0), inertia(1, 1), inertia(2, 2)}) <= kDiagonalTolerance * largest;
+  const bool isotropic =
+      std::max({inertia(0, 0), inertia(1, 1), inertia(2, 2)}) - std::min({inertia(0, 0), inertia(1, 1), inertia(2, 2)}) <=
+      kDiagonalTolerance * largest;
   if (off <= kDiagonalTolerance * largest && (ascending || isotropic)) {
     mass.principal_moments = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
     mass.body_from_principal = Quat{};

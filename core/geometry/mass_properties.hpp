@@ -6,11 +6,11 @@ namespace scree {
 
 /// Mass properties of a solid of density 1.
 struct MassProperties {
-  double volume = 0;           ///< [m^3], signed: negative for an inward mesh
-  Vec3 centre;                 ///< centre of mass, mesh axes [m]
-  Mat3 inertia;                ///< about the centre of mass, mesh axes, density 1 [m^5]
-  Vec3 principal_moments;      ///< ascending, density 1 [m^5]
-  Quat body_from_principal;    ///< rotates a vector of the principal frame into mesh axes, right-handed
+  double volume = 0;         ///< [m^3], signed: negative for an inward mesh
+  Vec3 centre;               ///< centre of mass, mesh axes [m]
+  Mat3 inertia;              ///< about the centre of mass, mesh axes, density 1 [m^5]
+  Vec3 principal_moments;    ///< ascending, density 1 [m^5]
+  Quat body_from_principal;  ///< rotates a vector of the principal frame into mesh axes, right-handed
 };
 
 /// Volume, centre of mass and inertia of the solid that a closed mesh bounds.

@@ -32,8 +32,10 @@ class Periodicity {
   /// The shortest of all images of a difference of two wrapped positions [m]. Odd: nearest(-d) = -nearest(d).
   Vec3 nearest(Vec3 d) const {
     for (int k = 0; k < 3; ++k) {
-      if (d[k] > 0.5 * period_[k]) d[k] -= period_[k];
-      else if (d[k] < -0.5 * period_[k]) d[k] += period_[k];
+      if (d[k] > 0.5 * period_[k])
+        d[k] -= period_[k];
+      else if (d[k] < -0.5 * period_[k])
+        d[k] += period_[k];
     }
     return d;
   }

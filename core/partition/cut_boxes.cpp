@@ -27,8 +27,10 @@ void order_by_cuts(const CutBoxes& boxes, std::vector<std::size_t>& parts, std::
       std::size_t left = 0;
       bool clean = true;
       for (std::size_t i = first; i < last && clean; ++i) {
-        if (boxes.upper[parts[i]][axis] <= cut) ++left;
-        else clean = boxes.lower[parts[i]][axis] >= cut;
+        if (boxes.upper[parts[i]][axis] <= cut)
+          ++left;
+        else
+          clean = boxes.lower[parts[i]][axis] >= cut;
       }
       if (!clean || left == 0 || left == count) continue;
       const auto uneven = [&](std::size_t n) { return n > count - n ? 2 * n - count : count - 2 * n; };

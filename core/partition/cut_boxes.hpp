@@ -15,7 +15,7 @@ inline constexpr double kOuterSide = 1e300;
 /// Leaf boxes of a bisection: box r belongs to rank r. Outer sides are +-kOuterSide.
 struct CutBoxes {
   std::vector<Vec3> lower, upper;
-  int rank_of(const Vec3& point) const;   ///< lower sides inclusive, so that every point has one owner
+  int rank_of(const Vec3& point) const;  ///< lower sides inclusive, so that every point has one owner
   /// Ranks whose box comes within `reach` of the given point box, ascending.
   void ranks_touching(const Vec3& box_lower, const Vec3& box_upper, std::vector<int>& ranks) const;
   /// Whether two boxes come closer than `reach` [m].

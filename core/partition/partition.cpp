@@ -124,10 +124,10 @@ struct Partitioner::Impl {
   MPI_Comm communicator;
   int parts;
   CutMethod method;
-  bool gathers = false;      // see the constructor
+  bool gathers = false;  // see the constructor
   Zoltan_Struct* zoltan = nullptr;
-  Points points;             // of the call in progress
-  CutBoxes boxes;            // of the last cut; empty when Zoltan or the ids decide
+  Points points;   // of the call in progress
+  CutBoxes boxes;  // of the last cut; empty when Zoltan or the ids decide
   std::vector<std::int64_t> first_id;
 
   void set(const char* name, const std::string& value) {
@@ -165,10 +165,10 @@ Partitioner::Partitioner(MPI_Comm communicator, int parts, CutMethod method) : i
   impl_->set("NUM_LID_ENTRIES", "1");
   impl_->set("OBJ_WEIGHT_DIM", "1");
   impl_->set("NUM_GLOBAL_PARTS", std::to_string(parts));
-  impl_->set("RETURN_LISTS", "NONE");   // ownership follows from the cuts
+  impl_->set("RETURN_LISTS", "NONE");  // ownership follows from the cuts
   impl_->set("KEEP_CUTS", "1");
   if (method == CutMethod::rcb) {
-    impl_->set("RCB_REUSE", "1");         // these two: without them a tiny motion re-cuts in other directions
+    impl_->set("RCB_REUSE", "1");  // these two: without them a tiny motion re-cuts in other directions
     impl_->set("RCB_LOCK_DIRECTIONS", "1");
     impl_->set("RCB_RECTILINEAR_BLOCKS", "1");  // points on a cut go to one side, so that boxes decide ownership
   }
@@ -186,9 +186,9 @@ bool Partitioner::Impl::run_zoltan() {
   int changed = 0, global_entries = 0, local_entries = 0, import_count = 0, export_count = 0;
   ZOLTAN_ID_PTR import_global = nullptr, import_local = nullptr, export_global = nullptr, export_local = nullptr;
   int *import_ranks = nullptr, *import_parts = nullptr, *export_ranks = nullptr, *export_parts = nullptr;
-  const int status = Zoltan_LB_Partition(zoltan, &changed, &global_entries, &local_entries, &import_count, &import_global,
-                                         &import_local, &import_ranks, &import_parts, &export_count, &export_global,
-                                         &export_local, &export_ranks, &export_parts);
+  const int status =
+      Zoltan_LB_Partition(zoltan, &changed, &global_entries, &local_entries, &import_count, &import_global, &import_local, &import_ranks,
+                          &import_parts, &export_count, &export_global, &export_local, &export_ranks, &export_parts);
   return status == ZOLTAN_OK || status == ZOLTAN_WARN;
 }
 
@@ -212,8 +212,8 @@ bool Partitioner::Impl::read_boxes() {
 }
 
 CutBoxes Partitioner::cut(std::span<const std::int64_t> ids, std::span<const Vec3> points, std::span<const double> weights) {
-  SCREE_ASSERT(ids.size() == points.size() && ids.size() == weights.size(), "{} ids, {} points, {} weights", ids.size(),
-               points.size(), weights.size());
+  SCREE_ASSERT(ids.size() == points.size() && ids.size() == weights.size(), "{} ids, {} points, {} weights", ids.size(), points.size(),
+               weights.size());
   SCREE_ASSERT(points.size() < static_cast<std::size_t>(std::numeric_limits<int>::max()));
   Impl& m = *impl_;
   m.first_id.clear();

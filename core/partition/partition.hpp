@@ -15,10 +15,10 @@ namespace scree {
 
 /// How bodies are shared out. Measured side by side in docs/scaling.md; the default is the first.
 enum class CutMethod {
-  rcb,    ///< recursive coordinate bisection: boxes
-  rib,    ///< recursive inertial bisection: planes across the longest principal axis
-  hsfc,   ///< runs of a Hilbert curve through an octree
-  body,   ///< runs of ids, wherever the bodies are: the seed's way, for comparison
+  rcb,   ///< recursive coordinate bisection: boxes
+  rib,   ///< recursive inertial bisection: planes across the longest principal axis
+  hsfc,  ///< runs of a Hilbert curve through an octree
+  body,  ///< runs of ids, wherever the bodies are: the seed's way, for comparison
 };
 const std::vector<std::string>& cut_method_names();
 std::string cut_method_name(CutMethod method);

@@ -86,9 +86,10 @@ void MultilevelGrid::build(std::span<const Vec3> centres, std::span<const double
   for (int c = 0; c < 3; ++c)
     if (period_[c] > 0) limit = std::min(limit, kMostTurns * period_[c]);
   if (farthest > limit)
-    throw InputError("a body has a coordinate of {:.6g} m; expected at most {:.6g} m, where rounding would begin to move bodies of this size "
-                     "(largest: {:.6g} m wide) between cells; look for a body that escaped",
-                     farthest, limit, 2 * largest);
+    throw InputError(
+        "a body has a coordinate of {:.6g} m; expected at most {:.6g} m, where rounding would begin to move bodies of this size "
+        "(largest: {:.6g} m wide) between cells; look for a body that escaped",
+        farthest, limit, 2 * largest);
   for (int c = 0; c < 3; ++c) farthest = std::max(farthest, period_[c]);
   const int allowed = farthest > 0 ? std::ilogb(kFarthestCell * width / farthest) : kDeepest;
   const auto depth_of = [&](double r) { return std::min({std::ilogb(largest / r), allowed, kDeepest}); };
@@ -124,7 +125,8 @@ void MultilevelGrid::build(std::span<const Vec3> centres, std::span<const double
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t level = level_at[static_cast<std::size_t>(depth_of(radii[i]))];
     PeriodicImage turns;
-    const Cell cell = cell_of(finest_halves(is_periodic_ ? wrap(centres[i], turns) : centres[i]), levels_[static_cast<std::size_t>(level)].depth);
+    const Cell cell =
+        cell_of(finest_halves(is_periodic_ ? wrap(centres[i], turns) : centres[i]), levels_[static_cast<std::size_t>(level)].depth);
     std::uint64_t curve = 0;
     for (std::size_t c = 0; c < 3; ++c) curve |= spread(static_cast<std::uint64_t>(cell[c])) << c;
     keys_[i] = {static_cast<std::uint64_t>(level) << 30 | curve, static_cast<std::int32_t>(i), level};
@@ -174,7 +176,8 @@ void MultilevelGrid::lay_out_cells(std::span<const Vec3> centres, std::span<cons
     if (!same) {
       run.clear();
       for (std::size_t k = begin; k < end; ++k) run.emplace_back(place_at(k), keys_[k]);
-      std::sort(run.begin(), run.end(), [](const auto& l, const auto& r) { return l.first != r.first ? l.first < r.first : l.second.ball < r.second.ball; });
+      std::sort(run.begin(), run.end(),
+                [](const auto& l, const auto& r) { return l.first != r.first ? l.first < r.first : l.second.ball < r.second.ball; });
       for (std::size_t k = begin; k < end; ++k) keys_[k] = run[k - begin].second;
     }
     for (std::size_t k = begin; k < end; ++k) {

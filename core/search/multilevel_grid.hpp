@@ -85,13 +85,13 @@ class MultilevelGrid {
     double radius;
   };
   struct Level {
-    int depth = 0;  // cells are the coarsest ones divided by 2^depth
+    int depth = 0;                                    // cells are the coarsest ones divided by 2^depth
     double largest_radius = 0, cell_halves = 0;       // width of a cell in half cells of the finest depth
     std::int32_t begin = 0, end = 0, cell_count = 0;  // its balls, and how many cells hold them
   };
   struct Slot {
-    std::uint64_t tag = 0;             // hash of the cell
-    std::int32_t begin = 0, end = 0;   // of balls_; end 0: empty
+    std::uint64_t tag = 0;            // hash of the cell
+    std::int32_t begin = 0, end = 0;  // of balls_; end 0: empty
   };
   struct alignas(64) SlotLine {
     std::array<Slot, 4> slot;
@@ -160,9 +160,13 @@ class MultilevelGrid {
     h ^= h >> 29;
     return (h & ~7ull) | x.half | y.half | z.half;
   }
-  std::uint64_t hash(int level, const Cell& cell) const { return join(level, hash_part(0, cell[0]), hash_part(1, cell[1]), hash_part(2, cell[2])); }
+  std::uint64_t hash(int level, const Cell& cell) const {
+    return join(level, hash_part(0, cell[0]), hash_part(1, cell[1]), hash_part(2, cell[2]));
+  }
   Slot& slot_at(std::uint64_t slot) { return table_[static_cast<std::size_t>(slot >> 2)].slot[static_cast<std::size_t>(slot & 3)]; }
-  const Slot& slot_at(std::uint64_t slot) const { return table_[static_cast<std::size_t>(slot >> 2)].slot[static_cast<std::size_t>(slot & 3)]; }
+  const Slot& slot_at(std::uint64_t slot) const {
+    return table_[static_cast<std::size_t>(slot >> 2)].slot[static_cast<std::size_t>(slot & 3)];
+  }
   /// Cells that hold balls have different tags (see lay_out_cells); one that holds none may share its tag with one that
   /// does: is_in tells.
   const Slot* find_slot(std::uint64_t tag) const {
@@ -208,8 +212,10 @@ class MultilevelGrid {
     for (std::int32_t m = begin; m < end; ++m) {
       const auto at = static_cast<std::size_t>(m);
       const double reach = ball.radius + balls_[at].radius;
-      if (!(squared_length(centre - balls_[at].centre) < reach * reach)) [[likely]] continue;
-      if (!is_meant(at)) [[unlikely]] continue;
+      if (!(squared_length(centre - balls_[at].centre) < reach * reach)) [[likely]]
+        continue;
+      if (!is_meant(at)) [[unlikely]]
+        continue;
       if constexpr (kPeriodic) {
         PeriodicImage as_given = image;
         for (std::size_t c = 0; c < 3; ++c) as_given[c] += ball_turns[c] - turns_[at][c];
@@ -288,8 +294,9 @@ class MultilevelGrid {
         if ((corner.needed >> k & 1) == 0) continue;
         const Slot* slot = find_slot(corner.tag[k]);
         if (slot == nullptr) continue;
-        visit_touching<kPeriodic>(ball, turns, corner.image(k), slot->begin > least ? slot->begin : least, slot->end,
-                                  [&](std::size_t m) { return is_in(m, level, corner.cell(k)); }, visit);
+        visit_touching<kPeriodic>(
+            ball, turns, corner.image(k), slot->begin > least ? slot->begin : least, slot->end,
+            [&](std::size_t m) { return is_in(m, level, corner.cell(k)); }, visit);
       }
     }
   }
@@ -321,7 +328,8 @@ class MultilevelGrid {
         for (std::int32_t z = first[2]; z <= last[2]; ++z)
           for (std::int32_t y = first[1]; y <= last[1]; ++y)
             for (std::int32_t x = first[0]; x <= last[0]; ++x)
-              visit_touching<kPeriodic>(ball, turns, {x, y, z}, level.begin, level.end, [](std::size_t) { return true; }, visit);
+              visit_touching<kPeriodic>(
+                  ball, turns, {x, y, z}, level.begin, level.end, [](std::size_t) { return true; }, visit);
         continue;
       }
       for (std::int64_t z = low[2]; z <= high[2]; ++z) {
@@ -333,7 +341,8 @@ class MultilevelGrid {
               for (std::size_t c = 0; c < 3; ++c) image[c] = wrap_cell(cell[c], static_cast<int>(c), level.depth);
             const Slot* slot = find_slot(hash(index, cell));
             if (slot == nullptr) continue;
-            visit_touching<kPeriodic>(ball, turns, image, slot->begin, slot->end, [&](std::size_t m) { return is_in(m, index, cell); }, visit);
+            visit_touching<kPeriodic>(
+                ball, turns, image, slot->begin, slot->end, [&](std::size_t m) { return is_in(m, index, cell); }, visit);
           }
         }
       }
@@ -341,14 +350,14 @@ class MultilevelGrid {
   }
 
   std::vector<Ball> balls_;
-  std::vector<PeriodicImage> turns_;     // periods by which each ball as given lies above where it is wrapped to; empty if not periodic
-  std::vector<std::int32_t> order_;      // index of each ball as given
-  std::vector<std::int32_t> place_;      // and its inverse
-  std::vector<std::int8_t> level_;       // of each ball
-  std::vector<Level> levels_;            // that hold balls, coarsest first
+  std::vector<PeriodicImage> turns_;  // periods by which each ball as given lies above where it is wrapped to; empty if not periodic
+  std::vector<std::int32_t> order_;   // index of each ball as given
+  std::vector<std::int32_t> place_;   // and its inverse
+  std::vector<std::int8_t> level_;    // of each ball
+  std::vector<Level> levels_;         // that hold balls, coarsest first
   std::vector<SlotLine> table_ = std::vector<SlotLine>(1);  // cells that hold balls: open addressing, at most half full
   std::uint64_t mask_ = 3, hash_seed_ = 0;
-  std::vector<std::uint64_t> near_;      // bits of blocks of corners with a cell that holds balls, of all levels but the finest
+  std::vector<std::uint64_t> near_;  // bits of blocks of corners with a cell that holds balls, of all levels but the finest
   std::uint64_t near_mask_ = 0;
 
   // scratch of build
@@ -364,9 +373,9 @@ class MultilevelGrid {
   };
   std::vector<CellStart> cells_;
 
-  Vec3 period_, inverse_half_;           // half the width of the finest cells
-  Cell cell_count_ = {0, 0, 0};          // coarsest cells along a periodic axis; 0 where not periodic
-  int depth_ = 0;                        // of the finest level
+  Vec3 period_, inverse_half_;   // half the width of the finest cells
+  Cell cell_count_ = {0, 0, 0};  // coarsest cells along a periodic axis; 0 where not periodic
+  int depth_ = 0;                // of the finest level
   bool is_periodic_ = false;
 };
 

@@ -192,15 +192,15 @@ void CollectiveFile::close() {
   file_ = -1;
 }
 
-void CollectiveFile::write(const h5::Group& group, const std::string& name, const void* data, Rows rows, std::int64_t columns,
-                           hid_t type, const std::string& unit) {
+void CollectiveFile::write(const h5::Group& group, const std::string& name, const void* data, Rows rows, std::int64_t columns, hid_t type,
+                           const std::string& unit) {
   const std::string what = group.path() + "/" + name;
   const hsize_t extent[2] = {static_cast<hsize_t>(rows.total), static_cast<hsize_t>(columns)};
   const int dimensions = columns == 1 ? 1 : 2;
   const h5::Handle space(H5Screate_simple(dimensions, extent, nullptr), H5Sclose, what);
   const h5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
   H5Pset_fill_time(properties.id(), H5D_FILL_TIME_NEVER);  // every row is written below
-  constexpr hsize_t kSmallestCompressed = 512;  // below this a chunk index costs more than it saves
+  constexpr hsize_t kSmallestCompressed = 512;             // below this a chunk index costs more than it saves
   if (kind_ == Kind::plain && extent[0] >= kSmallestCompressed) {
     const hsize_t chunk[2] = {std::min(extent[0], hsize_t{kChunkRows}), extent[1]};
     H5Pset_chunk(properties.id(), dimensions, chunk);
@@ -232,8 +232,8 @@ void CollectiveFile::write_text(const h5::Group& group, const std::string& name,
   H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
   H5Tset_cset(type.id(), H5T_CSET_UTF8);
   const h5::Handle space(H5Screate(H5S_SCALAR), H5Sclose, what);
-  const h5::Handle dataset(H5Dcreate2(group.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                           H5Dclose, "cannot create " + what);
+  const h5::Handle dataset(H5Dcreate2(group.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+                           "cannot create " + what);
   const h5::Handle memory(H5Screate(H5S_SCALAR), H5Sclose, what);
   if (rank_ != 0) {
     H5Sselect_none(space.id());

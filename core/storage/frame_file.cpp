@@ -15,7 +15,7 @@ namespace scree {
 
 namespace {
 
-constexpr std::int64_t kPieceOverhead = 4096;       // [B] piece tables and alignment, per rank
+constexpr std::int64_t kPieceOverhead = 4096;  // [B] piece tables and alignment, per rank
 
 /// Scalars of the frame as rank 0 has them.
 struct Header {
@@ -26,12 +26,12 @@ struct Header {
 void check_sizes(const Frame& frame) {
   const FrameBodies& b = frame.bodies;
   const std::size_t n = b.size();
-  SCREE_ASSERT(b.shape.size() == n && b.material.size() == n && b.rank.size() == n && b.scale.size() == n &&
-               b.position.size() == n && b.orientation.size() == n && b.velocity.size() == n && b.angular_velocity.size() == n);
+  SCREE_ASSERT(b.shape.size() == n && b.material.size() == n && b.rank.size() == n && b.scale.size() == n && b.position.size() == n &&
+               b.orientation.size() == n && b.velocity.size() == n && b.angular_velocity.size() == n);
   const FrameContacts& c = frame.contacts;
   const std::size_t m = c.size();
-  SCREE_ASSERT(c.body_b.size() == m && c.feature.size() == m && c.point.size() == m && c.normal.size() == m &&
-               c.depth.size() == m && c.margin.size() == m && c.normal_force.size() == m && c.tangential_force.size() == m);
+  SCREE_ASSERT(c.body_b.size() == m && c.feature.size() == m && c.point.size() == m && c.normal.size() == m && c.depth.size() == m &&
+               c.margin.size() == m && c.normal_force.size() == m && c.tangential_force.size() == m);
   const FrameWalls& w = frame.walls;
   const std::size_t k = w.id.size();
   SCREE_ASSERT(w.position.size() == k && w.orientation.size() == k && w.force.size() == k && w.torque.size() == k);
@@ -104,8 +104,9 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   MPI_Comm_size(communicator, &size);
 
   // what only rank 0 knows
-  Header header{frame.number, frame.step, static_cast<std::int64_t>(frame.walls.id.size()), frame.time,
-                frame.kinetic, frame.potential, frame.elastic, frame.dissipated};
+  Header header{frame.number,  frame.step,      static_cast<std::int64_t>(frame.walls.id.size()),
+                frame.time,    frame.kinetic,   frame.potential,
+                frame.elastic, frame.dissipated};
   MPI_Bcast(&header, static_cast<int>(sizeof header), MPI_BYTE, 0, communicator);
   const std::string provenance = broadcast_text(communicator, rank == 0 ? json_text(frame.provenance) : std::string());
   const Rows bodies = distribute(communicator, static_cast<std::int64_t>(frame.bodies.size()));
@@ -278,8 +279,10 @@ std::vector<FrameEntry> list_frames(const std::string& run_folder) {
   if (!std::filesystem::is_directory(folder)) throw InputError("{}: no such run folder", run_folder);
   std::ifstream stream(index);
   if (!stream) {
-    throw InputError("{}: no frames.hdf.series in it; either no frame is written yet or this is not a folder that scree-solver "
-                     "made", run_folder);
+    throw InputError(
+        "{}: no frames.hdf.series in it; either no frame is written yet or this is not a folder that scree-solver "
+        "made",
+        run_folder);
   }
   const nlohmann::json series = nlohmann::json::parse(stream, nullptr, false);
   std::vector<FrameEntry> frames;

@@ -21,36 +21,36 @@ struct FrameBodies {
   std::vector<std::int64_t> id;
   std::vector<std::int32_t> shape, material, rank;
   std::vector<double> scale;
-  std::vector<Vec3> position;           ///< [m], world
-  std::vector<Quat> orientation;        ///< mesh axes to world, w x y z
-  std::vector<Vec3> velocity;           ///< [m/s]
-  std::vector<Vec3> angular_velocity;   ///< [rad/s], world
+  std::vector<Vec3> position;          ///< [m], world
+  std::vector<Quat> orientation;       ///< mesh axes to world, w x y z
+  std::vector<Vec3> velocity;          ///< [m/s]
+  std::vector<Vec3> angular_velocity;  ///< [rad/s], world
   std::size_t size() const { return id.size(); }
 };
 
 /// Contacts of one frame. a < b, normal from b to a, force on a.
 struct FrameContacts {
   std::vector<std::int64_t> body_a, body_b;
-  std::vector<std::int64_t> feature;      ///< key, unique within the body pair
-  std::vector<Vec3> point;                ///< [m]
-  std::vector<Vec3> normal;               ///< unit
-  std::vector<double> depth;              ///< [m], margin sum minus gap
-  std::vector<double> margin;             ///< [m], margin sum
-  std::vector<double> normal_force;       ///< [N], on a along the normal
-  std::vector<Vec3> tangential_force;     ///< [N], on a
+  std::vector<std::int64_t> feature;   ///< key, unique within the body pair
+  std::vector<Vec3> point;             ///< [m]
+  std::vector<Vec3> normal;            ///< unit
+  std::vector<double> depth;           ///< [m], margin sum minus gap
+  std::vector<double> margin;          ///< [m], margin sum
+  std::vector<double> normal_force;    ///< [N], on a along the normal
+  std::vector<Vec3> tangential_force;  ///< [N], on a
   std::size_t size() const { return body_a.size(); }
 };
 
 struct FrameWalls {
   std::vector<std::int64_t> id;
-  std::vector<Vec3> position;             ///< displacement of the wall's frame [m]
+  std::vector<Vec3> position;  ///< displacement of the wall's frame [m]
   std::vector<Quat> orientation;
-  std::vector<Vec3> force, torque;        ///< on the wall, torque about the world origin [N], [N m]
+  std::vector<Vec3> force, torque;  ///< on the wall, torque about the world origin [N], [N m]
 };
 
 struct Frame {
   std::int64_t number = 0, step = 0;
-  double time = 0;                        ///< [s]
+  double time = 0;                                                 ///< [s]
   double kinetic = 0, potential = 0, elastic = 0, dissipated = 0;  ///< [J], whole scene
   FrameBodies bodies;
   FrameContacts contacts;
@@ -66,7 +66,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
 Frame read_frame_file(const std::string& path);
 
 struct FrameEntry {
-  std::string path;   ///< full
+  std::string path;  ///< full
   double time = 0;
 };
 /// The frames of a run folder as frames.hdf.series lists them, ascending in time. Throws InputError.

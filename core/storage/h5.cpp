@@ -204,7 +204,7 @@ void Group::write_raw(const std::string& name, const void* data, std::int64_t co
   const int rank = columns == 1 ? 1 : 2;
   Handle space(H5Screate_simple(rank, extent, nullptr), H5Sclose, what);
   Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
-  constexpr hsize_t kChunkRows = 16384;       // a chunk of a few hundred kB: good for deflate and for partial reads
+  constexpr hsize_t kChunkRows = 16384;         // a chunk of a few hundred kB: good for deflate and for partial reads
   constexpr hsize_t kSmallestCompressed = 512;  // below this a chunk index costs more than it saves
   if (extent[0] >= kSmallestCompressed) {
     const hsize_t chunk[2] = {std::min(extent[0], kChunkRows), extent[1]};

@@ -42,12 +42,30 @@ class Handle {
 
 template <class T>
 hid_t native_type();
-template <> inline hid_t native_type<double>() { return H5T_NATIVE_DOUBLE; }
-template <> inline hid_t native_type<float>() { return H5T_NATIVE_FLOAT; }
-template <> inline hid_t native_type<std::int32_t>() { return H5T_NATIVE_INT32; }
-template <> inline hid_t native_type<std::int64_t>() { return H5T_NATIVE_INT64; }
-template <> inline hid_t native_type<std::uint8_t>() { return H5T_NATIVE_UINT8; }
-template <> inline hid_t native_type<std::uint64_t>() { return H5T_NATIVE_UINT64; }
+template <>
+inline hid_t native_type<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+inline hid_t native_type<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+inline hid_t native_type<std::int32_t>() {
+  return H5T_NATIVE_INT32;
+}
+template <>
+inline hid_t native_type<std::int64_t>() {
+  return H5T_NATIVE_INT64;
+}
+template <>
+inline hid_t native_type<std::uint8_t>() {
+  return H5T_NATIVE_UINT8;
+}
+template <>
+inline hid_t native_type<std::uint64_t>() {
+  return H5T_NATIVE_UINT64;
+}
 
 class Group {
  public:
@@ -55,11 +73,11 @@ class Group {
   hid_t id() const { return handle_.id(); }
   const std::string& path() const { return path_; }
 
-  bool has(const std::string& name) const;              ///< link or group of that name
+  bool has(const std::string& name) const;  ///< link or group of that name
   bool has_attribute(const std::string& name) const;
   Group create_group(const std::string& name) const;
-  Group open_group(const std::string& name) const;      ///< throws InputError when it is missing
-  std::int64_t child_count() const;                     ///< links; names of them sort as text, so what has numbers is opened by number
+  Group open_group(const std::string& name) const;  ///< throws InputError when it is missing
+  std::int64_t child_count() const;                 ///< links; names of them sort as text, so what has numbers is opened by number
 
   // attributes
   void write_attribute(const std::string& name, const std::string& text) const;

@@ -22,7 +22,8 @@ void BodyTable::add(const BodyRow& r) {
 }
 
 BodyRow BodyTable::row(std::size_t i) const {
-  return {id[i], shape[i], material[i], scale[i], position[i], orientation[i], velocity[i], angular_velocity[i], fixed[i] != 0, lock_rotation[i] != 0,
+  return {id[i],          shape[i],    material[i],         scale[i],      position[i],
+          orientation[i], velocity[i], angular_velocity[i], fixed[i] != 0, lock_rotation[i] != 0,
           population[i]};
 }
 
@@ -33,8 +34,8 @@ const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {
   const auto name = [&](std::int32_t m) {
     return m >= 0 && static_cast<std::size_t>(m) < materials.size() ? materials[static_cast<std::size_t>(m)].name : std::to_string(m);
   };
-  throw InputError("the scene has no contact properties for the materials '{}' and '{}'; add [[pairs]] between = [\"{}\", \"{}\"]",
-                   name(a), name(b), name(a), name(b));
+  throw InputError("the scene has no contact properties for the materials '{}' and '{}'; add [[pairs]] between = [\"{}\", \"{}\"]", name(a),
+                   name(b), name(a), name(b));
 }
 
 double Scene::mass(std::size_t body) const {

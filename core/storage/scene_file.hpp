@@ -15,26 +15,26 @@ inline constexpr std::int64_t kSceneFormatVersion = 1;
 
 struct Material {
   std::string name;
-  double density = 0;   ///< [kg/m^3], > 0
-  double young = 0;     ///< [Pa], 0 when not given
-  double poisson = 0;   ///< [-]
+  double density = 0;  ///< [kg/m^3], > 0
+  double young = 0;    ///< [Pa], 0 when not given
+  double poisson = 0;  ///< [-]
 };
 
 /// How two materials meet. Only pairs that can occur are present.
 struct MaterialPair {
-  std::int32_t a = 0, b = 0;      ///< material indices, a <= b
-  double stiffness = 0;           ///< [N/m]
-  double restitution = 1;         ///< [-], from 0 to 1
-  double friction = 0;            ///< [-] static
-  double friction_sliding = -1;   ///< [-], < 0: as static
-  double rolling_friction = 0;    ///< [-] rolling moment at most this times R* times the normal force
-  double torsional_friction = 0;  ///< [-] the same for the moment about the normal
+  std::int32_t a = 0, b = 0;                      ///< material indices, a <= b
+  double stiffness = 0;                           ///< [N/m]
+  double restitution = 1;                         ///< [-], from 0 to 1
+  double friction = 0;                            ///< [-] static
+  double friction_sliding = -1;                   ///< [-], < 0: as static
+  double rolling_friction = 0;                    ///< [-] rolling moment at most this times R* times the normal force
+  double torsional_friction = 0;                  ///< [-] the same for the moment about the normal
   std::string rolling_model = "elastic-plastic";  ///< elastic-plastic (type C) | constant (type A)
-  double tangential_ratio = -1;   ///< [-] tangential over normal stiffness, < 0: that of the law
-  double tangential_damping = 1;  ///< [-] factor on the tangential damping that goes with restitution
-  double restitution_speed = 0;   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
-  double layer_modulus = 0;       ///< [Pa] of the elastic layer that the margins are (gather = "area")
-  double contact_radius = 0;      ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
+  double tangential_ratio = -1;                   ///< [-] tangential over normal stiffness, < 0: that of the law
+  double tangential_damping = 1;                  ///< [-] factor on the tangential damping that goes with restitution
+  double restitution_speed = 0;                   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
+  double layer_modulus = 0;                       ///< [Pa] of the elastic layer that the margins are (gather = "area")
+  double contact_radius = 0;  ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
 };
 
 /// E* [Pa] of two materials: 1/E* = sum of (1 - poisson^2) / young.
@@ -83,16 +83,16 @@ enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside 
 struct WallMotion {
   enum class Kind : std::int32_t { none = 0, rotate = 1, translate = 2, oscillate = 3, table = 4 };
   Kind kind = Kind::none;
-  Vec3 axis{0, 0, 1};      ///< unit; rotate: axis; translate, oscillate: direction
-  Vec3 centre;             ///< rotate: a point on the axis [m]
-  double rate = 0;         ///< rotate [rad/s]; translate [m/s]
-  double amplitude = 0;    ///< oscillate [m]
-  double frequency = 0;    ///< oscillate [Hz]
-  double phase = 0;        ///< oscillate [rad]
-  double start = 0;        ///< [s]
-  double stop = 1e300;     ///< [s]
-  std::vector<double> table_time;      ///< table [s], ascending
-  std::vector<Vec3> table_position;    ///< table: displacement [m], linear in between
+  Vec3 axis{0, 0, 1};                ///< unit; rotate: axis; translate, oscillate: direction
+  Vec3 centre;                       ///< rotate: a point on the axis [m]
+  double rate = 0;                   ///< rotate [rad/s]; translate [m/s]
+  double amplitude = 0;              ///< oscillate [m]
+  double frequency = 0;              ///< oscillate [Hz]
+  double phase = 0;                  ///< oscillate [rad]
+  double start = 0;                  ///< [s]
+  double stop = 1e300;               ///< [s]
+  std::vector<double> table_time;    ///< table [s], ascending
+  std::vector<Vec3> table_position;  ///< table: displacement [m], linear in between
 };
 
 /// A wall: fixed or driven, with the same contact law as a body.
@@ -101,63 +101,63 @@ struct Wall {
   std::string name;
   WallKind kind = WallKind::plane;
   std::int32_t material = 0;
-  Vec3 point, normal{0, 0, 1};   ///< plane: a point and the unit normal towards the particles
-  Vec3 lower, upper;             ///< box_inside: opposite corners [m]
-  Vec3 axis_start, axis_end;     ///< cylinder_inside: ends of the axis (closed by plane lids there) [m]
-  double radius = 0;             ///< cylinder_inside, sphere_inside (centre is `point`) [m]
-  std::int32_t shape = -1;       ///< mesh: index into shapes
-  double scale = 1;              ///< mesh
-  double cell_size = 0;          ///< mesh: contacts of one body further apart than this do not share stiffness [m]; 0: one potential
-  Vec3 position;                 ///< mesh: where the origin of its file is placed [m]
-  Quat orientation;              ///< mesh
+  Vec3 point, normal{0, 0, 1};  ///< plane: a point and the unit normal towards the particles
+  Vec3 lower, upper;            ///< box_inside: opposite corners [m]
+  Vec3 axis_start, axis_end;    ///< cylinder_inside: ends of the axis (closed by plane lids there) [m]
+  double radius = 0;            ///< cylinder_inside, sphere_inside (centre is `point`) [m]
+  std::int32_t shape = -1;      ///< mesh: index into shapes
+  double scale = 1;             ///< mesh
+  double cell_size = 0;         ///< mesh: contacts of one body further apart than this do not share stiffness [m]; 0: one potential
+  Vec3 position;                ///< mesh: where the origin of its file is placed [m]
+  Quat orientation;             ///< mesh
   WallMotion motion;
 };
 
 struct Domain {
   bool bounded = false;
-  Vec3 lower, upper;                        ///< [m], when bounded
+  Vec3 lower, upper;  ///< [m], when bounded
   std::array<bool, 3> periodic{false, false, false};
-  std::string outside = "stop";             ///< stop | remove | keep
+  std::string outside = "stop";  ///< stop | remove | keep
 };
 
 /// A fluid around all bodies; it moves as given, whatever the bodies do.
 struct Fluid {
-  double density = 0;                        ///< [kg/m^3], > 0
-  double viscosity = 0;                      ///< dynamic [Pa s], > 0
-  Vec3 velocity;                             ///< [m/s], the same everywhere
-  std::string drag = "haider-levenspiel";    ///< haider-levenspiel | stokes
+  double density = 0;                      ///< [kg/m^3], > 0
+  double viscosity = 0;                    ///< dynamic [Pa s], > 0
+  Vec3 velocity;                           ///< [m/s], the same everywhere
+  std::string drag = "haider-levenspiel";  ///< haider-levenspiel | stokes
 };
 
 /// Settings, in the words of the case file; SI.
 struct Settings {
   std::string title;
   std::uint64_t seed = 0;
-  Vec3 gravity;                              ///< [m/s^2]
-  double duration = 0;                       ///< [s]
+  Vec3 gravity;         ///< [m/s^2]
+  double duration = 0;  ///< [s]
   double steps_per_contact = 30;
-  double step = 0;                           ///< [s], 0: derived
-  std::string step_control = "fixed";        ///< fixed | quantised: halved where speed, spin or contacts ask for it
-  bool stop_at_rest = false;                 ///< end at the first output time at which all bodies rest
+  double step = 0;                     ///< [s], 0: derived
+  std::string step_control = "fixed";  ///< fixed | quantised: halved where speed, spin or contacts ask for it
+  bool stop_at_rest = false;           ///< end at the first output time at which all bodies rest
   Domain domain;
-  std::optional<Fluid> fluid;                ///< none: bodies move in a void
-  std::string law = "linear";                ///< linear | hunt-crossley | hertz-mindlin
-  std::string gather = "potential";          ///< potential | area | pairs
-  double barrier = 0;                        ///< [-] stiffness of the barrier over that of a contact; 0: none
-  double impact_speed = 0;                   ///< [m/s] of the fastest impact expected; 0 when not known
-  double margin = 0;                         ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
+  std::optional<Fluid> fluid;        ///< none: bodies move in a void
+  std::string law = "linear";        ///< linear | hunt-crossley | hertz-mindlin
+  std::string gather = "potential";  ///< potential | area | pairs
+  double barrier = 0;                ///< [-] stiffness of the barrier over that of a contact; 0: none
+  double impact_speed = 0;           ///< [m/s] of the fastest impact expected; 0 when not known
+  double margin = 0;                 ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
   std::string integrator = "kdk-dlm";
-  double output_every = 0;                   ///< [s]
+  double output_every = 0;  ///< [s]
   bool output_contacts = true;
-  double checkpoint_every = 0;               ///< [s], 0: by the clock, or only at the end
-  bool checkpoint_by_clock = true;           ///< of the machine, when checkpoint_every is 0
+  double checkpoint_every = 0;      ///< [s], 0: by the clock, or only at the end
+  bool checkpoint_by_clock = true;  ///< of the machine, when checkpoint_every is 0
 };
 
 /// The pre-partition. Owners are with the bodies; a recursive coordinate bisection has one leaf box per rank too.
 struct Partition {
-  std::int32_t ranks = 0;                    ///< 0: not partitioned
-  std::string method = "rcb";                ///< see CutMethod
-  std::vector<Vec3> lower, upper;            ///< ranks x 3 [m], rcb only; outer sides are +-1e300
-  double predicted_imbalance = 1;            ///< largest over mean predicted work
+  std::int32_t ranks = 0;          ///< 0: not partitioned
+  std::string method = "rcb";      ///< see CutMethod
+  std::vector<Vec3> lower, upper;  ///< ranks x 3 [m], rcb only; outer sides are +-1e300
+  double predicted_imbalance = 1;  ///< largest over mean predicted work
 };
 
 struct Scene {

@@ -99,7 +99,8 @@ Settings read_settings(const JsonObject& o) {
   s.domain.outside = domain.one_of("outside", {"stop", "remove", "keep"});
   if (o.has("fluid")) {
     const JsonObject fluid = o.object("fluid");
-    s.fluid = {fluid.positive("density"), fluid.positive("viscosity"), fluid.vector("velocity"), fluid.one_of("drag", {"haider-levenspiel", "stokes"})};
+    s.fluid = {fluid.positive("density"), fluid.positive("viscosity"), fluid.vector("velocity"),
+               fluid.one_of("drag", {"haider-levenspiel", "stokes"})};
   }
   s.law = o.one_of("law", {"linear", "hunt-crossley", "hertz-mindlin"});
   s.gather = o.one_of("gather", {"potential", "area", "pairs"});
@@ -206,7 +207,10 @@ json settings_json(const Scene& scene) {
   domain["periodic"] = s.domain.periodic;
   domain["outside"] = s.domain.outside;
   if (s.fluid) {
-    t["fluid"] = {{"density", s.fluid->density}, {"viscosity", s.fluid->viscosity}, {"velocity", to_json(s.fluid->velocity)}, {"drag", s.fluid->drag}};
+    t["fluid"] = {{"density", s.fluid->density},
+                  {"viscosity", s.fluid->viscosity},
+                  {"velocity", to_json(s.fluid->velocity)},
+                  {"drag", s.fluid->drag}};
   }
   t["law"] = s.law;
   t["gather"] = s.gather;
@@ -225,12 +229,19 @@ json settings_json(const Scene& scene) {
   }
   j["pairs"] = json::array();
   for (const MaterialPair& p : scene.pairs) {
-    j["pairs"].push_back({{"a", p.a}, {"b", p.b}, {"stiffness", p.stiffness}, {"restitution", p.restitution},
-                          {"friction", p.friction}, {"friction_sliding", p.friction_sliding},
-                          {"rolling_friction", p.rolling_friction}, {"torsional_friction", p.torsional_friction},
-                          {"rolling_model", p.rolling_model}, {"tangential_ratio", p.tangential_ratio},
+    j["pairs"].push_back({{"a", p.a},
+                          {"b", p.b},
+                          {"stiffness", p.stiffness},
+                          {"restitution", p.restitution},
+                          {"friction", p.friction},
+                          {"friction_sliding", p.friction_sliding},
+                          {"rolling_friction", p.rolling_friction},
+                          {"torsional_friction", p.torsional_friction},
+                          {"rolling_model", p.rolling_model},
+                          {"tangential_ratio", p.tangential_ratio},
                           {"tangential_damping", p.tangential_damping},
-                          {"restitution_speed", p.restitution_speed}, {"contact_radius", p.contact_radius},
+                          {"restitution_speed", p.restitution_speed},
+                          {"contact_radius", p.contact_radius},
                           {"layer_modulus", p.layer_modulus}});
   }
   j["walls"] = json::array();

@@ -20,7 +20,7 @@ struct Range {
 /// Along one axis: what a wall takes up where it is placed, and how far it goes from there during a run [m].
 struct SweptWall {
   Range place, shift;
-  bool turns = false;   ///< about another axis: `place` is that of full turns
+  bool turns = false;  ///< about another axis: `place` is that of full turns
 };
 
 Range shifts_along(const WallMotion& m, int axis, double duration) {
@@ -55,7 +55,8 @@ SweptWall sweep(const Wall& wall, const TriangleMesh& mesh, int axis, double dur
   constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
   SweptWall swept;
   const WallMotion& m = wall.motion;
-  swept.turns = m.kind == WallMotion::Kind::rotate && m.rate != 0 && duration > m.start && m.stop > m.start && 1 - std::abs(m.axis[axis]) > kAligned;
+  swept.turns =
+      m.kind == WallMotion::Kind::rotate && m.rate != 0 && duration > m.start && m.stop > m.start && 1 - std::abs(m.axis[axis]) > kAligned;
   double farthest = 0;
   for (const Vec3& vertex : mesh.vertices) {
     const Vec3 x = wall.position + wall.scale * rotate(wall.orientation, vertex);
@@ -69,8 +70,8 @@ SweptWall sweep(const Wall& wall, const TriangleMesh& mesh, int axis, double dur
 
 }  // namespace
 
-std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, const std::vector<Shape>& shapes, const Domain& domain, double reach,
-                                               double duration) {
+std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, const std::vector<Shape>& shapes, const Domain& domain,
+                                               double reach, double duration) {
   // of the period: coordinates of files in single precision
   constexpr double kRounding = 1e-6;
   std::vector<std::string> gaps;
@@ -86,12 +87,16 @@ std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, c
       const bool goes_on = !swept.turns && swept.place.lower + swept.shift.upper <= lower - reach + rounding &&
                            swept.place.upper + swept.shift.lower >= upper + reach - rounding;
       if (stays_inside || goes_on) continue;
-      const std::string where = fmt::format("wall {} ('{}'), a mesh, {} {:g} to {:g} m along the periodic axis {}, whose cell is {:g} to {:g} m",
-                                            wall.id, wall.name, moves ? "takes up, as it moves," : "takes up", low, high, "xyz"[axis], lower, upper);
-      const std::string cure = fmt::format("keep it {:.3g} m (the reach of a body) away from both ends, or let it go on as far beyond both", reach);
+      const std::string where =
+          fmt::format("wall {} ('{}'), a mesh, {} {:g} to {:g} m along the periodic axis {}, whose cell is {:g} to {:g} m", wall.id,
+                      wall.name, moves ? "takes up, as it moves," : "takes up", low, high, "xyz"[axis], lower, upper);
+      const std::string cure =
+          fmt::format("keep it {:.3g} m (the reach of a body) away from both ends, or let it go on as far beyond both", reach);
       if (moves) {
-        throw UsageError("{}: meshes are not repeated, so bodies would lose it at the seam; {} all the time, or use a plane or cylinder, which has no end",
-                         where, cure);
+        throw UsageError(
+            "{}: meshes are not repeated, so bodies would lose it at the seam; {} all the time, or use a plane or cylinder, which has no "
+            "end",
+            where, cure);
       }
       if ((low < lower - rounding) != (high > upper + rounding)) {
         throw UsageError("{}: meshes are not repeated, so what lies beyond one end is not met from the other; {}", where, cure);

@@ -17,7 +17,7 @@ namespace scree {
 /// Returns a line with numbers for each wall that stands still and leaves a gap at a seam.
 /// Fails: UsageError naming wall and axis for one that moves along a periodic axis and breaks the rule, and for one that goes on
 /// beyond one end of the cell only: what lies there is not met from the other side.
-std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, const std::vector<Shape>& shapes, const Domain& domain, double reach,
-                                               double duration);
+std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, const std::vector<Shape>& shapes, const Domain& domain,
+                                               double reach, double duration);
 
 }  // namespace scree

@@ -18,9 +18,7 @@ std::string group_of_shape(std::int64_t number) { return fmt::format("shape_{:04
 
 double Shape::bounding_radius() const { return scree::bounding_radius(mesh) + sphere_radius; }
 
-double Shape::equivalent_diameter() const {
-  return mass.volume > 0 ? std::cbrt(6 * mass.volume / std::numbers::pi) : 0.0;
-}
+double Shape::equivalent_diameter() const { return mass.volume > 0 ? std::cbrt(6 * mass.volume / std::numbers::pi) : 0.0; }
 
 Shape make_solid(const std::string& name, TriangleMesh mesh) {
   Shape shape;
@@ -29,7 +27,8 @@ Shape make_solid(const std::string& name, TriangleMesh mesh) {
   if (!(shape.mass.volume > 0)) {
     throw InputError(
         "shape '{}': the signed volume is {:g}, a solid needs a volume > 0; the mesh is inverted, flat or open "
-        "(see scree-mesher check)", name, shape.mass.volume);
+        "(see scree-mesher check)",
+        name, shape.mass.volume);
   }
   shape.origin_shift = shape.mass.centre;
   for (Vec3& p : mesh.vertices) p -= shape.origin_shift;
@@ -65,8 +64,8 @@ void check_format(const h5::Group& root, const std::string& format, std::int64_t
   if (found != format) throw InputError("{} is a {} file, expected {}", root.path(), found, format);
   const std::int64_t version = root.read_integer_attribute("format_version");
   if (version > newest_version || version < 1) {
-    throw InputError("{}: version {} of {}, this Scree ({}) reads up to version {}; use a newer Scree", root.path(), version,
-                     format, kVersion, newest_version);
+    throw InputError("{}: version {} of {}, this Scree ({}) reads up to version {}; use a newer Scree", root.path(), version, format,
+                     kVersion, newest_version);
   }
 }
 

@@ -24,13 +24,13 @@ enum class ShapeKind : std::int32_t {
 struct Shape {
   std::string name;
   ShapeKind kind = ShapeKind::solid;
-  TriangleMesh mesh;           ///< solid: origin at the centre of mass, axes as in the file it came from
-  double cell_size = 0;        ///< [m], in a scene: contacts further apart than this do not share stiffness; 0: they do
-  double sphere_radius = 0;    ///< [m], sphere only: rounding radius about the vertex
-  Vec3 origin_shift;           ///< centre of mass in the coordinates of the file [m]
-  MassProperties mass;         ///< density 1, about the origin of the mesh; zero for a surface
-  double area = 0;             ///< [m^2]
-  nlohmann::json verdict;      ///< what the mesh check found (see mesher/README.md); null for analytic shapes
+  TriangleMesh mesh;         ///< solid: origin at the centre of mass, axes as in the file it came from
+  double cell_size = 0;      ///< [m], in a scene: contacts further apart than this do not share stiffness; 0: they do
+  double sphere_radius = 0;  ///< [m], sphere only: rounding radius about the vertex
+  Vec3 origin_shift;         ///< centre of mass in the coordinates of the file [m]
+  MassProperties mass;       ///< density 1, about the origin of the mesh; zero for a surface
+  double area = 0;           ///< [m^2]
+  nlohmann::json verdict;    ///< what the mesh check found (see mesher/README.md); null for analytic shapes
 
   /// Radius of the smallest sphere about the origin that holds the shape, rounding included [m].
   double bounding_radius() const;

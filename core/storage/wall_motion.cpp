@@ -69,8 +69,10 @@ WallState wall_state(const Wall& wall, double time, double step) {
   const WallState before = step > 0 ? state_at(wall, time - 0.5 * step) : state;
   state.velocity_before = before.velocity;
   state.angular_velocity_before = before.angular_velocity;
-  if (wall.motion.kind == WallMotion::Kind::rotate) state.pivot = wall.motion.centre;
-  else state.pivot_velocity_before = before.velocity;
+  if (wall.motion.kind == WallMotion::Kind::rotate)
+    state.pivot = wall.motion.centre;
+  else
+    state.pivot_velocity_before = before.velocity;
   return state;
 }
 
@@ -87,8 +89,10 @@ Wall wall_at_start(const Wall& wall) {
   // an analytic wall has no place of its own: its points are moved
   const auto moved = [&](const Vec3& p) { return state.position + rotate(state.orientation, p - wall.position); };
   if (wall.kind == WallKind::box_inside && !(state.orientation == wall.orientation)) {
-    throw UsageError("wall {} ('{}'): its motion starts at {:g} s, so that the box_inside is turned when the run begins; nothing can be placed "
-                     "in it then. Start at 0 s, or make the wall of shape = {{ box = ... }}", wall.id, wall.name, wall.motion.start);
+    throw UsageError(
+        "wall {} ('{}'): its motion starts at {:g} s, so that the box_inside is turned when the run begins; nothing can be placed "
+        "in it then. Start at 0 s, or make the wall of shape = {{ box = ... }}",
+        wall.id, wall.name, wall.motion.start);
   }
   placed.point = moved(wall.point);
   placed.normal = rotate(state.orientation, wall.normal);

@@ -7,9 +7,9 @@ namespace scree {
 
 /// Pose and motion of a wall at a time, from its prescribed motion.
 struct WallState {
-  Vec3 position;                    ///< of the wall frame's origin [m]
+  Vec3 position;  ///< of the wall frame's origin [m]
   Quat orientation;
-  Vec3 velocity, angular_velocity;  ///< [m/s] of the origin, [rad/s]
+  Vec3 velocity, angular_velocity;                ///< [m/s] of the origin, [rad/s]
   Vec3 velocity_before, angular_velocity_before;  ///< the same half a step before
   /// A point of the wall and its velocity half a step before [m, m/s]: of a wall that turns on the axis, so that arms to it are those of
   /// the motion wherever the wall's origin is; else the origin.

@@ -89,8 +89,10 @@ void check_period(const Periodicity& periodicity, double radius, double margin, 
   const double needed = 4 * (kRoomForSkin * radius + margin);
   for (int axis = 0; axis < 3; ++axis) {
     if (!periodicity.is_periodic(axis) || periodicity.period()[axis] >= needed) continue;
-    throw UsageError("domain: the periodic axis {} is {:g} m long, but body {} with a bounding radius of {:g} m needs {:g} m, two of its "
-                     "diameters and margins; widen the domain", "xyz"[axis], periodicity.period()[axis], id, radius, needed);
+    throw UsageError(
+        "domain: the periodic axis {} is {:g} m long, but body {} with a bounding radius of {:g} m needs {:g} m, two of its "
+        "diameters and margins; widen the domain",
+        "xyz"[axis], periodicity.period()[axis], id, radius, needed);
   }
 }
 

@@ -14,11 +14,11 @@ namespace scree {
 /// two walls and not on one shared spring.
 struct WallZone {
   enum class Kind : std::int32_t { plane, cylinder, sphere, mesh };
-  std::int32_t wall = 0;            ///< index into Scene::walls
-  std::int32_t zone = 0;            ///< number within its wall, part of the contact key
+  std::int32_t wall = 0;  ///< index into Scene::walls
+  std::int32_t zone = 0;  ///< number within its wall, part of the contact key
   Kind kind = Kind::plane;
-  Vec3 point, direction;            ///< wall frame: plane point and unit normal; cylinder point and unit axis; sphere centre
-  double radius = 0;                ///< cylinder, sphere [m]
+  Vec3 point, direction;  ///< wall frame: plane point and unit normal; cylinder point and unit axis; sphere centre
+  double radius = 0;      ///< cylinder, sphere [m]
 };
 
 /// The zones of all walls, in their order. Walls are not repeated along a periodic axis, so each zone must look the same all along

@@ -8,28 +8,43 @@
 #include <sstream>
 
 #include "core/base/error.hpp"
-#include "decomposer/case_file.hpp"
+#include "decomposer/case/case_file.hpp"
 
 namespace {
 
 const char* kind_name(scree::CaseRead::Kind kind) {
   using Kind = scree::CaseRead::Kind;
   switch (kind) {
-    case Kind::allowed: return "allowed";
-    case Kind::number: return "number";
-    case Kind::integer: return "integer";
-    case Kind::boolean: return "boolean";
-    case Kind::text: return "text";
-    case Kind::word: return "word";
-    case Kind::vector: return "vector";
-    case Kind::numbers: return "numbers";
-    case Kind::vectors: return "vectors";
-    case Kind::texts: return "texts";
-    case Kind::corners: return "corners";
-    case Kind::table: return "table";
-    case Kind::tables: return "tables";
-    case Kind::named_tables: return "named_tables";
-    case Kind::named_numbers: return "named_numbers";
+    case Kind::allowed:
+      return "allowed";
+    case Kind::number:
+      return "number";
+    case Kind::integer:
+      return "integer";
+    case Kind::boolean:
+      return "boolean";
+    case Kind::text:
+      return "text";
+    case Kind::word:
+      return "word";
+    case Kind::vector:
+      return "vector";
+    case Kind::numbers:
+      return "numbers";
+    case Kind::vectors:
+      return "vectors";
+    case Kind::texts:
+      return "texts";
+    case Kind::corners:
+      return "corners";
+    case Kind::table:
+      return "table";
+    case Kind::tables:
+      return "tables";
+    case Kind::named_tables:
+      return "named_tables";
+    case Kind::named_numbers:
+      return "named_numbers";
   }
   return "";
 }
@@ -37,11 +52,16 @@ const char* kind_name(scree::CaseRead::Kind kind) {
 const char* range_name(scree::Range range) {
   using scree::Range;
   switch (range) {
-    case Range::any: return "any";
-    case Range::positive: return "positive";
-    case Range::not_negative: return "not_negative";
-    case Range::unit_interval: return "unit_interval";
-    case Range::fraction: return "fraction";
+    case Range::any:
+      return "any";
+    case Range::positive:
+      return "positive";
+    case Range::not_negative:
+      return "not_negative";
+    case Range::unit_interval:
+      return "unit_interval";
+    case Range::fraction:
+      return "fraction";
   }
   return "";
 }
@@ -60,7 +80,11 @@ int main(int argc, char** argv) {
       scree::parse_case(text.str(), argv[i], std::filesystem::path(argv[i]).parent_path().string(), {}, &reads);
       for (const scree::CaseRead& r : reads) {
         const std::string unit = r.dimension == scree::Dimension::none ? "" : scree::dimension_name(r.dimension);
-        all.push_back({{"table", r.table}, {"key", r.key}, {"kind", kind_name(r.kind)}, {"dimension", unit}, {"range", range_name(r.range)},
+        all.push_back({{"table", r.table},
+                       {"key", r.key},
+                       {"kind", kind_name(r.kind)},
+                       {"dimension", unit},
+                       {"range", range_name(r.range)},
                        {"words", r.words}});
       }
     }

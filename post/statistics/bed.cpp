@@ -9,16 +9,16 @@ namespace scree {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kColumnWidth = 2;       // mean diameters: narrower and single particles make the surface rough
-constexpr int kMostColumns = 64;         // along an axis: bounds the memory, and so many are fine enough for any surface
-constexpr std::size_t kLevels = 256;     // of the histogram of a column; places between are interpolated
-constexpr double kInner = 0.1;           // of a column's solid that is left out below, and above
-constexpr int kLines = 12;               // along each axis of a column, for a round container: 1 % of a column that it cuts
-constexpr double kRim = 0.5;             // of the middle column's solid per area
+constexpr double kColumnWidth = 2;    // mean diameters: narrower and single particles make the surface rough
+constexpr int kMostColumns = 64;      // along an axis: bounds the memory, and so many are fine enough for any surface
+constexpr std::size_t kLevels = 256;  // of the histogram of a column; places between are interpolated
+constexpr double kInner = 0.1;        // of a column's solid that is left out below, and above
+constexpr int kLines = 12;            // along each axis of a column, for a round container: 1 % of a column that it cuts
+constexpr double kRim = 0.5;          // of the middle column's solid per area
 
 struct Column {
-  Box3 box;                              // its plan; along the vertical axis the inner part
-  double solid = 0, area = 0;            // [m^3], [m^2] of the container's plan in it
+  Box3 box;                    // its plan; along the vertical axis the inner part
+  double solid = 0, area = 0;  // [m^3], [m^2] of the container's plan in it
 };
 
 /// Height below which a share of a column's solid lies.
@@ -40,13 +40,16 @@ std::vector<Column> columns_of(const FrameView& view) {
   const Box3 bounds = container.room.bounds();
   const Vec3 extent = bounds.extent();
   const double height = view.highest - view.lowest;
-  const auto count_of = [&](int axis) { return std::clamp(static_cast<int>(extent[axis] / (kColumnWidth * view.mean_diameter)), 1, kMostColumns); };
+  const auto count_of = [&](int axis) {
+    return std::clamp(static_cast<int>(extent[axis] / (kColumnWidth * view.mean_diameter)), 1, kMostColumns);
+  };
   const int nu = count_of(u), nv = count_of(v);
   std::vector<Column> columns(static_cast<std::size_t>(nu * nv));
   std::vector<double> levels(columns.size() * kLevels);
   view.for_each_sample([&](const Vec3& p, double volume, std::size_t) {
     if (!container.holds(p)) return;
-    const int i = static_cast<int>((p[u] - bounds.lower[u]) / extent[u] * nu), j = static_cast<int>((p[v] - bounds.lower[v]) / extent[v] * nv);
+    const int i = static_cast<int>((p[u] - bounds.lower[u]) / extent[u] * nu),
+              j = static_cast<int>((p[v] - bounds.lower[v]) / extent[v] * nv);
     const auto k = static_cast<std::size_t>(std::clamp(i, 0, nu - 1) * nv + std::clamp(j, 0, nv - 1));
     const double place = (p[up] - view.lowest) / height * static_cast<double>(kLevels);
     columns[k].solid += volume;

@@ -20,8 +20,12 @@ double student_95(std::size_t degrees_of_freedom) {
 }
 
 BlockAverage::BlockAverage(std::size_t quantities, std::size_t frames, std::size_t blocks)
-    : quantities_(quantities), frames_(std::max<std::size_t>(frames, 1)), blocks_(std::clamp<std::size_t>(frames / 2, 1, std::max<std::size_t>(blocks, 1))),
-      sum_(quantities * blocks_), smallest_(quantities, std::numeric_limits<double>::infinity()), largest_(quantities, -std::numeric_limits<double>::infinity()),
+    : quantities_(quantities),
+      frames_(std::max<std::size_t>(frames, 1)),
+      blocks_(std::clamp<std::size_t>(frames / 2, 1, std::max<std::size_t>(blocks, 1))),
+      sum_(quantities * blocks_),
+      smallest_(quantities, std::numeric_limits<double>::infinity()),
+      largest_(quantities, -std::numeric_limits<double>::infinity()),
       count_(quantities * blocks_) {}
 
 void BlockAverage::add(const std::vector<double>& values) {

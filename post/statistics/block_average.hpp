@@ -8,9 +8,9 @@ namespace scree {
 
 struct Average {
   double mean = 0;
-  double ci95 = 0;          ///< half width of the 95 % confidence interval; NaN with fewer than two blocks
+  double ci95 = 0;  ///< half width of the 95 % confidence interval; NaN with fewer than two blocks
   double smallest = 0, largest = 0;
-  std::size_t count = 0;    ///< values that were numbers
+  std::size_t count = 0;  ///< values that were numbers
 };
 
 /// Averages of many quantities at once, fed frame by frame.

@@ -88,7 +88,8 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
     const std::int32_t a = view.row_a[i], o = view.row_b[i];
     // pairs stand together: count a neighbour at the first of its points that presses
     bool is_first = true;
-    for (std::size_t k = i; is_first && k > 0 && c.body_a[k - 1] == c.body_a[i] && c.body_b[k - 1] == c.body_b[i]; --k) is_first = !(c.normal_force[k - 1] > 0);
+    for (std::size_t k = i; is_first && k > 0 && c.body_a[k - 1] == c.body_a[i] && c.body_b[k - 1] == c.body_b[i]; --k)
+      is_first = !(c.normal_force[k - 1] > 0);
     for (const std::int32_t row : {a, o}) {
       if (row < 0 || member[static_cast<std::size_t>(row)] == 0) continue;
       if (is_first) ++neighbours[static_cast<std::size_t>(row)];
@@ -134,7 +135,9 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
     with_one += neighbours[i] == 1 ? 1U : 0U;
     rattlers += neighbours[i] < 2 ? 1U : 0U;
   }
-  const auto per = [](std::size_t part, std::size_t whole) { return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNaN; };
+  const auto per = [](std::size_t part, std::size_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNaN;
+  };
   m.coordination = per(all, members);
   m.rattlers = per(rattlers, members);
   m.coordination_without_rattlers = per(all - with_one, members - rattlers);

@@ -10,21 +10,21 @@ namespace scree {
 
 /// A part of the packing. Empty functions and no region: all of it.
 struct Group {
-  std::string name;                                  ///< "all", "region NAME", "material NAME", "shape NAME"
-  const Region* region = nullptr;                    ///< particles by centre, contacts by contact point
-  std::int32_t material = -1, shape = -1;            ///< particles of it, contacts of which one body is
+  std::string name;                        ///< "all", "region NAME", "material NAME", "shape NAME"
+  const Region* region = nullptr;          ///< particles by centre, contacts by contact point
+  std::int32_t material = -1, shape = -1;  ///< particles of it, contacts of which one body is
   bool holds(const FrameView& view, std::size_t row) const;
   bool holds_contact(const FrameView& view, std::size_t contact) const;
 };
 
 struct ContactMeasures {
-  double coordination = 0, coordination_without_rattlers = 0, rattlers = 0;   ///< neighbours per particle; share of particles
-  double points_per_particle = 0;                    ///< contact points per particle
-  double normal_force = 0, largest_normal_force = 0, tangential_force = 0;    ///< mean and largest over contact points [N]
-  Mat3 fabric, force_fabric;                         ///< trace 1, NaN without contacts among particles
+  double coordination = 0, coordination_without_rattlers = 0, rattlers = 0;  ///< neighbours per particle; share of particles
+  double points_per_particle = 0;                                            ///< contact points per particle
+  double normal_force = 0, largest_normal_force = 0, tangential_force = 0;   ///< mean and largest over contact points [N]
+  Mat3 fabric, force_fabric;                                                 ///< trace 1, NaN without contacts among particles
   double fabric_anisotropy = 0, force_fabric_anisotropy = 0;
-  Mat3 stress;                                       ///< [Pa], compression positive
-  double pressure = 0, deviatoric_stress = 0;        ///< trace / 3; sqrt(3/2 s:s) of the deviator [Pa]
+  Mat3 stress;                                 ///< [Pa], compression positive
+  double pressure = 0, deviatoric_stress = 0;  ///< trace / 3; sqrt(3/2 s:s) of the deviator [Pa]
 };
 
 /// Measures of one group; what has no value in this frame is NaN.
@@ -43,7 +43,7 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
 
 /// Chains of strongly loaded particles.
 struct ForceChains {
-  std::vector<std::vector<std::int64_t>> chains;     ///< ids, each chain ascending, 3 or more
+  std::vector<std::vector<std::int64_t>> chains;  ///< ids, each chain ascending, 3 or more
   std::size_t members = 0;
 };
 
@@ -55,7 +55,7 @@ ForceChains force_chains(const FrameView& view);
 
 /// Densities of normal and tangential force over the mean normal force of the frame: bins of equal width from 0 to `largest`.
 struct ForceDistribution {
-  std::vector<double> normal, tangential;            ///< probability densities; NaN without contacts
+  std::vector<double> normal, tangential;  ///< probability densities; NaN without contacts
 };
 ForceDistribution force_distribution(const FrameView& view, std::size_t bins, double largest);
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kForceBins = 40, kShells = 80, kChainLengths = 18;
-constexpr double kLargestForce = 8;     // over the mean: what lies above is one in thousands
-constexpr double kPairReach = 4;        // mean diameters
+constexpr double kLargestForce = 8;  // over the mean: what lies above is one in thousands
+constexpr double kPairReach = 4;     // mean diameters
 constexpr std::size_t kShortestChain = 3;
 
 // The order here is that of the columns; numbers_of fills them in the same order.
@@ -93,10 +93,12 @@ ProfileBins bins_of(const std::string& text, const Container& container, double 
   if (colon != std::string::npos) {
     char* end = nullptr;
     const long count = std::strtol(text.c_str() + colon + 1, &end, 10);
-    if (*end != '\0' || count < 1 || count > 10000) throw UsageError("--profile {}: '{}' is no number of bins between 1 and 10000", text, text.substr(colon + 1));
+    if (*end != '\0' || count < 1 || count > 10000)
+      throw UsageError("--profile {}: '{}' is no number of bins between 1 and 10000", text, text.substr(colon + 1));
     bins.count = static_cast<std::size_t>(count);
   }
-  if (axis != "x" && axis != "y" && axis != "z" && axis != "r") throw UsageError("--profile {}: '{}' is no axis; expected x, y, z or r, as in z:20", text, axis);
+  if (axis != "x" && axis != "y" && axis != "z" && axis != "r")
+    throw UsageError("--profile {}: '{}' is no axis; expected x, y, z or r, as in z:20", text, axis);
   bins.axis = axis[0];
   const Box3 box = container.room.bounds();
   if (bins.axis == 'r') {
@@ -125,12 +127,14 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
 
   // groups
   groups.push_back({"all", nullptr, -1, -1});
-  for (const Region& region : options.regions) groups.push_back({"region " + region.name, &region, -1, -1});  // in our own copy of the options
+  for (const Region& region : options.regions)
+    groups.push_back({"region " + region.name, &region, -1, -1});  // in our own copy of the options
   for (std::size_t m = 0; options.by_material && m < scene.materials.size(); ++m) {
     groups.push_back({"material " + scene.materials[m].name, nullptr, static_cast<std::int32_t>(m), -1});
   }
   for (std::size_t s = 0; options.by_shape && s < scene.shapes.size(); ++s) {
-    if (scene.shapes[s].kind != ShapeKind::surface) groups.push_back({"shape " + scene.shapes[s].name, nullptr, -1, static_cast<std::int32_t>(s)});
+    if (scene.shapes[s].kind != ShapeKind::surface)
+      groups.push_back({"shape " + scene.shapes[s].name, nullptr, -1, static_cast<std::int32_t>(s)});
   }
   // profiles, from the lowest to the highest place of the bodies at the first and at the last frame
   const FrameView view(*facts, first);
@@ -150,24 +154,37 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
     if (!(bins.high > bins.low)) continue;  // no bodies
     profiles.push_back(bins);
     const std::string axis(1, bins.axis);
-    StatisticsTable table{"profile_" + axis, "Profile along " + axis, {bins.axis == 'r' ? "distance_from_axis" : axis, "m", "middle of the layer"},
-                          centres(bins.low, bins.width(), bins.count), {}, {}};
-    table.columns = {{"solid_fraction", "-", "of the layer"},
-                     {"particle_count", "-", "centres in the layer"},
-                     {"velocity_x", "m/s", "mean by mass"},
-                     {"velocity_y", "m/s", "mean by mass"},
-                     {"velocity_z", "m/s", "mean by mass"},
-                     {"granular_temperature", "m^2/s^2", "about the mean velocity of the layer"}};
+    StatisticsTable table{"profile_" + axis,
+                          "Profile along " + axis,
+                          {bins.axis == 'r' ? "distance_from_axis" : axis, "m", "middle of the layer"},
+                          centres(bins.low, bins.width(), bins.count),
+                          {},
+                          {}};
+    table.columns = {{"solid_fraction", "-", "of the layer"}, {"particle_count", "-", "centres in the layer"},
+                     {"velocity_x", "m/s", "mean by mass"},   {"velocity_y", "m/s", "mean by mass"},
+                     {"velocity_z", "m/s", "mean by mass"},   {"granular_temperature", "m^2/s^2", "about the mean velocity of the layer"}};
     tables.push_back(std::move(table));
   }
-  tables.push_back({"force_distribution", "Distribution of contact forces", {"force_over_mean_normal_force", "-", "middle of the bin"},
-                    centres(0, kLargestForce / kForceBins, kForceBins),
-                    {{"probability_density_normal", "-", "of the normal force"}, {"probability_density_tangential", "-", "of the tangential force"}}, {}});
+  tables.push_back(
+      {"force_distribution",
+       "Distribution of contact forces",
+       {"force_over_mean_normal_force", "-", "middle of the bin"},
+       centres(0, kLargestForce / kForceBins, kForceBins),
+       {{"probability_density_normal", "-", "of the normal force"}, {"probability_density_tangential", "-", "of the tangential force"}},
+       {}});
   const double reach = kPairReach * diameter;
-  tables.push_back({"pair_correlation", "Pair correlation of the centres", {"distance", "m", "middle of the shell"},
-                    centres(0, reach / kShells, kShells), {{"pair_correlation", "-", "1 where places do not depend on one another"}}, {}});
-  tables.push_back({"force_chain_lengths", "Force chains by length", {"particles", "-", "in a chain; the last row holds all longer ones"},
-                    centres(kShortestChain - 0.5, 1, kChainLengths), {{"chain_count", "-", "chains of that length"}}, {}});
+  tables.push_back({"pair_correlation",
+                    "Pair correlation of the centres",
+                    {"distance", "m", "middle of the shell"},
+                    centres(0, reach / kShells, kShells),
+                    {{"pair_correlation", "-", "1 where places do not depend on one another"}},
+                    {}});
+  tables.push_back({"force_chain_lengths",
+                    "Force chains by length",
+                    {"particles", "-", "in a chain; the last row holds all longer ones"},
+                    centres(kShortestChain - 0.5, 1, kChainLengths),
+                    {{"chain_count", "-", "chains of that length"}},
+                    {}});
 
   // mixing: kinds of the first frame
   std::string mixing = options.mixing;
@@ -207,7 +224,8 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   }
 
   for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("force_{}", component), "N", "on the wall"});
-  for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
+  for (const char* component : {"x", "y", "z"})
+    wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
   wall_quantities.push_back({"power", "W", "of the wall on the bodies, from log.csv"});
   wall_begin = table_begin(tables.size());
 }
@@ -246,8 +264,8 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
       c = contact_measures(view, group, room);
     }
     const std::size_t begin = row.size();
-    row.insert(row.end(), {motion.particles, motion.mass, c.coordination, c.coordination_without_rattlers, c.rattlers, c.points_per_particle,
-                           c.normal_force, c.largest_normal_force, c.tangential_force});
+    row.insert(row.end(), {motion.particles, motion.mass, c.coordination, c.coordination_without_rattlers, c.rattlers,
+                           c.points_per_particle, c.normal_force, c.largest_normal_force, c.tangential_force});
     add_tensor(c.fabric);
     row.push_back(c.fabric_anisotropy);
     add_tensor(c.force_fabric);
@@ -273,22 +291,25 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     const std::size_t whole_only = row.size();
     if (g == 0) {
       const double count = static_cast<double>(chains.chains.size());
-      row.insert(row.end(), {has_contacts && view.particles > 0 ? static_cast<double>(chains.members) / static_cast<double>(view.particles) : kNaN,
-                             has_contacts ? count : kNaN, count > 0 ? static_cast<double>(chains.members) / count : kNaN});
+      row.insert(row.end(),
+                 {has_contacts && view.particles > 0 ? static_cast<double>(chains.members) / static_cast<double>(view.particles) : kNaN,
+                  has_contacts ? count : kNaN, count > 0 ? static_cast<double>(chains.members) / count : kNaN});
       std::vector<std::uint8_t> kinds(frame.bodies.size(), 2);
       for (std::size_t i = 0; i < kinds.size(); ++i) {
         const auto id = static_cast<std::size_t>(frame.bodies.id[i]);
         if (id < kind.size()) kinds[i] = kind[id];
       }
       row.push_back(mixing_index(view, kinds));
-      row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
+      row.push_back(options.repose == "cone" ? angle_of_repose_cone(view)
+                                             : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
       double above = 0;
       for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
         if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
       }
       row.push_back(discharge_axis >= 0 ? scene_mass - above : kNaN);
       row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
-      row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
+      row.insert(row.end(),
+                 {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
     }
     row.resize(g == 0 ? row.size() : whole_only + (quantities.size() - (whole_only - begin)), kNaN);
     SCREE_ASSERT(row.size() == (g + 1) * quantities.size(), "{} numbers", row.size());

@@ -18,9 +18,9 @@ struct StatisticsPlan {
   std::unique_ptr<SceneFacts> facts;
   std::vector<Group> groups;
   std::vector<Quantity> quantities, wall_quantities;
-  std::vector<StatisticsTable> tables;           ///< without values
-  std::vector<ProfileBins> profiles;             ///< of the first tables
-  std::vector<std::uint8_t> kind;                ///< for the mixing index, by id
+  std::vector<StatisticsTable> tables;  ///< without values
+  std::vector<ProfileBins> profiles;    ///< of the first tables
+  std::vector<std::uint8_t> kind;       ///< for the mixing index, by id
   int discharge_axis = -1;
   double discharge_level = 0, scene_mass = 0;
 
@@ -28,7 +28,7 @@ struct StatisticsPlan {
   std::size_t walls() const { return run.scene.walls.size(); }
   std::size_t at(std::size_t group, std::size_t quantity) const { return group * quantities.size() + quantity; }
   std::size_t index_of(const std::string& quantity) const;
-  std::size_t table_begin(std::size_t table) const;   ///< then row by row: coordinate, column
+  std::size_t table_begin(std::size_t table) const;  ///< then row by row: coordinate, column
   std::size_t wall_begin = 0;
 
   std::vector<double> numbers_of(const Frame& frame) const;

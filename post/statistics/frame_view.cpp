@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "post/contact_network.hpp"
-#include "post/drawn_meshes.hpp"
+#include "post/run/contact_network.hpp"
+#include "post/run/drawn_meshes.hpp"
 #include "post/statistics/volume_samples.hpp"
 
 namespace scree {
@@ -67,7 +67,8 @@ double Container::volume_in(const Box3& box, int lines) const {
 }
 
 double Container::ring_volume_in(const Box3& box, double inner, double outer) const {
-  if (room.kind == Region::Kind::box) return std::numbers::pi * (outer * outer - inner * inner) * (box.upper[vertical] - box.lower[vertical]);
+  if (room.kind == Region::Kind::box)
+    return std::numbers::pi * (outer * outer - inner * inner) * (box.upper[vertical] - box.lower[vertical]);
   const auto core = [&](double radius) {
     Region cylinder = room;
     cylinder.radius = radius;
@@ -95,9 +96,12 @@ double FrameView::room_between(double low, double high) const {
 }
 
 SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Frame& first)
-    : run(&the_run), container(container_of(the_run.scene, given, first)), period(periodicity_of(the_run.scene)),
+    : run(&the_run),
+      container(container_of(the_run.scene, given, first)),
+      period(periodicity_of(the_run.scene)),
       cell_lower(the_run.scene.settings.domain.lower) {
-  const std::size_t per_body = std::clamp(kSamplesPerFrame / std::max<std::size_t>(1, the_run.scene.bodies.size()), kFewestSamples, kMostSamples);
+  const std::size_t per_body =
+      std::clamp(kSamplesPerFrame / std::max<std::size_t>(1, the_run.scene.bodies.size()), kFewestSamples, kMostSamples);
   for (const Shape& shape : the_run.scene.shapes) {
     volume.push_back(shape.mass.volume);
     diameter.push_back(shape.equivalent_diameter());
@@ -179,7 +183,8 @@ FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame) : fact
     const double wanted = share * particle_volume;
     double below = 0;
     for (std::size_t i = 0; i < kBins; ++i) {
-      if (below + solid[i] >= wanted) return lowest + height / kBins * (static_cast<double>(i) + (wanted - below) / std::max(solid[i], 1e-300));
+      if (below + solid[i] >= wanted)
+        return lowest + height / kBins * (static_cast<double>(i) + (wanted - below) / std::max(solid[i], 1e-300));
       below += solid[i];
     }
     return highest;

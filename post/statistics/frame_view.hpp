@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "core/geometry/periodic.hpp"
-#include "post/region.hpp"
-#include "post/run_folder.hpp"
+#include "post/run/region.hpp"
+#include "post/run/run_folder.hpp"
 
 namespace scree {
 
 /// The room that the bodies are in, for volumes: a box or a cylinder that stands, lies or leans, and the axis that gravity goes along.
 struct Container {
-  Region room;                 ///< box, along the vertical axis without an end, or cylinder
-  int vertical = 2;            ///< axis (0 x, 1 y, 2 z)
-  double up = 1;               ///< +1 or -1: direction of up along it
+  Region room;       ///< box, along the vertical axis without an end, or cylinder
+  int vertical = 2;  ///< axis (0 x, 1 y, 2 z)
+  double up = 1;     ///< +1 or -1: direction of up along it
 
   bool holds(Vec3 p) const {
     if (room.kind == Region::Kind::box) p[vertical] = room.lower[vertical];
@@ -35,7 +35,7 @@ struct SceneFacts {
   const Run* run;
   Container container;
   Periodicity period;
-  Vec3 cell_lower;                                 ///< of the periodic cell [m]
+  Vec3 cell_lower;  ///< of the periodic cell [m]
   /// How many images of a point, which lies in the cell, are in a region: at a periodic side it may reach into the next cell.
   int images_in(const Region& region, const Vec3& point) const;
   /// Calls visit(shift) for the shift from the cell to each image of it that a region can hold a part of.
@@ -55,19 +55,19 @@ struct SceneFacts {
       }
     }
   }
-  std::vector<double> volume, diameter;            ///< of each shape at scale 1: [m^3], equivalent [m]
-  std::vector<std::vector<Vec3>> samples;          ///< points in each shape at scale 1 (volume_samples)
+  std::vector<double> volume, diameter;    ///< of each shape at scale 1: [m^3], equivalent [m]
+  std::vector<std::vector<Vec3>> samples;  ///< points in each shape at scale 1 (volume_samples)
 };
 
 struct FrameView {
   FrameView(const SceneFacts& facts, const Frame& frame);
   const SceneFacts& facts;
   const Frame& frame;
-  std::vector<std::uint8_t> is_particle;           ///< by row of bodies: free to move
-  std::vector<double> mass, volume;                ///< by row [kg], [m^3]
-  std::vector<std::int32_t> row_a, row_b;          ///< of each contact; -1: a wall
+  std::vector<std::uint8_t> is_particle;   ///< by row of bodies: free to move
+  std::vector<double> mass, volume;        ///< by row [kg], [m^3]
+  std::vector<std::int32_t> row_a, row_b;  ///< of each contact; -1: a wall
   std::size_t particles = 0;
-  double particle_volume = 0, mean_diameter = 0;   ///< of all particles [m^3], number mean of equivalent diameters [m]
+  double particle_volume = 0, mean_diameter = 0;  ///< of all particles [m^3], number mean of equivalent diameters [m]
   /// Along the vertical axis: between which heights lie 10 % to 90 % of the solid, and all of the bodies [m].
   double solid_low = 0, solid_high = 0, lowest = 0, highest = 0;
   /// Volume of the container between two heights, 0 without an extent.

@@ -57,9 +57,7 @@ MotionMeasures motion_measures(const FrameView& view, const Group& group) {
 
 double region_solid_fraction(const FrameView& view, const Region& region) {
   double solid = 0;
-  view.for_each_sample([&](const Vec3& p, double v, std::size_t) {
-    solid += view.facts.images_in(region, p) * v;
-  });
+  view.for_each_sample([&](const Vec3& p, double v, std::size_t) { solid += view.facts.images_in(region, p) * v; });
   return solid / region.volume();
 }
 
@@ -142,7 +140,8 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
   for (std::size_t i = 0; i < b.size(); ++i) {
     if (view.is_particle[i] == 0) continue;
     bool inside = true;
-    for (int k = 0; k < 3; ++k) inside = inside && (view.facts.period.is_periodic(k) || (b.position[i][k] >= box.lower[k] && b.position[i][k] < box.upper[k]));
+    for (int k = 0; k < 3; ++k)
+      inside = inside && (view.facts.period.is_periodic(k) || (b.position[i][k] >= box.lower[k] && b.position[i][k] < box.upper[k]));
     if (inside) points.push_back(b.position[i]);
   }
   const std::size_t n = points.size();
@@ -180,7 +179,8 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
     for (int x = 0; x < count[0]; ++x) {
       for (int y = 0; y < count[1]; ++y) {
         for (int z = 0; z < count[2]; ++z) {
-          const std::size_t cell = flat(near[0][static_cast<std::size_t>(x)], near[1][static_cast<std::size_t>(y)], near[2][static_cast<std::size_t>(z)]);
+          const std::size_t cell =
+              flat(near[0][static_cast<std::size_t>(x)], near[1][static_cast<std::size_t>(y)], near[2][static_cast<std::size_t>(z)]);
           for (std::size_t j = std::max(i + 1, start[cell]); j < start[cell + 1]; ++j) {
             const Vec3 d = view.facts.period.nearest(sorted[j] - p);
             const double square = squared_length(d);

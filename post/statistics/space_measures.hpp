@@ -10,10 +10,10 @@ namespace scree {
 /// Motion of a group. Velocity is the mean by mass; the granular temperature is the mean by mass of |v - velocity|^2 / 3, all
 /// of it random motion only where the group has no gradient of velocity: see the profiles for that.
 struct MotionMeasures {
-  double particles = 0, mass = 0;                   ///< [-], [kg]
-  Vec3 centre, velocity;                            ///< [m], [m/s]; NaN without particles
-  double speed = 0, spin = 0;                       ///< means of |v| by mass [m/s] and of |w| by number [rad/s]
-  double granular_temperature = 0;                  ///< [m^2/s^2]
+  double particles = 0, mass = 0;   ///< [-], [kg]
+  Vec3 centre, velocity;            ///< [m], [m/s]; NaN without particles
+  double speed = 0, spin = 0;       ///< means of |v| by mass [m/s] and of |w| by number [rad/s]
+  double granular_temperature = 0;  ///< [m^2/s^2]
 };
 MotionMeasures motion_measures(const FrameView& view, const Group& group);
 
@@ -23,8 +23,8 @@ double region_solid_fraction(const FrameView& view, const Region& region);
 /// Layers across an axis of the container, or rings ('r') about the axis of a cylinder, the vertical middle line of a box. Layers across
 /// the vertical axis are whole; others, and rings, lie between the heights below which 10 % and 90 % of all solid lie.
 struct ProfileBins {
-  char axis = 'z';                                  ///< x, y, z or r
-  double low = 0, high = 0;                         ///< [m]
+  char axis = 'z';           ///< x, y, z or r
+  double low = 0, high = 0;  ///< [m]
   std::size_t count = 0;
   double width() const { return (high - low) / static_cast<double>(count); }
 };
@@ -32,19 +32,21 @@ struct Profile {
   std::vector<double> solid_fraction, particles, granular_temperature;
   std::vector<Vec3> velocity;
 };
-/// Layers: solid by sample points over the volume of the container's part in the layer, whatever way the container lies; motion by the centres in it. Granular temperature
-/// is about the mean velocity of the layer. Layers without particles: NaN for motion.
+/// Layers: solid by sample points over the volume of the container's part in the layer, whatever way the container lies; motion by the
+/// centres in it. Granular temperature is about the mean velocity of the layer. Layers without particles: NaN for motion.
 Profile profile(const FrameView& view, const ProfileBins& bins);
 
 /// Pair correlation g(r) of the centres of particles, in shells of equal width up to `reach`.
 ///
 /// How: pairs in a box, along each axis between the places below which 5 % and 95 % of the centres lie, so that the empty layer
 /// at a wall does not count; each pair weighted by the share of the box from which it could be seen, so that the sides need no
-/// correction: g = 1 for points that do not know of one another. Periodic axes have no sides. Source: J. Ohser, D. Stoyan, Biometrical J. 23 (1981) 523 (translation correction).
+/// correction: g = 1 for points that do not know of one another. Periodic axes have no sides. Source: J. Ohser, D. Stoyan, Biometrical J.
+/// 23 (1981) 523 (translation correction).
 std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, double reach);
 
 /// Lacey's mixing index of two kinds: 0 apart, 1 mixed at random. `kind` by row: 0, 1, or 2 for neither. Cells are cubes
-/// that hold about 12 particles; NaN with fewer than 60. Source: P. Lacey, J. Appl. Chem. 4 (1954) 257, weighted by the particles in each cell.
+/// that hold about 12 particles; NaN with fewer than 60. Source: P. Lacey, J. Appl. Chem. 4 (1954) 257, weighted by the particles in each
+/// cell.
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind);
 
 /// Angle of the free surface to the horizontal [degrees].

@@ -9,7 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
-#include "post/output_file.hpp"
+#include "post/run/output_file.hpp"
 #include "post/statistics/frame_numbers.hpp"
 
 namespace scree {
@@ -17,7 +17,7 @@ namespace scree {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kSeriesLength = 600;   // points of a chart; a longer run is drawn by every n-th frame
+constexpr std::size_t kSeriesLength = 600;  // points of a chart; a longer run is drawn by every n-th frame
 
 /// A number as it stands in a table: empty where there is none.
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : std::string(); }
@@ -60,7 +60,8 @@ class RowWriter {
       for (std::size_t i = 0; i < count; ++i) text += fmt::format(",{}", cell(row[begin + i]));
       return text + "\n";
     };
-    for (std::size_t g = 0; g < plan_.groups.size(); ++g) series_->add(line(csv_cell(plan_.groups[g].name), plan_.at(g, 0), plan_.quantities.size()));
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g)
+      series_->add(line(csv_cell(plan_.groups[g].name), plan_.at(g, 0), plan_.quantities.size()));
     for (std::size_t w = 0; w < plan_.walls(); ++w) {
       const std::size_t count = plan_.wall_quantities.size();
       walls_->add(line(fmt::format("{}", plan_.run.scene.walls[w].id), plan_.wall_begin + w * count, count));
@@ -150,12 +151,14 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
     StatisticsTable& table = s.tables[t];
     table.values.resize(table.columns.size());
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
-      for (std::size_t k = 0; k < table.coordinates.size(); ++k) table.values[c].push_back(average.of(plan.table_begin(t) + k * table.columns.size() + c));
+      for (std::size_t k = 0; k < table.coordinates.size(); ++k)
+        table.values[c].push_back(average.of(plan.table_begin(t) + k * table.columns.size() + c));
     }
   }
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     s.wall_averages.emplace_back();
-    for (std::size_t q = 0; q < s.wall_quantities.size(); ++q) s.wall_averages[w].push_back(average.of(plan.wall_begin + w * s.wall_quantities.size() + q));
+    for (std::size_t q = 0; q < s.wall_quantities.size(); ++q)
+      s.wall_averages[w].push_back(average.of(plan.wall_begin + w * s.wall_quantities.size() + q));
   }
   if (run.scene.settings.output_contacts && s.frames > 0) {
     const Frame last = load_frame(run, options.frames.back());
@@ -189,13 +192,25 @@ nlohmann::json json_of(const Run& run, const Statistics& s) {
     tables[t.name] = table;
   }
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
-    for (std::size_t q = 0; q < s.wall_quantities.size(); ++q) walls[s.walls[w]][s.wall_quantities[q].name] = quantity(s.wall_quantities[q], s.wall_averages[w][q]);
+    for (std::size_t q = 0; q < s.wall_quantities.size(); ++q)
+      walls[s.walls[w]][s.wall_quantities[q].name] = quantity(s.wall_quantities[q], s.wall_averages[w][q]);
   }
   nlohmann::json meanings = nlohmann::json::object();
   for (const Quantity& q : s.quantities) meanings[q.name] = q.meaning;
-  return {{"format", "scree-statistics"}, {"format_version", 1}, {"run", run.name}, {"frames", s.frames}, {"first_time", s.first_time},
-          {"last_time", s.last_time}, {"blocks", s.blocks}, {"confidence", 0.95}, {"skipped", s.skipped}, {"groups", groups},
-          {"tables", tables}, {"walls", walls}, {"force_chains_last_frame", s.chains.size()}, {"meanings", meanings}};
+  return {{"format", "scree-statistics"},
+          {"format_version", 1},
+          {"run", run.name},
+          {"frames", s.frames},
+          {"first_time", s.first_time},
+          {"last_time", s.last_time},
+          {"blocks", s.blocks},
+          {"confidence", 0.95},
+          {"skipped", s.skipped},
+          {"groups", groups},
+          {"tables", tables},
+          {"walls", walls},
+          {"force_chains_last_frame", s.chains.size()},
+          {"meanings", meanings}};
 }
 
 std::vector<std::string> write_statistics(const Run& run, const Statistics& s, const std::string& folder) {
@@ -209,8 +224,8 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
   std::string text = "group,quantity,unit,mean,ci95,min,max,frames,blocks,meaning\n";
   const auto add = [&](const std::string& group, const Quantity& q, const Average& a) {
     if (a.count == 0) return;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", csv_cell(group), q.name, q.unit, cell(a.mean), cell(a.ci95), cell(a.smallest), cell(a.largest),
-                        a.count, s.blocks, csv_cell(q.meaning));
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", csv_cell(group), q.name, q.unit, cell(a.mean), cell(a.ci95), cell(a.smallest),
+                        cell(a.largest), a.count, s.blocks, csv_cell(q.meaning));
   };
   for (std::size_t g = 0; g < s.groups.size(); ++g) {
     for (std::size_t q = 0; q < s.quantities.size(); ++q) add(s.groups[g], s.quantities[q], s.averages[g][q]);
@@ -242,8 +257,8 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
   }
   write("force_chains.csv", text);
   if (run.log.rows() > 0) {
-    static const std::vector<const char*> kColumns{"kinetic_translational", "kinetic_rotational", "potential", "elastic", "elastic_tangential",
-                                                   "dissipated", "wall_work", "energy_error"};
+    static const std::vector<const char*> kColumns{"kinetic_translational", "kinetic_rotational", "potential", "elastic",
+                                                   "elastic_tangential",    "dissipated",         "wall_work", "energy_error"};
     text = "time";
     std::string units = "s";
     for (const char* name : kColumns) {
@@ -286,9 +301,12 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
   over_time("coordination_number", "Coordination number", "neighbours per particle", "",
             {{"coordination_number", "all particles"}, {"coordination_number_without_rattlers", "without rattlers"}}, true);
   over_time("solid_fraction", "Solid fraction of the bed", "solid fraction", "", {{"solid_fraction", "inner 80 % of the bed"}}, false);
-  over_time("stress", "Contact stress", "stress", "Pa", {{"stress_xx", "xx"}, {"stress_yy", "yy"}, {"stress_zz", "zz"}, {"pressure", "pressure"}}, true);
-  over_time("anisotropy", "Anisotropy of the fabric", "anisotropy", "", {{"fabric_anisotropy", "contact normals"}, {"force_fabric_anisotropy", "normal forces"}}, true);
-  over_time("granular_temperature", "Granular temperature", "granular temperature [m²/s²]", "", {{"granular_temperature", "all particles"}}, true);
+  over_time("stress", "Contact stress", "stress", "Pa",
+            {{"stress_xx", "xx"}, {"stress_yy", "yy"}, {"stress_zz", "zz"}, {"pressure", "pressure"}}, true);
+  over_time("anisotropy", "Anisotropy of the fabric", "anisotropy", "",
+            {{"fabric_anisotropy", "contact normals"}, {"force_fabric_anisotropy", "normal forces"}}, true);
+  over_time("granular_temperature", "Granular temperature", "granular temperature [m²/s²]", "", {{"granular_temperature", "all particles"}},
+            true);
   over_time("force_chains", "Particles in force chains", "share of the particles", "", {{"force_chain_share", "in chains"}}, true);
   over_time("mixing_index", "Mixing index (Lacey)", "0 apart, 1 at random", "", {{"mixing_index", "mixing index"}}, true);
   over_time("angle_of_repose", "Angle of the free surface", "angle [degrees]", "", {{"angle_of_repose", "angle"}}, false);
@@ -300,14 +318,19 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
     c.chart.x_unit = "s";
     c.chart.y_label = "force";
     c.chart.y_unit = "N";
-    for (std::size_t q = 0; q < 3; ++q) c.chart.lines.push_back({s.wall_quantities[q].name.substr(6), s.wall_series[w][q].time, s.wall_series[w][q].value});
+    for (std::size_t q = 0; q < 3; ++q)
+      c.chart.lines.push_back({s.wall_quantities[q].name.substr(6), s.wall_series[w][q].time, s.wall_series[w][q].value});
     charts.push_back(std::move(c));
   }
   for (const StatisticsTable& t : s.tables) {
     for (std::size_t column = 0; column < t.columns.size(); ++column) {
       const Quantity& q = t.columns[column];
-      if (q.name == "particle_count" || q.name == "velocity_y" || q.name == "velocity_z" || q.name == "probability_density_tangential") continue;  // with their first
-      NamedChart c{t.columns.size() > 1 && t.name.starts_with("profile") ? t.name + "_" + (q.name == "velocity_x" ? "velocity" : q.name) : t.name, t.name + ".csv", {}};
+      if (q.name == "particle_count" || q.name == "velocity_y" || q.name == "velocity_z" || q.name == "probability_density_tangential")
+        continue;  // with their first
+      NamedChart c{
+          t.columns.size() > 1 && t.name.starts_with("profile") ? t.name + "_" + (q.name == "velocity_x" ? "velocity" : q.name) : t.name,
+          t.name + ".csv",
+          {}};
       c.chart.title = t.title;
       c.chart.x_label = t.name == "force_distribution" ? "force over the mean normal force" : t.coordinate.name;
       std::replace(c.chart.x_label.begin(), c.chart.x_label.end(), '_', ' ');
@@ -342,14 +365,16 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
 }
 
 std::string summary_of(const Statistics& s) {
-  std::string text = fmt::format("{} frames from {:.6g} s to {:.6g} s; mean and 95 % confidence interval from {} blocks\n", s.frames, s.first_time, s.last_time, s.blocks);
+  std::string text = fmt::format("{} frames from {:.6g} s to {:.6g} s; mean and 95 % confidence interval from {} blocks\n", s.frames,
+                                 s.first_time, s.last_time, s.blocks);
   for (std::size_t g = 0; g < s.groups.size(); ++g) {
     text += fmt::format("{}\n", s.groups[g]);
     for (std::size_t q = 0; q < s.quantities.size(); ++q) {
       const Average& a = s.averages[g][q];
       if (a.count == 0) continue;
       const std::string spread = std::isfinite(a.ci95) ? fmt::format("+- {:.2g}", a.ci95) : std::string();
-      text += fmt::format("  {:<38} {:>12.5g} {:<12} {}\n", s.quantities[q].name, a.mean, spread, s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
+      text += fmt::format("  {:<38} {:>12.5g} {:<12} {}\n", s.quantities[q].name, a.mean, spread,
+                          s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
     }
   }
   return text;

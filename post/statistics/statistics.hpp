@@ -6,24 +6,25 @@
 #include <string>
 #include <vector>
 
-#include "post/frame_pool.hpp"
-#include "post/region.hpp"
-#include "post/run_folder.hpp"
-#include "post/statistics/block_average.hpp"
 #include "core/chart/svg_chart.hpp"
+#include "post/run/frame_pool.hpp"
+#include "post/run/region.hpp"
+#include "post/run/run_folder.hpp"
+#include "post/statistics/block_average.hpp"
 
 namespace scree {
 
 struct StatisticsOptions {
-  std::vector<std::size_t> frames;       ///< indices, ascending
-  std::vector<Region> regions;           ///< each a group
-  bool by_material = false, by_shape = false;   ///< a group of each
-  std::optional<Region> container;       ///< box or cylinder; else that of the scene (container_of)
-  std::vector<std::string> profiles;     ///< "z:20", "x", "r:10": axis and number of bins; empty: the axis of gravity
+  std::vector<std::size_t> frames;             ///< indices, ascending
+  std::vector<Region> regions;                 ///< each a group
+  bool by_material = false, by_shape = false;  ///< a group of each
+  std::optional<Region> container;             ///< box or cylinder; else that of the scene (container_of)
+  std::vector<std::string> profiles;           ///< "z:20", "x", "r:10": axis and number of bins; empty: the axis of gravity
   std::size_t blocks = 10;
-  std::string mixing = "auto";           ///< material | shape | half-x | half-y | half-z | none; auto: material when there are two, else halves along gravity
-  std::string repose = "none";           ///< cone | slope | none
-  std::string discharge;                 ///< "z=0.1": mass that has gone below that height; empty: none
+  std::string mixing =
+      "auto";  ///< material | shape | half-x | half-y | half-z | none; auto: material when there are two, else halves along gravity
+  std::string repose = "none";  ///< cone | slope | none
+  std::string discharge;        ///< "z=0.1": mass that has gone below that height; empty: none
   FramePool pool{};
 };
 
@@ -38,7 +39,7 @@ struct StatisticsTable {
   Quantity coordinate;
   std::vector<double> coordinates;
   std::vector<Quantity> columns;
-  std::vector<std::vector<Average>> values;     ///< by column, by coordinate
+  std::vector<std::vector<Average>> values;  ///< by column, by coordinate
 };
 
 /// A quantity over time, thinned so that it does not grow with the number of frames.
@@ -47,19 +48,19 @@ struct Series {
 };
 
 struct Statistics {
-  std::vector<std::string> groups;              ///< "all" first
+  std::vector<std::string> groups;  ///< "all" first
   std::vector<Quantity> quantities;
-  std::vector<std::vector<Average>> averages;   ///< by group, by quantity
+  std::vector<std::vector<Average>> averages;  ///< by group, by quantity
   std::vector<StatisticsTable> tables;
-  std::vector<std::string> walls;               ///< names
+  std::vector<std::string> walls;  ///< names
   std::vector<Quantity> wall_quantities;
-  std::vector<std::vector<Average>> wall_averages;   ///< by wall, by quantity
-  std::vector<Series> series;                   ///< of group "all", by quantity
+  std::vector<std::vector<Average>> wall_averages;  ///< by wall, by quantity
+  std::vector<Series> series;                       ///< of group "all", by quantity
   std::vector<std::vector<Series>> wall_series;
-  std::vector<std::vector<std::int64_t>> chains;     ///< force chains at the last frame, ids
+  std::vector<std::vector<std::int64_t>> chains;  ///< force chains at the last frame, ids
   std::size_t frames = 0, blocks = 0;
   double first_time = 0, last_time = 0;
-  std::vector<std::string> skipped;             ///< damaged frames
+  std::vector<std::string> skipped;  ///< damaged frames
   const Average& of(const std::string& quantity, std::size_t group = 0) const;
 };
 

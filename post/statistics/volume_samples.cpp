@@ -48,7 +48,8 @@ std::vector<Vec3> volume_samples(const Shape& shape, std::size_t count) {
       phase = std::fmod(phase + std::numbers::phi, 1.0);
       const std::vector<double> heights = crossings(shape, x, y);
       for (std::size_t k = 0; k + 1 < heights.size(); k += 2) {
-        for (double z = std::ceil(heights[k] / spacing - phase) + phase; z * spacing < heights[k + 1]; z += 1) points.push_back({x, y, z * spacing});
+        for (double z = std::ceil(heights[k] / spacing - phase) + phase; z * spacing < heights[k + 1]; z += 1)
+          points.push_back({x, y, z * spacing});
       }
     }
   }

@@ -19,7 +19,7 @@ inline constexpr double kLeastBarrierGap = 1e-3;
 inline constexpr double kBarrierStepGap = 0.25;
 
 struct Barrier {
-  double stiffness, reach;   ///< k_b [N/m], h [m]
+  double stiffness, reach;  ///< k_b [N/m], h [m]
   explicit Barrier(const PairLaw& law) : stiffness(law.barrier), reach(kBarrierShare * law.margin) {}
   double ratio(double gap) const { return std::max(gap / reach, kLeastBarrierGap); }
   bool acts(double gap) const { return gap < reach; }

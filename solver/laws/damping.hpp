@@ -25,8 +25,8 @@ namespace scree {
 
 /// chi of a pair in this step, and how much of it a new feature may feel.
 struct Damping {
-  double chi = 0;          ///< [s/m]
-  double most_onset = 1;   ///< largest weight of damping in the step of touch
+  double chi = 0;         ///< [s/m]
+  double most_onset = 1;  ///< largest weight of damping in the step of touch
 };
 
 /// Share of a pair's speed that damping takes in a step, beyond the rate at which it is free: from `share` on with its `slope`, to 1.
@@ -38,7 +38,9 @@ inline double share_in_step(double beyond, double share, double slope) {
 struct ViscousDamping {
   static bool acts(const PairLaw& law) { return law.damping_ratio > 0; }
   /// in   elastic  U [J], > 0    in  mobility  1/m* [1/kg], > 0
-  static double chi(const PairLaw& law, double elastic, double mobility) { return 2 * law.damping_ratio / std::sqrt(2 * elastic * mobility); }
+  static double chi(const PairLaw& law, double elastic, double mobility) {
+    return 2 * law.damping_ratio / std::sqrt(2 * elastic * mobility);
+  }
   /// in   rate       chi times the sum of the elastic forces that it damps, times mobility and step [1]
   /// in   pair_rate  the same of the whole pair: more than `rate` where features damp on their own (gather = "pairs")
   static Damping in_step(double chi, double rate, double pair_rate) {

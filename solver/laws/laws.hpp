@@ -18,7 +18,7 @@ struct LawEntry {
   using Damp = DampingLaw;
   const char* name;
   bool needs_radius;
-  bool layer = false;      ///< for gather = "area"
+  bool layer = false;  ///< for gather = "area"
 };
 
 inline constexpr std::tuple kLaws{
@@ -31,13 +31,13 @@ inline constexpr std::tuple kLaws{
 
 /// What a scene needs of the force loop; the choice is made once, outside of all loops.
 struct LawChoice {
-  int law = 0;               ///< index in kLaws
-  double exponent = 1;       ///< of the effective depth in the normal force
-  bool friction = false;     ///< some pair has friction
-  bool rolling = false;      ///< some pair has rolling or torsional resistance
-  bool independent = false;  ///< gather = "pairs": every contact its own spring and dashpot
-  bool area = false;         ///< gather = "area"
-  bool needs_radius = false; ///< R* of the bodies enters
+  int law = 0;                ///< index in kLaws
+  double exponent = 1;        ///< of the effective depth in the normal force
+  bool friction = false;      ///< some pair has friction
+  bool rolling = false;       ///< some pair has rolling or torsional resistance
+  bool independent = false;   ///< gather = "pairs": every contact its own spring and dashpot
+  bool area = false;          ///< gather = "area"
+  bool needs_radius = false;  ///< R* of the bodies enters
 };
 
 }  // namespace scree

@@ -11,8 +11,8 @@ namespace scree {
 
 /// U = k D^2 / 2.
 struct LinearLaw {
-  static constexpr double kExponent = 1;      ///< of D in the force
-  double k;                                   ///< [N/m]
+  static constexpr double kExponent = 1;  ///< of D in the force
+  double k;                               ///< [N/m]
   LinearLaw(const PairLaw& law, double /*radius*/) : k(law.stiffness) {}
   double energy(double D) const { return 0.5 * k * D * D; }
   double force(double D) const { return k * D; }
@@ -21,7 +21,7 @@ struct LinearLaw {
 /// Elastic spheres: F = 4/3 E* sqrt(R*) D^(3/2), U = 2/5 F D.   Source: Hertz; Johnson, Contact Mechanics (1985), section 4.2.
 struct HertzLaw {
   static constexpr double kExponent = 1.5;
-  double c;                                   ///< 4/3 E* sqrt(R*) [N/m^(3/2)]
+  double c;  ///< 4/3 E* sqrt(R*) [N/m^(3/2)]
   /// in   radius   R* of the contact [m], > 0
   HertzLaw(const PairLaw& law, double radius) : c(law.stiffness * std::sqrt(radius)) {}
   double energy(double D) const { return 0.4 * c * D * D * std::sqrt(D); }
@@ -31,7 +31,7 @@ struct HertzLaw {
 /// Elastic layer (gather = "area"): pressure kappa d; a smooth cap has F = kappa pi R* D^2, U = F D / 3. Meshes bring their own energy.
 struct LayerLaw {
   static constexpr double kExponent = 2;
-  double kappa, c;                            ///< [N/m^3], and kappa pi R* [N/m^2]
+  double kappa, c;  ///< [N/m^3], and kappa pi R* [N/m^2]
   LayerLaw(const PairLaw& law, double radius) : kappa(law.stiffness), c(law.stiffness * std::numbers::pi * radius) {}
   double energy(double D) const { return c * D * D * D / 3; }
   double force(double D) const { return c * D * D; }

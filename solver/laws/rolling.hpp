@@ -26,9 +26,9 @@ struct RollingState {
 
 /// Moment on A and its spring, both with the part along n and the part across it in one vector.
 struct RollingMoment {
-  Vec3 moment;               ///< on A [N m]
-  Vec3 spring;               ///< elastic part, to be kept [N m]
-  double stiffness = 0;      ///< [N m/rad]
+  Vec3 moment;           ///< on A [N m]
+  Vec3 spring;           ///< elastic part, to be kept [N m]
+  double stiffness = 0;  ///< [N m/rad]
 };
 
 namespace rolling {

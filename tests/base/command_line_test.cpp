@@ -10,8 +10,8 @@ namespace {
 
 // A tool with one command and one option, called with words.
 struct Tool {
-  std::unique_ptr<CLI::App> app = make_command_line("scree-test", "Tests the command line.",
-                                                    {{"scree-test weigh rock.stl", "how heavy is it?"}}, "gmsh 4.8.4");
+  std::unique_ptr<CLI::App> app =
+      make_command_line("scree-test", "Tests the command line.", {{"scree-test weigh rock.stl", "how heavy is it?"}}, "gmsh 4.8.4");
   double scale = 1.0;
   std::string file;
   CLI::App* weigh = app->add_subcommand("weigh", "Weigh a rock");

@@ -37,8 +37,7 @@ TEST(warn_once, prints_the_same_text_only_the_first_time) {
   testing::internal::CaptureStderr();
   for (int i = 0; i < 3; ++i) warn_once("scree-test", "the skin is thin");
   warn_once("scree-test", "another matter");
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "scree-test: warning: the skin is thin\nscree-test: warning: another matter\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "scree-test: warning: the skin is thin\nscree-test: warning: another matter\n");
 }
 
 TEST(assertion, names_condition_place_and_values) {

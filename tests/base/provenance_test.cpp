@@ -82,7 +82,7 @@ TEST(progress, long_work_speaks_when_it_takes_long_and_is_silent_else) {
   const auto hundred = [](LongWork& work) {
     for (int i = 1; i <= 100; ++i) {
       work.update(i, fmt::format("{} of 100 bodies", i));
-      LongWork inner("check", 2);   // work inside other work
+      LongWork inner("check", 2);  // work inside other work
       inner.advance();
     }
   };
@@ -90,11 +90,12 @@ TEST(progress, long_work_speaks_when_it_takes_long_and_is_silent_else) {
   print_progress(true);
   EXPECT_EQ(lines_of("3600", 100, hundred), "");
   const std::string text = lines_of("0", 100, hundred);
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 22) << text;   // the first, every 5 %, and the end
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 22) << text;  // the first, every 5 %, and the end
   EXPECT_NE(text.find("settle:  40 %  40 of 100 bodies, 0.0 s left\n"), std::string::npos) << text;
   EXPECT_NE(text.find("settle: done in 0.0 s\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("check"), std::string::npos);
-  EXPECT_NE(lines_of("0", 0, [](LongWork& work) { work.update(0, "3 holes"); }).find("settle:  3 holes, 0.0 s so far\n"), std::string::npos);
+  EXPECT_NE(lines_of("0", 0, [](LongWork& work) { work.update(0, "3 holes"); }).find("settle:  3 holes, 0.0 s so far\n"),
+            std::string::npos);
   print_progress(false);
 }
 

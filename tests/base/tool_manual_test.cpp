@@ -34,8 +34,8 @@ std::string output_of(const std::string& command) {
 /// What bash offers after some words, with the completion of the tool loaded.
 std::string offered(const std::string& words) {
   const Tool tool;
-  const std::string script = bash_completion(*tool.app) + "COMP_WORDS=(" + words +
-      "); COMP_CWORD=$((${#COMP_WORDS[@]}-1)); _scree_test; echo ${COMPREPLY[*]}";
+  const std::string script =
+      bash_completion(*tool.app) + "COMP_WORDS=(" + words + "); COMP_CWORD=$((${#COMP_WORDS[@]}-1)); _scree_test; echo ${COMPREPLY[*]}";
   std::string quoted;
   for (const char c : script) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return output_of("cd / && bash -c '" + quoted + "'");
@@ -44,8 +44,9 @@ std::string offered(const std::string& words) {
 TEST(tool_manual, the_page_holds_every_command_option_and_word) {
   const Tool tool;
   const std::string page = manual_page(*tool.app, {{"scree-test weigh a.stl", "how heavy?"}});
-  for (const char* text : {".TH SCREE\\-TEST 1", "scree\\-test \\- Tests the manual\n", ".SS weigh", "\\fB\\-s\\fR, \\fB\\-\\-scale\\fR \\fIVALUE\\fR",
-                           "\\fIred|blue\\fR", "scree\\-test weigh a.stl", ".SH EXIT STATUS"}) {
+  for (const char* text :
+       {".TH SCREE\\-TEST 1", "scree\\-test \\- Tests the manual\n", ".SS weigh", "\\fB\\-s\\fR, \\fB\\-\\-scale\\fR \\fIVALUE\\fR",
+        "\\fIred|blue\\fR", "scree\\-test weigh a.stl", ".SH EXIT STATUS"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text << "\n" << page;
   }
 }
@@ -60,7 +61,7 @@ TEST(tool_manual, bash_completes_commands_options_and_the_words_of_an_option) {
   EXPECT_EQ(offered("scree-test weigh --sc"), "--scale\n");
   EXPECT_EQ(offered("scree-test weigh --colour ''"), "red blue\n");
   EXPECT_EQ(offered("scree-test weigh --colour b"), "blue\n");
-  EXPECT_EQ(offered("scree-test weigh us"), "usr\n");   // a folder of every machine, seen from the root
+  EXPECT_EQ(offered("scree-test weigh us"), "usr\n");  // a folder of every machine, seen from the root
 }
 
 }  // namespace

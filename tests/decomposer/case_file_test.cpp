@@ -1,5 +1,5 @@
 // The case language: what a case says is what the scene gets, and what is wrong is told with its line.
-#include "decomposer/case_file.hpp"
+#include "decomposer/case/case_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -195,7 +195,8 @@ TEST(CaseFile, checkpoints_go_by_the_clock_unless_the_case_says_otherwise) {
 }
 
 TEST(CaseFile, an_unknown_key_is_refused_with_its_line_and_the_nearest_name) {
-  expect_refusal(replaced("friction = 0.4", "frictoin = 0.4"), {"case.toml:15: pairs[0].frictoin", "unknown key", "did you mean 'friction'"});
+  expect_refusal(replaced("friction = 0.4", "frictoin = 0.4"),
+                 {"case.toml:15: pairs[0].frictoin", "unknown key", "did you mean 'friction'"});
   expect_refusal(replaced("[contact]", "[contatc]"), {"case.toml:20: contatc", "did you mean 'contact'"});
   expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\ncolour = 3"), {"case.toml:5: time.colour", "expected one of: duration"});
   expect_refusal(replaced("min = \"8 mm\", ", "min = \"8 mm\", mean = 1, "), {"case.toml:26", "mean", "not part of a lognormal"});
@@ -263,7 +264,8 @@ TEST(CaseFile, a_fixed_body_needs_a_pair_with_movers_only) {
 }
 
 TEST(CaseFile, names_that_do_not_exist_are_refused_with_the_nearest) {
-  expect_refusal(replaced("material = \"steel\"", "material = \"steele\""), {"case.toml:30", "no material 'steele'", "did you mean 'steel'"});
+  expect_refusal(replaced("material = \"steel\"", "material = \"steele\""),
+                 {"case.toml:30", "no material 'steele'", "did you mean 'steel'"});
   expect_refusal(replaced("shape = \"rock\"", "shape = \"boulder\""), {"case.toml:23", "no shape 'boulder'", "defined are: rock"});
   expect_refusal(replaced("between = [\"rock\", \"rock\"]", "between = [\"rock\", \"rok\"]"), {"case.toml:12", "did you mean 'rock'"});
   expect_refusal(kCase + "[[pairs]]\nbetween = [\"rock\", \"steel\"]\nstiffness = 1\nrestitution = 1\n", {"given twice", "case.toml:16"});
@@ -303,7 +305,8 @@ TEST(CaseFile, populations_say_how_they_are_mixed_sized_and_turned) {
   expect_refusal(sieve("0.002, 0.001", "0, 1"), {"ascend"});
   expect_refusal(sieve("0.001, 0.002, 0.003", "0, 0.5, 0.4"), {"must not descend"});
   expect_refusal(sieve("0.001, 0.002", "0, 0.5, 1"), {"3 values for 2 diameters"});
-  expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\nstop_at_rest = true").insert(0, "gravity = [0, 0, 0]\n"), {"needs gravity"});
+  expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\nstop_at_rest = true").insert(0, "gravity = [0, 0, 0]\n"),
+                 {"needs gravity"});
 }
 
 TEST(CaseFile, a_fluid_is_what_it_says_and_nothing_without_viscosity) {
@@ -332,8 +335,9 @@ TEST(CaseFile, contact_laws_ask_for_what_they_need) {
   expect_refusal(replaced("[contact]", "[contact]\nlaw = \"hunt-crossley\""), {"restitution", "restitution_speed"});
   expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrestitution_speed = 1"), {"restitution_speed", "hunt-crossley"});
   expect_refusal(replaced("friction = 0.4", "friction = 0.4\nrolling_model = \"elastic\""), {"rolling_model"});
-  const Case c = parse(replaced("friction = 0.4", "friction = 0.4\nrolling_friction = 0.1\ntorsional_friction = 0.2\nrolling_model = "
-                                                  "\"constant\"\ntangential_ratio = 0.8\ntangential_damping = 0\ncontact_radius = \"3 mm\""));
+  const Case c = parse(replaced("friction = 0.4",
+                                "friction = 0.4\nrolling_friction = 0.1\ntorsional_friction = 0.2\nrolling_model = "
+                                "\"constant\"\ntangential_ratio = 0.8\ntangential_damping = 0\ncontact_radius = \"3 mm\""));
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.rolling_friction, 0.1);
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.torsional_friction, 0.2);
   EXPECT_EQ(c.pairs[0].pair.rolling_model, "constant");

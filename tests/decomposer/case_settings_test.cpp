@@ -1,10 +1,10 @@
 // Keys set on the command line: the case that results is the case with those lines changed by hand.
-#include "decomposer/case_settings.hpp"
+#include "decomposer/case/case_settings.hpp"
 
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "decomposer/case_file.hpp"
+#include "decomposer/case/case_file.hpp"
 
 namespace scree {
 namespace {
@@ -60,9 +60,7 @@ TEST(CaseSettings, a_quantity_needs_no_quotes_and_a_star_means_all) {
   }
 }
 
-TEST(CaseSettings, a_table_and_a_key_that_are_not_there_are_added) {
-  EXPECT_EQ(parse({"contact.margin=3 mm"}).settings.margin, 3e-3);
-}
+TEST(CaseSettings, a_table_and_a_key_that_are_not_there_are_added) { EXPECT_EQ(parse({"contact.margin=3 mm"}).settings.margin, 3e-3); }
 
 TEST(CaseSettings, the_last_of_two_settings_holds) {
   EXPECT_EQ(parse({"pairs.0.friction=0.7", "pairs.0.friction=0.2"}).pairs[0].pair.friction, 0.2);
@@ -72,7 +70,7 @@ TEST(CaseSettings, the_text_that_is_kept_gives_the_same_case_again) {
   const std::vector<std::string> changes{"pairs.0.friction=0.1", "time.duration=0.3", "contact.margin=3 mm"};
   const Case first = parse(changes);
   const Case again = parse_case(first.text, "case.toml", "");
-  EXPECT_EQ(again.pairs[0].pair.friction, 0.1);   // 0.1 and 0.3 have no exact double: all digits are kept
+  EXPECT_EQ(again.pairs[0].pair.friction, 0.1);  // 0.1 and 0.3 have no exact double: all digits are kept
   EXPECT_EQ(again.settings.duration, 0.3);
   EXPECT_EQ(again.settings.margin, first.settings.margin);
   EXPECT_NE(first.text.find("#   --set contact.margin=3 mm"), std::string::npos) << first.text;

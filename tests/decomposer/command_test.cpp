@@ -1,16 +1,16 @@
 // The tool as a user runs it: exit codes, messages, files.
 #include <gtest/gtest.h>
-#include <cmath>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <cmath>
 
-#include <cstdlib>
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <iterator>
 #include <set>
+#include <sstream>
 
 #include "core/base/provenance.hpp"
 #include "core/storage/scene_file.hpp"
@@ -79,7 +79,8 @@ class Command : public ::testing::Test {
   void expect(const std::string& arguments, int code, const std::vector<std::string>& says) const {
     const ToolRun r = run(arguments);
     EXPECT_EQ(r.code, code) << r.errors;
-    for (const std::string& part : says) EXPECT_NE((r.output + r.errors).find(part), std::string::npos) << "'" << part << "' not in: " << r.output << r.errors;
+    for (const std::string& part : says)
+      EXPECT_NE((r.output + r.errors).find(part), std::string::npos) << "'" << part << "' not in: " << r.output << r.errors;
   }
   bool left_anything() const {
     for (const auto& entry : fs::directory_iterator(folder_)) {
@@ -166,13 +167,14 @@ TEST_F(Command, partition_by_other_methods_gives_every_body_an_owner_that_reads_
   }
 }
 
-// Counted by hand: 10 unit-spaced cubes in a row, cut in the middle. Reach of a ghost: radius 0.05 x sqrt(3) / 2 each, far below the spacing.
+// Counted by hand: 10 unit-spaced cubes in a row, cut in the middle. Reach of a ghost: radius 0.05 x sqrt(3) / 2 each, far below the
+// spacing.
 TEST_F(Command, compare_counts_the_ghosts_of_a_row_of_bodies) {
   Scene scene = read_scene_after_pack();
   BodyTable& b = scene.bodies;
   const double radius = 0.5 * std::sqrt(3.0) * b.scale[0];
   for (std::size_t i = 0; i < b.size(); ++i) b.position[i] = {2.1 * radius * static_cast<double>(i), 0, 0};
-  scene.settings.margin = 0.04 * radius;   // sums of reach: 2.08 radii: nobody touches
+  scene.settings.margin = 0.04 * radius;  // sums of reach: 2.08 radii: nobody touches
   write_scene_file((folder_ / "row.scene.h5").string(), scene);
   expect("compare row.scene.h5 --parts 2 --cuts rcb --skin 0", 0, {"rcb,2,1.0000,20.0,20,0.00,0,0.0,0,0,0"});
   expect("compare row.scene.h5 --parts 2 --cuts rcb --skin 0.1", 0, {"rcb,2,1.0000,20.0,20,1.00,1,1.0,1,104,104"});
@@ -207,7 +209,8 @@ TEST_F(Command, a_mistake_in_the_case_exits_with_2_and_leaves_no_file) {
   write_changed("restitution = 0.5", "restitutoin = 0.5");
   expect("pack case.toml -o a.scene.h5", 2, {"scree-decomposer: error: case.toml:11: pairs[0].restitutoin", "did you mean 'restitution'"});
   write_changed("restitution = 0.5", "restitution = \"0.5 m\"");
-  expect("pack case.toml -o a.scene.h5", 2, {"case.toml:11: pairs[0].restitution = \"0.5 m\": a length, but restitution has no unit; write 0.5"});
+  expect("pack case.toml -o a.scene.h5", 2,
+         {"case.toml:11: pairs[0].restitution = \"0.5 m\": a length, but restitution has no unit; write 0.5"});
   write_changed("between = [\"stone\", \"stone\"]", "between = [\"stone\", \"water\"]");
   expect("check case.toml", 2, {"no material 'water'"});
   EXPECT_FALSE(left_anything());
@@ -264,7 +267,8 @@ TEST_F(Command, no_case_of_a_workflow_is_doubted_and_a_slip_is_a_warning_of_one_
   EXPECT_GE(cases, 8);
   write_changed("density = 2500", "density = 2.5");
   for (const char* command : {"check case.toml", "pack case.toml -o a.scene.h5"}) {
-    expect(command, 0, {"scree-decomposer: warning: materials.stone.density = 2.5 kg/m^3", "scree-decomposer: warning: no friction is given"});
+    expect(command, 0,
+           {"scree-decomposer: warning: materials.stone.density = 2.5 kg/m^3", "scree-decomposer: warning: no friction is given"});
   }
 }
 
@@ -294,12 +298,16 @@ region = { box = [[0, 0, 0], [0.03, 0.03, 0.03]] }
 shape = { box_inside = [[0, 0, 0], [0.03, 0.03, 0.04]] }
 material = "glass"
 )");
-  EXPECT_EQ(run("pack balls.toml -o a.scene.h5 --set populations.0.method=random --set populations.0.count=5").errors.find("packing:"), std::string::npos);
+  EXPECT_EQ(run("pack balls.toml -o a.scene.h5 --set populations.0.method=random --set populations.0.count=5").errors.find("packing:"),
+            std::string::npos);
   setenv("SCREE_PROGRESS_AFTER", "0", 1);
-  setenv("OMP_NUM_THREADS", "1", 1);   // a dozen balls
-  expect("pack balls.toml -o a.scene.h5 --set populations.0.method=random --set populations.0.count=4", 0, {"packing:  50 %  2 of 4 bodies, ", " left\n"});
-  expect("pack balls.toml -o a.scene.h5 --set populations.0.count=3", 0, {"settle:  3 bodies come to rest, ", "so far\n", "settle: done in "});
-  expect("pack balls.toml -o a.scene.h5 --set populations.0.method=compact --set populations.0.count=12", 0, {"compact:", " of the size, stage 2 of about ", " left\n"});
+  setenv("OMP_NUM_THREADS", "1", 1);  // a dozen balls
+  expect("pack balls.toml -o a.scene.h5 --set populations.0.method=random --set populations.0.count=4", 0,
+         {"packing:  50 %  2 of 4 bodies, ", " left\n"});
+  expect("pack balls.toml -o a.scene.h5 --set populations.0.count=3", 0,
+         {"settle:  3 bodies come to rest, ", "so far\n", "settle: done in "});
+  expect("pack balls.toml -o a.scene.h5 --set populations.0.method=compact --set populations.0.count=12", 0,
+         {"compact:", " of the size, stage 2 of about ", " left\n"});
   unsetenv("SCREE_PROGRESS_AFTER");
   unsetenv("OMP_NUM_THREADS");
 }

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "decomposer/build_scene.hpp"
 #include "decomposer/doubts.hpp"
+#include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
 namespace {
@@ -66,15 +66,21 @@ TEST(Doubts, a_density_in_grams_per_cubic_centimetre) {
 }
 
 TEST(Doubts, a_box_of_80_metres_around_balls_of_12_millimetres) {
-  expect_doubt({{"0.08", "80"}, {"margin = 0.0001", "impact_speed = 1\nmargin = 0.0001"}}, {"walls[0] (wall 'crate') is 80 m long", "12 mm across", "6667 times less"});
+  expect_doubt({{"0.08", "80"}, {"margin = 0.0001", "impact_speed = 1\nmargin = 0.0001"}},
+               {"walls[0] (wall 'crate') is 80 m long", "12 mm across", "6667 times less"});
 }
 
 TEST(Doubts, a_wall_that_is_tiny_beside_the_bodies) {
-  expect_doubt({{"[[walls]]\nname", "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, 0, 0], side_a = [0.0001, 0, 0], side_b = "
-                                    "[0, 0.0001, 0] } }\n[[walls]]\nname"}}, {"wall 'tray'", "100 um long", "120 times as much"});
+  expect_doubt(
+      {{"[[walls]]\nname",
+        "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, 0, 0], side_a = [0.0001, 0, 0], side_b = "
+        "[0, 0.0001, 0] } }\n[[walls]]\nname"}},
+      {"wall 'tray'", "100 um long", "120 times as much"});
 }
 
-TEST(Doubts, friction_that_is_left_out) { expect_doubt({{"friction = 0.5\n", ""}}, {"no friction is given", "stone on stone", "write friction = 0"}); }
+TEST(Doubts, friction_that_is_left_out) {
+  expect_doubt({{"friction = 0.5\n", ""}}, {"no friction is given", "stone on stone", "write friction = 0"});
+}
 
 TEST(Doubts, friction_in_degrees) { expect_doubt({{"friction = 0.5", "friction = 30"}}, {"friction = 30", "coefficient", "0.577"}); }
 
@@ -84,7 +90,8 @@ TEST(Doubts, gravity_in_millimetres) {
 
 TEST(Doubts, a_run_shorter_than_a_contact) {
   // pi sqrt(2.44 g / (2 x 1e4)) = 1.1 ms
-  expect_doubt({{"duration = 2", "duration = \"0.1 ms\""}, {"[output]\nevery = 0.1\n", ""}}, {"time.duration = 100 us", "single contact", "1.098 ms"});
+  expect_doubt({{"duration = 2", "duration = \"0.1 ms\""}, {"[output]\nevery = 0.1\n", ""}},
+               {"time.duration = 100 us", "single contact", "1.098 ms"});
 }
 
 TEST(Doubts, a_run_of_more_steps_than_anyone_waits_for) {
@@ -93,12 +100,16 @@ TEST(Doubts, a_run_of_more_steps_than_anyone_waits_for) {
 
 TEST(Doubts, a_stiffness_that_does_not_carry_a_body) {
   // 2.44 g x 9.81 / 150 N/m = 160 um of 200 um
-  expect_doubt({{"stiffness = 1e4", "stiffness = 150"}, {"margin = 0.0001", "impact_speed = 0.01\nmargin = 0.0001"}}, {"pairs[0]", "2.443 g", "159.8 um", "0.80 of the margins"});
+  expect_doubt({{"stiffness = 1e4", "stiffness = 150"}, {"margin = 0.0001", "impact_speed = 0.01\nmargin = 0.0001"}},
+               {"pairs[0]", "2.443 g", "159.8 um", "0.80 of the margins"});
 }
 
 TEST(Doubts, a_modulus_without_its_giga) {
-  expect_doubt({{"stiffness = 1e4\n", ""}, {"density = 2700", "density = 2700\nyoung = 70"}, {"margin = 0.0001", "law = \"hertz-mindlin\"\nimpact_speed = 0.01"},
-                {"-9.81", "-1e-9"}}, {"materials.stone.young = 70 Pa", "\"70 GPa\""});
+  expect_doubt({{"stiffness = 1e4\n", ""},
+                {"density = 2700", "density = 2700\nyoung = 70"},
+                {"margin = 0.0001", "law = \"hertz-mindlin\"\nimpact_speed = 0.01"},
+                {"-9.81", "-1e-9"}},
+               {"materials.stone.young = 70 Pa", "\"70 GPa\""});
 }
 
 TEST(Doubts, output_less_often_than_the_run_is_long_and_far_too_often) {
@@ -107,27 +118,35 @@ TEST(Doubts, output_less_often_than_the_run_is_long_and_far_too_often) {
 }
 
 TEST(Doubts, a_wall_that_starts_after_the_end) {
-  expect_doubt({{"name = \"crate\"", "name = \"crate\"\nmotion = { translate = { velocity = [0, 0, 1] }, start = 5 }"}}, {"wall 'crate' starts to move at 5 s", "ends at 2 s"});
+  expect_doubt({{"name = \"crate\"", "name = \"crate\"\nmotion = { translate = { velocity = [0, 0, 1] }, start = 5 }"}},
+               {"wall 'crate' starts to move at 5 s", "ends at 2 s"});
 }
 
 TEST(Doubts, rest_that_nothing_leads_to) {
-  expect_doubt({{"stop_at_rest = false", "stop_at_rest = true"}, {"restitution = 0.5", "restitution = 1"}, {"friction = 0.5", "friction = 0"}}, {"nothing comes to rest"});
+  expect_doubt(
+      {{"stop_at_rest = false", "stop_at_rest = true"}, {"restitution = 0.5", "restitution = 1"}, {"friction = 0.5", "friction = 0"}},
+      {"nothing comes to rest"});
 }
 
 TEST(Doubts, bodies_that_nothing_holds) {
-  expect_doubt({{"[[walls]]\nname = \"crate\"\nshape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }\nmaterial = \"stone\"\n", ""}}, {"nothing holds the bodies", "19.62 m until the end"});
+  expect_doubt({{"[[walls]]\nname = \"crate\"\nshape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }\nmaterial = \"stone\"\n", ""}},
+               {"nothing holds the bodies", "19.62 m until the end"});
 }
 
 TEST(Doubts, a_liquid_as_light_as_a_gas) {
   const auto in_fluid = [](const std::string& density) {
-    return std::vector<std::pair<std::string, std::string>>{{"[contact]", "[fluid]\ndensity = " + density + "\nviscosity = \"1 mPa s\"\n[contact]"}};
+    return std::vector<std::pair<std::string, std::string>>{
+        {"[contact]", "[fluid]\ndensity = " + density + "\nviscosity = \"1 mPa s\"\n[contact]"}};
   };
   expect_doubt(in_fluid("1"), {"fluid.density = 1 kg/m^3", "\"1 g/cm^3\""});
   EXPECT_EQ(doubts(in_fluid("1000")), std::vector<std::string>{});
 }
 
 TEST(Doubts, an_impact_faster_than_sound) {
-  expect_doubt({{"count = 20", "count = 20\nvelocity = [500, 0, 0]"}, {"stiffness = 1e4", "stiffness = 1e9"}, {"duration = 2", "duration = 0.01"}, {"every = 0.1", "every = 0.001"}},
+  expect_doubt({{"count = 20", "count = 20\nvelocity = [500, 0, 0]"},
+                {"stiffness = 1e4", "stiffness = 1e9"},
+                {"duration = 2", "duration = 0.01"},
+                {"every = 0.1", "every = 0.001"}},
                {"fastest impact to expect is 1", "km/s"});
 }
 

@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
-#include "decomposer/build_scene.hpp"
+#include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
 namespace {
 
-constexpr double kSide = 0.1;   // [m] of a periodic box: 1200 balls of 1 cm
+constexpr double kSide = 0.1;  // [m] of a periodic box: 1200 balls of 1 cm
 
 PackedScene grow_balls(const std::string& solid_fraction) {
   const std::string text = R"(
@@ -34,14 +34,16 @@ periodic = ["x", "y", "z"]
 [[populations]]
 shape = "ball"
 material = "glass"
-solid_fraction = )" + solid_fraction + R"(
+solid_fraction = )" + solid_fraction +
+                           R"(
 method = "compact"
 region = { box = [[0, 0, 0], [0.1, 0.1, 0.1]] }
 )";
   return build_scene(parse_case(text, "case.toml", ""), {{SCREE_SOLVER}});
 }
 
-// Random close packing of equal balls: 0.64 (Scott and Kilgour (1969), J. Phys. D 2, 863: 0.6366; O'Hern et al. (2003), Phys. Rev. E 68, 011306: 0.639).
+// Random close packing of equal balls: 0.64 (Scott and Kilgour (1969), J. Phys. D 2, 863: 0.6366; O'Hern et al. (2003), Phys. Rev. E 68,
+// 011306: 0.639).
 
 TEST(MotionPackingSlow, balls_are_grown_to_random_close_packing_without_overlap) {
   const BodyTable b = grow_balls("0.63").scene.bodies;

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
-#include "decomposer/build_scene.hpp"
+#include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
 namespace {
@@ -28,7 +28,9 @@ margin = "100 um"
 )";
 constexpr double kGapOfMargins = 2e-4;
 
-PackedScene pack(const std::string& text, const ChildSolver& solver = {{SCREE_SOLVER}}) { return build_scene(parse_case(text, "case.toml", ""), solver); }
+PackedScene pack(const std::string& text, const ChildSolver& solver = {{SCREE_SOLVER}}) {
+  return build_scene(parse_case(text, "case.toml", ""), solver);
+}
 
 std::string failure(const std::string& text, ExitCode code = ExitCode::bad_data, const ChildSolver& solver = {{SCREE_SOLVER}}) {
   try {
@@ -75,7 +77,7 @@ TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
   ASSERT_EQ(b.size(), 40u);
   double on_floor = 0;
   for (std::size_t i = 0; i < b.size(); ++i) {
-    EXPECT_EQ(b.id[i], static_cast<std::int64_t>(i) + 1);   // after the wall, without gaps
+    EXPECT_EQ(b.id[i], static_cast<std::int64_t>(i) + 1);  // after the wall, without gaps
     EXPECT_EQ(b.velocity[i], (Vec3{}));
     EXPECT_EQ(b.fixed[i], 0);
     // nothing hangs in the air: something below is closer than the margins
@@ -84,7 +86,7 @@ TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
     for (std::size_t j = 0; j < b.size(); ++j) {
       if (i == j) continue;
       const double distance = length(b.position[i] - b.position[j]);
-      EXPECT_GT(distance, 0.01);   // no overlap
+      EXPECT_GT(distance, 0.01);  // no overlap
       held = held || (distance < 0.01 + kGapOfMargins && b.position[j].z < b.position[i].z);
     }
     EXPECT_TRUE(held) << "body " << i << " at " << b.position[i].z;
@@ -160,7 +162,7 @@ TEST(MotionPacking, a_packing_that_jams_says_what_it_reached) {
   ASSERT_NE(at, std::string::npos) << says;
   const double reached = std::stod(says.substr(at + 30));
   EXPECT_GT(reached, 0.5);
-  EXPECT_LT(reached, 0.68);   // a few dozen balls in a periodic box, crystals apart, jam near 0.6
+  EXPECT_LT(reached, 0.68);  // a few dozen balls in a periodic box, crystals apart, jam near 0.6
 }
 
 TEST(MotionPacking, what_cannot_be_poured_is_refused) {

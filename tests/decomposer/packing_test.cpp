@@ -10,8 +10,8 @@
 
 #include "core/base/error.hpp"
 #include "core/partition/partition.hpp"
-#include "decomposer/build_scene.hpp"
-#include "decomposer/predicted_work.hpp"
+#include "decomposer/cut/predicted_work.hpp"
+#include "decomposer/packing/build_scene.hpp"
 #include "tests/decomposer/brute_distance.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -34,12 +34,14 @@ class Packing : public ::testing::Test {
  protected:
   Packing() : folder_(fs::temp_directory_path() / ("scree_packing_" + std::to_string(getpid()))) {
     fs::create_directories(folder_);
-    const auto write = [&](const std::string& name, const Shape& shape) { write_shape_file((folder_ / (name + ".shape.h5")).string(), {shape}, {{"tool", "test"}}); };
+    const auto write = [&](const std::string& name, const Shape& shape) {
+      write_shape_file((folder_ / (name + ".shape.h5")).string(), {shape}, {{"tool", "test"}});
+    };
     write("l", make_solid("l", test::l_shape()));
     write("rock", make_solid("rock", test::rock(5, 1)));
     write("cube", make_solid("cube", box_mesh({1, 1, 1})));
     write("shell", make_solid("shell", shell(1, 0.8)));
-    TriangleMesh ramp;   // one open square, inclined
+    TriangleMesh ramp;  // one open square, inclined
     ramp.vertices = {{-1, -1, 0.1}, {1, -1, 0.3}, {1, 1, 0.3}, {-1, 1, 0.1}};
     ramp.triangles = {{0, 1, 2}, {0, 2, 3}};
     write("ramp", make_surface("ramp", ramp));
@@ -124,7 +126,7 @@ double smallest_gap(const Scene& s) {
   double smallest = 1e300;
   for (std::size_t i = 0; i < b.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      if (length(b.position[i] - b.position[j]) - reach(i) - reach(j) > smallest) continue;   // cannot lower it
+      if (length(b.position[i] - b.position[j]) - reach(i) - reach(j) > smallest) continue;  // cannot lower it
       double gap = 0;
       if (meshes[i].empty() && meshes[j].empty()) {
         gap = length(b.position[i] - b.position[j]) - radius(i) - radius(j);
@@ -152,8 +154,8 @@ TEST_F(Packing, all_bodies_keep_the_margins_from_each_other_by_brute_force) {
   const PackedScene packed = pack(kHead + kMixture + kBox);
   ASSERT_EQ(packed.scene.bodies.size(), 30u);
   const double gap = smallest_gap(packed.scene);
-  EXPECT_GE(gap, 2 * 0.002 * (1 - 1e-9));   // contact starts at the sum of two margins
-  EXPECT_LT(gap, 0.05);                     // dense enough to be a test
+  EXPECT_GE(gap, 2 * 0.002 * (1 - 1e-9));  // contact starts at the sum of two margins
+  EXPECT_LT(gap, 0.05);                    // dense enough to be a test
 }
 
 TEST_F(Packing, all_bodies_keep_the_margins_from_the_walls) {
@@ -163,7 +165,8 @@ TEST_F(Packing, all_bodies_keep_the_margins_from_the_walls) {
     const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
     for (const Vec3& p : shape.mesh.vertices) {
       const Vec3 x = s.bodies.position[i] + s.bodies.scale[i] * rotate(s.bodies.orientation[i], p);
-      for (int k = 0; k < 3; ++k) least = std::min({least, x[k] - s.bodies.scale[i] * shape.sphere_radius, 0.5 - x[k] - s.bodies.scale[i] * shape.sphere_radius});
+      for (int k = 0; k < 3; ++k)
+        least = std::min({least, x[k] - s.bodies.scale[i] * shape.sphere_radius, 0.5 - x[k] - s.bodies.scale[i] * shape.sphere_radius});
     }
   }
   EXPECT_GE(least, 2 * 0.002 * (1 - 1e-12));
@@ -236,7 +239,7 @@ TEST_F(Packing, an_impossible_packing_says_how_many_were_placed_and_what_to_do) 
     EXPECT_NE(message.find(part), std::string::npos) << part << " not in: " << message;
   }
   const int placed = std::stoi(message.substr(message.find("placed ") + 7));
-  EXPECT_GT(placed, 30);   // kMixture itself can be placed: it did try
+  EXPECT_GT(placed, 30);  // kMixture itself can be placed: it did try
   EXPECT_LT(placed, 700);
 }
 
@@ -251,7 +254,7 @@ region = { box = [[0, 0, 0], [4, 4, 4]] }
 )";
   const PackedScene packed = pack(kHead + dense);
   EXPECT_NEAR(packed.report.solid_fraction[0], 0.265, 0.001);
-  EXPECT_GT(packed.report.attempts, 32 * packed.scene.bodies.size());   // it did need the vacancy map
+  EXPECT_GT(packed.report.attempts, 32 * packed.scene.bodies.size());  // it did need the vacancy map
   EXPECT_GE(smallest_gap(packed.scene), 2 * packed.scene.settings.margin * (1 - 1e-9));
 }
 
@@ -274,7 +277,7 @@ region = { box = [[0, 0, 0], [2.03, 1, 1]] }
 )";
   const PackedScene packed = pack(kHead + channel);
   EXPECT_GE(std::abs(packed.scene.bodies.position[1].x - 1.015), 1.004);
-  EXPECT_GT(packed.report.attempts, 32u);   // plain draws missed it: the vacancy map has the seam
+  EXPECT_GT(packed.report.attempts, 32u);  // plain draws missed it: the vacancy map has the seam
 }
 
 TEST_F(Packing, a_body_larger_than_its_region_is_an_impossible_packing) {
@@ -295,21 +298,23 @@ TEST_F(Packing, a_mesh_wall_is_kept_clear_of) {
   for (std::size_t i = 0; i < s.bodies.size(); ++i) {
     const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
     if (shape.kind == ShapeKind::sphere) continue;
-    least = std::min(least, test::brute_mesh_distance(wall, world_triangles(shape, s.bodies.scale[i], s.bodies.position[i], s.bodies.orientation[i])));
+    least = std::min(
+        least, test::brute_mesh_distance(wall, world_triangles(shape, s.bodies.scale[i], s.bodies.position[i], s.bodies.orientation[i])));
   }
   EXPECT_GE(least, 2 * 0.002 * (1 - 1e-9));
 }
 
 TEST_F(Packing, a_solid_used_as_a_wall_keeps_the_place_of_its_file_and_holds_nobody) {
   const std::string lump = "[[walls]]\nshape = { file = \"lump.shape.h5\" }\nmaterial = \"stone\"\nposition = [0.25, 0.25, -0.25]\n";
-  const Scene s = pack(kHead + kMixture + kBox + lump).scene;   // the lump's centre is now the centre of the box
+  const Scene s = pack(kHead + kMixture + kBox + lump).scene;  // the lump's centre is now the centre of the box
   for (const Vec3& x : s.bodies.position) EXPECT_GT(length(x - Vec3{0.25, 0.25, 0.25}), 0.19);
 }
 
 TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
   const std::string population = "\n[[populations]]\nshape = \"ball\"\nmaterial = \"stone\"\ncount = 60\nsize = \"30 mm\"\n";
   const Vec3 axis = normalised(Vec3{1, 2, 2});
-  const Scene in_cylinder = pack(kHead + population + "region = { cylinder = { start = [0, 0, 0], end = [0.1, 0.2, 0.2], radius = 0.1 } }\n").scene;
+  const Scene in_cylinder =
+      pack(kHead + population + "region = { cylinder = { start = [0, 0, 0], end = [0.1, 0.2, 0.2], radius = 0.1 } }\n").scene;
   for (const Vec3& p : in_cylinder.bodies.position) {
     const double along = dot(p, axis);
     EXPECT_LE(length(p - along * axis), 0.1 - 0.015);
@@ -320,8 +325,9 @@ TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
   for (const Vec3& p : in_sphere.bodies.position) EXPECT_LE(length(p - Vec3{1, 0, 0}), 0.15 - 0.015);
 
   // lifters as wide as they are, hollow to the solver: no ball may start in one, where its surface alone would let it lie
-  const std::string drum = "\n[[walls]]\nname = \"mill\"\nmaterial = \"stone\"\nshape = { drum = { start = [0, 0, 0], end = [0, 0, 0.2], radius = 0.2, "
-                           "lifters = { count = 4, height = 0.08, width = 0.15, top_width = 0.1 } } }\nposition = [2, 0, 0]\n";
+  const std::string drum =
+      "\n[[walls]]\nname = \"mill\"\nmaterial = \"stone\"\nshape = { drum = { start = [0, 0, 0], end = [0, 0, 0.2], radius = 0.2, "
+      "lifters = { count = 4, height = 0.08, width = 0.15, top_width = 0.1 } } }\nposition = [2, 0, 0]\n";
   const Scene in_drum = pack(kHead + population + "region = { inside_wall = \"mill\" }\n" + drum).scene;
   ASSERT_EQ(in_drum.bodies.size(), 60u);
   int beside_lifters = 0;
@@ -336,15 +342,16 @@ TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
     }
   }
   EXPECT_GT(beside_lifters, 0);
-  EXPECT_NE(failure(kHead + population + "region = { inside_wall = \"drum\" }\n" + drum, ExitCode::usage).find("there is no wall named 'drum'"),
-            std::string::npos);
+  EXPECT_NE(
+      failure(kHead + population + "region = { inside_wall = \"drum\" }\n" + drum, ExitCode::usage).find("there is no wall named 'drum'"),
+      std::string::npos);
 }
 
 /// Kolmogorov and Smirnov's distance of 10 000 balls from a closed form, by number.
 template <class Cdf>
 double distance_of_sizes(const Scene& s, Cdf&& cdf) {
   std::vector<double> sizes;
-  for (const double scale : s.bodies.scale) sizes.push_back(scale);   // balls of diameter 1
+  for (const double scale : s.bodies.scale) sizes.push_back(scale);  // balls of diameter 1
   std::sort(sizes.begin(), sizes.end());
   double worst = 0;
   const auto n = static_cast<double>(sizes.size());
@@ -357,35 +364,45 @@ double distance_of_sizes(const Scene& s, Cdf&& cdf) {
 
 TEST_F(Packing, sizes_follow_what_was_asked_within_one_percent_at_ten_thousand_bodies) {
   const auto packed = [&](const std::string& size) {
-    return pack(kHead + "[[populations]]\nshape = \"ball\"\nmaterial = \"stone\"\ncount = 10000\nregion = { box = [[0, 0, 0], [5, 5, 5]] }\nsize = { "
-                "distribution = " + size + ", min = \"60 mm\", max = \"90 mm\" }\n").scene;
+    return pack(kHead +
+                "[[populations]]\nshape = \"ball\"\nmaterial = \"stone\"\ncount = 10000\nregion = { box = [[0, 0, 0], [5, 5, 5]] }\nsize = "
+                "{ "
+                "distribution = " +
+                size + ", min = \"60 mm\", max = \"90 mm\" }\n")
+        .scene;
   };
   constexpr double kAsked = 0.01;
   EXPECT_LT(distance_of_sizes(packed("\"uniform\""), [](double d) { return (d - 0.06) / 0.03; }), kAsked);
   const auto phi = [](double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); };
-  const auto truncated = [&](const auto& f) {
-    return [f](double d) { return (f(d) - f(0.06)) / (f(0.09) - f(0.06)); };
-  };
-  EXPECT_LT(distance_of_sizes(packed("\"normal\", mean = 0.07, sigma = 0.01"), truncated([&](double d) { return phi((d - 0.07) / 0.01); })), kAsked);
-  EXPECT_LT(distance_of_sizes(packed("\"lognormal\", median = 0.07, sigma = 0.1"), truncated([&](double d) { return phi(std::log(d / 0.07) / 0.1); })), kAsked);
-  EXPECT_LT(distance_of_sizes(packed("\"weibull\", scale = 0.07, shape = 8"), truncated([](double d) { return 1 - std::exp(-std::pow(d / 0.07, 8)); })), kAsked);
+  const auto truncated = [&](const auto& f) { return [f](double d) { return (f(d) - f(0.06)) / (f(0.09) - f(0.06)); }; };
+  EXPECT_LT(distance_of_sizes(packed("\"normal\", mean = 0.07, sigma = 0.01"), truncated([&](double d) { return phi((d - 0.07) / 0.01); })),
+            kAsked);
+  EXPECT_LT(distance_of_sizes(packed("\"lognormal\", median = 0.07, sigma = 0.1"),
+                              truncated([&](double d) { return phi(std::log(d / 0.07) / 0.1); })),
+            kAsked);
+  EXPECT_LT(distance_of_sizes(packed("\"weibull\", scale = 0.07, shape = 8"),
+                              truncated([](double d) { return 1 - std::exp(-std::pow(d / 0.07, 8)); })),
+            kAsked);
   EXPECT_LT(distance_of_sizes(packed("\"power\", exponent = 3"), truncated([](double d) { return -1 / (d * d); })), kAsked);
 }
 
 TEST_F(Packing, a_mixture_by_mass_has_its_shares_of_the_mass) {
-  const Scene s = pack(kHead + "[[populations]]\nshapes = { cube = 0.25, ball = 0.75 }\nshares_by = \"mass\"\nmaterial = \"stone\"\ncount = 300\n"
-                       "size = { distribution = \"uniform\", min = 0.05, max = 0.1 }\nregion = { box = [[0, 0, 0], [2, 2, 2]] }\n").scene;
+  const Scene s = pack(kHead +
+                       "[[populations]]\nshapes = { cube = 0.25, ball = 0.75 }\nshares_by = \"mass\"\nmaterial = \"stone\"\ncount = 300\n"
+                       "size = { distribution = \"uniform\", min = 0.05, max = 0.1 }\nregion = { box = [[0, 0, 0], [2, 2, 2]] }\n")
+                      .scene;
   double mass[2] = {0, 0}, heaviest = 0;
   for (std::size_t i = 0; i < s.bodies.size(); ++i) {
     const bool is_ball = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])].kind == ShapeKind::sphere;
     mass[is_ball ? 1 : 0] += s.mass(i);
     heaviest = std::max(heaviest, s.mass(i));
   }
-  EXPECT_NEAR(mass[0], 0.25 * (mass[0] + mass[1]), heaviest);   // to one body
+  EXPECT_NEAR(mass[0], 0.25 * (mass[0] + mass[1]), heaviest);  // to one body
 }
 
 TEST_F(Packing, aligned_bodies_scatter_about_their_direction_as_asked) {
-  const std::string population = "[[populations]]\nshape = \"brick\"\nmaterial = \"stone\"\ncount = 2000\nregion = { box = [[0, 0, 0], [9, 9, 9]] }\n";
+  const std::string population =
+      "[[populations]]\nshape = \"brick\"\nmaterial = \"stone\"\ncount = 2000\nregion = { box = [[0, 0, 0], [9, 9, 9]] }\n";
   write_shape_file((folder_ / "brick.shape.h5").string(), {make_solid("brick", box_mesh({0.1, 0.3, 0.2}))}, {{"tool", "test"}});
   const std::string head = kHead + "[shapes.brick]\nfile = \"brick.shape.h5\"\n";
   const Vec3 direction = normalised(Vec3{1, -1, 2});
@@ -397,10 +414,10 @@ TEST_F(Packing, aligned_bodies_scatter_about_their_direction_as_asked) {
       square += std::acos(cosine) * std::acos(cosine) / 2000;
       turned += dot(rotate(q, {axis.z, axis.x, axis.y}), normalised(cross(direction, {0, 0, 1}))) / 2000;
     }
-    EXPECT_NEAR(turned, 0, 4 * std::sqrt(0.5 / 2000));   // about itself it is turned at random
+    EXPECT_NEAR(turned, 0, 4 * std::sqrt(0.5 / 2000));  // about itself it is turned at random
     return std::sqrt(square);
   };
-  EXPECT_LT(tilts("", {0, 1, 0}), 1e-7);                         // the longest axis
+  EXPECT_LT(tilts("", {0, 1, 0}), 1e-7);  // the longest axis
   EXPECT_LT(tilts(", axis = \"shortest\"", {1, 0, 0}), 1e-7);
   EXPECT_LT(tilts(", axis = [0, 0, 1]", {0, 0, 1}), 1e-7);
   // two components of 0.1 each: the square of the tilt has mean and deviation 0.02
@@ -410,8 +427,9 @@ TEST_F(Packing, aligned_bodies_scatter_about_their_direction_as_asked) {
 }
 
 TEST_F(Packing, a_lattice_fills_a_box_evenly_and_keeps_all_gaps) {
-  const std::string population = "[[populations]]\nshapes = { l = 1, rock = 1, ball = 1 }\nmaterial = \"stone\"\nmethod = \"lattice\"\nsize = \"45 mm\"\n"
-                                 "count = 60\nregion = { box = [[0, 0, 0], [0.5, 0.5, 0.5]] }\n";
+  const std::string population =
+      "[[populations]]\nshapes = { l = 1, rock = 1, ball = 1 }\nmaterial = \"stone\"\nmethod = \"lattice\"\nsize = \"45 mm\"\n"
+      "count = 60\nregion = { box = [[0, 0, 0], [0.5, 0.5, 0.5]] }\n";
   const Scene s = pack(kHead + population + kBox).scene;
   ASSERT_EQ(s.bodies.size(), 60u);
   EXPECT_GE(smallest_gap(s), 0.004 * (1 - 1e-12));
@@ -419,25 +437,29 @@ TEST_F(Packing, a_lattice_fills_a_box_evenly_and_keeps_all_gaps) {
   for (const Vec3& p : s.bodies.position) mean += (1.0 / 60) * p;
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(mean[k], 0.25, 0.05);
   // without jitter, cubes that are not turned make a wall with a gap of two margins: 4 x 4 x 4 of 0.12 in 4 * 0.12 + 5 * 0.004
-  const std::string cubes = "[[populations]]\nshape = \"cube\"\nmaterial = \"stone\"\nmethod = \"lattice\"\njitter = 0\norientation = [1, 0, 0, 0]\n"
-                            "size = 0.14888\nregion = { box = [[0.004, 0.004, 0.004], [0.497, 0.497, 0.497]] }\ncount = ";
+  const std::string cubes =
+      "[[populations]]\nshape = \"cube\"\nmaterial = \"stone\"\nmethod = \"lattice\"\njitter = 0\norientation = [1, 0, 0, 0]\n"
+      "size = 0.14888\nregion = { box = [[0.004, 0.004, 0.004], [0.497, 0.497, 0.497]] }\ncount = ";
   EXPECT_EQ(pack(kHead + cubes + "64\n").scene.bodies.size(), 64u);
   const std::string says = failure(kHead + cubes + "65\n");
   EXPECT_NE(says.find("the region has 64"), std::string::npos) << says;
 }
 
 TEST_F(Packing, impossible_requests_are_refused_before_work_starts) {
-  const auto refusal = [&](const std::string& amount, const std::string& region = "region = { box = [[0.01, 0.01, 0.01], [0.49, 0.49, 0.49]] }") {
-    return failure(kHead + "[[populations]]\nshape = \"ball\"\nmaterial = \"stone\"\nsize = \"20 mm\"\n" + amount + "\n" + region + "\n" + kBox);
+  const auto refusal = [&](const std::string& amount,
+                           const std::string& region = "region = { box = [[0.01, 0.01, 0.01], [0.49, 0.49, 0.49]] }") {
+    return failure(kHead + "[[populations]]\nshape = \"ball\"\nmaterial = \"stone\"\nsize = \"20 mm\"\n" + amount + "\n" + region + "\n" +
+                   kBox);
   };
   const auto says = [](const std::string& text, const char* part) { EXPECT_NE(text.find(part), std::string::npos) << text; };
   says(refusal("solid_fraction = 0.6"), "cannot be had by placing bodies at random");
   says(refusal("solid_fraction = 0.76\nmethod = \"compact\""), "more than equal balls can have");
-  says(refusal("count = 1000000000000"), "the bodies alone take");   // and not after drawing them all
+  says(refusal("count = 1000000000000"), "the bodies alone take");  // and not after drawing them all
   says(refusal("mass = \"1 t\""), "the bodies alone take");
   says(refusal("count = 3", "region = { box = [[0.1, 0.1, 0.1], [0.4, 0.4, 0.115]] }"), "is larger than the region");
   says(refusal("count = 3", "region = { box = [[0.6, 0.1, 0.1], [0.9, 0.4, 0.4]] }"), "lies outside");
-  says(refusal("count = 3", "region = { box = [[0.1, 0.1, 0.1], [0.4, 0.4, 0.4]] }\n[domain]\nmin = [1, 0, 0]\nmax = [2, 1, 1]"), "outside the domain along x");
+  says(refusal("count = 3", "region = { box = [[0.1, 0.1, 0.1], [0.4, 0.4, 0.4]] }\n[domain]\nmin = [1, 0, 0]\nmax = [2, 1, 1]"),
+       "outside the domain along x");
 }
 
 TEST_F(Packing, a_region_may_be_a_closed_mesh) {
@@ -449,14 +471,16 @@ TEST_F(Packing, a_region_may_be_a_closed_mesh) {
     const Shape& shape = s.shapes[static_cast<std::size_t>(s.bodies.shape[i])];
     for (const Vec3& p : shape.mesh.vertices) {
       const Vec3 x = s.bodies.position[i] + s.bodies.scale[i] * rotate(s.bodies.orientation[i], p);
-      EXPECT_LT(length(x - Vec3{0, 0, 0.5}), 0.2);   // the icosphere lies inside its sphere
+      EXPECT_LT(length(x - Vec3{0, 0, 0.5}), 0.2);  // the icosphere lies inside its sphere
     }
   }
 }
 
 TEST_F(Packing, cylinder_and_sphere_walls_hold_their_bodies) {
-  const std::string cylinder = "[[walls]]\nshape = { cylinder_inside = { start = [0.25, 0.25, 0], end = [0.25, 0.25, 0.5], radius = 0.2 } }\nmaterial = \"stone\"\n";
-  const std::string sphere = "[[walls]]\nshape = { sphere_inside = { centre = [0.25, 0.25, 0.25], radius = 0.22 } }\nmaterial = \"stone\"\n";
+  const std::string cylinder =
+      "[[walls]]\nshape = { cylinder_inside = { start = [0.25, 0.25, 0], end = [0.25, 0.25, 0.5], radius = 0.2 } }\nmaterial = \"stone\"\n";
+  const std::string sphere =
+      "[[walls]]\nshape = { sphere_inside = { centre = [0.25, 0.25, 0.25], radius = 0.22 } }\nmaterial = \"stone\"\n";
   std::string text = kHead + kMixture + cylinder + sphere;
   text.replace(text.find("count = 30"), 10, "count = 8");
   const Scene s = pack(text).scene;
@@ -607,7 +631,7 @@ TEST_F(Packing, a_file_of_several_shapes_wants_a_name) {
 
 TEST_F(Packing, the_inputs_hold_hash_and_history_of_every_file) {
   const PackedScene packed = pack(kHead + kMixture + kBox);
-  ASSERT_EQ(packed.inputs.size(), 3u);   // the case, and the two shape files that are used
+  ASSERT_EQ(packed.inputs.size(), 3u);  // the case, and the two shape files that are used
   EXPECT_EQ(packed.inputs[0].path, "case.toml");
   for (std::size_t i = 1; i < 3; ++i) {
     EXPECT_EQ(packed.inputs[i].sha256, sha256_of_file(packed.inputs[i].path));
@@ -618,7 +642,8 @@ TEST_F(Packing, the_inputs_hold_hash_and_history_of_every_file) {
 TEST_F(Packing, bodies_in_contact_are_expected_to_cost_more_than_one_alone_also_across_a_periodic_side) {
   const std::string periodic = "[domain]\nmin = [-5, -5, -5]\nmax = [5, 5, 5]\nperiodic = [\"x\"]\n";
   for (const auto& [first, second] : {std::pair{0.0, 1.001}, {-4.5, 4.499}}) {
-    const std::vector<double> work = predicted_work(pack(kHead + periodic + cube_at(first, 1) + cube_at(second, 1) + cube_at(2.75, 1)).scene).of_body;
+    const std::vector<double> work =
+        predicted_work(pack(kHead + periodic + cube_at(first, 1) + cube_at(second, 1) + cube_at(2.75, 1)).scene).of_body;
     ASSERT_EQ(work.size(), 3u);
     EXPECT_EQ(work[0], work[1]);
     EXPECT_GT(work[0], 1.5 * work[2]);
@@ -627,7 +652,8 @@ TEST_F(Packing, bodies_in_contact_are_expected_to_cost_more_than_one_alone_also_
 
 TEST_F(Packing, a_cube_against_a_wall_and_a_body_of_three_moments_are_expected_to_cost_more_than_a_cube_in_the_air) {
   const std::string wall = "[[walls]]\nshape = { plane = { point = [-0.501, 0, 0], normal = [1, 0, 0] } }\nmaterial = \"stone\"\n";
-  const std::vector<double> work = predicted_work(pack(kHead + cube_at(0, 1) + cube_at(5, 1) + cube_at(10, 1, "", "l") + wall).scene).of_body;
+  const std::vector<double> work =
+      predicted_work(pack(kHead + cube_at(0, 1) + cube_at(5, 1) + cube_at(10, 1, "", "l") + wall).scene).of_body;
   ASSERT_EQ(work.size(), 3u);
   EXPECT_GT(work[0], 1.5 * work[1]);
   EXPECT_GT(work[2], 1.5 * work[1]);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "decomposer/build_scene.hpp"
+#include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
 namespace {
@@ -49,16 +49,19 @@ std::string population(const std::string& amount, const std::string& shapes = "s
 // A ball of 50 mm and 2500 kg/m^3 weighs 163.6 g and takes 6.54e-5 of the region.
 TEST(Refusals, an_amount_of_less_than_half_a_body_is_refused_with_the_size_of_one) {
   const std::string head = kHead + kMargin;
-  expect_says(failure(head + population("mass = \"80 g\""), ExitCode::bad_data), {"populations[0]", "mass = 80 g", "half of one 'ball' of diameter 50 mm", "163.6 g"});
+  expect_says(failure(head + population("mass = \"80 g\""), ExitCode::bad_data),
+              {"populations[0]", "mass = 80 g", "half of one 'ball' of diameter 50 mm", "163.6 g"});
   EXPECT_EQ(pack(head + population("mass = \"83 g\"")).scene.bodies.size(), 1u);
-  expect_says(failure(head + population("solid_fraction = 3e-5"), ExitCode::bad_data), {"solid_fraction = 3e-05", "half of one 'ball'", "6.54e-05 m^3"});
+  expect_says(failure(head + population("solid_fraction = 3e-5"), ExitCode::bad_data),
+              {"solid_fraction = 3e-05", "half of one 'ball'", "6.54e-05 m^3"});
   EXPECT_EQ(pack(head + population("solid_fraction = 4e-5")).scene.bodies.size(), 1u);
   expect_says(failure(head + population("count = 0"), ExitCode::usage), {"populations[0].count = 0", "at least 1"});
 }
 
 TEST(Refusals, a_share_that_gives_not_one_body_is_refused_with_the_number_of_bodies) {
   const std::string mixture = "shapes = { ball = 0.98, pea = 0.02 }\nsize = \"50 mm\"";
-  expect_says(failure(kHead + kMargin + population("count = 20", mixture), ExitCode::bad_data), {"populations[0]", "share 0.02 of 'pea'", "not one of 20 bodies"});
+  expect_says(failure(kHead + kMargin + population("count = 20", mixture), ExitCode::bad_data),
+              {"populations[0]", "share 0.02 of 'pea'", "not one of 20 bodies"});
   EXPECT_EQ(pack(kHead + kMargin + population("count = 50", mixture)).scene.bodies.size(), 50u);
 }
 
@@ -70,18 +73,22 @@ double least_height(const PackedScene& packed) {
 
 TEST(Refusals, bodies_keep_clear_of_walls_where_their_motion_has_them_at_the_start) {
   const std::string plane = "[[walls]]\nmaterial = \"stone\"\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\n";
-  const std::string plate = "[[walls]]\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\n";
-  const std::string layer = "[[populations]]\nshape = \"ball\"\nsize = \"50 mm\"\nmaterial = \"stone\"\ncount = 200\nregion = { box = [[0, 0, -0.1], [1, 1, 0.5]] }\n";
+  const std::string plate =
+      "[[walls]]\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\n";
+  const std::string layer =
+      "[[populations]]\nshape = \"ball\"\nsize = \"50 mm\"\nmaterial = \"stone\"\ncount = 200\nregion = { box = [[0, 0, -0.1], [1, 1, "
+      "0.5]] }\n";
   struct Motion {
     const char* text;
-    double z;   ///< of the wall at 0 s
+    double z;  ///< of the wall at 0 s
   };
-  for (const Motion& m : {Motion{"motion = { table = { time = [0, 1], position = [[0, 0, 0.2], [0, 0, 0.3]] } }\n", 0.2},
-                          Motion{"motion = { table = { time = [0, 1], position = [[0, 0, 0], [0, 0, 1]] }, start = -0.1 }\n", 0.1},
-                          Motion{"motion = { translate = { velocity = [0, 0, 0.5] }, start = -0.3, stop = -0.1 }\n", 0.1},
-                          Motion{"motion = { oscillate = { direction = [0, 0, 1], amplitude = 0.1, frequency = 1 }, start = -0.25 }\n", 0.1},
-                          // from the top of its way: the displacement counts from where the wall stands
-                          Motion{"motion = { oscillate = { direction = [0, 0, 1], amplitude = 0.1, frequency = 1, phase = \"90 deg\" } }\n", 0.0}}) {
+  for (const Motion& m :
+       {Motion{"motion = { table = { time = [0, 1], position = [[0, 0, 0.2], [0, 0, 0.3]] } }\n", 0.2},
+        Motion{"motion = { table = { time = [0, 1], position = [[0, 0, 0], [0, 0, 1]] }, start = -0.1 }\n", 0.1},
+        Motion{"motion = { translate = { velocity = [0, 0, 0.5] }, start = -0.3, stop = -0.1 }\n", 0.1},
+        Motion{"motion = { oscillate = { direction = [0, 0, 1], amplitude = 0.1, frequency = 1 }, start = -0.25 }\n", 0.1},
+        // from the top of its way: the displacement counts from where the wall stands
+        Motion{"motion = { oscillate = { direction = [0, 0, 1], amplitude = 0.1, frequency = 1, phase = \"90 deg\" } }\n", 0.0}}) {
     const PackedScene over_plane = pack(kHead + kMargin + layer + plane + m.text);
     EXPECT_GE(least_height(over_plane), m.z + 0.025 + 0.004 - 1e-12) << m.text;
     EXPECT_LT(least_height(over_plane), m.z + 0.05) << m.text;
@@ -98,8 +105,9 @@ TEST(Refusals, bodies_keep_clear_of_walls_where_their_motion_has_them_at_the_sta
 }
 
 TEST(Refusals, a_box_that_is_turned_at_the_start_is_refused_by_name) {
-  const std::string box = "[[walls]]\nname = \"tumbler\"\nmaterial = \"stone\"\nshape = { box_inside = [[0, 0, 0], [1, 1, 1]] }\n"
-                          "motion = { rotate = { axis = [0, 0, 1], centre = [0.5, 0.5, 0.5], rate = 1 }, start = ";
+  const std::string box =
+      "[[walls]]\nname = \"tumbler\"\nmaterial = \"stone\"\nshape = { box_inside = [[0, 0, 0], [1, 1, 1]] }\n"
+      "motion = { rotate = { axis = [0, 0, 1], centre = [0.5, 0.5, 0.5], rate = 1 }, start = ";
   expect_says(failure(kHead + kMargin + population("count = 5") + box + "-1 }\n", ExitCode::usage), {"'tumbler'", "-1 s", "turned"});
   EXPECT_EQ(pack(kHead + kMargin + population("count = 5") + box + "0 }\n").scene.bodies.size(), 5u);
 }
@@ -117,34 +125,49 @@ TEST(Refusals, a_period_and_walls_that_the_solver_would_refuse_are_refused) {
   };
   EXPECT_EQ(pack(domain(1) + ball + plane("[0, 1, 2]")).scene.bodies.size(), 1u);
   expect_says(failure(domain(1) + ball + plane("[1, 0, 2]"), ExitCode::usage), {"'slope'", "periodic axis x"});
-  expect_says(failure(domain(1) + ball + "[[walls]]\nname = \"bowl\"\nmaterial = \"stone\"\nshape = { sphere_inside = { centre = [0.5, 0.5, 0.5], radius = 2 } }\n",
-                      ExitCode::usage), {"'bowl'", "periodic axis x"});
-  expect_says(failure(domain(1) + ball + "[[walls]]\nname = \"mill\"\nmaterial = \"stone\"\nshape = { cylinder_inside = { start = [0, 0, 0.5], end = [0, 1, 0.5], radius = 2 } }\n",
-                      ExitCode::usage), {"'mill'", "periodic axis x"});
+  expect_says(
+      failure(
+          domain(1) + ball +
+              "[[walls]]\nname = \"bowl\"\nmaterial = \"stone\"\nshape = { sphere_inside = { centre = [0.5, 0.5, 0.5], radius = 2 } }\n",
+          ExitCode::usage),
+      {"'bowl'", "periodic axis x"});
+  expect_says(failure(domain(1) + ball +
+                          "[[walls]]\nname = \"mill\"\nmaterial = \"stone\"\nshape = { cylinder_inside = { start = [0, 0, 0.5], end = [0, "
+                          "1, 0.5], radius = 2 } }\n",
+                      ExitCode::usage),
+              {"'mill'", "periodic axis x"});
 }
 
 TEST(Refusals, a_mesh_that_does_not_fit_a_periodic_axis_is_refused_or_named) {
-  const std::string head = kHead + kMargin + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n"
+  const std::string head = kHead + kMargin +
+                           "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n"
                            "[[bodies]]\nshape = \"ball\"\nscale = 0.1\nmaterial = \"stone\"\nposition = [0.5, 0.5, 0.5]\n";
   const auto plate = [](double from, double length) {
-    return fmt::format("[[walls]]\nname = \"belt\"\nmaterial = \"stone\"\nshape = {{ plate = {{ corner = [{}, 0, 0.2], side_a = [{}, 0, 0], side_b = [0, 1, 0] }} }}\n",
-                       from, length);
+    return fmt::format(
+        "[[walls]]\nname = \"belt\"\nmaterial = \"stone\"\nshape = {{ plate = {{ corner = [{}, 0, 0.2], side_a = [{}, 0, 0], side_b = [0, "
+        "1, 0] }} }}\n",
+        from, length);
   };
   EXPECT_EQ(pack(head + plate(-0.1, 1.2)).report.notices.size(), 1u) << "the pea is not used";
   const PackedScene gap = pack(head + plate(0, 1));
   ASSERT_EQ(gap.report.notices.size(), 2u);
   expect_says(gap.report.notices[1], {"'belt'", "periodic axis x", "0.054 m"});
   expect_says(failure(head + plate(0.5, 1), ExitCode::usage), {"'belt'", "periodic axis x", "beyond one end"});
-  expect_says(failure(head + plate(-0.1, 1.2) + "motion = { translate = { velocity = [0.5, 0, 0] } }\n", ExitCode::usage), {"'belt'", "periodic axis x", "-0.1 to 1.6 m"});
+  expect_says(failure(head + plate(-0.1, 1.2) + "motion = { translate = { velocity = [0.5, 0, 0] } }\n", ExitCode::usage),
+              {"'belt'", "periodic axis x", "-0.1 to 1.6 m"});
 }
 
 TEST(Refusals, walls_and_laws_that_need_a_margin_or_a_speed_are_refused_without) {
   const std::string ball = "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 1]\n";
-  const std::string plate = "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\n";
+  const std::string plate =
+      "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] "
+      "} }\n";
   expect_says(failure(kHead + "[contact]\nmargin = 0\n" + ball + plate, ExitCode::usage), {"contact.margin = 0", "'tray'"});
   expect_says(failure(kHead + "[contact]\nmargin = 0\nbarrier = 1\n" + ball, ExitCode::usage), {"contact.barrier", "margin"});
-  const std::string hertz = "gravity = [0, 0, 0]\n[time]\nduration = 1\n[shapes.ball]\nsphere = { radius = 0.5 }\n[materials.stone]\ndensity = 2500\nyoung = \"1 GPa\"\n"
-                            "[[pairs]]\nbetween = [\"stone\", \"stone\"]\nrestitution = 0.5\n[contact]\nlaw = \"hertz-mindlin\"\n";
+  const std::string hertz =
+      "gravity = [0, 0, 0]\n[time]\nduration = 1\n[shapes.ball]\nsphere = { radius = 0.5 }\n[materials.stone]\ndensity = 2500\nyoung = \"1 "
+      "GPa\"\n"
+      "[[pairs]]\nbetween = [\"stone\", \"stone\"]\nrestitution = 0.5\n[contact]\nlaw = \"hertz-mindlin\"\n";
   const std::string two = ball + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
   expect_says(failure(hertz + two, ExitCode::usage), {"contact.impact_speed is missing"});
   EXPECT_EQ(pack(hertz + "impact_speed = 1\n" + two).scene.bodies.size(), 2u);
@@ -153,12 +176,15 @@ TEST(Refusals, walls_and_laws_that_need_a_margin_or_a_speed_are_refused_without)
 // The solver ends a run at .97 of the margins; of two margins of 2 mm that leaves 0.12 mm.
 TEST(Refusals, given_bodies_that_touch_deeper_than_a_run_may_are_refused) {
   const auto two = [](double gap, const std::string& walls) {
-    return kHead + "[contact]\nmargin = \"2 mm\"\nrelax = false\n" + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 0.5]\n" +
+    return kHead + "[contact]\nmargin = \"2 mm\"\nrelax = false\n" +
+           "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 0.5]\n" +
            "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, " + fmt::format("{}", 1.5 + gap) + "]\n" + walls;
   };
   EXPECT_EQ(pack(two(0.000125, "")).scene.bodies.size(), 2u);
   expect_says(failure(two(0.000115, ""), ExitCode::bad_data), {"bodies[1]", "bodies[0]", "0.97 of the margins"});
-  const auto floor = [](double z) { return fmt::format("[[walls]]\nmaterial = \"stone\"\nshape = {{ plane = {{ point = [0, 0, {}], normal = [0, 0, 1] }} }}\n", z); };
+  const auto floor = [](double z) {
+    return fmt::format("[[walls]]\nmaterial = \"stone\"\nshape = {{ plane = {{ point = [0, 0, {}], normal = [0, 0, 1] }} }}\n", z);
+  };
   EXPECT_EQ(pack(two(1, floor(-0.000125))).scene.bodies.size(), 2u);
   expect_says(failure(two(1, floor(-0.000115)), ExitCode::bad_data), {"bodies[0]", "walls[0]", "0.97 of the margins"});
 }

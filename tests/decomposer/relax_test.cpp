@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "core/base/error.hpp"
-#include "decomposer/build_scene.hpp"
+#include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
 namespace {
@@ -39,9 +39,11 @@ class Relaxing : public ::testing::Test {
 
 std::string head(const std::string& contact, double stiffness = 1e6) {
   const bool is_hertz = contact.find("hertz") != std::string::npos;
-  return fmt::format("gravity = [0, 0, -9.81]\n[time]\nduration = 1\n[shapes.cube]\nfile = \"cube.shape.h5\"\n[shapes.ball]\nsphere = {{ radius = 0.05 }}\n"
-                     "[materials.m]\ndensity = 2500\nyoung = 1e9\n[[pairs]]\nbetween = [\"m\", \"m\"]\n{}restitution = 1\n[contact]\n{}\n",
-                     is_hertz ? "" : fmt::format("stiffness = {}\n", stiffness), contact);
+  return fmt::format(
+      "gravity = [0, 0, -9.81]\n[time]\nduration = 1\n[shapes.cube]\nfile = \"cube.shape.h5\"\n[shapes.ball]\nsphere = {{ radius = 0.05 "
+      "}}\n"
+      "[materials.m]\ndensity = 2500\nyoung = 1e9\n[[pairs]]\nbetween = [\"m\", \"m\"]\n{}restitution = 1\n[contact]\n{}\n",
+      is_hertz ? "" : fmt::format("stiffness = {}\n", stiffness), contact);
 }
 std::string body(const std::string& shape, double x, double y, double z, const std::string& more = "") {
   return fmt::format("[[bodies]]\nshape = \"{}\"\nmaterial = \"m\"\nposition = [{}, {}, {}]\n{}\n", shape, x, y, z, more);
@@ -79,7 +81,8 @@ TEST_F(Relaxing, spheres_among_themselves_and_analytic_walls_have_no_margin_in_a
     EXPECT_EQ(packed.scene.settings.margin, 0) << law;
     EXPECT_EQ(packed.scene.bodies.position[0], (Vec3{0, 0, 0.0502})) << law;
   }
-  const std::string plate = "[[walls]]\nshape = { plate = { corner = [-1, -1, -1], side_a = [2, 0, 0], side_b = [0, 2, 0] } }\nmaterial = \"m\"\n";
+  const std::string plate =
+      "[[walls]]\nshape = { plate = { corner = [-1, -1, -1], side_a = [2, 0, 0], side_b = [0, 2, 0] } }\nmaterial = \"m\"\n";
   EXPECT_GT(pack(head("") + ball(0, 0, 0.1) + plate).scene.settings.margin, 0);
   EXPECT_GT(pack(head("") + ball(0, 0, 0.1) + body("cube", 1, 0, 0.1)).scene.settings.margin, 0);
   EXPECT_GT(pack(head("barrier = 1") + ball(0, 0, 0.1) + kFloor).scene.settings.margin, 0) << "a barrier needs margins";
@@ -151,8 +154,8 @@ TEST_F(Relaxing, a_pair_is_parted_wherever_it_lies) {
 
 TEST_F(Relaxing, bodies_are_parted_over_a_periodic_seam_and_stay_in_the_domain) {
   const std::string domain = "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nperiodic = [\"x\"]\n";
-  const PackedScene packed = pack(head("margin = \"1 mm\"\nrelax = true") + domain + ball(0.001, 0.5, 0.5) + ball(0.95, 0.5, 0.5) + ball(0.9999, 0.53, 0.5) +
-                                  ball(0.08, 0.5, 0.5));
+  const PackedScene packed = pack(head("margin = \"1 mm\"\nrelax = true") + domain + ball(0.001, 0.5, 0.5) + ball(0.95, 0.5, 0.5) +
+                                  ball(0.9999, 0.53, 0.5) + ball(0.08, 0.5, 0.5));
   for (const Vec3& p : packed.scene.bodies.position) {
     EXPECT_GE(p.x, 0);
     EXPECT_LE(p.x, 1);
@@ -165,11 +168,13 @@ TEST_F(Relaxing, what_is_pressed_into_a_corner_or_lies_outside_a_container_is_br
   for (const std::string shape : {"ball", "cube"}) {
     const PackedScene corner = pack(contact + body(shape, 0.04, 0.03, 0.02) + box(1, 1));
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(corner.scene.bodies.position[0][k], 0.052, 1e-10) << shape;
-    const std::string drum = "[[walls]]\nshape = { cylinder_inside = { start = [0, 0, 0], end = [0, 0, 1], radius = 0.5 } }\nmaterial = \"m\"\n";
+    const std::string drum =
+        "[[walls]]\nshape = { cylinder_inside = { start = [0, 0, 0], end = [0, 0, 1], radius = 0.5 } }\nmaterial = \"m\"\n";
     EXPECT_NO_THROW(pack(contact + body(shape, 0.6, 0.1, 1.2) + drum)) << shape;
     const std::string globe = "[[walls]]\nshape = { sphere_inside = { centre = [0, 0, 0], radius = 0.5 } }\nmaterial = \"m\"\n";
     EXPECT_NO_THROW(pack(contact + body(shape, 0.4, 0.4, 0.3) + globe)) << shape;
-    const std::string plate = "[[walls]]\nshape = { plate = { corner = [-1, -1, 0], side_a = [2, 0, 0], side_b = [0, 2, 0] } }\nmaterial = \"m\"\n";
+    const std::string plate =
+        "[[walls]]\nshape = { plate = { corner = [-1, -1, 0], side_a = [2, 0, 0], side_b = [0, 2, 0] } }\nmaterial = \"m\"\n";
     EXPECT_NO_THROW(pack(contact + body(shape, 0.3, 0.2, 0.0513) + body(shape, -0.3, 0.2, -0.02) + plate)) << shape;
   }
 }
@@ -180,7 +185,8 @@ std::string bed(int n, int layers, double radius) {
   const double pitch = 2 * radius * 0.999, rise = pitch * std::sqrt(0.5);
   for (int k = 0; k < layers; ++k) {
     for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) text += ball(radius + pitch * (i + 0.5 * (k % 2)), radius + pitch * (j + 0.5 * (k % 2)), radius + rise * k);
+      for (int i = 0; i < n; ++i)
+        text += ball(radius + pitch * (i + 0.5 * (k % 2)), radius + pitch * (j + 0.5 * (k % 2)), radius + rise * k);
     }
   }
   return text + box(pitch * (n - 0.5) + 2.2 * radius, 1e3);

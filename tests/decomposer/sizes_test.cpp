@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "decomposer/random_numbers.hpp"
-#include "decomposer/size_distribution.hpp"
+#include "decomposer/case/size_distribution.hpp"
+#include "decomposer/packing/random_numbers.hpp"
 
 namespace scree {
 namespace {
@@ -126,7 +126,7 @@ TEST(Sizes, a_sieve_curve_is_met_by_mass) {
   sieve.kind = Kind::sieve;
   sieve.by_mass = true;
   sieve.sieve = {0.063, 0.125, 0.5, 1, 2};
-  sieve.passing = {0, 0.1, 0.1, 0.7, 1};   // nothing between 0.125 and 0.5
+  sieve.passing = {0, 0.1, 0.1, 0.7, 1};  // nothing between 0.125 and 0.5
   sieve.min = 0.063;
   sieve.max = 2;
   const std::vector<double> sample = evenly_sampled(sieve, 100000);
@@ -139,7 +139,7 @@ TEST(Sizes, a_sieve_curve_is_met_by_mass) {
   }
   EXPECT_NEAR(fine / mass, 0.1, 2e-3);
   EXPECT_NEAR(middle / mass, 0.7, 2e-3);
-  EXPECT_NEAR(sieve.share(std::sqrt(0.5)), 0.4, 1e-12);   // half way in log d
+  EXPECT_NEAR(sieve.share(std::sqrt(0.5)), 0.4, 1e-12);  // half way in log d
   EXPECT_NEAR(sieve.quantile(0.4), std::sqrt(0.5), 1e-12);
 }
 

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "decomposer/vacancy_map.hpp"
+#include "decomposer/packing/vacancy_map.hpp"
 
 namespace scree {
 namespace {
@@ -39,7 +39,10 @@ TEST(VacancyMap, draws_lie_in_the_box_and_are_uniform_when_nothing_is_closed) {
 TEST(VacancyMap, a_closed_voxel_has_no_free_place_and_every_free_place_is_in_an_open_one) {
   VacancyMap map(kBox, 0.15, 0.2);
   std::mt19937 g(7);
-  struct Ball { Vec3 centre; double distance; };
+  struct Ball {
+    Vec3 centre;
+    double distance;
+  };
   std::vector<Ball> balls;
   for (int n = 0; n < 150; ++n) {
     balls.push_back({any_place(g), 0.3 + 0.01 * (n % 7)});

@@ -1,5 +1,5 @@
 // Walls made from numbers: closed where they say so, open where they say so, facing inwards, of the right size.
-#include "decomposer/wall_forms.hpp"
+#include "decomposer/case/wall_forms.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "core/base/error.hpp"
 #include "core/geometry/features.hpp"
 #include "core/geometry/mass_properties.hpp"
-#include "decomposer/case_file.hpp"
+#include "decomposer/case/case_file.hpp"
 
 namespace scree {
 namespace {
@@ -112,7 +112,7 @@ TEST(WallForms, a_hopper_is_a_bin_on_a_funnel_on_a_stub) {
 TEST(WallForms, a_drum_loses_the_cross_section_of_its_lifters) {
   const double radius = 0.5, height = 0.1, width = 0.08, top = 0.04;
   const Lifters lifters{8, height, width, top};
-  const int segments = 1024;   // the circle to 6e-6
+  const int segments = 1024;  // the circle to 6e-6
   const WallForm form = drum_form({}, {0, 0.3, 0}, radius, lifters, false, false, segments);
   // the trapezoid stands on the arc: its chord lies below it by the height of a circular segment
   const double half = std::asin(0.5 * width / radius);
@@ -133,8 +133,8 @@ TEST(WallForms, the_corners_of_a_lifter_are_the_only_edges_of_a_drum_that_carry_
 }
 
 TEST(WallForms, a_ring_has_the_area_between_two_polygons) {
-  EXPECT_NEAR(surface_area(disc_form({1, 1, 1}, normalised(Vec3{1, 1, 0}), 0.4, 0.1, 24).surface), polygon_area(0.4, 24) - polygon_area(0.1, 24),
-              kRounding);
+  EXPECT_NEAR(surface_area(disc_form({1, 1, 1}, normalised(Vec3{1, 1, 0}), 0.4, 0.1, 24).surface),
+              polygon_area(0.4, 24) - polygon_area(0.1, 24), kRounding);
   EXPECT_NEAR(surface_area(disc_form({}, {0, 0, 1}, 0.4, 0, 24).surface), polygon_area(0.4, 24), kRounding);
   EXPECT_NEAR(surface_area(plate_form({}, {2, 0, 0}, {1, 3, 0}).surface), 6, kRounding);
 }
@@ -164,8 +164,9 @@ TEST(WallForms, any_simple_outline_is_filled_with_triangles_of_its_own_area) {
 // ---- what a case may say ----
 
 Case parse_wall(const std::string& shape, const std::string& more = "") {
-  return parse_case("[time]\nduration = 0\n[materials.steel]\ndensity = 7800\n[[walls]]\nname = \"it\"\nmaterial = \"steel\"\nshape = { " + shape +
-                    " }\n" + more, "case.toml", "");
+  return parse_case("[time]\nduration = 0\n[materials.steel]\ndensity = 7800\n[[walls]]\nname = \"it\"\nmaterial = \"steel\"\nshape = { " +
+                        shape + " }\n" + more,
+                    "case.toml", "");
 }
 
 void expect_refusal(const std::string& shape, const std::string& says, const std::string& more = "") {
@@ -184,8 +185,11 @@ TEST(WallForms, a_case_names_forms_with_units) {
   EXPECT_EQ(c.walls[0].wall.position, (Vec3{0, 0, 1}));
   // 45 degrees: as high as the radii differ
   EXPECT_NEAR(bounding_box(c.walls[0].form->surface).upper.z, 0.08 + 0.3, kRounding);
-  EXPECT_NEAR(bounding_box(parse_wall("hopper = { outlet = [0.1, 0.2], bin = [0.3, 0.2], half_angle = \"90 deg\", bin_height = 1 }")
-                               .walls[0].form->surface).upper.z, 1, kRounding);
+  EXPECT_NEAR(
+      bounding_box(
+          parse_wall("hopper = { outlet = [0.1, 0.2], bin = [0.3, 0.2], half_angle = \"90 deg\", bin_height = 1 }").walls[0].form->surface)
+          .upper.z,
+      1, kRounding);
 }
 
 TEST(WallForms, forms_that_cannot_be_are_refused) {

@@ -57,8 +57,7 @@ class SquaredDistance {
  private:
   using P = Point<Integer>;
   void offer(const Integer& numerator, const Integer& denominator) {
-    if (!found_ || Integer(numerator * best_.denominator) < Integer(best_.numerator * denominator))
-      best_ = {numerator, denominator};
+    if (!found_ || Integer(numerator * best_.denominator) < Integer(best_.numerator * denominator)) best_ = {numerator, denominator};
     found_ = true;
   }
   void vertices(const P& p, const P& q) {

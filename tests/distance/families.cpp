@@ -16,11 +16,16 @@ Pair18 pair_of(const Vec3& a0, const Vec3& a1, const Vec3& a2, const Vec3& b0, c
 
 Vec3 transform(const Vec3& v, int kind) {
   switch (kind) {
-    case 0: return v;
-    case 1: return {3 * v.x - 4 * v.y, 4 * v.x + 3 * v.y, 5 * v.z};
-    case 2: return {5 * v.x, 3 * v.y - 4 * v.z, 4 * v.y + 3 * v.z};
-    case 3: return {v.x + 2 * v.y + 2 * v.z, 2 * v.x + v.y - 2 * v.z, 2 * v.x - 2 * v.y + v.z};
-    default: return {v.y, v.z, v.x};
+    case 0:
+      return v;
+    case 1:
+      return {3 * v.x - 4 * v.y, 4 * v.x + 3 * v.y, 5 * v.z};
+    case 2:
+      return {5 * v.x, 3 * v.y - 4 * v.z, 4 * v.y + 3 * v.z};
+    case 3:
+      return {v.x + 2 * v.y + 2 * v.z, 2 * v.x + v.y - 2 * v.z, 2 * v.x - 2 * v.y + v.z};
+    default:
+      return {v.y, v.z, v.x};
   }
 }
 
@@ -86,12 +91,18 @@ Pair18 base_member(int family, Random& r) {
     }
     case 8: {  // intersecting in all ways
       switch (r.integer(0, 5)) {
-        case 0: return pair_of(f[0], f[1], f[2], {0, 0, h}, {0.125, 0.125, -h}, above(0));
-        case 1: return pair_of(f[0], f[1], f[2], 0.5 * f[0], 2.0 * f[1], {eighths(r, -2, 2), eighths(r, -2, 2), 0});
-        case 2: return pair_of(f[0], f[1], f[2], 0.25 * f[0], 0.25 * f[1], 0.25 * f[2]);
-        case 3: return pair_of(f[0], f[1], f[2], f[0], above(0), above(0));
-        case 4: return pair_of(f[0], f[1], f[2], f[1], f[0], above(0));
-        default: return pair_of(f[0], f[1], f[2], f[0], f[1], f[2]);
+        case 0:
+          return pair_of(f[0], f[1], f[2], {0, 0, h}, {0.125, 0.125, -h}, above(0));
+        case 1:
+          return pair_of(f[0], f[1], f[2], 0.5 * f[0], 2.0 * f[1], {eighths(r, -2, 2), eighths(r, -2, 2), 0});
+        case 2:
+          return pair_of(f[0], f[1], f[2], 0.25 * f[0], 0.25 * f[1], 0.25 * f[2]);
+        case 3:
+          return pair_of(f[0], f[1], f[2], f[0], above(0), above(0));
+        case 4:
+          return pair_of(f[0], f[1], f[2], f[1], f[0], above(0));
+        default:
+          return pair_of(f[0], f[1], f[2], f[0], f[1], f[2]);
       }
     }
     case 9: {  // segments, points, two corners the same
@@ -118,8 +129,8 @@ Pair18 base_member(int family, Random& r) {
     }
     case 11: {  // nearly parallel edges that cross
       const double angle = std::ldexp(1.0, -r.integer(20, 26));
-      return pair_of({-2, 0, 0}, {2, 0, 0}, {eighths(r, -1, 1), eighths(r, -1, 1), -eighths(r, 1, 3)},
-                     {-2, -2 * angle, h}, {1, angle, h}, {eighths(r, -1, 1), eighths(r, -1, 1), h + eighths(r, 1, 3)});
+      return pair_of({-2, 0, 0}, {2, 0, 0}, {eighths(r, -1, 1), eighths(r, -1, 1), -eighths(r, 1, 3)}, {-2, -2 * angle, h}, {1, angle, h},
+                     {eighths(r, -1, 1), eighths(r, -1, 1), h + eighths(r, 1, 3)});
     }
     case 12: {  // nearly parallel faces
       Vec3 g[3];
@@ -132,8 +143,8 @@ Pair18 base_member(int family, Random& r) {
       const double gap = std::ldexp(1.0, r.integer(0, 1) == 1 ? -30 : -40);
       if (r.integer(0, 1) == 1)
         return pair_of(f[0], f[1], f[2], {0.125 * r.integer(-1, 1), 0.125 * r.integer(-1, 1), gap}, above(h), above(h));
-      return pair_of({-2, 0, 0}, {2, 0, 0}, {eighths(r, -1, 1), eighths(r, -1, 1), -eighths(r, 1, 3)},
-                     {eighths(r, -1, 1), -1, gap}, {eighths(r, -1, 1), 2, gap}, above(h));
+      return pair_of({-2, 0, 0}, {2, 0, 0}, {eighths(r, -1, 1), eighths(r, -1, 1), -eighths(r, 1, 3)}, {eighths(r, -1, 1), -1, gap},
+                     {eighths(r, -1, 1), 2, gap}, above(h));
     }
     case 14: {  // very different sizes
       const double small = std::ldexp(1.0, -r.integer(20, 40));
@@ -141,7 +152,8 @@ Pair18 base_member(int family, Random& r) {
       return pair_of(f[0], f[1], f[2], where + small * random_point(r, -1, 1), where + small * random_point(r, -1, 1),
                      where + small * random_point(r, -1, 1));
     }
-    case 15: return base_member(r.integer(1, 8), r);
+    case 15:
+      return base_member(r.integer(1, 8), r);
     case 16: {  // closest to the long edge of an obtuse triangle from beside its blunt corner
       return pair_of({0, 0, 0}, {4, 0, 0}, {-eighths(r, 1, 3), eighths(r, 1, 2), 0}, {-eighths(r, 0, 3), -eighths(r, 0, 2), h},
                      {-4, -3, h + 1}, {-3, -4, h + 2});
@@ -159,11 +171,23 @@ Pair18 base_member(int family, Random& r) {
 }  // namespace
 
 std::string family_name(int family) {
-  static const char* const names[kFamilyCount] = {
-      "vertex over face",    "foot on edge or vertex", "vertex-edge, vertex-vertex", "edge-edge",       "parallel faces",
-      "coplanar, apart",     "edges on one line",      "intersecting",               "degenerate",      "slivers",
-      "near-parallel edges", "near-parallel faces",    "near touching",              "size ratio",      "far from the origin",
-      "obtuse corner",       "ties"};
+  static const char* const names[kFamilyCount] = {"vertex over face",
+                                                  "foot on edge or vertex",
+                                                  "vertex-edge, vertex-vertex",
+                                                  "edge-edge",
+                                                  "parallel faces",
+                                                  "coplanar, apart",
+                                                  "edges on one line",
+                                                  "intersecting",
+                                                  "degenerate",
+                                                  "slivers",
+                                                  "near-parallel edges",
+                                                  "near-parallel faces",
+                                                  "near touching",
+                                                  "size ratio",
+                                                  "far from the origin",
+                                                  "obtuse corner",
+                                                  "ties"};
   return fmt::format("T{} {}", family, names[family - 1]);
 }
 

@@ -160,17 +160,24 @@ void check_scales(const std::vector<int>& exponents) {
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (!stays_in_range<Real>(pairs[i]) || !stays_in_range<Real>(larger[i])) continue;
         ++compared;
-        ASSERT_EQ(answers.distance[i], static_cast<Real>(s * static_cast<double>(reference.distance[i]))) << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
-        ASSERT_EQ(answers.point(0, i), s * reference.point(0, i)) << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
-        ASSERT_EQ(answers.point(1, i), s * reference.point(1, i)) << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
+        ASSERT_EQ(answers.distance[i], static_cast<Real>(s * static_cast<double>(reference.distance[i])))
+            << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
+        ASSERT_EQ(answers.point(0, i), s * reference.point(0, i))
+            << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
+        ASSERT_EQ(answers.point(1, i), s * reference.point(1, i))
+            << "method " << static_cast<int>(method) << ", 2^" << exponent << ", pair " << i;
         ASSERT_EQ(features_of(static_cast<double>(answers.code[i])), features_of(static_cast<double>(reference.code[i]))) << i;
       }
     }
   }
   EXPECT_GT(compared, pairs.size() * exponents.size());
 }
-TEST(DistanceMethods, are_the_same_in_every_bit_under_scaling_by_a_power_of_two_in_double) { check_scales<double>({-400, -150, -31, 1, 31, 150, 400}); }
-TEST(DistanceMethods, are_the_same_in_every_bit_under_scaling_by_a_power_of_two_in_single) { check_scales<float>({-40, -13, -1, 7, 25, 60}); }
+TEST(DistanceMethods, are_the_same_in_every_bit_under_scaling_by_a_power_of_two_in_double) {
+  check_scales<double>({-400, -150, -31, 1, 31, 150, 400});
+}
+TEST(DistanceMethods, are_the_same_in_every_bit_under_scaling_by_a_power_of_two_in_single) {
+  check_scales<float>({-40, -13, -1, 7, 25, 60});
+}
 
 template <class Real>
 void check_targets(double roundoff) {
@@ -210,7 +217,8 @@ TEST(DistanceMethods, penalty_does_not_depend_on_the_unit_of_length) {
   const std::vector<Pair18> pairs = sample(40);
   std::vector<Pair18> larger;
   for (const Pair18& p : pairs) larger.push_back(scaled(p, 128));
-  const Answers<double> small = solve_with<double>(DistanceMethod::penalty, pairs), large = solve_with<double>(DistanceMethod::penalty, larger);
+  const Answers<double> small = solve_with<double>(DistanceMethod::penalty, pairs),
+                        large = solve_with<double>(DistanceMethod::penalty, larger);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     ASSERT_EQ(large.distance[i], 128 * small.distance[i]);
     ASSERT_EQ(large.code[i], small.code[i]);

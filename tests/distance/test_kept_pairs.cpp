@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "tests/benchmarks/candidates/all_pairs.hpp"
 #include "tests/benchmarks/candidates/trajectories.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 
 namespace scree {
 namespace {
@@ -22,7 +22,8 @@ struct Outcome {
   KeptPairs::Counts counts;
 };
 
-Outcome follow(const BenchShape& a, const BenchShape& b, double ratio, double margin, double speed, Path kind, int steps, std::uint64_t seed, double skin = 0) {
+Outcome follow(const BenchShape& a, const BenchShape& b, double ratio, double margin, double speed, Path kind, int steps,
+               std::uint64_t seed, double skin = 0) {
   const KeptPairsScratchPtr scratch = make_kept_pairs_scratch();
   Trajectory path(a, b, ratio, margin, speed, kind, seed);
   KeptPairs kept;
@@ -77,7 +78,9 @@ TEST(KeptPairs, misses_no_pair_with_any_skin) {
 TEST(KeptPairs, misses_no_pair_of_bodies_far_apart_in_size_or_without_a_margin) {
   const BenchShape a(test::rock(1, 2, 0.22)), b(test::rock(2, 1, 0.22));
   for (const double ratio : {0.01, 0.1, 10.0})
-    EXPECT_EQ(follow(a, b, ratio, 0.05 * std::min(1.0, ratio), 1e-2 * std::min(1.0, ratio), Path::tumble, at_length() ? 3000 : 100, 5).misses, 0) << "ratio " << ratio;
+    EXPECT_EQ(
+        follow(a, b, ratio, 0.05 * std::min(1.0, ratio), 1e-2 * std::min(1.0, ratio), Path::tumble, at_length() ? 3000 : 100, 5).misses, 0)
+        << "ratio " << ratio;
   EXPECT_EQ(follow(a, b, 1, 0, 1e-2, Path::slide, 100, 6).misses, 0) << "no margin: only pairs that intersect";
 }
 
@@ -110,7 +113,8 @@ TEST(KeptPairs, follows_a_body_that_is_put_elsewhere_and_a_margin_that_changes) 
   Random random(3);
   std::int64_t found = 0;
   for (int step = 0; step < 200; ++step) {
-    Placement p = relative_placement({}, random.rotation(), 1, random.uniform(1.6, 2.4) * random.direction(), random.rotation(), step % 50 < 25 ? 1 : 1.1);
+    Placement p = relative_placement({}, random.rotation(), 1, random.uniform(1.6, 2.4) * random.direction(), random.rotation(),
+                                     step % 50 < 25 ? 1 : 1.1);
     const double margin = 0.01 * (1 + step / 10 % 5);
     kept.update(a.view(), b.view(), p, margin, *scratch, close);
     double least = 0;
@@ -242,9 +246,11 @@ TEST(AllPairs, by_bounding_balls_are_the_same) {
   Random random(4);
   std::size_t found = 0;
   for (int pose = 0; pose < 50; ++pose) {
-    const Placement p = relative_placement({}, random.rotation(), 1, random.uniform(1.4, 3) * random.direction(), random.rotation(), random.uniform(0.5, 1.5));
+    const Placement p = relative_placement({}, random.rotation(), 1, random.uniform(1.4, 3) * random.direction(), random.rotation(),
+                                           random.uniform(0.5, 1.5));
     double least = 0, least_by_balls = 1;
-    const std::vector<ClosePair> all = reference.below(a.view(), b.view(), p, 0.05, least), by_balls = reference.below_by_balls(a.view(), b.view(), p, 0.05, least_by_balls);
+    const std::vector<ClosePair> all = reference.below(a.view(), b.view(), p, 0.05, least),
+                                 by_balls = reference.below_by_balls(a.view(), b.view(), p, 0.05, least_by_balls);
     EXPECT_NEAR(least_by_balls, least, kRounding);
     EXPECT_EQ(count_differences(by_balls, all, 0.05, kRounding), 0);
     found += all.size();

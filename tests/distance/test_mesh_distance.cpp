@@ -37,7 +37,8 @@ std::vector<double> all_distances(const Shape& a, const Shape& b, const Placemen
 }
 
 /// Checks the smallest distance for one placement.
-void check_distance(const Shape& a, const Shape& b, const Placement& p, const std::vector<double>& all, MeshDistanceScratch& scratch, const std::string& what) {
+void check_distance(const Shape& a, const Shape& b, const Placement& p, const std::vector<double>& all, MeshDistanceScratch& scratch,
+                    const std::string& what) {
   const double size = std::max(length(bounding_box(a.mesh).extent()), p.scale * length(bounding_box(b.mesh).extent()));
   const double least = *std::min_element(all.begin(), all.end());
   EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, scratch), least, 1e-14 * size) << what;
@@ -63,9 +64,8 @@ std::size_t check_placement(const Shape& a, const Shape& b, const Placement& p, 
   std::vector<TrianglePair> pairs;
   const bool intersecting = triangle_pairs_within(a.view(), b.view(), p, reach, scratch, pairs);
   EXPECT_EQ(intersecting, least == 0) << what;
-  EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end(), [](const TrianglePair& s, const TrianglePair& t) {
-    return s.a != t.a ? s.a < t.a : s.b < t.b;
-  }));
+  EXPECT_TRUE(std::is_sorted(pairs.begin(), pairs.end(),
+                             [](const TrianglePair& s, const TrianglePair& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; }));
   // nothing missed; nothing beyond what the single-precision filter may let through
   const double size = std::max(length(bounding_box(a.mesh).extent()), p.scale * length(bounding_box(b.mesh).extent()));
   std::size_t next = 0, within = 0;

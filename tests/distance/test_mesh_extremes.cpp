@@ -3,9 +3,9 @@
 
 #include <cstdlib>
 
-#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "tests/benchmarks/candidates/all_pairs.hpp"
 #include "tests/benchmarks/candidates/trajectories.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 
 namespace scree {
 namespace {
@@ -15,7 +15,8 @@ struct Found {
 };
 
 /// All queries of a list of placements; `rounding` is what placing a corner may cost [units of A].
-Found check_queries(const BenchShape& a, const BenchShape& b, const std::vector<Placement>& placements, double reach, double rounding, const std::string& what) {
+Found check_queries(const BenchShape& a, const BenchShape& b, const std::vector<Placement>& placements, double reach, double rounding,
+                    const std::string& what) {
   const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
   const KeptPairsScratchPtr kept_scratch = make_kept_pairs_scratch();
   AllPairs reference;
@@ -39,10 +40,12 @@ Found check_queries(const BenchShape& a, const BenchShape& b, const std::vector<
     std::size_t next = 0;
     for (const ClosePair& c : expected) {
       while (next < pairs.size() && (pairs[next].a < c.pair.a || (pairs[next].a == c.pair.a && pairs[next].b < c.pair.b))) ++next;
-      EXPECT_TRUE(c.distance > reach - rounding || (next < pairs.size() && pairs[next] == c.pair)) << where << ": missed a pair at " << c.distance;
+      EXPECT_TRUE(c.distance > reach - rounding || (next < pairs.size() && pairs[next] == c.pair))
+          << where << ": missed a pair at " << c.distance;
     }
     EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, *scratch), least, rounding) << where;
-    EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, *scratch, &nearest), least, rounding) << where << ", from the last nearest pair";
+    EXPECT_NEAR(mesh_distance(a.view(), b.view(), p, 1e308, *scratch, &nearest), least, rounding)
+        << where << ", from the last nearest pair";
     kept.update(a.view(), b.view(), p, reach, *kept_scratch, close);
     EXPECT_EQ(count_differences(close, expected, reach, rounding), 0) << where << ", kept";
     found.close += static_cast<std::int64_t>(expected.size());
@@ -56,7 +59,8 @@ std::vector<Placement> random_placements(int count, double ratio, std::uint64_t 
   Random random(seed);
   std::vector<Placement> placements;
   for (int k = 0; k < count; ++k)
-    placements.push_back(relative_placement({}, random.rotation(), 1, random.uniform(0, 1.4) * (1 + ratio) * random.direction(), random.rotation(), ratio));
+    placements.push_back(
+        relative_placement({}, random.rotation(), 1, random.uniform(0, 1.4) * (1 + ratio) * random.direction(), random.rotation(), ratio));
   return placements;
 }
 

@@ -77,7 +77,8 @@ TEST(TriangleDistance, agrees_with_all_named_cases) {
     const mpq_class d2(squared);
     const long double truth = oracle::root(oracle::Fraction<mpz_class>{d2.get_num(), d2.get_den()});
     // the case file and the oracle agree: they were written apart
-    EXPECT_NEAR(static_cast<double>(oracle::distance(p.data())), static_cast<double>(truth), 1e-18 + 1e-18 * static_cast<double>(truth)) << name;
+    EXPECT_NEAR(static_cast<double>(oracle::distance(p.data())), static_cast<double>(truth), 1e-18 + 1e-18 * static_cast<double>(truth))
+        << name;
     const TriangleDistance answer = solve({p})[0];
     check(p, answer, truth, name);
     if (c["unique"] && !answer.intersecting) {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <functional>
 
-#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "core/distance/triangle_intersection.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "tests/distance/exact_oracle.hpp"
 #include "tests/distance/families.hpp"
 
@@ -42,9 +42,15 @@ Pair18 near_touching(Random& r) {
   const double u = r.uniform(0, 1), v = r.uniform(0, 1 - u);
   const Vec3 in_face = a[0] + u * (a[1] - a[0]) + v * (a[2] - a[0]), on_edge = a[0] + u * (a[1] - a[0]);
   switch (r.integer(0, 7)) {
-    case 0: b[0] = in_face; break;
-    case 1: b[0] = on_edge; break;
-    case 2: b[0] = a[1]; break;
+    case 0:
+      b[0] = in_face;
+      break;
+    case 1:
+      b[0] = on_edge;
+      break;
+    case 2:
+      b[0] = a[1];
+      break;
     case 3: {  // edges that cross
       const Vec3 shift = on_edge - (b[0] + v * (b[1] - b[0]));
       for (Vec3& p : b) p += shift;
@@ -86,7 +92,8 @@ std::vector<Pair18> draw(int count, std::uint64_t seed, const std::function<Pair
 std::vector<Pair18> all_kinds() {
   std::vector<Pair18> pairs = draw(members(6000, 200000), 1, near_touching);
   for (int family = 1; family <= kFamilyCount; ++family)
-    for (const Pair18& p : draw(members(150, 4000), 10 + static_cast<std::uint64_t>(family), [&](Random& r) { return family_member(family, r); }))
+    for (const Pair18& p :
+         draw(members(150, 4000), 10 + static_cast<std::uint64_t>(family), [&](Random& r) { return family_member(family, r); }))
       pairs.push_back(p);
   for (const Pair18& p : draw(members(2000, 40000), 40, [](Random& r) { return random_integer_pair(r, -2, 2); })) pairs.push_back(p);
   return pairs;

@@ -28,9 +28,7 @@ class Random {
   int integer(int low, int high) {  ///< low..high, both included
     return low + static_cast<int>(bits() % static_cast<std::uint64_t>(high - low + 1));
   }
-  double normal() {
-    return std::sqrt(-2 * std::log(uniform(1e-300, 1))) * std::cos(6.283185307179586 * uniform(0, 1));
-  }
+  double normal() { return std::sqrt(-2 * std::log(uniform(1e-300, 1))) * std::cos(6.283185307179586 * uniform(0, 1)); }
   Vec3 direction() { return normalised(Vec3{normal(), normal(), normal()}); }
   Quat rotation() { return normalised(Quat{normal(), normal(), normal(), normal()}); }
 

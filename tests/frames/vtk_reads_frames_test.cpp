@@ -43,8 +43,8 @@ void check_frame(const fs::path& file, long long count, int owners) {
   expect(grid->GetNumberOfCells() == count, file, "wrong number of cells");
   if (count == 0 || grid->GetNumberOfPoints() != count) return;
   std::map<std::string, vtkDataArray*> arrays;
-  const std::map<std::string, int> components{{"id", 1},    {"quat", 4},  {"shape", 1},    {"material", 1},
-                                              {"rank", 1},  {"scale", 1}, {"velocity", 3}, {"angular_velocity", 3}};
+  const std::map<std::string, int> components{{"id", 1},   {"quat", 4},  {"shape", 1},    {"material", 1},
+                                              {"rank", 1}, {"scale", 1}, {"velocity", 3}, {"angular_velocity", 3}};
   for (const auto& [name, width] : components) {
     arrays[name] = grid->GetPointData()->GetArray(name.c_str());
     expect(arrays[name] != nullptr && arrays[name]->GetNumberOfComponents() == width, file, ("array " + name).c_str());
@@ -75,8 +75,8 @@ void check_frame(const fs::path& file, long long count, int owners) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
-  const std::map<std::string, long long> counts{{"few", 10},      {"thousands", 3000},      {"chunks", 40000}, {"idle_few", 10},
-                                                {"idle_thousands", 3000}, {"one", 1}, {"none", 0}};
+  const std::map<std::string, long long> counts{
+      {"few", 10}, {"thousands", 3000}, {"chunks", 40000}, {"idle_few", 10}, {"idle_thousands", 3000}, {"one", 1}, {"none", 0}};
   int files = 0;
   for (const auto& [name, count] : counts) {
     for (const int ranks : {1, 2, 4}) {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "mesher/heal_mesh.hpp"
-#include "mesher/mesh_check.hpp"
-#include "mesher/mesh_repair.hpp"
+#include "mesher/check/mesh_check.hpp"
+#include "mesher/repair/heal_mesh.hpp"
+#include "mesher/repair/mesh_repair.hpp"
 
 namespace scree::test {
 

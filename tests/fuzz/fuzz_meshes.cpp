@@ -1,14 +1,14 @@
 // Coverage-guided fuzzing (libFuzzer) of our own readers and of check and repair; see run.sh.
 //
-// The first byte chooses: a BMF, OFF, PLY, STL or OBJ file, which is read and checked; a mesh spelt out in bytes, whose few lattice points make
-// coincident, flat, crossing and non-manifold triangles likely, which is checked, or checked, healed and checked again. Everything
+// The first byte chooses: a BMF, OFF, PLY, STL or OBJ file, which is read and checked; a mesh spelt out in bytes, whose few lattice points
+// make coincident, flat, crossing and non-manifold triangles likely, which is checked, or checked, healed and checked again. Everything
 // happens in this process and without files: about 1000 runs a second with AddressSanitizer.
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "core/base/error.hpp"
-#include "mesher/mesh_file.hpp"
+#include "mesher/io/mesh_file.hpp"
 #include "tests/fuzz/certificate.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -14,7 +14,7 @@
 #include <random>
 
 #include "core/base/error.hpp"
-#include "mesher/mesh_file.hpp"
+#include "mesher/io/mesh_file.hpp"
 #include "tests/fuzz/certificate.hpp"
 
 namespace {
@@ -31,13 +31,24 @@ std::string damaged(std::string bytes, std::mt19937_64& random) {
     const std::size_t place = below(random() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 256) : bytes.size());
     const std::size_t length = std::min(bytes.size() - place, 1 + below(64));
     switch (random() % 6) {
-      case 0: bytes[place] = static_cast<char>(random()); break;
-      case 1: bytes[place] = static_cast<char>(bytes[place] ^ (1 << random() % 8)); break;
-      case 2: bytes.erase(place, length); break;
-      case 3: bytes.insert(place, bytes.substr(place, length)); break;
-      case 4: bytes.resize(place); break;
+      case 0:
+        bytes[place] = static_cast<char>(random());
+        break;
+      case 1:
+        bytes[place] = static_cast<char>(bytes[place] ^ (1 << random() % 8));
+        break;
+      case 2:
+        bytes.erase(place, length);
+        break;
+      case 3:
+        bytes.insert(place, bytes.substr(place, length));
+        break;
+      case 4:
+        bytes.resize(place);
+        break;
       default:
-        for (std::size_t k = 0; k < std::min<std::size_t>(length, 8); ++k) bytes[place + k] = static_cast<char>(random() % 2 == 0 ? 0xff : 0x00);
+        for (std::size_t k = 0; k < std::min<std::size_t>(length, 8); ++k)
+          bytes[place + k] = static_cast<char>(random() % 2 == 0 ? 0xff : 0x00);
     }
   }
   return bytes;
@@ -71,12 +82,13 @@ int main(int argc, char** argv) {
     std::ofstream(path, std::ios::binary) << damaged(originals[which], random);
     const auto start = std::chrono::steady_clock::now();
     try {
-      const scree::MeshFile file = scree::read_mesh_file(path, {.memory_bytes = std::size_t{1} << 30, .seconds = 60, .cpu_seconds = kSeconds});
+      const scree::MeshFile file =
+          scree::read_mesh_file(path, {.memory_bytes = std::size_t{1} << 30, .seconds = 60, .cpu_seconds = kSeconds});
       ++outcomes[scree::test::examine(file.mesh, true) ? "solid" : "refused"];
     } catch (const scree::Error& error) {
       const std::string text = error.what();
-      ++outcomes[text.find("crashed") != std::string::npos       ? "importer crashed"
-                 : text.find("did not end") != std::string::npos ? "importer hung"
+      ++outcomes[text.find("crashed") != std::string::npos         ? "importer crashed"
+                 : text.find("did not end") != std::string::npos   ? "importer hung"
                  : text.find("out of memory") != std::string::npos ? "importer out of memory"
                                                                    : "importer refused"];
     }

@@ -10,9 +10,9 @@ set -euo pipefail
 build=$(cd "$1" && pwd); runs=$2; corpus=${3:-$build/fuzz}
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 mkdir -p "$corpus"; corpus=$(cd "$corpus" && pwd)
-sources=(tests/fuzz/fuzz_meshes.cpp mesher/bmf_reader.cpp mesher/off_reader.cpp mesher/ply_reader.cpp mesher/stl_reader.cpp
-  mesher/obj_reader.cpp mesher/text_reader.cpp mesher/polygons.cpp mesher/mesh_file.cpp mesher/mesh_repair.cpp mesher/mesh_check.cpp mesher/heal_mesh.cpp
-  mesher/fill_holes.cpp mesher/self_intersections.cpp core/geometry/triangle_mesh.cpp core/geometry/mass_properties.cpp)
+sources=(tests/fuzz/fuzz_meshes.cpp mesher/io/bmf_reader.cpp mesher/io/off_reader.cpp mesher/io/ply_reader.cpp mesher/io/stl_reader.cpp
+  mesher/io/obj_reader.cpp mesher/io/text_reader.cpp mesher/io/polygons.cpp mesher/io/mesh_file.cpp mesher/repair/mesh_repair.cpp mesher/check/mesh_check.cpp mesher/repair/heal_mesh.cpp
+  mesher/repair/fill_holes.cpp mesher/check/self_intersections.cpp core/geometry/triangle_mesh.cpp core/geometry/mass_properties.cpp)
 # coverage of branches alone: operands of comparisons cost a third of the time
 flags=(-std=c++20 -O2 -g -fsanitize=fuzzer,address,undefined -fno-sanitize=vptr -fno-sanitize-coverage=trace-cmp -I"$root" -I"$build/generated" -I/usr/include/eigen3)
 cd "$root"

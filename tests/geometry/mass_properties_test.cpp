@@ -85,8 +85,7 @@ TEST(MassProperties, icospheres_follow_the_table_of_volume_and_inertia) {
   for (int level = 0; level <= 5; ++level) {
     const MassProperties mass = mass_properties(test::icosphere(level));
     EXPECT_NEAR(mass.volume / (4 * kPi / 3), volume_ratio[level], 1e-7) << "level " << level;
-    for (int i = 0; i < 3; ++i)
-      EXPECT_NEAR(mass.inertia[i][i] / (0.4 * mass.volume), inertia_ratio[level], 1e-7) << "level " << level;
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(mass.inertia[i][i] / (0.4 * mass.volume), inertia_ratio[level], 1e-7) << "level " << level;
   }
 }
 
@@ -103,14 +102,12 @@ TEST(MassProperties, a_torus_of_64_by_32_follows_the_table) {
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < m; ++j) {
       const double u = 2 * kPi * i / n, v = 2 * kPi * j / m;
-      mesh.vertices.push_back(
-          {(R + r * std::cos(v)) * std::cos(u), (R + r * std::cos(v)) * std::sin(u), r * std::sin(v)});
+      mesh.vertices.push_back({(R + r * std::cos(v)) * std::cos(u), (R + r * std::cos(v)) * std::sin(u), r * std::sin(v)});
     }
   }
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < m; ++j) {
-      const int a = i * m + j, b = (i + 1) % n * m + j, c = (i + 1) % n * m + (j + 1) % m,
-                d = i * m + (j + 1) % m;
+      const int a = i * m + j, b = (i + 1) % n * m + j, c = (i + 1) % n * m + (j + 1) % m, d = i * m + (j + 1) % m;
       mesh.triangles.push_back({a, b, c});
       mesh.triangles.push_back({a, c, d});
     }
@@ -143,8 +140,7 @@ TEST(MassProperties, a_box_with_sorted_sides_keeps_its_axes_and_an_unsorted_one_
   const MassProperties mass = mass_properties(box_mesh({0.1, 0.2, 0.4}));
   EXPECT_LT(mass.principal_moments.x, mass.principal_moments.y);
   EXPECT_LT(mass.principal_moments.y, mass.principal_moments.z);
-  EXPECT_LE(relative_error(turned(diagonal(mass.principal_moments), mass.body_from_principal), mass.inertia),
-            1e-12);
+  EXPECT_LE(relative_error(turned(diagonal(mass.principal_moments), mass.body_from_principal), mass.inertia), 1e-12);
 }
 
 TEST(MassProperties, an_analytic_ball_has_two_fifths_m_r_squared) {

@@ -1,5 +1,5 @@
 // Importers may crash, hang or eat memory: the tool must outlive them.
-#include "mesher/child_process.hpp"
+#include "mesher/io/child_process.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,8 +21,7 @@ std::string message_of(const std::function<std::vector<char>()>& work, const Chi
   return "no InputError";
 }
 
-#define EXPECT_SAYS(text, words) \
-  EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
 TEST(ChildProcess, bytes_of_any_number_come_back) {
   for (std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{70000}, std::size_t{5000000}}) {
@@ -33,8 +32,7 @@ TEST(ChildProcess, bytes_of_any_number_come_back) {
 }
 
 TEST(ChildProcess, an_error_in_the_child_arrives_with_its_own_words) {
-  EXPECT_EQ(message_of([]() -> std::vector<char> { throw InputError("rock.stl: no facets"); }),
-            "rock.stl: no facets");
+  EXPECT_EQ(message_of([]() -> std::vector<char> { throw InputError("rock.stl: no facets"); }), "rock.stl: no facets");
 }
 
 TEST(ChildProcess, a_crash_of_the_child_is_bad_input) {
@@ -71,8 +69,8 @@ TEST(ChildProcess, a_child_that_computes_for_too_long_is_ended) {
 
 TEST(ChildProcess, a_child_that_asks_for_too_much_memory_is_refused) {
   if (!child_memory_is_limited()) GTEST_SKIP() << "no memory limit under this sanitizer";
-  const std::string message = message_of([] { return std::vector<char>(std::size_t{3} << 30, 'x'); },
-                                         {.memory_bytes = std::size_t{1} << 30, .seconds = 60});
+  const std::string message =
+      message_of([] { return std::vector<char>(std::size_t{3} << 30, 'x'); }, {.memory_bytes = std::size_t{1} << 30, .seconds = 60});
   EXPECT_SAYS(message, "ran out of memory at 1 GiB");
 }
 

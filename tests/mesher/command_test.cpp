@@ -8,9 +8,9 @@
 
 #include "core/geometry/features.hpp"
 #include "core/storage/shape_file.hpp"
-#include "mesher/child_process.hpp"
-#include "mesher/generate.hpp"
-#include "mesher/mesh_file.hpp"
+#include "mesher/io/child_process.hpp"
+#include "mesher/io/mesh_file.hpp"
+#include "mesher/make/generate.hpp"
 #include "tests/mesher/tool_run.hpp"
 
 namespace scree {
@@ -29,16 +29,13 @@ const char* const kNan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 nan\nf 1 3 2\nf 1 2 4
 const char* const kCup =
     "OFF\n8 5 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1.2\n1 0 1.2\n1 1 1.2\n0 1 1.2\n4 3 2 1 0\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
 
-#define EXPECT_SAYS(text, words) \
-  EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
 std::string binary_stl() {
   const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   std::string text(80, '\0');
-  const auto add = [&](const void* data, std::size_t size) {
-    text.append(static_cast<const char*>(data), size);
-  };
+  const auto add = [&](const void* data, std::size_t size) { text.append(static_cast<const char*>(data), size); };
   const std::uint32_t count = 4;
   add(&count, 4);
   for (const auto& face : faces) {
@@ -211,8 +208,7 @@ TEST_F(MesherImport, the_shape_file_carries_the_hash_of_its_input_and_the_comman
   EXPECT_EQ(record["format"], "scree-shape");
   EXPECT_EQ(record["inputs"][0]["path"], "rock.obj");
   // sha256sum of the text above, from coreutils
-  const int status =
-      std::system(("cd '" + folder.path().string() + "' && sha256sum rock.obj | cut -c1-64 > sum").c_str());
+  const int status = std::system(("cd '" + folder.path().string() + "' && sha256sum rock.obj | cut -c1-64 > sum").c_str());
   ASSERT_EQ(status, 0);
   EXPECT_EQ(record["inputs"][0]["sha256"].get<std::string>() + "\n", test::text_of_file(folder / "sum"));
   EXPECT_EQ(record["command"].size(), 5U);
@@ -268,7 +264,8 @@ TEST_F(MesherImport, wrong_units_and_scales_are_refused_with_exit_2) {
 
 TEST_F(Mesher, without_a_unit_every_size_that_could_be_meant_is_reported) {
   folder.write("rock.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");  // 2 mm, perhaps
-  for (const char* command : {"check rock.obj", "import rock.obj -o x.shape.h5", "refine rock.obj --times 1 -o y.shape.h5", "describe rock.obj"}) {
+  for (const char* command :
+       {"check rock.obj", "import rock.obj -o x.shape.h5", "refine rock.obj --times 1 -o y.shape.h5", "describe rock.obj"}) {
     const ToolRun result = run(command);
     EXPECT_EQ(result.code, 0) << result.errors;
     EXPECT_SAYS(result.errors, "the longest side is 2 m; with --unit cm it is 20 mm, with --unit mm 2 mm, with --unit um 2 um");
@@ -347,7 +344,8 @@ TEST_F(Mesher, an_stl_that_would_lose_the_shape_is_reported) {
   EXPECT_EQ(run("refine near.obj --unit m --times 1 -o near.stl").errors, "");
   folder.write("far.obj", "v 1e7 0 0\nv 10000001 0 0\nv 1e7 1 0\nv 1e7 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   const ToolRun lost = run("refine far.obj --unit m --times 1 -o far.stl");
-  EXPECT_SAYS(lost.errors, "STL holds single precision, so that vertices of this mesh far from its origin moved by up to 0.5 of its extent");
+  EXPECT_SAYS(lost.errors,
+              "STL holds single precision, so that vertices of this mesh far from its origin moved by up to 0.5 of its extent");
   EXPECT_EQ(run("refine far.obj --unit m --times 1 -o far.ply").errors, "");
 }
 
@@ -371,9 +369,10 @@ TEST_F(Mesher, misspelt_options_are_answered_with_the_nearest_one) {
 }
 
 TEST_F(MesherImport, the_hull_of_a_dented_cube_is_the_cube) {
-  folder.write("dented.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv 0.5 0.5 0.5\n"
-                             "f 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n"
-                             "f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n");
+  folder.write("dented.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv 0.5 0.5 0.5\n"
+               "f 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n"
+               "f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n");
   const ToolRun done = run("hull dented.obj -o cube.shape.h5 --unit m");
   ASSERT_EQ(done.code, 0) << done.errors;
   EXPECT_SAYS(done.output, "the hull of 14 triangles has 12, on 8 of 9 vertices");
@@ -409,8 +408,7 @@ TEST_F(Mesher, an_analytic_sphere_has_no_triangles_and_the_volume_of_the_ball) {
 TEST_F(MesherGmsh, a_generated_sphere_lies_on_the_ball_and_its_volume_converges_with_order_2) {
   double missing[2];
   for (int i = 0; i < 2; ++i) {
-    const ToolRun result = run("generate sphere --radius 2 --edge-length " +
-                               std::string(i == 0 ? "0.4" : "0.2") + " -o x.shape.h5");
+    const ToolRun result = run("generate sphere --radius 2 --edge-length " + std::string(i == 0 ? "0.4" : "0.2") + " -o x.shape.h5");
     ASSERT_EQ(result.code, 0) << result.errors;
     const Shape sphere = shapes("x.shape.h5")[0];
     missing[i] = 1 - sphere.mass.volume / (4.0 / 3 * std::numbers::pi * 8);
@@ -432,8 +430,7 @@ TEST_F(MesherGmsh, a_generated_cylinder_is_a_convex_prism) {
   for (std::size_t t = 0; t < cylinder.mesh.triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NE(features.edge_kind(t, k), EdgeKind::concave);
   }
-  const double sides = static_cast<double>(n),
-               area = 0.5 * sides * 25e-6 * std::sin(2 * std::numbers::pi / sides);
+  const double sides = static_cast<double>(n), area = 0.5 * sides * 25e-6 * std::sin(2 * std::numbers::pi / sides);
   EXPECT_NEAR(cylinder.mass.volume, area * 0.02, 1e-9 * area * 0.02);  // regular polygon times height
 }
 
@@ -456,9 +453,8 @@ TEST_F(MesherGmsh, generating_twice_gives_the_same_mesh) {
 
 TEST_F(Mesher, wrong_sizes_are_refused_with_exit_2) {
   for (const char* arguments :
-       {"sphere", "sphere --radius 0", "sphere --radius '5 kg'", "sphere --radius 1 --height 2", "box",
-        "box --size 1,2", "box --size 1,2,-3", "cylinder --radius 1", "cone --radius 1",
-        "sphere --radius 1 --edge-length 1e-5"}) {
+       {"sphere", "sphere --radius 0", "sphere --radius '5 kg'", "sphere --radius 1 --height 2", "box", "box --size 1,2",
+        "box --size 1,2,-3", "cylinder --radius 1", "cone --radius 1", "sphere --radius 1 --edge-length 1e-5"}) {
     const ToolRun result = run("generate " + std::string(arguments) + " -o x.shape.h5");
     EXPECT_EQ(result.code, 2) << arguments << "\n" << result.errors;
   }

@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
-#include "mesher/convex_hull.hpp"
-#include "mesher/descriptors.hpp"
-#include "mesher/mesh_check.hpp"
-#include "mesher/primitives.hpp"
-#include "mesher/random_rock.hpp"
+#include "mesher/check/mesh_check.hpp"
+#include "mesher/edit/convex_hull.hpp"
+#include "mesher/edit/descriptors.hpp"
+#include "mesher/make/primitives.hpp"
+#include "mesher/make/random_rock.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -110,8 +110,11 @@ TEST(Primitives, platonic_solids_have_their_volumes_and_faces) {
     const char* name;
     double volume;
     int corners;
-  } solids[] = {{"tetrahedron", 1 / std::sqrt(72.0), 4}, {"cube", 1, 8}, {"octahedron", std::sqrt(2.0) / 3, 6},
-                {"dodecahedron", (15 + 7 * std::sqrt(5.0)) / 4, 20}, {"icosahedron", 5 * g * g / 6, 12}};
+  } solids[] = {{"tetrahedron", 1 / std::sqrt(72.0), 4},
+                {"cube", 1, 8},
+                {"octahedron", std::sqrt(2.0) / 3, 6},
+                {"dodecahedron", (15 + 7 * std::sqrt(5.0)) / 4, 20},
+                {"icosahedron", 5 * g * g / 6, 12}};
   for (const auto& solid : solids) {
     const MeshCheck check = check_mesh(platonic_solid(solid.name));
     EXPECT_TRUE(check.is_solid()) << solid.name;

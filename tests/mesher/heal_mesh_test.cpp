@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "mesher/heal_mesh.hpp"
-#include "mesher/mesh_check.hpp"
-#include "mesher/remesh.hpp"
+#include "mesher/check/mesh_check.hpp"
+#include "mesher/commands/remesh.hpp"
+#include "mesher/repair/heal_mesh.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -69,7 +69,8 @@ TEST(HealMesh, a_hole_as_large_as_half_the_surface_stays_open) {
 TEST(HealMesh, a_gap_of_rounding_is_welded) {
   TriangleMesh mesh = box({1, 1, 1});
   const Triangle t = mesh.triangles[3];
-  for (int k = 0; k < 3; ++k) mesh.vertices.push_back(mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])] + Vec3{1e-7, -1e-7, 0});
+  for (int k = 0; k < 3; ++k)
+    mesh.vertices.push_back(mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])] + Vec3{1e-7, -1e-7, 0});
   mesh.triangles[3] = {8, 9, 10};
   EXPECT_GT(check_mesh(mesh).boundary_edges, 0);
   expect_healed(mesh, 1, 1e-6);
@@ -112,7 +113,8 @@ TEST(HealMesh, a_partition_inside_a_box_is_dropped) {
   });
   TriangleMesh mesh = both(left, right);
   const auto steps = expect_healed(mesh, 2);
-  EXPECT_TRUE(std::any_of(steps.begin(), steps.end(), [](const std::string& s) { return s.find("inside the solid") != std::string::npos; }));
+  EXPECT_TRUE(
+      std::any_of(steps.begin(), steps.end(), [](const std::string& s) { return s.find("inside the solid") != std::string::npos; }));
 }
 
 TEST(HealMesh, a_fin_is_dropped) {

@@ -1,13 +1,13 @@
 // Row G5 of the validation plan: each defect is planted in a mesh, and class and count are known by
 // construction.
-#include "mesher/mesh_check.hpp"
+#include "mesher/check/mesh_check.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numbers>
 
-#include "mesher/mesh_repair.hpp"
+#include "mesher/repair/mesh_repair.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -57,9 +57,9 @@ TEST(MeshCheck, a_box_is_a_solid_without_any_defect) {
   const MeshCheck check = check_mesh(box({1, 2, 3}, {10, 0, 0}));
   EXPECT_TRUE(check.is_solid());
   EXPECT_TRUE(check.is_watertight());
-  EXPECT_EQ(check.boundary_edges + check.non_manifold_edges + check.inconsistent_edges +
-                check.non_manifold_vertices + check.degenerate_triangles + check.duplicate_triangles +
-                check.unreferenced_vertices + check.t_junctions + check.crossing_pairs,
+  EXPECT_EQ(check.boundary_edges + check.non_manifold_edges + check.inconsistent_edges + check.non_manifold_vertices +
+                check.degenerate_triangles + check.duplicate_triangles + check.unreferenced_vertices + check.t_junctions +
+                check.crossing_pairs,
             0);
   EXPECT_EQ(check.components.size(), 1U);
   EXPECT_EQ(check.euler_characteristic, 2);
@@ -123,8 +123,7 @@ TEST(MeshCheck, a_t_junction_is_counted_and_told_apart_from_a_hole) {
 TEST(MeshCheck, a_duplicated_facet_is_counted_and_dropped) {
   TriangleMesh mesh = box({1, 1, 1});
   mesh.triangles.push_back(mesh.triangles[3]);
-  mesh.triangles.push_back(
-      {mesh.triangles[4][0], mesh.triangles[4][2], mesh.triangles[4][1]});  // the other winding
+  mesh.triangles.push_back({mesh.triangles[4][0], mesh.triangles[4][2], mesh.triangles[4][1]});  // the other winding
   EXPECT_EQ(check_mesh(mesh).duplicate_triangles, 2);
   const RepairCounts counts = clean_mesh(mesh, false);
   EXPECT_EQ(counts.duplicates_dropped, 2);
@@ -221,9 +220,7 @@ TEST(MeshCheck, a_prism_over_a_crossed_outline_has_the_inertia_of_no_body_and_is
   expect_problem(check, "no body has its inertia");
 }
 
-TEST(MeshCheck, a_smooth_sphere_has_no_self_intersection) {
-  EXPECT_EQ(check_mesh(test::icosphere(4)).crossing_pairs, 0);
-}
+TEST(MeshCheck, a_smooth_sphere_has_no_self_intersection) { EXPECT_EQ(check_mesh(test::icosphere(4)).crossing_pairs, 0); }
 
 TEST(MeshCheck, a_nan_vertex_is_named) {
   TriangleMesh mesh = box({1, 1, 1});
@@ -243,9 +240,7 @@ TEST(MeshCheck, an_unused_vertex_is_a_remark_and_is_dropped_with_a_count) {
   EXPECT_EQ(mesh.vertex_count(), 8);
 }
 
-TEST(MeshCheck, a_mesh_without_triangles_is_refused) {
-  expect_problem(check_mesh(TriangleMesh{}), "no triangles");
-}
+TEST(MeshCheck, a_mesh_without_triangles_is_refused) { expect_problem(check_mesh(TriangleMesh{}), "no triangles"); }
 
 TEST(MeshRepair, a_triangle_soup_becomes_a_box_by_welding) {
   const TriangleMesh original = box({1, 2, 3});

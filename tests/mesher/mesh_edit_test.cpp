@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "core/geometry/mass_properties.hpp"
-#include "mesher/mesh_check.hpp"
-#include "mesher/mesh_deviation.hpp"
-#include "mesher/mesh_refine.hpp"
-#include "mesher/mesh_simplify.hpp"
+#include "mesher/check/mesh_check.hpp"
+#include "mesher/check/mesh_deviation.hpp"
+#include "mesher/edit/mesh_refine.hpp"
+#include "mesher/edit/mesh_simplify.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -25,8 +25,8 @@ TriangleMesh torus(double large, double small, int n, int m) {
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < m; ++j) {
       const double u = 2 * std::numbers::pi * i / n, v = 2 * std::numbers::pi * j / m;
-      mesh.vertices.push_back({(large + small * std::cos(v)) * std::cos(u), (large + small * std::cos(v)) * std::sin(u),
-                               small * std::sin(v)});
+      mesh.vertices.push_back(
+          {(large + small * std::cos(v)) * std::cos(u), (large + small * std::cos(v)) * std::sin(u), small * std::sin(v)});
       const auto at = [&](int a, int b) { return (a % n) * m + b % m; };
       mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
       mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});

@@ -7,9 +7,9 @@
 #include <cstring>
 
 #include "core/base/error.hpp"
-#include "mesher/mesh_check.hpp"
-#include "mesher/mesh_file.hpp"
-#include "mesher/mesh_repair.hpp"
+#include "mesher/check/mesh_check.hpp"
+#include "mesher/io/mesh_file.hpp"
+#include "mesher/repair/mesh_repair.hpp"
 #include "tests/mesher/tool_run.hpp"
 
 namespace scree {
@@ -73,10 +73,10 @@ TEST(OffReader, every_valid_variant_gives_the_same_tetrahedron) {
                                   replaced(kFacets, "\n", " # f\n"));
   expect_tetrahedron("t.off", replaced(kOff, "\n", "\r\n"));
   expect_tetrahedron("t.off", replaced(kOff, "\n", "\r"));
-  expect_tetrahedron("t.off", kOff.substr(4));                                             // no keyword
-  expect_tetrahedron("t.off", "OFF 4 4 6\n" + kVertices + kFacets);                        // on one line
-  expect_tetrahedron("t.off", "OFF4 4 6\n" + kVertices + kFacets);                         // without a space
-  expect_tetrahedron("t.off", "OFF\n4 4\n" + kVertices + kFacets);                         // no count of edges
+  expect_tetrahedron("t.off", kOff.substr(4));                                                    // no keyword
+  expect_tetrahedron("t.off", "OFF 4 4 6\n" + kVertices + kFacets);                               // on one line
+  expect_tetrahedron("t.off", "OFF4 4 6\n" + kVertices + kFacets);                                // without a space
+  expect_tetrahedron("t.off", "OFF\n4 4\n" + kVertices + kFacets);                                // no count of edges
   expect_tetrahedron("t.off", "OFF\n4 4 0\n" + replaced(kVertices, "\n", " ") + "\n" + kFacets);  // vertices in one line
   expect_tetrahedron("t.off", "COFF\n4 4 6\n" + replaced(kVertices, "\n", " 255 0 0 255\n") + replaced(kFacets, "\n", " 3\n"));
   expect_tetrahedron("t.off", "NOFF\n4 4 6\n" + replaced(kVertices, "\n", " 0 0 1\n") + kFacets);
@@ -127,7 +127,8 @@ std::string ply_header(const std::string& format, const std::string& real = "flo
 
 template <class Real>
 std::string binary_ply(std::endian order) {
-  std::string bytes = ply_header(order == std::endian::big ? "binary_big_endian" : "binary_little_endian", sizeof(Real) == 8 ? "double" : "float");
+  std::string bytes =
+      ply_header(order == std::endian::big ? "binary_big_endian" : "binary_little_endian", sizeof(Real) == 8 ? "double" : "float");
   for (const auto& p : kCorners) {
     append(bytes, std::uint8_t{255}, order);
     for (double x : p) append(bytes, static_cast<Real>(x), order);
@@ -143,7 +144,8 @@ std::string binary_ply(std::endian order) {
   return bytes;
 }
 
-const std::string kPly = ply_header("ascii") + "255 0 0 0 2 7 8\n0 1 0 0 0\n0 0 1 0 1 7\n0 0 0 1 0\n" + replaced("\n" + kFacets, "\n3 ", "\n0.5 3 ").substr(1) + "0 1\n";
+const std::string kPly = ply_header("ascii") + "255 0 0 0 2 7 8\n0 1 0 0 0\n0 0 1 0 1 7\n0 0 0 1 0\n" +
+                         replaced("\n" + kFacets, "\n3 ", "\n0.5 3 ").substr(1) + "0 1\n";
 
 TEST(PlyReader, every_valid_variant_gives_the_same_tetrahedron) {
   expect_tetrahedron("t.ply", kPly);
@@ -156,7 +158,8 @@ TEST(PlyReader, every_valid_variant_gives_the_same_tetrahedron) {
   }
   // facets first, and strips, of which every second triangle runs the other way
   const std::string head = "ply\nformat ascii 1.0\n", vertices = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
-  expect_tetrahedron("t.ply", head + "element face 4\nproperty list uchar int vertex_indices\n" + vertices + "end_header\n" + kFacets + kVertices);
+  expect_tetrahedron("t.ply",
+                     head + "element face 4\nproperty list uchar int vertex_indices\n" + vertices + "end_header\n" + kFacets + kVertices);
   expect_tetrahedron("t.ply", head + vertices + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + kVertices +
                                   "12 0 2 1 3 -1 0 1 3 -1 0 3 2\n");
 }
@@ -164,7 +167,8 @@ TEST(PlyReader, every_valid_variant_gives_the_same_tetrahedron) {
 TEST(PlyReader, counts_that_lie_are_refused_with_line_or_byte) {
   expect_refused("t.ply", replaced(kPly, "element face 4", "element face 5"), "the file ends at line 26");
   expect_refused("t.ply", replaced(kPly, "element face 4", "element face 3"), "line 24: more numbers follow what the header promises");
-  expect_refused("t.ply", replaced(kPly, "element vertex 4", "element vertex 3"), "line 20: entry 1 of element face does not begin its line");
+  expect_refused("t.ply", replaced(kPly, "element vertex 4", "element vertex 3"),
+                 "line 20: entry 1 of element face does not begin its line");
   expect_refused("t.ply", replaced(kPly, "element edge 1", "element edge 0"), "line 24: more numbers follow what the header promises");
   expect_refused("t.ply", replaced(kPly, "element vertex 4", "element vertex 2000000000"), "which need at least");
   expect_refused("t.ply", kPly.substr(0, kPly.size() - 4), "1 entries of element edge, which need at least 4 bytes");

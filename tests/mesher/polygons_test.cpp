@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "mesher/polygons.hpp"
+#include "mesher/io/polygons.hpp"
 
 namespace scree {
 namespace {
@@ -23,8 +23,8 @@ double area_of(const Outline& outline) {
 /// overlap, and they cover it.
 void expect_covered(const Outline& outline) {
   const Vec3 u = normalised(Vec3{1, 2, -0.5}), n = normalised(cross(u, Vec3{0.3, -1, 2})), v = cross(n, u);
-  for (const auto& [e1, e2, up] : {std::tuple(Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}), std::tuple(Vec3{0, 0, 1}, Vec3{0, 1, 0}, Vec3{-1, 0, 0}),
-                                   std::tuple(u, v, n)}) {
+  for (const auto& [e1, e2, up] : {std::tuple(Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}),
+                                   std::tuple(Vec3{0, 0, 1}, Vec3{0, 1, 0}, Vec3{-1, 0, 0}), std::tuple(u, v, n)}) {
     for (std::size_t first = 0; first < outline.size(); ++first) {
       PolygonMesh polygons;
       for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -50,10 +50,11 @@ void expect_covered(const Outline& outline) {
 
 TEST(Polygons, of_any_outline_are_covered_once) {
   expect_covered({{0, 0}, {2, 0}, {2, 1}, {0, 1}});
-  expect_covered({{0, 0}, {2, 0.5}, {0, 1}, {0.5, 0.5}});                                      // an arrow: one diagonal lies outside
-  expect_covered({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});                            // L
-  expect_covered({{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 1}, {2, 1}, {1, 1}, {0, 1}});            // vertices inside straight sides
-  expect_covered({{0, 0}, {7, 0}, {7, 3}, {6, 3}, {6, 1}, {5, 1}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}});
+  expect_covered({{0, 0}, {2, 0.5}, {0, 1}, {0.5, 0.5}});                            // an arrow: one diagonal lies outside
+  expect_covered({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});                  // L
+  expect_covered({{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 1}, {2, 1}, {1, 1}, {0, 1}});  // vertices inside straight sides
+  expect_covered(
+      {{0, 0}, {7, 0}, {7, 3}, {6, 3}, {6, 1}, {5, 1}, {5, 3}, {4, 3}, {4, 1}, {3, 1}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}});
   expect_covered({{0, 0}, {5, 0}, {5, 4}, {1, 4}, {1, 2}, {3, 2}, {3, 3}, {2, 3}, {2, 3.5}, {4, 3.5}, {4, 1}, {0, 1}});  // a spiral
   // a square with a hole, joined to the rim by a cut that is walked twice
   expect_covered({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}});

@@ -6,7 +6,7 @@
 #include <ostream>
 
 #include "core/storage/shape_file.hpp"
-#include "mesher/mesh_file.hpp"
+#include "mesher/io/mesh_file.hpp"
 #include "tests/mesher/tool_run.hpp"
 
 namespace scree {
@@ -22,9 +22,8 @@ const std::string kOpenuniverse = "/usr/share/openuniverse/3dmodels/";
 
 TEST(RealMeshes, the_sixteen_small_bodies_of_openuniverse_are_watertight) {
   NEEDS_FILE(kOpenuniverse + "ida.bmf", "openuniverse-common");
-  const char* const names[] = {"amalthea",   "bacchus",  "castalia", "deimos", "epimetheus", "gaspra",
-                               "geographos", "hyperion", "ida",      "janus",  "ky",         "phobos",
-                               "prometheus", "proteus",  "toutatis", "vesta"};
+  const char* const names[] = {"amalthea", "bacchus", "castalia", "deimos", "epimetheus", "gaspra",  "geographos", "hyperion",
+                               "ida",      "janus",   "ky",       "phobos", "prometheus", "proteus", "toutatis",   "vesta"};
   const Folder folder;
   std::string arguments = "import --unit km -o all.shape.h5";
   for (const char* name : names) arguments += " " + kOpenuniverse + name + ".bmf";
@@ -44,9 +43,7 @@ TEST(RealMeshes, the_sixteen_small_bodies_of_openuniverse_are_watertight) {
   // km^3: Stellarium's models of the same bodies have 849.5, 5750, 1014 and 15753; both come from the same
   // surveys
   const auto volume = [&](const std::string& name) {
-    return 1e-9 * std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) {
-                    return s.name == name;
-                  })->mass.volume;
+    return 1e-9 * std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) { return s.name == name; })->mass.volume;
   };
   EXPECT_NEAR(volume("gaspra"), 849.5, 0.001 * 849.5);
   EXPECT_NEAR(volume("phobos"), 5750, 0.005 * 5750);
@@ -99,15 +96,13 @@ TEST_P(RealSolids, are_watertight) {
   EXPECT_GT(shape.mass.volume, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Packages, RealSolids,
-    testing::Values(Model{"fels", "/usr/share/assimp/models/3DS/fels.3ds", "assimp-testmodels", 768},
-                    Model{"asteroid_low", "/usr/share/glmark2/models/asteroid-low.3ds", "glmark2-data", 480},
-                    Model{"asteroid_high", "/usr/share/glmark2/models/asteroid-high.3ds", "glmark2-data",
-                          48000},
-                    Model{"duck", "/usr/share/assimp/models/Collada/duck.dae", "assimp-testmodels", 4212},
-                    Model{"bunny", "/usr/share/glmark2/models/bunny.obj", "glmark2-data", 69666}),
-    [](const testing::TestParamInfo<Model>& model) { return model.param.name; });
+INSTANTIATE_TEST_SUITE_P(Packages, RealSolids,
+                         testing::Values(Model{"fels", "/usr/share/assimp/models/3DS/fels.3ds", "assimp-testmodels", 768},
+                                         Model{"asteroid_low", "/usr/share/glmark2/models/asteroid-low.3ds", "glmark2-data", 480},
+                                         Model{"asteroid_high", "/usr/share/glmark2/models/asteroid-high.3ds", "glmark2-data", 48000},
+                                         Model{"duck", "/usr/share/assimp/models/Collada/duck.dae", "assimp-testmodels", 4212},
+                                         Model{"bunny", "/usr/share/glmark2/models/bunny.obj", "glmark2-data", 69666}),
+                         [](const testing::TestParamInfo<Model>& model) { return model.param.name; });
 
 class RealOpenMeshes : public testing::TestWithParam<Model> {};
 
@@ -122,13 +117,12 @@ TEST_P(RealOpenMeshes, are_refused_as_solids_and_taken_as_surfaces) {
   EXPECT_EQ(folder.mesher(std::string("import ") + model.path + " --surface -o x.shape.h5").code, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Packages, RealOpenMeshes,
-    testing::Values(Model{"spider_obj", "/usr/share/assimp/models/OBJ/spider.obj", "assimp-testmodels", 0},
-                    Model{"wuson_ply", "/usr/share/assimp/models/PLY/Wuson.ply", "assimp-testmodels", 0},
-                    Model{"wuson_stl", "/usr/share/assimp/models/STL/Wuson.stl", "assimp-testmodels", 0},
-                    Model{"cat", "/usr/share/glmark2/models/cat.3ds", "glmark2-data", 0}),
-    [](const testing::TestParamInfo<Model>& model) { return model.param.name; });
+INSTANTIATE_TEST_SUITE_P(Packages, RealOpenMeshes,
+                         testing::Values(Model{"spider_obj", "/usr/share/assimp/models/OBJ/spider.obj", "assimp-testmodels", 0},
+                                         Model{"wuson_ply", "/usr/share/assimp/models/PLY/Wuson.ply", "assimp-testmodels", 0},
+                                         Model{"wuson_stl", "/usr/share/assimp/models/STL/Wuson.stl", "assimp-testmodels", 0},
+                                         Model{"cat", "/usr/share/glmark2/models/cat.3ds", "glmark2-data", 0}),
+                         [](const testing::TestParamInfo<Model>& model) { return model.param.name; });
 
 }  // namespace
 }  // namespace scree

@@ -1,6 +1,6 @@
 // Shape files: what is written is read back bit by bit; what is damaged or newer is refused.
-#include "core/base/utf8.hpp"
 #include "core/storage/shape_file.hpp"
+#include "core/base/utf8.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,8 +21,7 @@ std::vector<Shape> samples() {
   TriangleMesh sheet;
   sheet.vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   sheet.triangles = {{0, 1, 2}};
-  std::vector<Shape> shapes{make_solid("rock", rock), make_surface("sheet", sheet),
-                            make_sphere("bead", 0.25)};
+  std::vector<Shape> shapes{make_solid("rock", rock), make_surface("sheet", sheet), make_sphere("bead", 0.25)};
   shapes[0].verdict = {{"solid", true}, {"triangles", 320}};
   return shapes;
 }
@@ -36,8 +35,7 @@ std::string message_of(const std::string& path) {
   return "no InputError";
 }
 
-#define EXPECT_SAYS(text, words) \
-  EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
+#define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
 TEST(ShapeFile, every_kind_of_shape_comes_back_bit_by_bit) {
   const Folder folder;
@@ -93,8 +91,7 @@ TEST(ShapeFile, a_truncated_file_is_refused_wherever_it_was_cut) {
   write_shape_file(folder / "x.shape.h5", samples(), nullptr);
   const std::string whole = test::text_of_file(folder / "x.shape.h5");
   for (double part : {0.0, 0.01, 0.25, 0.5, 0.75, 0.99}) {
-    folder.write("cut.shape.h5",
-                 whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+    folder.write("cut.shape.h5", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
     EXPECT_THROW(read_shape_file(folder / "cut.shape.h5"), InputError) << "cut at " << part;
   }
 }
@@ -102,9 +99,7 @@ TEST(ShapeFile, a_truncated_file_is_refused_wherever_it_was_cut) {
 TEST(ShapeFile, missing_foreign_and_other_files_are_refused) {
   const Folder folder;
   EXPECT_SAYS(message_of(folder / "nowhere.shape.h5"), "nowhere.shape.h5");
-  folder.write(
-      "text.shape.h5",
-      "this is no HDF5 file, but it is long enough to be looked at by the library for its signature");
+  folder.write("text.shape.h5", "this is no HDF5 file, but it is long enough to be looked at by the library for its signature");
   EXPECT_SAYS(message_of(folder / "text.shape.h5"), "text.shape.h5");
   h5::NewFile bare(folder / "bare.shape.h5");
   bare.commit();
@@ -158,7 +153,8 @@ TEST(ShapeFile, more_than_10000_shapes_come_back_in_the_order_of_their_numbers) 
   write_shapes(group, {make_sphere("others", 1), make_sphere("at 1 and 10000", 2)});
   // links to these two: as good as 10 001 shapes to the reader, and soon written
   for (int i = 2; i <= 10000; ++i) {
-    H5Lcreate_hard(group.id(), i == 10000 ? "shape_0001" : "shape_0000", group.id(), fmt::format("shape_{:04}", i).c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    H5Lcreate_hard(group.id(), i == 10000 ? "shape_0001" : "shape_0000", group.id(), fmt::format("shape_{:04}", i).c_str(), H5P_DEFAULT,
+                   H5P_DEFAULT);
   }
   const std::vector<Shape> shapes = read_shapes(group);
   ASSERT_EQ(shapes.size(), 10001U);

@@ -41,17 +41,13 @@ class Folder {
   std::string operator/(const std::string& name) const { return (path_ / name).string(); }
   const std::filesystem::path& path() const { return path_; }
 
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-  }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path_ / name, std::ios::binary) << text; }
 
   /// Runs "scree-mesher ARGUMENTS" inside the folder.
   ToolRun mesher(const std::string& arguments) const {
-    const std::string command =
-        "cd '" + path_.string() + "' && '" SCREE_MESHER "' " + arguments + " >.stdout 2>.stderr </dev/null";
+    const std::string command = "cd '" + path_.string() + "' && '" SCREE_MESHER "' " + arguments + " >.stdout 2>.stderr </dev/null";
     const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of_file(path_ / ".stdout"),
-            text_of_file(path_ / ".stderr")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of_file(path_ / ".stdout"), text_of_file(path_ / ".stderr")};
   }
 
  private:

@@ -3,7 +3,6 @@
 
 #include <map>
 
-
 #include "core/base/error.hpp"
 #include "tests/partition/cloud.hpp"
 
@@ -34,7 +33,7 @@ TEST_P(Methods, share_the_work_evenly_and_all_ranks_agree_on_every_owner) {
   const Cloud all = clustered_cloud(4000), own = share(all);
   Partitioner partitioner(MPI_COMM_WORLD, rank_count(), GetParam());
   partitioner.cut(own.ids, own.points, own.weights);
-  EXPECT_LT(imbalance_of(parts_of(partitioner, all), all), 1.02);   // as for boxes: one point of weight 4 in a share of 2000
+  EXPECT_LT(imbalance_of(parts_of(partitioner, all), all), 1.02);  // as for boxes: one point of weight 4 in a share of 2000
 }
 
 TEST_P(Methods, cut_again_when_the_points_have_moved_and_stay_balanced) {
@@ -44,7 +43,7 @@ TEST_P(Methods, cut_again_when_the_points_have_moved_and_stay_balanced) {
     const Cloud own = share(all);
     partitioner.cut(own.ids, own.points, own.weights);
     EXPECT_LT(imbalance_of(parts_of(partitioner, all), all), 1.02) << "round " << round;
-    for (Vec3& p : all.points) p = {p.x + 0.3 * p.z, p.y - 0.2 * p.x, 0.9 * p.z};   // a shear: other directions become longest
+    for (Vec3& p : all.points) p = {p.x + 0.3 * p.z, p.y - 0.2 * p.x, 0.9 * p.z};  // a shear: other directions become longest
   }
 }
 
@@ -84,7 +83,7 @@ TEST(CutBoxes, are_within_reach_by_the_distance_of_their_nearest_corners) {
   CutBoxes boxes;
   boxes.lower = {{0, 0, 0}, {4, 5, 0}, {-1e300, -1e300, 3}};
   boxes.upper = {{1, 1, 1}, {6, 6, 1}, {1e300, 1e300, 1e300}};
-  EXPECT_FALSE(boxes.are_within(0, 1, 5));   // 3-4-5
+  EXPECT_FALSE(boxes.are_within(0, 1, 5));  // 3-4-5
   EXPECT_TRUE(boxes.are_within(0, 1, 5.0001));
   EXPECT_TRUE(boxes.are_within(1, 0, 5.0001));
   EXPECT_FALSE(boxes.are_within(0, 2, 2));

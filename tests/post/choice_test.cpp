@@ -1,12 +1,12 @@
 // Regions, frames and bodies that a user chooses.
-#include "post/choice.hpp"
+#include "post/run/choice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "core/base/error.hpp"
-#include "post/contact_network.hpp"
+#include "post/run/contact_network.hpp"
 #include "tests/post/sample_run.hpp"
 
 namespace scree {
@@ -47,14 +47,13 @@ TEST(Region, points_on_the_side_between_two_boxes_are_in_one_of_them) {
 }
 
 TEST(Region, a_wrong_text_is_refused_with_what_was_expected) {
-  for (const char* text : {"box:1,2,3", "ring:0,0,0,1", "sphere:0,0,0,1 s", "box:0,0,0,1,1,0"}) EXPECT_THROW(parse_region(text), UsageError) << text;
+  for (const char* text : {"box:1,2,3", "ring:0,0,0,1", "sphere:0,0,0,1 s", "box:0,0,0,1,1,0"})
+    EXPECT_THROW(parse_region(text), UsageError) << text;
 }
 
 class Choice : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    test::write_sample_run(std::filesystem::path(SCREE_TEST_FOLDER) / "choice" / "sample.run");
-  }
+  static void SetUpTestSuite() { test::write_sample_run(std::filesystem::path(SCREE_TEST_FOLDER) / "choice" / "sample.run"); }
   scree::Run run = open_run(std::string(SCREE_TEST_FOLDER) + "/choice/sample.run");
 };
 

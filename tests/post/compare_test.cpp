@@ -1,5 +1,5 @@
 // Runs that differ by what was put into them, and fronts of error against time that are drawn by hand.
-#include "post/compare.hpp"
+#include "post/studies/compare.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "core/base/error.hpp"
-#include "post/error_vs_time.hpp"
+#include "post/studies/error_vs_time.hpp"
 #include "tests/post/sample_run.hpp"
 
 namespace scree {
@@ -72,14 +72,16 @@ TEST(Compare, settings_distances_and_growth_are_those_that_were_put_in) {
   }
   EXPECT_NEAR(t.growth_rate, 20, 1e-6);
   const Comparison c = compare_runs(runs, (folder / "out").string(), {1, false});
-  for (const char* file : {"settings.csv", "statistics.csv", "divergence.csv", "divergence.svg", "comparison.json"}) EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
+  for (const char* file : {"settings.csv", "statistics.csv", "divergence.csv", "divergence.svg", "comparison.json"})
+    EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
   const nlohmann::json json = nlohmann::json::parse(text_of(folder / "out" / "comparison.json"));
   EXPECT_NEAR(json["trajectories"][0]["growth_rate"].get<double>(), 20, 1e-6);
   EXPECT_EQ(json["statistics"]["particle_count"]["apart"], false);
 }
 
 TEST(ErrorVsTime, the_front_holds_what_nothing_beats) {
-  std::vector<StudyRow> rows{{"a", "", 1, 1e-1}, {"b", "", 2, 1e-2}, {"c", "", 3, 5e-2}, {"d", "", 4, 1e-3}, {"e", "", 2, 2e-2}, {"f", "", 5, 1e-3}};
+  std::vector<StudyRow> rows{{"a", "", 1, 1e-1}, {"b", "", 2, 1e-2}, {"c", "", 3, 5e-2},
+                             {"d", "", 4, 1e-3}, {"e", "", 2, 2e-2}, {"f", "", 5, 1e-3}};
   mark_front(rows);
   std::string front;
   for (const StudyRow& row : rows) front += row.on_front ? row.choice : "";
@@ -92,9 +94,10 @@ TEST(ErrorVsTime, the_front_holds_what_nothing_beats) {
 TEST(ErrorVsTime, a_study_gives_its_fronts_its_best_choices_and_a_chart) {
   const fs::path folder = folder_of_test();
   fs::create_directories(folder);
-  std::ofstream(folder / "errors.csv") << "case,integrator,step,wall_median,error_traj,error_e\n"
-                                          "# units: -,-,s,s,-,-\n"
-                                          "top,euler,1e-3,0.1,-0.5,\ntop,euler,1e-4,1,0.05,\ntop,kdk-dlm,1e-3,0.2,0.001,\ntop,kdk-dlm,1e-4,2,1e-5,\nlone,euler,1e-3,1,1,\n";
+  std::ofstream(folder / "errors.csv")
+      << "case,integrator,step,wall_median,error_traj,error_e\n"
+         "# units: -,-,s,s,-,-\n"
+         "top,euler,1e-3,0.1,-0.5,\ntop,euler,1e-4,1,0.05,\ntop,kdk-dlm,1e-3,0.2,0.001,\ntop,kdk-dlm,1e-4,2,1e-5,\nlone,euler,1e-3,1,1,\n";
   ErrorVsTimeOptions options;
   options.files = {(folder / "errors.csv").string()};
   options.folder = (folder / "out").string();

@@ -1,5 +1,5 @@
 // Packings small enough to count by hand; expected values are exact fractions.
-#include "post/contact_statistics.hpp"
+#include "post/statistics/contact_statistics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ TEST(ContactStatistics, two_touching_bodies_have_one_neighbour_each) {
   const ContactStatistics s = contact_statistics(frame, kWalls);
   EXPECT_EQ(s.particles, 2u);
   EXPECT_EQ(s.coordination, 1);
-  EXPECT_EQ(s.rattlers, 2u);                          // one neighbour cannot hold a body
-  EXPECT_EQ(s.coordination_without_rattlers, 0);      // nobody is left
+  EXPECT_EQ(s.rattlers, 2u);                      // one neighbour cannot hold a body
+  EXPECT_EQ(s.coordination_without_rattlers, 0);  // nobody is left
   EXPECT_EQ(s.contact_force.mean, 3.5);
   EXPECT_EQ(s.contact_force.median, 3.5);
   EXPECT_EQ(s.max_depth_ratio, 0.25);
@@ -39,9 +39,9 @@ TEST(ContactStatistics, a_chain_of_three_follows_thorntons_formula) {
   test::add_contact(frame, 0, 1, 0, {1, 0, 0}, 1);
   test::add_contact(frame, 1, 2, 0, {1, 0, 0}, 1);
   const ContactStatistics s = contact_statistics(frame, kWalls);
-  EXPECT_DOUBLE_EQ(s.coordination, 4.0 / 3.0);        // 2 * 2 / 3
+  EXPECT_DOUBLE_EQ(s.coordination, 4.0 / 3.0);  // 2 * 2 / 3
   EXPECT_EQ(s.rattlers, 2u);
-  EXPECT_EQ(s.coordination_without_rattlers, 2);      // (2 * 2 - 2) / (3 - 2)
+  EXPECT_EQ(s.coordination_without_rattlers, 2);  // (2 * 2 - 2) / (3 - 2)
 }
 
 TEST(ContactStatistics, a_wall_is_a_neighbour_but_no_particle) {
@@ -52,7 +52,7 @@ TEST(ContactStatistics, a_wall_is_a_neighbour_but_no_particle) {
   EXPECT_EQ(s.particles, 2u);
   EXPECT_EQ(s.pairs_of_particles, 1u);
   EXPECT_EQ(s.pairs_with_walls, 1u);
-  EXPECT_DOUBLE_EQ(s.coordination, 1.5);              // (2 * 1 + 1) / 2
+  EXPECT_DOUBLE_EQ(s.coordination, 1.5);  // (2 * 1 + 1) / 2
 }
 
 TEST(ContactStatistics, several_points_of_a_pair_are_one_neighbour) {
@@ -61,7 +61,7 @@ TEST(ContactStatistics, several_points_of_a_pair_are_one_neighbour) {
   const ContactStatistics s = contact_statistics(frame, kWalls);
   EXPECT_EQ(s.coordination, 1);
   EXPECT_EQ(s.contacts_per_particle, 4);
-  EXPECT_EQ(s.pair_force.mean, 8);                    // four parallel forces of 2 N
+  EXPECT_EQ(s.pair_force.mean, 8);  // four parallel forces of 2 N
   EXPECT_EQ(s.contact_force.mean, 2);
 }
 

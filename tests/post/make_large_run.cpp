@@ -55,7 +55,8 @@ int main(int argc, char** argv) {
     const auto k = static_cast<std::int64_t>(i);
     scene.bodies.scale[i] = 1;
     scene.bodies.shape[i] = k % 2 == 0 ? 2 : 1;
-    scene.bodies.position[i] = kSpacing * Vec3{0.5 + static_cast<double>(k % side), 0.5 + static_cast<double>(k / side % side), 0.5 + static_cast<double>(k / side / side)};
+    scene.bodies.position[i] = kSpacing * Vec3{0.5 + static_cast<double>(k % side), 0.5 + static_cast<double>(k / side % side),
+                                               0.5 + static_cast<double>(k / side / side)};
   }
   scene.walls[0].lower = {0, 0, 0};
   scene.walls[0].upper = kSpacing * static_cast<double>(side) * Vec3{1, 1, 1};
@@ -68,7 +69,8 @@ int main(int argc, char** argv) {
   }
   write_frame_series(folder.string(), entries);
   h5::write_text_file((folder / "log.csv").string(), test::sample_log(0.05, 1e-7, 0.25));
-  h5::write_text_file((folder / "run.json").string(), test::sample_outcome(scene, test::sample_frame(scene, frames - 1, 0.01 * frames)).dump(1));
+  h5::write_text_file((folder / "run.json").string(),
+                      test::sample_outcome(scene, test::sample_frame(scene, frames - 1, 0.01 * frames)).dump(1));
   MPI_Finalize();
   return 0;
 }

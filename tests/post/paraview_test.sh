@@ -3,8 +3,9 @@
 # usage: paraview_test.sh SCREE_POST MAKE_SAMPLE_RUN FOLDER COMPARE_PICTURES.py    Exit 77: skipped.
 # ParaView's Python modules conflict with Debian's libvtk9-dev, so it is looked for on PATH and never installed by setup.
 set -eu
+screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/workflows/with_screen"
 post=$1 make=$2 folder=$3 compare=$4
-for tool in pvbatch xvfb-run; do
+for tool in pvbatch Xvfb; do
   command -v $tool >/dev/null || { echo "SKIPPED: $tool is not on PATH"; exit 77; }
 done
 rm -rf "$folder" && mkdir -p "$folder" && cd "$folder"
@@ -15,16 +16,16 @@ mv sample.run moved.run && mkdir sub && mv moved.run sub/sample.run  # the scrip
 cd /
 for frame in 0 2; do
   for kind in "" --surfaces; do
-    xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" --plain --size 800 600 \
+    "$screen" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" --plain --size 800 600 \
       --frame $frame $kind --picture "$folder/frame$frame$kind.png"
   done
   pvbatch "$compare" "$folder/frame$frame.png" "$folder/frame$frame--surfaces.png"
 done
 if cmp -s "$folder/frame0.png" "$folder/frame2.png"; then echo "FAILED: frames 0 and 2 look the same"; exit 1; fi
-xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" --picture "$folder/full.png"
+"$screen" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" --picture "$folder/full.png"
 test -s "$folder/full.png"
 for option in "--colour velocity" "--colour rank" "--colour material" --network "--network --frame 0"; do  # frame 0 has no contacts
   picture="$folder/$(echo "$option" | tr -d ' -').png"
-  xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" $option --picture "$picture"
+  "$screen" pvbatch "$folder/sub/sample.run/paraview/open_in_paraview.py" $option --picture "$picture"
   if cmp -s "$folder/full.png" "$picture"; then echo "FAILED: $option changes nothing"; exit 1; fi
 done

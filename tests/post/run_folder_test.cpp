@@ -1,5 +1,5 @@
 // Tables, verdicts and the report from a run that was made up by hand, whole and spoilt.
-#include "post/run_folder.hpp"
+#include "post/run/run_folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <regex>
 #include <sstream>
 
-#include "post/provenance_chain.hpp"
-#include "post/report.hpp"
 #include "core/chart/svg_chart.hpp"
-#include "post/tables.hpp"
-#include "post/verdicts.hpp"
+#include "post/report/report.hpp"
+#include "post/report/verdicts.hpp"
+#include "post/run/provenance_chain.hpp"
+#include "post/statistics/tables.hpp"
 #include "tests/post/sample_run.hpp"
 
 namespace scree {
@@ -72,7 +72,8 @@ TEST_F(RunFolder, the_bodies_table_gives_back_every_bit) {
     const std::size_t i = r % 12;
     const Vec3 &x = expected.bodies.position[i], &v = expected.bodies.velocity[i], &w = expected.bodies.angular_velocity[i];
     const Quat& q = expected.bodies.orientation[i];
-    EXPECT_EQ(rows[r], (std::vector<double>{time, static_cast<double>(i), x.x, x.y, x.z, v.x, v.y, v.z, q.w, q.x, q.y, q.z, w.x, w.y, w.z}));
+    EXPECT_EQ(rows[r],
+              (std::vector<double>{time, static_cast<double>(i), x.x, x.y, x.z, v.x, v.y, v.z, q.w, q.x, q.y, q.z, w.x, w.y, w.z}));
   }
 }
 
@@ -99,7 +100,8 @@ TEST_F(RunFolder, a_run_without_run_json_is_read_and_said_to_be_unfinished) {
 TEST_F(RunFolder, a_half_written_last_line_of_the_log_is_left_out) {
   std::ofstream(folder / "log.csv", std::ios::app) << "300,0.3,1,";
   EXPECT_EQ(open_run(folder.string()).log.rows(), 3u);
-  std::ofstream(folder / "log.csv") << test::log_header() << "0,0,0,0,20,0,0,0,0,0,0,0,1,0,0,0,aa\n100,0.1,8,2,5,0.5,0,4.5,0,0,12,0.3,1.2,0.5,2.5,1000,b";
+  std::ofstream(folder / "log.csv") << test::log_header()
+                                    << "0,0,0,0,20,0,0,0,0,0,0,0,1,0,0,0,aa\n100,0.1,8,2,5,0.5,0,4.5,0,0,12,0.3,1.2,0.5,2.5,1000,b";
   EXPECT_EQ(open_run(folder.string()).log.rows(), 1u) << "a line without its end may be cut inside a number";
 }
 
@@ -161,7 +163,7 @@ TEST_F(RunFolder, a_sound_run_is_judged_good_throughout) {
   EXPECT_EQ(verdict(all, "Step margin").answer, "0.05 of the critical step");
   EXPECT_EQ(verdict(all, "Energy balance").answer, "closed to 0 %");  // 0.05 J, a tenth of what its contacts hold, and none at the end
   EXPECT_EQ(verdict(all, "Contact depth").answer, "at most 0.250 of the margin");
-  EXPECT_EQ(verdict(all, "Came to rest").answer, "yes");                 // 1e-7 J of a peak of 10 J
+  EXPECT_EQ(verdict(all, "Came to rest").answer, "yes");  // 1e-7 J of a peak of 10 J
 }
 
 TEST_F(RunFolder, a_file_that_is_missing_or_changed_is_told_in_the_verdicts) {
@@ -194,7 +196,8 @@ TEST_F(RunFolder, the_page_and_its_json_tell_the_same_numbers) {
     const std::string cell = fmt::format("{}</td><td class=\"n\">{:.5g}<", name, all[name]["mean"].get<double>());
     EXPECT_NE(html.find(cell), std::string::npos) << cell;
   }
-  for (const nlohmann::json& v : result.numbers["verdicts"]) EXPECT_NE(html.find(escaped(v["answer"].get<std::string>())), std::string::npos) << v;
+  for (const nlohmann::json& v : result.numbers["verdicts"])
+    EXPECT_NE(html.find(escaped(v["answer"].get<std::string>())), std::string::npos) << v;
   EXPECT_EQ(result.numbers["files"].size(), 3u);
 }
 
@@ -248,9 +251,10 @@ TEST_F(RunFolder, the_energy_is_judged_by_what_lasts_and_against_what_is_in_play
   EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.002" + rest).answer, "closed to 0.2 %");
   EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.002" + rest).judgement, Judgement::good);
   EXPECT_NE(judged(bounce + "3,3,1,0,0,0,0,0,0,0.002" + rest).evidence.find("3.7 %"), std::string::npos);
-  EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.1" + rest).judgement, Judgement::bad);             // it lasts
-  EXPECT_EQ(judged(bounce).judgement, Judgement::doubtful);                                          // as it ends, it counts
-  EXPECT_EQ(judged("0,0,1,0,0,0,0,0,0,0" + rest + "1,1,1,0,0,0.1,0,0,0,0.5" + rest + "2,2,1,0,0,0,0,0,0,0" + rest).judgement, Judgement::bad);  // no contact explains it
+  EXPECT_EQ(judged(bounce + "3,3,1,0,0,0,0,0,0,0.1" + rest).judgement, Judgement::bad);  // it lasts
+  EXPECT_EQ(judged(bounce).judgement, Judgement::doubtful);                              // as it ends, it counts
+  EXPECT_EQ(judged("0,0,1,0,0,0,0,0,0,0" + rest + "1,1,1,0,0,0.1,0,0,0,0.5" + rest + "2,2,1,0,0,0,0,0,0,0" + rest).judgement,
+            Judgement::bad);  // no contact explains it
   // nothing moves: rounding of the potential energy of 1 J against 1e-22 J of motion
   EXPECT_EQ(judged("0,0,0,0,1,0,0,0,0,0" + rest + "1,1,1e-22,0,1,0,0,0,0,1.5e-17" + rest).judgement, Judgement::good);
 }
@@ -276,7 +280,7 @@ TEST_F(RunFolder, bodies_that_fall_past_a_plate_are_told) {
   };
   EXPECT_EQ(judged(-5, false).answer, "11 of 12 fall below all walls");
   EXPECT_EQ(judged(-5, false).judgement, Judgement::doubtful);
-  EXPECT_EQ(judged(-5, true).answer, "none");   // a floor far below holds them
+  EXPECT_EQ(judged(-5, true).answer, "none");  // a floor far below holds them
   EXPECT_EQ(judged(0.05, false).answer, "none");
   EXPECT_EQ(judged(0.05, false).judgement, Judgement::good);
 }
@@ -291,7 +295,8 @@ TEST_F(RunFolder, the_report_needs_nothing_from_outside) {
   EXPECT_EQ(html.find("url("), std::string::npos);
   EXPECT_EQ(html.find("<script src"), std::string::npos);
   EXPECT_EQ(html.find("fetch("), std::string::npos);
-  for (const char* not_a_number : {" nan", ">nan", "-nan", "\"nan", ">inf", " inf "}) EXPECT_EQ(html.find(not_a_number), std::string::npos) << not_a_number;
+  for (const char* not_a_number : {" nan", ">nan", "-nan", "\"nan", ">inf", " inf "})
+    EXPECT_EQ(html.find(not_a_number), std::string::npos) << not_a_number;
 }
 
 TEST_F(RunFolder, the_report_escapes_what_the_user_wrote) {
@@ -313,9 +318,10 @@ TEST_F(RunFolder, the_report_tells_the_chain_down_to_the_first_hash_and_how_to_r
 
 TEST_F(RunFolder, commands_come_in_the_order_in_which_they_must_be_given) {
   const Frame frame = load_frame(open_run(folder.string()), 0);
-  EXPECT_EQ(commands_of(frame.provenance), (std::vector<std::string>{"scree-mesher import 'my rock.stl' -o rock.shape.h5",
-                                                                     "scree-decomposer pack sample.toml -o sample.scene.h5",
-                                                                     "OMP_NUM_THREADS=1 mpirun -n 2 scree-solver sample.scene.h5 -o sample.run"}));
+  EXPECT_EQ(commands_of(frame.provenance),
+            (std::vector<std::string>{"scree-mesher import 'my rock.stl' -o rock.shape.h5",
+                                      "scree-decomposer pack sample.toml -o sample.scene.h5",
+                                      "OMP_NUM_THREADS=1 mpirun -n 2 scree-solver sample.scene.h5 -o sample.run"}));
 }
 
 TEST(ProvenanceChain, a_continued_run_is_repeated_from_its_start) {
@@ -359,8 +365,10 @@ TEST(SvgChart, no_tick_lies_outside_the_frame) {
 
 TEST(SvgChart, a_chart_without_finite_points_says_so) {
   const double nan = std::nan("");
-  EXPECT_NE(svg_of(LineChart{"t", "x", "s", "y", "J", false, false, {{"l", {nan, 1}, {1, nan}}}, {}}).find("nothing to draw"), std::string::npos);
-  EXPECT_NE(svg_of(LineChart{"t", "x", "s", "y", "J", true, false, {{"l", {0, 1}, {0, -1}}}, {}}).find("nothing to draw"), std::string::npos);
+  EXPECT_NE(svg_of(LineChart{"t", "x", "s", "y", "J", false, false, {{"l", {nan, 1}, {1, nan}}}, {}}).find("nothing to draw"),
+            std::string::npos);
+  EXPECT_NE(svg_of(LineChart{"t", "x", "s", "y", "J", true, false, {{"l", {0, 1}, {0, -1}}}, {}}).find("nothing to draw"),
+            std::string::npos);
 }
 
 TEST(SvgChart, a_long_line_keeps_its_peak) {

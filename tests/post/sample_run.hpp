@@ -26,8 +26,8 @@ inline TriangleMesh wedge_mesh() {
 }
 
 /// Files that the sample's provenance names, and what is in them.
-inline constexpr std::array<std::pair<const char*, const char*>, 3> kSampleInputs{{{"my rock.stl", "solid rock"}, {"rock.shape.h5", "shapes of rock"},
-                                                                                   {"sample.scene.h5", "a scene"}}};
+inline constexpr std::array<std::pair<const char*, const char*>, 3> kSampleInputs{
+    {{"my rock.stl", "solid rock"}, {"rock.shape.h5", "shapes of rock"}, {"sample.scene.h5", "a scene"}}};
 inline InputRecord sample_input(std::size_t k, const nlohmann::json& history) {
   const std::string content = kSampleInputs[k].second;
   return {kSampleInputs[k].first, sha256_of_bytes(content.data(), content.size()), history};
@@ -121,7 +121,8 @@ inline Frame sample_frame(const Scene& scene, std::int64_t number, double time) 
   return frame;
 }
 
-inline void add_contact(Frame& frame, std::int64_t a, std::int64_t b, std::int64_t feature, const Vec3& normal, double force, double depth = 1e-4) {
+inline void add_contact(Frame& frame, std::int64_t a, std::int64_t b, std::int64_t feature, const Vec3& normal, double force,
+                        double depth = 1e-4) {
   FrameContacts& c = frame.contacts;
   c.body_a.push_back(a);
   c.body_b.push_back(b);
@@ -135,7 +136,8 @@ inline void add_contact(Frame& frame, std::int64_t a, std::int64_t b, std::int64
 }
 
 inline std::string log_header() {
-  return "step,time,kinetic_translational,kinetic_rotational,potential,elastic,elastic_tangential,dissipated,wall_work,energy_error,contacts,"
+  return "step,time,kinetic_translational,kinetic_rotational,potential,elastic,elastic_tangential,dissipated,wall_work,energy_error,"
+         "contacts,"
          "max_depth_ratio,imbalance,t_search,t_force,steps_per_second,state_hash\n# units: -,s,J,J,J,J,J,J,J,J,-,-,-,s,s,1/s,-\n";
 }
 
@@ -147,10 +149,27 @@ inline std::string sample_log(double error, double final_kinetic, double depth_r
 }
 
 inline nlohmann::json sample_outcome(const Scene& scene, const Frame& frame) {
-  return {{"format", "scree-run"}, {"format_version", 1}, {"outcome", "completed"}, {"message", ""}, {"exit_code", 0}, {"steps", 200},
-          {"step_size", 1e-3}, {"critical_step", 0.02}, {"mean_imbalance", 1.1}, {"time", 0.2}, {"state_hash", "cafe0123"}, {"ranks", 2}, {"threads", 1}, {"bodies", scene.bodies.size()},
-          {"lost_bodies", 0}, {"bodies_outside_domain", 0}, {"wall_seconds", 6.5}, {"phases", {{"search", 1.0}, {"force", 5.0}}},
-          {"max_depth_ratio", 0.25}, {"peak_rss_bytes", 1000000}, {"provenance", frame.provenance}};
+  return {{"format", "scree-run"},
+          {"format_version", 1},
+          {"outcome", "completed"},
+          {"message", ""},
+          {"exit_code", 0},
+          {"steps", 200},
+          {"step_size", 1e-3},
+          {"critical_step", 0.02},
+          {"mean_imbalance", 1.1},
+          {"time", 0.2},
+          {"state_hash", "cafe0123"},
+          {"ranks", 2},
+          {"threads", 1},
+          {"bodies", scene.bodies.size()},
+          {"lost_bodies", 0},
+          {"bodies_outside_domain", 0},
+          {"wall_seconds", 6.5},
+          {"phases", {{"search", 1.0}, {"force", 5.0}}},
+          {"max_depth_ratio", 0.25},
+          {"peak_rss_bytes", 1000000},
+          {"provenance", frame.provenance}};
 }
 
 /// Writes NAME.run with three frames: t = 0, 0.1, 0.2, and beside it the files that it was made from.

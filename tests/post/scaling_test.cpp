@@ -1,5 +1,5 @@
 // Strong and weak scaling from tables whose every number is known.
-#include "post/scaling.hpp"
+#include "post/studies/scaling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ std::string make_run(const std::string& name, int threads, const std::vector<dou
           << 0.02 * share << "," << 0.03 * share << "," << share * (slowest - busy[r]) << ",0," << 7 * share << ",100," << 5000 * share
           << ",0,0," << 3000 * bodies_each << ",20000,1\n";
   };
-  for (std::size_t r = 0; r < busy.size(); ++r) row(50, r, 9);   // before the restart: times begin anew after it
+  for (std::size_t r = 0; r < busy.size(); ++r) row(50, r, 9);  // before the restart: times begin anew after it
   for (std::size_t r = 0; r < busy.size(); ++r) row(100, r, 0.5);
   for (std::size_t r = 0; r < busy.size(); ++r) row(200, r, 1.5);
   return folder.string();
@@ -51,7 +51,8 @@ TEST(Scaling, reads_the_time_of_a_step_from_the_rows_after_the_last_restart) {
 
 TEST(Scaling, writes_a_table_and_both_charts) {
   const std::string folder = (fs::path(SCREE_TEST_FOLDER) / "scaling" / "out").string();
-  const std::string table = write_scaling({make_run("one", 1, {2.0}, 80), make_run("two", 1, {1.0, 1.0}, 40), make_run("threads", 2, {1.1}, 160)}, folder);
+  const std::string table =
+      write_scaling({make_run("one", 1, {2.0}, 80), make_run("two", 1, {1.0, 1.0}, 40), make_run("threads", 2, {1.1}, 160)}, folder);
   EXPECT_NE(table.find("two.run,overlap/selected/rcb,80,2,1,100,0.0106,"), std::string::npos) << table;
   const auto text = [&](const std::string& name) {
     std::ifstream stream(folder + "/" + name);

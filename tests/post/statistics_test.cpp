@@ -9,8 +9,8 @@
 #include <random>
 #include <sstream>
 
-#include "post/apparatus.hpp"
-#include "post/choice.hpp"
+#include "post/run/apparatus.hpp"
+#include "post/run/choice.hpp"
 #include "post/statistics/bed.hpp"
 #include "post/statistics/space_measures.hpp"
 #include "post/statistics/volume_samples.hpp"
@@ -139,8 +139,8 @@ TEST(ContactMeasures, two_bodies_have_the_stress_of_force_times_branch) {
   const SceneFacts facts(p.run, std::nullopt, p.frame);
   const FrameView view(facts, p.frame);
   const ContactMeasures m = contact_measures(view, {}, 2);
-  EXPECT_DOUBLE_EQ(m.stress[0].x, 1.5);       // (-3) * (1 - 2) / 2
-  EXPECT_DOUBLE_EQ(m.stress[1].x, -1);        // 2 * (1 - 2) / 2
+  EXPECT_DOUBLE_EQ(m.stress[0].x, 1.5);  // (-3) * (1 - 2) / 2
+  EXPECT_DOUBLE_EQ(m.stress[1].x, -1);   // 2 * (1 - 2) / 2
   EXPECT_DOUBLE_EQ(m.pressure, 0.5);
   EXPECT_DOUBLE_EQ(m.normal_force, 3);
   EXPECT_DOUBLE_EQ(m.tangential_force, 2);
@@ -171,7 +171,7 @@ TEST(ContactMeasures, a_lid_on_a_packing_is_apparatus_and_stresses_it_as_a_wall)
   const SceneFacts before(p.run, std::nullopt, p.frame);
   const FrameView packing(before, p.frame);
   const double height = packing.highest, stress = contact_measures(packing, {}, packing.room_between(0, height)).stress[2].z;
-  EXPECT_NEAR(stress, 3, 1e-12);   // 3 N on each square metre
+  EXPECT_NEAR(stress, 3, 1e-12);  // 3 N on each square metre
 
   // a plate of [[bodies]] in the place of the upper wall, squeezed from above
   const std::int64_t lid = static_cast<std::int64_t>(p.frame.bodies.size());
@@ -248,13 +248,17 @@ TEST(VolumeSamples, they_have_the_volume_of_any_part_of_a_ball_and_of_a_box) {
   const std::vector<Vec3> points = volume_samples(ball, 2000);
   EXPECT_NEAR(static_cast<double>(points.size()), 2000, 100);
   constexpr double cap = 0.5;  // above z = 1/2: (2 + 1/2) (1/2)^2 pi / 3 over 4 pi / 3 = 5 / 32
-  EXPECT_NEAR(static_cast<double>(std::count_if(points.begin(), points.end(), [](const Vec3& q) { return q.z > cap; })) / static_cast<double>(points.size()), 5.0 / 32, 0.01);
+  EXPECT_NEAR(static_cast<double>(std::count_if(points.begin(), points.end(), [](const Vec3& q) { return q.z > cap; })) /
+                  static_cast<double>(points.size()),
+              5.0 / 32, 0.01);
   const std::vector<Vec3> inside = volume_samples(make_solid("box", box_mesh({1, 2, 3})), 2000);
   for (const Vec3& q : inside) {
     EXPECT_LE(std::abs(q.x), 0.55);
     EXPECT_LE(std::abs(q.z), 1.55);
   }
-  EXPECT_NEAR(static_cast<double>(std::count_if(inside.begin(), inside.end(), [](const Vec3& q) { return q.z > 0.75; })) / static_cast<double>(inside.size()), 0.25, 0.02);
+  EXPECT_NEAR(static_cast<double>(std::count_if(inside.begin(), inside.end(), [](const Vec3& q) { return q.z > 0.75; })) /
+                  static_cast<double>(inside.size()),
+              0.25, 0.02);
 }
 
 TEST(SpaceMeasures, a_cubic_lattice_fills_pi_over_six_of_bed_region_and_every_layer_by_the_balls_section) {
@@ -350,10 +354,12 @@ TEST(SpaceMeasures, a_drum_that_lies_is_filled_as_its_lattice_in_layers_rings_an
     EXPECT_NEAR(bed.of_container, bodies / (disc_below(view.highest) - disc_below(view.lowest)), 1e-3) << slope;
     if (slope > 0) continue;
     const Profile layers = profile(view, {'z', -1, -0.2, 10});
-    for (std::size_t k = 1; k < 10; ++k) EXPECT_NEAR(layers.solid_fraction[k], kPi / 6, 0.05) << k;   // half a ball and a step of the lattice are empty at either end of a chord of 1 to 2
+    for (std::size_t k = 1; k < 10; ++k)
+      EXPECT_NEAR(layers.solid_fraction[k], kPi / 6, 0.05)
+          << k;  // half a ball and a step of the lattice are empty at either end of a chord of 1 to 2
     const Profile sides = profile(view, {'x', -0.6, 0.6, 6});
     for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(sides.solid_fraction[k], kPi / 6, 0.04) << k;
-    const Profile rings = profile(view, {'r', 0.4, 1, 3});   // where the lattice is, between the heights of the bed
+    const Profile rings = profile(view, {'r', 0.4, 1, 3});  // where the lattice is, between the heights of the bed
     for (std::size_t k = 0; k < 3; ++k) EXPECT_GT(rings.solid_fraction[k], 0.4) << k;
     for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(rings.solid_fraction[k], kPi / 6 + 0.04) << k;
   }
@@ -378,7 +384,8 @@ TEST(SpaceMeasures, what_lies_across_a_periodic_side_counts_on_both) {
   const Profile layers = profile(view, {'x', 0, 4, 4});
   for (const double fraction : layers.solid_fraction) EXPECT_NEAR(fraction, kPi / 6, 0.03);
   // the cap of a ball beyond a quarter of its diameter is 5 / 32 of it; half a ball lies on either side of a seam
-  EXPECT_NEAR(region_solid_fraction(view, parse_region("box:0,0,0,0.25,4,4")), 16 * ball * (0.5 - 5.0 / 32) / 4, 0.03);   // a quarter of a body: 4 %
+  EXPECT_NEAR(region_solid_fraction(view, parse_region("box:0,0,0,0.25,4,4")), 16 * ball * (0.5 - 5.0 / 32) / 4,
+              0.03);  // a quarter of a body: 4 %
   EXPECT_NEAR(region_solid_fraction(view, parse_region("box:3.75,0,0,4,4,4")), 16 * ball * (0.5 - 5.0 / 32) / 4, 0.03);
   for (const char* text : {"box:-1,0,0,1,4,4", "box:3,0,0,5,4,4", "box:7.5,-2,0,8.5,2,4", "box:-4,0,0,4,4,4"}) {  // any image of the cell
     EXPECT_NEAR(region_solid_fraction(view, parse_region(text)), kPi / 6, 0.01) << text;

@@ -2,6 +2,7 @@
 # scree-post as a user runs it: what it prints, what it leaves, and its exit codes.
 # usage: tool_test.sh SCREE_POST MAKE_SAMPLE_RUN FOLDER HAVE_VTK
 set -u
+screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/workflows/with_screen"
 post=$1 make=$2 folder=$3 vtk=$4
 failures=0
 rm -rf "$folder" && mkdir -p "$folder" && cd "$folder" || exit 1
@@ -55,13 +56,13 @@ if [[ $vtk == 1 ]]; then
   expect 0 "network.pvd" "$post" vtk sample.run -o vtk --what network,walls --frames 1:2 --jobs 2;  there vtk/network_000002.vtp;  absent vtk/network_000000.vtp
   expect 2 "it has: box, wedge, ball" "$post" vtk sample.run -o vtk2 --shape bol
   expect 2 "region 'ring:1'" "$post" vtk sample.run -o vtk2 --region ring:1
-  expect 0 "wrote forces.png" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o forces.png --network --time \
+  expect 0 "wrote forces.png" "$screen" "$post" picture sample.run -o forces.png --network --time \
     --from 0 0 1 --at 0.1 0.1 0.1 --zoom 2 --size 320 240;  there forces.png
-  expect 0 "wrote speed.png" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o speed.png --colour velocity;  there speed.png
-  expect 2 "--frame 9" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o x.png --frame 9
+  expect 0 "wrote speed.png" "$screen" "$post" picture sample.run -o speed.png --colour velocity;  there speed.png
+  expect 2 "--frame 9" "$screen" "$post" picture sample.run -o x.png --frame 9
   expect 4 "xvfb-run" env -u DISPLAY "$post" picture sample.run -o x.png
   absent x.png
-  expect 0 "wrote rocks.png" xvfb-run -a -s "-screen 0 640x480x24 -noreset" "$post" picture sample.run -o rocks.png --frame 1;  there rocks.png
+  expect 0 "wrote rocks.png" "$screen" "$post" picture sample.run -o rocks.png --frame 1;  there rocks.png
 else
   expect 2 "libvtk9-dev" "$post" paraview sample.run
 fi

@@ -12,10 +12,10 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "post/drawn_meshes.hpp"
-#include "post/paraview.hpp"
 #include "core/picture/picture.hpp"
-#include "post/picture.hpp"
+#include "post/run/drawn_meshes.hpp"
+#include "post/vtk/paraview.hpp"
+#include "post/vtk/picture.hpp"
 #include "tests/post/sample_run.hpp"
 
 namespace scree {
@@ -138,8 +138,10 @@ TEST(Picture, says_what_to_do_without_a_display) {
   setenv("DISPLAY", ":4095", 1);
   EXPECT_NE(why_no_picture("scree-post").find("does not answer"), std::string::npos);
   EXPECT_THROW(draw_picture(open_run(sample("no_display").string()), 0, "never.png", {}), SystemError);
-  if (display != nullptr) setenv("DISPLAY", kept.c_str(), 1);
-  else unsetenv("DISPLAY");
+  if (display != nullptr)
+    setenv("DISPLAY", kept.c_str(), 1);
+  else
+    unsetenv("DISPLAY");
 }
 
 // A ball fills the part of the picture that perspective says. Run under xvfb-run (see CMakeLists.txt).

@@ -238,7 +238,8 @@ TEST(MultilevelGrid, finds_every_pair_through_every_periodic_border_with_its_ima
       r[0] = 0.15;  // of the shortest period, 0.6: exactly the limit
       const std::vector<ImagePair> expected = all_periodic_pairs(x, r, period, 4);
       EXPECT_GT(std::count_if(expected.begin(), expected.end(), [](const ImagePair& p) { return p.image != PeriodicImage{}; }), 0);
-      EXPECT_EQ(periodic_grid_pairs(x, r, period), expected) << "ratio " << ratio << ", period " << period.x << " " << period.y << " " << period.z;
+      EXPECT_EQ(periodic_grid_pairs(x, r, period), expected)
+          << "ratio " << ratio << ", period " << period.x << " " << period.y << " " << period.z;
     }
   }
 }

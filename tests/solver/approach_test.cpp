@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "solver/approach.hpp"
+#include "solver/step/approach.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -5,15 +5,15 @@
 #include <numbers>
 #include <random>
 
-#include "solver/motion.hpp"
-#include "solver/triangle_contacts.hpp"
+#include "solver/bodies/motion.hpp"
+#include "solver/contact/triangle_contacts.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
 namespace scree {
 namespace {
 
-constexpr double kLayer = 1e6, kMargin = 0.01, kKappa = kLayer / (2 * kMargin);   // [Pa], [m] of each body, [N/m^3]
+constexpr double kLayer = 1e6, kMargin = 0.01, kKappa = kLayer / (2 * kMargin);  // [Pa], [m] of each body, [N/m^3]
 
 Scene layer_scene(double restitution = 1, double friction = 0) {
   Scene scene = test::empty_scene(0, restitution, friction, kMargin);
@@ -149,8 +149,10 @@ void expect_gradient(Layer& layer, double scale) {
       step[k % 3] = side == 0 ? -h : h;
       layer.body[0].x = x;
       layer.body[0].q = q;
-      if (k < 3) layer.body[0].x = x + rotate(q, step);
-      else layer.body[0].q = q * rotation_by(step);
+      if (k < 3)
+        layer.body[0].x = x + rotate(q, step);
+      else
+        layer.body[0].q = q * rotation_by(step);
       u[side] = layer.force().elastic;
     }
     layer.body[0].x = x;
@@ -170,7 +172,8 @@ TEST(AreaPressure, is_the_gradient_of_its_energy_on_meshes_and_walls) {
   cylinder.radius = sphere.radius = 1;
   int touched = 0;
   for (int i = 0; i < 40; ++i) {
-    const TriangleMesh rock = test::scaled(test::rock(1 + static_cast<unsigned>(i % 3), 2, 0.3), 0.5), other = test::scaled(test::rock(7, 1, 0.3), 0.5);
+    const TriangleMesh rock = test::scaled(test::rock(1 + static_cast<unsigned>(i % 3), 2, 0.3), 0.5),
+                       other = test::scaled(test::rock(7, 1, 0.3), 0.5);
     Layer layer = i % 4 == 0 ? Layer(rock, cylinder) : i % 4 == 1 ? Layer(rock, sphere) : Layer(rock, other);
     layer.body[0].q = test::random_quaternion(g);
     layer.body[1].q = i % 4 < 2 ? Quat{} : test::random_quaternion(g);

@@ -64,8 +64,8 @@ inline Statistics size_ratio_ten(int count) {
   return s;
 }
 
-/// Restitutions of pairs of concave rocks of nominal 0.5: e = -(P u') / (P u) with the velocities u of both bodies before, u' after, and the
-/// impulses P that they received, which for an impact at one point is the ratio of the normal speeds there.
+/// Restitutions of pairs of concave rocks of nominal 0.5: e = -(P u') / (P u) with the velocities u of both bodies before, u' after, and
+/// the impulses P that they received, which for an impact at one point is the ratio of the normal speeds there.
 inline Statistics rock_restitutions(int level, bool turning, int count) {
   std::mt19937 g(19);
   Statistics s;
@@ -89,7 +89,7 @@ inline Statistics rock_restitutions(int level, bool turning, int count) {
     for (int b = 0; b < 2; ++b) {
       const Vec3 impulse = (1 / pair.inverse_mass[b]) * (pair.v[b] - v[b]);
       before += dot(impulse, v[b]);
-      after += dot(impulse, pair.v[b]) + dot(pair.L[b], pair.spin(b));   // at first nothing turns
+      after += dot(impulse, pair.v[b]) + dot(pair.L[b], pair.spin(b));  // at first nothing turns
     }
     s.add(-after / before);
   }
@@ -104,8 +104,10 @@ inline Statistics near_flat_impacts(bool free_base, double steps_per_contact, in
   for (int i = 0; i < count; ++i) {
     TwoBodies pair(grid_box(1, {1, .8, .6}), grid_box(2, {2.2, 1.7, .5}), kStiffness, kMargin, 1, 0);
     pair.set_mass(0, 1);
-    if (free_base) pair.set_mass(1, 2);
-    else pair.fix(1);
+    if (free_base)
+      pair.set_mass(1, 2);
+    else
+      pair.fix(1);
     pair.place(1, {});
     const double lean = .03 * n(g), toward = n(g), turn = n(g), x = .2 * n(g), y = .2 * n(g);
     pair.place(0, {x, y, 0}, quaternion_of({std::cos(toward), std::sin(toward), 0}, lean) * quaternion_of({0, 0, 1}, turn));
@@ -126,7 +128,8 @@ inline Statistics near_flat_impacts(bool free_base, double steps_per_contact, in
 }
 
 /// Restitution of an icosphere of unit mass and radius 0.5 that may not turn, on a floor, and how long it touches [s].
-inline double locked_icosphere_restitution(int level, double speed, double steps_per_contact, double restitution = .5, double* duration = nullptr) {
+inline double locked_icosphere_restitution(int level, double speed, double steps_per_contact, double restitution = .5,
+                                           double* duration = nullptr) {
   TwoBodies pair(scaled(icosphere(level), .5), grid_box(1, {4, 4, 1}), kStiffness, kMargin, restitution, 0);
   pair.inverse_inertia[0] = {};
   pair.fix(1);

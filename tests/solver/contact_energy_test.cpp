@@ -148,8 +148,9 @@ TEST(ContactEnergy, restitution_of_a_locked_icosphere_is_the_nominal_one_at_any_
   }
 }
 
-// docs/reference/validation-plan.md M2: restitution within 0.5 % at 1000 steps a contact. The contact gets shorter as more corners carry; M2 asks for a limit 18 %
-// below, but unit weights have none before the facets are as high as the contact is deep (docs/reference/contact-law.md section 4, and 32 to 24 ms in its 2.2).
+// docs/reference/validation-plan.md M2: restitution within 0.5 % at 1000 steps a contact. The contact gets shorter as more corners carry;
+// M2 asks for a limit 18 % below, but unit weights have none before the facets are as high as the contact is deep
+// (docs/reference/contact-law.md section 4, and 32 to 24 ms in its 2.2).
 TEST(ContactEnergy, a_locked_icosphere_rebounds_within_half_a_percent_and_its_contact_only_shortens) {
   double before = 1e300, first = 0;
   for (int level = 0; level <= 5; ++level) {
@@ -157,7 +158,7 @@ TEST(ContactEnergy, a_locked_icosphere_rebounds_within_half_a_percent_and_its_co
     const double e = test::locked_icosphere_restitution(level, 1, 1000, .5, &duration);
     std::printf("icosphere L%d: e %.5f at 1000 steps a contact, touches for %.3f ms\n", level, e, 1e3 * duration);
     EXPECT_NEAR(e, .5, .005 * .5) << level;
-    EXPECT_LE(duration, (1 + 1e-3) * before) << level;   // 1e-3: one step
+    EXPECT_LE(duration, (1 + 1e-3) * before) << level;  // 1e-3: one step
     if (level == 0) first = duration;
     before = duration;
   }

@@ -1,5 +1,5 @@
-// The contact laws against closed forms, through whole steps of the solver with analytic spheres: docs/reference/validation-plan.md C1 to C3,
-// tests 1 to 8 of Chung & Ooi, Granul. Matter 13 (2011) 643, rolling and torsional resistance.
+// The contact laws against closed forms, through whole steps of the solver with analytic spheres: docs/reference/validation-plan.md C1 to
+// C3, tests 1 to 8 of Chung & Ooi, Granul. Matter 13 (2011) 643, rolling and torsional resistance.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -9,19 +9,19 @@
 #include <numbers>
 
 #include "solver/laws/restitution.hpp"
-#include "solver/run.hpp"
+#include "solver/run/run.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
 namespace scree {
 namespace {
 
-using test::TestRun;
 using std::numbers::pi;
+using test::TestRun;
 
 struct Impact {
-  Vec3 velocity, spin;             // of body 0, after
-  Vec3 velocity_b, spin_b;         // of body 1
+  Vec3 velocity, spin;      // of body 0, after
+  Vec3 velocity_b, spin_b;  // of body 1
   double duration = 0, depth = 0, force = 0;
 };
 
@@ -75,7 +75,7 @@ TEST(LinearLaw, has_the_restitution_duration_and_depth_of_the_closed_form) {
     run.start();
     const Impact impact = until_apart(run, true);
     EXPECT_NEAR(impact.velocity.z, row[1], 1e-4) << row[0];
-    EXPECT_NEAR(impact.duration * 100, row[2], 2 * pi / 1000) << row[0];  // two steps
+    EXPECT_NEAR(impact.duration * 100, row[2], 2 * pi / 1000) << row[0];      // two steps
     EXPECT_NEAR(impact.depth * 100, row[3], 1e-3 * row[3] + 6e-4) << row[0];  // of first order in the step
   }
 }
@@ -110,7 +110,7 @@ TestRun unit_drop(const std::string& law, bool is_cube, double restitution, doub
   settings.impact_speed = 1;
   if (law == "hunt-crossley") run.scene.pairs[0].restitution_speed = 1;
   if (law == "hertz-mindlin") {
-    run.scene.materials[0].young = 1.3e5;   // about as stiff at unit speed
+    run.scene.materials[0].young = 1.3e5;  // about as stiff at unit speed
     run.scene.pairs[0].stiffness = 0;
   }
   run.scene.shapes.push_back(is_cube ? make_solid("cube", test::grid_box(1, {side, side, side})) : make_sphere("ball", side / 2));
@@ -129,7 +129,7 @@ TestRun unit_drop(const std::string& law, bool is_cube, double restitution, doub
 // Restitution from 0 to 1, from coarse to fine steps, at any phase of touch: as requested, and no energy from nowhere. With less than
 // .006 requested the damping of a step passed what the body had: it rebounded with up to three times its speed.
 TEST(Restitution, from_0_to_1_is_as_requested_in_steps_from_coarse_to_fine) {
-  constexpr double kWithin = 0.02;   // of the arrival speed
+  constexpr double kWithin = 0.02;  // of the arrival speed
   double worst = 0;
   for (const std::string law : {"linear", "hunt-crossley", "hertz-mindlin"}) {
     for (const bool is_cube : {false, true}) {
@@ -171,9 +171,11 @@ TEST(Restitution, that_a_given_step_cannot_resolve_is_refused) {
   try {
     run.start();
     FAIL();
-  } catch (const Error& error) {   // agreed on by all ranks
+  } catch (const Error& error) {  // agreed on by all ranks
     EXPECT_EQ(error.code(), ExitCode::usage);
-    EXPECT_NE(std::string(error.what()).find("too long for the damping of body 0 (rock) on fixed rock at restitution 0.01"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("too long for the damping of body 0 (rock) on fixed rock at restitution 0.01"),
+              std::string::npos)
+        << error.what();
   }
 }
 
@@ -232,7 +234,8 @@ TEST(Barrier, is_twice_continuous_and_has_no_end) {
 
 // C2: restitution as asked at the speed given, and by alpha (1 + e) = ln((1 + alpha) / (1 - alpha e)) at others.
 TEST(HuntCrossleyLaw, has_the_restitution_of_the_closed_form_at_any_speed) {
-  const double table[][2] = {{.1, 9.998159}, {.2, 4.919167}, {.3, 3.087082}, {.5, 1.432751}, {.7, .634828}, {.8, .373146}, {.9, .166482}, {.95, .078927}};
+  const double table[][2] = {{.1, 9.998159}, {.2, 4.919167}, {.3, 3.087082}, {.5, 1.432751},
+                             {.7, .634828},  {.8, .373146},  {.9, .166482},  {.95, .078927}};
   for (const auto& row : table) EXPECT_NEAR(hunt_crossley_number_of_restitution(row[0]), row[1], 1e-6);
   const double demand[][2] = {{20, 1.2e-3}, {50, 2.2e-4}, {100, 5e-5}};
   for (const auto& [steps, tolerance] : demand) {
@@ -292,7 +295,8 @@ TEST(ChungOoi, test_1_elastic_impact_of_two_balls) {
 
 // Chung & Ooi 2, on a rigid wall and on one a thousand times as stiff.
 TEST(ChungOoi, test_2_elastic_impact_of_a_ball_on_a_wall) {
-  const double table[][7] = {{70e9, .30, 2699, 0, 11369.9, 49.717e-6, 731.66e-6}, {70e9, .30, 2699, 70e12, 11365.3, 49.737e-6, 731.95e-6},
+  const double table[][7] = {{70e9, .30, 2699, 0, 11369.9, 49.717e-6, 731.66e-6},
+                             {70e9, .30, 2699, 70e12, 11365.3, 49.737e-6, 731.95e-6},
                              {40e9, .35, 1800, 0, 7232.7, 52.123e-6, 767.07e-6}};
   for (const auto& [young, poisson, density, wall, force, depth, duration] : table) {
     TestRun run(hertz_scene(young, poisson, density, 1, 0));
@@ -358,8 +362,9 @@ TEST(ChungOoi, test_4_oblique_impact_with_gross_slip) {
 
 // The same below it, for a linear spring of tangential over normal stiffness kappa: sub-slip depends on the law.
 TEST(ChungOoi, test_4_oblique_impact_below_gross_slip_with_linear_springs) {
-  const double table[][4] = {{2.0 / 7, 5, .42860, 194.2}, {2.0 / 7, 10, .42862, 387.0}, {2.0 / 7, 15, .42872, 576.6}, {2.0 / 7, 20, .49968, 667.4},
-                             {.8, 5, .75190, 84.3}, {.8, 10, .62853, 251.6}, {.8, 15, .58020, 423.7}, {.8, 20, .58589, 552.4}, {.8, 25, .62062, 625.3}};
+  const double table[][4] = {{2.0 / 7, 5, .42860, 194.2},  {2.0 / 7, 10, .42862, 387.0}, {2.0 / 7, 15, .42872, 576.6},
+                             {2.0 / 7, 20, .49968, 667.4}, {.8, 5, .75190, 84.3},        {.8, 10, .62853, 251.6},
+                             {.8, 15, .58020, 423.7},      {.8, 20, .58589, 552.4},      {.8, 25, .62062, 625.3}};
   for (const auto& [kappa, angle, e_t, spin] : table) {
     // stiff enough that the ball is small against its size all along
     Scene scene = test::empty_scene(1e9, .98, .092, 0, 4000);

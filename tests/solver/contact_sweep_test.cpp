@@ -64,15 +64,21 @@ TEST(EdgeSweep, energy_is_continuous_as_an_edge_turns_through_parallel) {
 TEST(EdgeSweep, energy_is_continuous_as_a_wedge_tilts_through_coplanar) {
   CrossedBars bars;
   // height of the lowest point of a square section rolled by a: the depth stays what it was
-  const auto height = [](double roll) { return .1 * (std::abs(std::sin(std::numbers::pi / 4 + roll)) + std::abs(std::cos(std::numbers::pi / 4 + roll))); };
-  expect_smooth([&](double t) {
-    const double roll = -.9 + 1.8 * t;
-    return bars.energy({0, .03, CrossedBars::kEdge + height(roll) + .02 - kDeep}, roll, std::numbers::pi / 2);
-  }, "rolling over, crossed");
-  expect_smooth([&](double t) {
-    const double roll = -.9 + 1.8 * t;
-    return bars.energy({.1, .002, CrossedBars::kEdge + height(roll) + .02 - kDeep}, roll, .05);
-  }, "rolling over, nearly parallel");
+  const auto height = [](double roll) {
+    return .1 * (std::abs(std::sin(std::numbers::pi / 4 + roll)) + std::abs(std::cos(std::numbers::pi / 4 + roll)));
+  };
+  expect_smooth(
+      [&](double t) {
+        const double roll = -.9 + 1.8 * t;
+        return bars.energy({0, .03, CrossedBars::kEdge + height(roll) + .02 - kDeep}, roll, std::numbers::pi / 2);
+      },
+      "rolling over, crossed");
+  expect_smooth(
+      [&](double t) {
+        const double roll = -.9 + 1.8 * t;
+        return bars.energy({.1, .002, CrossedBars::kEdge + height(roll) + .02 - kDeep}, roll, .05);
+      },
+      "rolling over, nearly parallel");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "solver/critical_step.hpp"
+#include "solver/step/critical_step.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
@@ -57,12 +57,15 @@ RandomNetwork random_network(std::mt19937& g) {
     }
     net.pairs.push_back(pair);
   };
-  for (std::int32_t b = 1; b < static_cast<std::int32_t>(net.bodies); ++b) add(static_cast<std::int32_t>(g() % static_cast<unsigned>(b)), b, 0);
+  for (std::int32_t b = 1; b < static_cast<std::int32_t>(net.bodies); ++b)
+    add(static_cast<std::int32_t>(g() % static_cast<unsigned>(b)), b, 0);
   const int more = static_cast<int>(g() % (2 * net.bodies));
   for (int c = 0; c < more; ++c) {
     const auto a = static_cast<std::int32_t>(g() % net.bodies), b = static_cast<std::int32_t>(g() % net.bodies);
-    if (g() % 4 == 0) add(a, -1, c);
-    else if (a != b) add(std::min(a, b), std::max(a, b), c);
+    if (g() % 4 == 0)
+      add(a, -1, c);
+    else if (a != b)
+      add(std::min(a, b), std::max(a, b), c);
   }
   std::sort(net.pairs.begin(), net.pairs.end(), [](const PairStiffness& l, const PairStiffness& r) { return l.key < r.key; });
   return net;
@@ -75,7 +78,9 @@ double true_critical_step(const RandomNetwork& net) {
     for (std::size_t i = 0; i < 12; ++i) {
       for (std::size_t j = 0; j < 12; ++j) {
         if (pair.b < 0 && (i >= 6 || j >= 6)) continue;
-        const auto at = [&](std::size_t k) { return static_cast<Eigen::Index>(6 * static_cast<std::size_t>(k < 6 ? pair.a : pair.b) + k % 6); };
+        const auto at = [&](std::size_t k) {
+          return static_cast<Eigen::Index>(6 * static_cast<std::size_t>(k < 6 ? pair.a : pair.b) + k % 6);
+        };
         K(at(i), at(j)) += pair.stiffness[12 * i + j];
       }
     }
@@ -193,10 +198,11 @@ TEST(CriticalStep, derived_for_one_spring_per_triangle_pair_is_not_above_the_one
       springs = std::max(springs, run.simulation->contact_count());
     }
     run.simulation->agree_on_failures();
-    ASSERT_GT(springs, 0) << mesh << ", step " << run.simulation->step_size().step << ", z " << run.position(0).z << " and " << run.position(1).z;
+    ASSERT_GT(springs, 0) << mesh << ", step " << run.simulation->step_size().step << ", z " << run.position(0).z << " and "
+                          << run.position(1).z;
     const double ratio = run.simulation->step_size().critical() / critical;
-    std::printf("pairs, mesh %d: up to %lld springs, reckoned with %lld; derived over smallest critical step %.3f\n", mesh, static_cast<long long>(springs),
-                static_cast<long long>(run.prepared->springs_per_pair()), ratio);
+    std::printf("pairs, mesh %d: up to %lld springs, reckoned with %lld; derived over smallest critical step %.3f\n", mesh,
+                static_cast<long long>(springs), static_cast<long long>(run.prepared->springs_per_pair()), ratio);
     EXPECT_LE(ratio, 1.01) << mesh;
     EXPECT_GE(ratio, 0.1) << mesh;  // rocks met by a corner: 6 springs of the 60 that two faces could have
   }
@@ -213,8 +219,10 @@ TEST(CriticalStep, derived_for_hertz_and_mindlin_is_at_least_70_percent_of_the_t
       run.scene.settings.impact_speed = two ? 2.0 : 1.0;
       run.scene.shapes = {make_sphere("ball", 0.1)};
       test::add_body(run.scene, 0, {0, 0, 0.1001}, {}, {0, 0, -1});
-      if (two) test::add_body(run.scene, 0, {0, 0, -0.1001}, {}, {0, 0, 1});
-      else test::add_plane(run.scene, {}, {0, 0, 1});
+      if (two)
+        test::add_body(run.scene, 0, {0, 0, -0.1001}, {}, {0, 0, 1});
+      else
+        test::add_plane(run.scene, {}, {0, 0, 1});
       run.start();
       double critical = 1e300;
       for (int n = 0; n < 100; ++n) {
@@ -239,7 +247,8 @@ TEST(Guards, a_barrier_keeps_apart_what_is_too_fast_for_the_potential) {
     run.scene.shapes = {make_solid("cube", test::grid_box(1, {1, 1, 1}))};
     // on its corner: 1.6 times the energy k (2 margin)^2 / 2 that one contact can take
     const double speed = std::sqrt(1.6 * 1e4 * 0.02 * 0.02);
-    test::add_body(run.scene, 0, {0, 0, 0.5 * std::sqrt(3.0) + 0.021}, quaternion_of(normalised(Vec3{1, -1, 0}), std::atan(std::sqrt(2.0))), {0, 0, -speed});
+    test::add_body(run.scene, 0, {0, 0, 0.5 * std::sqrt(3.0) + 0.021}, quaternion_of(normalised(Vec3{1, -1, 0}), std::atan(std::sqrt(2.0))),
+                   {0, 0, -speed});
     run.scene.bodies.lock_rotation[0] = 1;
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
     run.start();
@@ -418,7 +427,7 @@ TEST(StepSize, far_too_large_is_refused_with_the_pair_that_limits_it) {
   try {
     run.start();
     FAIL() << "not refused";
-  } catch (const Error& e) {   // agreed on by all ranks
+  } catch (const Error& e) {  // agreed on by all ranks
     EXPECT_EQ(e.code(), ExitCode::usage);
     EXPECT_NE(std::string(e.what()).find("body 0 (rock) on fixed rock"), std::string::npos) << e.what();
   }

@@ -48,7 +48,8 @@ inline ContactSet contact_set(const FrameContacts& contacts) {
     };
     for (const std::int64_t word : {contacts.body_a[i], contacts.body_b[i], contacts.feature[i]}) add(static_cast<std::uint64_t>(word));
     const Vec3 &x = contacts.point[i], &n = contacts.normal[i];
-    for (const double value : {contacts.depth[i], contacts.normal_force[i], x.x, x.y, x.z, n.x, n.y, n.z}) add(std::bit_cast<std::uint64_t>(value));
+    for (const double value : {contacts.depth[i], contacts.normal_force[i], x.x, x.y, x.z, n.x, n.y, n.z})
+      add(std::bit_cast<std::uint64_t>(value));
     ++set.count;
     set.low += static_cast<std::int64_t>(hash & 0xffffffff);
     set.high += static_cast<std::int64_t>(hash >> 32);
@@ -121,13 +122,16 @@ inline void expect_contacts_of_one_rank(const Scene& scene, int steps, const std
       if (holders >= 2) at_cuts += count;
       if (holders >= 3) at_edges += count;
     }
-    std::printf("%d ranks: %lld contacts in %d steps, %lld bodies handed over; contacts of bodies, every 20 steps, by ranks that hold both:%s\n",
-                ranks, static_cast<long long>(all), steps, static_cast<long long>(seen.migrated), where.c_str());
+    std::printf(
+        "%d ranks: %lld contacts in %d steps, %lld bodies handed over; contacts of bodies, every 20 steps, by ranks that hold both:%s\n",
+        ranks, static_cast<long long>(all), steps, static_cast<long long>(seen.migrated), where.c_str());
     EXPECT_EQ(different, 0) << ranks << " ranks: other contacts than one rank's, first in " << first;
     EXPECT_EQ(seen.hash, alone.hash) << ranks << " ranks";
     EXPECT_GT(at_cuts, 0) << ranks << " ranks";
     EXPECT_GT(seen.migrated, 0) << ranks << " ranks";
-    if (ranks >= 4) { EXPECT_GT(at_edges, 0) << ranks << " ranks"; }
+    if (ranks >= 4) {
+      EXPECT_GT(at_edges, 0) << ranks << " ranks";
+    }
   }
 }
 

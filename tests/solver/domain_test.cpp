@@ -132,7 +132,8 @@ std::vector<std::string> seam_gaps_of(double from, double to, const WallMotion& 
   Scene scene = test::empty_scene(1e5, 0.5, 0, 0.002);
   make_periodic(scene, {0, 0, 0}, {1, 1, 1}, {true, false, false});
   scene.settings.duration = 2;
-  scene.shapes = {make_sphere("ball", 0.05), make_surface("plate", {{{from, 0.2, 0.2}, {to, 0.2, 0.2}, {to, 0.8, 0.2}, {from, 0.8, 0.2}}, {{0, 1, 2}, {0, 2, 3}}})};
+  scene.shapes = {make_sphere("ball", 0.05),
+                  make_surface("plate", {{{from, 0.2, 0.2}, {to, 0.2, 0.2}, {to, 0.8, 0.2}, {from, 0.8, 0.2}}, {{0, 1, 2}, {0, 2, 3}}})};
   test::add_body(scene, 0, {0.5, 0.5, 0.5});
   Wall plate;
   plate.id = 1;
@@ -146,8 +147,8 @@ std::vector<std::string> seam_gaps_of(double from, double to, const WallMotion& 
 
 TEST(PeriodicAxes, take_a_mesh_wall_that_is_met_everywhere_and_refuse_or_name_others) {
   const WallMotion still;
-  EXPECT_TRUE(seam_gaps_of(0.1, 0.9, still).empty());      // inside, out of reach of the seam
-  EXPECT_TRUE(seam_gaps_of(-0.06, 1.06, still).empty());   // beyond both ends by the reach
+  EXPECT_TRUE(seam_gaps_of(0.1, 0.9, still).empty());     // inside, out of reach of the seam
+  EXPECT_TRUE(seam_gaps_of(-0.06, 1.06, still).empty());  // beyond both ends by the reach
   for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.02, 0.9}, {-0.03, 1.06}}) {
     const std::vector<std::string> gaps = seam_gaps_of(from, to, still);
     ASSERT_EQ(gaps.size(), 1u) << from;
@@ -199,7 +200,8 @@ TEST(PeriodicAxes, keep_the_momentum_of_many_bodies) {
   run.scene.shapes = {make_solid("rock", test::scaled(test::rock(5, 1), 0.027))};
   for (int i = 0; i < 64; ++i) {
     const Vec3 place{0.0375 + 0.075 * (i % 4), 0.0375 + 0.075 * (i / 4 % 4), 0.0375 + 0.075 * (i / 16)};
-    test::add_body(run.scene, 0, place, quaternion_of(normalised(Vec3{1, 1.0 * i, 2}), i), {std::sin(3.0 * i), std::sin(5.0 * i + 1), std::sin(7.0 * i + 2)}, {5.0 * std::sin(i), 0, 9});
+    test::add_body(run.scene, 0, place, quaternion_of(normalised(Vec3{1, 1.0 * i, 2}), i),
+                   {std::sin(3.0 * i), std::sin(5.0 * i + 1), std::sin(7.0 * i + 2)}, {5.0 * std::sin(i), 0, 9});
   }
   run.start();
   const Vec3 before = run.momentum();

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "solver/exact_sum.hpp"
+#include "solver/ranks/exact_sum.hpp"
 
 namespace scree {
 namespace {

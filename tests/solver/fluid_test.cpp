@@ -1,12 +1,12 @@
 // Bodies in a fluid, held against closed forms: Stokes, Kirchhoff, Archimedes; published drag of balls and of Platonic solids.
-#include "solver/fluid.hpp"
+#include "solver/bodies/fluid.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "solver/rest_watch.hpp"
+#include "solver/run/rest_watch.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 using test::TestRun;
 
 constexpr double kDensity = 2500, kGravity = 9.81;
-constexpr double kRounding = 1e-12;   // of some thousand steps: solutions in time are exact
+constexpr double kRounding = 1e-12;  // of some thousand steps: solutions in time are exact
 
 /// A ball of diameter d [m] in a fluid.
 TestRun ball_in(double d, const Fluid& fluid, double step, const Vec3& velocity = {}, const Vec3& spin = {}) {

@@ -1,4 +1,5 @@
-// docs/reference/validation-plan.md section 1.9, L1 to L7: what a scene does not need is not there. Its instructions: tests/benchmarks/leave_out.
+// docs/reference/validation-plan.md section 1.9, L1 to L7: what a scene does not need is not there. Its instructions:
+// tests/benchmarks/leave_out.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +17,8 @@ std::size_t springs_of(const Simulation& simulation, bool with_room) {
   std::size_t springs = 0;
   for (const BodyPair& pair : simulation.pairs().pairs()) {
     const auto is_spring = [](const FrictionSpring& s) { return s.key != kTurnKey; };
-    springs += with_room ? pair.state.springs.capacity() : static_cast<std::size_t>(std::count_if(pair.state.springs.begin(), pair.state.springs.end(), is_spring));
+    springs += with_room ? pair.state.springs.capacity()
+                         : static_cast<std::size_t>(std::count_if(pair.state.springs.begin(), pair.state.springs.end(), is_spring));
   }
   return springs;
 }
@@ -34,8 +36,11 @@ TEST(LeaveOut, a_scene_without_friction_keeps_no_history_not_even_room_for_it) {
       springs += springs_of(*run->simulation, run == &without);
     }
     EXPECT_GT(contacts, 500);
-    if (run == &with) { EXPECT_EQ(springs, static_cast<std::size_t>(contacts)); }
-    else { EXPECT_EQ(springs, 0u); }
+    if (run == &with) {
+      EXPECT_EQ(springs, static_cast<std::size_t>(contacts));
+    } else {
+      EXPECT_EQ(springs, 0u);
+    }
   }
   // another function altogether, in which friction does not occur
   EXPECT_NE(pair_force_function(with.prepared->law_choice()), pair_force_function(without.prepared->law_choice()));
@@ -78,7 +83,8 @@ TEST(LeaveOut, fixed_bodies_are_not_moved_and_make_no_pairs_among_themselves) {
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("cube", test::grid_box(1, {1, 1, 1}))};
   for (int i = 0; i < 4; ++i) {
-    test::add_body(run.scene, 0, {1.005 * i, 0, 0}, quaternion_of({0, 0, 1}, 1e-3), {1, 2, 3}, {3, 2, 1});  // within their margins; speeds are not theirs
+    test::add_body(run.scene, 0, {1.005 * i, 0, 0}, quaternion_of({0, 0, 1}, 1e-3), {1, 2, 3},
+                   {3, 2, 1});  // within their margins; speeds are not theirs
     run.scene.bodies.fixed.back() = 1;
   }
   test::add_body(run.scene, 0, {1.5, 0, 1.03});

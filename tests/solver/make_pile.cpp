@@ -12,7 +12,9 @@
 int main(int argc, char** argv) {
   using namespace scree;
   return run_main("scree_make_pile", [&] {
-    if (argc < 4) throw UsageError("usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest|far]]]");
+    if (argc < 4)
+      throw UsageError(
+          "usage: scree_make_pile COUNT DURATION OUT.scene.h5 [TRIANGLE_LEVEL [STIFFNESS [periodic|drain|quantised|rest|far]]]");
     const int count = std::atoi(argv[1]), level = argc > 4 ? std::atoi(argv[4]) : 2;
     Scene scene = test::empty_scene(argc > 5 ? std::atof(argv[5]) : 3e5, 0.3, 0.5, 0.002, 2700);
     scene.settings.title = "pile of rocks";
@@ -20,7 +22,8 @@ int main(int argc, char** argv) {
     scene.settings.duration = std::atof(argv[2]);
     scene.settings.output_every = scene.settings.duration / 10;
     scene.settings.checkpoint_every = scene.settings.duration / 5;
-    for (unsigned s = 1; s <= 3; ++s) scene.shapes.push_back(make_solid("rock" + std::to_string(s), test::scaled(test::rock(s, level), 0.04)));
+    for (unsigned s = 1; s <= 3; ++s)
+      scene.shapes.push_back(make_solid("rock" + std::to_string(s), test::scaled(test::rock(s, level), 0.04)));
     const std::string kind = argc > 6 ? argv[6] : "";
     if (kind == "rest") {  // dice lie still sooner than rocks; the run ends then
       scene.shapes = {make_solid("cube", test::grid_box(1, {0.06, 0.06, 0.06})), make_solid("slab", test::grid_box(1, {0.08, 0.06, 0.03})),
@@ -60,7 +63,7 @@ int main(int argc, char** argv) {
       scene.settings.domain.outside = "remove";
       scene.settings.stop_at_rest = true;
     }
-    if (kind == "far") {   // from the origin of the world: computed about its own middle
+    if (kind == "far") {  // from the origin of the world: computed about its own middle
       const Vec3 away{1e4, -2e4, 3e4};
       for (Vec3& x : scene.bodies.position) x += away;
       for (Vec3* corner : {&scene.walls[0].lower, &scene.walls[0].upper}) *corner += away;

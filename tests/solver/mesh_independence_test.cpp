@@ -1,4 +1,5 @@
-// Boxes on boxes, both meshed independently: docs/reference/contact-law.md section 5 test 4, docs/reference/validation-plan.md section 3.6 M1 and M3.
+// Boxes on boxes, both meshed independently: docs/reference/contact-law.md section 5 test 4, docs/reference/validation-plan.md section 3.6
+// M1 and M3.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct Rebound {
 /// A cube falls at 1 m/s on a larger free box, `aside` from its centre; both tell how they fly apart.
 std::array<Rebound, 2> rebound(const TriangleMesh& cube, const TriangleMesh& base, double aside) {
   test::TestRun run(test::empty_scene(1e4, 0.5, 0, 0.01, 1));
-  run.scene.settings.step = 2e-5;   // the same for all meshes
+  run.scene.settings.step = 2e-5;  // the same for all meshes
   run.scene.shapes = {make_solid("cube", cube), make_solid("base", base)};
   test::add_body(run.scene, 0, {aside, 0.07, 1.0201}, quaternion_of({0, 0, 1}, 0.3), {0, 0, -1});
   test::add_body(run.scene, 1, {0, 0, 0});
@@ -57,7 +58,8 @@ TEST(MeshIndependence, box_on_box_flies_apart_alike_however_finely_both_are_mesh
   const auto reference = rebound(test::grid_box(1, kCube), test::grid_box(1, kBase), 0.1);
   double most = 0;
   for (const int a : {1, 4, 16}) {
-    for (const int b : {1, 4, 16}) most = std::max(most, difference(rebound(test::grid_box(a, kCube), test::grid_box(b, kBase), 0.1), reference));
+    for (const int b : {1, 4, 16})
+      most = std::max(most, difference(rebound(test::grid_box(a, kCube), test::grid_box(b, kBase), 0.1), reference));
   }
   most = std::max(most, difference(rebound(graded(test::grid_box(8, kCube)), test::grid_box(3, kBase), 0.1), reference));
   std::printf("box on box: velocities and spins differ by %.1e of the impact speed over ten pairs of meshes\n", most);
@@ -71,7 +73,8 @@ TEST(MeshIndependence, a_box_that_overhangs_turns_alike_however_finely_both_are_
   EXPECT_GT(length(reference[0].spin), 0.1);
   double most = 0;
   for (const int a : {4, 16}) {
-    for (const int b : {4, 16}) most = std::max(most, difference(rebound(test::grid_box(a, kCube), test::grid_box(b, kBase), 1.05), reference));
+    for (const int b : {4, 16})
+      most = std::max(most, difference(rebound(test::grid_box(a, kCube), test::grid_box(b, kBase), 1.05), reference));
   }
   std::printf("overhang: velocities and spins differ by %.1e over five pairs of meshes\n", most);
   EXPECT_LE(most, 1e-6);
@@ -107,7 +110,8 @@ TEST(MeshIndependence, an_impact_does_not_know_the_order_of_triangles_to_1e_12) 
 // M1 to 32 subdivisions, with slivers.
 TEST(MeshIndependence, restitution_of_a_flat_drop_spreads_by_less_than_1e_5_up_to_2048_triangles_a_face) {
   std::vector<double> e, duration;
-  for (const TriangleMesh& mesh : {test::grid_box(1, kCube), test::grid_box(2, kCube), test::grid_box(32, kCube), graded(test::grid_box(8, kCube))}) {
+  for (const TriangleMesh& mesh :
+       {test::grid_box(1, kCube), test::grid_box(2, kCube), test::grid_box(32, kCube), graded(test::grid_box(8, kCube))}) {
     test::TestRun run(test::empty_scene(1e4, 0.5, 0, 0.01, 1));
     run.scene.settings.step = 2e-5;
     run.scene.shapes = {make_solid("cube", mesh)};

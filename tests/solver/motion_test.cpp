@@ -25,8 +25,8 @@ double rebound(const std::string& integrator, double steps, double phase) {
   return run.velocity(0).z;
 }
 
-// docs/reference/validation-plan.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler gains
-// exp(pi^2 / (2 N)) = 28 % at 20.
+// docs/reference/validation-plan.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler
+// gains exp(pi^2 / (2 N)) = 28 % at 20.
 TEST(Integrator, keeps_the_speed_of_an_elastic_impact_except_eulers) {
   for (const char* integrator : {"kdk-dlm", "midpoint", "spiral", "rig"}) {
     double worst = 0;
@@ -54,15 +54,16 @@ TEST(Integrator, moves_a_body_that_is_slower_than_rounding) {
   }
 }
 
-// Rounding moves the depth of a stiff contact, 1e-8 m here, up and down by a hundred-millionth of itself. Springs that followed it would lose
-// that much a step, and the stone creep at 1e-11 m/s for ever.
+// Rounding moves the depth of a stiff contact, 1e-8 m here, up and down by a hundred-millionth of itself. Springs that followed it would
+// lose that much a step, and the stone creep at 1e-11 m/s for ever.
 TEST(Integrator, keeps_a_stiff_stone_between_others_without_creep) {
   TestRun run(test::empty_scene(1e8, 0.3, 0.7, 0.003));
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("stone", test::grid_box(1, {0.07, 0.07, 0.07}))};
   for (int k = 0; k < 3; ++k) {
     const double angle = 2 * M_PI / 3 * k, tilt = 0.4 + 0.7 * k;
-    test::add_body(run.scene, 0, Vec3{0.2, 0.1, 0.3} + 0.065 * Vec3{std::cos(angle), std::sin(angle), 0}, quaternion_of(normalised(Vec3{1, 0.5 * k, 0.3}), tilt));
+    test::add_body(run.scene, 0, Vec3{0.2, 0.1, 0.3} + 0.065 * Vec3{std::cos(angle), std::sin(angle), 0},
+                   quaternion_of(normalised(Vec3{1, 0.5 * k, 0.3}), tilt));
     run.scene.bodies.fixed.back() = 1;
   }
   test::add_body(run.scene, 0, {0.2, 0.1, 0.42});

@@ -1,4 +1,5 @@
-// docs/reference/validation-plan.md P1 at its full length: 200 rocks, 10^4 steps, up to seven ranks and eight threads, lists dropped at random.
+// docs/reference/validation-plan.md P1 at its full length: 200 rocks, 10^4 steps, up to seven ranks and eight threads, lists dropped at
+// random.
 #include <gtest/gtest.h>
 
 #include "tests/solver/cut_contacts.hpp"
@@ -14,7 +15,9 @@ TEST(SameBits, of_a_pile_of_200_rocks_after_ten_thousand_steps_with_every_contac
   const Scene scene = dense_heap(5, 5, 8, 0.12);
   constexpr int kSteps = 10000;
   const Outcome alone = outcome_of(scene, 1, 1, kSteps);
-  if (g_comm->rank() == 0) { EXPECT_GT(alone.contacts, 200 * 100); }
+  if (g_comm->rank() == 0) {
+    EXPECT_GT(alone.contacts, 200 * 100);
+  }
   for (const auto& [ranks, threads] : {std::pair{1, 4}, {1, 8}, {2, 2}, {4, 1}, {7, 1}}) {
     const Outcome o = outcome_of(scene, ranks, threads, kSteps);
     if (g_comm->rank() != 0) continue;
@@ -29,8 +32,8 @@ TEST(Contacts, of_ten_thousand_steps_at_cuts_edges_and_corners_are_those_of_one_
   expect_contacts_of_one_rank(tumbling_box(4), 10000, {2, 3, 4, 5, 7});
 }
 
-// A column of rocks at one end of a long, tilted box falls over and slides to the other end. Two ranks: more do not fit the cores of a small
-// machine, and processor time would then tell of caches and not of work.
+// A column of rocks at one end of a long, tilted box falls over and slides to the other end. Two ranks: more do not fit the cores of a
+// small machine, and processor time would then tell of caches and not of work.
 TEST(Balance, is_kept_through_a_dam_break) {
   Scene scene = rock_scene();
   scene.settings.gravity = {7, 0, -7};
@@ -50,7 +53,8 @@ TEST(Balance, is_kept_through_a_dam_break) {
       run.simulation->advance();
       if (n % 1000 != 0) continue;
       const double imbalance = run.simulation->take_imbalance(), x = centre();
-      if (comm.rank() == 0) std::printf("step %d: mean x %.3f, imbalance %.3f, cuts %lld\n", n, x, imbalance, static_cast<long long>(run.simulation->cuts()));
+      if (comm.rank() == 0)
+        std::printf("step %d: mean x %.3f, imbalance %.3f, cuts %lld\n", n, x, imbalance, static_cast<long long>(run.simulation->cuts()));
       sum += imbalance;
       ++intervals;
     }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "solver/checkpoint.hpp"
+#include "solver/run/checkpoint.hpp"
 #include "tests/solver/cut_contacts.hpp"
 #include "tests/solver/rank_groups.hpp"
 #include "tests/support/parallel_scenes.hpp"
@@ -18,24 +18,28 @@ using namespace test;
 
 void expect_same_bits_everywhere(const Scene& scene, int steps, bool demand_migration) {
   const Outcome alone = outcome_of(scene, 1, 1, steps);
-  if (g_comm->rank() == 0) { EXPECT_GT(alone.contacts, 0); }
+  if (g_comm->rank() == 0) {
+    EXPECT_GT(alone.contacts, 0);
+  }
   for (const int ranks : {1, 2, 3, 4, 5}) {
     for (const int threads : {1, 2}) {
       const Outcome o = outcome_of(scene, ranks, threads, steps);
       if (g_comm->rank() != 0) continue;
       EXPECT_EQ(o.hash, alone.hash) << ranks << " ranks x " << threads << " threads";
       EXPECT_EQ(o.contacts, alone.contacts) << ranks << " ranks x " << threads << " threads";
-      if (ranks > 1) { EXPECT_GT(o.ghosts, 0); }
-      if (ranks > 1 && demand_migration) { EXPECT_GT(o.migrated, 0) << ranks << " ranks"; }
+      if (ranks > 1) {
+        EXPECT_GT(o.ghosts, 0);
+      }
+      if (ranks > 1 && demand_migration) {
+        EXPECT_GT(o.migrated, 0) << ranks << " ranks";
+      }
     }
   }
 }
 
 TEST(SameBits, of_a_dense_heap_with_friction) { expect_same_bits_everywhere(dense_heap(), 900, false); }
 
-TEST(SameBits, of_a_rotating_drum_whose_bodies_cross_ranks_while_they_touch) {
-  expect_same_bits_everywhere(rotating_drum(), 1500, true);
-}
+TEST(SameBits, of_a_rotating_drum_whose_bodies_cross_ranks_while_they_touch) { expect_same_bits_everywhere(rotating_drum(), 1500, true); }
 
 TEST(SameBits, of_a_body_larger_than_three_parts_and_long_thin_bodies) { expect_same_bits_everywhere(slab_and_rods(), 800, false); }
 
@@ -65,12 +69,16 @@ TEST(SameBits, whatever_is_sent_when_and_however_bodies_are_shared_out) {
       if (g_comm->rank() != 0) continue;
       EXPECT_EQ(o.hash, alone.hash);
       if (selection == HaloSelection::selected) ghosts_selected = o.ghosts;
-      if (selection == HaloSelection::all) { EXPECT_GT(o.ghosts, ghosts_selected); }
+      if (selection == HaloSelection::all) {
+        EXPECT_GT(o.ghosts, ghosts_selected);
+      }
     }
   }
   for (const CutMethod cut : {CutMethod::rib, CutMethod::hsfc, CutMethod::body}) {
     const Outcome o = outcome_of(scene, 4, 1, steps, {HaloStrategy::overlap, HaloSelection::selected, cut});
-    if (g_comm->rank() == 0) { EXPECT_EQ(o.hash, alone.hash) << cut_method_name(cut); }
+    if (g_comm->rank() == 0) {
+      EXPECT_EQ(o.hash, alone.hash) << cut_method_name(cut);
+    }
   }
 }
 
@@ -123,7 +131,9 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
       run.make();
       Checkpoint checkpoint = read_latest_checkpoint(comm, folder);
       const std::int64_t springs = comm.sum(static_cast<std::int64_t>(checkpoint.states.size()));
-      if (comm.rank() == 0) { EXPECT_GT(springs, 0); }
+      if (comm.rank() == 0) {
+        EXPECT_GT(springs, 0);
+      }
       start_from_checkpoint(comm, *run.simulation, std::move(checkpoint), Vec3{});
       EXPECT_EQ(run.simulation->step(), 700);
       finish(run, continued, continued_impulse);
@@ -136,8 +146,8 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
   }
 }
 
-// docs/reference/validation-plan.md P4: blocks that friction alone holds on a tilted belt ride through the cuts, which posts beside the belt keep in place.
-// A block that lost its springs on the way would slip by their stretch, m g_x / k_t = 4e-5 m.
+// docs/reference/validation-plan.md P4: blocks that friction alone holds on a tilted belt ride through the cuts, which posts beside the
+// belt keep in place. A block that lost its springs on the way would slip by their stretch, m g_x / k_t = 4e-5 m.
 TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
   const double margin = 0.002, stiffness = 2e5, speed = 0.5, side = 0.1;
   Scene scene = empty_scene(stiffness, 0.2, 0.5, margin);
@@ -169,19 +179,25 @@ TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
       for (int i = 0; i < kBlocks; ++i) before.push_back(on_belt(i));
       const std::int64_t until_here = comm.sum(run.simulation->migrated());
       run.run_for(1.0);
-      for (int i = 0; i < kBlocks; ++i) { EXPECT_NEAR(on_belt(i), before[i], 1e-9) << "block " << i << " slipped on " << ranks << " ranks"; }
+      for (int i = 0; i < kBlocks; ++i) {
+        EXPECT_NEAR(on_belt(i), before[i], 1e-9) << "block " << i << " slipped on " << ranks << " ranks";
+      }
       migrated = comm.sum(run.simulation->migrated()) - until_here;
       hash = run.simulation->state_hash();
     });
     if (g_comm->rank() != 0) continue;
     if (ranks == 1) alone = hash;
     EXPECT_EQ(hash, alone) << ranks << " ranks";
-    if (ranks > 1) { EXPECT_GE(migrated, 1) << ranks << " ranks"; }
+    if (ranks > 1) {
+      EXPECT_GE(migrated, 1) << ranks << " ranks";
+    }
   }
 }
 
 // At length: parallel_slow_test.cpp.
-TEST(Contacts, of_every_step_at_cuts_and_their_edges_are_those_of_one_rank) { expect_contacts_of_one_rank(tumbling_box(4), 500, {2, 3, 4, 5}); }
+TEST(Contacts, of_every_step_at_cuts_and_their_edges_are_those_of_one_rank) {
+  expect_contacts_of_one_rank(tumbling_box(4), 500, {2, 3, 4, 5});
+}
 
 // docs/reference/validation-plan.md P5: forces between bodies cancel, also where both owners compute a pair. No wall, no gravity.
 TEST(Forces, between_bodies_cancel_across_ranks) {

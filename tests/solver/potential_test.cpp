@@ -21,7 +21,7 @@ void expect_exact_gradient(double cell_size, bool cells_on_a = false, double bar
     pair.barrier = barrier;
     place_at_random(pair, g);
     if (!pair.approach(1.8)) continue;
-    const double pressed = barrier > 0 ? 0.053 : 0.02;   // of margins of 0.06
+    const double pressed = barrier > 0 ? 0.053 : 0.02;  // of margins of 0.06
     while (pair.force(0).deepest < pressed) pair.body[0].x.z -= 0.0005;
     if (pair.features.size() < 2) continue;
     for (const ContactFeature& f : pair.features) faded += f.faded ? 1 : 0;
@@ -38,7 +38,8 @@ void expect_exact_gradient(double cell_size, bool cells_on_a = false, double bar
       double u[2];
       for (int side = 0; side < 2; ++side) {
         const double e = side == 1 ? kStep : -kStep;
-        if (c < 3) pair.body[0].x[c] += e;
+        if (c < 3)
+          pair.body[0].x[c] += e;
         else {
           Vec3 axis;
           axis[c - 3] = 1;

@@ -27,7 +27,7 @@ inline void on_ranks(int count, const std::function<void(const mpi::Communicator
 
 struct Outcome {
   std::string hash;
-  std::int64_t contacts = 0;       ///< of all steps that were looked at
+  std::int64_t contacts = 0;  ///< of all steps that were looked at
   std::int64_t migrated = 0, ghosts = 0, owned_least = 0, cuts = 0;
 };
 

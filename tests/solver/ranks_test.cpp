@@ -15,7 +15,9 @@ void expect_same_outcome_on_all_ranks(const Scene& scene, int steps) {
   const Outcome alone = outcome_of(scene, 1, 1, steps);
   for (int ranks = 2; ranks <= kRanks; ++ranks) {
     const Outcome o = outcome_of(scene, ranks, 1, steps);
-    if (g_comm->rank() == 0) { EXPECT_EQ(o.hash, alone.hash) << ranks << " ranks"; }
+    if (g_comm->rank() == 0) {
+      EXPECT_EQ(o.hash, alone.hash) << ranks << " ranks";
+    }
   }
 }
 
@@ -29,7 +31,7 @@ Scene scene_of_balls(const std::vector<double>& radii, double margin) {
 // The boxes of neighbouring ranks touch exactly but for rounding: the smallest skin is 2 % of a radius, half of it on each side.
 TEST(Neighbours, take_each_other_for_such_when_their_boxes_just_touch_through_a_seam) {
   const double radius = 0.01;
-  for (const auto& [margin, n] : {std::pair{5e-4, 12}, {5e-4, 24}, {2e-4, 49}}) {   // gaps that are rounded either way
+  for (const auto& [margin, n] : {std::pair{5e-4, 12}, {5e-4, 24}, {2e-4, 49}}) {  // gaps that are rounded either way
     const double pitch = 2 * (1.01 * radius + margin);
     Scene scene = scene_of_balls({radius}, margin);
     Domain& d = scene.settings.domain;

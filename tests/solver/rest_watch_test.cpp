@@ -1,7 +1,7 @@
 // When a run that ends at rest may end. A ball of 1 cm falls its diameter in 45 ms.
 #include <gtest/gtest.h>
 
-#include "solver/rest_watch.hpp"
+#include "solver/run/rest_watch.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace scree {
@@ -30,13 +30,13 @@ TEST(Rest, is_not_told_while_a_wall_moves_or_will_move) {
   Scene scene = balls_at_rest(3);
   EXPECT_TRUE(rests_at(scene, 0.1));
   WallMotion& m = scene.walls[0].motion;
-  m.kind = WallMotion::Kind::translate;   // a gate that opens at 2 s
+  m.kind = WallMotion::Kind::translate;  // a gate that opens at 2 s
   m.rate = 0.1;
   m.start = 2;
   m.stop = 3;
   for (const double time : {0.1, 1.9, 2.5, 2.99, 3.01}) EXPECT_FALSE(rests_at(scene, time)) << time;
   EXPECT_TRUE(rests_at(scene, 3.1));
-  m.start = 0;                            // a plate that rises slowly, and for ever
+  m.start = 0;  // a plate that rises slowly, and for ever
   m.stop = 1e300;
   m.rate = 1e-5;
   EXPECT_FALSE(rests_at(scene, 5));
@@ -46,7 +46,7 @@ TEST(Rest, is_not_told_while_a_wall_moves_or_will_move) {
   m.amplitude = 1e-6;
   m.frequency = 1;
   EXPECT_FALSE(rests_at(scene, 5));
-  m.kind = WallMotion::Kind::table;       // the last two places are the same
+  m.kind = WallMotion::Kind::table;  // the last two places are the same
   m.start = 1;
   m.table_time = {0, 1, 2, 3};
   m.table_position = {{}, {}, {0, 0, 1}, {0, 0, 1}};
@@ -74,12 +74,12 @@ TEST(Rest, is_not_told_of_a_ball_that_falls_among_many_that_lie) {
   const SolverScene prepared(scene);
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) append_record(p, initial_record(prepared, b), prepared);
   p.owned = p.size();
-  p.v[1234] = {0, 0, -0.018};   // 1.7e-3 of its fall, less than a millionth of that of all: it may roll on in its place
+  p.v[1234] = {0, 0, -0.018};  // 1.7e-3 of its fall, less than a millionth of that of all: it may roll on in its place
   RestWatch watch(scene);
   watch.add(0.1, 0);
   watch.look(watch.busiest(p), 2000);
   EXPECT_TRUE(watch.at_rest(0.2));
-  p.v[1234] = {0, 0, -0.06};    // 0.018 of its fall
+  p.v[1234] = {0, 0, -0.06};  // 0.018 of its fall
   watch.look(watch.busiest(p), 2000);
   EXPECT_FALSE(watch.at_rest(0.2));
   p.v[1234] = {};

@@ -1,8 +1,8 @@
-// Free rotation against closed solutions, and every rotor against what was measured of its method: docs/reference/validation-plan.md sections
-// 1.5 (R1, R2, R3, R5) and 4.1.
+// Free rotation against closed solutions, and every rotor against what was measured of its method: docs/reference/validation-plan.md
+// sections 1.5 (R1, R2, R3, R5) and 4.1.
 #include <gtest/gtest.h>
 
-#include "solver/motion.hpp"
+#include "solver/bodies/motion.hpp"
 
 namespace scree {
 namespace {
@@ -16,8 +16,11 @@ struct Top {
   Quat q, remainder{0, 0, 0, 0};
   Vec3 L, w;
   explicit Top(const Vec3& spin, Integrator method = Integrator::kdk_dlm, const Vec3& moments = kInertia)
-      : integrator(method), inertia(moments), inverse{1 / moments.x, 1 / moments.y, 1 / moments.z},
-        L{moments.x * spin.x, moments.y * spin.y, moments.z * spin.z}, w(spin) {}
+      : integrator(method),
+        inertia(moments),
+        inverse{1 / moments.x, 1 / moments.y, 1 / moments.z},
+        L{moments.x * spin.x, moments.y * spin.y, moments.z * spin.z},
+        w(spin) {}
   void turn(double h, int steps) {
     for (int i = 0; i < steps; ++i) rotate_freely(integrator, inertia, inverse, false, h, L, q, remainder, w);
   }
@@ -118,8 +121,8 @@ TEST(FreeRotation, does_not_drift_in_energy_over_a_million_steps) {
   }
 }
 
-// The figures that docs/reference/validation-plan.md 4.1 measured with programs of their own. Spiral and rig take torque in the kicks here, which
-// free rotation does not see.
+// The figures that docs/reference/validation-plan.md 4.1 measured with programs of their own. Spiral and rig take torque in the kicks here,
+// which free rotation does not see.
 TEST(FreeRotation, of_every_method_errs_as_was_measured_of_it) {
   // within half a unit of the last digit that was published
   EXPECT_NEAR(error1(Integrator::midpoint, 0.005), 2.8e-4, 0.05e-4);
@@ -159,7 +162,8 @@ TEST(FreeRotation, of_an_isotropic_body_is_one_exact_turn) {
 // A step of 1e-18 is a hundredth of a unit in the last place of the quaternion's elements: it counts all the same.
 TEST(FreeRotation, however_slow_goes_as_far_as_it_should) {
   for (const bool isotropic : {false, true}) {
-    for (const Integrator integrator : {Integrator::kdk_dlm, Integrator::midpoint, Integrator::spiral, Integrator::rig, Integrator::euler}) {
+    for (const Integrator integrator :
+         {Integrator::kdk_dlm, Integrator::midpoint, Integrator::spiral, Integrator::rig, Integrator::euler}) {
       const Vec3 inertia = isotropic ? Vec3{0.1, 0.1, 0.1} : kInertia, inverse{1 / inertia.x, 1 / inertia.y, 1 / inertia.z};
       const Quat start{0.5, 0.5, -0.5, 0.5};
       const Vec3 spin{1e-12, -2e-12, 3e-12};  // about the body's axes, and too slow to change by itself

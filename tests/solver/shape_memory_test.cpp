@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include "solver/solver_scene.hpp"
+#include "solver/scene/solver_scene.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {

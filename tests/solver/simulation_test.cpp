@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "tests/support/test_run.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/test_run.hpp"
 
 namespace scree {
 namespace {
@@ -113,8 +113,10 @@ TEST(Friction, holds_a_block_below_the_angle_of_friction_and_lets_it_slide_above
     const double settled = run.position(0).x;
     run.run_for(1.0);
     const double moved = run.position(0).x - settled;
-    if (degrees < 26.565) EXPECT_LE(std::abs(moved), 1e-9) << "creep";
-    else EXPECT_GT(moved, 0.5 * 9.81 * (std::sin(a) - 0.5 * std::cos(a)));
+    if (degrees < 26.565)
+      EXPECT_LE(std::abs(moved), 1e-9) << "creep";
+    else
+      EXPECT_GT(moved, 0.5 * 9.81 * (std::sin(a) - 0.5 * std::cos(a)));
   }
 }
 

@@ -28,7 +28,7 @@ TriangleMesh floor_mesh(int n) {  // the top of a slab at z = 0
 Scene bouncing_ball(const Vec3& at, const Vec3& velocity, const Vec3& spin) {
   Scene scene = test::empty_scene(1e5, 0.6, 0.4, 0.002);
   scene.settings.gravity = {0, 0, -9.81};
-  scene.settings.step = 1e-4;   // the derived one is shorter on a mesh, where several features may carry
+  scene.settings.step = 1e-4;  // the derived one is shorter on a mesh, where several features may carry
   scene.shapes = {make_sphere("ball", 0.1)};
   test::add_body(scene, 0, at, {}, velocity, spin);
   return scene;
@@ -93,7 +93,9 @@ TEST(SphereOnMesh, on_a_straight_ridge_with_inner_vertices_has_one_contact) {
     for (const double x : {0.0, 1.0, -1.0}) roof.vertices.push_back({x, y, -std::abs(x)});
   }
   for (std::int32_t i = 0; i < 3 * kPieces; i += 3) {
-    for (const Triangle& t : {Triangle{i, i + 1, i + 3}, Triangle{i + 1, i + 4, i + 3}, Triangle{i, i + 3, i + 2}, Triangle{i + 3, i + 5, i + 2}}) roof.triangles.push_back(t);
+    for (const Triangle& t :
+         {Triangle{i, i + 1, i + 3}, Triangle{i + 1, i + 4, i + 3}, Triangle{i, i + 3, i + 2}, Triangle{i + 3, i + 5, i + 2}})
+      roof.triangles.push_back(t);
   }
   for (const double beside : {0.0, 1e-9, 1e-4, 0.01, 0.04, 0.5}) {
     TestRun run(bouncing_ball({0, beside, 0.107}, {0, 0, -1}, {}));

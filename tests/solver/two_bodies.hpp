@@ -7,9 +7,9 @@
 #include <memory>
 #include <numbers>
 
-#include "solver/motion.hpp"
-#include "solver/potential.hpp"
-#include "solver/solver_scene.hpp"
+#include "solver/bodies/motion.hpp"
+#include "solver/contact/potential.hpp"
+#include "solver/scene/solver_scene.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -80,9 +80,7 @@ class TwoBodies {
   }
   Vec3 spin(int i) const { return angular_velocity(body[i].q, inverse_inertia[i], L[i]); }
   double radius(int i) const { return body[i].scale * body[i].shape->radius; }
-  double energy() const {
-    return last_.elastic + kinetic_energy(0) + kinetic_energy(1);
-  }
+  double energy() const { return last_.elastic + kinetic_energy(0) + kinetic_energy(1); }
   double kinetic_energy(int i) const {
     if (inverse_mass[i] == 0) return 0;
     return 0.5 * (squared_length(v[i]) / inverse_mass[i] + dot(L[i], spin(i)));
@@ -104,7 +102,8 @@ class TwoBodies {
       Vec3 w;
       if (!(inverse_inertia[i].x > 0)) continue;
       const Vec3& inverse = inverse_inertia[i];
-      rotate_freely(Integrator::kdk_dlm, {1 / inverse.x, 1 / inverse.y, 1 / inverse.z}, inverse, false, dt, L[i], body[i].q, remainder[i], w);
+      rotate_freely(Integrator::kdk_dlm, {1 / inverse.x, 1 / inverse.y, 1 / inverse.z}, inverse, false, dt, L[i], body[i].q, remainder[i],
+                    w);
     }
     force(dt);
     kick(0.5 * dt);
@@ -128,10 +127,10 @@ class TwoBodies {
   Vec3 v[2], L[2], inverse_inertia[2];
   Quat remainder[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};  // of the orientations
   double inverse_mass[2];
-  Vec3 gravity;               // on A only [m/s^2]
-  double cell_size = 0;       // as if B were a very large wall [m]
-  bool cells_on_a = false;    // or A a very large body
-  double barrier = 0;         // k_b [N/m]
+  Vec3 gravity;             // on A only [m/s^2]
+  double cell_size = 0;     // as if B were a very large wall [m]
+  bool cells_on_a = false;  // or A a very large body
+  double barrier = 0;       // k_b [N/m]
   std::vector<ContactFeature> features;
   std::vector<ContactOutput> outputs;
 

@@ -33,7 +33,7 @@ TEST(Impulse, of_a_box_on_its_corner_converges_to_the_rigid_formula) {
     const double impulse = 1.744079 * effective;
     const double expected_v = -1 + impulse / mass;
     const Vec3 expected_w = impulse * rotate(q, turned);
-    EXPECT_NEAR(expected_v, .00847, 1e-4);   // the published figures
+    EXPECT_NEAR(expected_v, .00847, 1e-4);  // the published figures
     EXPECT_NEAR(expected_w.y, -2.5250, 1e-4);
 
     test::add_body(run.scene, 0, {0, 0, -corner.z + 2.2 * run.scene.settings.margin}, q, {0, 0, -1});

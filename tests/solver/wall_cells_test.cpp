@@ -38,7 +38,8 @@ TEST(WallCells, weights_are_a_partition_of_unity_with_exact_gradients) {
   std::vector<CellShare> shares, moved;
   int split = 0;
   for (int i = 0; i < 200; ++i) {
-    PairBody a{&scene.shape(0), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)}, b{&scene.shape(1), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)};
+    PairBody a{&scene.shape(0), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)},
+        b{&scene.shape(1), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)};
     features[0].key = static_cast<std::int64_t>(i % scene.shape(0).features.corners.size()) << 30;
     find_cell_shares(a, b, .3, false, features, shares);
     double sum = 0;

@@ -1,4 +1,4 @@
-#include "solver/work_shares.hpp"
+#include "solver/neighbours/work_shares.hpp"
 
 #include <gtest/gtest.h>
 #include <omp.h>

@@ -241,7 +241,10 @@ TEST_F(SceneFile, contents_that_cannot_be_right_are_refused_by_name) {
       {[](Scene& s) { s.pairs[0].stiffness = std::nan(""); }, {"stiffness", "finite"}},
       {[](Scene& s) { s.materials[0].density = 0; }, {"density", "> 0"}},
       {[](Scene& s) { s.walls[4].shape = 3; }, {"walls[4].shape"}},
-      {[](Scene& s) { s.walls[0].normal = {0, 0, 2}; }, {"normal", "unit vector"}},
+      {[](Scene& s) {
+         s.walls[0].normal = {0, 0, 2};
+       },
+       {"normal", "unit vector"}},
       {[](Scene& s) { s.walls[2].radius = -1; }, {"radius", "> 0"}},
       {[](Scene& s) { s.settings.gravity.x = std::nan(""); }, {"gravity", "finite"}},
       {[](Scene& s) { s.settings.fluid->viscosity = 0; }, {"settings.fluid.viscosity", "> 0"}},
@@ -267,8 +270,8 @@ TEST_F(SceneFile, every_dataset_with_a_dimension_carries_its_unit) {
   write_scene_file(path("a.scene.h5"), rich_scene());
   const h5::File file(path("a.scene.h5"));
   const h5::Group bodies = file.root().open_group("bodies");
-  for (const auto& [name, unit] : std::vector<std::pair<std::string, std::string>>{
-           {"position", "m"}, {"velocity", "m/s"}, {"angular_velocity", "rad/s"}}) {
+  for (const auto& [name, unit] :
+       std::vector<std::pair<std::string, std::string>>{{"position", "m"}, {"velocity", "m/s"}, {"angular_velocity", "rad/s"}}) {
     const h5::Group dataset(h5::Handle(H5Dopen2(bodies.id(), name.c_str(), H5P_DEFAULT), H5Dclose, name), name);
     EXPECT_EQ(dataset.read_text_attribute("unit"), unit);
   }

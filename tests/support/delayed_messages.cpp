@@ -16,16 +16,16 @@
 
 namespace {
 
-constexpr int kGhostTag = 23, kTimeTag = 1023;   // the first is that of Halo::start_refresh
+constexpr int kGhostTag = 23, kTimeTag = 1023;  // the first is that of Halo::start_refresh
 
 struct Awaited {
   int source;
   MPI_Comm comm;
 };
 std::vector<Awaited> g_awaited;
-std::array<double, 4096> g_times;   // far more than messages of one step: a slot is free again when it is used anew
+std::array<double, 4096> g_times;  // far more than messages of one step: a slot is free again when it is used anew
 std::size_t g_next = 0;
-double g_waited = 0;                // for the delay alone: what a late rank adds is not in it
+double g_waited = 0;  // for the delay alone: what a late rank adds is not in it
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

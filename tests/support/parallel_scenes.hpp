@@ -29,7 +29,8 @@ inline void fill_lattice(Scene& scene, int nx, int ny, int nz, const Vec3& lower
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
       for (int x = 0; x < nx; ++x) {
-        const Vec3 position = lower + spacing * Vec3{x + 0.5, y + 0.5, z + 0.5} + Vec3{shake(generator), shake(generator), shake(generator)};
+        const Vec3 position =
+            lower + spacing * Vec3{x + 0.5, y + 0.5, z + 0.5} + Vec3{shake(generator), shake(generator), shake(generator)};
         const auto shape = static_cast<std::int32_t>(scene.bodies.size() % scene.shapes.size());
         add_body(scene, shape, position, random_quaternion(generator), velocity, {3 * shake(generator) / spacing, 0, 0});
       }
@@ -109,7 +110,8 @@ inline Scene slab_and_rods() {
   add_body(scene, 3, {0.6, 0.06, 0.025});
   for (int i = 0; i < 3; ++i) add_body(scene, 4, {0.2 + 0.4 * i, 0.06, 0.065 + 0.001 * i}, {}, {0, 0, -0.2});
   std::mt19937 generator(5);
-  for (int i = 0; i < 12; ++i) add_body(scene, i % 3, {0.05 + 0.1 * i, 0.06, 0.15 + 0.01 * (i % 4)}, random_quaternion(generator), {0, 0, -0.8});
+  for (int i = 0; i < 12; ++i)
+    add_body(scene, i % 3, {0.05 + 0.1 * i, 0.06, 0.15 + 0.01 * (i % 4)}, random_quaternion(generator), {0, 0, -0.8});
   return scene;
 }
 

@@ -17,8 +17,8 @@ inline Scene empty_scene(double stiffness, double restitution, double friction, 
   return scene;
 }
 
-inline std::size_t add_body(Scene& scene, std::int32_t shape, const Vec3& position, const Quat& orientation = {},
-                            const Vec3& velocity = {}, const Vec3& spin = {}, double scale = 1) {
+inline std::size_t add_body(Scene& scene, std::int32_t shape, const Vec3& position, const Quat& orientation = {}, const Vec3& velocity = {},
+                            const Vec3& spin = {}, double scale = 1) {
   const std::size_t index = scene.bodies.size();
   scene.bodies.add({static_cast<std::int64_t>(index + scene.walls.size()), shape, 0, scale, position, orientation, velocity, spin});
   return index;

@@ -40,11 +40,10 @@ inline TriangleMesh subdivide(const TriangleMesh& mesh, bool on_sphere) {
 inline TriangleMesh icosphere(int level) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   TriangleMesh mesh;
-  mesh.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                    {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                    {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (Vec3& p : mesh.vertices) p = normalised(p);
   for (int l = 0; l < level; ++l) mesh = subdivide(mesh, true);
   return mesh;
@@ -79,7 +78,8 @@ inline TriangleMesh grid_box(int n, const Vec3& size) {
   std::map<std::array<int, 3>, std::int32_t> index;
   const auto vertex = [&](std::array<int, 3> c) {
     const auto [it, inserted] = index.try_emplace(c, mesh.vertex_count());
-    if (inserted) mesh.vertices.push_back({(c[0] / double(n) - 0.5) * size.x, (c[1] / double(n) - 0.5) * size.y, (c[2] / double(n) - 0.5) * size.z});
+    if (inserted)
+      mesh.vertices.push_back({(c[0] / double(n) - 0.5) * size.x, (c[1] / double(n) - 0.5) * size.y, (c[2] / double(n) - 0.5) * size.z});
     return it->second;
   };
   for (int axis = 0; axis < 3; ++axis) {

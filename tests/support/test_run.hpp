@@ -4,12 +4,12 @@
 #include <memory>
 #include <utility>
 
-#include "solver/simulation.hpp"
+#include "solver/step/simulation.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace scree::test {
 
-inline mpi::Communicator* g_comm = nullptr;   // set by the main() of an MPI test
+inline mpi::Communicator* g_comm = nullptr;  // set by the main() of an MPI test
 
 /// `scene` must be complete before start().
 struct TestRun {

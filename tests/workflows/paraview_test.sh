@@ -3,8 +3,9 @@
 # usage: paraview_test.sh RUNNER BIN SCRATCH    Exit 77: skipped. Pictures stay in SCRATCH/*.png, to be looked at.
 # ParaView's Python modules conflict with Debian's libvtk9-dev, so it is looked for on PATH and never installed by setup.
 set -euo pipefail
+screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/workflows/with_screen"
 runner=$1; export SCREE_BIN=$2; scratch=$3
-for tool in pvbatch xvfb-run; do
+for tool in pvbatch Xvfb; do
   command -v $tool >/dev/null || { echo "SKIPPED: $tool is not on PATH"; exit 77; }
 done
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -16,7 +17,7 @@ for pair in boulders/boulders-small hopper/hopper-ball-13 column/column-small re
   for option in "" --network; do
     if [[ $option == --network && ! -e "$scratch/$name/$run.run/paraview/network.pvd" ]]; then continue; fi  # hopper keeps no contacts
     picture="$scratch/$run$option.png"
-    xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" pvbatch "$scratch/$name/$run.run/paraview/open_in_paraview.py" --size 640 480 $option --picture "$picture"
+    "$screen" pvbatch "$scratch/$name/$run.run/paraview/open_in_paraview.py" --size 640 480 $option --picture "$picture"
     env -u LD_LIBRARY_PATH -u PYTHONPATH /usr/bin/python3 - "$picture" <<'PYTHON'
 import sys
 from matplotlib.image import imread

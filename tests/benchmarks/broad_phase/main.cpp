@@ -19,8 +19,8 @@ using scree::Vec3;
 
 struct Scene {
   std::string name;
-  double ratio = 1;             ///< largest over smallest radius
-  std::vector<Vec3> centres;    ///< in random order: the worst for caches
+  double ratio = 1;           ///< largest over smallest radius
+  std::vector<Vec3> centres;  ///< in random order: the worst for caches
   std::vector<double> radii;
   Vec3 period;
   // measured
@@ -98,7 +98,8 @@ std::int64_t count_errors(const Scene& scene) {
   grid.build(scene.centres, scene.radii, scene.period);
   std::vector<std::pair<std::int32_t, std::int32_t>> found, expected;
   const auto count = static_cast<std::int32_t>(scene.centres.size());
-  for (std::int32_t i = 0; i < count; ++i) grid.for_each_partner(i, [&](std::int32_t j) { found.emplace_back(std::min(i, j), std::max(i, j)); });
+  for (std::int32_t i = 0; i < count; ++i)
+    grid.for_each_partner(i, [&](std::int32_t j) { found.emplace_back(std::min(i, j), std::max(i, j)); });
   for (std::int32_t i = 0; i < count; ++i) {
     for (std::int32_t j = i + 1; j < count; ++j) {
       const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
@@ -123,14 +124,19 @@ int run(int argc, char** argv) {
   double fraction = 0.6;
   int rounds = 3;
   std::string csv_file;
-  const auto app = scree::make_command_line(
-      "scree-bench-broad-phase", "Times the multilevel grid: cost per body against the number of bodies and the ratio of sizes, on one core.",
-      {{"scree-bench-broad-phase", "the whole table"}, {"scree-bench-broad-phase --counts 1000000 --ratios 1", "only a million equal bodies"}}, "");
+  const auto app =
+      scree::make_command_line("scree-bench-broad-phase",
+                               "Times the multilevel grid: cost per body against the number of bodies and the ratio of sizes, on one core.",
+                               {{"scree-bench-broad-phase", "the whole table"},
+                                {"scree-bench-broad-phase --counts 1000000 --ratios 1", "only a million equal bodies"}},
+                               "");
   app->add_option("--counts", counts, "Numbers of equal bodies at one density")->capture_default_str();
   app->add_option("--ratios", ratios, "Ratios of the largest radius to the smallest")->capture_default_str()->check(CLI::Range(1.0, 1e12));
   app->add_option("--count", ratio_count, "Bodies in the scenes of different sizes")->capture_default_str();
   app->add_option("--fraction", fraction, "Solid fraction")->capture_default_str()->check(CLI::PositiveNumber);
-  app->add_option("--rounds", rounds, "Times to measure each scene, in turns; the best counts")->capture_default_str()->check(CLI::PositiveNumber);
+  app->add_option("--rounds", rounds, "Times to measure each scene, in turns; the best counts")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   app->add_option("--check", checked, "Compare scenes up to this size with brute force")->capture_default_str();
   app->add_option("--csv", csv_file, "Write the table here")->type_name("OUT");
   if (!scree::parse_command_line(*app, argc, argv)) return 0;
@@ -152,8 +158,8 @@ int run(int argc, char** argv) {
 
   // 4 compare, 5 write
   std::string csv = "sizes,bodies,ratio,levels,pairs_per_body,build_ns,search_ns,search_unordered_ns,total_ns,bytes_per_body,errors\n";
-  fmt::print("{:<13}{:>9}{:>8}{:>8}{:>12}{:>10}{:>11}{:>14}{:>10}{:>12}{:>8}\n", "sizes", "bodies", "ratio", "levels", "pairs/body", "build ns", "search ns",
-             "as given ns", "total ns", "bytes/body", "errors");
+  fmt::print("{:<13}{:>9}{:>8}{:>8}{:>12}{:>10}{:>11}{:>14}{:>10}{:>12}{:>8}\n", "sizes", "bodies", "ratio", "levels", "pairs/body",
+             "build ns", "search ns", "as given ns", "total ns", "bytes/body", "errors");
   std::int64_t errors = 0;
   for (Scene& scene : scenes) {
     const double n = static_cast<double>(scene.centres.size());
@@ -163,10 +169,12 @@ int run(int argc, char** argv) {
     }
     const std::string verdict = scene.missed < 0 ? "" : fmt::format("{}", scene.missed);
     const double per_body = static_cast<double>(scene.pairs) / n, bytes = static_cast<double>(scene.memory) / n;
-    fmt::print("{:<13}{:>9}{:>8g}{:>8}{:>12.2f}{:>10.1f}{:>11.1f}{:>14.1f}{:>10.1f}{:>12.0f}{:>8}\n", scene.name, scene.centres.size(), scene.ratio, scene.levels,
-               per_body, scene.build_ns, scene.search_ns, scene.unordered_ns, scene.build_ns + scene.search_ns, bytes, verdict.empty() ? "-" : verdict);
-    csv += fmt::format("{},{},{},{},{:.4f},{:.2f},{:.2f},{:.2f},{:.2f},{:.1f},{}\n", scene.name, scene.centres.size(), scene.ratio, scene.levels, per_body,
-                       scene.build_ns, scene.search_ns, scene.unordered_ns, scene.build_ns + scene.search_ns, bytes, verdict);
+    fmt::print("{:<13}{:>9}{:>8g}{:>8}{:>12.2f}{:>10.1f}{:>11.1f}{:>14.1f}{:>10.1f}{:>12.0f}{:>8}\n", scene.name, scene.centres.size(),
+               scene.ratio, scene.levels, per_body, scene.build_ns, scene.search_ns, scene.unordered_ns, scene.build_ns + scene.search_ns,
+               bytes, verdict.empty() ? "-" : verdict);
+    csv += fmt::format("{},{},{},{},{:.4f},{:.2f},{:.2f},{:.2f},{:.2f},{:.1f},{}\n", scene.name, scene.centres.size(), scene.ratio,
+                       scene.levels, per_body, scene.build_ns, scene.search_ns, scene.unordered_ns, scene.build_ns + scene.search_ns, bytes,
+                       verdict);
   }
   if (!csv_file.empty()) {
     std::ofstream out(csv_file);

@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "core/distance/mesh_distance.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 
 namespace scree {
 
@@ -114,8 +114,11 @@ class AllPairs {
 
 /// How many pairs of the reference a search missed, and how many it made up. A pair whose distance is within `rounding`
 /// of the margin may go either way: placing a corner rounds differently in a vector than in a scalar.
-inline std::int64_t count_differences(std::vector<ClosePair> found, const std::vector<ClosePair>& reference, double margin, double rounding) {
-  const auto before = [](const ClosePair& l, const ClosePair& r) { return l.pair.a != r.pair.a ? l.pair.a < r.pair.a : l.pair.b < r.pair.b; };
+inline std::int64_t count_differences(std::vector<ClosePair> found, const std::vector<ClosePair>& reference, double margin,
+                                      double rounding) {
+  const auto before = [](const ClosePair& l, const ClosePair& r) {
+    return l.pair.a != r.pair.a ? l.pair.a < r.pair.a : l.pair.b < r.pair.b;
+  };
   std::sort(found.begin(), found.end(), before);
   std::int64_t differences = 0;
   const auto note = [&](const ClosePair& p) { differences += p.distance < margin - rounding || (p.distance == 0 && margin > 0); };

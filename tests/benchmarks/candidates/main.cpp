@@ -7,11 +7,11 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
-#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "core/geometry/features.hpp"
 #include "core/search/multilevel_grid.hpp"
 #include "tests/benchmarks/candidates/all_pairs.hpp"
 #include "tests/benchmarks/candidates/trajectories.hpp"
+#include "tests/benchmarks/distance/methods/kept_pairs.hpp"
 #include "tests/benchmarks/distance/published_methods.hpp"
 
 namespace {
@@ -30,12 +30,12 @@ struct Options {
 struct Row {
   std::string what;
   int triangles = 0;
-  double microseconds = 0;    ///< a pair of bodies: a query, or a step
-  double candidates = 0;      ///< triangle pairs within the margin, or kept
-  double expired = 0;         ///< share of the kept pairs that a step looked at
-  double bytes = 0;           ///< a kept pair
-  double list_steps = 0;      ///< steps that a list served
-  std::int64_t misses = -1;   ///< against all pairs; -1: not compared
+  double microseconds = 0;   ///< a pair of bodies: a query, or a step
+  double candidates = 0;     ///< triangle pairs within the margin, or kept
+  double expired = 0;        ///< share of the kept pairs that a step looked at
+  double bytes = 0;          ///< a kept pair
+  double list_steps = 0;     ///< steps that a list served
+  std::int64_t misses = -1;  ///< against all pairs; -1: not compared
 };
 
 /// Processor time of this thread: other programs on the machine do not count, but for what they do to the caches.
@@ -62,9 +62,9 @@ double time_call(const Call& call) {
 
 void print_row(const Row& row) {
   const auto or_blank = [](double x, const char* format) { return x > 0 ? fmt::format(fmt::runtime(format), x) : std::string("-"); };
-  fmt::print("{:<26}{:>10}{:>14.3f}{:>13}{:>11}{:>9}{:>12}{:>9}\n", row.what, row.triangles, row.microseconds, or_blank(row.candidates, "{:.1f}"),
-             or_blank(100 * row.expired, "{:.2f}"), or_blank(row.bytes, "{:.2f}"), or_blank(row.list_steps, "{:.1f}"),
-             row.misses < 0 ? "-" : fmt::format("{}", row.misses));
+  fmt::print("{:<26}{:>10}{:>14.3f}{:>13}{:>11}{:>9}{:>12}{:>9}\n", row.what, row.triangles, row.microseconds,
+             or_blank(row.candidates, "{:.1f}"), or_blank(100 * row.expired, "{:.2f}"), or_blank(row.bytes, "{:.2f}"),
+             or_blank(row.list_steps, "{:.1f}"), row.misses < 0 ? "-" : fmt::format("{}", row.misses));
   std::fflush(stdout);
 }
 
@@ -73,7 +73,8 @@ void measure_poses(const BenchShape& a, const BenchShape& b, const Options& opti
   const int triangles = a.mesh.triangle_count();
   const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
   AllPairs reference;
-  Row all{"all pairs", triangles}, near{"search, margin", triangles}, wide{"search, margin + skin", triangles}, distance{"distance", triangles};
+  Row all{"all pairs", triangles}, near{"search, margin", triangles}, wide{"search, margin + skin", triangles},
+      distance{"distance", triangles};
   near.misses = options.check > 0 ? 0 : -1;
   wide.misses = distance.misses = near.misses;
   const double skin = 0.04;
@@ -84,7 +85,8 @@ void measure_poses(const BenchShape& a, const BenchShape& b, const Options& opti
     for (int k = 0; k < 8 * (pose % 5); ++k) path.advance();
     const Placement p = path.placement();
     double least = 0;
-    if (time_all && pose < 4) all.microseconds += time_call([&] { reference.below(a.view(), b.view(), p, options.margin, least); }) / std::min(4, options.poses);
+    if (time_all && pose < 4)
+      all.microseconds += time_call([&] { reference.below(a.view(), b.view(), p, options.margin, least); }) / std::min(4, options.poses);
     const auto query = [&](double reach, Row& row) {
       row.microseconds += time_call([&] { triangle_pairs_within(a.view(), b.view(), p, reach, *scratch, pairs); }) / options.poses;
       row.candidates += static_cast<double>(pairs.size()) / options.poses;
@@ -152,7 +154,8 @@ Row measure_path(const BenchShape& a, const BenchShape& b, const std::string& na
       kept.update(a.view(), b.view(), placements[k], options.margin, *scratch, close);
       double least = 0;
       if (static_cast<int>(k) % options.check == 0)
-        row.misses += count_differences(close, reference.below(a.view(), b.view(), placements[k], options.margin, least), options.margin, 1e-14);
+        row.misses +=
+            count_differences(close, reference.below(a.view(), b.view(), placements[k], options.margin, least), options.margin, 1e-14);
     }
   }
   row.candidates = static_cast<double>(sum.scanned) / static_cast<double>(sum.steps);
@@ -257,25 +260,36 @@ Row measure_packing(const BenchShape& shape, const Options& options) {
 /// What a shape costs, in bytes a triangle.
 void print_memory(const BenchShape& shape) {
   const double count = shape.mesh.triangle_count();
-  const double mesh = static_cast<double>(shape.mesh.vertices.size() * sizeof(Vec3) + shape.mesh.triangles.size() * sizeof(Triangle)) / count;
-  const double tree = static_cast<double>(shape.bvh.memory()) / count, features = static_cast<double>(find_features(shape.mesh).memory()) / count;
-  fmt::print("{:>9} triangles: bytes a triangle: mesh {:.1f}, tree {:.1f}, features {:.1f}, together {:.1f}\n", shape.mesh.triangle_count(), mesh, tree,
-             features, mesh + tree + features);
+  const double mesh =
+      static_cast<double>(shape.mesh.vertices.size() * sizeof(Vec3) + shape.mesh.triangles.size() * sizeof(Triangle)) / count;
+  const double tree = static_cast<double>(shape.bvh.memory()) / count,
+               features = static_cast<double>(find_features(shape.mesh).memory()) / count;
+  fmt::print("{:>9} triangles: bytes a triangle: mesh {:.1f}, tree {:.1f}, features {:.1f}, together {:.1f}\n", shape.mesh.triangle_count(),
+             mesh, tree, features, mesh + tree + features);
 }
 
 int run(int argc, char** argv) {
   // 1 options
   Options options;
   const auto app = make_command_line(
-      "scree-bench-candidates", "Times the search for triangle pairs of two rocks near contact: by descent, by kept lists and by all pairs, on one core.",
-      {{"scree-bench-candidates", "rocks of 20 to 20480 triangles"}, {"scree-bench-candidates --levels 1 --steps 10000 --check 1", "every step against all pairs"}}, "");
+      "scree-bench-candidates",
+      "Times the search for triangle pairs of two rocks near contact: by descent, by kept lists and by all pairs, on one core.",
+      {{"scree-bench-candidates", "rocks of 20 to 20480 triangles"},
+       {"scree-bench-candidates --levels 1 --steps 10000 --check 1", "every step against all pairs"}},
+      "");
   app->add_option("--levels", options.levels, "Rocks of 20 * 4^level triangles")->capture_default_str()->check(CLI::Range(0, 8));
   app->add_option("--poses", options.poses, "Random poses of the single queries")->capture_default_str()->check(CLI::PositiveNumber);
   app->add_option("--steps", options.steps, "Steps along each path")->capture_default_str()->check(CLI::PositiveNumber);
   app->add_option("--path", options.paths, "roll, spin, slide, jitter, tumble (default: all)")->type_name("NAME");
-  app->add_option("--margin", options.margin, "Sum of the margins, of the mean radius")->capture_default_str()->check(CLI::NonNegativeNumber);
-  app->add_option("--speed", options.speed, "Motion of the surfaces in a step, of the mean radius")->capture_default_str()->check(CLI::PositiveNumber);
-  app->add_option("--skin", options.skin, "Skin of the kept lists; 0: tuned at run time")->capture_default_str()->check(CLI::NonNegativeNumber);
+  app->add_option("--margin", options.margin, "Sum of the margins, of the mean radius")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app->add_option("--speed", options.speed, "Motion of the surfaces in a step, of the mean radius")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app->add_option("--skin", options.skin, "Skin of the kept lists; 0: tuned at run time")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   app->add_option("--check", options.check, "Compare every n-th step, and all poses, with all pairs; 0: none")->capture_default_str();
   app->add_option("--bodies", options.bodies, "Bodies in the packing; 0: none")->capture_default_str();
   app->add_option("--simd", options.simd, "best, avx512, avx2, sse4, scalar")->capture_default_str();
@@ -288,16 +302,18 @@ int run(int argc, char** argv) {
   }
 
   std::vector<Row> rows;
-  fmt::print("{}: margin {:g}, {:g} a step, of the mean radius; measured FMA peak of one core: {:.1f} GFLOP/s double, {:.1f} single\n", simd_target(), options.margin,
-             options.speed, measured_fma_peak(false), measured_fma_peak(true));
-  fmt::print("{:<26}{:>10}{:>14}{:>13}{:>11}{:>9}{:>12}{:>9}\n", "method", "triangles", "us per pair", "tri pairs", "looked at%", "bytes", "steps/list", "misses");
+  fmt::print("{}: margin {:g}, {:g} a step, of the mean radius; measured FMA peak of one core: {:.1f} GFLOP/s double, {:.1f} single\n",
+             simd_target(), options.margin, options.speed, measured_fma_peak(false), measured_fma_peak(true));
+  fmt::print("{:<26}{:>10}{:>14}{:>13}{:>11}{:>9}{:>12}{:>9}\n", "method", "triangles", "us per pair", "tri pairs", "looked at%", "bytes",
+             "steps/list", "misses");
   for (const int level : options.levels) {
     const BenchShape a(test::rock(11, level, options.roughness)), b(test::rock(12, level, options.roughness));
     const std::size_t first = rows.size();
-    measure_poses(a, b, options, rows);                                                                  // 2
-    for (const auto& [name, path] : all_paths())                                                         // 3
-      if (options.paths.empty() || std::find(options.paths.begin(), options.paths.end(), name) != options.paths.end()) rows.push_back(measure_path(a, b, name, path, options));
-    if (options.bodies > 1 && level <= 3) rows.push_back(measure_packing(a, options));                   // 4
+    measure_poses(a, b, options, rows);           // 2
+    for (const auto& [name, path] : all_paths())  // 3
+      if (options.paths.empty() || std::find(options.paths.begin(), options.paths.end(), name) != options.paths.end())
+        rows.push_back(measure_path(a, b, name, path, options));
+    if (options.bodies > 1 && level <= 3) rows.push_back(measure_packing(a, options));  // 4
     for (std::size_t k = first; k < rows.size(); ++k) print_row(rows[k]);
     print_memory(a);
   }
@@ -307,8 +323,8 @@ int run(int argc, char** argv) {
   std::string csv = "method,triangles,us_per_pair,triangle_pairs,looked_at_share,bytes_per_kept_pair,steps_per_list,misses\n";
   for (const Row& row : rows) {
     misses += std::max<std::int64_t>(0, row.misses);
-    csv += fmt::format("\"{}\",{},{:.4f},{:.2f},{:.5f},{:.3f},{:.2f},{}\n", row.what, row.triangles, row.microseconds, row.candidates, row.expired, row.bytes, row.list_steps,
-                       row.misses < 0 ? "" : fmt::format("{}", row.misses));
+    csv += fmt::format("\"{}\",{},{:.4f},{:.2f},{:.5f},{:.3f},{:.2f},{}\n", row.what, row.triangles, row.microseconds, row.candidates,
+                       row.expired, row.bytes, row.list_steps, row.misses < 0 ? "" : fmt::format("{}", row.misses));
   }
   if (!options.csv.empty()) {
     std::ofstream out(options.csv);

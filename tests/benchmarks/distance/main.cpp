@@ -45,7 +45,9 @@ int run(int argc, char** argv) {
   app->add_option("--pairs", pairs_file, "File of pairs: 18 little-endian doubles each (A0 A1 A2 B0 B1 B2)")->type_name("FILE");
   app->add_option("--regime", regimes, "Generated regimes (default: all)")->type_name("NAME");
   app->add_option("--count", count, "Pairs a regime")->capture_default_str()->check(CLI::PositiveNumber);
-  app->add_option("--method", methods, "brute-force, brute-force-distance, penalty, hybrid, pen4, pen7, pen4-hybrid, pen7-hybrid, brute-force-indexed (single)")->type_name("M");
+  app->add_option("--method", methods,
+                  "brute-force, brute-force-distance, penalty, hybrid, pen4, pen7, pen4-hybrid, pen7-hybrid, brute-force-indexed (single)")
+      ->type_name("M");
   app->add_option("--precision", precisions, "double, single")->check(CLI::IsMember({"double", "single"}))->capture_default_str();
   app->add_option("--simd", simd, "best, avx512, avx2, sse4, scalar")->capture_default_str();
   app->add_option("--seconds", seconds, "Time each method and set for this long")->capture_default_str();
@@ -69,12 +71,13 @@ int run(int argc, char** argv) {
   }
 
   // 3 what the core can do
-  std::string csv = "case,method,precision,simd,pairs,ns_per_pair,million_pairs_per_s,fma_peak_gflops,error_median,error_p99,error_max,"
-                    "wrong_flags,uncertified,fell_back,not_a_number,commit,compiler,share_of_fma_peak\n";
+  std::string csv =
+      "case,method,precision,simd,pairs,ns_per_pair,million_pairs_per_s,fma_peak_gflops,error_median,error_p99,error_max,"
+      "wrong_flags,uncertified,fell_back,not_a_number,commit,compiler,share_of_fma_peak\n";
   const std::array<double, 2> peak = {scree::measured_fma_peak(false), scree::measured_fma_peak(true)};
   fmt::print("{}: measured FMA peak of one core: {:.1f} GFLOP/s double, {:.1f} single\n", scree::simd_target(), peak[0], peak[1]);
-  fmt::print("{:<15}{:<22}{:<8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}{:>8}\n", "case", "method", "real", "ns/pair", "M/s", "median", "p99",
-             "max error", "flags%", "uncert%", "fell%", "peak%");
+  fmt::print("{:<15}{:<22}{:<8}{:>8}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}{:>8}\n", "case", "method", "real", "ns/pair", "M/s", "median",
+             "p99", "max error", "flags%", "uncert%", "fell%", "peak%");
 
   // 4 run, 5 write
   std::vector<scree::AnswerRecord> answers;
@@ -88,11 +91,12 @@ int run(int argc, char** argv) {
         const double share = scree::operations_of(method, single) / row.nanoseconds / peak[single ? 1 : 0];
         fmt::print("{:<15}{:<22}{:<8}{:>8.2f}{:>9.1f}{:>10.1e}{:>10.1e}{:>10.1e}{:>8.2f}{:>8.2f}{:>8.2f}{:>8}{}\n", name, method, precision,
                    row.nanoseconds, 1e3 / row.nanoseconds, row.error_median, row.error_p99, row.error_max, 100 * row.wrong_flags,
-                   100 * row.uncertified, 100 * row.fell_back, share > 0 ? fmt::format("{:.1f}", 100 * share) : "", row.not_a_number > 0 ? fmt::format("  {} NaN", row.not_a_number) : "");
-        csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.2f},{:.4e},{:.4e},{:.4e},{:.6f},{:.6f},{:.6f},{},{},{},{:.4f}\n", name, method, precision,
-                           scree::simd_target(), pairs.size(), row.nanoseconds, 1e3 / row.nanoseconds, peak[single ? 1 : 0], row.error_median,
-                           row.error_p99, row.error_max, row.wrong_flags, row.uncertified, row.fell_back, row.not_a_number, scree::kGitHash,
-                           scree::kCompiler, share);
+                   100 * row.uncertified, 100 * row.fell_back, share > 0 ? fmt::format("{:.1f}", 100 * share) : "",
+                   row.not_a_number > 0 ? fmt::format("  {} NaN", row.not_a_number) : "");
+        csv += fmt::format("{},{},{},{},{},{:.4f},{:.3f},{:.2f},{:.4e},{:.4e},{:.4e},{:.6f},{:.6f},{:.6f},{},{},{},{:.4f}\n", name, method,
+                           precision, scree::simd_target(), pairs.size(), row.nanoseconds, 1e3 / row.nanoseconds, peak[single ? 1 : 0],
+                           row.error_median, row.error_p99, row.error_max, row.wrong_flags, row.uncertified, row.fell_back,
+                           row.not_a_number, scree::kGitHash, scree::kCompiler, share);
       }
     }
   const auto write = [](const std::string& path, const char* data, std::size_t size) {
@@ -102,7 +106,8 @@ int run(int argc, char** argv) {
     if (!file) throw scree::SystemError("{}: cannot be written", path);
   };
   if (!csv_file.empty()) write(csv_file, csv.data(), csv.size());
-  if (!answers_file.empty()) write(answers_file, reinterpret_cast<const char*>(answers.data()), answers.size() * sizeof(scree::AnswerRecord));
+  if (!answers_file.empty())
+    write(answers_file, reinterpret_cast<const char*>(answers.data()), answers.size() * sizeof(scree::AnswerRecord));
   return 0;
 }
 

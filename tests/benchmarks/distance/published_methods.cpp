@@ -78,7 +78,8 @@ HWY_NOINLINE void published_run(const PairBatch<T>& in, const AnswerBatch<T>& ou
       if (mean <= T(1e-8)) continue;
       alignas(64) T values[18 * kBatchPadding], distance[kBatchPadding], points[6 * kBatchPadding], code[kBatchPadding];
       for (std::int64_t c = 0; c < 18; ++c)
-        for (std::int64_t k = 0; k < kBatchPadding; ++k) values[c * kBatchPadding + k] = in.values[c * in.stride + i + batch + k % kPublishedBatch];
+        for (std::int64_t k = 0; k < kBatchPadding; ++k)
+          values[c * kBatchPadding + k] = in.values[c * in.stride + i + batch + k % kPublishedBatch];
       triangle_distances(DistanceMethod::brute_force, PairBatch<T>{values, kBatchPadding, kPublishedBatch},
                          AnswerBatch<T>{distance, points, code, kBatchPadding});
       for (std::int64_t k = 0; k < kPublishedBatch; ++k) {
@@ -93,10 +94,14 @@ HWY_NOINLINE void published_run(const PairBatch<T>& in, const AnswerBatch<T>& ou
 template <class T>
 HWY_INLINE void published_dispatch(PublishedMethod method, const PairBatch<T>& in, const AnswerBatch<T>& out) {
   switch (method) {
-    case PublishedMethod::pen4: return published_run<T, false, false>(in, out);
-    case PublishedMethod::pen7: return published_run<T, true, false>(in, out);
-    case PublishedMethod::pen4_hybrid: return published_run<T, false, true>(in, out);
-    case PublishedMethod::pen7_hybrid: return published_run<T, true, true>(in, out);
+    case PublishedMethod::pen4:
+      return published_run<T, false, false>(in, out);
+    case PublishedMethod::pen7:
+      return published_run<T, true, false>(in, out);
+    case PublishedMethod::pen4_hybrid:
+      return published_run<T, false, true>(in, out);
+    case PublishedMethod::pen7_hybrid:
+      return published_run<T, true, true>(in, out);
   }
 }
 void published_double(PublishedMethod method, const PairBatch<double>& in, const AnswerBatch<double>& out) {

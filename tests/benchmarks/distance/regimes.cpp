@@ -123,17 +123,26 @@ bool draw(const std::string& name, Random& r, Pair18& pair) {
       if ((which >> side & 1) == 0) continue;
       Tri& t = side == 0 ? a : b;
       switch (r.integer(0, 3)) {
-        case 0: t.p[2] = t.p[1]; break;
-        case 1: t.p[2] = t.p[1] = t.p[0]; break;
-        case 2: t.p[2] = 2.0 * t.p[1] - t.p[0]; break;
-        default: t.p[2] = 0.5 * (t.p[0] + t.p[1]);
+        case 0:
+          t.p[2] = t.p[1];
+          break;
+        case 1:
+          t.p[2] = t.p[1] = t.p[0];
+          break;
+        case 2:
+          t.p[2] = 2.0 * t.p[1] - t.p[0];
+          break;
+        default:
+          t.p[2] = 0.5 * (t.p[0] + t.p[1]);
       }
     }
     pair = pair_of(a, b + r.uniform(0.5, 2) * r.direction());
     return true;
   }
-  throw UsageError("--regime: '{}' is not known; expected one of separated, near-1e-3, near-1e-6, touching, intersecting, "
-                   "parallel, coplanar, shared-edge, slivers-1e6, size-ratio-1e4, far-1e6, degenerate", name);
+  throw UsageError(
+      "--regime: '{}' is not known; expected one of separated, near-1e-3, near-1e-6, touching, intersecting, "
+      "parallel, coplanar, shared-edge, slivers-1e6, size-ratio-1e4, far-1e6, degenerate",
+      name);
 }
 
 }  // namespace

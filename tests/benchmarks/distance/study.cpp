@@ -42,12 +42,11 @@ std::function<void(const AnswerBatch<float>&)> indexed_runner(const std::vector<
 }
 
 template <class Real>
-std::function<void(const PairBatch<Real>&, const AnswerBatch<Real>&)> runner_of(const std::string& method, const std::vector<Pair18>& pairs) {
+std::function<void(const PairBatch<Real>&, const AnswerBatch<Real>&)> runner_of(const std::string& method,
+                                                                                const std::vector<Pair18>& pairs) {
   using In = PairBatch<Real>;
   using Out = AnswerBatch<Real>;
-  const auto published = [](PublishedMethod m) {
-    return [m](const In& in, const Out& out) { published_distances(m, in, out); };
-  };
+  const auto published = [](PublishedMethod m) { return [m](const In& in, const Out& out) { published_distances(m, in, out); }; };
   if (method == "pen4") return published(PublishedMethod::pen4);
   if (method == "pen7") return published(PublishedMethod::pen7);
   if (method == "pen4-hybrid") return published(PublishedMethod::pen4_hybrid);
@@ -86,7 +85,8 @@ StudyRow run_typed(const StudyCase& study, const std::string& method, double sec
   // past the count: the last pair again, so that no made-up number sends a lane into a rare branch
   for (std::size_t c = 0; c < 18; ++c)
     for (std::size_t i = 0; i < static_cast<std::size_t>(stride); ++i)
-      input[c * static_cast<std::size_t>(stride) + i] = static_cast<Real>(values[c * static_cast<std::size_t>(stride) + std::min(i, count - 1)]);
+      input[c * static_cast<std::size_t>(stride) + i] =
+          static_cast<Real>(values[c * static_cast<std::size_t>(stride) + std::min(i, count - 1)]);
   const auto padded = static_cast<std::size_t>(stride);
   LineAligned<Real> distance(padded), points(6 * padded), code(padded);
   const PairBatch<Real> in{input.data(), stride, static_cast<std::int64_t>(count)};
@@ -148,8 +148,8 @@ StudyRow run_typed(const StudyCase& study, const std::string& method, double sec
 }  // namespace
 
 const std::vector<std::string>& study_methods() {
-  static const std::vector<std::string> names = {"brute-force", "brute-force-distance", "penalty",     "hybrid",
-                                                 "pen4",        "pen7",                 "pen4-hybrid", "pen7-hybrid", kIndexed};
+  static const std::vector<std::string> names = {"brute-force", "brute-force-distance", "penalty",     "hybrid", "pen4",
+                                                 "pen7",        "pen4-hybrid",          "pen7-hybrid", kIndexed};
   return names;
 }
 bool has_precision(const std::string& method, bool single) { return single || method != kIndexed; }

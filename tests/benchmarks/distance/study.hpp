@@ -15,10 +15,10 @@ const std::vector<std::string>& study_methods();
 bool has_precision(const std::string& method, bool single);
 
 struct StudyRow {
-  double nanoseconds = 0;   ///< per pair, best of the repetitions
+  double nanoseconds = 0;                                 ///< per pair, best of the repetitions
   double error_median = 0, error_p99 = 0, error_max = 0;  ///< |d - d*| / max(L, d*)
-  double wrong_flags = 0;   ///< share of pairs whose intersecting flag is wrong (d = 0 or not)
-  double uncertified = 0, fell_back = 0;  ///< shares
+  double wrong_flags = 0;                                 ///< share of pairs whose intersecting flag is wrong (d = 0 or not)
+  double uncertified = 0, fell_back = 0;                  ///< shares
   std::int64_t not_a_number = 0;
 };
 
@@ -39,8 +39,8 @@ static_assert(sizeof(AnswerRecord) == 64);
 struct StudyCase {
   std::string name;
   bool single = false;
-  std::vector<Pair18> pairs;      ///< in the frame of the first vertex of A when single, rounded
-  std::vector<Vec3> origins;      ///< what was subtracted
+  std::vector<Pair18> pairs;  ///< in the frame of the first vertex of A when single, rounded
+  std::vector<Vec3> origins;  ///< what was subtracted
   std::vector<double> truth;
 };
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "solver/ghost_packing.hpp"
+#include "solver/ranks/ghost_packing.hpp"
 
 namespace {
 
@@ -67,8 +67,10 @@ int main(int argc, char** argv) {
       fmt::print("{},{},{},{:.2f},{:.2f}\n", layout, scattered ? "scattered" : "in a row", ghosts, 1e9 * pack / static_cast<double>(ghosts),
                  1e9 * unpack / static_cast<double>(ghosts));
     };
-    tell("record", best_of(repeats, [&] { pack_records(p, rows, buffer.data()); }), best_of(repeats, [&] { unpack_records(p, bodies, ghosts, buffer.data()); }));
-    tell("arrays", best_of(repeats, [&] { pack_ghosts(p, rows, buffer.data()); }), best_of(repeats, [&] { unpack_ghosts(p, bodies, ghosts, buffer.data()); }));
+    tell("record", best_of(repeats, [&] { pack_records(p, rows, buffer.data()); }),
+         best_of(repeats, [&] { unpack_records(p, bodies, ghosts, buffer.data()); }));
+    tell("arrays", best_of(repeats, [&] { pack_ghosts(p, rows, buffer.data()); }),
+         best_of(repeats, [&] { unpack_ghosts(p, bodies, ghosts, buffer.data()); }));
   }
   return 0;
 }

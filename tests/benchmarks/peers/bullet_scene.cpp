@@ -57,8 +57,9 @@ int run(int argc, char** argv) {
   std::string folder, start, end, mode = "gimpact";
   double step = 1e-3, length = 0, margin = 0, density = 2600, gravity = 9.81, friction = 0.5, restitution = 0.3;
   int steps = 100;
-  const auto app = scree::make_command_line(kTool, "Runs the shared scene in Bullet and prints CPU seconds as JSON.",
-                                            {{"scree-peers-bullet SHAPES START.state END.state --length 0.11", "100 steps of concave meshes"}});
+  const auto app =
+      scree::make_command_line(kTool, "Runs the shared scene in Bullet and prints CPU seconds as JSON.",
+                               {{"scree-peers-bullet SHAPES START.state END.state --length 0.11", "100 steps of concave meshes"}});
   app->add_option("shapes", folder, "Folder of the shapes")->required();
   app->add_option("start", start, "State to start from")->required();
   app->add_option("end", end, "State to write")->required();
@@ -103,7 +104,8 @@ int run(int argc, char** argv) {
     btRigidBody& body = add(density * shape.volume, shapes.at(static_cast<std::size_t>(s.shape)).shape.get(),
                             to_bullet(density * shape.moments, kUnit * kUnit));
     const scree::Quat& q = s.orientation;
-    body.setWorldTransform(btTransform(btQuaternion(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)), to_bullet(s.position, kUnit)));
+    body.setWorldTransform(
+        btTransform(btQuaternion(btScalar(q.x), btScalar(q.y), btScalar(q.z), btScalar(q.w)), to_bullet(s.position, kUnit)));
     body.setLinearVelocity(to_bullet(s.velocity, kUnit));
     body.setAngularVelocity(to_bullet(s.angular_velocity, 1));
     body.updateInertiaTensor();

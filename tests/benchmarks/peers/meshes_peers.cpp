@@ -129,10 +129,11 @@ std::string measure(int triangles, double gap, std::size_t poses, std::size_t ch
   for (std::size_t k = 0; k < contenders.size(); ++k) {
     const scree::Contender& c = contenders[k];
     const double ratio = contenders[3].least() / c.least();
-    fmt::print("{:>9}{:>8.0e}  {:<32}{:>10.2f}{:>10.2f}{:>9.1f}{:>12.1e}", triangles, gap, c.name, 1e6 * c.least(), 1e6 * c.median(), ratio, errors[k]);
+    fmt::print("{:>9}{:>8.0e}  {:<32}{:>10.2f}{:>10.2f}{:>9.1f}{:>12.1e}", triangles, gap, c.name, 1e6 * c.least(), 1e6 * c.median(), ratio,
+               errors[k]);
     fmt::print("{}\n", k < 2 ? fmt::format("   {:.1f} pairs", static_cast<double>(found[k]) / static_cast<double>(poses)) : "");
-    csv += fmt::format("{},{},{},{:.4f},{:.4f},{:.3f},{:.3e},{}\n", triangles, gap, c.name, 1e6 * c.least(), 1e6 * c.median(), ratio, errors[k],
-                       std::min(checked, poses));
+    csv += fmt::format("{},{},{},{:.4f},{:.4f},{:.3f},{:.3e},{}\n", triangles, gap, c.name, 1e6 * c.least(), 1e6 * c.median(), ratio,
+                       errors[k], std::min(checked, poses));
   }
   return csv;
 }

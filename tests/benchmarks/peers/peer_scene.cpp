@@ -160,13 +160,13 @@ void write_peer_state(const std::string& path, const std::vector<PeerBody>& bodi
   for (const PeerBody& b : bodies) {
     const Vec3 &x = b.position, &v = b.velocity, &w = b.angular_velocity;
     const Quat& q = b.orientation;
-    file << fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", b.shape,
-                        x.x, x.y, x.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z);
+    file << fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n",
+                        b.shape, x.x, x.y, x.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z);
   }
 }
 
-Verdict judge_state(const std::vector<PeerShape>& shapes, const std::vector<PeerBody>& bodies, double box_length,
-                    double density, double gravity, double reach) {
+Verdict judge_state(const std::vector<PeerShape>& shapes, const std::vector<PeerBody>& bodies, double box_length, double density,
+                    double gravity, double reach) {
   Verdict verdict;
   const auto scratch = make_mesh_distance_scratch();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -174,8 +174,8 @@ Verdict judge_state(const std::vector<PeerShape>& shapes, const std::vector<Peer
     const PeerShape& shape_a = shapes.at(static_cast<std::size_t>(a.shape));
     const double mass = density * shape_a.volume;
     const Vec3 spin = rotate_inverse(a.orientation, a.angular_velocity), &m = shape_a.moments;
-    verdict.kinetic += 0.5 * mass * squared_length(a.velocity) +
-                       0.5 * density * (m.x * spin.x * spin.x + m.y * spin.y * spin.y + m.z * spin.z * spin.z);
+    verdict.kinetic +=
+        0.5 * mass * squared_length(a.velocity) + 0.5 * density * (m.x * spin.x * spin.x + m.y * spin.y * spin.y + m.z * spin.z * spin.z);
     verdict.potential += mass * gravity * a.position.z;
     verdict.largest_speed = std::max(verdict.largest_speed, length(a.velocity));
     for (const Vec3& corner : shape_a.mesh.vertices) {
@@ -188,8 +188,9 @@ Verdict judge_state(const std::vector<PeerShape>& shapes, const std::vector<Peer
       if (length(b.position - a.position) > shape_a.bounding_radius + shape_b.bounding_radius + reach) continue;
       const Placement b_in_a = relative_placement(a.position, a.orientation, 1, b.position, b.orientation, 1);
       const double gap = mesh_distance({&shape_a.mesh, &shape_a.bvh}, {&shape_b.mesh, &shape_b.bvh}, b_in_a, reach, *scratch);
-      const bool nested = gap > 0 && (is_inside(shape_a.mesh, b_in_a.rotation * shape_b.mesh.vertices[0] + b_in_a.translation) ||
-                                      is_inside(shape_b.mesh, transpose_times(b_in_a.rotation, shape_a.mesh.vertices[0] - b_in_a.translation)));
+      const bool nested =
+          gap > 0 && (is_inside(shape_a.mesh, b_in_a.rotation * shape_b.mesh.vertices[0] + b_in_a.translation) ||
+                      is_inside(shape_b.mesh, transpose_times(b_in_a.rotation, shape_a.mesh.vertices[0] - b_in_a.translation)));
       if (gap < reach || nested) ++verdict.touching_pairs;
       if (gap > 0 && !nested) continue;
       ++verdict.intersecting_pairs;

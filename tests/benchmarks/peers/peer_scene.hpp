@@ -18,9 +18,9 @@
 namespace scree {
 
 struct PeerShape {
-  TriangleMesh mesh;        ///< about the centre of mass, principal axes [m]
-  double volume = 0;        ///< [m^3]
-  Vec3 moments;             ///< principal, density 1 [m^5]
+  TriangleMesh mesh;  ///< about the centre of mass, principal axes [m]
+  double volume = 0;  ///< [m^3]
+  Vec3 moments;       ///< principal, density 1 [m^5]
   double bounding_radius = 0;
   Bvh bvh;
 };
@@ -50,17 +50,17 @@ void write_peer_state(const std::string& path, const std::vector<PeerBody>& bodi
 
 /// What is wrong with a state, measured on the true triangles whatever the program's own contact model believes.
 struct Verdict {
-  int touching_pairs = 0;       ///< body pairs nearer than `reach`
-  int intersecting_pairs = 0;   ///< body pairs whose surfaces cut each other, or one inside the other
-  double deepest = 0;           ///< how deep a corner lies in another body or behind a wall [m]
+  int touching_pairs = 0;             ///< body pairs nearer than `reach`
+  int intersecting_pairs = 0;         ///< body pairs whose surfaces cut each other, or one inside the other
+  double deepest = 0;                 ///< how deep a corner lies in another body or behind a wall [m]
   double kinetic = 0, potential = 0;  ///< [J]; potential from the floor z = 0
-  double largest_speed = 0;     ///< [m/s]
+  double largest_speed = 0;           ///< [m/s]
 };
 
 /// in   box_length   walls at x = 0, x = L, y = 0, y = L, floor at z = 0 [m]
 /// in   reach        two bodies nearer than this touch [m]
 /// Cost: all pairs of bounding spheres, then descents.
-Verdict judge_state(const std::vector<PeerShape>& shapes, const std::vector<PeerBody>& bodies, double box_length,
-                    double density, double gravity, double reach);
+Verdict judge_state(const std::vector<PeerShape>& shapes, const std::vector<PeerBody>& bodies, double box_length, double density,
+                    double gravity, double reach);
 
 }  // namespace scree

@@ -21,7 +21,7 @@ inline double cpu_seconds() {
 
 struct Contender {
   std::string name;
-  std::function<void()> work;        ///< does all items once
+  std::function<void()> work;  ///< does all items once
   std::size_t items = 1;
   std::vector<double> seconds = {};  ///< an item, best of each round
   double least() const { return *std::min_element(seconds.begin(), seconds.end()); }

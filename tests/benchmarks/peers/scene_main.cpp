@@ -15,9 +15,10 @@ int run(int argc, char** argv) {
   std::string folder, kind = "rock", state;
   int triangles = 320, count = 4;
   double radius = 0.01, length = 0, density = 2600, gravity = 9.81, reach = 0;
-  const auto app = scree::make_command_line(kTool, "Makes the shapes of the comparison with other programs, and judges states of bodies.",
-                                            {{"scree-peers-scene shapes --kind rock --triangles 320 FOLDER", "shape files"},
-                                             {"scree-peers-scene judge FOLDER END.state --length 0.13", "intersections, depth, energy as JSON"}});
+  const auto app =
+      scree::make_command_line(kTool, "Makes the shapes of the comparison with other programs, and judges states of bodies.",
+                               {{"scree-peers-scene shapes --kind rock --triangles 320 FOLDER", "shape files"},
+                                {"scree-peers-scene judge FOLDER END.state --length 0.13", "intersections, depth, energy as JSON"}});
   app->require_subcommand(1);
   CLI::App* shapes = app->add_subcommand("shapes", "Write shapes.txt and shape_K.obj");
   shapes->add_option("folder", folder, "Where")->required();
@@ -39,8 +40,13 @@ int run(int argc, char** argv) {
   }
   const std::vector<scree::PeerBody> bodies = scree::read_peer_state(state);
   const scree::Verdict v = scree::judge_state(scree::read_peer_shapes(folder), bodies, length, density, gravity, reach);
-  const nlohmann::json record = {{"bodies", bodies.size()}, {"touching_pairs", v.touching_pairs}, {"intersecting_pairs", v.intersecting_pairs},
-                                 {"deepest", v.deepest}, {"kinetic", v.kinetic}, {"potential", v.potential}, {"largest_speed", v.largest_speed}};
+  const nlohmann::json record = {{"bodies", bodies.size()},
+                                 {"touching_pairs", v.touching_pairs},
+                                 {"intersecting_pairs", v.intersecting_pairs},
+                                 {"deepest", v.deepest},
+                                 {"kinetic", v.kinetic},
+                                 {"potential", v.potential},
+                                 {"largest_speed", v.largest_speed}};
   std::puts(record.dump().c_str());
   return 0;
 }

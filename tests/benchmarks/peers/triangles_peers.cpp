@@ -145,9 +145,11 @@ std::string measure(const std::string& name, const std::vector<Pair18>& pairs, s
   Batch<float> single(rounded);
   Distances fcl(pairs.size()), simple(pairs.size()), filtered(pairs.size()), exact(few.size());
   std::vector<scree::Contender> contenders = {
-      {"Scree brute-force double", [&] { scree::triangle_distances(scree::DistanceMethod::brute_force, brute.in, brute.out); }, pairs.size()},
+      {"Scree brute-force double", [&] { scree::triangle_distances(scree::DistanceMethod::brute_force, brute.in, brute.out); },
+       pairs.size()},
       {"Scree hybrid double", [&] { scree::triangle_distances(scree::DistanceMethod::hybrid, hybrid.in, hybrid.out); }, pairs.size()},
-      {"Scree brute-force single", [&] { scree::triangle_distances(scree::DistanceMethod::brute_force, single.in, single.out); }, pairs.size()},
+      {"Scree brute-force single", [&] { scree::triangle_distances(scree::DistanceMethod::brute_force, single.in, single.out); },
+       pairs.size()},
       {"FCL TriangleDistance double", [&] { solve_fcl(all, fcl); }, pairs.size()},
       {"CGAL Simple_cartesian double", [&] { solve_cgal<CGAL::Simple_cartesian<double>>(all, simple); }, pairs.size()},
       {"CGAL EPICK", [&] { solve_cgal<CGAL::Exact_predicates_inexact_constructions_kernel>(all, filtered); }, pairs.size()},
@@ -181,9 +183,10 @@ int run(int argc, char** argv) {
   // so many that the branches of FCL and CGAL cannot be learnt by heart over the repetitions: 2048 pairs flatter them by 2.5
   std::size_t count = 32768, checked = 1000;
   int rounds = 7;
-  const auto app = scree::make_command_line(kTool, "Times the distance of two triangles in Scree, FCL and CGAL, and compares all with exact arithmetic.",
-                                            {{"scree-peers-triangles", "rocks near contact and the regimes of scree-bench-distance"},
-                                             {"scree-peers-triangles --pairs p.bin", "your own pairs, 18 little-endian doubles each"}});
+  const auto app =
+      scree::make_command_line(kTool, "Times the distance of two triangles in Scree, FCL and CGAL, and compares all with exact arithmetic.",
+                               {{"scree-peers-triangles", "rocks near contact and the regimes of scree-bench-distance"},
+                                {"scree-peers-triangles --pairs p.bin", "your own pairs, 18 little-endian doubles each"}});
   app->add_option("--pairs", files, "Files of pairs")->type_name("FILE");
   app->add_option("--regime", regimes, "Generated regimes, of scree-bench-distance")->capture_default_str();
   app->add_option("--count", count, "Pairs of a set")->capture_default_str()->check(CLI::PositiveNumber);
@@ -198,8 +201,8 @@ int run(int argc, char** argv) {
     sets.emplace_back("rocks", rock_pairs(count));
     for (const std::string& name : regimes) sets.emplace_back(name, scree::make_regime(name, count, 1));
   }
-  fmt::print("{:<14}{:<30}{:>10}{:>10}{:>10}{:>9}{:>12}{:>8}   Scree uses {}\n", "pairs", "program", "M/s best", "median", "ns/pair", "x time",
-             "max error", "wrong", scree::simd_target());
+  fmt::print("{:<14}{:<30}{:>10}{:>10}{:>10}{:>9}{:>12}{:>8}   Scree uses {}\n", "pairs", "program", "M/s best", "median", "ns/pair",
+             "x time", "max error", "wrong", scree::simd_target());
   std::string csv = "pairs,program,count,ns_least,ns_median,times_scree,error_max,wrong_touches,checked\n";
   for (const auto& [name, pairs] : sets) csv += measure(name, pairs, checked, rounds);
   scree::write_table(csv_file, csv);

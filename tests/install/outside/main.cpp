@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     return 3;
   }
   const scree::Vec3 a[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const scree::Vec3 b[3] = {{4, 0, 0}, {4, 4, 0}, {4, 0, 4}};   // the vertex (1, 0, 0) is 3 from it
+  const scree::Vec3 b[3] = {{4, 0, 0}, {4, 4, 0}, {4, 0, 4}};  // the vertex (1, 0, 0) is 3 from it
   std::printf("distance %.17g\n", scree::triangle_distance(a, b).distance);
   return 0;
 }

@@ -66,7 +66,8 @@ HWY_NOINLINE void run_hybrid(const PairBatch<T>& in, const AnswerBatch<T>& out) 
   constexpr std::int64_t kBlock = 256;
   for (std::int64_t begin = 0; begin < in.count; begin += kBlock) {
     const std::int64_t end = std::min(begin + kBlock, in.count);
-    run_penalty<T, true>({in.values + begin, in.stride, end - begin}, {out.distance + begin, out.points + begin, out.code + begin, out.stride});
+    run_penalty<T, true>({in.values + begin, in.stride, end - begin},
+                         {out.distance + begin, out.points + begin, out.code + begin, out.stride});
     for (std::int64_t i = begin; i < end; ++i) {
       if (((static_cast<int>(out.code[i])) & kCodeUncertified) == 0) continue;
       for (std::int64_t c = 0; c < 18; ++c) values[c * kBatch + waiting] = in.values[c * in.stride + i];
@@ -80,9 +81,12 @@ HWY_NOINLINE void run_hybrid(const PairBatch<T>& in, const AnswerBatch<T>& out) 
 template <class T>
 HWY_INLINE void run(DistanceMethod method, const PairBatch<T>& in, const AnswerBatch<T>& out) {
   switch (method) {
-    case DistanceMethod::brute_force: return run_brute_force<T>(in, out);
-    case DistanceMethod::penalty: return run_penalty<T, false>(in, out);
-    case DistanceMethod::hybrid: return run_hybrid<T>(in, out);
+    case DistanceMethod::brute_force:
+      return run_brute_force<T>(in, out);
+    case DistanceMethod::penalty:
+      return run_penalty<T, false>(in, out);
+    case DistanceMethod::hybrid:
+      return run_hybrid<T>(in, out);
   }
 }
 void run_double(DistanceMethod method, const PairBatch<double>& in, const AnswerBatch<double>& out) { run(method, in, out); }

@@ -74,7 +74,8 @@ void gather_pairs(const float* a, const float* b, const float linear[9], const f
       float* at = values + 3 * corner * stride + i;
       const V x = V::load(at), y = V::load(at + stride), z = V::load(at + 2 * stride);
       for (std::int64_t c = 0; c < 3; ++c)
-        mul_add(V(linear[3 * c]), x, mul_add(V(linear[3 * c + 1]), y, mul_add(V(linear[3 * c + 2]), z, V(translation[c])))).store(at + c * stride);
+        mul_add(V(linear[3 * c]), x, mul_add(V(linear[3 * c + 1]), y, mul_add(V(linear[3 * c + 2]), z, V(translation[c]))))
+            .store(at + c * stride);
     }
 }
 
@@ -92,8 +93,8 @@ TriangleRows::TriangleRows(const TriangleMesh& mesh) : values_(static_cast<std::
     for (int k = 0; k < 9; ++k) values_[static_cast<std::size_t>(12 * t + k)] = static_cast<float>(mesh.corner(t, k / 3)[k % 3]);
 }
 
-void triangle_distances(const TriangleRows& a, const TriangleRows& b, const Placement& b_in_a,
-                        std::span<const TrianglePair> pairs, const AnswerBatch<float>& answers) {
+void triangle_distances(const TriangleRows& a, const TriangleRows& b, const Placement& b_in_a, std::span<const TrianglePair> pairs,
+                        const AnswerBatch<float>& answers) {
   constexpr std::int64_t kBlock = 128;
   static_assert(kBlock % kBatchPadding == 0);
   alignas(64) float values[18 * kBlock];

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 #include "core/distance/mesh_distance.hpp"
+#include "tests/benchmarks/distance/methods/distance_methods.hpp"
 
 namespace scree {
 
@@ -28,7 +28,7 @@ class TriangleRows {
 /// out   answers   room for the number of pairs rounded up to a multiple of kBatchPadding
 /// Error: that of triangle_distances in single precision, and the rounding of the placed corners, at most 6 roundoffs
 /// of the largest coordinate in A's frame.   Cost: a third above the batch of coordinates; no allocation.
-void triangle_distances(const TriangleRows& a, const TriangleRows& b, const Placement& b_in_a,
-                        std::span<const TrianglePair> pairs, const AnswerBatch<float>& answers);
+void triangle_distances(const TriangleRows& a, const TriangleRows& b, const Placement& b_in_a, std::span<const TrianglePair> pairs,
+                        const AnswerBatch<float>& answers);
 
 }  // namespace scree

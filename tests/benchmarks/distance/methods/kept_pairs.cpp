@@ -50,8 +50,10 @@ HWY_INLINE void place_corners(Real* rows, std::int64_t stride, std::int64_t coun
       Real* at = rows + (9 + 3 * corner) * stride + i;
       const auto x = hn::LoadU(tag, at), y = hn::LoadU(tag, at + stride), z = hn::LoadU(tag, at + 2 * stride);
       for (int c = 0; c < 3; ++c) {
-        const auto l0 = hn::Set(tag, linear[c][0]), l1 = hn::Set(tag, linear[c][1]), l2 = hn::Set(tag, linear[c][2]), first = hn::Mul(l0, x);
-        const auto turned = sizeof(Real) == 4 ? hn::MulAdd(l2, z, hn::MulAdd(l1, y, first)) : hn::Add(hn::Add(first, hn::Mul(l1, y)), hn::Mul(l2, z));
+        const auto l0 = hn::Set(tag, linear[c][0]), l1 = hn::Set(tag, linear[c][1]), l2 = hn::Set(tag, linear[c][2]),
+                   first = hn::Mul(l0, x);
+        const auto turned =
+            sizeof(Real) == 4 ? hn::MulAdd(l2, z, hn::MulAdd(l1, y, first)) : hn::Add(hn::Add(first, hn::Mul(l1, y)), hn::Mul(l2, z));
         hn::StoreU(hn::Add(turned, hn::Set(tag, translation[c])), tag, at + c * stride);
       }
     }
@@ -63,7 +65,8 @@ std::size_t exact_lanes() { return hn::Lanes(hn::ScalableTag<double>()); }
 HWY_NOINLINE void place_float(float* rows, std::int64_t stride, std::int64_t count, const float linear[3][3], const float translation[3]) {
   place_corners(rows, stride, count, linear, translation);
 }
-HWY_NOINLINE void place_double(double* rows, std::int64_t stride, std::int64_t count, const double linear[3][3], const double translation[3]) {
+HWY_NOINLINE void place_double(double* rows, std::int64_t stride, std::int64_t count, const double linear[3][3],
+                               const double translation[3]) {
   place_corners(rows, stride, count, linear, translation);
 }
 
@@ -133,7 +136,8 @@ double shift_of(const Placement& from, const Placement& to, const Vec3& point) {
 
 /// A bound, made safe against the rounding of what it was computed from.
 double raised(double bound, const Placement& p, const Vec3& on_a, const Vec3& on_b) {
-  const double size = std::abs(p.translation.x) + std::abs(p.translation.y) + std::abs(p.translation.z) + length(on_a) + p.scale * length(on_b);
+  const double size =
+      std::abs(p.translation.x) + std::abs(p.translation.y) + std::abs(p.translation.z) + length(on_a) + p.scale * length(on_b);
   return bound * (1 + kBoundRounding) + kPlaceRounding * size;
 }
 
@@ -141,8 +145,10 @@ double raised(double bound, const Placement& p, const Vec3& on_a, const Vec3& on
 /// points of B in A's frame, or those of A in B's frame, whichever is the smaller bound [units of A's shape].
 double motion_bound(const Placement& from, const Placement& to, const SurfacePatch& a, const SurfacePatch& b) {
   const double chord = chord_of(from, to);
-  const Vec3 a_before = transpose_times(from.rotation, a.centre - from.translation), a_after = transpose_times(to.rotation, a.centre - to.translation);
-  return raised(std::min(shift_of(from, to, b.centre) + chord * to.scale * b.radius, length(a_after - a_before) + chord * a.radius), to, a.centre, b.centre);
+  const Vec3 a_before = transpose_times(from.rotation, a.centre - from.translation),
+             a_after = transpose_times(to.rotation, a.centre - to.translation);
+  return raised(std::min(shift_of(from, to, b.centre) + chord * to.scale * b.radius, length(a_after - a_before) + chord * a.radius), to,
+                a.centre, b.centre);
 }
 
 /// Floats on the safe side: an expiry too early, a way too long.
@@ -189,8 +195,8 @@ void load_corners(const TriangleMesh& mesh, const Vec3& origin, std::int32_t tri
 
 /// Single-precision distances of many pairs in A's frame, a batch at a time: found(k, distance) for pair_of(k).
 template <class PairOf, class Found>
-void filter_pairs(const MeshView& a, const MeshView& b, const DescentFrame& frame, std::size_t count, const PairOf& pair_of, KeptPairsScratch& s,
-                  const Found& found) {
+void filter_pairs(const MeshView& a, const MeshView& b, const DescentFrame& frame, std::size_t count, const PairOf& pair_of,
+                  KeptPairsScratch& s, const Found& found) {
   for (std::size_t begin = 0; begin < count; begin += static_cast<std::size_t>(kBatchPairs)) {
     const auto size = static_cast<std::int64_t>(std::min(count - begin, static_cast<std::size_t>(kBatchPairs)));
     for (std::int64_t i = 0; i < size; ++i) {
@@ -217,7 +223,8 @@ void KeptPairs::choose_skin(double smallest_radius, double margin) {
   } else if (steps_listed_ == 0) {
     if (skin_ <= 0) skin_ = std::max(kFirstSkin * smallest_radius, margin);
   } else {
-    const double more = static_cast<double>(expiry_.size() - close_count_) / (skin_ * skin_), way = moved_ / static_cast<double>(steps_listed_);
+    const double more = static_cast<double>(expiry_.size() - close_count_) / (skin_ * skin_),
+                 way = moved_ / static_cast<double>(steps_listed_);
     const double per_pair = kScanCost + 0.5 * kListingCost * way / skin_;
     const double best = more > 0 ? std::cbrt(0.5 * kDescentCost * way / (per_pair * more)) : kSkinChange * skin_;
     skin_ = std::clamp(best, skin_ / kSkinChange, skin_ * kSkinChange);
@@ -233,8 +240,9 @@ void KeptPairs::find_patches(const Placement& b_in_a, const Vec3& middle, double
     for (int c = 0; c < 3; ++c) side[c] = 3e38f, side[3 + c] = -3e38f;
   const auto count = static_cast<std::int64_t>(s.descent.candidates.size());
   for (std::int64_t begin = 0; begin < count; begin += kBatchPairs)
-    HWY_DYNAMIC_DISPATCH(add_corners)(s.descent.corners.data() + begin / kBatchPairs * DescentScratch::kBlockSize, kStride, std::min(count - begin, kBatchPairs),
-                                      s.chosen.data() + begin, box);
+    HWY_DYNAMIC_DISPATCH(add_corners)
+    (s.descent.corners.data() + begin / kBatchPairs * DescentScratch::kBlockSize, kStride, std::min(count - begin, kBatchPairs),
+     s.chosen.data() + begin, box);
   // a ball is a ball in either frame
   const auto ball = [&](const float side[6]) {
     const Vec3 lower{side[0], side[1], side[2]}, upper{side[3], side[4], side[5]};
@@ -261,7 +269,9 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
   const Vec3 centre_in_a = b_in_a.scale * (b_in_a.rotation * centre_) + b_in_a.translation - tree_a.middle;
   collect_candidates(tree_a, tree_b, frame, DescentReach(filter_reach(frame, reach), growth, centre_in_a, frame), s.descent);
   const std::size_t candidates = s.descent.candidates.size();
-  s.chosen.assign((candidates + static_cast<std::size_t>(kBatchPairs) - 1) / static_cast<std::size_t>(kBatchPairs) * static_cast<std::size_t>(kBatchPairs), 0.0f);
+  s.chosen.assign((candidates + static_cast<std::size_t>(kBatchPairs) - 1) / static_cast<std::size_t>(kBatchPairs) *
+                      static_cast<std::size_t>(kBatchPairs),
+                  0.0f);
   close_count_ = 0;
   std::size_t candidate = 0;
   for_each_single_distance(s.descent, [&](const TrianglePair& pair, float distance) {
@@ -308,15 +318,17 @@ void KeptPairs::make_list(const MeshView& a, const MeshView& b, const Placement&
   counts_.listed += static_cast<std::int64_t>(count);
 }
 
-bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s, std::vector<ClosePair>& close) {
+bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& s,
+                       std::vector<ClosePair>& close) {
   close.clear();
   const Bvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   if (tree_a.nodes.empty() || tree_b.nodes.empty()) return false;
   ++counts_.steps;
   if (has_list_) {
     ++steps_listed_;
-    moved_ = lever_ > 0 ? raised(std::max(shift_of(listed_at_, b_in_a, centre_), lever_ * chord_of(listed_at_, b_in_a)), b_in_a, {}, centre_)
-                        : motion_bound(listed_at_, b_in_a, {{}, static_cast<double>(tree_a.radius)}, {{}, static_cast<double>(tree_b.radius)});
+    moved_ = lever_ > 0
+                 ? raised(std::max(shift_of(listed_at_, b_in_a, centre_), lever_ * chord_of(listed_at_, b_in_a)), b_in_a, {}, centre_)
+                 : motion_bound(listed_at_, b_in_a, {{}, static_cast<double>(tree_a.radius)}, {{}, static_cast<double>(tree_b.radius)});
     way_ += motion_bound(last_, b_in_a, patch_a_, patch_b_);
     last_ = b_in_a;
   }
@@ -349,14 +361,16 @@ bool KeptPairs::update(const MeshView& a, const MeshView& b, const Placement& b_
     to_filter = 0;
   }
   counts_.filtered += static_cast<std::int64_t>(to_filter);
-  filter_pairs(a, b, frame, to_filter, [&](std::size_t k) { return pair_at(static_cast<std::size_t>(s.expired[k])); }, s, [&](std::size_t k, float distance) {
-    const double least = static_cast<double>(distance) - allowance - margin;
-    if (least > 0) {
-      expiry_[static_cast<std::size_t>(s.expired[k])] = round_down(way_ + least);
-    } else {
-      s.decide_entry.push_back(s.expired[k]);
-    }
-  });
+  filter_pairs(
+      a, b, frame, to_filter, [&](std::size_t k) { return pair_at(static_cast<std::size_t>(s.expired[k])); }, s,
+      [&](std::size_t k, float distance) {
+        const double least = static_cast<double>(distance) - allowance - margin;
+        if (least > 0) {
+          expiry_[static_cast<std::size_t>(s.expired[k])] = round_down(way_ + least);
+        } else {
+          s.decide_entry.push_back(s.expired[k]);
+        }
+      });
 
   // the decision
   double linear[3][3];

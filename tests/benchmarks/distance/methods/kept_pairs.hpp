@@ -45,7 +45,9 @@ struct SurfacePatch {
 
 /// Reusable scratch memory; one per thread.
 struct KeptPairsScratch;
-struct KeptPairsScratchDeleter { void operator()(KeptPairsScratch*) const; };
+struct KeptPairsScratchDeleter {
+  void operator()(KeptPairsScratch*) const;
+};
 using KeptPairsScratchPtr = std::unique_ptr<KeptPairsScratch, KeptPairsScratchDeleter>;
 KeptPairsScratchPtr make_kept_pairs_scratch();
 
@@ -55,10 +57,10 @@ class KeptPairs {
   /// What the list has done since it was made first: for tests, logs and benchmarks.
   struct Counts {
     std::int64_t steps = 0, lists = 0;
-    std::int64_t listed = 0;     ///< pairs in all lists, added up
-    std::int64_t scanned = 0;    ///< pairs whose expiry was looked at
-    std::int64_t filtered = 0;   ///< distances in single precision
-    std::int64_t decided = 0;    ///< distances in double precision
+    std::int64_t listed = 0;    ///< pairs in all lists, added up
+    std::int64_t scanned = 0;   ///< pairs whose expiry was looked at
+    std::int64_t filtered = 0;  ///< distances in single precision
+    std::int64_t decided = 0;   ///< distances in double precision
   };
 
   /// All triangle pairs whose distance is below `margin` or which intersect, in some order; true when one intersects.
@@ -91,21 +93,19 @@ class KeptPairs {
   void make_list(const MeshView& a, const MeshView& b, const Placement& b_in_a, double margin, KeptPairsScratch& scratch);
   void choose_skin(double smallest_radius, double margin);
   void find_patches(const Placement& b_in_a, const Vec3& middle, double allowance, KeptPairsScratch& scratch);
-  TrianglePair pair_at(std::size_t k) const {
-    return wide_.empty() ? TrianglePair{narrow_[k].a, narrow_[k].b} : wide_[k];
-  }
+  TrianglePair pair_at(std::size_t k) const { return wide_.empty() ? TrianglePair{narrow_[k].a, narrow_[k].b} : wide_[k]; }
 
   std::vector<float> expiry_;
-  std::vector<NarrowPair> narrow_;   // one of the two
+  std::vector<NarrowPair> narrow_;  // one of the two
   std::vector<TrianglePair> wide_;
   Placement listed_at_, last_;
-  SurfacePatch patch_a_, patch_b_;   // the listed triangles
-  Vec3 centre_;                      // of B, in its own frame: what the skin is measured at
-  double lever_ = 0;                 // at this distance from it the skin is twice as wide; 0: the same everywhere
+  SurfacePatch patch_a_, patch_b_;  // the listed triangles
+  Vec3 centre_;                     // of B, in its own frame: what the skin is measured at
+  double lever_ = 0;                // at this distance from it the skin is twice as wide; 0: the same everywhere
   double margin_ = 0, skin_ = 0, fixed_skin_ = 0;
-  double way_ = 0, moved_ = 0;       // of the listed triangles, step by step; of the bodies, from where they were listed
-  std::int64_t steps_listed_ = 0;    // steps that the list has served
-  std::size_t close_count_ = 0;      // pairs within the margin when listed
+  double way_ = 0, moved_ = 0;     // of the listed triangles, step by step; of the bodies, from where they were listed
+  std::int64_t steps_listed_ = 0;  // steps that the list has served
+  std::size_t close_count_ = 0;    // pairs within the margin when listed
   bool has_list_ = false;
   Counts counts_;
 };

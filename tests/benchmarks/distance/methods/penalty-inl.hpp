@@ -87,8 +87,8 @@ struct PenaltyProblem {
     f1 = b.p[1] - b.p[0];
     f2 = b.p[2] - b.p[0];
     w = a.p[0] - b.p[0];
-    gram = {dot(e1, e1), dot(e1, e2), -dot(e1, f1), -dot(e1, f2), dot(e2, e2),
-            -dot(e2, f1), -dot(e2, f2), dot(f1, f1), dot(f1, f2), dot(f2, f2)};
+    gram = {dot(e1, e1),  dot(e1, e2),  -dot(e1, f1), -dot(e1, f2), dot(e2, e2),
+            -dot(e2, f1), -dot(e2, f2), dot(f1, f1),  dot(f1, f2),  dot(f2, f2)};
   }
   HWY_INLINE Pack3<T> difference(const Pack<T> x[4]) const {
     return neg_mul_add(x[2], f1, neg_mul_add(x[3], f2, mul_add(x[0], e1, mul_add(x[1], e2, w))));
@@ -107,9 +107,15 @@ struct PenaltyProblem {
     const V gradient[4] = {mul_add(scale, dot(d, e1), r * (m2 - m0)), mul_add(scale, dot(d, e2), r * (m2 - m1)),
                            mul_sub(r, m5 - m3, scale * dot(d, f1)), mul_sub(r, m5 - m4, scale * dot(d, f2))};
     const Symmetric4<T>& g = gram;
-    const Symmetric4<T> h = {mul_add(scale, g.m00, r0 + r2 + delta), mul_add(scale, g.m01, r2), scale * g.m02, scale * g.m03,
-                             mul_add(scale, g.m11, r1 + r2 + delta), scale * g.m12, scale * g.m13,
-                             mul_add(scale, g.m22, r3 + r5 + delta), mul_add(scale, g.m23, r5),
+    const Symmetric4<T> h = {mul_add(scale, g.m00, r0 + r2 + delta),
+                             mul_add(scale, g.m01, r2),
+                             scale * g.m02,
+                             scale * g.m03,
+                             mul_add(scale, g.m11, r1 + r2 + delta),
+                             scale * g.m12,
+                             scale * g.m13,
+                             mul_add(scale, g.m22, r3 + r5 + delta),
+                             mul_add(scale, g.m23, r5),
                              mul_add(scale, g.m33, r4 + r5 + delta)};
     solve4(h, gradient, dx);
   }
@@ -134,7 +140,7 @@ struct ActiveSet {
   HWY_INLINE ActiveSet(Pack<T> u, Pack<T> v) {
     using V = Pack<T>;
     const V zero(T(0)), one(T(1));
-    const Mask<T> cu = u < zero, cv = v < zero, cs = u + v > one;
+    const Mask<T> cu = u < zero, cv = v<zero, cs = u + v> one;
     const Mask<T> at_vertex = (cu & cv) | (cv & cs) | (cu & cs);
     const Mask<T> on_edge = (cu | cv | cs) & !at_vertex;
     const Mask<T> third = on_edge & cs;
@@ -162,10 +168,16 @@ HWY_INLINE Pack<T> polish(const PenaltyProblem<T>& problem, Pack<T> x[4]) {
   const Mask<T> a1 = a.has_first, a2 = a.has_second, b1 = b.has_first, b2 = b.has_second;
   // only two parallel faces are singular; this keeps them finite and is below rounding otherwise
   const V last = problem.trace() * V(sizeof(T) == 4 ? T(1e-7) : T(1e-15));
-  const Symmetric4<T> h = {select(a1, dot(e, e), one), select(a2, dot(e, problem.e2), zero),
-                           select(a1 & b1, -dot(e, f), zero), select(a1 & b2, -dot(e, problem.f2), zero),
-                           select(a2, g.m11, one), select(a2 & b1, -dot(problem.e2, f), zero), select(a2 & b2, g.m13, zero),
-                           select(b1, dot(f, f), one), select(b2, dot(f, problem.f2), zero), select(b2, g.m33 + last, one)};
+  const Symmetric4<T> h = {select(a1, dot(e, e), one),
+                           select(a2, dot(e, problem.e2), zero),
+                           select(a1 & b1, -dot(e, f), zero),
+                           select(a1 & b2, -dot(e, problem.f2), zero),
+                           select(a2, g.m11, one),
+                           select(a2 & b1, -dot(problem.e2, f), zero),
+                           select(a2 & b2, g.m13, zero),
+                           select(b1, dot(f, f), one),
+                           select(b2, dot(f, problem.f2), zero),
+                           select(b2, g.m33 + last, one)};
   const V right[4] = {select(a1, -dot(d, e), zero), select(a2, -dot(d, problem.e2), zero), select(b1, dot(d, f), zero),
                       select(b2, dot(d, problem.f2), zero)};
   V y[4];
@@ -242,15 +254,15 @@ HWY_INLINE Solution<T> penalty(const TrianglePack<T>& A, const TrianglePack<T>& 
     // nearer than this nothing is proven: brute force decides exactly. Four levels: one of each triangle, and twice that
     constexpr T least = std::max(Limits<T>::contact_ratio, 4 * PenaltySettings<T>::level);
     const V least2 = V(least * least) * max(la2, lb2);
-    certified = certified & (dot(d, d) > least2) & (condition >= V(PenaltySettings<T>::conditioned)) & is_optimal(g1, g2, x[0], x[1], unit_a) &
-                is_optimal(h1, h2, x[2], x[3], unit_b);
+    certified = certified & (dot(d, d) > least2) & (condition >= V(PenaltySettings<T>::conditioned)) &
+                is_optimal(g1, g2, x[0], x[1], unit_a) & is_optimal(h1, h2, x[2], x[3], unit_b);
   } else {
     const V declared(PenaltySettings<T>::declared);
     const auto gap = [&](V k1, V k2, V u, V v) { return max(max(zero, k1), k2) - mul_add(u, k1, v * k2); };
     certified = certified & (gap(g1, g2, x[0], x[1]) <= declared * unit_a) & (gap(h1, h2, x[2], x[3]) <= declared * unit_b);
   }
-  out.code = V(T(kCodeWeights)) + zero_weights(x[0], x[1]) + V(T(8)) * zero_weights(x[2], x[3]) +
-             select(certified, zero, V(T(kCodeUncertified)));
+  out.code =
+      V(T(kCodeWeights)) + zero_weights(x[0], x[1]) + V(T(8)) * zero_weights(x[2], x[3]) + select(certified, zero, V(T(kCodeUncertified)));
   return out;
 }
 

@@ -1,0 +1,120 @@
+// case.toml as a person wrote it, checked and in SI. The page of the language is CASE.md.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+#include "core/storage/scene_file.hpp"
+#include "decomposer/case/case_reads.hpp"
+#include "decomposer/case/size_distribution.hpp"
+#include "decomposer/case/wall_forms.hpp"
+
+namespace scree {
+
+/// [shapes.NAME]
+struct CaseShape {
+  std::string name, where;
+  std::string file;          ///< path as it can be opened; empty for an analytic sphere
+  std::string name_in_file;  ///< which of several shapes; empty when the file holds one
+  double sphere_radius = 0;  ///< [m]
+  double cell_size = 0;      ///< [m], 0: none
+};
+
+/// [[bodies]]
+struct CaseBody {
+  std::string where;
+  std::int32_t shape = 0, material = 0;
+  Vec3 position, velocity, angular_velocity;
+  Quat orientation;
+  double scale = 1;
+  bool fixed = false, lock_rotation = false;
+};
+
+/// Where a population may lie: one of these.
+struct CaseRegion {
+  std::optional<Wall> shape;  ///< inside of a box, cylinder or sphere
+  std::string file;           ///< closed mesh
+  std::int32_t wall = -1;     ///< inside of one of the walls
+};
+
+/// How the bodies of a population are turned.
+struct CaseOrientation {
+  enum class Kind { random, given, aligned };
+  enum class Axis { longest, shortest, given };
+  Kind kind = Kind::random;
+  Quat given;
+  Vec3 direction{0, 0, 1};  ///< aligned: where the axis of the body points, unit, world
+  Axis axis = Axis::longest;
+  Vec3 body_axis{0, 0, 1};  ///< aligned, when it is given: unit, mesh axes
+  double scatter = 0;       ///< aligned: deviation of the tilt about each of the two directions across [rad]
+};
+
+enum class PackingMethod { random, lattice, settle, compact };
+
+/// [[populations]]
+struct CasePopulation {
+  enum class Amount { count, mass, solid_fraction, fill };
+  std::string where;
+  std::vector<std::pair<std::int32_t, double>> shares;  ///< shape and its share; shares sum to 1
+  bool shares_by_mass = false;                          ///< else by number
+  std::int32_t material = 0;
+  Amount amount = Amount::count;
+  double value = 0;                      ///< count [-], mass [kg] or solid fraction of the region [-]
+  std::optional<SizeDistribution> size;  ///< of the equivalent sphere; none: shapes as they are
+  CaseRegion region;
+  PackingMethod method = PackingMethod::random;
+  double jitter = 0.5;  ///< lattice: share of the free room of a cell that is used
+  CaseOrientation orientation;
+  Vec3 velocity, angular_velocity;
+};
+
+/// [[walls]]: a Wall without its id and shape index, and where its mesh comes from.
+struct CaseWall {
+  std::string where;
+  Wall wall;
+  std::string file;              ///< of a mesh wall, unless it is made from numbers
+  std::optional<WallForm> form;  ///< of a mesh wall that is
+};
+
+struct CasePair {
+  std::string where;
+  MaterialPair pair;
+  bool friction_given = false;
+};
+
+/// What becomes of bodies of [[bodies]] that start too close to each other or to a wall.
+enum class Relax {
+  none,     ///< overlaps are refused, what is pressed starts as it is
+  shallow,  ///< parted where that moves no body further than two margins, refused otherwise
+  all       ///< parted, however far that is
+};
+
+struct Case {
+  std::string path;
+  std::string text;    ///< word for word, or written anew when keys were changed
+  std::string sha256;  ///< of the file as it lies on the disk, whatever was changed on the command line
+  Settings settings;
+  bool margin_given = false;
+  Relax relax = Relax::shallow;
+  std::vector<CaseShape> shapes;
+  std::vector<Material> materials;
+  std::vector<CasePair> pairs;
+  std::vector<CaseBody> bodies;
+  std::vector<CasePopulation> populations;
+  std::vector<CaseWall> walls;
+};
+
+/// Reads and checks a case; opens no other file.
+/// Throws InputError when the file cannot be read, UsageError for everything that is wrong in it: syntax, unknown
+/// keys, types, units, ranges, names, features that are not built yet, material pairs that can meet and are missing.
+/// in   changes   keys set on the command line (case_settings.hpp)
+Case read_case(const std::string& path, const std::vector<std::string>& changes = {});
+/// The same from text; relative paths are taken from `folder`. `reads`, where not null, notes what was asked of the case.
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes = {},
+                CaseReads* reads = nullptr);
+
+}  // namespace scree

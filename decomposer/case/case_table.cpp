@@ -1,0 +1,331 @@
+#include "decomposer/case/case_table.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "core/base/command_line.hpp"
+
+namespace scree {
+
+namespace {
+
+std::string value_text(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&](const auto& value) { text << value; });
+  std::string result = text.str();
+  if (node.is_string()) {
+    result = node.value_or(std::string{});
+    result = "\"" + result + "\"";
+  }
+  constexpr std::size_t kLongest = 60;
+  if (result.size() > kLongest) result = result.substr(0, kLongest) + "...";
+  return result;
+}
+
+std::string type_text(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::string:
+      return "a text";
+    case toml::node_type::integer:
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) text += (i == 0 ? "" : ", ") + words[i];
+  return text;
+}
+
+/// What a text with a unit is, when a plain number was expected: "a length".
+std::string dimension_of(const std::string& text) {
+  for (const Dimension d : {Dimension::length, Dimension::time, Dimension::mass, Dimension::velocity, Dimension::acceleration,
+                            Dimension::angular_velocity, Dimension::angle, Dimension::frequency, Dimension::density, Dimension::stiffness,
+                            Dimension::pressure, Dimension::force, Dimension::stress_per_length, Dimension::viscosity}) {
+    try {
+      parse_quantity(text, d, "");
+      std::string name = dimension_name(d);
+      return name.substr(0, name.find(" ["));
+    } catch (const UsageError&) {
+      continue;
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+CaseTable::CaseTable(const toml::table& table, std::string file, std::string path, std::string pattern, std::vector<std::string> keys,
+                     CaseReads* reads)
+    : table_(&table), file_(std::move(file)), path_(std::move(path)), pattern_(std::move(pattern)), reads_(reads) {
+  if (keys.empty()) return;  // names of the user's choice
+  for (const std::string& key : keys) note(key, CaseRead::Kind::allowed);
+  for (const auto& [name, value] : table) {
+    const std::string key(name.str());
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    const std::string near = nearest_name(key, keys);
+    throw UsageError("{}: unknown key{}", where(key),
+                     near.empty() ? "; expected one of: " + list_of(keys) : ", did you mean '" + near + "'?");
+  }
+}
+
+void CaseTable::note(const std::string& key, CaseRead::Kind kind, Dimension dimension, Range range, std::vector<std::string> words) const {
+  if (reads_ != nullptr) reads_->push_back({pattern_, key, kind, dimension, range, std::move(words)});
+}
+
+std::string CaseTable::where(const std::string& key) const {
+  const toml::node* found = table_->get(key);
+  const auto line = found != nullptr ? found->source().begin.line : table_->source().begin.line;
+  std::string place = line > 0 ? fmt::format("{}:{}", file_, line) : file_;
+  const std::string dot = path_.empty() || key.empty() ? "" : ".";
+  const std::string full = path_ + dot + key;
+  return full.empty() ? place : place + ": " + full;
+}
+
+UsageError CaseTable::error(const std::string& key, const std::string& text) const {
+  const toml::node* found = table_->get(key);
+  return found == nullptr ? UsageError("{}: {}", where(key), text) : UsageError("{} = {}: {}", where(key), value_text(*found), text);
+}
+
+UsageError CaseTable::wrong_type(const std::string& key, const std::string& expected) const {
+  return error(key, type_text(node(key)) + " found, expected " + expected);
+}
+
+const toml::node& CaseTable::node(const std::string& key) const {
+  const toml::node* found = table_->get(key);
+  if (found == nullptr) throw UsageError("{}: is missing", where(key));
+  return *found;
+}
+
+void CaseTable::check_range(const std::string& key, double value, Range range) const {
+  if (range == Range::positive && !(value > 0)) throw error(key, "expected a value > 0");
+  if (range == Range::not_negative && !(value >= 0)) throw error(key, "expected a value >= 0");
+  if (range == Range::unit_interval && !(value >= 0 && value <= 1)) throw error(key, "expected a value of at least 0 and at most 1");
+  if (range == Range::fraction && !(value > 0 && value < 1)) throw error(key, "expected a value between 0 and 1");
+}
+
+double CaseTable::number_of(const toml::node& value, const std::string& key, Dimension dimension) const {
+  double result = 0;
+  if (const auto number = value.is_boolean() ? std::optional<double>{} : value.value<double>(); number && !value.is_string()) {
+    result = *number;
+  } else if (const auto text = value.value<std::string>()) {
+    if (dimension == Dimension::none) {
+      // a number in quotes, or one with a unit where none belongs
+      double bare = 0;
+      const char* last = text->data() + text->size();
+      const auto [end, fault] = std::from_chars(text->data(), last, bare);
+      if (fault == std::errc{} && end != last) {
+        const std::string kind = dimension_of(*text);
+        if (!kind.empty()) throw error(key, fmt::format("{}, but {} has no unit; write {:g}", kind, key, bare));
+      }
+    }
+    result = parse_quantity(*text, dimension, where(key));
+  } else {
+    throw error(key, type_text(value) + " found, expected " + dimension_name(dimension));
+  }
+  if (!std::isfinite(result)) throw error(key, "expected a finite number");
+  constexpr double kLargest = 1e100;  // squares and cubes of it can still be computed with
+  if (std::abs(result) > kLargest) throw error(key, fmt::format("is too large to compute with; expected a number up to {:g}", kLargest));
+  return result;
+}
+
+double CaseTable::number(const std::string& key, Dimension dimension, Range range) const {
+  note(key, CaseRead::Kind::number, dimension, range);
+  if (!has(key)) throw UsageError("{}: is missing; expected {}", where(key), dimension_name(dimension));
+  const double value = number_of(node(key), key, dimension);
+  check_range(key, value, range);
+  return value;
+}
+
+double CaseTable::number_or(const std::string& key, Dimension dimension, double value, Range range) const {
+  if (has(key)) return number(key, dimension, range);
+  note(key, CaseRead::Kind::number, dimension, range);
+  return value;
+}
+
+std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) const {
+  note(key, CaseRead::Kind::integer, Dimension::none, smallest > 0 ? Range::positive : smallest == 0 ? Range::not_negative : Range::any);
+  const toml::node& value = node(key);
+  const auto number = value.is_integer() ? value.value<std::int64_t>() : std::optional<std::int64_t>{};
+  if (!number) throw wrong_type(key, "a whole number");
+  if (*number < smallest) throw error(key, fmt::format("expected a whole number of at least {}", smallest));
+  return *number;
+}
+
+bool CaseTable::boolean_or(const std::string& key, bool value) const {
+  note(key, CaseRead::Kind::boolean);
+  if (!has(key)) return value;
+  if (!node(key).is_boolean()) throw wrong_type(key, "true or false");
+  return *node(key).value<bool>();
+}
+
+std::string CaseTable::text(const std::string& key) const {
+  note(key, CaseRead::Kind::text);
+  if (!node(key).is_string()) throw wrong_type(key, "a text in quotes");
+  return *node(key).value<std::string>();
+}
+
+const toml::array& CaseTable::array(const std::string& key, std::size_t size, const std::string& expected) const {
+  const toml::array* list = node(key).as_array();
+  if (list == nullptr || (size > 0 && list->size() != size)) throw error(key, "expected " + expected);
+  return *list;
+}
+
+Vec3 CaseTable::vector_of(const toml::node& value, const std::string& key, Dimension dimension) const {
+  const toml::array* list = value.as_array();
+  if (list == nullptr || list->size() != 3) throw error(key, "expected three numbers [x, y, z], each " + dimension_name(dimension));
+  return {number_of(*list->get(0), key, dimension), number_of(*list->get(1), key, dimension), number_of(*list->get(2), key, dimension)};
+}
+
+Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const {
+  note(key, CaseRead::Kind::vector, dimension);
+  return vector_of(node(key), key, dimension);
+}
+
+Vec3 CaseTable::vector_or(const std::string& key, Dimension dimension, const Vec3& value) const {
+  if (has(key)) return vector(key, dimension);
+  note(key, CaseRead::Kind::vector, dimension);
+  return value;
+}
+
+Vec3 CaseTable::direction(const std::string& key) const {
+  const Vec3 v = vector(key, Dimension::none);
+  if (!(length(v) > 0)) throw error(key, "a direction must not be zero");
+  return normalised(v);
+}
+
+std::vector<double> CaseTable::numbers(const std::string& key, Dimension dimension) const {
+  note(key, CaseRead::Kind::numbers, dimension);
+  std::vector<double> values;
+  for (const toml::node& value : array(key, 0, "a list of numbers")) values.push_back(number_of(value, key, dimension));
+  return values;
+}
+
+std::vector<Vec3> CaseTable::vectors(const std::string& key, Dimension dimension) const {
+  note(key, CaseRead::Kind::vectors, dimension);
+  std::vector<Vec3> values;
+  for (const toml::node& value : array(key, 0, "a list of vectors [x, y, z]")) values.push_back(vector_of(value, key, dimension));
+  return values;
+}
+
+std::vector<std::string> CaseTable::texts(const std::string& key) const {
+  note(key, CaseRead::Kind::texts);
+  std::vector<std::string> values;
+  for (const toml::node& value : array(key, 0, "a list of texts")) {
+    if (!value.is_string()) throw error(key, "expected a list of texts in quotes");
+    values.push_back(*value.value<std::string>());
+  }
+  return values;
+}
+
+std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
+  note(key, CaseRead::Kind::corners, Dimension::length);
+  const toml::array& list = array(key, 2, "two opposite corners [[x, y, z], [x, y, z]]");
+  const Vec3 lower = vector_of(*list.get(0), key, Dimension::length), upper = vector_of(*list.get(1), key, Dimension::length);
+  for (int k = 0; k < 3; ++k) {
+    if (!(lower[k] < upper[k])) throw error(key, "the first corner must be below the second in x, y and z");
+  }
+  return {lower, upper};
+}
+
+std::string CaseTable::word_or(const std::string& key, const std::string& value, std::initializer_list<const char*> known,
+                               std::initializer_list<const char*> available) const {
+  const std::vector<std::string> all(known.begin(), known.end()), built(available.begin(), available.end());
+  note(key, CaseRead::Kind::word, Dimension::none, Range::any, built);
+  if (!has(key)) return value;
+  const std::string found = text(key);
+  if (std::find(built.begin(), built.end(), found) != built.end()) return found;
+  if (std::find(all.begin(), all.end(), found) != all.end()) {
+    throw error(key, "is not available in this version; use " + list_of(built));
+  }
+  const std::string near = nearest_name(found, all);
+  throw error(key, near.empty() ? "unknown; expected one of: " + list_of(all) : "unknown, did you mean '" + near + "'?");
+}
+
+std::int32_t CaseTable::find_name(const std::string& key, const std::string& name, const std::vector<std::string>& names,
+                                  const std::string& kind) const {
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it != names.end()) return static_cast<std::int32_t>(it - names.begin());
+  const std::string near = nearest_name(name, names);
+  throw error(key, fmt::format("there is no {} '{}'{}", kind, name,
+                               names.empty()  ? "; the case defines none"
+                               : near.empty() ? "; defined are: " + list_of(names)
+                                              : ", did you mean '" + near + "'?"));
+}
+
+std::int32_t CaseTable::reference(const std::string& key, const std::vector<std::string>& names, const std::string& kind) const {
+  return find_name(key, text(key), names, kind);
+}
+
+CaseTable CaseTable::table(const std::string& key, std::vector<std::string> keys) const {
+  const toml::table* found = node(key).as_table();
+  if (found == nullptr) throw wrong_type(key, "a table, for instance { " + (keys.empty() ? "name" : keys.front()) + " = ... }");
+  note(key, CaseRead::Kind::table);
+  const std::string dot = path_.empty() ? "" : ".";
+  return {*found, file_, path_ + dot + key, pattern_ + dot + key, std::move(keys), reads_};
+}
+
+std::vector<CaseTable> CaseTable::tables(const std::string& key, const std::vector<std::string>& keys) const {
+  std::vector<CaseTable> result;
+  note(key, CaseRead::Kind::tables);
+  if (!has(key)) return result;
+  const toml::array* list = node(key).as_array();
+  if (list == nullptr) throw wrong_type(key, "[[" + key + "]] sections");
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const toml::table* found = list->get(i)->as_table();
+    if (found == nullptr) throw wrong_type(key, "[[" + key + "]] sections");
+    result.push_back({*found, file_, fmt::format("{}[{}]", key, i), key + "[]", keys, reads_});
+  }
+  return result;
+}
+
+std::vector<std::pair<std::string, CaseTable>> CaseTable::named_tables(const std::string& key, const std::vector<std::string>& keys) const {
+  std::vector<std::pair<std::string, CaseTable>> result;
+  note(key, CaseRead::Kind::named_tables);
+  if (!has(key)) return result;
+  const CaseTable all = table(key, {});
+  for (const auto& [name, value] : *all.table_) {
+    const std::string word(name.str());
+    const toml::table* found = value.as_table();
+    if (found == nullptr) throw all.wrong_type(word, "a section [" + key + "." + word + "]");
+    result.emplace_back(word, CaseTable(*found, file_, key + "." + word, key + ".*", keys, reads_));
+  }
+  return result;
+}
+
+std::vector<std::pair<std::string, double>> CaseTable::named_numbers(const std::string& key, Range range) const {
+  note(key, CaseRead::Kind::named_numbers, Dimension::none, range);
+  const CaseTable all = table(key, {});
+  std::vector<std::pair<std::string, double>> result;
+  for (const auto& [name, value] : *all.table_) {
+    const std::string word(name.str());
+    result.emplace_back(word, all.number(word, Dimension::none, range));
+  }
+  if (result.empty()) throw error(key, "is empty");
+  return result;
+}
+
+std::string CaseTable::only_one_of(std::initializer_list<const char*> keys) const {
+  std::string found, list;
+  for (const char* key : keys) {
+    list += (list.empty() ? "" : ", ") + std::string(key);
+    if (!has(key)) continue;
+    if (!found.empty()) throw UsageError("{}: gives both '{}' and '{}'; give one of them", where(), found, key);
+    found = key;
+  }
+  if (found.empty()) throw UsageError("{}: expected one of: {}", where(), list);
+  return found;
+}
+
+}  // namespace scree

@@ -1,0 +1,87 @@
+// Strict reading of a TOML table: an unknown key, a wrong type, a wrong dimension or a value out of range is an
+// error that says where it is, what was found, what was expected and what to write.
+#pragma once
+
+#include <toml++/toml.h>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "core/geometry/vec3.hpp"
+#include "decomposer/case/case_reads.hpp"
+
+namespace scree {
+
+/// One table of a case file. Borrows the parsed file, which must outlive it.
+class CaseTable {
+ public:
+  /// in   file   name of the case as given, for messages     in   path   "materials.rock"; "" for the whole file
+  /// in   keys   all keys that may occur.   Throws UsageError for any other, naming the nearest.
+  /// in/out  reads   where not null: everything that is asked of this table and those below it is noted there
+  CaseTable(const toml::table& table, std::string file, std::string path, std::vector<std::string> keys, CaseReads* reads = nullptr)
+      : CaseTable(table, std::move(file), path, path, std::move(keys), reads) {}
+
+  bool has(const std::string& key) const { return table_->contains(key); }
+  bool is_table(const std::string& key) const { return has(key) && node(key).is_table(); }
+  bool is_boolean(const std::string& key) const { return has(key) && node(key).is_boolean(); }
+  bool is_text(const std::string& key) const { return has(key) && node(key).is_string(); }
+  bool is_list(const std::string& key) const { return has(key) && node(key).is_array(); }
+  /// "case.toml:14: materials.rock.friction"; the table's own place when the key is absent or "".
+  std::string where(const std::string& key = "") const;
+  /// An error about a key: "WHERE = VALUE: TEXT".
+  UsageError error(const std::string& key, const std::string& text) const;
+
+  double number(const std::string& key, Dimension dimension, Range range = Range::any) const;
+  double number_or(const std::string& key, Dimension dimension, double value, Range range = Range::any) const;
+  std::int64_t integer(const std::string& key, std::int64_t smallest) const;
+  bool boolean_or(const std::string& key, bool value) const;
+  std::string text(const std::string& key) const;
+  Vec3 vector(const std::string& key, Dimension dimension) const;
+  Vec3 vector_or(const std::string& key, Dimension dimension, const Vec3& value) const;
+  /// Scaled to length 1; throws when it is zero.
+  Vec3 direction(const std::string& key) const;
+  std::vector<double> numbers(const std::string& key, Dimension dimension) const;
+  std::vector<Vec3> vectors(const std::string& key, Dimension dimension) const;
+  std::vector<std::string> texts(const std::string& key) const;
+  /// Opposite corners [[x, y, z], [x, y, z]], lower below upper in each coordinate.
+  std::pair<Vec3, Vec3> corners(const std::string& key) const;
+  /// One of the words of the case language. A word that is known but not built yet is refused with what is.
+  std::string word_or(const std::string& key, const std::string& value, std::initializer_list<const char*> known,
+                      std::initializer_list<const char*> available) const;
+  /// Index of a name in a list, for references to shapes and materials.
+  std::int32_t reference(const std::string& key, const std::vector<std::string>& names, const std::string& kind) const;
+  std::int32_t find_name(const std::string& key, const std::string& name, const std::vector<std::string>& names,
+                         const std::string& kind) const;
+
+  CaseTable table(const std::string& key, std::vector<std::string> keys) const;
+  /// [[key]] tables, none when the key is absent.
+  std::vector<CaseTable> tables(const std::string& key, const std::vector<std::string>& keys) const;
+  /// [key.NAME] tables with their names, in alphabetical order.
+  std::vector<std::pair<std::string, CaseTable>> named_tables(const std::string& key, const std::vector<std::string>& keys) const;
+  /// Keys that the table holds, in alphabetical order, with the values as numbers without unit: { fels = 0.7 }.
+  std::vector<std::pair<std::string, double>> named_numbers(const std::string& key, Range range) const;
+  /// The one of these keys that the table holds; throws when there is none or more than one.
+  std::string only_one_of(std::initializer_list<const char*> keys) const;
+
+ private:
+  CaseTable(const toml::table& table, std::string file, std::string path, std::string pattern, std::vector<std::string> keys,
+            CaseReads* reads);
+  void note(const std::string& key, CaseRead::Kind kind, Dimension dimension = Dimension::none, Range range = Range::any,
+            std::vector<std::string> words = {}) const;
+  const toml::node& node(const std::string& key) const;
+  const toml::array& array(const std::string& key, std::size_t size, const std::string& expected) const;
+  double number_of(const toml::node& value, const std::string& key, Dimension dimension) const;
+  Vec3 vector_of(const toml::node& value, const std::string& key, Dimension dimension) const;
+  void check_range(const std::string& key, double value, Range range) const;
+  UsageError wrong_type(const std::string& key, const std::string& expected) const;
+
+  const toml::table* table_;
+  std::string file_, path_;
+  std::string pattern_;  ///< path_ with [] for a number and * for a name of the user's choice
+  CaseReads* reads_;
+};
+
+}  // namespace scree

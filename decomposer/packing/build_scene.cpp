@@ -1,0 +1,343 @@
+#include "decomposer/packing/build_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "core/storage/wall_motion.hpp"
+#include "decomposer/doubts.hpp"
+#include "decomposer/packing/compact.hpp"
+#include "decomposer/packing/feasibility.hpp"
+#include "decomposer/packing/margin_rule.hpp"
+#include "decomposer/packing/packer.hpp"
+#include "decomposer/packing/random_numbers.hpp"
+#include "decomposer/packing/relax.hpp"
+#include "decomposer/packing/settle.hpp"
+#include "decomposer/packing/start_checks.hpp"
+
+namespace scree {
+
+namespace {
+
+class Builder {
+ public:
+  Builder(const Case& c, const ChildSolver& solver) : case_(c), solver_(solver) {}
+
+  PackedScene build() {
+    out_.inputs.push_back({case_.path, case_.sha256, nullptr});
+    scene().settings = case_.settings;
+    scene().materials = case_.materials;
+    for (const CasePair& p : case_.pairs) scene().pairs.push_back(p.pair);
+    load_shapes();
+    load_walls();
+    load_regions();
+    draw_particles();
+    choose_margin(case_, parts_, scene(), report());
+    check_start(case_, parts_, scene(), report().notices);
+    Case placed = case_;
+    if (placed.relax != Relax::none) relax(placed);
+    Packer packer(placed, parts_, scene(), report());
+    packer.place_given_bodies();
+    Placements placements(parts_);
+    check_feasible(placed, parts_, scene());
+    packer.place_particles(placements);
+    settle_populations(placed, parts_, scene(), solver_, placements, report());
+    for (std::size_t k = 0; k < placed.populations.size(); ++k) {
+      if (placed.populations[k].method == PackingMethod::compact)
+        compact_population(placed, parts_, scene(), k, solver_, placements, report());
+    }
+    for (std::size_t k = 0; k < placed.populations.size(); ++k) {
+      report().solid_fraction[k] = placements.volume_placed(parts_, k) / parts_.regions[k].volume;
+    }
+    check_none_is_empty(placements);
+    add_placed(placed, parts_, placements, scene());
+    fill_report();
+    report().doubts = doubts_about(case_, parts_, scene());
+    return std::move(out_);
+  }
+
+ private:
+  void relax(Case& placed) {
+    double gap = 2 * scene().settings.margin;
+    for (const CaseBody& b : placed.bodies) gap = std::max(gap, kTouch * b.scale * parts_.shape(b.shape).radius);
+    const Relaxation done = relax_given_bodies(placed, parts_, scene(), gap);
+    if (done.moved == 0) return;
+    report().notices.push_back(
+        fmt::format("contact.relax = {}: {} bodies parted in {} sweeps, by up to {}; their potential energy changed by {:.3g} J. The "
+                    "hardest pressed: {}",
+                    placed.relax == Relax::all ? "true" : "\"shallow\"", done.moved, done.sweeps,
+                    format_quantity(done.furthest, Dimension::length), done.potential_change, done.hardest));
+  }
+
+  Scene& scene() { return out_.scene; }
+  PackingReport& report() { return out_.report; }
+
+  // ---- files ----
+
+  const ShapeFile& open_shapes(const std::string& file, const std::string& where) {
+    const auto found = files_.find(file);
+    if (found != files_.end()) return found->second;
+    try {
+      ShapeFile content = read_shape_file(file);
+      out_.inputs.push_back({file, sha256_of_file(file), content.provenance});
+      return files_.emplace(file, std::move(content)).first->second;
+    } catch (const InputError& e) {
+      throw InputError("{}: {}; make it with scree-mesher import", where, e.what());
+    }
+  }
+
+  Shape load_shape(const CaseShape& s) {
+    if (s.file.empty()) return make_sphere(s.name, s.sphere_radius);
+    const ShapeFile& file = open_shapes(s.file, s.where);
+    std::string names;
+    for (const Shape& shape : file.shapes) {
+      if (file.shapes.size() == 1 && s.name_in_file.empty()) {
+        if (shape.kind == ShapeKind::surface) {
+          throw InputError("{}: {} is a wall surface without mass; import it without --surface to use it as a body", s.where, s.file);
+        }
+      } else if (shape.name != s.name_in_file) {
+        names += (names.empty() ? "" : ", ") + shape.name;
+        continue;
+      }
+      Shape result = shape;
+      result.name = s.name;
+      return result;
+    }
+    throw UsageError("{}: {} holds {} shapes ({}); say which with name = \"...\"", s.where, s.file, file.shapes.size(), names);
+  }
+
+  void load_shapes() {
+    std::vector<bool> used(case_.shapes.size(), false);
+    for (const CaseBody& b : case_.bodies) used[static_cast<std::size_t>(b.shape)] = true;
+    for (const CasePopulation& p : case_.populations) {
+      for (const auto& share : p.shares) used[static_cast<std::size_t>(share.first)] = true;
+    }
+    parts_.shapes.resize(case_.shapes.size());
+    parts_.scene_shape.assign(case_.shapes.size(), -1);
+    for (std::size_t i = 0; i < case_.shapes.size(); ++i) {
+      if (!used[i]) {
+        report().notices.push_back(fmt::format("{}: is not used", case_.shapes[i].where));
+        continue;
+      }
+      parts_.shapes[i] = make_pack_shape(load_shape(case_.shapes[i]));
+      parts_.scene_shape[i] = static_cast<std::int32_t>(scene().shapes.size());
+      scene().shapes.push_back(parts_.shapes[i].shape);
+      scene().shapes.back().cell_size = case_.shapes[i].cell_size;
+    }
+  }
+
+  /// A wall or region keeps the coordinates of its file, also when it was imported as a solid.
+  static TriangleMesh mesh_of_file(const Shape& source) {
+    TriangleMesh mesh = source.mesh;
+    if (source.kind == ShapeKind::solid) {
+      for (Vec3& p : mesh.vertices) p += source.origin_shift;
+    }
+    return mesh;
+  }
+
+  Shape load_wall_surface(const CaseWall& wall, std::size_t index) {
+    if (wall.form) return make_surface(wall.wall.name, wall.form->surface);
+    const ShapeFile& file = open_shapes(wall.file, wall.where);
+    if (file.shapes.size() != 1) {
+      throw InputError("{}: {} holds {} shapes; a wall is made of one", wall.where, wall.file, file.shapes.size());
+    }
+    const Shape& source = file.shapes.front();
+    if (source.kind == ShapeKind::sphere) throw InputError("{}: {} is an analytic sphere; use a fixed body", wall.where, wall.file);
+    parts_.wall_is_solid[index] = source.kind == ShapeKind::solid;
+    Shape surface = make_surface(source.name, mesh_of_file(source));
+    surface.verdict = source.verdict;
+    return surface;
+  }
+
+  void load_walls() {
+    auto id = static_cast<std::int64_t>(case_.bodies.size());
+    parts_.wall_shapes.resize(case_.walls.size());
+    parts_.wall_bodies.resize(case_.walls.size());
+    parts_.wall_is_solid.assign(case_.walls.size(), false);
+    for (std::size_t i = 0; i < case_.walls.size(); ++i) {
+      Wall wall = case_.walls[i].wall;
+      wall.id = id++;
+      if (wall.kind == WallKind::mesh) {
+        wall.shape = static_cast<std::int32_t>(scene().shapes.size());
+        Shape surface = load_wall_surface(case_.walls[i], i);
+        parts_.wall_shapes[i] = make_pack_shape(surface);
+        scene().shapes.push_back(std::move(surface));
+      }
+      parts_.walls.push_back(wall_at_start(wall));
+      const Wall& placed = parts_.walls.back();
+      if (wall.kind == WallKind::mesh) parts_.wall_bodies[i] = {&parts_.wall_shapes[i], placed.scale, placed.position, placed.orientation};
+      scene().walls.push_back(std::move(wall));
+    }
+  }
+
+  void load_regions() {
+    for (const CasePopulation& p : case_.populations) {
+      if (p.region.shape) {
+        parts_.regions.push_back(region_of(*p.region.shape));
+      } else if (p.region.wall >= 0) {
+        parts_.regions.push_back(
+            inside_of(case_.walls[static_cast<std::size_t>(p.region.wall)], parts_.walls[static_cast<std::size_t>(p.region.wall)]));
+      } else {
+        const ShapeFile& file = open_shapes(p.region.file, p.where);
+        const Shape& source = file.shapes.front();
+        if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
+          throw InputError("{}: {} cannot be a region; expected one closed mesh", p.where, p.region.file);
+        }
+        try {
+          parts_.regions.push_back(region_of(mesh_of_file(source)));
+        } catch (const InputError& e) {
+          throw InputError("{}: {} {}", p.where, p.region.file, e.what());
+        }
+      }
+    }
+  }
+
+  static Region inside_of(const CaseWall& wall, const Wall& placed) {
+    if (!wall.form) return region_of(placed);
+    TriangleMesh mesh = wall.form->inside;
+    for (Vec3& p : mesh.vertices) p = placed.position + placed.scale * rotate(placed.orientation, p);
+    return region_of(std::move(mesh));
+  }
+
+  // ---- what is to be placed ----
+
+  void draw_particles() {
+    auto id = static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size());
+    for (std::size_t k = 0; k < case_.populations.size(); ++k) {
+      const CasePopulation& p = case_.populations[k];
+      const double density = scene().materials[static_cast<std::size_t>(p.material)].density;
+      const double wanted_volume = p.amount == CasePopulation::Amount::mass ? p.value / density : p.value * parts_.regions[k].volume;
+      check_amount(p, parts_.regions[k], p.amount == CasePopulation::Amount::count ? p.value * least_volume(p) : wanted_volume);
+      std::vector<double> given(p.shares.size(), 0.0);  // number or volume of each shape so far
+      std::vector<std::uint64_t> drawn(p.shares.size(), 0);
+      const std::optional<SizeSampler> sampler = p.size ? std::optional<SizeSampler>(*p.size) : std::nullopt;
+      double volume = 0;
+      for (std::size_t n = 0;; ++n) {
+        if (p.amount == CasePopulation::Amount::count && static_cast<double>(n) >= p.value) break;
+        // the shape furthest behind its share: any prefix of the population has the shares to within one body
+        const double total = p.shares_by_mass ? volume : static_cast<double>(n + 1);
+        std::size_t next = 0;
+        double most_owed = -1e300;
+        for (std::size_t s = 0; s < p.shares.size(); ++s) {
+          const double owed = p.shares[s].second * total - given[s];
+          if (owed > most_owed || (owed == most_owed && p.shares[s].second > p.shares[next].second)) {
+            most_owed = owed;
+            next = s;
+          }
+        }
+        const Shape& shape = parts_.shapes[static_cast<std::size_t>(p.shares[next].first)].shape;
+        Draw draw{id, k, p.shares[next].first, 1, 0};
+        if (sampler) draw.scale = sampler->diameter(spread_number(k, next, drawn[next])) / shape.equivalent_diameter();
+        draw.volume = shape.mass.volume * draw.scale * draw.scale * draw.scale;
+        if (p.amount != CasePopulation::Amount::count && volume + 0.5 * draw.volume > wanted_volume) {
+          if (n == 0) refuse_less_than_a_body(p, parts_.regions[k], wanted_volume, density, shape, draw);
+          break;
+        }
+        given[next] += p.shares_by_mass ? draw.volume : 1;
+        ++drawn[next];
+        volume += draw.volume;
+        parts_.draws.push_back(draw);
+        ++id;
+      }
+      check_shares(p, drawn);
+      report().solid_fraction.push_back(volume / parts_.regions[k].volume);
+    }
+  }
+
+  /// Number n of a sequence in [0, 1) that fills it evenly at any length, so that also a few bodies follow their distribution:
+  /// the distribution functions differ by about (1 + log n) / n, where independent numbers would differ by 0.9 / sqrt(n).
+  /// Source: Kronecker sequence with the golden ratio (Niederreiter 1992), shifted by a random number.
+  double spread_number(std::size_t population, std::size_t which, std::uint64_t n) const {
+    const RandomNumbers random(case_.settings.seed, -1 - static_cast<std::int64_t>(population), 0);
+    const double x = random.uniform(which) + static_cast<double>(n) * (std::numbers::phi - 1);
+    return x - std::floor(x);
+  }
+
+  double least_volume(const CasePopulation& p) const {
+    double least = 1e300;
+    for (const auto& [index, share] : p.shares) {
+      const Shape& shape = parts_.shape(index).shape;
+      const double scale = p.size ? p.size->min / shape.equivalent_diameter() : 1;
+      least = std::min(least, shape.mass.volume * scale * scale * scale);
+    }
+    return least;
+  }
+
+  [[noreturn]] static void refuse_less_than_a_body(const CasePopulation& p, const Region& region, double wanted, double density,
+                                                   const Shape& shape, const Draw& first) {
+    const std::string body =
+        fmt::format("one '{}' of diameter {}", shape.name, format_quantity(first.scale * shape.equivalent_diameter(), Dimension::length));
+    if (p.amount == CasePopulation::Amount::mass) {
+      throw InputError("{}: mass = {} is less than half of {}, {}: no body would be placed; ask for more, or for smaller bodies", p.where,
+                       format_quantity(p.value, Dimension::mass), body, format_quantity(density * first.volume, Dimension::mass));
+    }
+    throw InputError(
+        "{}: solid_fraction = {:g} of the region ({:.4g} m^3) is {:.3g} m^3, less than half of {}, {:.3g} m^3: no body would be "
+        "placed; ask for more, or for smaller bodies",
+        p.where, p.value, region.volume, wanted, body, first.volume);
+  }
+
+  /// A shape with a share that is too small for a single body would be missing without a word.
+  void check_shares(const CasePopulation& p, const std::vector<std::uint64_t>& drawn) const {
+    for (std::size_t s = 0; s < p.shares.size(); ++s) {
+      if (drawn[s] > 0) continue;
+      const std::uint64_t all = std::accumulate(drawn.begin(), drawn.end(), std::uint64_t{0});
+      throw InputError(
+          "{}: the share {:g} of '{}' gives not one of {} bodies; ask for more bodies, give it a larger share, or leave it out", p.where,
+          p.shares[s].second, case_.shapes[static_cast<std::size_t>(p.shares[s].first)].name, all);
+    }
+  }
+
+  void check_none_is_empty(const Placements& placements) const {
+    for (std::size_t k = 0; k < case_.populations.size(); ++k) {
+      if (placements.count_placed(parts_, k) > 0) continue;
+      throw InputError("{}: none of its bodies lies in its region after settling; close the container, or enlarge the region",
+                       case_.populations[k].where);
+    }
+  }
+
+  /// Refuses what no packing can hold, before anything is drawn.
+  static void check_amount(const CasePopulation& p, const Region& region, double volume) {
+    if (volume < region.volume) return;
+    throw InputError(
+        "{}: the bodies alone take {:.4g} m^3 and more, the region has {:.4g} m^3; ask for fewer or smaller bodies, or enlarge the region",
+        p.where, volume, region.volume);
+  }
+
+  void fill_report() {
+    const BodyTable& b = scene().bodies;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      const double s = b.scale[i];
+      report().particle_volume += scene().shapes[static_cast<std::size_t>(b.shape[i])].mass.volume * s * s * s;
+    }
+    report().container_volume = container_volume(scene());
+  }
+
+  const Case& case_;
+  const ChildSolver& solver_;
+  PackedScene out_;
+  std::map<std::string, ShapeFile> files_;
+  SceneParts parts_;
+};
+
+}  // namespace
+
+double container_volume(const Scene& scene) {
+  constexpr double kPi = std::numbers::pi;
+  for (const Wall& w : scene.walls) {
+    const Vec3 e = w.upper - w.lower;
+    if (w.kind == WallKind::box_inside) return e.x * e.y * e.z;
+    if (w.kind == WallKind::cylinder_inside) return kPi * w.radius * w.radius * length(w.axis_end - w.axis_start);
+    if (w.kind == WallKind::sphere_inside) return 4.0 / 3.0 * kPi * w.radius * w.radius * w.radius;
+  }
+  return 0;
+}
+
+PackedScene build_scene(const Case& c, const ChildSolver& solver) { return Builder(c, solver).build(); }
+
+}  // namespace scree

@@ -1,0 +1,52 @@
+// From a case to a scene: load the shapes, draw the particles, place them one by one.
+//
+// Methods: random sequential addition and a lattice (packer.hpp), pouring (settle.hpp), growth (compact.hpp). Every random number of a
+// particle is a function of (seed, id, attempt), so that the same seed gives the same scene. What cannot be placed is reported, never
+// squeezed in.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/provenance.hpp"
+#include "decomposer/case/case_file.hpp"
+#include "decomposer/packing/child_solver.hpp"
+
+namespace scree {
+
+/// Draws of place and orientation that a particle is given before the packing counts as impossible. Measured with
+/// 10 000 rocks of 320 triangles, 16 to 20 mm, on one core: a solid fraction of 0.30 in 3 s, 0.35 in 9 s, 0.37 in 20 s
+/// (packer.hpp says how); a lattice or a settled packing is the way to more.
+inline constexpr std::uint64_t kAttempts = 50000;
+
+/// Largest share of the margins that an impact should use up by the design rule (docs/reference/validation-plan.md section 2 of the
+/// design papers: depth/margin at most 0.5, with a reserve for several contacts at once).
+inline constexpr double kDepthShare = 0.4;
+
+struct PackingReport {
+  std::vector<double> solid_fraction;  ///< of each population in its region
+  double particle_volume = 0;          ///< of all moving and fixed bodies [m^3]
+  double container_volume = 0;         ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
+  std::uint64_t attempts = 0;
+  double fastest_impact = 0;  ///< estimate [m/s]
+  double depth_share = 0;     ///< share of the margins that it uses up; above 1 the run will stop
+  std::vector<std::string> notices;
+  std::vector<std::string> doubts;  ///< doubts.hpp
+};
+
+struct PackedScene {
+  Scene scene;                      ///< without provenance and partition
+  std::vector<InputRecord> inputs;  ///< the case and every shape file, with its own history
+  PackingReport report;
+};
+
+/// Volume inside the first box, cylinder or sphere wall [m^3]; 0 when there is none.
+double container_volume(const Scene& scene);
+
+/// in   solver   for populations that are settled or compacted
+/// Throws InputError when a shape file cannot be used, when given bodies overlap each other or a wall, or when a
+/// particle finds no place (says how many were placed and the solid fraction reached); UsageError for margins.
+/// Cost: 1 us for most draws; 10 000 rocks of 320 triangles take 1 s at a solid fraction of 0.18, 3 s at 0.30.
+PackedScene build_scene(const Case& c, const ChildSolver& solver = {});
+
+}  // namespace scree

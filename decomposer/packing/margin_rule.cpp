@@ -1,0 +1,202 @@
+#include "decomposer/packing/margin_rule.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+
+namespace scree {
+
+namespace {
+
+std::string metres(double value) { return format_quantity(value, Dimension::length); }
+
+/// Points that span a wall: where things can fall to, and what its rotation moves.
+std::vector<Vec3> wall_points(const SceneParts& parts, std::size_t i) {
+  const Wall& w = parts.walls[i];
+  switch (w.kind) {
+    case WallKind::plane:
+      return {w.point};
+    case WallKind::box_inside:
+      return {w.lower,
+              w.upper,
+              {w.upper.x, w.lower.y, w.lower.z},
+              {w.lower.x, w.upper.y, w.lower.z},
+              {w.lower.x, w.lower.y, w.upper.z},
+              {w.lower.x, w.upper.y, w.upper.z},
+              {w.upper.x, w.lower.y, w.upper.z},
+              {w.upper.x, w.upper.y, w.lower.z}};
+    case WallKind::cylinder_inside: {
+      std::vector<Vec3> points;
+      for (const Vec3& end : {w.axis_start, w.axis_end}) {
+        for (int k = 0; k < 3; ++k) {
+          Vec3 arm;
+          arm[k] = w.radius;
+          points.push_back(end + arm);
+          points.push_back(end - arm);
+        }
+      }
+      return points;
+    }
+    case WallKind::sphere_inside: {
+      std::vector<Vec3> points;
+      for (int k = 0; k < 3; ++k) {
+        Vec3 arm;
+        arm[k] = w.radius;
+        points.push_back(w.point + arm);
+        points.push_back(w.point - arm);
+      }
+      return points;
+    }
+    case WallKind::mesh:
+      return parts.wall_bodies[i].world_vertices();
+  }
+  return {};
+}
+
+/// Fastest impact to expect: initial speeds, the highest fall, the fastest wall.
+double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene) {
+  double speed = 0;
+  std::size_t movers = parts.draws.size();
+  for (const CaseBody& b : c.bodies) {
+    const double lever = b.scale * parts.shape(b.shape).radius;
+    speed = std::max(speed, length(b.velocity) + lever * length(b.angular_velocity));
+    movers += b.fixed ? 0 : 1;
+  }
+  for (const Draw& d : parts.draws) {
+    const CasePopulation& p = c.populations[d.population];
+    const double lever = d.scale * parts.shape(d.shape).radius;
+    speed = std::max(speed, length(p.velocity) + lever * length(p.angular_velocity));
+  }
+  double wall_speed = 0;
+  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+    const Wall& w = scene.walls[i];
+    const WallMotion& m = w.motion;
+    double fastest = 0;
+    if (m.kind == WallMotion::Kind::translate) fastest = std::abs(m.rate);
+    if (m.kind == WallMotion::Kind::oscillate) fastest = 2 * std::numbers::pi * std::abs(m.frequency * m.amplitude);
+    if (m.kind == WallMotion::Kind::rotate) {
+      double lever = 0;
+      for (const Vec3& p : wall_points(parts, i)) lever = std::max(lever, length(cross(m.axis, p - m.centre)));
+      fastest = std::abs(m.rate) * lever;
+    }
+    for (std::size_t r = 1; r < m.table_time.size(); ++r) {
+      fastest = std::max(fastest, length(m.table_position[r] - m.table_position[r - 1]) / (m.table_time[r] - m.table_time[r - 1]));
+    }
+    wall_speed = std::max(wall_speed, fastest);
+  }
+  const double g = length(c.settings.gravity);
+  double fall = 0;
+  if (g > 0) {
+    const Vec3 up = (-1.0 / g) * c.settings.gravity;
+    double top = -1e300, bottom = 1e300;
+    const auto add = [&](const Vec3& p, bool starts) {
+      if (starts) top = std::max(top, dot(up, p));
+      bottom = std::min(bottom, dot(up, p));
+    };
+    for (const CaseBody& b : c.bodies) add(b.position, true);
+    for (const Region& r : parts.regions) {
+      for (int corner = 0; corner < 8; ++corner) {
+        add({(corner & 1 ? r.box.upper : r.box.lower).x, (corner & 2 ? r.box.upper : r.box.lower).y,
+             (corner & 4 ? r.box.upper : r.box.lower).z},
+            true);
+      }
+    }
+    bool has_walls = !scene.walls.empty();
+    for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+      for (const Vec3& p : wall_points(parts, i)) add(p, false);
+    }
+    // what is poured falls before the run begins
+    const bool poured =
+        std::any_of(c.populations.begin(), c.populations.end(), [](const CasePopulation& p) { return p.method == PackingMethod::settle; });
+    fall = g * c.settings.duration;
+    if (poured)
+      fall = std::sqrt(2 * g * std::max(0.0, top - bottom));
+    else if (has_walls && top > bottom)
+      fall = std::min(fall, std::sqrt(2 * g * (top - bottom)));
+  }
+  return fall + (movers >= 2 ? 2 : 1) * speed + wall_speed;
+}
+
+}  // namespace
+
+void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
+  double heaviest = 0, smallest = 1e300;
+  bool has_meshes = false;
+  const auto add = [&](std::int32_t shape, std::int32_t material, double scale, bool moves) {
+    const Shape& s = parts.shape(shape).shape;
+    has_meshes = has_meshes || s.kind != ShapeKind::sphere;
+    if (!moves) return;
+    heaviest = std::max(heaviest, scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale);
+    smallest = std::min(smallest, scale * s.equivalent_diameter());
+  };
+  for (const CaseBody& b : c.bodies) add(b.shape, b.material, b.scale, !b.fixed);
+  for (const Draw& d : parts.draws) add(d.shape, c.populations[d.population].material, d.scale, true);
+  report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
+  scene.settings.impact_speed = report.fastest_impact;
+  bool wall_meshes = false;
+  for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
+  // spheres touch where they touch; a barrier is made of margins
+  const bool from_touch = !has_meshes && !wall_meshes && !(c.settings.barrier > 0);
+  double softest = 1e300;
+  if (c.settings.law == "hertz-mindlin") {
+    // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
+    for (const CasePair& p : c.pairs) {
+      const double modulus =
+          effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
+      const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.25 * smallest;  // two bodies of the smallest size
+      const double pressed = heaviest > 0 ? hertz_impact_depth(modulus, radius, heaviest, report.fastest_impact) : 0;
+      if (pressed > 0) softest = std::min(softest, heaviest * std::pow(report.fastest_impact / pressed, 2));
+    }
+  } else {
+    // a layer has no stiffness of one contact; its margin is given
+    if (c.settings.gather != "area") {
+      for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
+    }
+  }
+  const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
+
+  double& margin = scene.settings.margin;
+  if (!c.margin_given && heaviest > 0) {
+    constexpr double kSmallestShare = 0.01, kNoticeShare = 0.05, kLargestShare = 0.2;  // of the smallest body's diameter
+    const double derived = std::max(0.5 * depth / kDepthShare, kSmallestShare * smallest);
+    const double needed = heaviest * std::pow(report.fastest_impact / (kDepthShare * 2 * kNoticeShare * smallest), 2);
+    const std::string from = fmt::format(
+        "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({})", format_quantity(heaviest, Dimension::mass),
+        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness));
+    const std::string cure = fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
+    // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
+    // Hertz contacts: what is soft there is so by its material, not by choice.
+    const bool is_free_of_limits = from_touch && c.settings.law == "hertz-mindlin";
+    const std::string advice = from_touch
+                                   ? fmt::format("{} press spheres into each other by {}, {:.0f} % of the smallest diameter; {} {:.0f} %",
+                                                 from, metres(depth), 100 * depth / smallest, cure, 100 * 2 * kDepthShare * kNoticeShare)
+                                   : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from,
+                                                 metres(derived), 100 * derived / smallest, cure, 100 * kNoticeShare);
+    if (derived > kLargestShare * smallest && !is_free_of_limits) {
+      throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}", c.path, advice,
+                       from_touch ? " (0: run it as it is)" : "");
+    }
+    if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
+    if (!from_touch) margin = derived;
+  }
+  if (has_meshes && !(margin > 0)) {
+    throw UsageError(
+        "{}: contact.margin = 0: meshes need a margin > 0 (typically 1 to 3 % of the body's size); leave it out to have it derived",
+        c.path);
+  }
+  if (margin > 0) report.depth_share = depth / (2 * margin);
+  constexpr double kWarnShare = 0.8;
+  if (report.depth_share > kWarnShare) {
+    report.notices.push_back(
+        fmt::format("the fastest impact expected ({}) of the heaviest body ({}) would use up {:.2f} of the margins and end the run; "
+                    "raise stiffness to {} or margin to {}",
+                    format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(heaviest, Dimension::mass),
+                    report.depth_share, format_quantity(softest * std::pow(report.depth_share / kDepthShare, 2), Dimension::stiffness),
+                    metres(margin * report.depth_share / kDepthShare)));
+  }
+}
+
+}  // namespace scree

@@ -1,0 +1,67 @@
+// Places bodies: the given ones with a check, the drawn ones by random sequential addition, largest first, with
+// exact distances between the meshes.
+//
+// The first kPlainDraws places of a particle are uniform in its region; later ones are uniform over what a vacancy map
+// leaves open. A test of inner balls comes before the exact one. Neither changes which places are accepted.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+
+#include "core/geometry/periodic.hpp"
+#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/placements.hpp"
+#include "decomposer/packing/vacancy_map.hpp"
+
+namespace scree {
+
+class Packer {
+ public:
+  /// Borrows all; scene.settings.margin is known by now.
+  Packer(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report);
+
+  /// Adds the bodies given one by one. Throws InputError when one overlaps another, a wall, or lies outside.
+  void place_given_bodies();
+
+  /// Places all draws of the populations with method = "random" and "lattice". Throws InputError when a particle finds no place.
+  void place_particles(Placements& placements);
+
+  /// One particle at random. The random numbers are those of attempts first + 1 ... first + attempts.
+  bool try_place(const Draw& d, PlacedBody& body, std::uint64_t attempts, std::uint64_t first);
+
+  /// Notes a placed body and its images through periodic axes. `given`: its number among [[bodies]], or -1.
+  void keep(const PlacedBody& body, std::int32_t given = -1);
+
+ private:
+  double gap() const { return 2 * scene_.settings.margin; }  // contact starts at the sum of two margins
+  double inner_ball(const PlacedBody& body) const { return body.scale * body.shape->inner_radius; }
+  void keep_one(const PlacedBody& body, std::int32_t given);
+  bool domain_holds(const Vec3& p) const;
+  bool walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing = nullptr);
+  bool is_free(const PlacedBody& body, const Region& region);  // fills near_ and vertices_
+  /// Where the centre of a body that reaches `extent` about it may lie between the sides of a region.
+  Box3 box_of_centres(const Region& region, const Box3& extent) const;
+  VacancyMap& vacancy(std::size_t population);
+  [[noreturn]] void fail(const Draw& d, std::uint64_t attempts, const Placements& placements);
+  void place_on_lattice(std::size_t population, Placements& placements);  // lattice.cpp
+  bool fill_lattice(std::size_t population, const std::vector<std::size_t>& members, const Box3& box,
+                    const std::array<std::int64_t, 3>& cells, Placements& placements);
+
+  const Case& case_;
+  const SceneParts& parts_;
+  Scene& scene_;
+  PackingReport& report_;
+  Periodicity periodicity_;
+  std::vector<PlacedBody> placed_;   // and images
+  std::vector<std::int32_t> given_;  // of each placed one, see keep
+  PlacedGrid grid_;
+  std::vector<double> smallest_ball_;                 // inner ball of the smallest body of each population [m]
+  std::vector<std::optional<VacancyMap>> vacancies_;  // one per population, made when it is needed
+  bool fits_ = false;                                 // whether the last body tried fits between the sides of its region
+  std::vector<std::int32_t> near_;
+  std::vector<Vec3> vertices_;
+  MeshDistanceScratchPtr scratch_;
+};
+
+}  // namespace scree

@@ -1,0 +1,232 @@
+#include "decomposer/packing/settle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
+#include "core/base/units.hpp"
+#include "decomposer/packing/packer.hpp"
+
+namespace scree {
+
+namespace {
+
+// Draws that a body of a pour gets before the next one is tried, and how many in a row may fail: late in a stage the next stage
+// gives more for less.
+constexpr std::uint64_t kPourAttempts = 200;
+constexpr int kFailuresInARow = 40;
+constexpr double kLongestRest = 60;  // falls through the region that the bed gets to come to rest
+// Of its size, by which a body without margins may reach out of its region: it is pressed into the walls that it rests on.
+constexpr double kPressedOut = 0.02;
+
+class Settler {
+ public:
+  Settler(const Case& c, const SceneParts& parts, const Scene& scene, const ChildSolver& solver, Placements& placements,
+          PackingReport& report)
+      : case_(c),
+        parts_(parts),
+        scene_(scene),
+        solver_(solver),
+        placements_(placements),
+        report_(report),
+        moves_(parts.draws.size(), 0),
+        velocity_(parts.draws.size()),
+        spin_(parts.draws.size()) {
+    const double g = length(c.settings.gravity);
+    double height = 0;
+    for (std::size_t i = 0; i < parts.draws.size(); ++i) {
+      const CasePopulation& p = case_.populations[parts.draws[i].population];
+      if (p.method != PackingMethod::settle) continue;
+      if (!(g > 0)) throw UsageError("{}: method = \"settle\" needs gravity; nothing would fall", p.where);
+      waiting_.push_back(i);
+      const Vec3 e = parts.regions[parts.draws[i].population].box.extent(), d = (1 / g) * case_.settings.gravity;
+      height = std::max(height, std::abs(d.x) * e.x + std::abs(d.y) * e.y + std::abs(d.z) * e.z);
+      largest_ = std::max(largest_, parts.draws[i].scale * parts.shape(parts.draws[i].shape).shape.equivalent_diameter());
+    }
+    wanted_ = waiting_.size();
+    if (g > 0) {
+      fall_ = std::sqrt(2 * height / g);
+      own_fall_ = std::sqrt(2 * largest_ / g);
+    }
+  }
+
+  void run() {
+    if (waiting_.empty()) return;
+    bool rests = false;
+    {
+      LongWork work("settle", static_cast<double>(wanted_));
+      while (!waiting_.empty()) {
+        const std::size_t before = wanted_ - waiting_.size(), added = pour();
+        if (added == 0) break;
+        rests = waiting_.empty();
+        if (rests) break;  // the last ones come to rest with all
+        move(fall_, false, [&](double share) {
+          work.update(static_cast<double>(before) + share * static_cast<double>(added),
+                      fmt::format("{} of {} bodies poured", before + added, wanted_));
+        });
+      }
+    }
+    if (!rests) refuse_what_does_not_fit();
+    come_to_rest();
+    trim();
+  }
+
+ private:
+  /// Places what finds room; gives how many did.
+  std::size_t pour() {
+    Scene unused;
+    unused.settings = scene_.settings;
+    unused.walls = scene_.walls;
+    Packer packer(case_, parts_, unused, report_);
+    for (std::size_t i = 0; i < placements_.body.size(); ++i) {
+      if (placements_.is_placed[i] != 0) packer.keep(placements_.body[i]);
+    }
+    for (const CaseBody& b : case_.bodies) packer.keep({&parts_.shape(b.shape), b.scale, b.position, b.orientation});
+    int failures = 0;
+    std::vector<std::size_t> left;
+    std::size_t added = 0;
+    for (std::size_t n = 0; n < waiting_.size(); ++n) {
+      const std::size_t i = waiting_[n];
+      const Draw& d = parts_.draws[i];
+      // every stage draws other places for a body that found none before
+      if (failures < kFailuresInARow && packer.try_place(d, placements_.body[i], kPourAttempts, stage_ * kPourAttempts)) {
+        packer.keep(placements_.body[i]);
+        placements_.is_placed[i] = moves_[i] = 1;
+        velocity_[i] = case_.populations[d.population].velocity;
+        spin_[i] = case_.populations[d.population].angular_velocity;
+        ++added;
+        failures = 0;
+      } else {
+        left.push_back(i);
+        ++failures;
+      }
+    }
+    waiting_ = std::move(left);
+    ++stage_;
+    return added;
+  }
+
+  /// How long this takes nobody knows: no share of it is told, and what it takes at most is long.
+  void come_to_rest() {
+    const double longest = kLongestRest * fall_;
+    LongWork work("settle", 0);
+    work.update(0);
+    move(longest, true, [&](double share) {
+      work.update(0, fmt::format("{} bodies come to rest, {} of at most {}", wanted_ - waiting_.size(),
+                                 format_quantity(share * longest, Dimension::time), format_quantity(longest, Dimension::time)));
+    });
+  }
+
+  /// Lets all poured bodies move for a time, or until they rest.
+  void move(double time, bool until_rest, const std::function<void(double)>& progress) {
+    std::vector<std::int64_t> draw_of_body;
+    Scene stage = stage_scene(case_, parts_, scene_, placements_, moves_, velocity_, spin_, draw_of_body);
+    stage.settings.duration = time;
+    stage.settings.output_every = until_rest ? std::max(own_fall_, fall_ / 10) : time;
+    stage.settings.stop_at_rest = until_rest;
+    Frame frame;
+    try {
+      frame = run_solver(solver_, stage, progress);
+    } catch (const RunInvalid& e) {
+      throw InputError("{}: settling failed after {} of {} bodies were poured: {}", case_.populations[population()].where,
+                       wanted_ - waiting_.size(), wanted_, e.what());
+    }
+    if (frame.bodies.size() != stage.bodies.size()) {
+      throw InputError("{}: {} bodies left the domain while settling; close the container or widen the domain",
+                       case_.populations[population()].where, stage.bodies.size() - frame.bodies.size());
+    }
+    // frames are sorted by id, and so are the bodies of a stage
+    for (std::size_t b = 0; b < frame.bodies.size(); ++b) {
+      SCREE_ASSERT(frame.bodies.id[b] == stage.bodies.id[b], "body {}", b);
+      if (draw_of_body[b] < 0) continue;
+      const auto i = static_cast<std::size_t>(draw_of_body[b]);
+      placements_.body[i].position = frame.bodies.position[b];
+      placements_.body[i].orientation = frame.bodies.orientation[b];
+      velocity_[i] = frame.bodies.velocity[b];
+      spin_[i] = frame.bodies.angular_velocity[b];
+    }
+    if (!until_rest) return;
+    if (frame.time >= time * (1 - 1e-6)) {
+      report_.notices.push_back(fmt::format("settle: not at rest after {}; kinetic energy {:.3g} J",
+                                            format_quantity(frame.time, Dimension::time), frame.kinetic));
+    }
+  }
+
+  void refuse_what_does_not_fit() {
+    for (const std::size_t i : waiting_) {
+      const std::size_t k = parts_.draws[i].population;
+      const CasePopulation& p = case_.populations[k];
+      if (p.amount == CasePopulation::Amount::fill) continue;
+      std::size_t wanted = 0;
+      for (const Draw& d : parts_.draws) wanted += d.population == k ? 1 : 0;
+      throw InputError(
+          "{}: the region is full: {} of {} bodies were poured, a solid fraction of {:.3f} of the {:.3f} asked for. Enlarge the "
+          "region, ask for fewer, or give fill = true",
+          p.where, placements_.count_placed(parts_, k), wanted, placements_.volume_placed(parts_, k) / parts_.regions[k].volume,
+          report_.solid_fraction[k]);
+    }
+  }
+
+  /// Takes out what does not lie wholly in its region.
+  void trim() {
+    const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
+    std::size_t trimmed = 0;
+    for (std::size_t i = 0; i < moves_.size(); ++i) {
+      if (moves_[i] == 0) continue;
+      const Region& region = parts_.regions[parts_.draws[i].population];
+      PlacedBody body = placements_.body[i];
+      if (scene_.settings.margin == 0) body.scale *= 1 - kPressedOut;
+      if (holds_around(region, body, *scratch)) continue;
+      placements_.is_placed[i] = 0;
+      ++trimmed;
+    }
+    if (trimmed > 0)
+      report_.notices.push_back(
+          fmt::format("settle: {} of {} bodies came to rest outside their region and were taken out", trimmed, wanted_ - waiting_.size()));
+  }
+
+  /// A box that is as long as a periodic axis has no sides there.
+  bool holds_around(const Region& region, const PlacedBody& body, MeshDistanceScratch& scratch) const {
+    if (!region.is_box()) return region.holds(body, body.world_vertices(), 0, scratch);
+    Wall open = region.shape;
+    const Domain& domain = case_.settings.domain;
+    for (int k = 0; k < 3; ++k) {
+      if (!domain.periodic[static_cast<std::size_t>(k)] || region.box.lower[k] > domain.lower[k] || region.box.upper[k] < domain.upper[k])
+        continue;
+      open.lower[k] = -1e300;
+      open.upper[k] = 1e300;
+    }
+    return wall_allows(open, nullptr, false, body, body.world_vertices(), 0, scratch);
+  }
+
+  std::size_t population() const {
+    for (std::size_t k = 0; k < case_.populations.size(); ++k) {
+      if (case_.populations[k].method == PackingMethod::settle) return k;
+    }
+    return 0;
+  }
+
+  const Case& case_;
+  const SceneParts& parts_;
+  const Scene& scene_;
+  const ChildSolver& solver_;
+  Placements& placements_;
+  PackingReport& report_;
+  std::vector<std::uint8_t> moves_;
+  std::vector<Vec3> velocity_, spin_;
+  std::vector<std::size_t> waiting_;  // draws that are not in yet, in the order of their ids
+  std::size_t wanted_ = 0;
+  std::uint64_t stage_ = 0;
+  double largest_ = 0, fall_ = 0, own_fall_ = 0;
+};
+
+}  // namespace
+
+void settle_populations(const Case& c, const SceneParts& parts, const Scene& scene, const ChildSolver& solver, Placements& placements,
+                        PackingReport& report) {
+  Settler settler(c, parts, scene, solver, placements, report);
+  settler.run();
+}
+
+}  // namespace scree

@@ -1,0 +1,63 @@
+#include "decomposer/packing/start_checks.hpp"
+
+#include <algorithm>
+
+#include "core/base/error.hpp"
+#include "core/storage/seam_meshes.hpp"
+#include "core/storage/wall_zones.hpp"
+
+namespace scree {
+
+namespace {
+
+void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
+  const Domain& domain = c.settings.domain;
+  const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
+  if (!periodicity.any()) return;
+  double largest = 0;
+  const auto check = [&](double radius, std::int64_t id) {
+    check_period(periodicity, radius, scene.settings.margin, id);
+    largest = std::max(largest, radius);
+  };
+  for (std::size_t i = 0; i < c.bodies.size(); ++i)
+    check(c.bodies[i].scale * parts.shape(c.bodies[i].shape).radius, static_cast<std::int64_t>(i));
+  for (const Draw& d : parts.draws) check(d.scale * parts.shape(d.shape).radius, d.id);
+  std::vector<std::string> dropped;
+  wall_zones(scene.walls, periodicity, dropped);
+  for (std::string& gap :
+       check_meshes_at_seams(scene.walls, scene.shapes, domain, largest + 2 * scene.settings.margin, scene.settings.duration)) {
+    notices.push_back(std::move(gap));
+  }
+}
+
+void check_needs_of_margin(const Case& c, const Settings& s) {
+  if (s.margin > 0) return;
+  for (const CaseWall& w : c.walls) {
+    if (w.wall.kind != WallKind::mesh) continue;
+    throw UsageError(
+        "{}: contact.margin = 0, but wall '{}' is a mesh and needs a margin > 0 (typically 1 to 3 % of a body's size); leave "
+        "contact.margin out to have it derived",
+        w.where, w.wall.name);
+  }
+  if (s.gather == "area")
+    throw UsageError("{}: contact.margin = 0, but with contact.gather = \"area\" the margins are the elastic layer; give them a thickness",
+                     c.path);
+  if (s.barrier > 0) throw UsageError("{}: contact.barrier = {:g} needs margins; give contact.margin a value > 0", c.path, s.barrier);
+}
+
+}  // namespace
+
+void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
+  check_periodic_axes(c, parts, scene, notices);
+  check_needs_of_margin(c, scene.settings);
+  const Settings& s = scene.settings;
+  const bool moves = !parts.draws.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
+  if (s.law == "hertz-mindlin" && moves && !scene.pairs.empty() && !(s.margin > 0) && !(s.impact_speed > 0) && !(s.step > 0)) {
+    throw UsageError(
+        "{}: contact.impact_speed is missing, and the case has no speed, no fall and no moving wall to derive it from: the step follows "
+        "from the stiffness of a Hertz contact, which grows with its depth; give the speed of the fastest impact, or time.step",
+        c.path);
+  }
+}
+
+}  // namespace scree

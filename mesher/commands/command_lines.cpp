@@ -1,0 +1,144 @@
+#include "mesher/commands/command_lines.hpp"
+
+#include <memory>
+
+namespace scree {
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+MesherCommand check_line(CLI::App& app) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* line = app.add_subcommand("check", "Tell whether a mesh file can be a rigid body; exit 3 when not");
+  line->add_option("FILE", options->file, "Mesh file (stl obj ply off 3ds dae bmf ...)")->required();
+  line->add_option("--unit", options->unit, "Unit of the numbers in the file (default: what the file states, else m)");
+  line->add_option("--scale", options->scale, "Factor on top of the unit");
+  line->add_flag("--json", options->json, "Machine-readable output");
+  return {line, [options](const Words&) { return check_command(*options); }};
+}
+
+MesherCommand import_line(CLI::App& app) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* line = app.add_subcommand("import", "Import mesh files into one shape file");
+  line->add_option("FILE", options->files, "Mesh files, one shape each")->required();
+  line->add_option("-o,--output", options->output, "NAME.shape.h5")->required();
+  line->add_option("--unit", options->unit, "Unit of the numbers in the files (default: what a file states, else m)");
+  line->add_option("--scale", options->scale, "Factor on top of the unit");
+  line->add_option("--name", options->names, "Name of the shape; repeat it for each file (default: file name)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  line->add_flag("--surface", options->surface, "Import as a wall: may be open, no mass, coordinates kept");
+  line->add_flag("--flip", options->flip, "Turn triangles that face inward or disagree (a surface: all of them)");
+  return {line, [options](const Words& words) { return import_command(*options, words); }};
+}
+
+void add_edit_options(CLI::App* line, EditOptions& options) {
+  line->add_option("FILE", options.file, "Mesh file, or NAME.shape.h5")->required();
+  line->add_option("-o,--output", options.output, "NAME.shape.h5, or a mesh: NAME.stl .ply .obj .off")->required();
+  line->add_option("--unit", options.unit, "Unit of the numbers in the file (default: what the file states, else m)");
+  line->add_option("--scale", options.scale, "Factor on top of the unit");
+  line->add_flag("--surface", options.surface, "A wall: the result may be open and has no mass");
+  line->add_option("--picture", options.picture, "Draw before and after into this PNG");
+}
+
+MesherCommand repair_line(CLI::App& app) {
+  auto options = std::make_shared<RepairOptions>();
+  CLI::App* line = app.add_subcommand("repair", "Make a solid of a broken mesh, or say why not");
+  add_edit_options(line, *options);
+  line->add_option("--weld", options->weld, "Weld all vertices nearer than this part of the extent, for instance 1e-4");
+  line->add_option("--largest-fill", options->largest_fill, "Most of the area that filled holes may make up (default 0.2)");
+  line->add_flag("--largest", options->keep_largest, "Keep only the component of largest volume");
+  line->add_option("--component", options->component, "Keep only this component, counted as check lists them");
+  line->add_flag("--separate", options->separate, "Make each component a shape of its own");
+  return {line, [options](const Words& words) { return repair_command(*options, words); }};
+}
+
+MesherCommand simplify_line(CLI::App& app) {
+  auto options = std::make_shared<SimplifyOptions>();
+  CLI::App* line = app.add_subcommand("simplify", "Fewer triangles for the same shape, with the distance from it");
+  add_edit_options(line, *options);
+  line->add_option("--triangles", options->triangles, "How many; a list 2000,500,100 makes levels of detail in one file")
+      ->required()
+      ->delimiter(',');
+  line->add_flag("--keep-topology", options->keep_topology, "Keep handles and necks that are smaller than a triangle");
+  return {line, [options](const Words& words) { return simplify_command(*options, words); }};
+}
+
+MesherCommand refine_line(CLI::App& app) {
+  auto options = std::make_shared<RefineOptions>();
+  CLI::App* line = app.add_subcommand("refine", "More triangles for the same surface");
+  add_edit_options(line, *options);
+  line->add_option("--edge-length", options->edge_length, "Longest edge of the result");
+  line->add_option("--times", options->times, "Split every triangle in four this often");
+  return {line, [options](const Words& words) { return refine_command(*options, words); }};
+}
+
+MesherCommand hull_line(CLI::App& app) {
+  auto options = std::make_shared<HullOptions>();
+  CLI::App* line = app.add_subcommand("hull", "The convex hull of a mesh, with the distance from it");
+  add_edit_options(line, *options);
+  return {line, [options](const Words& words) { return hull_command(*options, words); }};
+}
+
+MesherCommand remesh_line(CLI::App& app) {
+  auto options = std::make_shared<RemeshOptions>();
+  CLI::App* line = app.add_subcommand("remesh", "A new closed mesh around whatever a mesh encloses");
+  add_edit_options(line, *options);
+  line->add_option("--edge-length", options->edge_length, "Of the new triangles");
+  line->add_option("--triangles", options->triangles, "Or how many, about");
+  line->add_option("--largest-change", options->largest_change, "Most by which the volume may change, as part of it (default 0.2)");
+  return {line, [options](const Words& words) { return remesh_command(*options, words); }};
+}
+
+MesherCommand describe_line(CLI::App& app) {
+  auto options = std::make_shared<DescribeOptions>();
+  CLI::App* line = app.add_subcommand("describe", "Sphericity, convexity, elongation ... of meshes, shapes or folders of them");
+  line->add_option("FILE", options->files, "Mesh files, shape files, folders")->required();
+  line->add_option("--unit", options->unit, "Unit of the numbers in mesh files (default: what a file states, else m)");
+  line->add_option("--scale", options->scale, "Factor on top of the unit");
+  line->add_option("--csv", options->csv, "Write the table, with all columns, into this file");
+  return {line, [options](const Words&) { return describe_command(*options); }};
+}
+
+MesherCommand generate_line(CLI::App& app) {
+  auto options = std::make_shared<GenerateOptions>();
+  CLI::App* line = app.add_subcommand("generate", "Generate primitives, Platonic solids, hooks, rocks and crushed stones");
+  line->add_option("SHAPE", options->what, "What to make")->required()->check(CLI::IsMember(generated_shapes()));
+  line->add_option("--radius", options->radius, "Of sphere, cylinder, capsule, cone (below) and torus (ring): \"5 mm\"");
+  line->add_option("--height", options->height, "Of cylinder, capsule (between the balls) and cone, along z");
+  line->add_option("--size", options->size,
+                   "Box, ellipsoid, superellipsoid: \"x, y, z\"; hook, u: \"width, left leg, right leg\"; Platonic: edge");
+  line->add_option("--tube-radius", options->tube_radius, "Of the torus and of the rod of hook and u");
+  line->add_option("--upper-radius", options->upper_radius, "Of the cone; without it the cone has a tip");
+  line->add_option("--exponents", options->exponents, "Of the superellipsoid: \"e, n\", from 0.1 (a box) over 1 to 2");
+  line->add_option("--diameter", options->diameter, "Rock, stone: of the ball of equal volume");
+  line->add_option("--elongation", options->elongation, "Rock, stone: I / L, a number or a range 0.6..0.9");
+  line->add_option("--flatness", options->flatness, "Rock, stone: S / I, a number or a range");
+  line->add_option("--roughness", options->roughness, "Rock: rms height of the bumps over the radius");
+  line->add_option("--triangles", options->triangles, "Rock: how many; stone: eight for each plane that cuts it");
+  line->add_option("--seed", options->seed, "Rock, stone: the same seed gives the same particle");
+  line->add_option("--count", options->count, "Rock, stone: a family of so many variants");
+  line->add_option("--edge-length", options->edge_length, "Of the triangles (default: what suits the shape)");
+  line->add_flag("--analytic", options->analytic, "Sphere without triangles: exact and cheapest");
+  line->add_option("-o,--output", options->output, "NAME.shape.h5")->required();
+  line->add_option("--name", options->name, "Name of the shape (default: what it is)");
+  return {line, [options](const Words& words) { return generate_command(*options, words); }};
+}
+
+MesherCommand info_line(CLI::App& app) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* line = app.add_subcommand("info", "Show the shapes in a shape file and where they come from");
+  line->add_option("FILE", options->file, "NAME.shape.h5")->required();
+  return {line, [options](const Words&) { return info_command(*options); }};
+}
+
+}  // namespace
+
+std::vector<MesherCommand> add_commands(CLI::App& app) {
+  return {check_line(app), import_line(app), repair_line(app),   simplify_line(app), refine_line(app),
+          hull_line(app),  remesh_line(app), describe_line(app), generate_line(app), info_line(app)};
+}
+
+}  // namespace scree

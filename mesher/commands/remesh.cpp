@@ -1,0 +1,307 @@
+#include "mesher/commands/remesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/long_work.hpp"
+#include "core/base/units.hpp"
+#include "core/distance/mesh_distance.hpp"
+#include "core/geometry/bvh.hpp"
+#include "mesher/check/half_edges.hpp"
+#include "mesher/check/mesh_check.hpp"
+#include "mesher/commands/certificate.hpp"
+#include "mesher/commands/edit_command.hpp"
+#include "mesher/edit/mesh_simplify.hpp"
+#include "mesher/repair/mesh_repair.hpp"
+#include "mesher/repair/winding_field.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Spacing of the cubic lattice (half of the period of either sublattice's cube) for one edge length of the result.
+constexpr double kSpacing = 0.6;
+/// Nearest to a lattice point that a cut may come, as part of the lattice edge: keeps triangles from losing their area.
+constexpr double kNearestCut = 0.02;
+/// Halvings of a lattice edge when the place of a cut is sought: to a thousandth of the edge.
+constexpr int kHalvings = 10;
+
+/// Points on which the volume of a mesh that is no solid is sampled: enough to see a change of kNoticedChange in a body that
+/// fills a hundredth of its box.
+constexpr double kVolumeSamples = 2e5;
+
+/// Volume of the points around which the surface winds [m^3]: that of overlapping parts once, and up to the gaps of an open one.
+double enclosed_volume(const TriangleMesh& mesh) {
+  const WindingField field(mesh);
+  const Box3 box = bounding_box(mesh);
+  const Vec3 e = box.extent();
+  const double whole = e.x * e.y * e.z;
+  if (!(whole > 0)) return 0;
+  std::array<std::int64_t, 3> size{};
+  const double pitch = std::cbrt(whole / kVolumeSamples);
+  for (std::size_t k = 0; k < 3; ++k) {
+    // a thin box has few layers, and at most so many points along it
+    size[k] = static_cast<std::int64_t>(std::clamp(e[static_cast<int>(k)] / pitch, 8.0, std::sqrt(kVolumeSamples)));
+  }
+  std::int64_t inside = 0;
+  for (std::int64_t k = 0; k < size[2]; ++k) {
+    for (std::int64_t j = 0; j < size[1]; ++j) {
+      for (std::int64_t i = 0; i < size[0]; ++i) {
+        const Vec3 part{(static_cast<double>(i) + 0.5) / static_cast<double>(size[0]),
+                        (static_cast<double>(j) + 0.5) / static_cast<double>(size[1]),
+                        (static_cast<double>(k) + 0.5) / static_cast<double>(size[2])};
+        inside += field.at(box.lower + Vec3{part.x * e.x, part.y * e.y, part.z * e.z}) > 0.5 ? 1 : 0;
+      }
+    }
+  }
+  return whole * static_cast<double>(inside) / static_cast<double>(size[0] * size[1] * size[2]);
+}
+
+/// Lattice points have three coordinates of equal parity: all even or all odd.
+struct Lattice {
+  Vec3 origin;
+  double spacing = 0;
+  std::array<std::int64_t, 3> size{};
+  std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return (k * size[1] + j) * size[0] + i; }
+  Vec3 point(std::int64_t index) const {
+    const std::int64_t i = index % size[0], j = index / size[0] % size[1], k = index / (size[0] * size[1]);
+    return origin + spacing * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+  }
+};
+
+/// Whether as many triangles run along each edge one way as the other: then the winding number changes at the surface only.
+bool is_balanced(const TriangleMesh& mesh) {
+  bool balanced = true;
+  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
+  for_each_edge(half, [&](std::size_t i, std::size_t j) {
+    std::int64_t forward = 0;
+    for (std::size_t h = i; h < j; ++h) forward += half[h].is_forward ? 1 : -1;
+    balanced = balanced && forward == 0;
+  });
+  return balanced;
+}
+
+/// Whether each lattice point is inside. Around a balanced surface points away from it are like their neighbours, so the winding
+/// number is computed near the surface and once for each region away from it. With holes it passes one half away from the surface,
+/// too, where it spans them, and is computed everywhere.
+std::vector<char> find_inside(const TriangleMesh& mesh, const Bvh& bvh, const Lattice& lattice) {
+  const WindingField field(mesh);
+  const std::int64_t count = lattice.size[0] * lattice.size[1] * lattice.size[2];
+  constexpr char kUnknown = 2, kFar = 3;
+  std::vector<char> inside(static_cast<std::size_t>(count), 0);
+  const double reach = is_balanced(mesh) ? 2 * lattice.spacing : std::numeric_limits<double>::infinity();
+  std::vector<std::int64_t> points;
+  for (std::int64_t k = 0; k < lattice.size[2]; ++k) {
+    for (std::int64_t j = 0; j < lattice.size[1]; ++j) {
+      for (std::int64_t i = 0; i < lattice.size[0]; ++i) {
+        if ((i ^ j) & 1 || (j ^ k) & 1) continue;
+        const std::int64_t n = lattice.index(i, j, k);
+        points.push_back(n);
+        inside[static_cast<std::size_t>(n)] = kUnknown;
+      }
+    }
+  }
+  LongWork work("remesh", static_cast<double>(points.size()));
+  for (std::int64_t n : points) {
+    work.advance();
+    Vec3 nearest;
+    std::int32_t triangle;
+    const Vec3 p = lattice.point(n);
+    const bool is_near = std::isinf(reach) || point_mesh_distance({&mesh, &bvh}, p, reach, nearest, triangle) < reach;
+    inside[static_cast<std::size_t>(n)] = is_near ? static_cast<char>(field.at(p) > 0.5) : kFar;
+  }
+  std::vector<std::int64_t> queue;
+  for (std::int64_t seed : points) {
+    if (inside[static_cast<std::size_t>(seed)] != kFar) continue;
+    const char value = static_cast<char>(field.at(lattice.point(seed)) > 0.5);
+    inside[static_cast<std::size_t>(seed)] = value;
+    queue.assign(1, seed);
+    while (!queue.empty()) {
+      const std::int64_t n = queue.back();
+      queue.pop_back();
+      const std::array<std::int64_t, 3> c{n % lattice.size[0], n / lattice.size[0] % lattice.size[1],
+                                          n / (lattice.size[0] * lattice.size[1])};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (std::int64_t step : {-2, 2}) {
+          std::array<std::int64_t, 3> d = c;
+          d[axis] += step;
+          if (d[axis] < 0 || d[axis] >= lattice.size[axis]) continue;
+          char& next = inside[static_cast<std::size_t>(lattice.index(d[0], d[1], d[2]))];
+          if (next != kFar) continue;
+          next = value;
+          queue.push_back(lattice.index(d[0], d[1], d[2]));
+        }
+      }
+    }
+  }
+  return inside;
+}
+
+}  // namespace
+
+TriangleMesh remesh(const TriangleMesh& mesh, double edge_length) {
+  if (!(edge_length > 0)) throw UsageError("remesh: an edge length of {:g} m; expected a length > 0", edge_length);
+  Lattice lattice;
+  lattice.spacing = kSpacing * edge_length;
+  const Box3 box = bounding_box(mesh);
+  lattice.origin = box.lower - 3 * lattice.spacing * Vec3{1, 1, 1};
+  double points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double steps = box.extent()[static_cast<int>(axis)] / lattice.spacing + 8;
+    points *= steps;
+    if (!(points < kMostLatticePoints)) {
+      throw UsageError("remesh: edges of {:.4g} m need more than {:g} lattice points; give a larger length", edge_length,
+                       kMostLatticePoints);
+    }
+    lattice.size[axis] = static_cast<std::int64_t>(steps);
+  }
+  const Bvh bvh = build_bvh(mesh);
+  const std::vector<char> inside = find_inside(mesh, bvh, lattice);
+
+  TriangleMesh result;
+  std::unordered_map<std::uint64_t, std::int32_t> cuts;
+  const auto total = static_cast<std::uint64_t>(lattice.size[0] * lattice.size[1] * lattice.size[2]);
+  const WindingField field(mesh);
+  const auto cut = [&](std::int64_t in, std::int64_t out) {
+    const std::uint64_t key = static_cast<std::uint64_t>(in) * total + static_cast<std::uint64_t>(out);
+    const auto [it, is_new] = cuts.emplace(key, result.vertex_count());
+    if (is_new) {
+      const Vec3 a = lattice.point(in), b = lattice.point(out);
+      double from = 0, to = 1;
+      for (int i = 0; i < kHalvings; ++i) {
+        const double s = 0.5 * (from + to);
+        (field.at(a + s * (b - a)) > 0.5 ? from : to) = s;
+      }
+      const double s = std::fmin(1 - kNearestCut, std::fmax(kNearestCut, 0.5 * (from + to)));
+      result.vertices.push_back(a + s * (b - a));
+    }
+    return it->second;
+  };
+  const auto tetrahedron = [&](std::array<std::int64_t, 4> p) {
+    std::array<std::int64_t, 4> in{}, out{};
+    std::size_t n_in = 0, n_out = 0;
+    for (std::int64_t n : p) {
+      if (inside[static_cast<std::size_t>(n)])
+        in[n_in++] = n;
+      else
+        out[n_out++] = n;
+    }
+    if (n_in == 0 || n_out == 0) return;
+    const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+      // outward: away from an inner point
+      const Vec3 &x = result.vertices[static_cast<std::size_t>(a)], &y = result.vertices[static_cast<std::size_t>(b)],
+                 &z = result.vertices[static_cast<std::size_t>(c)];
+      const bool is_outward = dot(cross(y - x, z - x), x - lattice.point(in[0])) > 0;
+      result.triangles.push_back(is_outward ? Triangle{a, b, c} : Triangle{a, c, b});
+    };
+    if (n_in == 1) {
+      add(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[0], out[2]));
+    } else if (n_in == 3) {
+      add(cut(in[0], out[0]), cut(in[1], out[0]), cut(in[2], out[0]));
+    } else {
+      const std::int32_t a = cut(in[0], out[0]), b = cut(in[0], out[1]), c = cut(in[1], out[1]), d = cut(in[1], out[0]);
+      add(a, b, c);
+      add(a, c, d);
+    }
+  };
+  // every edge of a sublattice along an axis, with two neighbouring points of the other sublattice around it
+  LongWork work("remesh", static_cast<double>(lattice.size[2] * lattice.size[1]));
+  for (std::int64_t k = 0; k < lattice.size[2]; ++k) {
+    for (std::int64_t j = 0; j < lattice.size[1]; ++j) {
+      work.advance();
+      for (std::int64_t i = 0; i < lattice.size[0]; ++i) {
+        if ((i ^ j) & 1 || (j ^ k) & 1 || i & 1) continue;  // even points only: their edges give all tetrahedra
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          std::array<std::int64_t, 3> end{i, j, k};
+          end[axis] += 2;
+          const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+          std::array<std::int64_t, 3> ring[4];
+          constexpr std::int64_t kRing[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+          bool fits = end[axis] < lattice.size[axis];
+          for (std::size_t r = 0; r < 4; ++r) {
+            ring[r] = {i, j, k};
+            ring[r][axis] += 1;
+            ring[r][u] += kRing[r][0];
+            ring[r][v] += kRing[r][1];
+            for (std::size_t c = 0; c < 3; ++c) fits = fits && ring[r][c] >= 0 && ring[r][c] < lattice.size[c];
+          }
+          if (!fits) continue;
+          const std::int64_t a = lattice.index(i, j, k), b = lattice.index(end[0], end[1], end[2]);
+          for (std::size_t r = 0; r < 4; ++r) {
+            const auto &c = ring[r], &d = ring[(r + 1) % 4];
+            tetrahedron({a, b, lattice.index(c[0], c[1], c[2]), lattice.index(d[0], d[1], d[2])});
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+CommandResult remesh_command(const RemeshOptions& options, const std::vector<std::string>& command) {
+  CommandResult result;
+  if (options.surface) throw UsageError("remesh: the result is always closed; --surface has no meaning");
+  if (options.edge_length.empty() == (options.triangles == 0))
+    throw UsageError("remesh: give either --edge-length, for instance \"1 mm\", or --triangles, for instance 2000");
+  if (options.triangles < 0 || (options.triangles > 0 && options.triangles < 20))
+    throw UsageError("--triangles {}: expected at least 20", options.triangles);
+  if (!(options.largest_change >= 0))
+    throw UsageError("--largest-change {}: expected a part of the volume, for instance 0.2", options.largest_change);
+  const EditSource source = read_edit_source(options, result);
+  std::vector<EditedMesh> results = source.meshes;
+  for (EditedMesh& edited : results) {
+    const TriangleMesh before = edited.mesh;
+    if (!(surface_area(before) > 0)) throw InputError("{}: all its triangles have zero area", options.file);
+    const double edge_length = options.triangles > 0 ? std::sqrt(surface_area(before) / options.triangles / 0.4330127018922193)
+                                                     : parse_quantity(options.edge_length, Dimension::length, "--edge-length");
+    turn_outward(edited.mesh);
+    const MeshCheck check = check_mesh(before);
+    const double enclosed = check.is_solid() ? 0 : enclosed_volume(edited.mesh);
+    edited.mesh = remesh(edited.mesh, edge_length);
+    if (edited.mesh.triangles.empty()) {
+      throw InputError("{}: nothing that it encloses is as thick as {:.3g} m; give a smaller --edge-length, or close it first",
+                       options.file, edge_length);
+    }
+    // the lattice makes about twice as many triangles as asked; the smallest go
+    const double wanted =
+        options.triangles > 0 ? options.triangles : surface_area(before) / (0.4330127018922193 * edge_length * edge_length);
+    const std::int32_t made = edited.mesh.triangle_count();
+    simplify_mesh(edited.mesh, std::max(20, static_cast<std::int32_t>(wanted)), false);
+    edited.steps.push_back(
+        fmt::format("{} triangles became {}, after {} of the lattice", before.triangle_count(), edited.mesh.triangle_count(), made));
+    const double change = report_change(before, false, edited, enclosed);
+    std::int32_t pieces = 0;
+    find_components(edited.mesh, pieces);
+    if (check.is_solid() && static_cast<std::size_t>(pieces) != check.components.size()) {
+      result.notices.push_back(
+          fmt::format("{}: {} of '{}' became {}: necks and gaps narrower than an edge of {} break or close; give more --triangles or a "
+                      "smaller --edge-length",
+                      options.file, check.components.size() == 1 ? "1 component" : fmt::format("{} components", check.components.size()),
+                      edited.name, pieces, format_quantity(edge_length, Dimension::length)));
+    }
+    if (std::abs(change) <= kNoticedChange) continue;
+    const std::string loss = fmt::format(
+        "{}: the volume of '{}' changed by {:+.3g} %: what is thinner than an edge of {} can vanish, and gaps narrower than it can close",
+        options.file, edited.name, 100 * change, format_quantity(edge_length, Dimension::length));
+    if (std::abs(change) > options.largest_change) {
+      for (const std::string& step : edited.steps) result.output += fmt::format("{}: {}\n", edited.name, step);
+      result.refusal = fmt::format(
+          "{}; that is above the limit of {:g} % and nothing is written: give more --triangles or a smaller "
+          "--edge-length, or allow it with --largest-change {:.2g}",
+          loss, 100 * options.largest_change, std::ceil(100 * std::abs(change)) / 100);
+      return result;
+    }
+    result.notices.push_back(loss + "; give more --triangles or a smaller --edge-length");
+  }
+  write_edit_results("remeshed", options, source, results, command, result);
+  return result;
+}
+
+}  // namespace scree

@@ -1,0 +1,42 @@
+// The commands of scree-post. Each gives what to print and never prints itself.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "post/run/run_folder.hpp"
+
+namespace scree {
+
+struct CommandResult {
+  std::string output;                ///< for stdout
+  std::vector<std::string> notices;  ///< for stderr, one line each
+};
+
+struct Command {
+  CLI::App* options = nullptr;  ///< true when it was asked for
+  std::function<CommandResult()> run;
+};
+
+/// What several commands take.
+struct RunOptions {
+  std::string folder;
+  std::string frames = "all";
+  int jobs = 0;
+  bool skip_damaged = false;
+
+  void add_to(CLI::App& command, const char* what_frames);  ///< null: no --frames
+  void add_pool_to(CLI::App& command);                      ///< --jobs and --skip-damaged alone
+  /// Opens the run; the notices are what the user must know of its state.
+  Run open(std::vector<std::string>& notices) const;
+};
+
+/// Looking at a run: report, paraview, vtk, picture.
+std::vector<Command> add_view_commands(CLI::App& app);
+Command add_statistics(CLI::App& app);
+/// Numbers: statistics, compare, error-vs-time, bodies, contacts, scaling.
+std::vector<Command> add_number_commands(CLI::App& app);
+
+}  // namespace scree

@@ -1,0 +1,100 @@
+#include <memory>
+
+#include "core/base/command_line.hpp"
+#include "core/base/error.hpp"
+#include "core/storage/h5.hpp"
+#include "post/commands/commands.hpp"
+#include "post/run/apparatus.hpp"
+#include "post/run/choice.hpp"
+#include "post/statistics/statistics.hpp"
+#include "post/studies/chart_files.hpp"
+
+namespace scree {
+
+Command add_statistics(CLI::App& app) {
+  struct Options {
+    RunOptions run;
+    StatisticsOptions statistics;
+    std::string output, container;
+    std::vector<std::string> regions, apparatus;
+    bool count_all = false;
+    double from = -1e308, to = 1e308;
+    bool no_charts = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "statistics", "Contacts, stress, packing, motion, walls and energy: means with confidence intervals, tables, charts");
+  StatisticsOptions& s = o->statistics;
+  o->run.add_to(*command, "Frames: all, last, 7, 0,5,-1, 10:50, ::5 (first:last:step; default all)");
+  command->add_option("-o,--output", o->output, "Folder for CSV, JSON, SVG and PNG")->required();
+  add_quantity(*command, "--from", o->from, Dimension::time, "Only frames from this time on: 2, \"500 ms\"");
+  add_quantity(*command, "--to", o->to, Dimension::time, "Only frames up to this time");
+  command
+      ->add_option("--region", o->regions,
+                   "A group of its own: [NAME=]box:x0,y0,z0,x1,y1,z1 or cylinder:x0,y0,z0,x1,y1,z1,r or sphere:x,y,z,r; repeat for more")
+      ->take_all();
+  command->add_flag("--by-material", s.by_material, "A group for each material");
+  command->add_flag("--by-shape", s.by_shape, "A group for each shape");
+  command
+      ->add_option("--profile", s.profiles, "Axis and number of layers: z:20, x:10, r:8 (rings); repeat for more (default: along gravity)")
+      ->take_all();
+  command
+      ->add_option("--apparatus", o->apparatus,
+                   "Shape or material whose bodies count as walls: a lid, a stamp; repeat for more (default: bodies of [[bodies]] "
+                   "five times as large as those of the populations)")
+      ->take_all();
+  command->add_flag("--count-all", o->count_all, "Count every body that is free to move as a particle, lids too")->excludes("--apparatus");
+  command->add_option("--container", o->container,
+                      "Box or cylinder the bodies are in, as a region (default: the wall or the periodic sides)");
+  command->add_option("--blocks", s.blocks, "Blocks of frames that the confidence intervals are made from (default 10)")
+      ->check(CLI::Range(2, 1000));
+  command
+      ->add_option(
+          "--mixing", s.mixing,
+          "Kinds of the mixing index: material, shape, half-x, half-y, half-z, none (default: material, else halves along gravity)")
+      ->check(CLI::IsMember({"auto", "material", "shape", "half-x", "half-y", "half-z", "none"}));
+  command->add_option("--repose", s.repose, "Angle of the free surface: cone (a heap), slope (a drum, a slide), none (default)")
+      ->check(CLI::IsMember({"cone", "slope", "none"}));
+  command->add_option("--discharge", s.discharge, "Count the mass that has gone below a height: z=0.1");
+  command->add_flag("--no-charts", o->no_charts, "Tables and JSON only");
+  return {command, [o] {
+            CommandResult result;
+            Run run = o->run.open(result.notices);
+            if (!o->count_all) {
+              const std::string apart = set_apparatus_apart(run, o->apparatus);
+              if (!apart.empty())
+                result.notices.push_back(fmt::format("note: {}{}", apart, o->apparatus.empty() ? "; --count-all counts them" : ""));
+            }
+            StatisticsOptions& options = o->statistics;
+            for (const std::size_t f : choose_frames(run, o->run.frames)) {
+              if (run.frames[f].time >= o->from && run.frames[f].time <= o->to) options.frames.push_back(f);
+            }
+            if (options.frames.empty()) {
+              throw UsageError("--from {} --to {}: no frame between; {} has frames from {} s to {} s", o->from, o->to, run.folder,
+                               run.frames.front().time, run.frames.back().time);
+            }
+            for (const std::string& text : o->regions) options.regions.push_back(parse_region(text));
+            if (!o->container.empty()) {
+              options.container = parse_region(o->container);
+              if (options.container->kind == Region::Kind::sphere)
+                throw UsageError("--container {}: a sphere has no layers; give a box or a cylinder", o->container);
+            }
+            options.pool = {o->run.jobs, o->run.skip_damaged};
+            const Statistics statistics = run_statistics(run, options, o->output);
+            std::vector<std::string> files = write_statistics(run, statistics, o->output);
+            if (!o->no_charts) {
+              if (const std::string reason = png_obstacle(); !reason.empty()) result.notices.push_back("note: " + reason);
+              for (const NamedChart& chart : charts_of(statistics)) {
+                for (const std::string& name : write_chart(o->output, chart.name, chart.chart)) files.push_back(name);
+              }
+            }
+            for (const std::string& message : statistics.skipped) result.notices.push_back("left out: " + message);
+            if (!run.scene.settings.output_contacts)
+              result.notices.push_back("note: the run kept no contacts: no coordination, stress, fabric or force chains");
+            result.output = summary_of(statistics);
+            result.notices.push_back(fmt::format("wrote {} files into {}; begin with summary.csv", files.size(), o->output));
+            return result;
+          }};
+}
+
+}  // namespace scree

@@ -1,0 +1,200 @@
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "core/base/command_line.hpp"
+#include "core/base/error.hpp"
+#include "core/base/utf8.hpp"
+#include "core/storage/h5.hpp"
+#include "post/commands/commands.hpp"
+#include "post/report/report.hpp"
+#include "post/run/apparatus.hpp"
+#include "post/vtk/vtk_or_not.hpp"
+
+namespace scree {
+
+namespace {
+
+Command add_report(CLI::App& app) {
+  struct Options {
+    RunOptions run;
+    std::string output, json;
+    ReportOptions report;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("report", "Write a self-contained page about the run");
+  o->run.add_to(*command, nullptr);
+  command->add_option("-o,--output", o->output, "Page to write (.html)")->required();
+  command->add_option("--json", o->json, "Write the same numbers to this file");
+  command->add_option("--frame", o->report.frame, "Number of the frame of the pictures and the 3D view; -1 is the last (default)");
+  return {command, [o] {
+            expect_ending("-o", o->output, "a page", {".html"});
+            if (!o->json.empty()) expect_ending("--json", o->json, "its numbers", {".json"});
+            CommandResult result;
+            Run run = o->run.open(result.notices);
+            o->report.apparatus = set_apparatus_apart(run, {});
+            o->report.pool = {o->run.jobs, o->run.skip_damaged};
+            const ReportResult report = write_report(run, o->output, o->report);
+            if (!o->json.empty()) h5::write_text_file(o->json, json_text(report.numbers, 1) + "\n");
+            for (const std::string& line : report.verdicts) result.output += line + "\n";
+            if (!o->report.apparatus.empty()) result.notices.push_back("note: " + o->report.apparatus);
+            for (const std::string& note : report.notes) result.notices.push_back("note: " + note);
+            result.notices.push_back("wrote " + o->output);
+            return result;
+          }};
+}
+
+Command add_paraview(CLI::App& app) {
+  struct Options {
+    RunOptions run;
+    ParaviewOptions files;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("paraview", "Write what ParaView opens: a script, meshes, contact network and surfaces");
+  o->run.add_to(*command, nullptr);
+  command->add_option("-o,--output", o->files.folder, "Folder (default RUN/paraview)");
+  command->add_option("--surfaces", o->files.surfaces, "Frames to expand into triangles: all, last or none (default all)")
+      ->check(CLI::IsMember({"all", "last", "none"}));
+  return {command, [o] {
+            require_vtk();
+            CommandResult result;
+            const Run run = o->run.open(result.notices);
+            o->files.pool = {o->run.jobs, o->run.skip_damaged};
+            std::vector<std::string> skipped;
+            result.output = make_paraview_files(run, o->files, skipped) + "\n";
+            for (const std::string& message : skipped) result.notices.push_back("left out: " + message);
+            return result;
+          }};
+}
+
+/// Bodies by what they are, as several commands choose them.
+struct BodyOptions {
+  BodyChoice choice;
+  std::vector<std::string> regions;
+  void add_to(CLI::App& command) {
+    command.add_option("--ids", choice.ids, "Only these bodies: 7, 10-20, 3,5,9")->take_all();
+    command.add_option("--material", choice.materials, "Only bodies of this material; repeat for more")->take_all();
+    command.add_option("--shape", choice.shapes, "Only bodies of this shape; repeat for more")->take_all();
+    command
+        .add_option("--region", regions,
+                    "Only bodies whose centre is in box:x0,y0,z0,x1,y1,z1 or cylinder:x0,y0,z0,x1,y1,z1,r or "
+                    "sphere:x,y,z,r; repeat for more")
+        ->take_all();
+  }
+  BodyChoice chosen() const {
+    BodyChoice all = choice;
+    for (const std::string& text : regions) all.regions.push_back(parse_region(text));
+    return all;
+  }
+};
+
+Command add_vtk(CLI::App& app) {
+  struct Options {
+    RunOptions run;
+    BodyOptions bodies;
+    VtkOptions files;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("vtk", "Write frames as .vtp and .pvd files for any VTK reader, several frames at a time");
+  o->run.add_to(*command, "Frames: all, last, 7, 0,5,-1, 10:50, ::5 (first:last:step; default all)");
+  o->files.kinds = {"surfaces", "contacts", "network", "walls"};
+  command->add_option("-o,--output", o->files.folder, "Folder")->required();
+  command
+      ->add_option("--what", o->files.kinds,
+                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls (default surfaces,"
+                   "contacts,network,walls)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"surfaces", "bodies", "contacts", "network", "walls"}));
+  o->bodies.add_to(*command);
+  return {command, [o] {
+            require_vtk();
+            CommandResult result;
+            const Run run = o->run.open(result.notices);
+            o->files.frames = choose_frames(run, o->run.frames);
+            o->files.bodies = o->bodies.chosen();
+            o->files.pool = {o->run.jobs, o->run.skip_damaged};
+            std::vector<std::string> skipped;
+            result.output = make_vtk_files(run, o->files, skipped) + "\n";
+            for (const std::string& message : skipped) result.notices.push_back("left out: " + message);
+            return result;
+          }};
+}
+
+Command add_picture(CLI::App& app) {
+  struct Options {
+    RunOptions run;
+    std::string output;
+    std::int64_t frame = -1;
+    PictureOptions picture;
+    std::vector<double> from, at, up;
+    std::vector<int> size;
+    bool no_walls = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("picture", "Draw one frame with true shapes");
+  o->run.add_to(*command, nullptr);
+  command->add_option("-o,--output", o->output, "Picture to write (.png)")->required();
+  command->add_option("--frame", o->frame, "Number of the frame; -1 is the last (default)");
+  command->add_option("--colour", o->picture.colour, "Of bodies: shape, material, rank or velocity (default shape)")
+      ->check(CLI::IsMember({"shape", "material", "rank", "velocity"}));
+  command->add_flag("--network", o->picture.network, "Contact forces as tubes, bodies as ghosts");
+  command->add_flag("--time", o->picture.time, "Write the time into the corner");
+  command->add_flag("--no-walls", o->no_walls, "Bodies only");
+  command->add_option("--from", o->from, "Direction from what is seen to the camera: X Y Z")->expected(3);
+  add_quantities(*command, "--at", o->at, 3, Dimension::length, "Point the camera looks at: X Y Z (default: the middle of the bodies)");
+  command->add_option("--up", o->up, "Direction that is up in the picture: X Y Z (default: against gravity)")->expected(3);
+  command->add_option("--zoom", o->picture.zoom, "2 is twice as near (default 1: everything is seen)")->check(CLI::PositiveNumber);
+  command->add_option("--size", o->size, "WIDTH HEIGHT in pixels (default 1280 960)")->expected(2)->check(CLI::Range(16, 8192));
+  return {command, [o] {
+            expect_ending("-o", o->output, "a picture", {".png"});
+            require_vtk();
+            if (const std::string reason = picture_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
+            const auto vector_of = [](const std::vector<double>& v, const char* name) -> std::optional<Vec3> {
+              if (v.empty()) return std::nullopt;
+              const Vec3 vector{v[0], v[1], v[2]};
+              if (std::string(name) != "--at" && !(length(vector) > 0)) throw UsageError("{} 0 0 0: is no direction", name);
+              return vector;
+            };
+            o->picture.from = vector_of(o->from, "--from");
+            o->picture.at = vector_of(o->at, "--at");
+            o->picture.up = vector_of(o->up, "--up");
+            o->picture.walls = !o->no_walls;
+            if (!o->size.empty()) {
+              o->picture.width = o->size[0];
+              o->picture.height = o->size[1];
+            }
+            CommandResult result;
+            const Run run = o->run.open(result.notices);
+            if (o->picture.network && !run.scene.settings.output_contacts) {
+              throw UsageError("--network: {} kept no contacts; set contacts = true in [output] of the case and run it again", run.folder);
+            }
+            make_picture(run, find_frame(run, o->frame), o->output, o->picture);
+            result.notices.push_back("wrote " + o->output);
+            return result;
+          }};
+}
+
+}  // namespace
+
+void RunOptions::add_to(CLI::App& command, const char* what_frames) {
+  command.add_option("RUN", folder, "NAME.run, as scree-solver wrote it")->required();
+  if (what_frames != nullptr) command.add_option("--frames", frames, what_frames);
+  add_pool_to(command);
+}
+
+void RunOptions::add_pool_to(CLI::App& command) {
+  command.add_option("--jobs", jobs, "Frames worked on at the same time (default: as many as cores)")->check(CLI::PositiveNumber);
+  command.add_flag("--skip-damaged", skip_damaged, "Leave out frames that cannot be read, and name them; else the first one ends the work");
+}
+
+Run RunOptions::open(std::vector<std::string>& notices) const {
+  Run run = open_run(folder);
+  if (skip_damaged) drop_damaged_frames(run);
+  if (const std::string notice = run.notice(); !notice.empty()) notices.push_back("note: " + notice);
+  for (const std::string& message : run.damaged) notices.push_back("left out: " + message);
+  return run;
+}
+
+std::vector<Command> add_view_commands(CLI::App& app) { return {add_report(app), add_paraview(app), add_vtk(app), add_picture(app)}; }
+
+}  // namespace scree

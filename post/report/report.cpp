@@ -1,0 +1,510 @@
+#include "post/report/report.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "core/base/error.hpp"
+#include "core/base/progress.hpp"
+#include "core/base/provenance.hpp"
+#include "core/base/units.hpp"
+#include "core/base/version.hpp"
+#include "core/chart/svg_chart.hpp"
+#include "core/storage/h5.hpp"
+#include "post/report/report_style.hpp"
+#include "post/report/verdicts.hpp"
+#include "post/run/choice.hpp"
+#include "post/run/provenance_chain.hpp"
+#include "post/statistics/contact_statistics.hpp"
+#include "post/statistics/statistics.hpp"
+#include "post/vtk/view_data.hpp"
+#include "post/vtk/view_script.hpp"
+#include "post/vtk/vtk_or_not.hpp"
+
+namespace scree {
+
+namespace {
+
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+/// Two columns; values are HTML already.
+std::string table_of(const Rows& rows) {
+  std::string html = "<table class=\"facts\">\n";
+  for (const auto& [name, value] : rows) html += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escaped(name), value);
+  return html + "</table>\n";
+}
+
+std::string section(const std::string& id, const std::string& title, const std::string& content) {
+  return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, escaped(title), content);
+}
+
+/// A chart with a link to its numbers, which stand in the page too.
+template <class Chart>
+std::string figure(const Chart& chart) {
+  std::string name;
+  for (const char c : chart.title) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(c)) : '-';
+  return fmt::format(
+      "<figure class=\"chart\">{}<figcaption><a download=\"{}.csv\" href=\"data:text/csv;base64,{}\">numbers as "
+      "CSV</a></figcaption></figure>\n",
+      svg_of(chart), name, base64(csv_of(chart)));
+}
+
+std::string verdict_section(const std::vector<Verdict>& verdicts) {
+  static const std::map<Judgement, std::pair<const char*, const char*>> kSigns{{Judgement::good, {"good", "&#10003;"}},
+                                                                               {Judgement::doubtful, {"doubtful", "!"}},
+                                                                               {Judgement::bad, {"bad", "&#10007;"}},
+                                                                               {Judgement::information, {"information", "i"}}};
+  std::string html = "<div class=\"verdicts\">\n";
+  for (const Verdict& v : verdicts) {
+    const auto& [style, sign] = kSigns.at(v.judgement);
+    html += fmt::format(
+        "<div class=\"verdict {}\"><div class=\"sign\" aria-hidden=\"true\">{}</div><div><h3>{}</h3><p class=\"answer\">{}"
+        " <span class=\"word\">{}</span></p><p class=\"evidence\">{}</p></div></div>\n",
+        style, sign, escaped(v.question), escaped(v.answer), name_of(v.judgement), escaped(v.evidence));
+  }
+  return html + "</div>\n";
+}
+
+std::string motion_text(const Wall& wall) {
+  switch (wall.motion.kind) {
+    case WallMotion::Kind::none:
+      return "fixed";
+    case WallMotion::Kind::rotate:
+      return fmt::format("rotates at {:.4g} rad/s", wall.motion.rate);
+    case WallMotion::Kind::translate:
+      return fmt::format("translates at {:.4g} m/s", wall.motion.rate);
+    case WallMotion::Kind::oscillate:
+      return fmt::format("oscillates by {:.4g} m at {:.4g} Hz", wall.motion.amplitude, wall.motion.frequency);
+    case WallMotion::Kind::table:
+      return "follows a table";
+  }
+  return "";
+}
+
+std::string case_section(const Run& run) {
+  const Scene& scene = run.scene;
+  const Settings& s = scene.settings;
+  double mass = 0, volume = 0, smallest = 1e300, largest = 0;
+  std::vector<std::size_t> count(scene.shapes.size(), 0);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const auto k = static_cast<std::size_t>(scene.bodies.shape[i]);
+    const double diameter = scene.bodies.scale[i] * scene.shapes[k].equivalent_diameter();
+    mass += scene.mass(i);
+    volume += scene.shapes[k].mass.volume * std::pow(scene.bodies.scale[i], 3);
+    smallest = std::min(smallest, diameter);
+    largest = std::max(largest, diameter);
+    ++count[k];
+  }
+  const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
+  Rows rows{{"Title", escaped(s.title)},
+            {"Bodies", fmt::format("{} ({:.4g} kg, {:.4g} m&sup3; of solid)", scene.bodies.size(), mass, volume)}};
+  if (scene.bodies.size() > 0)
+    rows.emplace_back("Equivalent diameter", fmt::format("{} to {}", length_text(smallest), length_text(largest)));
+  rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
+  rows.emplace_back("Duration", fmt::format("{}, a frame every {}", format_quantity(s.duration, Dimension::time),
+                                            s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));
+  rows.emplace_back("Contact", fmt::format("law {}, gathered as {}, margin {}", escaped(s.law), escaped(s.gather), length_text(s.margin)));
+  rows.emplace_back("Motion", fmt::format("{}{}", escaped(s.integrator),
+                                          run.outcome.contains("step_size")
+                                              ? ", step " + format_quantity(run.outcome["step_size"].get<double>(), Dimension::time)
+                                              : std::string()));
+  if (run.is_finished()) {
+    if (const std::string limit = run.outcome.value("step_limited_by", ""); !limit.empty())
+      rows.emplace_back("Step limited by", escaped(limit));
+    rows.emplace_back("State hash", "<code>" + escaped(run.outcome.value("state_hash", "?")) + "</code>");
+  }
+  std::string html = table_of(rows);
+
+  html +=
+      "<h3>Shapes</h3>\n<table class=\"grid-table\"><thead><tr><th>shape</th><th>bodies</th><th>triangles</th><th>eq. diameter at scale "
+      "1</th>"
+      "<th>mesh check</th></tr></thead><tbody>\n";
+  for (std::size_t k = 0; k < scene.shapes.size(); ++k) {
+    const Shape& shape = scene.shapes[k];
+    std::string check = "not checked";
+    if (shape.kind == ShapeKind::sphere)
+      check = "analytic ball";
+    else if (shape.kind == ShapeKind::surface)
+      check = "wall surface";
+    else if (shape.verdict.is_object() && shape.verdict.contains("solid"))
+      check = shape.verdict.value("solid", false) ? "watertight, outward" : "not solid";
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+                        escaped(shape.name), count[k], shape.mesh.triangle_count(),
+                        shape.kind == ShapeKind::surface ? "&ndash;" : length_text(shape.equivalent_diameter()), check);
+  }
+  html += "</tbody></table>\n";
+
+  html +=
+      "<h3>Materials and contacts</h3>\n<table "
+      "class=\"grid-table\"><thead><tr><th>between</th><th>stiffness</th><th>restitution</th><th>friction</th>"
+      "</tr></thead><tbody>\n";
+  for (const MaterialPair& p : scene.pairs) {
+    html += fmt::format(
+        "<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
+        escaped(scene.materials[static_cast<std::size_t>(p.a)].name), escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
+        p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness) : "by the materials", p.restitution, p.friction);
+  }
+  html += "</tbody></table>\n";
+  if (!scene.walls.empty()) {
+    html += "<h3>Walls</h3>\n<table class=\"grid-table\"><thead><tr><th>id</th><th>name</th><th>motion</th></tr></thead><tbody>\n";
+    for (const Wall& wall : scene.walls) {
+      html += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", wall.id,
+                          escaped(wall.name.empty() ? "wall" : wall.name), motion_text(wall));
+    }
+    html += "</tbody></table>\n";
+  }
+  const std::string text = scene.provenance.is_object() ? scene.provenance.value("configuration", "") : "";
+  if (!text.empty()) html += "<details><summary>The case file as it was read</summary><pre>" + escaped(text) + "</pre></details>\n";
+  return html;
+}
+
+std::string picture_section(const Run& run, std::size_t frame, std::vector<std::string>& notes) {
+  const std::string obstacle = picture_obstacle();
+  if (!obstacle.empty()) {
+    notes.push_back("the report has no pictures: " + obstacle);
+    return "<p class=\"missing\">No pictures: " + escaped(obstacle) + "</p>\n";
+  }
+  std::string html;
+  const auto add = [&](const PictureOptions& options, const std::string& alt, const std::string& caption) {
+    const std::string png = (std::filesystem::temp_directory_path() / fmt::format("scree-post-{}.png", getpid())).string();
+    make_picture(run, frame, png, options);
+    std::ifstream stream(png, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    std::remove(png.c_str());
+    html +=
+        fmt::format("<figure class=\"picture\"><img alt=\"{}\" src=\"data:image/png;base64,{}\"/><figcaption>{}</figcaption></figure>\n",
+                    alt, base64(bytes), caption);
+  };
+  const std::string time = fmt::format("t = {:.4g} s", run.frames[frame].time);
+  add({}, "The bodies",
+      fmt::format("True shapes at {}, coloured by shape. Walls are translucent and cut where they reach far above.", time));
+  PictureOptions speed;
+  speed.colour = "velocity";
+  add(speed, "The bodies by speed", fmt::format("The same at {}, coloured by speed.", time));
+  if (run.scene.settings.output_contacts) {
+    PictureOptions network;
+    network.network = true;
+    add(network, "The contact network", fmt::format("Contact forces at {}: thickness and colour by normal force.", time));
+  }
+  return html;
+}
+
+/// JSON that stands in a script element. "</script" would end the element, and "<!--<script" would keep its own end from being
+/// seen; in JSON a '<' stands only within strings, where \u003c is the same.
+std::string inside_script(const std::string& json) {
+  std::string text;
+  text.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string view_section(const Run& run, std::size_t index) {
+  const Frame frame = load_frame(run, index);
+  std::string html = fmt::format(
+      "<p>Frame {} at t = {:.4g} s. Drag to turn, two fingers or Shift and drag to move, the buttons or Ctrl and the wheel to zoom, "
+      "click a body to read about it.</p>\n",
+      frame.number, frame.time);
+  html +=
+      "<div class=\"view\"><canvas id=\"view-canvas\" tabindex=\"0\" aria-label=\"3D view of the bodies; arrow keys turn, plus and minus "
+      "zoom\"></canvas>\n"
+      "<div class=\"legend\"></div>\n<div class=\"tools\"><label>colour <select name=\"colour\"><option "
+      "value=\"shape\">shape</option><option value=\"material\">material"
+      "</option><option value=\"speed\">speed</option></select></label>";
+  html += fmt::format("<label><input type=\"checkbox\" name=\"contacts\"{}/> contact forces</label>",
+                      frame.contacts.size() > 0 ? "" : " disabled");
+  html +=
+      "<label><input type=\"checkbox\" name=\"walls\" checked/> walls</label><button name=\"nearer\" type=\"button\">nearer</button>"
+      "<button name=\"further\" type=\"button\">further</button><button name=\"reset\" type=\"button\">reset</button></div>\n"
+      "<p id=\"view-panel\" class=\"panel\" aria-live=\"polite\">Pick a body to read about it.</p></div>\n";
+  html += "<script type=\"application/json\" id=\"view-data\">" + inside_script(view_data(run, frame)) + "</script>\n<script>";
+  return html + kViewShaders + kViewScript + "</script>\n";
+}
+
+std::string statistics_section(const Statistics& s, const std::string& apparatus) {
+  std::string html = fmt::format(
+      "<p>Means over {} frames from {:.4g} s to {:.4g} s with 95 % confidence intervals from {} blocks of frames, which hold for a steady "
+      "state "
+      "only. Definitions: <code>post/STATISTICS.md</code>.</p>\n",
+      s.frames, s.first_time, s.last_time, s.blocks);
+  if (!apparatus.empty()) html += "<p>" + escaped(apparatus) + ".</p>\n";
+  for (const NamedChart& chart : charts_of(s)) html += figure(chart.chart);
+  html +=
+      "<details open><summary>All quantities</summary><div class=\"wide\"><table "
+      "class=\"grid-table\"><thead><tr><th>quantity</th><th>mean</th><th>95 %</th><th>min</th>"
+      "<th>max</th><th>unit</th></tr></thead><tbody>\n";
+  for (std::size_t q = 0; q < s.quantities.size(); ++q) {
+    const Average& a = s.averages[0][q];
+    if (a.count == 0) continue;
+    html += fmt::format(
+        "<tr><td title=\"{}\">{}</td><td class=\"n\">{:.5g}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td "
+        "class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
+        escaped(s.quantities[q].meaning), s.quantities[q].name, a.mean, std::isfinite(a.ci95) ? fmt::format("&plusmn; {:.2g}", a.ci95) : "",
+        a.smallest, a.largest, s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
+  }
+  return html + "</tbody></table></div></details>\n";
+}
+
+std::vector<double> sum(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> c(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) c[i] = a[i] + b[i];
+  return c;
+}
+
+std::string energy_section(const Run& run) {
+  const LogTable& log = run.log;
+  if (log.rows() < 2) return "<p class=\"missing\">log.csv has no rows yet.</p>\n";
+  const std::vector<double>& t = log.column("time");
+  const std::vector<double> kinetic = sum(log.column("kinetic_translational"), log.column("kinetic_rotational"));
+  std::vector<double> elastic = log.column("elastic");
+  if (log.has("elastic_tangential")) elastic = sum(elastic, log.column("elastic_tangential"));
+  std::vector<double> potential = log.column("potential");
+  const double lowest = *std::min_element(potential.begin(), potential.end());
+  for (double& p : potential) p -= lowest;
+
+  LineChart energies{"Energies", "time", "s", "energy", "J", false, true, {}, {}};
+  energies.lines = {{"kinetic", t, kinetic},
+                    {"potential above its lowest", t, potential},
+                    {"elastic", t, elastic},
+                    {"dissipated", t, log.column("dissipated")}};
+  if (log.has("wall_work")) {
+    const std::vector<double>& work = log.column("wall_work");
+    if (std::any_of(work.begin(), work.end(), [](double w) { return w != 0; })) energies.lines.push_back({"wall work", t, work});
+  }
+  const double peak = *std::max_element(kinetic.begin(), kinetic.end());
+  LineChart settling{"Kinetic energy", "time", "s", "energy", "J", true, false, {}, {}};
+  settling.lines = {{"translation", t, log.column("kinetic_translational")}, {"rotation", t, log.column("kinetic_rotational")}};
+  if (peak > 0) settling.limits = {{kRestKinetic * peak, "at rest: 1e-6 of the peak"}};
+
+  const double scale = energy_balance(run).in_play;
+  std::vector<double> error = log.column("energy_error");
+  for (double& e : error) e = scale > 0 ? 100 * e / scale : 0;
+  LineChart balance{"Error of the energy balance", "time", "s", "error [%]", "", false, false, {{"error", t, error}}, {}};
+  return figure(energies) + figure(settling) + figure(balance);
+}
+
+std::string contact_section(const Run& run) {
+  std::string html;
+  if (run.log.rows() >= 2) {
+    const std::vector<double>& t = run.log.column("time");
+    if (run.log.has("contacts")) {
+      html += figure(
+          (LineChart{"Contact points", "time", "s", "contact points", "", false, true, {{"contacts", t, run.log.column("contacts")}}, {}}));
+    }
+    if (run.scene.settings.margin > 0) {
+      html += figure((LineChart{"Largest depth over margin",
+                                "time",
+                                "s",
+                                "depth / margin",
+                                "",
+                                false,
+                                true,
+                                {{"depth / margin", t, run.log.column("max_depth_ratio")}},
+                                {{1.0, "1: the surfaces would touch"}}}));
+    }
+  }
+  if (!run.scene.settings.output_contacts)
+    return html + "<p class=\"missing\">The frames hold no contacts: the case says contacts = false.</p>\n";
+
+  const ContactStatistics last = contact_statistics(load_frame(run, run.frames.size() - 1), run.boundary_ids);
+
+  const Distribution& c = last.contact_force;
+  const Distribution& p = last.pair_force;
+  const auto force_text = [](double f) { return format_quantity(f, Dimension::force); };
+  Rows rows{{"Time", fmt::format("{:.6g} s", last.time)},
+            {"Particles", fmt::format("{}, of them {} rattlers (fewer than two neighbours)", last.particles, last.rattlers)},
+            {"Pairs in contact", fmt::format("{} among particles, {} with walls", last.pairs_of_particles, last.pairs_with_walls)},
+            {"Coordination number",
+             fmt::format("{:.3f} neighbours per particle; {:.3f} without rattlers", last.coordination, last.coordination_without_rattlers)},
+            {"Contact points", fmt::format("{}, {:.3f} per particle", last.contacts, last.contacts_per_particle)}};
+  if (c.count > 0) {
+    rows.emplace_back("Normal force per contact point",
+                      fmt::format("mean {}, median {}, 5 % to 95 %: {} to {}, largest {}", force_text(c.mean), force_text(c.median),
+                                  force_text(c.q05), force_text(c.q95), force_text(c.largest)));
+    rows.emplace_back("Force per pair",
+                      fmt::format("mean {}, median {}, largest {}", force_text(p.mean), force_text(p.median), force_text(p.largest)));
+  }
+  if (last.pairs_of_particles > 0) {
+    std::string matrix = "<table class=\"matrix\">";
+    for (int i = 0; i < 3; ++i)
+      matrix += fmt::format("<tr><td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td></tr>", last.fabric[i].x, last.fabric[i].y, last.fabric[i].z);
+    rows.emplace_back("Fabric tensor", matrix + fmt::format("</table>principal {:.4f}, {:.4f}, {:.4f}; 0.3333 each when isotropic",
+                                                            last.fabric_principal.x, last.fabric_principal.y, last.fabric_principal.z));
+  }
+  return html + "<h3>At the last frame</h3>\n" + table_of(rows);
+}
+
+std::string cost_section(const Run& run) {
+  BarChart bars{"Time by phase (mean over ranks)", "", {}, {}, {}, false, ""};
+  double total = 0;
+  std::vector<std::pair<std::string, double>> phases;
+  if (run.outcome.contains("phases") && run.outcome["phases"].is_object()) {
+    for (const auto& [name, seconds] : run.outcome["phases"].items()) {
+      if (seconds.is_number()) phases.emplace_back(name, seconds.get<double>());
+    }
+  } else if (run.log.rows() > 0) {
+    bars.title = "Time by phase so far (first rank)";
+    for (const std::string& name : run.log.names) {
+      if (name.starts_with("t_")) phases.emplace_back(name.substr(2), run.log.column(name).back());
+    }
+  }
+  std::sort(phases.begin(), phases.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  for (const auto& [name, seconds] : phases) total += seconds;
+  for (const auto& [name, seconds] : phases) {
+    bars.names.push_back(name);
+    bars.values.push_back(seconds);
+    bars.texts.push_back(fmt::format("{:.3g} s ({:.1f} %)", seconds, total > 0 ? 100 * seconds / total : 0));
+  }
+  std::string html = phases.empty() ? "" : figure(bars);
+  if (run.log.rows() >= 3 && run.log.has("steps_per_second")) {
+    std::vector<double> t = run.log.column("time"), rate = run.log.column("steps_per_second");
+    t.erase(t.begin());  // no step lies before the first row
+    rate.erase(rate.begin());
+    html += figure((LineChart{"Speed", "time", "s", "steps per second of wall time", "", false, true, {{"speed", t, rate}}, {}}));
+  }
+  if (!run.is_finished()) return html;
+  const nlohmann::json& o = run.outcome;
+  const double wall = o.value("wall_seconds", 0.0), steps = o.value("steps", 0.0);
+  Rows rows{{"Wall time", fmt::format("{} for {:.0f} steps", format_duration(wall), steps)},
+            {"Ran on", fmt::format("{} ranks x {} threads", o.value("ranks", 1), o.value("threads", 1))}};
+  if (wall > 0)
+    rows.emplace_back("Rate", fmt::format("{:.3g} particle steps per second", static_cast<double>(run.scene.bodies.size()) * steps / wall));
+  if (o.contains("mean_imbalance"))
+    rows.emplace_back("Mean imbalance", fmt::format("{:.3f} (largest over mean work of the ranks)", o.value("mean_imbalance", 1.0)));
+  if (o.contains("peak_rss_bytes"))
+    rows.emplace_back("Peak memory, all ranks", fmt::format("{:.0f} MB", o.value("peak_rss_bytes", 0.0) / 1e6));
+  return html + table_of(rows);
+}
+
+std::string provenance_section(const nlohmann::json& record, const std::vector<ChainFile>& files) {
+  if (!record.is_object()) return "<p class=\"missing\">No provenance record was found.</p>\n";
+  std::string html =
+      "<p>From the run down to the files it began with. Each hash is of the file as it was read.</p>\n<ol class=\"chain\">\n";
+  for (const ChainEntry& e : chain_of(record)) {
+    html += fmt::format("<li style=\"margin-left:{}em\"><strong>{}</strong>", 1.6 * e.depth, e.depth == 0 ? "this run" : escaped(e.file));
+    if (!e.sha256.empty()) html += fmt::format("<br/><span class=\"hash\">sha256 {}</span>", escaped(e.sha256));
+    for (const ChainFile& file : files) {
+      if (e.depth == 0 || file.file != e.file || file.sha256 != e.sha256) continue;
+      html += file.state == ChainFile::State::same
+                  ? " <span class=\"state\">&#10003; there, unchanged</span>"
+                  : (file.state == ChainFile::State::changed ? " <span class=\"state spoilt\">&#10007; there, but changed</span>"
+                                                             : " <span class=\"state lost\">not found</span>");
+    }
+    if (!e.tool.empty()) {
+      html += fmt::format("<br/>{} {} (git {}), {}", escaped(e.tool), escaped(e.version), escaped(e.git), escaped(e.utc));
+      if (!e.command.empty()) html += "<br/><code>" + escaped(e.command) + "</code>";
+    } else {
+      html += "<br/>an input from outside";
+    }
+    html += "</li>\n";
+  }
+  return html + "</ol>\n";
+}
+
+std::string repeat_section(const Run& run, const nlohmann::json& record) {
+  const std::vector<std::string> commands = commands_of(record);
+  if (commands.empty()) return "<p class=\"missing\">The provenance holds no commands.</p>\n";
+  std::string text;
+  for (const std::string& command : commands) text += command + "\n";
+  std::string html = "<pre>" + escaped(text) + "</pre>\n";
+  if (run.is_finished()) {
+    html += fmt::format(
+        "<p>Given in the folders where they were given first. The same program, ranks and threads end in the state hash "
+        "<code>{}</code>.</p>\n",
+        escaped(run.outcome.value("state_hash", "?")));
+  }
+  return html;
+}
+
+}  // namespace
+
+namespace {
+
+nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, const Statistics& statistics, const nlohmann::json& record,
+                          const std::vector<ChainFile>& files) {
+  nlohmann::json numbers = {{"format", "scree-report"},
+                            {"format_version", 1},
+                            {"run", run.name},
+                            {"title", run.scene.settings.title},
+                            {"bodies", run.scene.bodies.size()},
+                            {"frames", run.frames.size()},
+                            {"time", run.frames.back().time}};
+  for (const Verdict& v : verdicts) {
+    numbers["verdicts"].push_back(
+        {{"question", v.question}, {"answer", v.answer}, {"judgement", name_of(v.judgement)}, {"evidence", v.evidence}});
+  }
+  numbers["settings"] = settings_json(run.scene);
+  numbers["statistics"] = json_of(run, statistics);
+  numbers["cost"] = nlohmann::json::object();
+  for (const char* key : {"wall_seconds", "steps", "step_size", "critical_step", "ranks", "threads", "phases", "mean_imbalance",
+                          "peak_rss_bytes", "memory", "energy", "max_depth_ratio", "lost_bodies", "state_hash"}) {
+    if (run.outcome.contains(key)) numbers["cost"][key] = run.outcome[key];
+  }
+  numbers["provenance"] = record;
+  static constexpr std::array<const char*, 3> kStates{"same", "changed", "missing"};
+  for (const ChainFile& f : files) {
+    numbers["files"].push_back(
+        {{"file", f.file}, {"sha256", f.sha256}, {"found", f.found}, {"state", kStates[static_cast<std::size_t>(f.state)]}});
+  }
+  numbers["commands"] = commands_of(record);
+  return numbers;
+}
+
+}  // namespace
+
+ReportResult write_report(const Run& run, const std::string& path, const ReportOptions& options) {
+  ReportResult result;
+  const std::size_t shown = find_frame(run, options.frame);
+  StatisticsOptions what;
+  what.frames = choose_frames(run, "all");
+  what.pool = options.pool;
+  const Statistics statistics = run_statistics(run, what, "");
+  for (const std::string& message : statistics.skipped) result.notes.push_back("left out: " + message);
+  const std::vector<Verdict> verdicts = judge(run);
+  for (const Verdict& v : verdicts) result.verdicts.push_back(fmt::format("{:<22} {:<36} {}", v.question, v.answer, name_of(v.judgement)));
+  const nlohmann::json record = provenance_of(run);
+  const std::vector<ChainFile> files = check_files(record, run.folder);
+  result.numbers = numbers_of(run, verdicts, statistics, record, files);
+
+  const std::string title = run.scene.settings.title.empty() ? run.name : run.scene.settings.title;
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
+      escaped(title + " - Scree"), kReportStyle);
+  html += fmt::format(
+      "<header><p class=\"kicker\">Scree run <code>{}</code></p><h1>{}</h1><p class=\"lead\">{} bodies, {} frames, {:.4g} s simulated. "
+      "Report of {} by scree-post {}.</p></header>\n",
+      escaped(run.name), escaped(title), run.scene.bodies.size(), run.frames.size(), run.frames.back().time, utc_now(), kVersion);
+  const std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
+                                                         {"case", "What was run", case_section(run)},
+                                                         {"picture", "Pictures", picture_section(run, shown, result.notes)},
+                                                         {"view", "3D view", view_section(run, shown)},
+                                                         {"statistics", "Statistics", statistics_section(statistics, options.apparatus)},
+                                                         {"energies", "Energies", energy_section(run)},
+                                                         {"contacts", "Contacts", contact_section(run)},
+                                                         {"cost", "Cost", cost_section(run)},
+                                                         {"provenance", "Where it comes from", provenance_section(record, files)},
+                                                         {"repeat", "To run it again", repeat_section(run, record)}};
+  html += "<nav>";
+  for (const auto& [id, name, content] : sections)
+    html += fmt::format("<a href=\"#{}\">{}</a>", id, escaped(id == "verdicts" ? "Verdicts" : name));
+  html += "</nav>\n";
+  for (const auto& [id, name, content] : sections) html += section(id, name, content);
+  html += "</main>\n</body>\n</html>\n";
+  h5::write_text_file(path, html);
+  return result;
+}
+
+}  // namespace scree

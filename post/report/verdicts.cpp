@@ -1,0 +1,345 @@
+#include "post/report/verdicts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "post/run/drawn_meshes.hpp"
+#include "post/run/provenance_chain.hpp"
+
+namespace scree {
+
+namespace {
+
+double largest(const LogTable& log, const char* column) {
+  double value = 0;
+  if (log.has(column)) {
+    for (double v : log.column(column)) {
+      if (std::isfinite(v)) value = std::max(value, std::abs(v));
+    }
+  }
+  return value;
+}
+
+double number_in(const nlohmann::json& object, const char* key, double otherwise) {
+  if (!object.is_object() || !object.contains(key) || !object[key].is_number()) return otherwise;
+  return object[key].get<double>();
+}
+
+std::string percent(double part) {
+  return part > 0 && part < 1e-4 ? fmt::format("{:.1e} %", 100 * part) : fmt::format("{:.3g} %", 100 * part);
+}
+
+Verdict judge_outcome(const Run& run) {
+  Verdict v{"Outcome", Judgement::good, "", ""};
+  if (!run.is_finished()) {
+    v.judgement = Judgement::doubtful;
+    v.answer = "not finished";
+    v.evidence = "There is no run.json: the run is still being written, or was killed. This page shows the whole frames so far.";
+    return v;
+  }
+  const std::string outcome = run.outcome.value("outcome", "?"), message = run.outcome.value("message", "");
+  v.answer = outcome;
+  v.judgement = outcome == "completed" ? Judgement::good : (outcome == "interrupted" ? Judgement::doubtful : Judgement::bad);
+  v.evidence = outcome == "completed" ? fmt::format("{:.0f} steps, {:.6g} s of simulated time", number_in(run.outcome, "steps", 0),
+                                                    number_in(run.outcome, "time", 0))
+                                      : message;
+  return v;
+}
+
+Verdict judge_energy(const Run& run) {
+  Verdict v{"Energy balance", Judgement::information, "", ""};
+  if (run.log.rows() == 0) {
+    v.answer = "unknown";
+    v.evidence = "There is no log.csv.";
+    return v;
+  }
+  const EnergyBalance e = energy_balance(run);
+  const double relative = e.in_play > 0 ? e.lasting / e.in_play : 0, on_the_way = e.in_play > 0 ? e.largest / e.in_play : 0;
+  v.answer = "closed to " + percent(relative);
+  v.judgement = relative <= kEnergyGood ? Judgement::good : (relative <= kEnergyDoubtful ? Judgement::doubtful : Judgement::bad);
+  v.evidence = fmt::format(
+      "Lasting error of kinetic + potential + elastic + dissipated - wall work in the log, {:.3g} J, over the largest energy in play, "
+      "{:.3g} J. Dissipation is summed from the contact forces. Good up to {}.",
+      e.lasting, e.in_play, percent(kEnergyGood));
+  if (on_the_way > std::max(kEnergyGood, relative)) {
+    v.evidence += fmt::format(" On the way it was {} at most, in contacts, and went as they ended: more steps per contact make it smaller.",
+                              percent(on_the_way));
+  }
+  return v;
+}
+
+Verdict judge_depth(const Run& run) {
+  Verdict v{"Contact depth", Judgement::information, "", ""};
+  const double ratio = std::max(largest(run.log, "max_depth_ratio"), number_in(run.outcome, "max_depth_ratio", 0));
+  if (run.scene.settings.margin <= 0) {
+    v.answer = "no margin in this case";
+    v.evidence = "Contacts begin at touch; there is no boundary layer to use up.";
+    return v;
+  }
+  v.answer = fmt::format("at most {:.3f} of the margin", ratio);
+  v.judgement = ratio < kDepthDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
+  v.evidence =
+      "Depth over the sum of both margins, the largest of all contacts and steps. Below 1 no two surfaces ever met; "
+      "near 1 choose a larger stiffness or margin.";
+  return v;
+}
+
+Verdict judge_rest(const Run& run) {
+  Verdict v{"Came to rest", Judgement::information, "", ""};
+  if (run.log.rows() == 0) {
+    v.answer = "unknown";
+    return v;
+  }
+  const auto &translational = run.log.column("kinetic_translational"), &rotational = run.log.column("kinetic_rotational");
+  double peak = 0;
+  for (std::size_t i = 0; i < translational.size(); ++i) peak = std::max(peak, translational[i] + rotational[i]);
+  const double last = translational.back() + rotational.back();
+  const double part = peak > 0 ? last / peak : 0;
+  v.evidence = fmt::format("Kinetic energy at the end is {:.2e} of its peak of {:.4g} J.", part, peak);
+  if (run.outcome.contains("no_body_left")) {
+    v.answer = "no body is left";
+  } else if (!run.scene.settings.stop_at_rest) {
+    v.answer = part < kRestKinetic ? "yes" : "no, and the case does not ask for it";
+    if (part < kRestKinetic) v.judgement = Judgement::good;
+    v.evidence += fmt::format(" At rest means below {:.0e} of the peak.", kRestKinetic);
+  } else if (!run.outcome.contains("came_to_rest")) {
+    v.answer = "known at the end";
+  } else {
+    const bool rests = run.outcome["came_to_rest"] == true;
+    v.answer = rests ? fmt::format("yes, after {:.4g} s", number_in(run.outcome, "time", 0)) : "no, still moving when its time was up";
+    v.judgement = rests ? Judgement::good : Judgement::doubtful;
+    v.evidence +=
+        " The case asks for it (stop_at_rest): at rest means that for as long as a body takes to fall its own diameter, the bodies "
+        "had less than a millionth of the energy of such a fall.";
+    if (!rests) v.evidence += " A longer duration, or rolling friction for what rocks and spins, gives them time.";
+  }
+  return v;
+}
+
+/// Bodies in the last frame that lie below everything that could hold them: no wall and no fixed body reaches as low.
+/// None without gravity, without walls, or where a plane that faces upward holds all.
+std::size_t bodies_below_all(const Run& run) {
+  const Scene& scene = run.scene;
+  if (!(squared_length(scene.settings.gravity) > 0)) return 0;
+  const Vec3 down = normalised(scene.settings.gravity);
+  const Frame last = load_frame(run, run.frames.size() - 1);
+  double deepest = -std::numeric_limits<double>::infinity();
+  const std::vector<WallPlace> places = wall_places(last, scene);
+  const auto reach = [&](const TriangleMesh& mesh, double scale, const Vec3& position, const Quat& orientation) {
+    for (const Vec3& p : mesh.vertices) deepest = std::max(deepest, dot(down, position + rotate(orientation, scale * p)));
+  };
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const Wall& wall = scene.walls[w];
+    if (wall.kind == WallKind::plane && dot(wall.normal, down) < 0) return 0;
+    // box, cylinder and sphere hold what is inside them, and nothing is beyond
+    if (wall.kind == WallKind::box_inside || wall.kind == WallKind::cylinder_inside || wall.kind == WallKind::sphere_inside) return 0;
+    if (wall.kind == WallKind::mesh)
+      reach(scene.shapes[static_cast<std::size_t>(wall.shape)].mesh, wall.scale, places[w].position, places[w].orientation);
+  }
+  const FrameBodies& b = last.bodies;
+  std::set<std::int64_t> fixed;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] != 0) fixed.insert(scene.bodies.id[i]);
+  }
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(b.shape[i])];
+    if (fixed.contains(b.id[i])) deepest = std::max(deepest, dot(down, b.position[i]) + b.scale[i] * shape.bounding_radius());
+  }
+  if (!std::isfinite(deepest)) return 0;
+  std::size_t below = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const double radius = b.scale[i] * scene.shapes[static_cast<std::size_t>(b.shape[i])].bounding_radius();
+    if (!fixed.contains(b.id[i]) && dot(down, b.position[i]) - radius > deepest && dot(down, b.velocity[i]) > 0) ++below;
+  }
+  return below;
+}
+
+Verdict judge_bodies(const Run& run) {
+  Verdict v{"Lost bodies", Judgement::good, "", ""};
+  const std::size_t below = bodies_below_all(run);
+  if (!run.is_finished()) {
+    v.judgement = Judgement::information;
+    v.answer = "known at the end";
+    return v;
+  }
+  const double lost = number_in(run.outcome, "lost_bodies", 0), outside = number_in(run.outcome, "bodies_outside_domain", 0);
+  const double removed = number_in(run.outcome, "removed_bodies", 0);
+  v.answer = lost == 0 && outside == 0 ? "none" : fmt::format("{:.0f} lost, {:.0f} outside the domain", lost, outside);
+  v.evidence = fmt::format("{} bodies in the scene, {:.0f} at the end.", run.scene.bodies.size(),
+                           number_in(run.outcome, "bodies", static_cast<double>(run.scene.bodies.size()) - lost));
+  if (removed > 0) {
+    v.answer += fmt::format(", {:.0f} of {} taken out", removed, run.scene.bodies.size());
+    v.evidence += fmt::format(" {:.0f} were taken out as the case asks for, because they left the domain.", removed);
+  }
+  if (below > 0) {
+    v.answer = (v.answer == "none" ? std::string() : v.answer + ", ") +
+               fmt::format("{} of {} fall below all walls", below, run.scene.bodies.size());
+    v.judgement = Judgement::doubtful;
+    v.evidence +=
+        " What falls below all walls meets nothing any more: check the walls for openings, or give a domain with outside = \"remove\" "
+        "where bodies are "
+        "meant to leave.";
+  }
+  if (lost != 0 || outside != 0) v.judgement = Judgement::bad;
+  return v;
+}
+
+Verdict judge_step(const Run& run) {
+  Verdict v{"Step margin", Judgement::information, "", ""};
+  const double step = number_in(run.outcome, "step_size", 0), critical = number_in(run.outcome, "critical_step", 0);
+  if (!(step > 0) || !(critical > 0)) {
+    v.answer = run.is_finished() ? "no contact to judge by" : "known at the end";
+    v.evidence = "The critical step of the contacts stands in run.json of a run that has ended and that had contacts.";
+    return v;
+  }
+  const double ratio = step / critical;
+  v.answer = fmt::format("{:.3g} of the critical step", ratio);
+  v.judgement = ratio <= kStepGood ? Judgement::good : (ratio <= kStepDoubtful ? Judgement::doubtful : Judgement::bad);
+  v.evidence = fmt::format("Step {:.4g} s, smallest critical step of all contacts {:.4g} s. Good up to {}.", step, critical, kStepGood);
+  return v;
+}
+
+Verdict judge_imbalance(const Run& run) {
+  Verdict v{"Balance of the ranks", Judgement::information, "one rank", ""};
+  if (!run.is_finished()) {
+    v.answer = "known at the end";
+    return v;
+  }
+  const double ranks = number_in(run.outcome, "ranks", 1), imbalance = number_in(run.outcome, "mean_imbalance", 0);
+  if (ranks <= 1) {
+    v.evidence = "Nothing is shared out.";
+    return v;
+  }
+  v.answer = imbalance > 0 ? fmt::format("{:.2f} on {:.0f} ranks", imbalance, ranks) : "unknown";
+  if (imbalance > 0) v.judgement = imbalance <= kImbalanceGood ? Judgement::good : Judgement::doubtful;
+  v.evidence = fmt::format(
+      "Largest over mean work of the ranks, mean over the run; 1 is perfect, good up to {}. It costs time and changes no result.",
+      kImbalanceGood);
+  return v;
+}
+
+Verdict judge_files(const Run& run) {
+  Verdict v{"Files behind the run", Judgement::good, "", ""};
+  const nlohmann::json record = provenance_of(run);
+  const std::vector<ChainFile> files = check_files(record, run.folder);
+  std::string missing, changed;
+  std::size_t same = 0;
+  for (const ChainFile& file : files) {
+    if (file.state == ChainFile::State::same) ++same;
+    if (file.state == ChainFile::State::missing) missing += (missing.empty() ? "" : ", ") + file.file;
+    if (file.state == ChainFile::State::changed) changed += (changed.empty() ? "" : ", ") + file.found;
+  }
+  v.answer = fmt::format("{} of {} as they were", same, files.size());
+  v.evidence = "Inputs in the provenance chain, looked for as they are named and beside the run, compared by SHA-256";
+  if (files.empty()) {
+    v.judgement = Judgement::doubtful;
+    v.answer = "no record";
+    v.evidence = "The run has no provenance record, or it names no inputs";
+  }
+  if (!missing.empty()) {
+    v.judgement = Judgement::doubtful;
+    v.evidence += "; missing, so that the run cannot be repeated from here: " + missing;
+  }
+  if (!changed.empty()) {
+    v.judgement = Judgement::bad;
+    v.evidence += "; changed since: " + changed;
+  }
+  v.evidence += ".";
+  return v;
+}
+
+Verdict judge_frames(const Run& run) {
+  Verdict v{"Frames", Judgement::good, fmt::format("all {} can be read", run.frames.size()), "None was left out."};
+  if (run.damaged.empty()) return v;
+  v.judgement = Judgement::doubtful;
+  v.answer = fmt::format("{} of {} left out", run.damaged.size(), run.damaged.size() + run.frames.size());
+  v.evidence = "They cannot be read:";
+  for (const std::string& message : run.damaged) v.evidence += " " + message + ";";
+  v.evidence.back() = '.';
+  return v;
+}
+
+Verdict judge_meshes(const Run& run) {
+  Verdict v{"Mesh certificates", Judgement::good, "", ""};
+  std::set<std::int32_t> used(run.scene.bodies.shape.begin(), run.scene.bodies.shape.end());
+  std::size_t solid = 0, analytic = 0;
+  std::string unchecked, refused;
+  for (std::int32_t k : used) {
+    const Shape& shape = run.scene.shapes[static_cast<std::size_t>(k)];
+    if (shape.kind == ShapeKind::sphere) {
+      ++analytic;
+    } else if (!shape.verdict.is_object() || !shape.verdict.contains("solid")) {
+      unchecked += (unchecked.empty() ? "" : ", ") + shape.name;
+    } else if (shape.verdict.value("solid", false)) {
+      ++solid;
+    } else {
+      refused += (refused.empty() ? "" : ", ") + shape.name;
+    }
+  }
+  v.answer = fmt::format("{} of {} solid", solid + analytic, used.size());
+  if (!unchecked.empty()) v.judgement = Judgement::doubtful;
+  if (!refused.empty()) v.judgement = Judgement::bad;
+  v.evidence = "Closed, oriented, without crossing surfaces, as scree-mesher checked each mesh at import";
+  if (analytic > 0) v.evidence += fmt::format("; {} analytic {} no mesh", analytic, analytic == 1 ? "ball has" : "balls have");
+  if (!unchecked.empty()) v.evidence += "; without a certificate: " + unchecked;
+  if (!refused.empty()) v.evidence += "; not solid: " + refused;
+  v.evidence += ".";
+  return v;
+}
+
+}  // namespace
+
+EnergyBalance energy_balance(const Run& run) {
+  EnergyBalance balance;
+  const LogTable& log = run.log;
+  if (log.rows() == 0) return balance;
+  const auto at = [&log](const char* name, std::size_t row) {
+    return log.has(name) && std::isfinite(log.column(name)[row]) ? log.column(name)[row] : 0.0;
+  };
+  const Scene& scene = run.scene;
+  double lowest = at("potential", 0), highest = lowest;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] != 0) continue;
+    const double diameter = scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].equivalent_diameter();
+    balance.in_play += kStillFall * scene.mass(i) * length(scene.settings.gravity) * diameter;
+  }
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    const double elastic = at("elastic", i) + at("elastic_tangential", i), error = std::abs(at("energy_error", i));
+    lowest = std::min(lowest, at("potential", i));
+    highest = std::max(highest, at("potential", i));
+    balance.in_play = std::max({balance.in_play, at("kinetic_translational", i) + at("kinetic_rotational", i), elastic,
+                                std::abs(at("wall_work", i)), std::abs(at("dissipated", i)), highest - lowest});
+    balance.largest = std::max(balance.largest, error);
+    balance.lasting = std::max(balance.lasting, i + 1 == log.rows() ? error : error - kContactError * elastic);
+  }
+  return balance;
+}
+
+std::vector<Verdict> judge(const Run& run) {
+  return {judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),
+          judge_meshes(run),  judge_rest(run),   judge_imbalance(run), judge_files(run), judge_frames(run)};
+}
+
+nlohmann::json provenance_of(const Run& run) {
+  return run.outcome.contains("provenance") ? run.outcome["provenance"] : load_frame(run, 0).provenance;
+}
+
+const char* name_of(Judgement judgement) {
+  switch (judgement) {
+    case Judgement::good:
+      return "good";
+    case Judgement::doubtful:
+      return "doubtful";
+    case Judgement::bad:
+      return "bad";
+    case Judgement::information:
+      break;
+  }
+  return "for information";
+}
+
+}  // namespace scree

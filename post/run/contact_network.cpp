@@ -1,0 +1,55 @@
+#include "post/run/contact_network.hpp"
+
+#include <algorithm>
+
+namespace scree {
+
+std::int32_t BodyRows::operator()(std::int64_t id) const {
+  // ids count up from 0 unless bodies were taken out: then the row lies before the id
+  if (id < 0 || id_.empty()) return -1;
+  const auto most = std::min(id, static_cast<std::int64_t>(id_.size()) - 1);
+  if (id_[static_cast<std::size_t>(most)] == id) return static_cast<std::int32_t>(most);
+  const auto it = std::lower_bound(id_.begin(), id_.begin() + most, id);
+  return it != id_.begin() + most && *it == id ? static_cast<std::int32_t>(it - id_.begin()) : -1;
+}
+
+Periodicity periodicity_of(const Scene& scene) {
+  const Domain& domain = scene.settings.domain;
+  return domain.bounded ? Periodicity(domain.lower, domain.upper, domain.periodic) : Periodicity();
+}
+
+std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& period) {
+  const BodyRows row(frame.bodies);
+  const FrameContacts& c = frame.contacts;
+  std::vector<NetworkLine> lines;
+  for (std::size_t i = 0; i < c.size();) {
+    NetworkLine line;
+    line.body_a = c.body_a[i];
+    line.body_b = c.body_b[i];
+    line.index_a = row(line.body_a);
+    line.index_b = row(line.body_b);
+    // points are averaged about the first, on the same side of the domain
+    const Vec3 origin = line.index_a >= 0 ? frame.bodies.position[static_cast<std::size_t>(line.index_a)] : c.point[i];
+    Vec3 offset, tangential;
+    const bool with_wall = line.index_a < 0 || line.index_b < 0;
+    for (; i < c.size() && c.body_a[i] == line.body_a && c.body_b[i] == line.body_b; ++i) {
+      if (with_wall && line.points == 1) break;  // the next point of this pair is a line of its own
+      if (!(c.normal_force[i] > 0)) continue;
+      ++line.points;
+      line.normal_force += c.normal_force[i];
+      tangential += c.tangential_force[i];
+      line.force += c.normal_force[i] * c.normal[i] + c.tangential_force[i];
+      offset += c.normal_force[i] * period.nearest(c.point[i] - origin);
+    }
+    if (line.points == 0) continue;
+    line.tangential_force = length(tangential);
+    const Vec3 point = origin + (1 / line.normal_force) * offset;
+    line.from = line.index_a >= 0 ? origin : point;
+    line.to = point;
+    if (line.index_b >= 0) line.to = line.from + period.nearest(frame.bodies.position[static_cast<std::size_t>(line.index_b)] - line.from);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+}  // namespace scree

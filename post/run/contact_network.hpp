@@ -1,0 +1,41 @@
+// The contact network of a frame: one line for each pair of bodies that press on one another, and one from a body to each
+// point at which a wall presses on it (a box wall is one wall: its floor and its sides press in different places).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/periodic.hpp"
+#include "core/storage/frame_file.hpp"
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+struct NetworkLine {
+  std::int64_t body_a = 0, body_b = 0;      ///< a < b
+  std::int32_t index_a = -1, index_b = -1;  ///< rows of the frame's bodies; -1: a wall
+  Vec3 from, to;                            ///< centre of a, centre of b; of a wall the contact point [m]
+  Vec3 force;                               ///< on a, sum over the contact points [N]
+  double normal_force = 0;                  ///< sum over the contact points [N]
+  double tangential_force = 0;              ///< size of the sum of the tangential forces [N]
+  std::int32_t points = 0;                  ///< contact points that press
+};
+
+/// Lines by (a, b). Contact points with a normal force > 0 count. Where a periodic side lies between two bodies, `to` is the
+/// image next to `from`.
+/// in   frame   as read: bodies by ascending id, contacts by (a, b)
+std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& period);
+
+Periodicity periodicity_of(const Scene& scene);
+
+/// Row of a body in a frame, -1 when there is none of that id (a wall, or a body that was taken out).
+class BodyRows {
+ public:
+  explicit BodyRows(const FrameBodies& bodies) : id_(bodies.id) {}
+  std::int32_t operator()(std::int64_t id) const;
+
+ private:
+  const std::vector<std::int64_t>& id_;
+};
+
+}  // namespace scree

@@ -1,0 +1,197 @@
+#include "post/run/drawn_meshes.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+namespace scree {
+
+namespace {
+
+/// Unit sphere of 20 * 4^level triangles.
+TriangleMesh icosphere(int level) {
+  const double g = std::numbers::phi;
+  TriangleMesh mesh;
+  mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                    {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  for (int l = 0; l < level; ++l) {
+    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middle;
+    const auto between = [&](std::int32_t a, std::int32_t b) {
+      const auto [it, inserted] = middle.try_emplace({std::min(a, b), std::max(a, b)}, mesh.vertex_count());
+      if (inserted)
+        mesh.vertices.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+      return it->second;
+    };
+    std::vector<Triangle> finer;
+    for (const Triangle& t : mesh.triangles) {
+      const std::int32_t a = between(t[0], t[1]), b = between(t[1], t[2]), c = between(t[2], t[0]);
+      finer.insert(finer.end(), {Triangle{t[0], a, c}, Triangle{t[1], b, a}, Triangle{t[2], c, b}, Triangle{a, b, c}});
+    }
+    mesh.triangles = std::move(finer);
+    for (Vec3& p : mesh.vertices) p = normalised(p);
+  }
+  for (Vec3& p : mesh.vertices) p = normalised(p);
+  return mesh;
+}
+
+void any_perpendicular(const Vec3& axis, Vec3& u, Vec3& v) {
+  const Vec3 helper = std::abs(axis.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+  u = normalised(cross(helper, axis));
+  v = cross(axis, u);
+}
+
+/// Tube with lids, seen from inside.
+TriangleMesh inner_cylinder(const Vec3& start, const Vec3& end, double radius) {
+  constexpr int kSides = 64;
+  Vec3 u, v;
+  any_perpendicular(normalised(end - start), u, v);
+  TriangleMesh mesh;
+  mesh.vertices = {start, end};
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSides;
+    const Vec3 r = radius * (std::cos(angle) * u + std::sin(angle) * v);
+    mesh.vertices.push_back(start + r);
+    mesh.vertices.push_back(end + r);
+  }
+  for (int i = 0; i < kSides; ++i) {
+    const std::int32_t a = 2 + 2 * i, b = a + 1, c = 2 + 2 * ((i + 1) % kSides), d = c + 1;
+    mesh.triangles.insert(mesh.triangles.end(), {Triangle{a, b, c}, Triangle{c, b, d}, Triangle{0, a, c}, Triangle{1, d, b}});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+DrawnMesh drawn_shape(const Shape& shape) {
+  if (shape.kind != ShapeKind::sphere) return {shape.mesh, {}};
+  DrawnMesh ball{icosphere(2), {}};
+  ball.normals = ball.mesh.vertices;
+  for (Vec3& p : ball.mesh.vertices) p *= shape.sphere_radius;
+  return ball;
+}
+
+TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most) {
+  const Box3 box = bounding_box(mesh);
+  const double size = length(box.extent());
+  TriangleMesh coarse = mesh;
+  for (double cells = 24; coarse.triangles.size() > most && cells >= 1.5; cells *= 0.8) {
+    std::map<std::array<int, 3>, std::int32_t> found;
+    std::vector<std::int32_t> merged;
+    std::vector<double> count;
+    coarse = {};
+    for (const Vec3& v : mesh.vertices) {
+      const Vec3 place = (cells / size) * (v - box.lower);
+      const auto [it, is_new] =
+          found.try_emplace({static_cast<int>(place.x), static_cast<int>(place.y), static_cast<int>(place.z)}, coarse.vertex_count());
+      if (is_new) {
+        coarse.vertices.push_back({});
+        count.push_back(0);
+      }
+      const auto k = static_cast<std::size_t>(it->second);
+      coarse.vertices[k] += v;
+      count[k] += 1;
+      merged.push_back(it->second);
+    }
+    for (std::size_t k = 0; k < count.size(); ++k) coarse.vertices[k] *= 1 / count[k];
+    for (const Triangle& t : mesh.triangles) {
+      const Triangle m{merged[static_cast<std::size_t>(t[0])], merged[static_cast<std::size_t>(t[1])],
+                       merged[static_cast<std::size_t>(t[2])]};
+      if (m[0] != m[1] && m[1] != m[2] && m[2] != m[0]) coarse.triangles.push_back(m);
+    }
+  }
+  return coarse;
+}
+
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room) {
+  const Vec3 extent = room.extent();
+  const double size = std::max({extent.x, extent.y, extent.z});
+  switch (wall.kind) {
+    case WallKind::plane: {
+      Vec3 u, v;
+      any_perpendicular(wall.normal, u, v);
+      const Vec3 middle = room.centre() - dot(room.centre() - wall.point, wall.normal) * wall.normal;
+      TriangleMesh square;
+      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+        square.vertices.push_back(middle + 0.75 * size * (a * u + b * v));
+      square.triangles = {{0, 1, 2}, {0, 2, 3}};
+      return square;
+    }
+    case WallKind::box_inside: {
+      // a side that is far from the room is drawn nearer
+      const double reach = 0.3 * size;
+      const Vec3 far{reach, reach, reach};
+      const Vec3 lower = component_max(wall.lower, room.lower - far), upper = component_min(wall.upper, room.upper + far);
+      TriangleMesh box = box_mesh(upper - lower);
+      for (Vec3& p : box.vertices) p += 0.5 * (lower + upper);
+      for (Triangle& t : box.triangles) std::swap(t[1], t[2]);
+      return box;
+    }
+    case WallKind::cylinder_inside:
+      return inner_cylinder(wall.axis_start, wall.axis_end, wall.radius);
+    case WallKind::sphere_inside: {
+      TriangleMesh ball = icosphere(3);
+      for (Vec3& p : ball.vertices) p = wall.point + wall.radius * p;
+      for (Triangle& t : ball.triangles) std::swap(t[1], t[2]);
+      return ball;
+    }
+    case WallKind::mesh:
+      break;
+  }
+  TriangleMesh mesh = scene.shapes.at(static_cast<std::size_t>(wall.shape)).mesh;
+  for (Vec3& p : mesh.vertices) p *= wall.scale;
+  return mesh;
+}
+
+Box3 room_of(const FrameBodies& bodies, const Scene& scene) {
+  std::vector<double> radius;
+  for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
+  Box3 room;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const double r = bodies.scale[i] * radius[static_cast<std::size_t>(bodies.shape[i])];
+    room.add(bodies.position[i] - Vec3{r, r, r});
+    room.add(bodies.position[i] + Vec3{r, r, r});
+  }
+  if (room.is_empty()) {
+    room.add(Vec3{-1, -1, -1});
+    room.add(Vec3{1, 1, 1});
+  }
+  return room;
+}
+
+std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene) {
+  std::map<std::int64_t, WallPlace> found;
+  for (std::size_t i = 0; i < frame.walls.id.size(); ++i) found[frame.walls.id[i]] = {frame.walls.position[i], frame.walls.orientation[i]};
+  std::vector<WallPlace> places;
+  for (const Wall& wall : scene.walls) {
+    const auto it = found.find(wall.id);
+    places.push_back(it != found.end() ? it->second : WallPlace{wall.position, wall.orientation});
+  }
+  return places;
+}
+
+View view_of(const Box3& room, const Vec3& gravity) {
+  View view;
+  view.centre = room.centre();
+  view.radius = 0.5 * length(room.extent());
+  view.up = squared_length(gravity) > 0 ? normalised(-gravity) : Vec3{0, 0, 1};
+  Vec3 u, v;
+  any_perpendicular(view.up, u, v);
+  view.from = normalised(u + 0.45 * v + 0.5 * view.up);
+  return view;
+}
+
+Vec3 shape_colour(std::int32_t shape) {
+  static constexpr std::array<Vec3, kShapeColours> kStone{{{0.84, 0.70, 0.50},
+                                                           {0.44, 0.55, 0.66},
+                                                           {0.72, 0.42, 0.30},
+                                                           {0.86, 0.85, 0.81},
+                                                           {0.36, 0.36, 0.40},
+                                                           {0.58, 0.63, 0.42},
+                                                           {0.62, 0.52, 0.62},
+                                                           {0.95, 0.80, 0.36}}};
+  return kStone[static_cast<std::size_t>(shape) % kStone.size()];
+}
+
+}  // namespace scree

@@ -1,0 +1,47 @@
+// The triangles that stand for shapes and walls in pictures: meshes as they are, analytic things tessellated.
+#pragma once
+
+#include <vector>
+
+#include "core/picture/view.hpp"
+#include "core/storage/frame_file.hpp"
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+/// A surface to draw. Normals are given where the true surface is curved (spheres), else empty: flat triangles.
+struct DrawnMesh {
+  TriangleMesh mesh;
+  std::vector<Vec3> normals;
+};
+
+/// A shape at scale 1 in its own axes. A ball becomes 320 triangles inscribed in it.
+DrawnMesh drawn_shape(const Shape& shape);
+
+/// A mesh of at most about `most` triangles: vertices within a cell of a grid become one, and triangles that collapse go.
+/// For pictures of very many bodies, each a few pixels large; thin parts may vanish.   Cost: O(triangles), some passes.
+TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most);
+
+/// A wall in its own frame: world = position + rotate(orientation, point), as in a frame's wall state.
+///
+/// How: a plane is drawn as a square, and a box, which may reach far above the pile, is cut, so that walls
+/// reach `room` and not much further. Drawn only: the solver's walls are what the case says.
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room);
+
+/// Box that holds the bounding spheres of all bodies.
+Box3 room_of(const FrameBodies& bodies, const Scene& scene);
+
+/// World position and orientation of each wall of the scene in a frame; where the frame has none, the scene's.
+struct WallPlace {
+  Vec3 position;
+  Quat orientation;
+};
+std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene);
+
+View view_of(const Box3& room, const Vec3& gravity);
+
+/// Colour of a shape, red green blue in 0..1: tones of stone that also differ in brightness.
+Vec3 shape_colour(std::int32_t shape);
+inline constexpr std::int32_t kShapeColours = 8;  ///< then they begin again
+
+}  // namespace scree

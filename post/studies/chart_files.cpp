@@ -1,0 +1,65 @@
+#include "post/studies/chart_files.hpp"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/base/error.hpp"
+#include "core/storage/h5.hpp"
+#include "post/run/output_file.hpp"
+
+extern char** environ;
+
+namespace scree {
+
+namespace {
+
+const char* const kConverter = "rsvg-convert";
+
+bool on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string rest = path != nullptr ? path : "";
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(':');
+    if (access((rest.substr(0, end) + "/" + program).c_str(), X_OK) == 0) return true;
+    rest = end == std::string::npos ? "" : rest.substr(end + 1);
+  }
+  return false;
+}
+
+int run_program(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& w : words) arguments.push_back(w.data());
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  if (posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return -1;
+  int status = 0;
+  if (waitpid(process, &status, 0) != process) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+std::string png_obstacle() {
+  return on_path(kConverter)
+             ? ""
+             : fmt::format("charts are written as SVG only: {} is not installed (Debian: apt-get install librsvg2-bin)", kConverter);
+}
+
+std::vector<std::string> write_chart(const std::string& folder, const std::string& name, const LineChart& chart) {
+  const std::string svg = folder + "/" + name + ".svg", png = folder + "/" + name + ".png";
+  h5::write_text_file(svg, standalone_svg(chart));
+  if (!png_obstacle().empty()) return {name + ".svg"};
+  const std::string temporary = h5::temporary_name(png);
+  if (run_program({kConverter, "--zoom=2", "--format=png", "--output=" + temporary, svg}) != 0) {
+    std::remove(temporary.c_str());
+    throw SystemError("{} could not turn {} into {}; is the disk full?", kConverter, svg, png);
+  }
+  h5::publish_file(temporary, png);
+  return {name + ".svg", name + ".png"};
+}
+
+}  // namespace scree

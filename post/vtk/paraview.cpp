@@ -1,0 +1,74 @@
+#include "post/vtk/paraview.hpp"
+
+#include <filesystem>
+
+#include "core/base/error.hpp"
+#include "core/storage/h5.hpp"
+#include "post/run/drawn_meshes.hpp"
+#include "post/run/output_file.hpp"
+#include "post/vtk/vtk_files.hpp"
+
+namespace scree {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool any_wall_moves(const Scene& scene) {
+  for (const Wall& wall : scene.walls) {
+    if (wall.motion.kind != WallMotion::Kind::none) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& options) {
+  ParaviewResult result;
+  result.folder = options.folder.empty() ? (fs::path(run.folder) / "paraview").string() : options.folder;
+  make_folder(result.folder);
+  const fs::path folder(result.folder);
+
+  // shapes, and walls that stand still
+  std::vector<DrawnMesh> shapes;
+  for (const Shape& shape : run.scene.shapes) {
+    shapes.push_back(drawn_shape(shape));
+    write_mesh_vtp((folder / fmt::format("shape_{}.vtp", shapes.size() - 1)).string(), shapes.back());
+  }
+  for (const std::int32_t shape : run.scene.bodies.shape) {
+    result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
+  }
+  const bool moving = any_wall_moves(run.scene);
+  if (!run.scene.walls.empty() && !moving) {
+    const Frame first = load_frame(run, 0);
+    const Box3 room = room_of(first.bodies, run.scene);
+    std::vector<TriangleMesh> walls;
+    for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
+    write_walls_vtp((folder / "walls.vtp").string(), run.scene, walls, wall_places(first, run.scene));
+  }
+
+  // frames
+  VtkOptions files;
+  files.folder = result.folder;
+  files.pool = options.pool;
+  files.frames = choose_frames(run, "all");
+  if (run.scene.settings.output_contacts) files.kinds.emplace_back("network");
+  if (moving) files.kinds.emplace_back("walls");
+  if (options.surfaces == "all") files.kinds.emplace_back("surfaces");
+  if (!files.kinds.empty()) {
+    const VtkResult written = write_vtk_files(run, files);
+    result.skipped = written.skipped;
+    if (options.surfaces == "all") result.surface_frames = written.frames;
+  }
+  if (options.surfaces == "last") {
+    files.frames = choose_frames(run, "last");
+    files.kinds = {"surfaces"};
+    result.surface_frames = write_vtk_files(run, files).frames;
+  }
+  const std::string here = fs::absolute(folder).lexically_normal().string();
+  const std::string back = fs::relative(fs::absolute(run.folder), fs::absolute(folder)).string();
+  h5::write_text_file((folder / "open_in_paraview.py").string(), paraview_script(run, back, here));
+  return result;
+}
+
+}  // namespace scree

@@ -1,0 +1,32 @@
+// What ParaView opens: a script that shows true shapes as glyphs, walls and the contact network, and expanded surfaces.
+#pragma once
+
+#include <string>
+
+#include "post/vtk/vtk_export.hpp"
+
+namespace scree {
+
+struct ParaviewOptions {
+  std::string folder;            ///< empty: RUN/paraview
+  std::string surfaces = "all";  ///< all | last | none: frames for which every body's triangles are written
+  FramePool pool{};
+};
+
+struct ParaviewResult {
+  std::string folder;
+  std::size_t surface_frames = 0;
+  double triangles_per_frame = 0;
+  std::vector<std::string> skipped;  ///< see FramePoolResult
+};
+
+/// Writes open_in_paraview.py, shape_K.vtp (K as in the frames' array `shape`), and of write_vtk_files: surfaces as asked
+/// for, the contact network when the frames have contacts, and the walls: of all frames when one moves, else once, as
+/// walls.vtp.
+/// Fails: InputError, SystemError, UsageError.   Cost: one frame and its triangles in memory per process.
+ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& options);
+
+/// The script's text; `run_from_script` is the run folder relative to the script's own folder.
+std::string paraview_script(const Run& run, const std::string& run_from_script, const std::string& script_folder);
+
+}  // namespace scree

@@ -1,0 +1,255 @@
+// The text of open_in_paraview.py. It needs nothing but ParaView 5.11 or newer.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/base/utf8.hpp"
+#include "post/run/drawn_meshes.hpp"
+#include "post/vtk/paraview.hpp"
+
+namespace scree {
+
+namespace {
+
+/// A text as a Python literal (JSON strings are Python strings).
+std::string quoted(const std::string& text) { return nlohmann::json(printable(text)).dump(); }
+
+constexpr const char* kBody = R"PY(
+
+def own_folder():
+    """The folder of this script: `paraview --script` does not always say where it found it."""
+    candidates = []
+    if "__file__" in globals():
+        candidates.append(os.path.dirname(os.path.abspath(__file__)))
+    for word in getattr(sys, "argv", []):
+        if word.startswith("--script="):
+            word = word[len("--script="):]
+        if word.endswith(".py"):
+            candidates.append(os.path.dirname(os.path.abspath(word)))
+    candidates += [os.getcwd(), FOLDER_WHEN_WRITTEN]
+    for folder in candidates:
+        if os.path.exists(os.path.join(folder, "shape_0.vtp")) and os.path.exists(os.path.join(folder, "open_in_paraview.py")):
+            return folder
+    raise SystemExit("open_in_paraview.py: cannot find shape_0.vtp; start ParaView in the folder of this script")
+
+
+def colour_by(display, what, association):
+    """Shapes, materials and ranks are names; speed is a scale that the colour-blind can read and that prints in grey."""
+    if what == "velocity":
+        ColorBy(display, (association, "velocity", "Magnitude"))
+        table = GetColorTransferFunction("velocity")
+        table.ApplyPreset("Viridis (matplotlib)", True)
+        display.RescaleTransferFunctionToDataRange(True, False)
+        return table, "speed [m/s]"
+    ColorBy(display, (association, what))
+    table = GetColorTransferFunction(what)
+    table.InterpretValuesAsCategories = 1
+    names = {"shape": SHAPES, "material": MATERIALS}.get(what) or ["rank %d" % k for k in range(RANKS)]
+    colours = [COLOURS[k % len(COLOURS)] for k in range(len(names))]
+    table.Annotations = [text for k, name in enumerate(names) for text in (str(k), name)]
+    table.IndexedColors = [c for colour in colours for c in colour]
+    return table, what
+
+
+def show_glyphs(here, view):
+    """Every body as its true shape: one copy of each mesh, drawn once per body by the graphics card."""
+    reader = OpenDataFile(os.path.join(here, RUN, "frames.hdf.series"))
+    RenameSource("bodies", reader)
+    meshes = []
+    for k, name in enumerate(SHAPES):
+        mesh = XMLPolyDataReader(FileName=[os.path.join(here, "shape_%d.vtp" % k)])
+        RenameSource("shape %d: %s" % (k, name), mesh)
+        meshes.append(mesh)
+    table = GroupDatasets(Input=meshes)
+    RenameSource("shapes", table)
+    for source in meshes + [table]:
+        Hide(source, view)
+    display = Show(reader, view)
+    display.Representation = "3D Glyphs"
+    display.GlyphType = "Pipeline Connection"
+    display.GlyphType.Input = table
+    display.Orient = 1
+    display.OrientationMode = "Quaternion"
+    display.SelectOrientationVectors = "quat"
+    display.Scaling = 1
+    display.ScaleMode = "Magnitude"
+    display.SelectScaleArray = "scale"
+    display.ScaleFactor = 1.0
+    display.UseGlyphTable = 1
+    display.UseCompositeGlyphTable = 1
+    display.GlyphTableIndexArray = "shape"
+    return reader, display, "POINTS"
+
+
+def show_surfaces(here, view):
+    """Every body as its own triangles, from frame_*.vtp: larger files, but any filter works on them."""
+    reader = OpenDataFile(os.path.join(here, NAME + ".pvd"))
+    RenameSource("surfaces", reader)
+    display = Show(reader, view)
+    display.Representation = "Surface"
+    return reader, display, "CELLS"
+
+
+def show_walls(here, view):
+    path = os.path.join(here, "walls.pvd")
+    if not os.path.exists(path):
+        path = os.path.join(here, "walls.vtp")
+    if not os.path.exists(path):
+        return None
+    walls = OpenDataFile(path)
+    RenameSource("walls", walls)
+    display = Show(walls, view)
+    display.Representation = "Surface"
+    edges = FeatureEdges(Input=walls)
+    RenameSource("wall edges", edges)
+    lines = Show(edges, view)
+    for item, opacity in ((display, 0.10), (lines, 1.0)):
+        item.ColorArrayName = [None, ""]
+        item.AmbientColor = item.DiffuseColor = [0.45, 0.52, 0.60]
+        item.Opacity = opacity
+    return walls
+
+
+def show_network(here, view):
+    """Contacts as tubes from centre to centre; radius and colour by normal force."""
+    network = OpenDataFile(os.path.join(here, "network.pvd"))
+    RenameSource("contact network", network)
+    Hide(network, view)
+    tubes = Tube(Input=network)
+    RenameSource("contact forces", tubes)
+    tubes.Scalars = ["POINTS", "normal_force"]
+    tubes.VaryRadius = "By Scalar"
+    tubes.Radius = 0.02 * SIZE  # of the weakest contact
+    tubes.RadiusFactor = 8.0    # the strongest is that much thicker
+    tubes.NumberofSides = 8
+    display = Show(tubes, view)
+    return network, tubes, display
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="open_in_paraview.py", description="Shows a Scree run with true particle shapes.")
+    parser.add_argument("--picture", help="save a PNG and leave")
+    parser.add_argument("--frame", type=int, default=-1, help="which frame to show, from 0; -1 is the last")
+    parser.add_argument("--surfaces", action="store_true", help="show the expanded surfaces instead of glyphs")
+    parser.add_argument("--colour", choices=["shape", "velocity", "rank", "material"], default="shape", help="of the bodies (default shape)")
+    parser.add_argument("--network", action="store_true", help="show the contact network as tubes, and the bodies as ghosts")
+    parser.add_argument("--plain", action="store_true", help="bodies only: no walls, no time, no legend")
+    parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("W", "H"))
+    options = parser.parse_known_args(getattr(sys, "argv", [])[1:])[0]
+
+    here = own_folder()
+    if options.network and not os.path.exists(os.path.join(here, "network.pvd")):  # before there is a view: ParaView does not survive an exit with one
+        raise SystemExit("open_in_paraview.py: no network.pvd beside it; the run kept no contacts (contacts = true in [output] of the case)")
+    paraview.simple._DisableFirstRenderCameraReset()
+    view = GetActiveViewOrCreate("RenderView")
+    view.UseColorPaletteForBackground = 0
+    view.Background = [1.0, 1.0, 1.0]
+    view.OrientationAxesVisibility = 0 if options.plain else 1
+    if options.picture:
+        view.ViewSize = options.size
+    reader, display, association = (show_surfaces if options.surfaces else show_glyphs)(here, view)
+
+    scene = GetAnimationScene()
+    scene.UpdateAnimationUsingDataTimeSteps()
+    times = list(getattr(reader, "TimestepValues", []) or [0.0])
+    scene.AnimationTime = times[options.frame if -len(times) <= options.frame < len(times) else -1]
+
+    Render(view)  # data ranges are known from here on
+    legend = None
+    if options.network:
+        network, tubes, tube_display = show_network(here, view)
+        network.UpdatePipeline(scene.AnimationTime)
+        if network.GetDataInformation().GetNumberOfCells() == 0:
+            Hide(tubes, view)  # nothing touches in this frame
+        else:
+            tubes.UpdatePipeline(scene.AnimationTime)
+            ColorBy(tube_display, ("POINTS", "normal_force"))
+            legend = GetColorTransferFunction("normal_force"), "normal force [N]", tube_display
+            legend[0].ApplyPreset("Viridis (matplotlib)", True)
+            tube_display.RescaleTransferFunctionToDataRange(True, False)
+        display.ColorArrayName = [None, ""]
+        display.AmbientColor = display.DiffuseColor = [0.60, 0.62, 0.65]
+        display.Opacity = 0.12
+    else:
+        table, title = colour_by(display, options.colour, association)
+        if len(SHAPES) > 1 or options.colour != "shape":
+            legend = table, title, display
+
+    if not options.plain:
+        show_walls(here, view)
+        annotation = AnnotateTimeFilter(Input=reader)
+        annotation.Format = "t = {time:.4f} s"
+        label = Show(annotation, view)
+        label.WindowLocation = "Upper Left Corner"
+        label.Color = [0.1, 0.1, 0.1]
+        label.FontSize = 22
+        if legend:
+            legend[2].SetScalarBarVisibility(view, True)
+            bar = GetScalarBar(legend[0], view)
+            bar.Title = legend[1]
+            bar.ComponentTitle = ""
+            bar.WindowLocation = "Lower Right Corner"
+            bar.ScalarBarLength = 0.3
+            bar.TitleColor = [0.1, 0.1, 0.1]
+            bar.LabelColor = [0.1, 0.1, 0.1]
+    view.CameraFocalPoint = CENTRE
+    view.CameraPosition = [c + 3.4 * RADIUS * d for c, d in zip(CENTRE, FROM)]
+    view.CameraViewUp = UP
+    view.CameraViewAngle = 30.0
+    view.CenterOfRotation = CENTRE
+    Render(view)
+    if options.picture:
+        SaveScreenshot(options.picture, view, ImageResolution=options.size)
+
+
+main()
+)PY";
+
+}  // namespace
+
+std::string paraview_script(const Run& run, const std::string& run_from_script, const std::string& script_folder) {
+  const auto list = [](const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); };
+  std::string shapes, materials, colours;
+  for (std::size_t k = 0; k < run.scene.shapes.size(); ++k) {
+    const char* const comma = k > 0 ? ", " : "";
+    shapes += fmt::format("{}{}", comma, quoted(run.scene.shapes[k].name));
+  }
+  for (std::size_t k = 0; k < run.scene.materials.size(); ++k) materials += (k > 0 ? ", " : "") + quoted(run.scene.materials[k].name);
+  for (std::int32_t k = 0; k < kShapeColours; ++k) colours += (k > 0 ? ", " : "") + list(shape_colour(k));
+  double size = 0;
+  for (std::size_t i = 0; i < run.scene.bodies.size(); ++i) {
+    const Shape& shape = run.scene.shapes[static_cast<std::size_t>(run.scene.bodies.shape[i])];
+    size += run.scene.bodies.scale[i] * shape.equivalent_diameter() / static_cast<double>(run.scene.bodies.size());
+  }
+  // Everything that is drawn at the first and at the last frame is in view.
+  const Frame last = load_frame(run, run.frames.size() - 1);
+  Box3 room = room_of(load_frame(run, 0).bodies, run.scene);
+  room.add(room_of(last.bodies, run.scene));
+  std::int32_t rank_count = 1;
+  for (const std::int32_t rank : last.bodies.rank) rank_count = std::max(rank_count, rank + 1);
+  const Vec3 gravity = run.scene.settings.gravity;
+  const View view = view_of(room, gravity);
+
+  std::string text =
+      "# Opens this run in ParaView 5.11 or newer with every body in its true shape. Written by scree-post.\n"
+      "#\n"
+      "#   paraview --script=open_in_paraview.py                          look at it\n"
+      "#   pvbatch open_in_paraview.py --picture rocks.png --frame 10     a picture, without a window\n"
+      "#   ... --colour velocity | rank | material                        other colours; --network: contact forces as tubes\n"
+      "#\n"
+      "# More frames may be added to the run later: they are found through its frames.hdf.series.\n"
+      "import argparse\nimport os\nimport sys\n\nimport paraview.simple\nfrom paraview.simple import *\n\n";
+  text += fmt::format("NAME = {}\n", quoted(run.name));
+  text += fmt::format("RUN = {}  # the run folder, seen from the folder of this script\n", quoted(run_from_script));
+  text += fmt::format("FOLDER_WHEN_WRITTEN = {}  # used only when nothing else tells where the script is\n", quoted(script_folder));
+  text += fmt::format("SHAPES = [{}]\n", shapes);
+  text += fmt::format("MATERIALS = [{}]\n", materials);
+  text += fmt::format("RANKS = {}\n", rank_count);
+  text += fmt::format("COLOURS = [{}]\n", colours);
+  text += fmt::format("SIZE = {}  # mean equivalent diameter [m]\n", size);
+  text += fmt::format("CENTRE, RADIUS = {}, {}  # of what is drawn [m]\n", list(view.centre), view.radius);
+  text += fmt::format("FROM, UP = {}, {}  # direction to the camera; against gravity\n", list(view.from), list(view.up));
+  return text + kBody;
+}
+
+}  // namespace scree

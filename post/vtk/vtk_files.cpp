@@ -1,0 +1,255 @@
+#include "post/vtk/vtk_files.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkFloatArray.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkTypeInt64Array.h>
+#include <vtkXMLPolyDataWriter.h>
+
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+
+#include "core/base/error.hpp"
+#include "core/storage/h5.hpp"
+#include "post/run/contact_network.hpp"
+#include "post/vtk/vtk_mesh.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Points and triangles, with room for all of them taken at once.
+class Gathered {
+ public:
+  Gathered(std::size_t points, std::size_t triangles) {
+    points_->SetDataTypeToFloat();
+    points_->SetNumberOfPoints(static_cast<vtkIdType>(points));
+    point_ = static_cast<float*>(points_->GetVoidPointer(0));
+    offsets_->SetNumberOfValues(static_cast<vtkIdType>(triangles) + 1);
+    corners_->SetNumberOfValues(3 * static_cast<vtkIdType>(triangles));
+    for (std::size_t t = 0; t <= triangles; ++t) offsets_->SetValue(static_cast<vtkIdType>(t), static_cast<int>(3 * t));
+    corner_ = corners_->GetPointer(0);
+  }
+  void add(const TriangleMesh& mesh, double scale, const Vec3& position, const Quat& orientation) {
+    const Mat3 turn = matrix_of(orientation);
+    for (const Vec3& v : mesh.vertices) {
+      const Vec3 p = position + turn * (scale * v);
+      for (int k = 0; k < 3; ++k) *point_++ = static_cast<float>(p[k]);
+    }
+    for (const Triangle& t : mesh.triangles) {
+      for (const std::int32_t v : t) *corner_++ = first_ + v;
+    }
+    first_ += mesh.vertex_count();
+  }
+  vtkSmartPointer<vtkPolyData> poly_data() const {
+    vtkNew<vtkCellArray> triangles;
+    triangles->SetData(offsets_, corners_);
+    auto data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(points_);
+    data->SetPolys(triangles);
+    return data;
+  }
+
+ private:
+  vtkNew<vtkPoints> points_;
+  vtkNew<vtkTypeInt32Array> offsets_, corners_;
+  float* point_ = nullptr;
+  int* corner_ = nullptr;
+  std::int32_t first_ = 0;
+};
+
+/// An array of `size` rows, filled by value(row, component).
+template <class Array, class Value>
+vtkSmartPointer<Array> array_of(const char* name, std::size_t size, int components, const Value& value) {
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(size));
+  auto* at = array->GetPointer(0);
+  using Element = std::remove_reference_t<decltype(*at)>;
+  for (std::size_t i = 0; i < size; ++i) {
+    for (int c = 0; c < components; ++c) *at++ = static_cast<Element>(value(i, c));
+  }
+  return array;
+}
+
+/// What every body has, as arrays with one row per index in `body`.
+void add_body_arrays(vtkDataSetAttributes* to, const FrameBodies& b, const std::vector<std::int32_t>& body) {
+  const std::size_t n = body.size();
+  const auto of = [&body](std::size_t i) { return static_cast<std::size_t>(body[i]); };
+  to->AddArray(array_of<vtkTypeInt64Array>("id", n, 1, [&](std::size_t i, int) { return b.id[of(i)]; }));
+  to->AddArray(array_of<vtkIntArray>("shape", n, 1, [&](std::size_t i, int) { return b.shape[of(i)]; }));
+  to->AddArray(array_of<vtkIntArray>("material", n, 1, [&](std::size_t i, int) { return b.material[of(i)]; }));
+  to->AddArray(array_of<vtkIntArray>("rank", n, 1, [&](std::size_t i, int) { return b.rank[of(i)]; }));
+  to->AddArray(array_of<vtkFloatArray>("velocity", n, 3, [&](std::size_t i, int c) { return b.velocity[of(i)][c]; }));
+  to->AddArray(array_of<vtkFloatArray>("speed", n, 1, [&](std::size_t i, int) { return length(b.velocity[of(i)]); }));
+}
+
+/// Points with one vertex cell each.
+vtkSmartPointer<vtkPolyData> points_of(const std::vector<Vec3>& positions) {
+  vtkNew<vtkPoints> points;
+  points->SetData(array_of<vtkFloatArray>("Points", positions.size(), 3, [&](std::size_t i, int c) { return positions[i][c]; }));
+  vtkNew<vtkCellArray> vertices;
+  vertices->SetData(array_of<vtkTypeInt32Array>("offsets", positions.size() + 1, 1, [](std::size_t i, int) { return i; }),
+                    array_of<vtkTypeInt32Array>("connectivity", positions.size(), 1, [](std::size_t i, int) { return i; }));
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetVerts(vertices);
+  return data;
+}
+
+void write(const std::string& path, vtkPolyData* data) {
+  const std::string temporary = h5::temporary_name(path);
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetFileName(temporary.c_str());
+  writer->SetInputData(data);
+  writer->SetDataModeToAppended();
+  writer->EncodeAppendedDataOff();
+  writer->SetCompressorTypeToZLib();
+  writer->SetCompressionLevel(1);
+  writer->SetIdTypeToInt32();
+  if (writer->Write() != 1 || writer->GetErrorCode() != 0) {
+    std::remove(temporary.c_str());
+    throw SystemError("cannot write {}; is the disk full, or the folder not writable?", path);
+  }
+  h5::publish_file(temporary, path);
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkPolyData> vtk_mesh(const DrawnMesh& drawn) {
+  Gathered all(drawn.mesh.vertices.size(), drawn.mesh.triangles.size());
+  all.add(drawn.mesh, 1, {}, {});
+  auto data = all.poly_data();
+  if (!drawn.normals.empty()) {
+    data->GetPointData()->SetNormals(
+        array_of<vtkFloatArray>("Normals", drawn.normals.size(), 3, [&](std::size_t i, int c) { return drawn.normals[i][c]; }));
+  }
+  return data;
+}
+
+vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<TriangleMesh>& walls, const std::vector<WallPlace>& places) {
+  std::size_t points = 0, triangles = 0;
+  for (const TriangleMesh& wall : walls) {
+    points += wall.vertices.size();
+    triangles += wall.triangles.size();
+  }
+  Gathered all(points, triangles);
+  std::vector<std::int64_t> id;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    all.add(walls[w], 1, places[w].position, places[w].orientation);
+    id.insert(id.end(), walls[w].triangles.size(), scene.walls[w].id);
+  }
+  auto data = all.poly_data();
+  data->GetCellData()->AddArray(array_of<vtkTypeInt64Array>("wall", id.size(), 1, [&](std::size_t i, int) { return id[i]; }));
+  return data;
+}
+
+void write_mesh_vtp(const std::string& path, const DrawnMesh& mesh) { write(path, vtk_mesh(mesh)); }
+
+void write_walls_vtp(const std::string& path, const Scene& scene, const std::vector<TriangleMesh>& walls,
+                     const std::vector<WallPlace>& places) {
+  write(path, vtk_walls(scene, walls, places));
+}
+
+void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, const std::vector<DrawnMesh>& shapes) {
+  const auto shape_of = [&](std::size_t i) -> const DrawnMesh& { return shapes[static_cast<std::size_t>(bodies.shape[i])]; };
+  std::size_t points = 0, triangles = 0;
+  bool curved = true;  // point normals belong to curved surfaces only, so a scene of balls has them and one with rocks has none
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    points += shape_of(i).mesh.vertices.size();
+    triangles += shape_of(i).mesh.triangles.size();
+    curved = curved && !shape_of(i).normals.empty();
+  }
+  // offsets into the file are int32
+  if (3 * triangles > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw UsageError(
+        "{}: {} triangles in one frame are too many for one file; choose fewer bodies (--region, --ids) or write bodies instead of "
+        "surfaces",
+        path, triangles);
+  }
+  Gathered all(points, triangles);
+  std::vector<std::int32_t> body;
+  std::vector<Vec3> normals;
+  body.reserve(triangles);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const DrawnMesh& drawn = shape_of(i);
+    all.add(drawn.mesh, bodies.scale[i], bodies.position[i], bodies.orientation[i]);
+    body.insert(body.end(), drawn.mesh.triangles.size(), static_cast<std::int32_t>(i));
+    if (!curved) continue;
+    for (const Vec3& n : drawn.normals) normals.push_back(rotate(bodies.orientation[i], n));
+  }
+  const auto data = all.poly_data();
+  add_body_arrays(data->GetCellData(), bodies, body);
+  if (curved)
+    data->GetPointData()->SetNormals(
+        array_of<vtkFloatArray>("Normals", normals.size(), 3, [&](std::size_t i, int c) { return normals[i][c]; }));
+  write(path, data);
+}
+
+void write_bodies_vtp(const std::string& path, const FrameBodies& b) {
+  const auto data = points_of(b.position);
+  std::vector<std::int32_t> all(b.size());
+  std::iota(all.begin(), all.end(), 0);
+  vtkPointData* arrays = data->GetPointData();
+  add_body_arrays(arrays, b, all);
+  arrays->AddArray(array_of<vtkFloatArray>("scale", b.size(), 1, [&](std::size_t i, int) { return b.scale[i]; }));
+  arrays->AddArray(array_of<vtkFloatArray>("quat", b.size(), 4, [&](std::size_t i, int c) {
+    const Quat& q = b.orientation[i];
+    return c == 0 ? q.w : (c == 1 ? q.x : (c == 2 ? q.y : q.z));
+  }));
+  arrays->AddArray(
+      array_of<vtkFloatArray>("angular_velocity", b.size(), 3, [&](std::size_t i, int c) { return b.angular_velocity[i][c]; }));
+  write(path, data);
+}
+
+void write_contacts_vtp(const std::string& path, const FrameContacts& c) {
+  const std::size_t n = c.size();
+  const auto data = points_of(c.point);
+  vtkPointData* arrays = data->GetPointData();
+  arrays->AddArray(array_of<vtkTypeInt64Array>("body_a", n, 1, [&](std::size_t i, int) { return c.body_a[i]; }));
+  arrays->AddArray(array_of<vtkTypeInt64Array>("body_b", n, 1, [&](std::size_t i, int) { return c.body_b[i]; }));
+  arrays->AddArray(array_of<vtkFloatArray>("normal", n, 3, [&](std::size_t i, int k) { return c.normal[i][k]; }));
+  arrays->AddArray(array_of<vtkFloatArray>("depth", n, 1, [&](std::size_t i, int) { return c.depth[i]; }));
+  arrays->AddArray(array_of<vtkFloatArray>("normal_force", n, 1, [&](std::size_t i, int) { return c.normal_force[i]; }));
+  arrays->AddArray(array_of<vtkFloatArray>("tangential_force", n, 3, [&](std::size_t i, int k) { return c.tangential_force[i][k]; }));
+  arrays->AddArray(array_of<vtkFloatArray>(
+      "force", n, 3, [&](std::size_t i, int k) { return c.normal_force[i] * c.normal[i][k] + c.tangential_force[i][k]; }));
+  write(path, data);
+}
+
+void write_network_vtp(const std::string& path, const Frame& frame, const Periodicity& period) {
+  const std::vector<NetworkLine> lines = network_of(frame, period);
+  std::vector<Vec3> ends;
+  for (const NetworkLine& line : lines) {
+    ends.push_back(line.from);
+    ends.push_back(line.to);
+  }
+  vtkNew<vtkPoints> points;
+  points->SetData(array_of<vtkFloatArray>("Points", ends.size(), 3, [&](std::size_t i, int c) { return ends[i][c]; }));
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(array_of<vtkTypeInt32Array>("offsets", lines.size() + 1, 1, [](std::size_t i, int) { return 2 * i; }),
+                 array_of<vtkTypeInt32Array>("connectivity", ends.size(), 1, [](std::size_t i, int) { return i; }));
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetLines(cells);
+  vtkPointData* arrays = data->GetPointData();
+  const std::size_t n = ends.size();
+  arrays->AddArray(array_of<vtkFloatArray>("normal_force", n, 1, [&](std::size_t i, int) { return lines[i / 2].normal_force; }));
+  arrays->AddArray(array_of<vtkFloatArray>("tangential_force", n, 1, [&](std::size_t i, int) { return lines[i / 2].tangential_force; }));
+  arrays->AddArray(array_of<vtkFloatArray>("force", n, 3, [&](std::size_t i, int c) { return lines[i / 2].force[c]; }));
+  arrays->AddArray(array_of<vtkIntArray>("contact_points", n, 1, [&](std::size_t i, int) { return lines[i / 2].points; }));
+  arrays->AddArray(array_of<vtkTypeInt64Array>("body_a", n, 1, [&](std::size_t i, int) { return lines[i / 2].body_a; }));
+  arrays->AddArray(array_of<vtkTypeInt64Array>("body_b", n, 1, [&](std::size_t i, int) { return lines[i / 2].body_b; }));
+  write(path, data);
+}
+
+}  // namespace scree

@@ -1,0 +1,15 @@
+// Our meshes as VTK's: for files and for pictures.
+#pragma once
+
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include "post/run/drawn_meshes.hpp"
+
+namespace scree {
+
+vtkSmartPointer<vtkPolyData> vtk_mesh(const DrawnMesh& mesh);
+/// All walls placed in the world; cell data "wall" is the wall's id.
+vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<TriangleMesh>& walls, const std::vector<WallPlace>& places);
+
+}  // namespace scree

@@ -1,0 +1,96 @@
+#include "solver/bodies/particle_set.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Applies one action to every column, so that no function forgets one.
+template <class Set, class Action>
+void for_each_column(Set& p, Action&& action) {
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) action(p.name);
+#define SCREE_COLUMN_DERIVED(type, name, what) action(p.name);
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+  SCREE_BODY_DERIVED(SCREE_COLUMN_DERIVED)
+#undef SCREE_COLUMN_STATE
+#undef SCREE_COLUMN_DERIVED
+}
+
+}  // namespace
+
+std::size_t ParticleSet::row_bytes() const {
+  std::size_t bytes = 0;
+  for_each_column(*this, [&bytes](const auto& column) { bytes += sizeof(column[0]); });
+  return bytes;
+}
+
+void ParticleSet::resize(std::size_t count) {
+  for_each_column(*this, [count](auto& column) { column.resize(count); });
+}
+
+void ParticleSet::copy_row(std::size_t from, std::size_t to) {
+  for_each_column(*this, [from, to](auto& column) { column[to] = column[from]; });
+}
+
+ParticleRecord record_of(const ParticleSet& p, std::size_t i) {
+  ParticleRecord r{};
+  for_each_body_column([&](const auto& c) { r.*c.field = (p.*c.column)[i]; });
+  return r;
+}
+
+void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& scene) {
+  const std::size_t i = p.size();
+  p.resize(i + 1);
+  for_each_body_column([&](const auto& c) { (p.*c.column)[i] = r.*c.field; });
+  const SolverShape& shape = scene.shape(r.shape);
+  const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
+  const double s3 = r.scale * r.scale * r.scale;
+  p.radius[i] = r.scale * shape.radius;
+  p.mass[i] = density * s3 * shape.volume;
+  p.inertia[i] = (density * s3 * r.scale * r.scale) * shape.inertia;
+  p.isotropic[i] = shape.isotropic ? 1 : 0;
+  p.inverse_mass[i] = r.fixed ? 0.0 : 1 / p.mass[i];
+  p.inverse_inertia[i] = r.fixed || r.lock_rotation ? Vec3{} : Vec3{1 / p.inertia[i].x, 1 / p.inertia[i].y, 1 / p.inertia[i].z};
+  p.lossy_force[i] = {};
+  p.lossy_torque[i] = {};
+  p.x_listed[i] = r.x;
+}
+
+void wrap_positions(const Periodicity& periodicity, ParticleSet& p) {
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    p.x_listed[i] += periodicity.wrap(p.x[i], p.image[i]);
+  }
+}
+
+ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
+  const BodyTable& bodies = scene.source().bodies;
+  ParticleRecord r{};
+  r.id = bodies.id[body];
+  r.shape = bodies.shape[body];
+  r.material = bodies.material[body];
+  r.fixed = bodies.fixed[body];
+  r.lock_rotation = bodies.lock_rotation[body];
+  r.scale = bodies.scale[body];
+  r.x = bodies.position[body];
+  const SolverShape& shape = scene.shape(r.shape);
+  r.q = normalised(bodies.orientation[body] * shape.body_from_principal);
+  r.q_remainder = {0, 0, 0, 0};
+  if (!r.fixed) {
+    r.v = bodies.velocity[body];
+    if (!r.lock_rotation) {
+      r.w = bodies.angular_velocity[body];
+      const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
+      const double s5 = std::pow(r.scale, 5);
+      const Vec3 w_body = rotate_inverse(r.q, r.w);
+      const Vec3 inertia = (density * s5) * shape.inertia;
+      r.L = rotate(r.q, Vec3{inertia.x * w_body.x, inertia.y * w_body.y, inertia.z * w_body.z});
+    }
+  }
+  r.work = 1;
+  scene.periodicity().wrap(r.x, r.image);
+  return r;
+}
+
+}  // namespace scree

@@ -1,0 +1,82 @@
+// Bodies of one rank: owned first, ghosts after them. Every column is a line of body_columns.hpp.
+//
+// Hot state (x, q and their remainders, v, L, w) is read and written every step; accumulators (force, torque) are written by the gather and
+// read by the kick; cold facts never change. Orientation is that of the principal frame: body_from_principal of the shape is applied at
+// load and undone at output.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solver/bodies/body_columns.hpp"
+#include "solver/scene/solver_scene.hpp"
+
+namespace scree {
+
+struct ParticleSet {
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) std::vector<type> name;
+#define SCREE_COLUMN_DERIVED(type, name, what) std::vector<type> name;
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+  SCREE_BODY_DERIVED(SCREE_COLUMN_DERIVED)
+#undef SCREE_COLUMN_STATE
+#undef SCREE_COLUMN_DERIVED
+
+  std::size_t owned = 0;  ///< rows [0, owned) are ours
+
+  std::size_t size() const { return id.size(); }
+  std::size_t ghost_count() const { return size() - owned; }
+  std::size_t row_bytes() const;  ///< of all columns together
+  void resize(std::size_t count);
+  void copy_row(std::size_t from, std::size_t to);
+};
+
+/// The state of a body as it travels between ranks and into checkpoints.
+struct ParticleRecord {
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) type name;
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+#undef SCREE_COLUMN_STATE
+};
+
+/// A column of the state, for what goes over all of them.
+template <class T>
+struct BodyColumn {
+  using Value = T;
+  const char* name;
+  const char* dataset;
+  const char* unit;
+  unsigned uses;
+  std::vector<T> ParticleSet::*column;
+  T ParticleRecord::*field;
+};
+
+/// Calls action(BodyColumn) for every column of the state, in the order of the table.
+template <class Action>
+constexpr void for_each_body_column(Action&& action) {
+#define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) \
+  action(BodyColumn<type>{#name, dataset, unit, uses, &ParticleSet::name, &ParticleRecord::name});
+  SCREE_BODY_STATE(SCREE_COLUMN_STATE)
+#undef SCREE_COLUMN_STATE
+}
+
+ParticleRecord record_of(const ParticleSet& p, std::size_t i);
+/// Appends a row; mass, inertia and radius follow from shape, scale and material.
+void append_record(ParticleSet& p, const ParticleRecord& record, const SolverScene& scene);
+
+/// Wraps the owned bodies into a periodic domain, the places of their lists with them.
+void wrap_positions(const Periodicity& periodicity, ParticleSet& p);
+
+/// The record of body b of a scene at the start: orientation moved to the principal frame, L from w.
+ParticleRecord initial_record(const SolverScene& scene, std::size_t body);
+
+/// Mesh orientation of a body (what the user knows) from its principal orientation.
+inline Quat mesh_orientation(const SolverScene& scene, std::int32_t shape, const Quat& q) {
+  return q * conjugate(scene.shape(shape).body_from_principal);
+}
+
+/// Angular velocity [rad/s] of a body from its angular momentum.
+inline Vec3 angular_velocity(const Quat& q, const Vec3& inverse_inertia, const Vec3& L) {
+  const Vec3 l = rotate_inverse(q, L);
+  return rotate(q, Vec3{l.x * inverse_inertia.x, l.y * inverse_inertia.y, l.z * inverse_inertia.z});
+}
+
+}  // namespace scree

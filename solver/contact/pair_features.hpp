@@ -1,0 +1,124 @@
+// Unique contact features of one body pair: every corner of one body against the nearest point of the other
+// surface, and every convex edge against every convex edge. Source: docs/reference/contact-law.md section 3.1.
+//
+// All arithmetic is in the principal frame of body A with its centre as origin, so a scene far from the world's
+// origin behaves as one at it. Candidates carry the slack that the pair's relative motion must use up before they
+// can come within the margin; a step looks at those few whose slack is used up.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/distance/mesh_distance.hpp"
+#include "solver/scene/solver_scene.hpp"
+
+namespace scree {
+
+/// A body as the pair arithmetic sees it. Walls: shape null for analytic zones.
+struct PairBody {
+  const SolverShape* shape = nullptr;
+  double scale = 1;
+  Vec3 x;
+  Quat q;
+};
+
+/// Pose of B in the frame of A: what every function on a pair needs, made once a pair and step.
+struct RelativePose {
+  Quat turn;      ///< B to A
+  Mat3 rotation;  ///< the same
+  Vec3 centre;    ///< of B, A frame [m]
+  RelativePose() = default;
+  RelativePose(const PairBody& a, const PairBody& b)
+      : turn(conjugate(a.q) * b.q), rotation(matrix_of(turn)), centre(rotate_inverse(a.q, b.x - a.x)) {}
+  Vec3 a_from_b(const Vec3& p) const { return rotation * p + centre; }
+  Vec3 b_from_a(const Vec3& p) const { return transpose_times(rotation, p - centre); }
+};
+
+/// Corner of one side against one triangle of the other (triangle -1: an analytic zone or a sphere's point).
+struct CornerCandidate {
+  std::int32_t corner, triangle;
+  float slack;  ///< [m]: distance beyond the margin sum when listed, rounded down
+};
+
+struct EdgeCandidate {
+  std::int32_t edge_a, edge_b;
+  float slack;
+};
+
+/// Kept candidates of one pair, and the relative pose they were found at.
+struct CandidateLists {
+  std::vector<CornerCandidate> corners_a, corners_b;  ///< sorted by (corner, triangle)
+  std::vector<EdgeCandidate> edges;                   ///< sorted by (edge_a, edge_b)
+  Vec3 centre;                                        ///< of the smaller body in the larger one's frame, when listed [m]
+  Quat turn;                                          ///< B to A, when listed
+  double skin = -1;                                   ///< [m]; < 0: no lists yet
+  double first_slack = 0;  ///< motion at which the first candidate, or what is not listed, can come within the margin [m]
+};
+
+/// One feature below the margin.
+struct Feature6 {
+  Vec3 force, couple;  ///< coefficients of a translation and of a rotation about A's centre
+};
+
+struct ContactFeature {
+  std::int64_t key;          ///< unique within the pair: kind in bits 60-61, then the two indices
+  Vec3 x;                    ///< contact point, mid-gap, A frame [m]
+  Vec3 n;                    ///< unit, from B to A, A frame
+  double depth;              ///< margin sum minus gap, > 0 [m]
+  double weight;             ///< a_j in (0, 1]
+  bool faded;                ///< weight depends on the pose: weight_gradient is filled
+  Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
+};
+
+/// Slack of a candidate found at `distance`: what lies beyond the margin, rounded down, with room for the rounding of the
+/// distance itself relative to `size` [m].
+float slack_below(double distance, double margin, double size);
+
+/// Fading widths of edge-edge features (docs/reference/contact-law.md section 3.1): at the ends of an edge, in the parallel limit and
+/// across the wedge. Results change by less than a factor 2 in error for end widths from 0.03 to 0.5.
+inline constexpr double kFadeEnd = 0.15;
+inline constexpr double kFadeParallel = 0.01;
+inline constexpr double kFadeWedge = 0.2;
+
+/// Motion that a pair has made since its lists were made: no point of the smaller body has moved further against
+/// the larger one [m].
+double motion_since_listed(const CandidateLists& lists, const RelativePose& pose, double radius_a, double radius_b);
+
+/// Makes the lists of two meshes: every feature pair that can come below `margin` (sum of both) while the motion
+/// stays within `skin`. Returns false when triangles of the two bodies intersect.
+bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
+                    MeshDistanceScratch& scratch, CandidateLists& lists);
+
+/// Gap and normal (wall frame) of a point against an analytic zone; the point may lie behind it: gap < 0.
+double zone_gap(const WallZone& zone, const Vec3& p, Vec3& normal);
+
+/// Same for a body against an analytic zone of a wall (b is the wall's pose).
+void list_zone_pair(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin, double radius_a,
+                    CandidateLists& lists);
+
+/// Same for two analytic spheres.
+void list_sphere_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
+                      CandidateLists& lists);
+
+/// Empties the lists and notes the pose that they are made at: how each of these functions begins. With nothing listed
+/// first_slack is the skin.
+void begin_lists(const PairBody& a, const PairBody& b, double skin, double radius_a, double radius_b, CandidateLists& lists);
+/// Fills first_slack from the candidates: how each of these functions ends.
+void end_lists(CandidateLists& lists);
+
+/// Same for an analytic sphere and a mesh, in either order.
+bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
+                           MeshDistanceScratch& scratch, CandidateLists& lists);
+
+/// Features below the margin at the present pose, in ascending key order. `motion` is motion_since_listed.
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
+                        const CandidateLists& lists, std::vector<ContactFeature>& features);
+void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
+                        const CandidateLists& lists, std::vector<ContactFeature>& features);
+/// Every local minimum of the distance between the centre and the surface: flat regions, convex edges and corners whose
+/// own part of space holds the centre. As the centre goes from one part to the next the depth is continuous.
+void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, double motion, const CandidateLists& lists,
+                          std::vector<ContactFeature>& features);
+void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features);
+
+}  // namespace scree

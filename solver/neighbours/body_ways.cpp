@@ -1,0 +1,27 @@
+#include "solver/neighbours/body_ways.hpp"
+
+namespace scree {
+
+void BodyWays::restart(const ParticleSet& p) {
+  way_.assign(p.size(), 0.0);
+  x_ = p.x;
+  q_ = p.q;
+}
+
+void BodyWays::add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end) {
+  constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
+  const bool wraps = periodicity.any();
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = begin; i < end; ++i) {
+    Vec3 shift = p.x[i] - x_[i];
+    if (wraps) shift = periodicity.nearest(shift);
+    // A point at R from the centre moves by 2 R sin(angle / 2), two unit quaternions differ by 2 sin(angle / 4).
+    const Quat &q = p.q[i], &old = q_[i];
+    const double w = q.w - old.w, x = q.x - old.x, y = q.y - old.y, z = q.z - old.z;
+    way_[i] += kRounding * (length(shift) + 2 * p.radius[i] * std::sqrt(w * w + x * x + y * y + z * z));
+    x_[i] = p.x[i];
+    q_[i] = p.q[i];
+  }
+}
+
+}  // namespace scree

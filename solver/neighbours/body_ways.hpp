@@ -1,0 +1,28 @@
+// How far the points of each body have gone, step by step: two bodies cannot have come nearer than the sum of their ways.
+//
+// A pair that looked at its candidates knows how far both may go before the first of them can matter; until then it costs
+// two additions a step. The way is a bound, never a result: it is made anew with the body lists and differs between ranks.
+#pragma once
+
+#include <vector>
+
+#include "solver/bodies/particle_set.hpp"
+
+namespace scree {
+
+class BodyWays {
+ public:
+  /// Begins anew: nobody has gone anywhere.
+  void restart(const ParticleSet& p);
+  /// Adds what the bodies in rows [begin, end) have moved since the last call.   Threads: parallel inside.
+  void add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end);
+  /// No point of the body has gone further since the start [m].
+  double operator[](std::int32_t row) const { return way_[static_cast<std::size_t>(row)]; }
+
+ private:
+  std::vector<double> way_;
+  std::vector<Vec3> x_;
+  std::vector<Quat> q_;
+};
+
+}  // namespace scree

@@ -1,0 +1,231 @@
+#include "solver/neighbours/pair_list.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace scree {
+
+namespace {
+
+/// Whether a ball may come within `reach` of a wall zone.
+bool near_zone(const SolverScene& scene, const WallZone& zone, const WallState& state, const Vec3& centre, double reach) {
+  const Wall& wall = scene.source().walls[static_cast<std::size_t>(zone.wall)];
+  const Vec3 p = rotate_inverse(state.orientation, centre - state.position);
+  switch (zone.kind) {
+    case WallZone::Kind::plane:
+      return dot(p - zone.point, zone.direction) < reach;
+    case WallZone::Kind::cylinder: {
+      const Vec3 r = p - zone.point;
+      return zone.radius - length(r - dot(r, zone.direction) * zone.direction) < reach;
+    }
+    case WallZone::Kind::sphere:
+      return zone.radius - length(p - zone.point) < reach;
+    case WallZone::Kind::mesh: {
+      const SolverShape& shape = scene.shape(wall.shape);
+      Vec3 nearest;
+      std::int32_t triangle = -1;
+      const double bound = reach / wall.scale;
+      return point_mesh_distance({&shape.mesh, &shape.bvh}, (1 / wall.scale) * p, bound, nearest, triangle) < bound;
+    }
+  }
+  return false;
+}
+
+/// Each thread sorts a part; then neighbouring parts are merged, half as many each time. Keys differ: the order is unique.
+template <class Item, class Less>
+void sort_in_parallel(std::vector<Item>& items, const Less& less) {
+  constexpr std::size_t kWorthAThread = 4096;
+  const std::size_t parts = std::clamp<std::size_t>(items.size() / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
+  const auto at = [&](std::size_t part) {
+    return items.begin() + static_cast<std::ptrdiff_t>(std::min(part, parts) * items.size() / parts);
+  };
+#pragma omp parallel for schedule(static, 1)
+  for (std::size_t part = 0; part < parts; ++part) std::sort(at(part), at(part + 1), less);
+  for (std::size_t width = 1; width < parts; width *= 2) {
+#pragma omp parallel for schedule(static, 1)
+    for (std::size_t part = 0; part < parts; part += 2 * width) std::inplace_merge(at(part), at(part + width), at(part + 2 * width), less);
+  }
+}
+
+}  // namespace
+
+std::size_t memory_of(const BodyPair& pair) {
+  return sizeof(BodyPair) + sizeof(PairResult) + sizeof(PairRest) +
+         (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
+         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.state.memory();
+}
+
+void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
+                       PhaseTimes& times) {
+  const double margin = scene.margin();
+  std::vector<double> reach(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + margin + 0.5 * skin;
+  grid_.build(p.x, reach, scene.periodicity().period());
+
+  std::vector<FoundPair> found = find_pairs(scene, p, walls, skin);
+  {
+    const PhaseTimer timer(times, Phase::sort);
+    sort_in_parallel(found, [](const FoundPair& l, const FoundPair& r) { return l.key < r.key; });
+  }
+
+  // keep what known pairs hold
+  merge(waiting_);
+  const auto count = static_cast<std::ptrdiff_t>(found.size());
+  std::vector<BodyPair> next(found.size());
+  results_.resize(found.size());
+  rests_.resize(found.size());
+#pragma omp parallel
+  {
+    // each thread takes a run of keys, and looks up where the known ones begin only once
+    std::size_t known = pairs_.size(), waiting = waiting_.size();
+    bool begun = false;
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t n = 0; n < count; ++n) {
+      const auto k = static_cast<std::size_t>(n);
+      BodyPair& pair = next[k];
+      pair.key = found[k].key;
+      pair.a = found[k].a;
+      pair.b = found[k].b;
+      if (!begun) {
+        const auto before = [](const auto& item, const PairKey& key) { return item.key < key; };
+        known = static_cast<std::size_t>(std::lower_bound(pairs_.begin(), pairs_.end(), pair.key, before) - pairs_.begin());
+        waiting = static_cast<std::size_t>(std::lower_bound(waiting_.begin(), waiting_.end(), pair.key, before) - waiting_.begin());
+        begun = true;
+      }
+      while (known < pairs_.size() && pairs_[known].key < pair.key) ++known;
+      if (known < pairs_.size() && pairs_[known].key == pair.key) {
+        pair.lists = std::move(pairs_[known].lists);
+        pair.state = std::exchange(pairs_[known].state, {});
+      }
+      while (waiting < waiting_.size() && waiting_[waiting].key < pair.key) ++waiting;
+      if (waiting < waiting_.size() && waiting_[waiting].key == pair.key && pair.state.empty()) {
+        pair.state = std::exchange(waiting_[waiting].state, {});
+      }
+      results_[k] = PairResult{};
+      rests_[k] = {pair.a, pair.b, kNoRest};
+    }
+  }
+  // what lasts waits until its bodies are near again
+  std::erase_if(waiting_, [](WaitingState& w) { return !w.state.keep_lasting(); });
+  for (BodyPair& pair : pairs_) {
+    if (pair.state.keep_lasting()) waiting_.push_back({pair.key, std::move(pair.state)});
+  }
+  pairs_ = std::move(next);
+  ways_.restart(p);
+
+  inner_.clear();
+  outer_.clear();
+  twice_.clear();
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const BodyPair& pair = pairs_[k];
+    const bool ghost_b = pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned;
+    (static_cast<std::size_t>(pair.a) >= p.owned ? twice_ : ghost_b ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
+  }
+  const PhaseTimer timer(times, Phase::sort);
+  sort_sides(p);
+}
+
+std::vector<PairList::FoundPair> PairList::find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                                                      double skin) const {
+  const double margin = scene.margin();
+  const auto count = static_cast<std::int32_t>(p.size());
+  std::vector<std::vector<FoundPair>> of_thread(static_cast<std::size_t>(omp_get_max_threads()));
+#pragma omp parallel
+  {
+    std::vector<FoundPair> mine;
+#pragma omp for schedule(dynamic, 64) nowait
+    for (std::int32_t place = 0; place < count; ++place) {
+      const std::int32_t i = grid_.order()[static_cast<std::size_t>(place)];
+      const auto row = static_cast<std::size_t>(i);
+      grid_.for_each_partner_at(place, [&](std::int32_t j) {
+        const auto other = static_cast<std::size_t>(j);
+        if (row >= p.owned && other >= p.owned) return;
+        if (p.fixed[row] && p.fixed[other]) return;
+        const bool in_order = p.id[row] < p.id[other];
+        const std::int32_t a = in_order ? i : j, b = in_order ? j : i;
+        mine.push_back({{p.id[static_cast<std::size_t>(a)], p.id[static_cast<std::size_t>(b)], -1}, a, b});
+      });
+      if (row >= p.owned || p.fixed[row]) continue;
+      for (std::size_t z = 0; z < scene.zones().size(); ++z) {
+        const WallZone& zone = scene.zones()[z];
+        const WallState& state = walls[static_cast<std::size_t>(zone.wall)];
+        if (!near_zone(scene, zone, state, p.x[row], p.radius[row] + 2 * margin + skin)) continue;
+        mine.push_back({{p.id[row], scene.source().walls[static_cast<std::size_t>(zone.wall)].id, static_cast<std::int32_t>(z)}, i, -1});
+      }
+    }
+    of_thread[static_cast<std::size_t>(omp_get_thread_num())] = std::move(mine);
+  }
+  std::vector<FoundPair> found = std::move(of_thread[0]);
+  for (std::size_t t = 1; t < of_thread.size(); ++t) found.insert(found.end(), of_thread[t].begin(), of_thread[t].end());
+  return found;
+}
+
+/// The pairs of every owned body in ascending order of its partner. Pairs lie by (a, b, zone): taken first as B, then as A, a body's
+/// partners are in order already, but for walls with an id below its own.
+void PairList::sort_sides(const ParticleSet& p) {
+  start_.assign(p.owned + 1, 0);
+  const auto is_owned = [&p](std::int32_t row) { return row >= 0 && static_cast<std::size_t>(row) < p.owned; };
+  for (const PairRest& pair : rests_) {
+    for (const std::int32_t row : {pair.a, pair.b}) {
+      if (is_owned(row)) ++start_[static_cast<std::size_t>(row) + 1];
+    }
+  }
+  for (std::size_t i = 0; i < p.owned; ++i) start_[i + 1] += start_[i];
+  entry_.resize(static_cast<std::size_t>(start_[p.owned]));
+  std::vector<std::int32_t> next(start_.begin(), start_.end() - 1);
+  for (const std::int32_t side : {1, 0}) {
+    for (std::size_t k = 0; k < rests_.size(); ++k) {
+      const std::int32_t row = side == 1 ? rests_[k].b : rests_[k].a;
+      if (is_owned(row)) entry_[static_cast<std::size_t>(next[static_cast<std::size_t>(row)]++)] = static_cast<std::int32_t>(2 * k) + side;
+    }
+  }
+  const auto partner_of = [this](std::int32_t entry) {
+    const PairKey& key = pairs_[static_cast<std::size_t>(entry / 2)].key;
+    return std::pair(entry % 2 == 0 ? key.b : key.a, key.zone);
+  };
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    std::sort(entry_.begin() + start_[i], entry_.begin() + start_[i + 1],
+              [&](std::int32_t l, std::int32_t r) { return partner_of(l) < partner_of(r); });
+  }
+}
+
+void PairList::gather(const Vec3& gravity, ParticleSet& p) const {
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    Vec3 force, torque, lossy_force, lossy_torque;
+    for (std::int32_t s = start_[i]; s < start_[i + 1]; ++s) {
+      const std::int32_t entry = entry_[static_cast<std::size_t>(s)];
+      const PairResult& r = results_[static_cast<std::size_t>(entry / 2)];
+      if (!r.active) continue;
+      if (entry % 2 == 0) {
+        force += r.force_a;
+        torque += r.torque_a;
+        lossy_force += r.lossy_force_a;
+        lossy_torque += r.lossy_torque_a;
+      } else {
+        force -= r.force_a;
+        torque += r.torque_b;
+        lossy_force -= r.lossy_force_a;
+        lossy_torque += r.lossy_torque_b;
+      }
+    }
+    p.force[i] = force + p.mass[i] * gravity;
+    p.torque[i] = torque;
+    p.lossy_force[i] = lossy_force;
+    p.lossy_torque[i] = lossy_torque;
+  }
+}
+
+void PairList::forget_candidates() {
+  for (BodyPair& pair : pairs_) pair.lists = CandidateLists{};
+  for (PairRest& rest : rests_) rest.way = kNoRest;
+}
+
+}  // namespace scree

@@ -1,0 +1,93 @@
+// The body pairs of one rank: who may touch, what each pair keeps between steps, and what it did in this step.
+//
+// Pairs are sorted by (first id, second id, zone). A pair of two bodies has the lower id as A; a body-wall pair has
+// the body as A. A pair across ranks is held and computed by both owners, from the same bits.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/search/multilevel_grid.hpp"
+#include "solver/bodies/particle_set.hpp"
+#include "solver/contact/potential.hpp"
+#include "solver/neighbours/body_ways.hpp"
+#include "solver/phases.hpp"
+
+namespace scree {
+
+/// Kept between steps.
+struct BodyPair {
+  PairKey key;
+  std::int32_t a = 0, b = 0;  ///< rows in ParticleSet; b is -1 for a wall zone
+  CandidateLists lists;
+  PairState state;
+};
+
+/// Written by one thread per pair and step, read by the gather. World axes. What every pair is asked for comes first.
+struct PairResult {
+  bool active = false;
+  std::int32_t contact_count = 0;
+  double depth_ratio = 0;  ///< deepest over margin sum
+  double elastic = 0, tangential_elastic = 0;
+  Vec3 force_a, torque_a, torque_b;  ///< force on b is -force_a; torques about each body's centre
+  Vec3 lossy_force_a, lossy_torque_a, lossy_torque_b;
+};
+
+/// What a step reads of a pair that nothing can happen to: kept apart from all else, 16 bytes.
+struct PairRest {
+  std::int32_t a, b;  ///< as in BodyPair
+  double way;         ///< of both together: until they have gone it the pair has no features [m]
+};
+inline constexpr double kNoRest = -1;  ///< such a pair is looked at in every step
+
+/// Bytes that a pair holds, its lists, state and result included.
+std::size_t memory_of(const BodyPair& pair);
+
+class PairList {
+ public:
+  /// Lists all pairs that can touch while no body moves further than `skin / 2`, keeps what known pairs hold, and
+  /// hands waiting state to theirs. Pairs of two fixed bodies and of two ghosts are left out.
+  void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin, PhaseTimes& times);
+
+  std::vector<BodyPair>& pairs() { return pairs_; }
+  const std::vector<BodyPair>& pairs() const { return pairs_; }
+  std::vector<PairResult>& results() { return results_; }
+  const std::vector<PairResult>& results() const { return results_; }
+  std::vector<PairRest>& rests() { return rests_; }
+  BodyWays& ways() { return ways_; }
+  /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
+  std::vector<WaitingState>& waiting() { return waiting_; }
+  const std::vector<WaitingState>& waiting() const { return waiting_; }
+  /// Indices of pairs among owned bodies and walls; of pairs with a ghost that this rank counts; and of those that the ghost's
+  /// owner counts, and computes too.
+  const std::vector<std::int32_t>& inner() const { return inner_; }
+  const std::vector<std::int32_t>& outer() const { return outer_; }
+  const std::vector<std::int32_t>& twice() const { return twice_; }
+
+  /// Adds up what the pairs did to each owned body, in ascending order of partner: the same bits for any number of
+  /// threads and ranks. Gravity included.
+  void gather(const Vec3& gravity, ParticleSet& p) const;
+
+  /// Drops the lists of candidates of all pairs; results never depend on it (used by tests and after a restart).
+  void forget_candidates();
+
+ private:
+  struct FoundPair {
+    PairKey key;
+    std::int32_t a, b;
+  };
+  std::vector<FoundPair> find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin) const;
+  void sort_sides(const ParticleSet& p);
+
+  std::vector<BodyPair> pairs_;
+  std::vector<PairResult> results_;
+  std::vector<PairRest> rests_;
+  BodyWays ways_;
+  std::vector<WaitingState> waiting_;
+  std::vector<std::int32_t> inner_, outer_, twice_;
+  // row starts of each body's pairs, and (pair, side) entries in ascending partner order
+  std::vector<std::int32_t> start_, entry_;
+  MultilevelGrid grid_;
+};
+
+}  // namespace scree

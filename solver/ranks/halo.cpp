@@ -1,0 +1,237 @@
+#include "solver/ranks/halo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace scree {
+
+namespace {
+
+/// Distance along one axis between two intervals, in a domain of that period (0: not periodic).
+double gap_along(double lower_a, double upper_a, double lower_b, double upper_b, double period) {
+  // the nearest image of a; positions may have left the domain by any number of periods
+  const double shift = period > 0 ? period * std::round(0.5 * (lower_b + upper_b - lower_a - upper_a) / period) : 0;
+  return std::max({0.0, lower_a + shift - upper_b, lower_b - upper_a - shift});
+}
+
+double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, const Vec3& period) {
+  double squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double gap = gap_along(lower_a[k], upper_a[k], b.lower[k], b.upper[k], period[k]);
+    squared += gap * gap;
+  }
+  return squared;
+}
+
+/// Whether the boxes of two ranks touch. Both ranks ask, and one that waited for the other in vain would wait for ever: the box
+/// of the lower rank comes first on either side, so that both round alike.
+bool are_neighbours(int rank_a, const Box3& a, int rank_b, const Box3& b, const Vec3& period) {
+  if (a.is_empty() || b.is_empty()) return false;
+  const Box3 &low = rank_a < rank_b ? a : b, &high = rank_a < rank_b ? b : a;
+  return squared_gap(low.lower, low.upper, high, period) <= 0;
+}
+
+}  // namespace
+
+Halo::Halo(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options, CutBoxes first_cut)
+    : comm_(comm), options_(options) {
+  if (options.cut == CutMethod::rcb) first_cut_ = std::move(first_cut);
+  if (comm_.size() == 1) first_cut_ = whole_space_first(1);
+  regions_ = first_cut_;
+  const BodyTable& bodies = scene.source().bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    largest_radius_ = std::max(largest_radius_, bodies.scale[b] * scene.shape(bodies.shape[b]).radius);
+  }
+  const Domain& domain = scene.source().settings.domain;
+  for (int k = 0; k < 3; ++k) {
+    if (domain.periodic[static_cast<std::size_t>(k)]) period_[k] = domain.upper[k] - domain.lower[k];
+    domain_lower_[k] = domain.lower[k];
+  }
+}
+
+double Halo::rebalance(const ParticleSet& p, std::span<const double> work) {
+  if (comm_.size() == 1) return 1;
+  if (!partitioner_) partitioner_ = std::make_unique<Partitioner>(comm_.get(), comm_.size(), options_.cut);
+  std::vector<Vec3> x(p.x.begin(), p.x.begin() + static_cast<std::ptrdiff_t>(p.owned));
+  for (Vec3& point : x) point = inside_domain(point);
+  regions_ = partitioner_->cut(std::span(p.id).first(p.owned), x, work);
+  std::vector<double> of_rank(static_cast<std::size_t>(comm_.size()));
+  for (std::size_t i = 0; i < p.owned; ++i) of_rank[static_cast<std::size_t>(owner_of(p.id[i], p.x[i]))] += work[i];
+  comm_.sum(of_rank);
+  return imbalance(of_rank);
+}
+
+Vec3 Halo::inside_domain(const Vec3& x) const {
+  Vec3 inside = x;
+  for (int k = 0; k < 3; ++k) {
+    if (period_[k] > 0) inside[k] -= period_[k] * std::floor((x[k] - domain_lower_[k]) / period_[k]);
+  }
+  return inside;
+}
+
+int Halo::owner_of(std::int64_t id, const Vec3& x) const {
+  return partitioner_ ? partitioner_->part_of(id, inside_domain(x)) : first_cut_.rank_of(inside_domain(x));
+}
+
+std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& list) {
+  p.resize(p.owned);
+  neighbours_.clear();
+  if (comm_.size() == 1) return 0;
+  const auto ranks = static_cast<std::size_t>(comm_.size());
+  std::vector<int> owner(p.owned);
+  std::vector<std::vector<ParticleRecord>> bodies(ranks);
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    owner[i] = owner_of(p.id[i], p.x[i]);
+    if (owner[i] != comm_.rank()) bodies[static_cast<std::size_t>(owner[i])].push_back(record_of(p, i));
+  }
+  // The state of every pair of a leaving body goes with it; our own copy stays while we own the partner.
+  std::vector<std::vector<WaitingState>> states(ranks);
+  for (const BodyPair& pair : list.pairs()) {
+    if (pair.state.empty()) continue;
+    int first = comm_.rank();
+    for (const std::int32_t row : {pair.a, pair.b}) {
+      if (row < 0 || static_cast<std::size_t>(row) >= p.owned) continue;
+      const int to = owner[static_cast<std::size_t>(row)];
+      if (to == comm_.rank() || to == first) continue;
+      states[static_cast<std::size_t>(to)].push_back({pair.key, pair.state});
+      first = to;
+    }
+  }
+  // State that waits for its pair is at every rank that has a body of it, and goes the same way.
+  std::vector<WaitingState> waiting;
+  waiting.swap(list.waiting());
+  std::unordered_map<std::int64_t, int> owner_of_id;
+  for (std::size_t i = 0; !waiting.empty() && i < p.owned; ++i) owner_of_id.emplace(p.id[i], owner[i]);
+  for (WaitingState& pair : waiting) {
+    bool stays = false;
+    int first = comm_.rank();
+    for (const std::int64_t id : {pair.key.a, pair.key.b}) {
+      const auto found = owner_of_id.find(id);
+      if (found == owner_of_id.end()) continue;
+      const int to = found->second;
+      if (to == comm_.rank()) stays = true;
+      if (to == comm_.rank() || to == first) continue;
+      states[static_cast<std::size_t>(to)].push_back({pair.key, pair.state});
+      first = to;
+    }
+    if (stays) list.waiting().push_back(std::move(pair));
+  }
+  std::int64_t left = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (owner[i] != comm_.rank()) {
+      ++left;
+      continue;
+    }
+    if (kept != i) p.copy_row(i, kept);
+    ++kept;
+  }
+  p.resize(kept);
+  const auto count_sent = [&](const auto& blocks) {
+    for (const auto& block : blocks) traffic_.renewal_bytes += static_cast<std::int64_t>(block.size() * sizeof(block[0]));
+  };
+  count_sent(bodies);
+  for (const auto& block : comm_.exchange(bodies)) {
+    for (const ParticleRecord& record : block) append_record(p, record, scene);
+  }
+  p.owned = p.size();
+  for_each_kind(PairState{}, [&](const auto& kind) {
+    using Row = typename std::decay_t<decltype(kind)>::value_type;
+    std::vector<std::vector<KeyedRow<Row>>> rows(ranks);
+    for (std::size_t r = 0; r < ranks; ++r) rows[r] = keyed_rows<Row>(states[r]);
+    count_sent(rows);
+    for (const auto& block : comm_.exchange(rows)) add_rows(block, list.waiting());
+  });
+  return left;
+}
+
+std::vector<int> Halo::possible_neighbours(double reach) const {
+  // A periodic domain joins its outer parts, which have no outer side: there every rank asks every other, as it does when the
+  // parts are no boxes.
+  const bool by_boxes = !regions_.lower.empty() && period_ == Vec3{};
+  std::vector<int> ranks;
+  for (int r = 0; r < comm_.size(); ++r) {
+    if (r == comm_.rank()) continue;
+    if (!by_boxes || regions_.are_within(static_cast<std::size_t>(comm_.rank()), static_cast<std::size_t>(r), reach)) ranks.push_back(r);
+  }
+  return ranks;
+}
+
+void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
+  p.resize(p.owned);
+  neighbours_.clear();
+  if (comm_.size() == 1) return;
+
+  // the box of everything that this rank owns, bounding spheres and their share of margin and skin included
+  const double own_reach = scene.margin() + 0.5 * skin;
+  Box3 box;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    const double r = p.radius[i] + own_reach;
+    box.add(p.x[i] - Vec3{r, r, r});
+    box.add(p.x[i] + Vec3{r, r, r});
+  }
+  // Both sides of a pair of ranks must take each other for possible neighbours: the reach is that of the largest body anywhere.
+  const std::vector<int> possible = possible_neighbours(2 * (largest_radius_ + own_reach));
+  const auto boxes = comm_.exchange(std::span<const int>(possible), std::vector<std::vector<Box3>>(possible.size(), {box}));
+
+  std::vector<int> ranks;
+  std::vector<std::vector<ParticleRecord>> outgoing;
+  std::vector<std::vector<std::int32_t>> rows;
+  for (std::size_t n = 0; n < possible.size(); ++n) {
+    const Box3& theirs = boxes[n][0];
+    if (!are_neighbours(comm_.rank(), box, possible[n], theirs, period_)) continue;
+    ranks.push_back(possible[n]);
+    auto& records = outgoing.emplace_back();
+    auto& own_rows = rows.emplace_back();
+    for (std::size_t i = 0; i < p.owned; ++i) {
+      const double reach = p.radius[i] + own_reach;
+      if (options_.selection == HaloSelection::selected && squared_gap(p.x[i], p.x[i], theirs, period_) >= reach * reach) continue;
+      records.push_back(record_of(p, i));
+      own_rows.push_back(static_cast<std::int32_t>(i));
+    }
+    traffic_.renewal_bytes += static_cast<std::int64_t>(records.size() * sizeof(ParticleRecord));
+  }
+  const auto incoming = comm_.exchange(std::span<const int>(ranks), outgoing);
+  for (std::size_t n = 0; n < ranks.size(); ++n) {
+    if (rows[n].empty() && incoming[n].empty()) continue;
+    Neighbour neighbour{ranks[n], std::move(rows[n]), p.size(), incoming[n].size(), {}, {}};
+    neighbour.send_buffer.resize(neighbour.send_rows.size() * kGhostBytes);
+    neighbour.receive_buffer.resize(neighbour.ghost_count * kGhostBytes);
+    for (const ParticleRecord& record : incoming[n]) append_record(p, record, scene);
+    neighbours_.push_back(std::move(neighbour));
+  }
+}
+
+void Halo::start_refresh(const ParticleSet& p, PhaseTimes& times) {
+  if (neighbours_.empty()) return;
+  const PhaseTimer timer(times, Phase::halo);
+  requests_.clear();
+  constexpr int kTag = 23;
+  for (Neighbour& n : neighbours_) {
+    if (n.ghost_count == 0) continue;
+    MPI_Irecv(n.receive_buffer.data(), static_cast<int>(n.receive_buffer.size()), MPI_BYTE, n.rank, kTag, comm_.get(),
+              &requests_.emplace_back());
+  }
+  for (Neighbour& n : neighbours_) {
+    if (n.send_rows.empty()) continue;
+    pack_ghosts(p, n.send_rows, n.send_buffer.data());
+    const auto bytes = static_cast<int>(n.send_buffer.size());
+    MPI_Isend(n.send_buffer.data(), bytes, MPI_BYTE, n.rank, kTag, comm_.get(), &requests_.emplace_back());
+    ++traffic_.messages;
+    traffic_.bytes += bytes;
+  }
+}
+
+void Halo::finish_refresh(ParticleSet& p, PhaseTimes& times) {
+  if (requests_.empty()) return;
+  {
+    const PhaseTimer timer(times, Phase::wait);
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  }
+  requests_.clear();
+  const PhaseTimer timer(times, Phase::halo);
+  for (const Neighbour& n : neighbours_) unpack_ghosts(p, n.first_ghost, n.ghost_count, n.receive_buffer.data());
+}
+
+}  // namespace scree

@@ -1,0 +1,356 @@
+#include "solver/run/checkpoint.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <tuple>
+#include <type_traits>
+#include <unordered_set>
+
+#include "core/base/utf8.hpp"
+#include "core/storage/collective_file.hpp"
+#include "core/storage/shape_file.hpp"
+#include "solver/run/run_folder.hpp"
+
+namespace scree {
+
+namespace {
+
+/// A row of the state of a pair, as it lies in the file.
+template <class Row>
+struct PairRow {
+  std::int64_t a, b, zone;
+  Row row;
+  PairKey key() const { return {a, b, static_cast<std::int32_t>(zone)}; }
+};
+
+// The columns of a table as visit(action), action(dataset, unit, value_of), for writer, reader and the estimate of space alike.
+// value_of(row) refers to the value, of a constant row or of one that is read. The tables themselves are body_columns.hpp and
+// pair_state.hpp.
+struct BodyTableColumns {
+  using Item = ParticleRecord;
+  template <class Action>
+  static void visit(Action&& action) {
+    for_each_body_column([&](const auto& c) {
+      action(
+          c.dataset, c.unit, [field = c.field](auto& row) -> auto& { return row.*field; });
+    });
+  }
+};
+template <class Row>
+struct PairTableColumns {
+  using Item = PairRow<Row>;
+  template <class Action>
+  static void visit(Action&& action) {
+    action(
+        "a", "", [](auto& row) -> auto& { return row.a; });
+    action(
+        "b", "", [](auto& row) -> auto& { return row.b; });
+    action(
+        "zone", "", [](auto& row) -> auto& { return row.zone; });
+    PairKind<Row>::visit([&](const char* name, const char* unit, auto field) {
+      action(
+          name, unit, [field](auto& row) -> auto& { return row.row.*field; });
+    });
+  }
+};
+
+/// The numbers of a record with their names, for writer and reader alike.
+template <class Record, class Action>
+void for_each_number(Record& r, Action&& action) {
+  action("energy_reference", r.energy_reference);
+  action("kinetic_peak", r.kinetic_peak);
+  action("elastic_peak", r.elastic_peak);
+  action("dissipated_peak", r.dissipated_peak);
+  action("energy_error", r.energy_error);
+  action("max_depth_ratio", r.max_depth_ratio);
+  action("critical_step", r.stiffest.step);
+  action("critical_a", r.stiffest.key.a);
+  action("critical_b", r.stiffest.key.b);
+  action("critical_zone", r.stiffest.key.zone);
+  action("kinetic_translational", r.energies.translational);
+  action("kinetic_rotational", r.energies.rotational);
+  action("potential", r.energies.potential);
+  action("elastic", r.energies.elastic);
+  action("elastic_tangential", r.energies.tangential_elastic);
+  action("dissipated", r.energies.dissipated);
+  action("wall_work", r.energies.wall_work);
+  action("removed", r.energies.removed);
+  action("imbalance_sum", r.imbalance_sum);
+  action("log_rows", r.log_rows);
+  action("list_renewals", r.list_renewals);
+  action("cuts", r.cuts);
+  action("migrated", r.migrated);
+  action("bytes_sent", r.bytes_sent);
+  action("peak_memory", r.peak_memory);
+  action("wall_seconds", r.wall_seconds);
+  for (std::size_t p = 0; p < r.phases.size(); ++p) action(std::string("t_") + phase_name(static_cast<Phase>(p)), r.phases[p]);
+}
+
+/// Numbers that the file does not have stay as they are: a later version may have more of them, and version 3 has four.
+void read_record(const h5::Group& group, RunRecord& record) {
+  for_each_number(record, [&](const std::string& name, auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if (!group.has_attribute(name)) return;
+    if constexpr (std::is_same_v<Value, double>)
+      value = group.read_double_attribute(name);
+    else
+      value = static_cast<Value>(group.read_integer_attribute(name));
+  });
+}
+
+template <class Columns>
+std::int64_t bytes_per_row() {
+  std::size_t bytes = 0;
+  const typename Columns::Item row{};
+  Columns::visit([&](const char*, const char*, auto value_of) { bytes += sizeof(value_of(row)); });
+  return static_cast<std::int64_t>(bytes);
+}
+
+template <class Columns>
+void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<typename Columns::Item>& mine, Rows rows) {
+  Columns::visit([&](const char* name, const char* unit, auto value_of) {
+    std::vector<std::decay_t<decltype(value_of(mine[0]))>> values;
+    values.reserve(mine.size());
+    for (const auto& row : mine) values.push_back(value_of(row));
+    file.write(group, name, values, rows, unit);
+  });
+}
+
+/// This rank's part of the rows, as they lie in the file.
+template <class Columns>
+std::vector<typename Columns::Item> read_columns(const mpi::Communicator& comm, const h5::Group& group, const char* first_column) {
+  const std::int64_t total = group.row_count(first_column);
+  const std::int64_t first = total * comm.rank() / comm.size(), last = total * (comm.rank() + 1) / comm.size();
+  std::vector<typename Columns::Item> rows(static_cast<std::size_t>(last - first), typename Columns::Item{});
+  Columns::visit([&](const char* name, const char*, auto value_of) {
+    using Value = std::decay_t<decltype(value_of(rows[0]))>;
+    const std::vector<Value> values = group.read_rows<Value>(name, first, last - first);
+    for (std::size_t i = 0; i < rows.size(); ++i) value_of(rows[i]) = values[i];
+  });
+  return rows;
+}
+
+/// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
+std::size_t home_rank(std::int64_t id, int ranks) { return static_cast<std::size_t>(id % ranks); }
+
+/// Own bodies, and the state of the pairs that count here: those listed, and those that wait while their bodies are apart.
+void collect_state(const Simulation& simulation, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
+  const ParticleSet& p = simulation.particles();
+  for (std::size_t i = 0; i < p.owned; ++i) bodies.push_back(record_of(p, i));
+  for (const BodyPair& pair : simulation.pairs().pairs()) {
+    if (counts_here(pair, p) && !pair.state.empty()) states.push_back({pair.key, pair.state});
+  }
+  const std::vector<WaitingState>& waiting = simulation.pairs().waiting();
+  if (waiting.empty()) return;
+  const std::unordered_set<std::int64_t> owned(p.id.begin(), p.id.begin() + static_cast<std::ptrdiff_t>(p.owned));
+  for (const WaitingState& w : waiting) {
+    if (owned.contains(w.key.a)) states.push_back(w);
+  }
+}
+
+/// Sends bodies and state to the ranks whose shares they belong to. Collective.
+void share_out(const mpi::Communicator& comm, const std::vector<ParticleRecord>& bodies, const std::vector<WaitingState>& states,
+               Checkpoint& c) {
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<std::vector<ParticleRecord>> bodies_to(ranks);
+  for (const ParticleRecord& r : bodies) bodies_to[home_rank(r.id, comm.size())].push_back(r);
+  for (const auto& block : comm.exchange(bodies_to)) c.bodies.insert(c.bodies.end(), block.begin(), block.end());
+  std::sort(c.bodies.begin(), c.bodies.end(), [](const auto& l, const auto& r) { return l.id < r.id; });
+
+  for_each_kind(PairState{}, [&](const auto& kind) {
+    using Row = typename std::decay_t<decltype(kind)>::value_type;
+    std::vector<std::vector<KeyedRow<Row>>> rows_to(ranks);
+    for (const KeyedRow<Row>& r : keyed_rows<Row>(states)) {
+      const std::size_t first = home_rank(r.key.a, comm.size());
+      rows_to[first].push_back(r);
+      const bool two_bodies = r.key.zone < 0;
+      if (two_bodies && home_rank(r.key.b, comm.size()) != first) rows_to[home_rank(r.key.b, comm.size())].push_back(r);
+    }
+    // rows of a file come in any order: those of one pair may come from several ranks
+    std::vector<KeyedRow<Row>> mine;
+    for (const auto& block : comm.exchange(rows_to)) mine.insert(mine.end(), block.begin(), block.end());
+    std::sort(mine.begin(), mine.end(),
+              [](const auto& l, const auto& r) { return std::tie(l.key, l.row.key) < std::tie(r.key, r.row.key); });
+    add_rows(mine, c.states);
+  });
+  merge(c.states);
+}
+
+/// The state of a table, one entry for each row: share_out() puts those of one pair together.
+template <class Row>
+void read_states(const mpi::Communicator& comm, const h5::Group& root, std::vector<WaitingState>& states) {
+  std::vector<KeyedRow<Row>> rows;
+  for (const auto& r : read_columns<PairTableColumns<Row>>(comm, root.open_group(PairKind<Row>::kGroup), "a"))
+    rows.push_back({r.key(), r.row});
+  add_rows(rows, states);
+}
+
+template <class Row>
+std::vector<PairRow<Row>> table_of(const std::vector<WaitingState>& states) {
+  std::vector<PairRow<Row>> rows;
+  for (const KeyedRow<Row>& r : keyed_rows<Row>(states)) rows.push_back({r.key.a, r.key.b, r.key.zone, r.row});
+  return rows;
+}
+
+void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
+  const h5::File file(c.path);
+  const h5::Group& root = file.root();
+  check_format(root, kCheckpointFormat, kCheckpointFormatVersion);
+  c.step = root.read_integer_attribute("step");
+  c.step_size = root.read_double_attribute("step_size");
+  c.totals.level = root.read_integer_attribute("step_level");
+  if (root.read_integer_attribute("format_version") < 4) {
+    read_record(root, c.record);
+  } else {
+    read_record(root.open_group("record"), c.record);
+    c.origin = Vec3{root.read_double_attribute("origin_x"), root.read_double_attribute("origin_y"), root.read_double_attribute("origin_z")};
+  }
+  c.totals.max_depth_ratio = root.read_double_attribute("interval_max_depth_ratio");
+  c.state_hash = root.read_text_attribute("state_hash");
+  c.scene_sha256 = root.read_text_attribute("scene_sha256");
+  const auto words = root.read_array<std::int64_t>("totals", static_cast<std::int64_t>(ExactSum::kWords));
+  c.totals.sums.resize(words.size() / ExactSum::kWords);
+  for (std::size_t i = 0; i < c.totals.sums.size(); ++i) {
+    ExactSum::Words sum;
+    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(i * ExactSum::kWords), ExactSum::kWords, sum.begin());
+    c.totals.sums[i].set_words(sum);
+  }
+  bodies = read_columns<BodyTableColumns>(comm, root.open_group("bodies"), "id");
+  for_each_kind(PairState{}, [&](const auto& kind) { read_states<typename std::decay_t<decltype(kind)>::value_type>(comm, root, states); });
+}
+
+}  // namespace
+
+void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulation, const std::string& folder, const Checkpoint& so_far,
+                      const nlohmann::json& provenance) {
+  std::vector<ParticleRecord> bodies;
+  std::vector<WaitingState> states;
+  collect_state(simulation, bodies, states);
+  const RunTotals totals = simulation.totals();
+  std::vector<std::int64_t> words;
+  for (const ExactSum& sum : totals.sums) {
+    const ExactSum::Words w = sum.words();
+    words.insert(words.end(), w.begin(), w.end());
+  }
+  const std::string hash = simulation.state_hash();
+  // attributes are written by all ranks alike, and each has measured other times
+  RunRecord run = so_far.record;
+  static_assert(std::is_trivially_copyable_v<RunRecord>);
+  MPI_Bcast(&run, sizeof run, MPI_BYTE, 0, comm.get());
+  const Vec3 origin = so_far.origin.value_or(Vec3{});
+
+  mpi::on_all(comm, [&] {
+    const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
+    const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
+    std::int64_t bytes = body_rows.total * bytes_per_row<BodyTableColumns>() +
+                         static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
+    for_each_kind(PairState{}, [&](const auto& kind) {
+      using Row = typename std::decay_t<decltype(kind)>::value_type;
+      bytes += comm.sum(static_cast<std::int64_t>(keyed_rows<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
+    });
+    CollectiveFile file(comm.get(), folder + "/" + checkpoint_name(simulation.step()), bytes, CollectiveFile::Kind::checksummed);
+    {
+      const h5::Group& root = file.root();
+      root.write_attribute("format", kCheckpointFormat);
+      root.write_attribute("format_version", kCheckpointFormatVersion);
+      root.write_attribute("step", simulation.step());
+      root.write_attribute("step_size", simulation.step_size().step);
+      root.write_attribute("step_level", totals.level);
+      root.write_attribute("origin_x", origin.x);
+      root.write_attribute("origin_y", origin.y);
+      root.write_attribute("origin_z", origin.z);
+      root.write_attribute("interval_max_depth_ratio", totals.max_depth_ratio);
+      root.write_attribute("state_hash", hash);
+      root.write_attribute("scene_sha256", so_far.scene_sha256);
+      const h5::Group group = root.create_group("record");
+      for_each_number(run, [&](const std::string& name, const auto& value) { group.write_attribute(name, value); });
+      file.write_text(root, "provenance", record);
+      const auto sums = static_cast<std::int64_t>(totals.sums.size());  // the same on every rank: rank 0 writes them
+      file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
+                 static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
+      for_each_kind(PairState{}, [&](const auto& kind) {
+        using Row = typename std::decay_t<decltype(kind)>::value_type;
+        const std::vector<PairRow<Row>> rows = table_of<Row>(states);
+        write_columns<PairTableColumns<Row>>(file, root.create_group(PairKind<Row>::kGroup), rows,
+                                             distribute(comm.get(), static_cast<std::int64_t>(rows.size())));
+      });
+    }
+    file.commit();
+  });
+  mpi::on_root(comm, [&] {
+    const std::vector<std::string> all = list_checkpoints(folder);
+    for (std::size_t i = 0; i + 2 < all.size(); ++i) std::filesystem::remove(all[i]);
+  });
+}
+
+Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& path) {
+  Checkpoint c;
+  c.path = path;
+  std::vector<ParticleRecord> bodies;
+  std::vector<WaitingState> states;
+  mpi::on_all(comm, [&] { check_checksum(comm.get(), path); });
+  mpi::on_all(comm, [&] { read_whole_file(comm, c, bodies, states); });
+  share_out(comm, bodies, states, c);
+  return c;
+}
+
+Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simulation) {
+  Checkpoint c;
+  c.step = simulation.step();
+  c.step_size = simulation.step_size().step;
+  c.totals = simulation.totals();
+  c.state_hash = simulation.state_hash();
+  std::vector<ParticleRecord> bodies;
+  std::vector<WaitingState> states;
+  collect_state(simulation, bodies, states);
+  share_out(comm, bodies, states, c);
+  return c;
+}
+
+Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder) {
+  std::vector<std::string> paths;
+  mpi::on_root(comm, [&] { paths = list_checkpoints(folder); });
+  std::string refused;
+  while (true) {
+    const std::string path = broadcast_text(comm.get(), paths.empty() ? std::string() : paths.back());
+    if (path.empty()) {
+      mpi::on_root(comm, [&] {
+        if (refused.empty()) throw InputError("--restart latest: {} holds no checkpoint; start without --restart", folder);
+        throw InputError("{}; no older checkpoint is left: run the scene again into another folder", refused);
+      });
+    }
+    try {
+      Checkpoint checkpoint = read_checkpoint(comm, path);
+      const std::string name = std::filesystem::path(path).filename().string();
+      if (checkpoint_name(checkpoint.step) != name) throw InputError("{}: holds step {}, as its name does not say", path, checkpoint.step);
+      return checkpoint;
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::bad_data) throw;
+      refused = error.what();
+    }
+    if (comm.rank() == 0) {
+      paths.pop_back();
+      if (!paths.empty()) warn_once("scree-solver", fmt::format("{}; the run goes on from {}", refused, paths.back()));
+    }
+  }
+}
+
+void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation, Checkpoint checkpoint, const Vec3& origin) {
+  mpi::on_root(comm, [&] {
+    if (checkpoint.origin && *checkpoint.origin != origin) {
+      throw InputError(
+          "{}: was computed about another origin than this version of the solver chooses; continue with the version that wrote it",
+          checkpoint.path);
+    }
+  });
+  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size, checkpoint.totals);
+  const std::string hash = simulation.state_hash();
+  mpi::on_root(comm, [&] {
+    if (hash != checkpoint.state_hash) {
+      throw InputError("{}: its contents do not match the hash of their state; use another checkpoint", checkpoint.path);
+    }
+  });
+}
+
+}  // namespace scree

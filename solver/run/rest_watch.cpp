@@ -1,0 +1,96 @@
+#include "solver/run/rest_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/error.hpp"
+#include "solver/bodies/fluid.hpp"
+#include "solver/bodies/motion.hpp"
+#include "solver/run/run_log.hpp"
+
+namespace scree {
+
+namespace {
+
+/// When a wall moves for the last time [s].
+double end_of_motion(const WallMotion& m) {
+  double end = m.stop;
+  switch (m.kind) {
+    case WallMotion::Kind::none:
+      return 0;
+    case WallMotion::Kind::rotate:
+    case WallMotion::Kind::translate:
+      if (m.rate == 0) return 0;
+      break;
+    case WallMotion::Kind::oscillate:
+      if (m.amplitude == 0 || m.frequency == 0) return 0;
+      break;
+    case WallMotion::Kind::table: {
+      std::size_t last = m.table_time.size();
+      while (last > 1 && m.table_position[last - 1] == m.table_position[last - 2]) --last;
+      if (last < 2) return 0;
+      end = std::min(end, m.start + m.table_time[last - 1]);
+      break;
+    }
+  }
+  return end > m.start ? end : 0;
+}
+
+}  // namespace
+
+RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest) {
+  if (!active_) return;
+  const double g = length(scene.settings.gravity);
+  if (!(g > 0)) throw UsageError("time.stop_at_rest: without gravity nothing falls, so rest cannot be told; leave it out");
+  for (const Wall& wall : scene.walls) walls_stop_ = std::max(walls_stop_, end_of_motion(wall.motion));
+  std::optional<FluidForces> fluid;
+  if (scene.settings.fluid) fluid.emplace(scene);
+  constexpr double kWeightless = 1e-12;  // of the weight in a void: rounding of densities that agree
+  double energy = 0, longest = 0;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies.fixed[i] != 0) continue;
+    const double diameter = scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].equivalent_diameter();
+    const double mass = scene.mass(i), weight = fluid ? fluid->weight(i) : mass * g;
+    const bool falls = weight > kWeightless * mass * g;
+    const double pull = falls ? weight : mass * g;
+    double gain = pull * diameter;
+    if (fluid && falls) {
+      const double speed = fluid->terminal_speed(i);
+      gain = std::min(gain, 0.5 * mass * speed * speed);
+    }
+    energy += gain;
+    longest = std::max(longest, diameter * mass / pull);
+    fall_.emplace(scene.bodies.id[i], gain);
+  }
+  limit_ = kRestShare * energy;
+  window_ = std::sqrt(2 * longest);
+}
+
+double RestWatch::busiest(const ParticleSet& p) const {
+  double most = 0;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    const auto fall = fall_.find(p.id[i]);
+    if (fall != fall_.end()) most = std::max(most, (translational_energy(p, i) + rotational_energy(p, i)) / fall->second);
+  }
+  return most;
+}
+
+void RestWatch::add(double time, double kinetic) {
+  if (!(kinetic <= limit_)) last_busy_ = std::max(last_busy_, time);
+}
+
+void RestWatch::read_log(const std::string& path) {
+  if (!active_) return;
+  const TableRows log = read_table(path);
+  const std::size_t time = log.column("time"), translational = log.column("kinetic_translational"),
+                    rotational = log.column("kinetic_rotational");
+  if (std::max({time, translational, rotational}) >= log.names.size()) {
+    throw InputError("{}: lacks one of the columns time, kinetic_translational and kinetic_rotational; it is damaged or of another kind",
+                     path);
+  }
+  const auto value = [](const std::string& cell) { return std::strtod(cell.c_str(), nullptr); };
+  for (const auto& row : log.rows) add(value(row[time]), value(row[translational]) + value(row[rotational]));
+}
+
+}  // namespace scree

@@ -1,0 +1,48 @@
+// A whole run: folder, time loop, output when due, outcome.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solver/step/simulation.hpp"
+
+namespace scree {
+
+/// A scene as every rank holds it.
+struct LoadedScene {
+  Scene scene;
+  std::string sha256;
+  std::unique_ptr<SolverScene> prepared;
+  Vec3 origin;  ///< of the scene as it is computed, in the world [m], see origin.hpp
+};
+
+/// Reads and checks; what is wrong is told once, by rank 0. Collective.
+LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path);
+
+/// [s] Long enough for a frame on a slow file system; a stalled run then costs half an hour, not the night.
+inline constexpr double kStallLimit = 1800;
+
+/// [s] of wall time between the checkpoints of a case that says nothing of them.
+inline constexpr double kCheckpointInterval = 1800;
+
+struct RunOptions {
+  std::string scene_path, run_folder;
+  std::string restart;  ///< checkpoint path, "latest", "auto", or "" for a fresh start
+  ParallelOptions parallel;
+  double stall_limit = kStallLimit;                  ///< [s], 0: wait for ever; see Watchdog
+  double checkpoint_interval = kCheckpointInterval;  ///< [s] of wall time, for a case that says nothing of checkpoints; 0: only at the end
+  std::function<void(const std::string&)> stalled;   ///< ends the process with a message
+  std::vector<std::string> command;
+};
+
+/// Runs a scene to its end. Returns the exit code: done, or 128 + n after signal n (a checkpoint is kept).
+/// "auto" restarts from the newest checkpoint, and starts afresh in the same folder when a run ended before its first one.
+/// Throws RunInvalid after the last state was kept (exit 5), and what files and MPI throw. Collective.
+int run_scene(const mpi::Communicator& comm, const RunOptions& options);
+
+/// Text of --plan: what this scene needs and what is left out and why, memory, step size, time.
+std::string plan_text(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation);
+
+}  // namespace scree

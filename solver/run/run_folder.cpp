@@ -1,0 +1,211 @@
+#include "solver/run/run_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "core/base/provenance.hpp"
+#include "core/storage/h5.hpp"
+
+namespace scree {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLockName = ".lock";
+// What the solver writes besides frames and checkpoints.
+constexpr std::array kSingleFiles{"scene.h5", "log.csv", "ranks.csv", "steps.csv", "removed.csv", "run.json", "frames.hdf.series"};
+
+/// The number between the two ends of a name, when `name_of` gives the same name for it.
+std::optional<std::int64_t> number_in(const std::string& name, std::string_view front, std::string_view back,
+                                      std::string (*name_of)(std::int64_t)) {
+  if (name.size() <= front.size() + back.size() || !name.starts_with(front) || !name.ends_with(back)) return {};
+  const char *first = name.data() + front.size(), *last = name.data() + name.size() - back.size();
+  std::int64_t number = -1;
+  const auto [end, error] = std::from_chars(first, last, number);
+  if (error != std::errc() || end != last || number < 0 || name_of(number) != name) return {};
+  return number;
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) files.push_back(entry.path());
+  return files;
+}
+
+/// "process 123 on node7 since 2026-01-01 12:00:00 UTC"
+std::string owner_text() {
+  char host[256] = "", date[64] = "";
+  gethostname(host, sizeof host - 1);
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::strftime(date, sizeof date, "%Y-%m-%d %H:%M:%S UTC", &utc);
+  return fmt::format("process {} on {} since {}", getpid(), host, date);
+}
+
+}  // namespace
+
+std::string frame_name(std::int64_t number) { return fmt::format("frame_{:06}.hdf", number); }
+std::string checkpoint_name(std::int64_t step) { return fmt::format("checkpoint_{:012}.h5", step); }
+std::optional<std::int64_t> frame_number_of(const std::string& name) { return number_in(name, "frame_", ".hdf", frame_name); }
+std::optional<std::int64_t> checkpoint_step_of(const std::string& name) { return number_in(name, "checkpoint_", ".h5", checkpoint_name); }
+
+bool is_left_over(const std::string& name) {
+  constexpr std::string_view kEnding = ".tmp";
+  if (!name.starts_with(".") || !name.ends_with(kEnding)) return false;
+  const std::string inner = name.substr(1, name.size() - 1 - kEnding.size());
+  const std::size_t dot = inner.rfind('.');
+  if (dot == std::string::npos || dot + 1 == inner.size() || inner.find_first_not_of("0123456789", dot + 1) != std::string::npos)
+    return false;
+  const std::string target = inner.substr(0, dot);
+  return frame_number_of(target) || checkpoint_step_of(target) ||
+         std::find(kSingleFiles.begin(), kSingleFiles.end(), target) != kSingleFiles.end();
+}
+
+std::vector<std::string> list_checkpoints(const std::string& folder) {
+  std::vector<std::pair<std::int64_t, std::string>> found;
+  for (const fs::path& file : files_in(folder)) {
+    if (const auto step = checkpoint_step_of(file.filename().string())) found.emplace_back(*step, file.string());
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> paths;
+  for (auto& [step, path] : found) paths.push_back(std::move(path));
+  return paths;
+}
+
+std::optional<std::int64_t> completed_at(const std::string& folder) {
+  std::ifstream file(fs::path(folder) / "run.json");
+  const nlohmann::json run = nlohmann::json::parse(file, nullptr, false);
+  if (!run.is_object() || run.value("outcome", nlohmann::json()) != "completed") return {};
+  const nlohmann::json steps = run.value("steps", nlohmann::json());
+  if (!steps.is_number_integer()) return {};
+  return steps.get<std::int64_t>();
+}
+
+void check_run_folder(const std::string& folder, const std::string& scene_path, const std::string& scene_sha256,
+                      const std::string& restart) {
+  std::error_code error;
+  const bool exists = fs::exists(folder, error);
+  if (exists && !fs::is_directory(folder)) throw UsageError("-o {}: exists and is a file; name a folder", folder);
+  const std::vector<fs::path> files = files_in(folder);
+  const auto counts = [](const fs::path& file) {
+    const std::string name = file.filename().string();
+    return name != kLockName && !is_left_over(name);
+  };
+  const bool is_empty = std::none_of(files.begin(), files.end(), counts);
+  if (!is_empty && restart.empty()) {
+    throw UsageError("-o {}: exists and is not empty; remove it, choose another name, or continue it with --restart latest or auto",
+                     folder);
+  }
+  const fs::path scene = fs::path(folder) / "scene.h5";
+  const bool has_scene = fs::exists(scene, error), has_checkpoint = !list_checkpoints(folder).empty();
+  if (has_scene && sha256_of_file(scene.string()) != scene_sha256) {
+    throw UsageError("-o {}: holds a run of another scene than {}; choose another folder", folder, scene_path);
+  }
+  if (restart == "latest" && !has_checkpoint) {
+    throw InputError("--restart latest: {} holds no checkpoint; start without --restart", folder);
+  }
+  if (!is_empty && !has_scene && !has_checkpoint)
+    throw UsageError("-o {}: exists, is not empty and is no run; choose another folder", folder);
+  if (exists && access(folder.c_str(), W_OK) != 0) {
+    throw SystemError("-o {}: {}; choose a folder that is writable", folder, std::strerror(errno));
+  }
+}
+
+FolderLock::FolderLock(const std::string& folder) : folder_(folder), path_((fs::path(folder) / kLockName).string()) {
+  const auto refuse = [&](const std::string& reason) {
+    if (made_folder_) rmdir(folder_.c_str());
+    throw SystemError("-o {}: {}; choose a folder that is writable", folder_, reason);
+  };
+  std::error_code error;
+  made_folder_ = fs::create_directories(folder, error);
+  if (error) refuse(error.message());
+  while (true) {
+    file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file_ < 0) refuse(std::strerror(errno));
+    while (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      const int reason = errno;
+      if (reason == EINTR) continue;
+      if (reason == EWOULDBLOCK) {
+        std::array<char, 512> owner{};
+        const ssize_t length = pread(file_, owner.data(), owner.size() - 1, 0);
+        close(file_);
+        throw UsageError("-o {}: another scree-solver is at work in it ({}); wait for its end, stop it, or choose another folder", folder_,
+                         length > 0 ? owner.data() : "its name is not known");
+      }
+      warn_once("scree-solver", fmt::format("-o {}: no file locks here ({}): a second solver in the same folder would not be noticed",
+                                            folder_, std::strerror(reason)));
+      break;
+    }
+    // the owner before may have removed the file between our opening and locking it: then the lock is on no file at all
+    struct stat held {
+    }, named{};
+    if (fstat(file_, &held) == 0 && stat(path_.c_str(), &named) == 0 && held.st_dev == named.st_dev && held.st_ino == named.st_ino) break;
+    close(file_);
+  }
+  const std::string owner = owner_text();
+  // on a full disk the lock holds without its text
+  if (ftruncate(file_, 0) != 0 || pwrite(file_, owner.data(), owner.size(), 0) < 0) errno = 0;
+}
+
+FolderLock::~FolderLock() {
+  unlink(path_.c_str());  // while it is still ours: see the constructor
+  close(file_);
+  if (made_folder_) rmdir(folder_.c_str());  // succeeds only when it is empty
+}
+
+void open_run_folder(const std::string& folder, const std::string& scene_path) {
+  std::error_code error;
+  fs::remove(fs::path(folder) / "run.json", error);
+  // the scene travels with the run, so that post needs nothing else
+  const fs::path copy = fs::path(folder) / "scene.h5", temporary = h5::temporary_name(copy.string());
+  if (fs::exists(copy)) return;
+  if (!fs::copy_file(scene_path, temporary, fs::copy_options::overwrite_existing, error)) {
+    throw SystemError("cannot write {}: {}", copy.string(), error.message());
+  }
+  h5::publish_file(temporary.string(), copy.string());
+}
+
+std::vector<FrameEntry> trim_run_folder(const std::string& folder, const FrameSteps& steps, std::int64_t step) {
+  std::vector<FrameEntry> kept;
+  std::vector<fs::path> later;
+  for (const fs::path& file : files_in(folder)) {
+    const std::string name = file.filename().string();
+    if (const auto frame = frame_number_of(name)) {
+      // a number that no run reaches must not overflow
+      const std::int64_t frame_step = *frame > steps.last / steps.interval ? steps.last : *frame * steps.interval;
+      if (frame_step <= step) {
+        kept.push_back({file.string(), static_cast<double>(frame_step) * steps.step_size});
+        continue;
+      }
+      later.push_back(file);
+    } else if (const auto checkpoint = checkpoint_step_of(name); (checkpoint && *checkpoint > step) || is_left_over(name)) {
+      later.push_back(file);
+    }
+  }
+  std::sort(kept.begin(), kept.end(), [](const FrameEntry& l, const FrameEntry& r) { return l.time < r.time; });
+  const fs::path series = fs::path(folder) / "frames.hdf.series";
+  if (!kept.empty())
+    write_frame_series(folder, kept);
+  else
+    fs::remove(series);
+  for (const fs::path& file : later) fs::remove(file);
+  return kept;
+}
+
+}  // namespace scree

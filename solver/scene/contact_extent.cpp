@@ -1,0 +1,44 @@
+#include "solver/scene/contact_extent.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <vector>
+
+namespace scree {
+
+double largest_contact_area(const SolverShape& shape, double thickness) {
+  std::vector<double> area(static_cast<std::size_t>(shape.features.region_count), 0.0);
+  for (std::int32_t t = 0; t < shape.mesh.triangle_count(); ++t) {
+    const Vec3 p[3] = {shape.mesh.corner(t, 0), shape.mesh.corner(t, 1), shape.mesh.corner(t, 2)};
+    area[static_cast<std::size_t>(shape.features.region[static_cast<std::size_t>(t)])] += 0.5 * length(cross(p[1] - p[0], p[2] - p[0]));
+  }
+  double largest = 2 * std::numbers::pi * shape.radius * thickness;
+  for (const double flat : area) largest = std::max(largest, flat);
+  return largest;
+}
+
+std::int64_t triangles_on_plane(const TriangleMesh& mesh, double thickness) {
+  std::vector<Vec3> of_triangle, of_vertex(mesh.vertices.size());
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    of_triangle.push_back(cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0)));
+    for (const std::int32_t v : mesh.triangles[static_cast<std::size_t>(t)]) of_vertex[static_cast<std::size_t>(v)] += of_triangle.back();
+  }
+  std::int64_t most = 0;
+  std::vector<double> height(mesh.vertices.size());
+  for (const std::vector<Vec3>* directions : {&of_triangle, &of_vertex}) {
+    const std::size_t stride = directions->size() / kSpringDirections + 1;
+    for (std::size_t d = 0; d < directions->size(); d += stride) {
+      const double norm = length((*directions)[d]);
+      if (!(norm > 0)) continue;
+      for (std::size_t v = 0; v < height.size(); ++v) height[v] = dot((*directions)[d], mesh.vertices[v]) / norm;
+      const double within = *std::max_element(height.begin(), height.end()) - thickness;
+      most =
+          std::max(most, std::count_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+                     return std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return height[static_cast<std::size_t>(v)] > within; });
+                   }));
+    }
+  }
+  return most;
+}
+
+}  // namespace scree

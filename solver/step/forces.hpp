@@ -1,0 +1,53 @@
+// Distances, features and forces of a list of pairs: the heart of a step.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+
+#include "core/storage/contact_limits.hpp"
+#include "core/storage/frame_file.hpp"
+#include "solver/neighbours/pair_list.hpp"
+
+namespace scree {
+
+/// Scratch memory of each thread, and of a step whose pairs are timed.
+struct ForceScratch {
+  std::vector<MeshDistanceScratchPtr> distance;  ///< one per thread
+  std::vector<float> pair_seconds;               ///< when not empty, one per pair: evaluate_pairs fills in what each took
+  ForceScratch();
+};
+
+/// A pair in contact as it is looked at: borrowed, valid during the call.
+struct PairLook {
+  const BodyPair& pair;
+  std::span<const ContactFeature> features;  ///< frame of A
+  const PairForce& force;
+  const PairMotion& motion;
+  double exponent;  ///< of the normal force in the effective depth
+  const PairLaw& law;
+};
+using PairLooker = std::function<void(const PairLook&)>;
+
+/// Evaluates the pairs named by `which` and fills their results. Renews the candidate lists whose skin is used up.
+///
+/// in   dt        step of the run [s]
+/// in   friction_dt  dt, or 0: friction springs stay as they are
+/// Returns the largest depth over its margin sum.
+/// in   out       when not null (one thread): every contact is appended to it
+/// Throws RunInvalid naming both bodies when two meshes intersect, when they move so fast that they could have passed through each
+/// other since the last step, or when the depth passes kStopDepthRatio.
+/// Threads: parallel inside.   Ranks: local.
+double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                      std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
+                      PairList& list, FrameContacts* out = nullptr, const PairLooker* look = nullptr);
+
+/// Shows every pair in contact to `look`, one after another; changes neither springs nor results. Damping is shown
+/// without its corrections for the step.
+void look_at_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
+                   std::int64_t step, ForceScratch& scratch, PairList& list, const PairLooker& look);
+
+/// Whether this rank counts a pair in sums over the scene: the owner of A does.
+inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }
+
+}  // namespace scree

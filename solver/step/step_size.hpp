@@ -1,0 +1,56 @@
+// The step size, derived from the stiffest contact that can occur, from approach against margin, and from spin.
+#pragma once
+
+#include <string>
+
+#include "solver/bodies/particle_set.hpp"
+#include "solver/ranks/mpi_session.hpp"
+
+namespace scree {
+
+struct StepSize {
+  double step = 0;                  ///< [s]
+  double contact_time = 0;          ///< half period of the limiting contact [s]; 0: no contact can occur
+  double slowest_contact_time = 0;  ///< half period of the most sluggish body's contact [s]; 0: no contact can occur
+  std::string limited_by;           ///< "body 17 (rock) on fixed steel", for the user
+  bool given = false;               ///< taken from the case
+  /// Step above which the limiting contact is unstable, damping left out [s]: 2 / omega.
+  double critical() const { return contact_time * 2 / 3.14159265358979323846; }
+};
+
+/// Share of the sum of their margins by which two surfaces may come nearer in a step.
+inline constexpr double kMarginPerStep = 0.2;
+/// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
+inline constexpr double kTurnPerStep = 0.1;
+
+/// Steps that a contact of damping ratio zeta takes at least: this many times 1 + zeta. Restitution is then within .02 of that requested
+/// at any phase of touch. With the least restitution (laws/restitution.hpp) it is 29: the default of 30 is never changed.
+inline constexpr double kStepsPerDamping = 5;
+/// A given step is refused for pairs damped more than this (restitution below .25) when it is longer than that. Below, damping needs
+/// fewer than 8 steps, and what is wrong at a step so coarse is not the damping.
+inline constexpr double kStrongDamping = 0.6;
+
+/// The smallest of
+///   contact   pi / sqrt(k n^(2/q) W) / steps_per_contact over all materials that can meet; W sums over both bodies the
+///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x| (a ball turns by friction only,
+///             whose share of the stiffness counts instead); n = 4 features (a face on a face), 1 for spheres and walls without edges;
+///             gather = "pairs" counts SolverScene::springs_per_pair in place of n^(2/q)
+///   damping   the same over kStepsPerDamping (1 + zeta), where a pair's restitution is so low that this is more than steps_per_contact
+///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
+///             fast without approaching anything is watched in every step instead (pass_through.hpp)
+///   spin      kTurnPerStep / |w|, of the bodies as they start
+/// Source: docs/reference/contact-law.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
+/// reach (a factor 2.6 for an elongated asteroid); docs/reference/validation-plan.md section 4.3. Collective.
+/// A given step is taken as it is. Throws UsageError when it is more than kMostCritical critical steps, or too long for
+/// the damping of a pair.
+StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
+
+/// Warned of from here on: the most sluggish body's contact lasts this many times the one that limits the step. A grading of
+/// 1 : 10 in size has 30; a run beyond 300 spends nearly all its steps on a few light bodies.
+inline constexpr double kUnevenContacts = 300;
+
+/// Beyond this many critical steps of the stiffest contact that can occur a given step is refused at the start. In between it
+/// is warned of: the contacts that do occur may be softer, and the guard of the energy watches them.
+inline constexpr double kMostCritical = 2.5;
+
+}  // namespace scree
