@@ -138,7 +138,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   result.output += solid_fraction_line(report.particle_volume, report.container_volume);
   result.output += fmt::format("margin             {} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
                                format_quantity(scene.settings.margin, Dimension::length), c.margin_given ? "given" : "derived",
-                               format_quantity(report.fastest_impact, Dimension::velocity), report.depth_share);
+                               format_quantity(report.fastest_impact, Dimension::velocity), report.overlap_share);
   result.output += sizes_text(c, scene);
   if (!options.sizes.empty()) {
     h5::write_text_file(options.sizes + ".csv", sizes_table(c, scene));

@@ -10,11 +10,11 @@ const char* phase_name(Phase phase) {
       return "search";
     case Phase::sort:
       return "sort";
-    case Phase::distance:
+    case Phase::contact:
       return "contact";
-    case Phase::twice:
+    case Phase::duplicated:
       return "twice";
-    case Phase::gather:
+    case Phase::sum:
       return "gather";
     case Phase::integrate:
       return "integrate";

@@ -78,7 +78,7 @@ struct alignas(32) PlacedNode {
 
 /// What was made lately for leaves or nodes, by their index: each has one place, which it shares with others.
 template <class T>
-class LatelyMade {
+class RecentCache {
  public:
   /// The place of `index`, and whether it has to be filled, which is then taken as done.
   std::pair<T&, bool> place_of(std::int32_t index) {
@@ -96,9 +96,9 @@ class LatelyMade {
 
 struct DescentScratch {
   /// Leaves and nodes of B placed lately, nodes of A in B's frame, and leaves of A: the same one meets several of the other body.
-  LatelyMade<PlacedLeaf> placed_leaves;
-  LatelyMade<PlacedNode> placed_nodes, turned_nodes;
-  LatelyMade<LeafBounds> own_leaves;
+  RecentCache<PlacedLeaf> placed_leaves;
+  RecentCache<PlacedNode> placed_nodes, turned_nodes;
+  RecentCache<LeafBounds> own_leaves;
   float root_lower[3][kBvhWidth], root_upper[3][kBvhWidth];  ///< of A, in the first column
   std::vector<SubtreePair> pairs;
   std::vector<TrianglePair> candidates;

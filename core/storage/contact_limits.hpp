@@ -3,8 +3,8 @@
 
 namespace scree {
 
-/// The depth over the margin sum at which a run is stopped: beyond it a step could carry a feature through the
+/// The overlap over the margin sum at which a run is stopped: beyond it a step could carry a feature through the
 /// surface unseen. Pairs without margin (analytic spheres) have no such limit; a contact.barrier reaches deeper.
-inline constexpr double kStopDepthRatio = 0.97;
+inline constexpr double kStopOverlapRatio = 0.97;
 
 }  // namespace scree

@@ -30,7 +30,7 @@ void check_sizes(const Frame& frame) {
                b.orientation.size() == n && b.velocity.size() == n && b.angular_velocity.size() == n);
   const FrameContacts& c = frame.contacts;
   const std::size_t m = c.size();
-  SCREE_ASSERT(c.body_b.size() == m && c.feature.size() == m && c.point.size() == m && c.normal.size() == m && c.depth.size() == m &&
+  SCREE_ASSERT(c.body_b.size() == m && c.feature.size() == m && c.point.size() == m && c.normal.size() == m && c.overlap.size() == m &&
                c.margin.size() == m && c.normal_force.size() == m && c.tangential_force.size() == m);
   const FrameWalls& w = frame.walls;
   const std::size_t k = w.id.size();
@@ -80,7 +80,7 @@ void write_contacts(CollectiveFile& file, const FrameContacts& contacts, const R
   file.write(group, "feature", contacts.feature, rows, "");
   file.write(group, "point", contacts.point, rows, "m");
   file.write(group, "normal", contacts.normal, rows, "");
-  file.write(group, "depth", contacts.depth, rows, "m");
+  file.write(group, "depth", contacts.overlap, rows, "m");
   file.write(group, "margin", contacts.margin, rows, "m");
   file.write(group, "normal_force", contacts.normal_force, rows, "N");
   file.write(group, "tangential_force", contacts.tangential_force, rows, "N");
@@ -206,7 +206,7 @@ FrameContacts read_contacts(const h5::Group& group) {
   c.feature = group.read_array<std::int64_t>("feature", 1);
   c.point = group.read_vectors("point");
   c.normal = group.read_vectors("normal");
-  c.depth = group.read_array<double>("depth", 1);
+  c.overlap = group.read_array<double>("depth", 1);
   c.margin = group.read_array<double>("margin", 1);
   c.normal_force = group.read_array<double>("normal_force", 1);
   c.tangential_force = group.read_vectors("tangential_force");
@@ -215,7 +215,7 @@ FrameContacts read_contacts(const h5::Group& group) {
   expect_rows(group, "feature", c.feature, n);
   expect_rows(group, "point", c.point, n);
   expect_rows(group, "normal", c.normal, n);
-  expect_rows(group, "depth", c.depth, n);
+  expect_rows(group, "depth", c.overlap, n);
   expect_rows(group, "margin", c.margin, n);
   expect_rows(group, "normal_force", c.normal_force, n);
   expect_rows(group, "tangential_force", c.tangential_force, n);
@@ -230,7 +230,7 @@ FrameContacts read_contacts(const h5::Group& group) {
   permute(c.feature, order);
   permute(c.point, order);
   permute(c.normal, order);
-  permute(c.depth, order);
+  permute(c.overlap, order);
   permute(c.margin, order);
   permute(c.normal_force, order);
   permute(c.tangential_force, order);

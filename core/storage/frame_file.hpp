@@ -34,7 +34,7 @@ struct FrameContacts {
   std::vector<std::int64_t> feature;   ///< key, unique within the body pair
   std::vector<Vec3> point;             ///< [m]
   std::vector<Vec3> normal;            ///< unit
-  std::vector<double> depth;           ///< [m], margin sum minus gap
+  std::vector<double> overlap;         ///< [m], margin sum minus gap
   std::vector<double> margin;          ///< [m], margin sum
   std::vector<double> normal_force;    ///< [N], on a along the normal
   std::vector<Vec3> tangential_force;  ///< [N], on a

@@ -52,7 +52,7 @@ double effective_shear_modulus(const Material& a, const Material& b) {
   return 1 / (2 * (2 - a.poisson) * (1 + a.poisson) / a.young + 2 * (2 - b.poisson) * (1 + b.poisson) / b.young);
 }
 
-double hertz_impact_depth(double modulus, double radius, double mass, double speed) {
+double hertz_impact_overlap(double modulus, double radius, double mass, double speed) {
   return std::pow(15 * mass * speed * speed / (16 * modulus * std::sqrt(radius)), 0.4);
 }
 

@@ -41,8 +41,8 @@ struct MaterialPair {
 double effective_modulus(const Material& a, const Material& b);
 /// G* [Pa] of two materials: 1/G* = sum of 2 (2 - poisson) (1 + poisson) / young.
 double effective_shear_modulus(const Material& a, const Material& b);
-/// Greatest depth [m] of an elastic Hertz impact: (15 m v^2 / (16 E* sqrt(R*)))^(2/5).
-double hertz_impact_depth(double modulus, double radius, double mass, double speed);
+/// Greatest overlap [m] of an elastic Hertz impact: (15 m v^2 / (16 E* sqrt(R*)))^(2/5).
+double hertz_impact_overlap(double modulus, double radius, double mass, double speed);
 
 /// One row of a BodyTable: a body that moves, placed by itself and at rest, unless said otherwise.
 struct BodyRow {

@@ -21,7 +21,7 @@ inline constexpr std::uint64_t kAttempts = 50000;
 
 /// Largest share of the margins that an impact should use up by the design rule (docs/reference/validation-plan.md section 2 of the
 /// design papers: depth/margin at most 0.5, with a reserve for several contacts at once).
-inline constexpr double kDepthShare = 0.4;
+inline constexpr double kOverlapShare = 0.4;
 
 struct PackingReport {
   std::vector<double> solid_fraction;  ///< of each population in its region
@@ -29,7 +29,7 @@ struct PackingReport {
   double container_volume = 0;         ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
   std::uint64_t attempts = 0;
   double fastest_impact = 0;  ///< estimate [m/s]
-  double depth_share = 0;     ///< share of the margins that it uses up; above 1 the run will stop
+  double overlap_share = 0;   ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;
   std::vector<std::string> doubts;  ///< doubts.hpp
 };

@@ -147,7 +147,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
       const double modulus =
           effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
       const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.25 * smallest;  // two bodies of the smallest size
-      const double pressed = heaviest > 0 ? hertz_impact_depth(modulus, radius, heaviest, report.fastest_impact) : 0;
+      const double pressed = heaviest > 0 ? hertz_impact_overlap(modulus, radius, heaviest, report.fastest_impact) : 0;
       if (pressed > 0) softest = std::min(softest, heaviest * std::pow(report.fastest_impact / pressed, 2));
     }
   } else {
@@ -161,8 +161,8 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   double& margin = scene.settings.margin;
   if (!c.margin_given && heaviest > 0) {
     constexpr double kSmallestShare = 0.01, kNoticeShare = 0.05, kLargestShare = 0.2;  // of the smallest body's diameter
-    const double derived = std::max(0.5 * depth / kDepthShare, kSmallestShare * smallest);
-    const double needed = heaviest * std::pow(report.fastest_impact / (kDepthShare * 2 * kNoticeShare * smallest), 2);
+    const double derived = std::max(0.5 * depth / kOverlapShare, kSmallestShare * smallest);
+    const double needed = heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2);
     const std::string from = fmt::format(
         "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({})", format_quantity(heaviest, Dimension::mass),
         format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness));
@@ -172,7 +172,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     const bool is_free_of_limits = from_touch && c.settings.law == "hertz-mindlin";
     const std::string advice = from_touch
                                    ? fmt::format("{} press spheres into each other by {}, {:.0f} % of the smallest diameter; {} {:.0f} %",
-                                                 from, metres(depth), 100 * depth / smallest, cure, 100 * 2 * kDepthShare * kNoticeShare)
+                                                 from, metres(depth), 100 * depth / smallest, cure, 100 * 2 * kOverlapShare * kNoticeShare)
                                    : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from,
                                                  metres(derived), 100 * derived / smallest, cure, 100 * kNoticeShare);
     if (derived > kLargestShare * smallest && !is_free_of_limits) {
@@ -187,15 +187,15 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
         "{}: contact.margin = 0: meshes need a margin > 0 (typically 1 to 3 % of the body's size); leave it out to have it derived",
         c.path);
   }
-  if (margin > 0) report.depth_share = depth / (2 * margin);
+  if (margin > 0) report.overlap_share = depth / (2 * margin);
   constexpr double kWarnShare = 0.8;
-  if (report.depth_share > kWarnShare) {
-    report.notices.push_back(
-        fmt::format("the fastest impact expected ({}) of the heaviest body ({}) would use up {:.2f} of the margins and end the run; "
-                    "raise stiffness to {} or margin to {}",
-                    format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(heaviest, Dimension::mass),
-                    report.depth_share, format_quantity(softest * std::pow(report.depth_share / kDepthShare, 2), Dimension::stiffness),
-                    metres(margin * report.depth_share / kDepthShare)));
+  if (report.overlap_share > kWarnShare) {
+    report.notices.push_back(fmt::format(
+        "the fastest impact expected ({}) of the heaviest body ({}) would use up {:.2f} of the margins and end the run; "
+        "raise stiffness to {} or margin to {}",
+        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(heaviest, Dimension::mass), report.overlap_share,
+        format_quantity(softest * std::pow(report.overlap_share / kOverlapShare, 2), Dimension::stiffness),
+        metres(margin * report.overlap_share / kOverlapShare)));
   }
 }
 

@@ -95,12 +95,12 @@ void Packer::place_given_bodies() {
     std::size_t wall = 0;
     const std::vector<Vec3> vertices = body.world_vertices();
     // what touches deeper than this ends the run before its first step
-    const double deepest = scene_.settings.barrier > 0 ? 0 : (1 - kStopDepthRatio) * gap();
+    const double deepest = scene_.settings.barrier > 0 ? 0 : (1 - kStopOverlapRatio) * gap();
     const double touch = std::max(kTouch * body.radius(), deepest);
     if (!b.fixed && !walls_allow(body, vertices, touch, &wall)) {
       throw InputError(
           "{}: overlaps {} (wall '{}'), touches it to more than {} of the margins, or lies behind it; move it, or set contact.relax = true",
-          b.where, case_.walls[wall].where, scene_.walls[wall].name, kStopDepthRatio);
+          b.where, case_.walls[wall].where, scene_.walls[wall].name, kStopOverlapRatio);
     }
     if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
       report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
@@ -118,7 +118,7 @@ void Packer::place_given_bodies() {
       const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
       if (!(found > deepest)) {
         throw InputError("{}: overlaps {}, or touches it to more than {} of the margins; move one of them, or set contact.relax = true",
-                         b.where, other.where, kStopDepthRatio);
+                         b.where, other.where, kStopOverlapRatio);
       }
       if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
     }

@@ -55,7 +55,7 @@ void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std
   if (s.law == "hertz-mindlin" && moves && !scene.pairs.empty() && !(s.margin > 0) && !(s.impact_speed > 0) && !(s.step > 0)) {
     throw UsageError(
         "{}: contact.impact_speed is missing, and the case has no speed, no fall and no moving wall to derive it from: the step follows "
-        "from the stiffness of a Hertz contact, which grows with its depth; give the speed of the fastest impact, or time.step",
+        "from the stiffness of a Hertz contact, which grows with its overlap; give the speed of the fastest impact, or time.step",
         c.path);
   }
 }

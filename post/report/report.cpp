@@ -304,14 +304,14 @@ std::string contact_section(const Run& run) {
           (LineChart{"Contact points", "time", "s", "contact points", "", false, true, {{"contacts", t, run.log.column("contacts")}}, {}}));
     }
     if (run.scene.settings.margin > 0) {
-      html += figure((LineChart{"Largest depth over margin",
+      html += figure((LineChart{"Largest overlap over margin",
                                 "time",
                                 "s",
-                                "depth / margin",
+                                "overlap / margin",
                                 "",
                                 false,
                                 true,
-                                {{"depth / margin", t, run.log.column("max_depth_ratio")}},
+                                {{"overlap / margin", t, run.log.column("max_depth_ratio")}},
                                 {{1.0, "1: the surfaces would touch"}}}));
     }
   }

@@ -73,7 +73,7 @@ Verdict judge_energy(const Run& run) {
 }
 
 Verdict judge_depth(const Run& run) {
-  Verdict v{"Contact depth", Judgement::information, "", ""};
+  Verdict v{"Contact overlap", Judgement::information, "", ""};
   const double ratio = std::max(largest(run.log, "max_depth_ratio"), number_in(run.outcome, "max_depth_ratio", 0));
   if (run.scene.settings.margin <= 0) {
     v.answer = "no margin in this case";
@@ -81,7 +81,7 @@ Verdict judge_depth(const Run& run) {
     return v;
   }
   v.answer = fmt::format("at most {:.3f} of the margin", ratio);
-  v.judgement = ratio < kDepthDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
+  v.judgement = ratio < kOverlapDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
   v.evidence =
       "Depth over the sum of both margins, the largest of all contacts and steps. Below 1 no two surfaces ever met; "
       "near 1 choose a larger stiffness or margin.";

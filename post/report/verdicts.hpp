@@ -20,9 +20,9 @@ struct Verdict {
 /// Limits of the verdicts. They are those of the project's acceptance, not of taste.
 inline constexpr double kEnergyGood = 0.01;  ///< balance error over the largest energy that was in play
 inline constexpr double kEnergyDoubtful = 0.05;
-inline constexpr double kDepthDoubtful = 0.8;  ///< depth over margin; at 1 the surfaces themselves would touch
-inline constexpr double kRestKinetic = 1e-6;   ///< kinetic energy over its peak
-inline constexpr double kStepGood = 0.2;       ///< step over the critical step of the contacts: where energies hold to a per cent
+inline constexpr double kOverlapDoubtful = 0.8;  ///< overlap over margin; at 1 the surfaces themselves would touch
+inline constexpr double kRestKinetic = 1e-6;     ///< kinetic energy over its peak
+inline constexpr double kStepGood = 0.2;         ///< step over the critical step of the contacts: where energies hold to a per cent
 inline constexpr double kStepDoubtful =
     0.5;  ///< above it energies err by per cents; the solver refuses a given step only above kMostCritical (solver/step/step_size.hpp)
 inline constexpr double kImbalanceGood = 1.3;  ///< largest over mean work of the ranks; more costs time, never correctness

@@ -131,7 +131,7 @@ Frame ChosenBodies::part_of(Frame frame, const std::unordered_set<std::int64_t>&
   take(c.feature, rows);
   take(c.point, rows);
   take(c.normal, rows);
-  take(c.depth, rows);
+  take(c.overlap, rows);
   take(c.margin, rows);
   take(c.normal_force, rows);
   take(c.tangential_force, rows);

@@ -76,7 +76,7 @@ ContactStatistics contact_statistics(const Frame& frame, const std::unordered_se
   std::map<std::pair<std::int64_t, std::int64_t>, Vec3> resultant;
   std::size_t points_of_particles = 0, among_particles = 0;
   for (std::size_t i = 0; i < c.size(); ++i) {
-    if (c.margin[i] > 0) s.max_depth_ratio = std::max(s.max_depth_ratio, c.depth[i] / c.margin[i]);
+    if (c.margin[i] > 0) s.max_overlap_ratio = std::max(s.max_overlap_ratio, c.overlap[i] / c.margin[i]);
     if (!(c.normal_force[i] > 0)) continue;
     const bool a_moves = !boundary.contains(c.body_a[i]), b_moves = !boundary.contains(c.body_b[i]);
     ++s.contacts;
@@ -134,7 +134,7 @@ nlohmann::json json_of(const ContactStatistics& s) {
           {"coordination", s.coordination},
           {"coordination_without_rattlers", s.coordination_without_rattlers},
           {"contacts_per_particle", s.contacts_per_particle},
-          {"max_depth_ratio", s.max_depth_ratio},
+          {"max_depth_ratio", s.max_overlap_ratio},
           {"normal_force_per_contact", json_of(s.contact_force)},
           {"force_per_pair", json_of(s.pair_force)},
           {"fabric", json_of(s.fabric)},
@@ -163,7 +163,7 @@ std::string table_of(const ContactStatistics& s) {
   }
   text += fmt::format("                           principal {:.4f} {:.4f} {:.4f} (isotropic: 0.3333)\n", s.fabric_principal.x,
                       s.fabric_principal.y, s.fabric_principal.z);
-  text += fmt::format("depth / margin             at most {:.4f}\n", s.max_depth_ratio);
+  text += fmt::format("overlap / margin           at most {:.4f}\n", s.max_overlap_ratio);
   return text;
 }
 

@@ -30,7 +30,7 @@ struct ContactStatistics {
   double coordination = 0;             ///< neighbours per particle
   double coordination_without_rattlers = 0;
   double contacts_per_particle = 0;    ///< contact points per particle: several per neighbour for meshes
-  double max_depth_ratio = 0;          ///< depth over the sum of margins; 0 when no margin is stored
+  double max_overlap_ratio = 0;        ///< overlap over the sum of margins; 0 when no margin is stored
   Distribution contact_force;          ///< normal force per contact point [N]
   Distribution pair_force;             ///< size of the resultant force per pair [N]
   std::vector<double> contact_forces;  ///< the sample itself [N]

@@ -39,7 +39,7 @@ void write_contacts_table(const Run& run, const std::string& path) {
     for (std::size_t i = 0; i < c.size(); ++i) {
       const Vec3 &x = c.point[i], &n = c.normal[i], &t = c.tangential_force[i];
       rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frame.time, c.body_a[i], c.body_b[i], c.feature[i], x.x, x.y,
-                          x.z, n.x, n.y, n.z, c.depth[i], c.normal_force[i], t.x, t.y, t.z);
+                          x.z, n.x, n.y, n.z, c.overlap[i], c.normal_force[i], t.x, t.y, t.z);
     }
     file.add(rows);
   }

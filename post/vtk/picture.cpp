@@ -255,7 +255,7 @@ void draw_picture(const Run& run, std::size_t frame_index, const std::string& pa
   if (options.network) add_network(renderer, frame, run.scene);
   if (options.walls) add_walls(renderer, frame, run.scene, room);
   if (options.time) add_time(renderer, frame.time, options.height);
-  if (options.network) {  // ghosts need their true order in depth
+  if (options.network) {  // ghosts need their true order in overlap
     renderer->SetUseDepthPeeling(1);
     renderer->SetMaximumNumberOfPeels(8);
   }

@@ -218,7 +218,7 @@ void write_contacts_vtp(const std::string& path, const FrameContacts& c) {
   arrays->AddArray(array_of<vtkTypeInt64Array>("body_a", n, 1, [&](std::size_t i, int) { return c.body_a[i]; }));
   arrays->AddArray(array_of<vtkTypeInt64Array>("body_b", n, 1, [&](std::size_t i, int) { return c.body_b[i]; }));
   arrays->AddArray(array_of<vtkFloatArray>("normal", n, 3, [&](std::size_t i, int k) { return c.normal[i][k]; }));
-  arrays->AddArray(array_of<vtkFloatArray>("depth", n, 1, [&](std::size_t i, int) { return c.depth[i]; }));
+  arrays->AddArray(array_of<vtkFloatArray>("depth", n, 1, [&](std::size_t i, int) { return c.overlap[i]; }));
   arrays->AddArray(array_of<vtkFloatArray>("normal_force", n, 1, [&](std::size_t i, int) { return c.normal_force[i]; }));
   arrays->AddArray(array_of<vtkFloatArray>("tangential_force", n, 3, [&](std::size_t i, int k) { return c.tangential_force[i][k]; }));
   arrays->AddArray(array_of<vtkFloatArray>(

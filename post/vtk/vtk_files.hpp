@@ -26,7 +26,7 @@ void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, cons
 /// angular_velocity, speed (float32).
 void write_bodies_vtp(const std::string& path, const FrameBodies& bodies);
 
-/// One point per contact point: body_a, body_b (int64), normal (from b to a), depth, normal_force, force (on a, whole),
+/// One point per contact point: body_a, body_b (int64), normal (from b to a), overlap, normal_force, force (on a, whole),
 /// tangential_force (float32). SI.
 void write_contacts_vtp(const std::string& path, const FrameContacts& contacts);
 

@@ -54,6 +54,6 @@ enum BodyUse : unsigned {
   column(double, radius, "bounding, scaled [m]") column(double, mass, "[kg]") column(double, inverse_mass, "[1/kg]; 0 for a fixed body") \
       column(Vec3, inertia, "principal [kg m^2]") column(Vec3, inverse_inertia, "0 for fixed or locked bodies")                          \
           column(std::uint8_t, isotropic, "all three principal moments equal")                                                           \
-              column(Vec3, lossy_force, "the part of force from damping and friction [N]")                                               \
-                  column(Vec3, lossy_torque, "the same of torque [N m]")                                                                 \
+              column(Vec3, dissipative_force, "the part of force from damping and friction [N]")                                         \
+                  column(Vec3, dissipative_torque, "the same of torque [N m]")                                                           \
                       column(Vec3, x_listed, "centre when the body lists were made [m]")

@@ -15,7 +15,7 @@ struct PlanePoint {
   Dual x, y;
 };
 
-/// Convex polygon: two triangles share at most six corners, and a cut by the depth adds one.
+/// Convex polygon: two triangles share at most six corners, and a cut by the overlap adds one.
 struct Polygon {
   std::array<PlanePoint, 16> corner;
   std::size_t count = 0;
@@ -94,8 +94,8 @@ void add_layer(const Vec3 (&pa)[3], const OtherSide& other, double margin, Patch
     return [=](const PlanePoint& p) { return at_origin - slope_x * p.x - slope_y * p.y; };
   };
   const auto height_a = height(corner[0], na), height_b = height(other.point, other.normal);
-  const auto depth = [&](const PlanePoint& p) { return Dual(margin) + height_b(p) - height_a(p); };
-  cut(polygon, depth);
+  const auto overlap = [&](const PlanePoint& p) { return Dual(margin) + height_b(p) - height_a(p); };
+  cut(polygon, overlap);
   if (polygon.count < 3) return;
 
   Dual energy;
@@ -103,14 +103,14 @@ void add_layer(const Vec3 (&pa)[3], const OtherSide& other, double margin, Patch
   for (std::size_t k = 2; k < polygon.count; ++k) {
     const PlanePoint* p[3] = {&first, &polygon.corner[k - 1], &polygon.corner[k]};
     const Dual area = Dual(0.5) * ((p[1]->x - p[0]->x) * (p[2]->y - p[0]->y) - (p[1]->y - p[0]->y) * (p[2]->x - p[0]->x));
-    const Dual d[3] = {depth(*p[0]), depth(*p[1]), depth(*p[2])};
+    const Dual d[3] = {overlap(*p[0]), overlap(*p[1]), overlap(*p[2])};
     energy = energy + area * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[0] * d[1] + d[1] * d[2] + d[2] * d[0]);
     const double total = d[0].v + d[1].v + d[2].v, share = weight.v * area.v;
     Vec3 place[3], middle;
     for (int i = 0; i < 3; ++i) {
       place[i] = p[i]->x.v * e1.value() + p[i]->y.v * e2.value() + (0.5 * (height_a(*p[i]).v + height_b(*p[i]).v)) * nv;
       middle += place[i];
-      sum.patch.deepest = std::max(sum.patch.deepest, d[i].v);
+      sum.patch.largest_overlap = std::max(sum.patch.largest_overlap, d[i].v);
     }
     sum.patch.force += share * total / 3;
     sum.direction += (share * total / 3) * nv;
@@ -134,7 +134,7 @@ void finish_patch(std::int64_t triangle, const PatchSum& sum, std::vector<Contac
   f.key = triangle;
   f.x = (1 / sum.patch.force) * sum.moment;
   f.n = normalised(sum.direction);
-  f.depth = sum.patch.force / sum.area;
+  f.overlap = sum.patch.force / sum.area;
   f.weight = 1;
   features.push_back(f);
   contact.patches.push_back(sum.patch);

@@ -1,8 +1,8 @@
-// gather = "area": an elastic layer between facing surfaces. Pressure is kappa times the depth wherever two triangles that face each
+// gather = "area": an elastic layer between facing surfaces. Pressure is kappa times the overlap wherever two triangles that face each
 // other lie over one another, so a flat contact carries kappa times its area, however it is meshed.
 //
 // For every pair of facing triangles both are projected along their mean normal n; over the polygon that they share the gap along
-// n is linear, and so is the depth d = margin - gap where it is positive. The energy is
+// n is linear, and so is the overlap d = margin - gap where it is positive. The energy is
 //     U = kappa/2 sum over pairs of w(-n_A.n_B) int d^2 dA,
 // with w a smooth switch: 1 for triangles that face each other to within 60 degrees, 0 from 90 on. U is a continuous function of the
 // pose, and its gradient is computed exactly, by carrying the six derivatives along with every number (dual numbers): sliding over
@@ -10,7 +10,7 @@
 // tangent plane at the foot of the triangle's centroid.
 // Friction and damping act at the centre of pressure of each triangle of the smaller body: flat pieces of the larger one can change
 // under it without a jump.
-// Best for conforming faces. A corner carries only what its depth spans, F ~ d^3, and uses up the margin early.
+// Best for conforming faces. A corner carries only what its overlap spans, F ~ d^3, and uses up the margin early.
 // Source: docs/reference/validation-plan.md section 3.4; elastic layer: Johnson, Contact Mechanics (1985), section 4.3 (Winkler
 // foundation).
 #pragma once
@@ -23,10 +23,10 @@ namespace scree {
 
 /// What one triangle of the smaller body receives, per unit of kappa.
 struct AreaPatch {
-  double energy = 0;   ///< [m^4]
-  double force = 0;    ///< int d dA [m^3]
-  double deepest = 0;  ///< [m]
-  Feature6 gradient;   ///< of the energy, for a virtual motion of A against B, A frame
+  double energy = 0;           ///< [m^4]
+  double force = 0;            ///< int d dA [m^3]
+  double largest_overlap = 0;  ///< [m]
+  Feature6 gradient;           ///< of the energy, for a virtual motion of A against B, A frame
 };
 
 /// Where the layer is: weights of a quadrature that is exact for its stiffness.
@@ -46,7 +46,7 @@ void list_area_zone(const PairBody& a, const PairBody& b, const WallZone& zone, 
                     CandidateLists& lists);
 
 /// Patches of two meshes, from a list of triangle pairs (triangle_contacts.hpp), or of a mesh and an analytic zone. Features come
-/// out with the place of their centre of pressure, mean normal and mean depth; their key is (0, triangle).
+/// out with the place of their centre of pressure, mean normal and mean overlap; their key is (0, triangle).
 /// in   by_a   the triangles of A are the patches; else those of B
 void area_features(const PairBody& a, const PairBody& b, double margin, double motion, bool by_a, const CandidateLists& lists,
                    std::vector<ContactFeature>& features, AreaContact& contact);

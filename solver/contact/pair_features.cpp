@@ -202,7 +202,7 @@ void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, s
   f.key = make_key(kCornerOfA, 0, 0);
   f.n = rotate_inverse(a.q, (1 / distance) * between);
   f.x = (-(radius_a + 0.5 * gap)) * f.n;
-  f.depth = margin - gap;
+  f.overlap = margin - gap;
   f.weight = 1;
   features.push_back(f);
 }
@@ -220,7 +220,7 @@ void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZ
     f.key = make_key(kCornerOfA, candidate.corner, 0);
     f.n = pose.rotation * normal;
     f.x = p - (a.scale * a.shape->rounding + 0.5 * gap) * f.n;
-    f.depth = margin - gap;
+    f.overlap = margin - gap;
     f.weight = 1;
     features.push_back(f);
   }
@@ -262,9 +262,9 @@ void corner_features(const SolverShape& corner_shape, double corner_scale, const
     const double gap = surface_scale * distance;
     ContactFeature f{};
     f.key = make_key(kind, corner, 0);
-    f.depth = margin - gap;
+    f.overlap = margin - gap;
     f.weight = 1;
-    // At gap 0 there is no direction; the guard on depth over margin stops the run before this can matter.
+    // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
     const Vec3 direction = distance > 0 ? (1 / distance) * (p - best_point) : Vec3{};
     feature_frame(surface_scale * (0.5 * (p + best_point)), direction, f);
     features.push_back(f);
@@ -329,7 +329,7 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
     f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
     f.x = 0.5 * (xa + xb);
     f.n = n;
-    f.depth = margin - g;
+    f.overlap = margin - g;
     f.weight = 1;
     if (!leans && std::min({s, 1 - s, t, 1 - t}) >= kFadeEnd && sine2 >= kFadeParallel) {  // nothing fades
       features.push_back(f);

@@ -64,7 +64,7 @@ struct ContactFeature {
   std::int64_t key;          ///< unique within the pair: kind in bits 60-61, then the two indices
   Vec3 x;                    ///< contact point, mid-gap, A frame [m]
   Vec3 n;                    ///< unit, from B to A, A frame
-  double depth;              ///< margin sum minus gap, > 0 [m]
+  double overlap;            ///< margin sum minus gap, > 0 [m]
   double weight;             ///< a_j in (0, 1]
   bool faded;                ///< weight depends on the pose: weight_gradient is filled
   Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
@@ -116,7 +116,7 @@ void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose
 void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
 /// Every local minimum of the distance between the centre and the surface: flat regions, convex edges and corners whose
-/// own part of space holds the centre. As the centre goes from one part to the next the depth is continuous.
+/// own part of space holds the centre. As the centre goes from one part to the next the overlap is continuous.
 void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, double motion, const CandidateLists& lists,
                           std::vector<ContactFeature>& features);
 void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features);

@@ -15,8 +15,8 @@ double power7(double x) {
   return x4 * x2 * x;
 }
 
-/// Share of itself by which rounding moves the stiffness of a feature, times the depth over the distance of the two bodies: the stiffness
-/// goes with powers of the depth up to the seventh, and the depth is a difference of places. The worst of 1e7 values in a stiff heap at
+/// Share of itself by which rounding moves the stiffness of a feature, times the overlap over the distance of the two bodies: the stiffness
+/// goes with powers of the overlap up to the seventh, and the overlap is a difference of places. The worst of 1e7 values in a stiff heap at
 /// rest is 35 epsilon.
 constexpr double kStiffnessRounding = 64 * std::numeric_limits<double>::epsilon();
 
@@ -67,7 +67,7 @@ ContactOutput output_of(const Vec3& n, double damped, const Vec3& from_weight, c
 
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
 void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_force, double normal_sum,
-                 const std::vector<double>& per_depth, double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
+                 const std::vector<double>& per_overlap, double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
                  const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(elastic_force);
   if (!(size > 0)) return;
@@ -76,8 +76,8 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
   state.relative_spin = m.w_a - m.w_b;
   state.normal_force = normal_sum;
   double stiffness = 0;
-  for (const double s : per_depth) stiffness += s;
-  state.depth = normal_sum / stiffness;
+  for (const double s : per_overlap) stiffness += s;
+  state.overlap = normal_sum / stiffness;
   state.radius = m.radius;
   state.damping = tangential_damping;
   const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
@@ -88,7 +88,7 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
   }
   old.force = turned(old.force);
   const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
-  result.lossy_torque += moment.moment;
+  result.dissipative_torque += moment.moment;
   if (!law.rolling_spring) return;
   next.push_back({kRollingKey, moment.spring, moment.stiffness});
   if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
@@ -97,24 +97,24 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& elastic_fo
 /// The potential of all features: energy, forces and wrench. Returns the sum of the forces.
 /// `from_weight`, where not null, is given each feature's force from a weight that changes with the pose, as in the two after it.
 template <class Normal>
-double add_potential(const std::vector<ContactFeature>& features, const Normal& law_of_depth, std::vector<double>& normal,
-                     std::vector<double>& per_depth, std::vector<Vec3>* from_weight, PairForce& result) {
-  // U(D), D = (sum a_j d_j^8)^(1/8), scaled by the deepest so that nothing under- or overflows
-  for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
+double add_potential(const std::vector<ContactFeature>& features, const Normal& law_of_overlap, std::vector<double>& normal,
+                     std::vector<double>& per_overlap, std::vector<Vec3>* from_weight, PairForce& result) {
+  // U(D), D = (sum a_j d_j^8)^(1/8), scaled by the largest_overlap so that nothing under- or overflows
+  for (const ContactFeature& f : features) result.largest_overlap = std::max(result.largest_overlap, f.overlap);
   double sum = 0;
   for (const ContactFeature& f : features) {
-    const double r = f.depth / result.deepest;
+    const double r = f.overlap / result.largest_overlap;
     sum += f.weight * power7(r) * r;
   }
-  const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
-  result.elastic = law_of_depth.energy(D);
-  const double dU = law_of_depth.force(D);
+  const double D = result.largest_overlap * std::sqrt(std::sqrt(std::sqrt(sum)));
+  result.elastic = law_of_overlap.energy(D);
+  const double dU = law_of_overlap.force(D);
   double normal_sum = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
     const ContactFeature& f = features[j];
-    const double r = f.depth / D, r7 = power7(r);
+    const double r = f.overlap / D, r7 = power7(r);
     normal[j] = dU * f.weight * r7;
-    per_depth[j] = normal[j] / D;
+    per_overlap[j] = normal[j] / D;
     normal_sum += normal[j];
     const Vec3 force = normal[j] * f.n;
     result.force += force;
@@ -129,32 +129,33 @@ double add_potential(const std::vector<ContactFeature>& features, const Normal& 
   return normal_sum;
 }
 
-/// The same with one potential per cell of the wall (wall_cells.hpp).
+/// The same with one potential per cell (wall_cells.hpp), each with a part of the energy.
 template <class Normal>
-double add_cell_potentials(const std::vector<ContactFeature>& features, const std::vector<CellShare>& shares, const Normal& law_of_depth,
-                           std::vector<double>& normal, std::vector<double>& per_depth, std::vector<Vec3>* from_weight, PairForce& result) {
+double add_cell_potentials(const std::vector<ContactFeature>& features, const std::vector<CellShare>& shares, double part,
+                           const Normal& law_of_overlap, std::vector<double>& normal, std::vector<double>& per_overlap,
+                           std::vector<Vec3>* from_weight, PairForce& result) {
   constexpr double kPower = kNorm / (1 + Normal::kExponent);  // a single feature's energies then sum to U(d)
-  for (const ContactFeature& f : features) result.deepest = std::max(result.deepest, f.depth);
+  for (const ContactFeature& f : features) result.largest_overlap = std::max(result.largest_overlap, f.overlap);
   double normal_sum = 0;
   for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
     double sum = 0;
     for (end = begin; end < shares.size() && shares[end].cell == shares[begin].cell; ++end) {
       const ContactFeature& f = features[static_cast<std::size_t>(shares[end].feature)];
-      const double r = f.depth / result.deepest;
+      const double r = f.overlap / result.largest_overlap;
       sum += f.weight * std::pow(shares[end].weight, kPower) * power7(r) * r;
     }
-    const double D = result.deepest * std::sqrt(std::sqrt(std::sqrt(sum)));
+    const double D = result.largest_overlap * std::sqrt(std::sqrt(std::sqrt(sum)));
     if (!(D > 0)) continue;
-    result.elastic += law_of_depth.energy(D);
-    const double dU = law_of_depth.force(D);
+    result.elastic += part * law_of_overlap.energy(D);
+    const double dU = part * law_of_overlap.force(D);
     for (std::size_t s = begin; s < end; ++s) {
       const CellShare& share = shares[s];
       const auto j = static_cast<std::size_t>(share.feature);
       const ContactFeature& f = features[j];
-      const double ratio = f.depth / D, slope = kPower * std::pow(share.weight, kPower - 1), weight = std::pow(share.weight, kPower);
+      const double ratio = f.overlap / D, slope = kPower * std::pow(share.weight, kPower - 1), weight = std::pow(share.weight, kPower);
       const double r7 = power7(ratio), force = dU * f.weight * weight * r7;
       normal[j] += force;
-      per_depth[j] += force / D;
+      per_overlap[j] += force / D;
       normal_sum += force;
       result.force += force * f.n;
       result.torque += cross(f.x, force * f.n);
@@ -174,16 +175,16 @@ double add_cell_potentials(const std::vector<ContactFeature>& features, const st
 
 /// The barrier of each feature that is near enough, on top of the potential. Returns the sum of its forces.
 double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& law, std::vector<double>& normal,
-                   std::vector<double>& per_depth, std::vector<Vec3>* from_weight, PairForce& result) {
+                   std::vector<double>& per_overlap, std::vector<Vec3>* from_weight, PairForce& result) {
   const Barrier barrier(law);
   double sum = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
     const ContactFeature& f = features[j];
-    const double gap = law.margin - f.depth;
+    const double gap = law.margin - f.overlap;
     if (!barrier.acts(gap)) continue;
     const double force = f.weight * barrier.force(gap), energy = barrier.energy(gap);
     normal[j] += force;
-    per_depth[j] += force / f.depth;
+    per_overlap[j] += force / f.overlap;
     sum += force;
     result.barrier += f.weight * energy;
     result.force += force * f.n;
@@ -199,21 +200,21 @@ double add_barrier(const std::vector<ContactFeature>& features, const PairLaw& l
 }
 
 /// The elastic layer of two meshes: energy, pressure and wrench as area_pressure.hpp found them.
-double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_depth,
+double add_patches(const AreaContact& contact, double kappa, std::vector<double>& normal, std::vector<double>& per_overlap,
                    std::vector<Vec3>* from_weight, const std::vector<ContactFeature>& features, PairForce& result) {
   double sum = 0;
   for (std::size_t j = 0; j < contact.patches.size(); ++j) {
     const AreaPatch& patch = contact.patches[j];
     result.elastic += kappa * patch.energy;
-    result.deepest = std::max(result.deepest, patch.deepest);
+    result.largest_overlap = std::max(result.largest_overlap, patch.largest_overlap);
     result.force -= kappa * patch.gradient.force;
     result.torque -= kappa * patch.gradient.couple;
     normal[j] = kappa * patch.force;
     if (from_weight != nullptr) (*from_weight)[j] = -kappa * patch.gradient.force - normal[j] * features[j].n;
     sum += normal[j];
   }
-  // F / D with U = F D / 2: kappa times the area where the depth is even
-  for (std::size_t j = 0; j < normal.size(); ++j) per_depth[j] = normal[j] * sum / (2 * result.elastic);
+  // F / D with U = F D / 2: kappa times the area where the overlap is even
+  for (std::size_t j = 0; j < normal.size(); ++j) per_overlap[j] = normal[j] * sum / (2 * result.elastic);
   return sum;
 }
 
@@ -232,8 +233,8 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     return result;
   }
 
-  const Normal law_of_depth(law, motion.radius);
-  thread_local std::vector<double> normal, per_depth;  // f_j, and f_j / D for the tangential stiffness
+  const Normal law_of_overlap(law, motion.radius);
+  thread_local std::vector<double> normal, per_overlap;  // f_j, and f_j / D for the tangential stiffness
   thread_local std::vector<Vec3> weight_forces;
   std::vector<Vec3>* from_weight = nullptr;
   if (outputs != nullptr) {
@@ -241,16 +242,18 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     from_weight = &weight_forces;
   }
   normal.assign(count, 0);
-  per_depth.assign(count, 0);
+  per_overlap.assign(count, 0);
   double normal_sum = [&] {
     if constexpr (std::is_same_v<Normal, LayerLaw>) {
-      if (motion.area != nullptr) return add_patches(*motion.area, law_of_depth.kappa, normal, per_depth, from_weight, features, result);
+      if (motion.area != nullptr)
+        return add_patches(*motion.area, law_of_overlap.kappa, normal, per_overlap, from_weight, features, result);
     }
-    return motion.cells == nullptr ? add_potential(features, law_of_depth, normal, per_depth, from_weight, result)
-                                   : add_cell_potentials(features, *motion.cells, law_of_depth, normal, per_depth, from_weight, result);
+    return motion.cells == nullptr
+               ? add_potential(features, law_of_overlap, normal, per_overlap, from_weight, result)
+               : add_cell_potentials(features, *motion.cells, motion.cell_energy, law_of_overlap, normal, per_overlap, from_weight, result);
   }();
 
-  if (law.barrier > 0) normal_sum += add_barrier(features, law, normal, per_depth, from_weight, result);
+  if (law.barrier > 0) normal_sum += add_barrier(features, law, normal, per_overlap, from_weight, result);
 
   // damping of a feature is f_j chi v_n, never more than f_j itself
   const double reduced = motion.inverse_mass_a + motion.inverse_mass_b;
@@ -271,7 +274,7 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
     pair_rate = 0;
     for (std::size_t j = 0; j < count; ++j)
-      pair_rate += Damp::chi(law, law_of_depth.energy(features[j].depth), reduced) * normal[j] * reduced * dt;
+      pair_rate += Damp::chi(law, law_of_overlap.energy(features[j].overlap), reduced) * normal[j] * reduced * dt;
   }
   double chi = damping.chi;
   result.damping = chi;
@@ -299,15 +302,15 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
     const Vec3 velocity = motion.v_a + turning_a - motion.pivot_v_b - turning_b;
     const double vn = dot(velocity, f.n);
     if (on_their_own) {
-      chi = Damp::chi(law, law_of_depth.energy(f.depth), reduced);
+      chi = Damp::chi(law, law_of_overlap.energy(f.overlap), reduced);
       damping = Damp::in_step(chi, chi * normal[j] * reduced * dt, pair_rate);
       chi = damping.chi;
     }
-    const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(damping.most_onset, onset_weight(f.depth, vn, dt)) * vn);
+    const double damped = normal[j] * std::max(0.0, 1 - chi * std::min(damping.most_onset, onset_weight(f.overlap, vn, dt)) * vn);
     Vec3 lossy = (damped - normal[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
-      double kappa = law.tangential_ratio * per_depth[j];
+      double kappa = law.tangential_ratio * per_overlap[j];
       Vec3 spring;
       while (old < springs.size() && springs[old].key < f.key) ++old;
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
@@ -325,12 +328,12 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
         // only rounding moves up and down is neither (docs/decisions/012): springs would lose a little each time, and a stiff heap creep
         // for ever.
         const double before = springs[old].stiffness;
-        if (std::abs(kappa - before) * f.depth <= rounding * before) kappa = before;
+        if (std::abs(kappa - before) * f.overlap <= rounding * before) kappa = before;
         if (kappa < before) s *= kappa / before;
         spring = s - (kappa * friction_dt) * vt;
       } else {
         // a new feature has slid only since it touched
-        spring = (-kappa * (f.depth < -vn * friction_dt ? f.depth / -vn : friction_dt)) * vt;
+        spring = (-kappa * (f.overlap < -vn * friction_dt ? f.overlap / -vn : friction_dt)) * vt;
       }
       const double limit = law.friction * damped, sliding = law.friction_sliding * damped;
       // squares: the root is taken only where something slides
@@ -344,16 +347,17 @@ PairForce pair_force(const std::vector<ContactFeature>& features, const PairLaw&
       lossy += tangential;
       next.push_back({f.key, spring, kappa});
     }
-    result.lossy_force += lossy;
-    result.lossy_torque += cross(f.x, lossy);
+    result.dissipative_force += lossy;
+    result.dissipative_torque += cross(f.x, lossy);
     if (outputs != nullptr) (*outputs)[j] = output_of(f.n, damped, weight_forces[j], tangential);
   }
   if (rolls)
-    add_rolling(law, motion, elastic_force, normal_sum, per_depth, tangential_share * chi, dt, friction_dt, turned, springs, next, result);
+    add_rolling(law, motion, elastic_force, normal_sum, per_overlap, tangential_share * chi, dt, friction_dt, turned, springs, next,
+                result);
   if (!next.empty()) next.push_back(MeanTurn::entry(motion.turn));
   springs.swap(next);
-  result.force += result.lossy_force;
-  result.torque += result.lossy_torque;
+  result.force += result.dissipative_force;
+  result.torque += result.dissipative_torque;
   return result;
 }
 

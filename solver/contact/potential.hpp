@@ -26,19 +26,20 @@ struct PairMotion {
   bool independent = false;           ///< gather = "pairs": `cells` holds one for every feature
   const AreaContact* area = nullptr;  ///< gather = "area": the layer between two meshes, patches as the features
   const std::vector<CellShare>* cells =
-      nullptr;        ///< A or B has cells (SolverShape::cell_size, of a wall or a free body): one potential for each
-  double radius = 0;  ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
+      nullptr;             ///< A or B has cells (SolverShape::cell_size, of a wall or a free body): one potential for each
+  double cell_energy = 1;  ///< part of the energy that each cell has (energy_share)
+  double radius = 0;       ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
 };
 
 /// What a pair does to its bodies, A frame; torque about A's centre.
 struct PairForce {
-  Vec3 force, torque;              ///< on A, everything
-  Vec3 lossy_force, lossy_torque;  ///< on A, from damping and friction alone
-  double elastic = 0;              ///< U [J]
-  double tangential_elastic = 0;   ///< stored in friction springs [J]
-  double barrier = 0;              ///< part of U in barriers [J]
-  double deepest = 0;              ///< largest depth [m]
-  double damping = 0;              ///< chi: the damping force of a feature is its normal force times chi times its speed [s/m]
+  Vec3 force, torque;                          ///< on A, everything
+  Vec3 dissipative_force, dissipative_torque;  ///< on A, from damping and friction alone
+  double elastic = 0;                          ///< U [J]
+  double tangential_elastic = 0;               ///< stored in friction springs [J]
+  double barrier = 0;                          ///< part of U in barriers [J]
+  double largest_overlap = 0;                  ///< largest overlap [m]
+  double damping = 0;                          ///< chi: the damping force of a feature is its normal force times chi times its speed [s/m]
 };
 
 /// One contact as it is written to frames. All contacts of a pair add up to its force.
@@ -61,7 +62,7 @@ inline double tangential_damping_share(const PairLaw& law, double exponent) {
   return law.tangential_damping * std::sqrt(law.tangential_ratio / exponent);
 }
 
-/// in   features   ascending keys, depth > 0
+/// in   features   ascending keys, overlap > 0
 /// in   dt         step of the run [s], for damping (laws/damping.hpp); 0: no correction for the step
 /// in   friction_dt  step of the friction update [s]: dt, or 0 to leave the springs as they are
 /// inout springs   sorted by key; replaced by those of the present features (left empty without friction and rolling)

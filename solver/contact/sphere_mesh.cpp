@@ -149,12 +149,12 @@ void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, d
     ContactFeature f{};
     f.key = (minima[i].kind << 58) | minima[i].index;
     const double gap = roles.mesh->scale * distance - radius;
-    f.depth = margin - gap;
+    f.overlap = margin - gap;
     f.weight = 1;
     const Vec3 point = (roles.sphere->x - a.x) - (radius + 0.5 * gap) * direction;  // mid-gap, from A's centre
     f.x = rotate_inverse(a.q, point);
     f.n = rotate_inverse(a.q, roles.sphere_is_a ? direction : -direction);
-    if (f.depth > 0) features.push_back(f);
+    if (f.overlap > 0) features.push_back(f);
   }
 }
 

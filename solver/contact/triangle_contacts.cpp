@@ -57,7 +57,7 @@ void triangle_contact_features(const PairBody& a, const PairBody& b, double marg
     f.key = (std::int64_t{candidate.edge_a} << 30) | candidate.edge_b;
     f.x = 0.5 * (d.point_a + d.point_b);
     f.n = d.normal;
-    f.depth = margin - d.distance;
+    f.overlap = margin - d.distance;
     f.weight = 1;
     features.push_back(f);
   }

@@ -49,18 +49,16 @@ Anchor anchor_of(const PairBody& a, const PairBody& b, bool cells_on_a, const Co
   return {held.scale * (edge.start + 0.5 * edge.along), {}, false};
 }
 
-}  // namespace
-
-void find_cell_shares(const PairBody& a, const PairBody& b, double side, bool cells_on_a, const std::vector<ContactFeature>& features,
-                      std::vector<CellShare>& shares) {
-  shares.clear();
+/// Those of the cells of one side.
+void add_shares(const PairBody& a, const PairBody& b, double size, bool cells_on_a, const std::vector<ContactFeature>& features,
+                std::vector<CellShare>& shares) {
   for (std::size_t f = 0; f < features.size(); ++f) {
     const Anchor anchor = anchor_of(a, b, cells_on_a, features[f]);
-    const AxisShare axis[3] = {share_of(anchor.place.x, side), share_of(anchor.place.y, side), share_of(anchor.place.z, side)};
+    const AxisShare axis[3] = {share_of(anchor.place.x, size), share_of(anchor.place.y, size), share_of(anchor.place.z, size)};
     for (int corner = 0; corner < 8; ++corner) {
       double weight[3];
       Vec3 slope;
-      std::int64_t cell = 0;
+      std::int64_t cell = cells_on_a ? 1 : 0;  // the highest bit tells cells of A from those of B
       for (int k = 0; k < 3; ++k) {
         const bool up = ((corner >> k) & 1) != 0;
         weight[k] = up ? axis[k].upper : 1 - axis[k].upper;
@@ -81,6 +79,15 @@ void find_cell_shares(const PairBody& a, const PairBody& b, double side, bool ce
       shares.push_back(share);
     }
   }
+}
+
+}  // namespace
+
+void find_cell_shares(const PairBody& a, const PairBody& b, double size, CellSide side, const std::vector<ContactFeature>& features,
+                      std::vector<CellShare>& shares) {
+  shares.clear();
+  if (side != CellSide::b) add_shares(a, b, size, true, features, shares);
+  if (side != CellSide::a) add_shares(a, b, size, false, features, shares);
   std::sort(shares.begin(), shares.end(),
             [](const CellShare& l, const CellShare& r) { return l.cell != r.cell ? l.cell < r.cell : l.feature < r.feature; });
 }

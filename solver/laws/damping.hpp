@@ -5,13 +5,13 @@
 // restitution at 20 and 100 steps a contact in the worst case. Two corrections make them of second order (1.4e-3, 4e-5):
 // - lag: with damping rate r = c / m*, m* a = -c v(t - dt/2) acts as mass m* (1 - r dt / 2) and damping c. Dividing the rate
 //   by 1 + r dt / 4 keeps the damping ratio.
-// - onset: a feature at depth d that closes at speed v has been in touch for d / v. When that is less than a step, the
+// - onset: a feature at overlap d that closes at speed v has been in touch for d / v. When that is less than a step, the
 //   impulse of this force evaluation stands for d / v + dt / 2 instead of dt.
 // Hunt-Crossley damping starts at zero force and its lag cancels to second order by itself: it needs neither.
 //
 // What damping takes in a step. Damping alone changes a pair's speed by the share y = r dt, or r dt / (1 + r dt / 4) where the lag is
 // corrected. Beyond 1 it would turn the motion round, beyond 2 create energy. Both laws therefore let y go on to 1 and not past it
-// once r dt passes their kFreeRate. The elastic force stays whole: a contact at rest carries the same load at the same depth.
+// once r dt passes their kFreeRate. The elastic force stays whole: a contact at rest carries the same load at the same overlap.
 // A step that the solver derives keeps r dt below kFreeRate (step_size.hpp); it is passed by impacts faster or stiffer than the
 // step was made for, and by Hunt-Crossley impacts above the speed of their restitution.
 #pragma once
@@ -76,6 +76,6 @@ struct HuntCrossleyDamping {
 };
 
 /// Share of a step that the force on a feature stands for.
-inline double onset_weight(double depth, double vn, double dt) { return depth < -vn * dt ? depth / (-vn * dt) + 0.5 : 1.0; }
+inline double onset_weight(double overlap, double vn, double dt) { return overlap < -vn * dt ? overlap / (-vn * dt) + 0.5 : 1.0; }
 
 }  // namespace scree

@@ -32,7 +32,7 @@ inline constexpr std::tuple kLaws{
 /// What a scene needs of the force loop; the choice is made once, outside of all loops.
 struct LawChoice {
   int law = 0;                ///< index in kLaws
-  double exponent = 1;        ///< of the effective depth in the normal force
+  double exponent = 1;        ///< of the effective overlap in the normal force
   bool friction = false;      ///< some pair has friction
   bool rolling = false;       ///< some pair has rolling or torsional resistance
   bool independent = false;   ///< gather = "pairs": every contact its own spring and dashpot

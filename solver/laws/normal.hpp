@@ -1,4 +1,4 @@
-// Normal laws. A normal law is an energy U(D) of a pair's effective depth D [m] and its slope; the damping, the sharing among
+// Normal laws. A normal law is an energy U(D) of a pair's effective overlap D [m] and its slope; the damping, the sharing among
 // features and the friction follow from both, whatever the law (potential.cpp).
 #pragma once
 

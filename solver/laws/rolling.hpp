@@ -18,7 +18,7 @@ struct RollingState {
   Vec3 n;                    ///< mean contact normal, unit
   Vec3 relative_spin;        ///< of A against B [rad/s]
   double normal_force = 0;   ///< N [N], elastic
-  double depth = 0;          ///< D [m]
+  double overlap = 0;        ///< D [m]
   double radius = 0;         ///< R* [m]
   double damping = 0;        ///< tangential damping over normal force [s/m]
   double spin_mobility = 0;  ///< a bound of the inverse inertia of the relative spin [1/(kg m^2)]
@@ -66,7 +66,7 @@ inline RollingMoment rolling_moment(const PairLaw& law, const RollingState& s, c
     result.moment = rolling::constant(roll, roll_limit, s.spin_mobility, dt) + rolling::constant(twist, twist_limit, s.spin_mobility, dt);
     return result;
   }
-  result.stiffness = law.tangential_ratio * s.normal_force / s.depth * s.radius * s.radius;
+  result.stiffness = law.tangential_ratio * s.normal_force / s.overlap * s.radius * s.radius;
   // as a friction spring: give back in proportion when unloaded, create nothing when loaded
   Vec3 spring = old;
   if (result.stiffness < old_stiffness) spring *= result.stiffness / old_stiffness;

@@ -52,7 +52,7 @@ void sort_in_parallel(std::vector<Item>& items, const Less& less) {
 }  // namespace
 
 std::size_t memory_of(const BodyPair& pair) {
-  return sizeof(BodyPair) + sizeof(PairResult) + sizeof(PairRest) +
+  return sizeof(BodyPair) + sizeof(PairResult) + sizeof(IdlePair) +
          (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
          pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.state.memory();
 }
@@ -75,7 +75,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   const auto count = static_cast<std::ptrdiff_t>(found.size());
   std::vector<BodyPair> next(found.size());
   results_.resize(found.size());
-  rests_.resize(found.size());
+  idle_.resize(found.size());
 #pragma omp parallel
   {
     // each thread takes a run of keys, and looks up where the known ones begin only once
@@ -104,7 +104,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
         pair.state = std::exchange(waiting_[waiting].state, {});
       }
       results_[k] = PairResult{};
-      rests_[k] = {pair.a, pair.b, kNoRest};
+      idle_[k] = {pair.a, pair.b, kNeverIdle};
     }
   }
   // what lasts waits until its bodies are near again
@@ -113,15 +113,15 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
     if (pair.state.keep_lasting()) waiting_.push_back({pair.key, std::move(pair.state)});
   }
   pairs_ = std::move(next);
-  ways_.restart(p);
+  travel_.restart(p);
 
   inner_.clear();
   outer_.clear();
-  twice_.clear();
+  duplicated_.clear();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const BodyPair& pair = pairs_[k];
     const bool ghost_b = pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned;
-    (static_cast<std::size_t>(pair.a) >= p.owned ? twice_ : ghost_b ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
+    (static_cast<std::size_t>(pair.a) >= p.owned ? duplicated_ : ghost_b ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
   }
   const PhaseTimer timer(times, Phase::sort);
   sort_sides(p);
@@ -167,7 +167,7 @@ std::vector<PairList::FoundPair> PairList::find_pairs(const SolverScene& scene, 
 void PairList::sort_sides(const ParticleSet& p) {
   start_.assign(p.owned + 1, 0);
   const auto is_owned = [&p](std::int32_t row) { return row >= 0 && static_cast<std::size_t>(row) < p.owned; };
-  for (const PairRest& pair : rests_) {
+  for (const IdlePair& pair : idle_) {
     for (const std::int32_t row : {pair.a, pair.b}) {
       if (is_owned(row)) ++start_[static_cast<std::size_t>(row) + 1];
     }
@@ -176,8 +176,8 @@ void PairList::sort_sides(const ParticleSet& p) {
   entry_.resize(static_cast<std::size_t>(start_[p.owned]));
   std::vector<std::int32_t> next(start_.begin(), start_.end() - 1);
   for (const std::int32_t side : {1, 0}) {
-    for (std::size_t k = 0; k < rests_.size(); ++k) {
-      const std::int32_t row = side == 1 ? rests_[k].b : rests_[k].a;
+    for (std::size_t k = 0; k < idle_.size(); ++k) {
+      const std::int32_t row = side == 1 ? idle_[k].b : idle_[k].a;
       if (is_owned(row)) entry_[static_cast<std::size_t>(next[static_cast<std::size_t>(row)]++)] = static_cast<std::int32_t>(2 * k) + side;
     }
   }
@@ -194,12 +194,12 @@ void PairList::sort_sides(const ParticleSet& p) {
   }
 }
 
-void PairList::gather(const Vec3& gravity, ParticleSet& p) const {
+void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
   const auto count = static_cast<std::ptrdiff_t>(p.owned);
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    Vec3 force, torque, lossy_force, lossy_torque;
+    Vec3 force, torque, dissipative_force, dissipative_torque;
     for (std::int32_t s = start_[i]; s < start_[i + 1]; ++s) {
       const std::int32_t entry = entry_[static_cast<std::size_t>(s)];
       const PairResult& r = results_[static_cast<std::size_t>(entry / 2)];
@@ -207,25 +207,25 @@ void PairList::gather(const Vec3& gravity, ParticleSet& p) const {
       if (entry % 2 == 0) {
         force += r.force_a;
         torque += r.torque_a;
-        lossy_force += r.lossy_force_a;
-        lossy_torque += r.lossy_torque_a;
+        dissipative_force += r.dissipative_force_a;
+        dissipative_torque += r.dissipative_torque_a;
       } else {
         force -= r.force_a;
         torque += r.torque_b;
-        lossy_force -= r.lossy_force_a;
-        lossy_torque += r.lossy_torque_b;
+        dissipative_force -= r.dissipative_force_a;
+        dissipative_torque += r.dissipative_torque_b;
       }
     }
     p.force[i] = force + p.mass[i] * gravity;
     p.torque[i] = torque;
-    p.lossy_force[i] = lossy_force;
-    p.lossy_torque[i] = lossy_torque;
+    p.dissipative_force[i] = dissipative_force;
+    p.dissipative_torque[i] = dissipative_torque;
   }
 }
 
 void PairList::forget_candidates() {
   for (BodyPair& pair : pairs_) pair.lists = CandidateLists{};
-  for (PairRest& rest : rests_) rest.way = kNoRest;
+  for (IdlePair& rest : idle_) rest.way = kNeverIdle;
 }
 
 }  // namespace scree

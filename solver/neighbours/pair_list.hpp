@@ -10,7 +10,7 @@
 #include "core/search/multilevel_grid.hpp"
 #include "solver/bodies/particle_set.hpp"
 #include "solver/contact/potential.hpp"
-#include "solver/neighbours/body_ways.hpp"
+#include "solver/neighbours/travel_bounds.hpp"
 #include "solver/phases.hpp"
 
 namespace scree {
@@ -27,18 +27,18 @@ struct BodyPair {
 struct PairResult {
   bool active = false;
   std::int32_t contact_count = 0;
-  double depth_ratio = 0;  ///< deepest over margin sum
+  double overlap_ratio = 0;  ///< largest_overlap over margin sum
   double elastic = 0, tangential_elastic = 0;
   Vec3 force_a, torque_a, torque_b;  ///< force on b is -force_a; torques about each body's centre
-  Vec3 lossy_force_a, lossy_torque_a, lossy_torque_b;
+  Vec3 dissipative_force_a, dissipative_torque_a, dissipative_torque_b;
 };
 
 /// What a step reads of a pair that nothing can happen to: kept apart from all else, 16 bytes.
-struct PairRest {
+struct IdlePair {
   std::int32_t a, b;  ///< as in BodyPair
   double way;         ///< of both together: until they have gone it the pair has no features [m]
 };
-inline constexpr double kNoRest = -1;  ///< such a pair is looked at in every step
+inline constexpr double kNeverIdle = -1;  ///< such a pair is looked at in every step
 
 /// Bytes that a pair holds, its lists, state and result included.
 std::size_t memory_of(const BodyPair& pair);
@@ -53,8 +53,8 @@ class PairList {
   const std::vector<BodyPair>& pairs() const { return pairs_; }
   std::vector<PairResult>& results() { return results_; }
   const std::vector<PairResult>& results() const { return results_; }
-  std::vector<PairRest>& rests() { return rests_; }
-  BodyWays& ways() { return ways_; }
+  std::vector<IdlePair>& idle() { return idle_; }
+  TravelBounds& travel() { return travel_; }
   /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
   std::vector<WaitingState>& waiting() { return waiting_; }
   const std::vector<WaitingState>& waiting() const { return waiting_; }
@@ -62,11 +62,11 @@ class PairList {
   /// owner counts, and computes too.
   const std::vector<std::int32_t>& inner() const { return inner_; }
   const std::vector<std::int32_t>& outer() const { return outer_; }
-  const std::vector<std::int32_t>& twice() const { return twice_; }
+  const std::vector<std::int32_t>& duplicated() const { return duplicated_; }
 
   /// Adds up what the pairs did to each owned body, in ascending order of partner: the same bits for any number of
   /// threads and ranks. Gravity included.
-  void gather(const Vec3& gravity, ParticleSet& p) const;
+  void sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const;
 
   /// Drops the lists of candidates of all pairs; results never depend on it (used by tests and after a restart).
   void forget_candidates();
@@ -81,10 +81,10 @@ class PairList {
 
   std::vector<BodyPair> pairs_;
   std::vector<PairResult> results_;
-  std::vector<PairRest> rests_;
-  BodyWays ways_;
+  std::vector<IdlePair> idle_;
+  TravelBounds travel_;
   std::vector<WaitingState> waiting_;
-  std::vector<std::int32_t> inner_, outer_, twice_;
+  std::vector<std::int32_t> inner_, outer_, duplicated_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order
   std::vector<std::int32_t> start_, entry_;
   MultilevelGrid grid_;

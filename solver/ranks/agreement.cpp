@@ -8,10 +8,10 @@ namespace scree {
 namespace {
 
 extern "C" void combine_news(void* in, void* in_out, int* length, MPI_Datatype* /*type*/) {
-  const auto* from = static_cast<const StepNews*>(in);
-  auto* to = static_cast<StepNews*>(in_out);
+  const auto* from = static_cast<const StepReport*>(in);
+  auto* to = static_cast<StepReport*>(in_out);
   for (int i = 0; i < *length; ++i, ++from, ++to) {
-    to->renew = std::max(to->renew, from->renew);
+    to->rebuild = std::max(to->rebuild, from->rebuild);
     to->signal = std::max(to->signal, from->signal);
     to->failed = std::max(to->failed, from->failed);
     to->checkpoint = std::max(to->checkpoint, from->checkpoint);
@@ -25,7 +25,7 @@ extern "C" void combine_news(void* in, void* in_out, int* length, MPI_Datatype* 
 }  // namespace
 
 Agreement::Agreement(const mpi::Communicator& comm) : comm_(comm), buffers_(std::make_unique<Buffers>()) {
-  MPI_Type_contiguous(static_cast<int>(sizeof(StepNews)), MPI_BYTE, &type_);
+  MPI_Type_contiguous(static_cast<int>(sizeof(StepReport)), MPI_BYTE, &type_);
   MPI_Type_commit(&type_);
   MPI_Op_create(combine_news, 1, &op_);
 }
@@ -43,13 +43,13 @@ Agreement::~Agreement() {
   MPI_Type_free(&type_);
 }
 
-void Agreement::start(const StepNews& mine) {
+void Agreement::start(const StepReport& mine) {
   SCREE_ASSERT(!is_under_way());
   buffers_->mine = mine;
   MPI_Iallreduce(&buffers_->mine, &buffers_->all, 1, type_, op_, comm_.get(), &request_);
 }
 
-StepNews Agreement::finish() {
+StepReport Agreement::finish() {
   SCREE_ASSERT(is_under_way());
   MPI_Wait(&request_, MPI_STATUS_IGNORE);
   return buffers_->all;

@@ -1,7 +1,7 @@
 // What all ranks must know of each other at a step, agreed without making anybody wait.
 //
 // Everything travels in one reduction, which is started in one step and finished in the next: the forces of a whole step hide
-// it, and a rank that is late once holds up nobody else. What is learned is therefore one step old; whoever gives the news
+// it, and a rank that is late once holds up nobody else. What is learned is therefore one step old; whoever gives the report
 // looks one step ahead (see Simulation::look_at_lists).
 #pragma once
 
@@ -13,9 +13,9 @@
 namespace scree {
 
 /// Of one rank before, of all ranks after the reduction.
-struct StepNews {
+struct StepReport {
   // the largest of all ranks
-  std::int64_t renew = 0;         ///< body lists must be renewed
+  std::int64_t rebuild = 0;       ///< body lists must be rebuilt
   std::int64_t signal = 0;        ///< number of a signal that asks to stop
   std::int64_t failed = 0;        ///< a rank holds an error
   std::int64_t checkpoint = 0;    ///< number of the checkpoint that rank 0 asks for, see Simulation::ask_for_checkpoint
@@ -33,10 +33,10 @@ class Agreement {
   Agreement(const Agreement&) = delete;
   Agreement& operator=(const Agreement&) = delete;
 
-  /// Gives this rank's news. Every rank calls it once a step; nobody waits.
-  void start(const StepNews& mine);
+  /// Gives this rank's report. Every rank calls it once a step; nobody waits.
+  void start(const StepReport& mine);
   /// What start() of all ranks gave.
-  StepNews finish();
+  StepReport finish();
   bool is_under_way() const { return request_ != MPI_REQUEST_NULL; }
 
  private:
@@ -45,7 +45,7 @@ class Agreement {
   MPI_Op op_ = MPI_OP_NULL;
   MPI_Request request_ = MPI_REQUEST_NULL;
   struct Buffers {
-    StepNews mine, all;
+    StepReport mine, all;
   };
   std::unique_ptr<Buffers> buffers_;
 };

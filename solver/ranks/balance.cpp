@@ -8,7 +8,7 @@ namespace scree {
 namespace {
 
 // A pair that was interrupted while it was timed must not weigh as much as thousands: on a busy machine one such pair spoilt a
-// cut. The renewal of a pair's lists is honest work, but rare, and takes up to some hundred times a common pair.
+// cut. The rebuild of a pair's lists is honest work, but rare, and takes up to some hundred times a common pair.
 constexpr double kLongestPair = 50;  // of the median pair of the sample
 // A first look at the pairs says too little to cut by.
 constexpr std::int64_t kFewestSamples = 4;
@@ -49,12 +49,12 @@ std::vector<double> Balance::work_of_bodies(const ParticleSet& p) const {
   return work;
 }
 
-void Balance::tell(StepNews& news) const {
-  news.work = news.largest_work = std::llround(1e9 * (computing_ - computing_at_cut_));
-  news.cut_cost = std::llround(1e9 * cut_cost_);
+void Balance::tell(StepReport& report) const {
+  report.work = report.largest_work = std::llround(1e9 * (computing_ - computing_at_cut_));
+  report.cut_cost = std::llround(1e9 * cut_cost_);
 }
 
-bool Balance::is_cut_due(const StepNews& all) const {
+bool Balance::is_cut_due(const StepReport& all) const {
   if (ranks_ == 1 || samples_ < kFewestSamples) return false;
   const double mean = static_cast<double>(all.work) / ranks_, largest = static_cast<double>(all.largest_work);
   return largest > kSmallestImbalance * mean && largest - mean > patience_ * static_cast<double>(all.cut_cost);

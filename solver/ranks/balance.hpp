@@ -27,9 +27,9 @@ class Balance {
   std::vector<double> work_of_bodies(const ParticleSet& p) const;
 
   /// Fills in what this rank worked since the last cut.
-  void tell(StepNews& news) const;
+  void tell(StepReport& report) const;
   /// The same answer on every rank.
-  bool is_cut_due(const StepNews& all) const;
+  bool is_cut_due(const StepReport& all) const;
   /// A cut was made and its bodies moved, in so many seconds of this rank.
   /// in   expected   imbalance that it leaves, by the work of the bodies; the same on every rank
   void note_cut(double seconds, double expected, ParticleSet& p);

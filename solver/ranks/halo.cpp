@@ -129,7 +129,7 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
   }
   p.resize(kept);
   const auto count_sent = [&](const auto& blocks) {
-    for (const auto& block : blocks) traffic_.renewal_bytes += static_cast<std::int64_t>(block.size() * sizeof(block[0]));
+    for (const auto& block : blocks) traffic_.rebuild_bytes += static_cast<std::int64_t>(block.size() * sizeof(block[0]));
   };
   count_sent(bodies);
   for (const auto& block : comm_.exchange(bodies)) {
@@ -190,7 +190,7 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
       records.push_back(record_of(p, i));
       own_rows.push_back(static_cast<std::int32_t>(i));
     }
-    traffic_.renewal_bytes += static_cast<std::int64_t>(records.size() * sizeof(ParticleRecord));
+    traffic_.rebuild_bytes += static_cast<std::int64_t>(records.size() * sizeof(ParticleRecord));
   }
   const auto incoming = comm_.exchange(std::span<const int>(ranks), outgoing);
   for (std::size_t n = 0; n < ranks.size(); ++n) {

@@ -1,8 +1,8 @@
 // Ranks: who owns which body, migration, and ghosts.
 //
-// A body is owned by the rank whose part of the cut holds its centre. When the body lists are renewed, bodies that left their
+// A body is owned by the rank whose part of the cut holds its centre. When the body lists are rebuilt, bodies that left their
 // part migrate with all they own (state, measured work and friction springs), and every rank receives as ghosts the bodies that
-// can come within the margin of one of its own before the next renewal. In between only position, orientation and both
+// can come within the margin of one of its own before the next rebuild. In between only position, orientation and both
 // velocities of ghosts travel, to fixed places in fixed messages.
 //
 // Nothing here asks all ranks at once. Who may be a neighbour follows from the cut, which every rank knows; neighbours tell each
@@ -39,7 +39,7 @@ struct ParallelOptions {
 /// Counted since the start, of this rank.
 struct HaloTraffic {
   std::int64_t messages = 0, bytes = 0;  ///< sent in ghost refreshes
-  std::int64_t renewal_bytes = 0;        ///< sent when ghosts were made and bodies migrated
+  std::int64_t rebuild_bytes = 0;        ///< sent when ghosts were made and bodies migrated
 };
 
 class Halo {

@@ -62,7 +62,7 @@ void for_each_number(Record& r, Action&& action) {
   action("elastic_peak", r.elastic_peak);
   action("dissipated_peak", r.dissipated_peak);
   action("energy_error", r.energy_error);
-  action("max_depth_ratio", r.max_depth_ratio);
+  action("max_depth_ratio", r.max_overlap_ratio);
   action("critical_step", r.stiffest.step);
   action("critical_a", r.stiffest.key.a);
   action("critical_b", r.stiffest.key.b);
@@ -205,7 +205,7 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     read_record(root.open_group("record"), c.record);
     c.origin = Vec3{root.read_double_attribute("origin_x"), root.read_double_attribute("origin_y"), root.read_double_attribute("origin_z")};
   }
-  c.totals.max_depth_ratio = root.read_double_attribute("interval_max_depth_ratio");
+  c.totals.max_overlap_ratio = root.read_double_attribute("interval_max_depth_ratio");
   c.state_hash = root.read_text_attribute("state_hash");
   c.scene_sha256 = root.read_text_attribute("scene_sha256");
   const auto words = root.read_array<std::int64_t>("totals", static_cast<std::int64_t>(ExactSum::kWords));
@@ -259,7 +259,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       root.write_attribute("origin_x", origin.x);
       root.write_attribute("origin_y", origin.y);
       root.write_attribute("origin_z", origin.z);
-      root.write_attribute("interval_max_depth_ratio", totals.max_depth_ratio);
+      root.write_attribute("interval_max_depth_ratio", totals.max_overlap_ratio);
       root.write_attribute("state_hash", hash);
       root.write_attribute("scene_sha256", so_far.scene_sha256);
       const h5::Group group = root.create_group("record");

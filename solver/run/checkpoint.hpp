@@ -19,7 +19,7 @@ inline constexpr std::int64_t kCheckpointFormatVersion = 4;  // 3 is still read
 struct RunRecord {
   double energy_reference = 0;                                                                            ///< balance at the start [J]
   double kinetic_peak = 0, elastic_peak = 0, dissipated_peak = 0, energy_error = 0;                       ///< largest of the log's rows [J]
-  double max_depth_ratio = 0;                                                                             ///< largest so far
+  double max_overlap_ratio = 0;                                                                           ///< largest so far
   CriticalStep stiffest;                                                                                  ///< smallest of the log's rows
   Energies energies;                                                                                      ///< of the last row of the log
   double imbalance_sum = 0;                                                                               ///< over the rows of the log

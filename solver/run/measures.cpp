@@ -76,9 +76,9 @@ void Simulation::add_wall_totals(std::span<const std::int32_t> pairs, double dt,
     const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;
     sums[RunTotals::kWallWork].add(-dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity)));
     // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
-    const Vec3 lossy = -r.lossy_force_a;
-    const Vec3 lossy_torque = cross(lever, lossy) - r.lossy_torque_a;
-    sums[RunTotals::kWallDissipated].add(-dt * (dot(lossy, state.velocity) + dot(lossy_torque, state.angular_velocity)));
+    const Vec3 lossy = -r.dissipative_force_a;
+    const Vec3 dissipative_torque = cross(lever, lossy) - r.dissipative_torque_a;
+    sums[RunTotals::kWallDissipated].add(-dt * (dot(lossy, state.velocity) + dot(dissipative_torque, state.angular_velocity)));
   }
 }
 
@@ -98,7 +98,7 @@ Energies Simulation::energies() const {
     e[tangential].add(r.tangential_elastic);
   }
   add_over_ranks(comm_.get(), e);
-  std::vector<ExactSum> walls = wall_sums_;
+  std::vector<ExactSum> walls = sums_;
   add_wall_totals(-0.5 * dt_, walls);
   add_over_ranks(comm_.get(), walls);
   const double stored = e[tangential].value();
@@ -116,14 +116,14 @@ Energies Simulation::energies() const {
 }
 
 RunTotals Simulation::totals() const {
-  RunTotals totals{wall_sums_, comm_.max(max_depth_ratio_), level_};
+  RunTotals totals{sums_, comm_.max(max_overlap_ratio_), level_};
   add_over_ranks(comm_.get(), totals.sums);
   return totals;
 }
 
 std::vector<WallLoad> Simulation::wall_loads() const {
   const std::size_t walls = scene_.source().walls.size();
-  std::vector<ExactSum> now(6 * walls), since_start = wall_sums_;
+  std::vector<ExactSum> now(6 * walls), since_start = sums_;
   for (const std::int32_t k : wall_pairs_) {
     const PairResult& r = pairs_.results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
@@ -160,9 +160,9 @@ std::int64_t Simulation::active_pair_count() const {
   return comm_.sum(count);
 }
 
-double Simulation::take_max_depth_ratio() {
-  const double result = comm_.max(max_depth_ratio_);
-  max_depth_ratio_ = 0;
+double Simulation::take_max_overlap_ratio() {
+  const double result = comm_.max(max_overlap_ratio_);
+  max_overlap_ratio_ = 0;
   return result;
 }
 
@@ -182,7 +182,7 @@ RankMeasures Simulation::rank_measures() const {
   m.neighbours = static_cast<std::int64_t>(halo_->neighbour_count());
   m.messages = halo_->traffic().messages;
   m.bytes = halo_->traffic().bytes;
-  m.renewal_bytes = halo_->traffic().renewal_bytes;
+  m.rebuild_bytes = halo_->traffic().rebuild_bytes;
   m.migrated = migrated_;
   const std::size_t row = p_.row_bytes();
   std::size_t own_pairs = 0, ghost_pairs = 0;

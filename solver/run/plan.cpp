@@ -121,7 +121,7 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
                       step.given ? "given" : "limited by " + step.limited_by, format_quantity(step.contact_time, Dimension::time),
                       step.contact_time / step.step);
   if (s.step_control == "quantised")
-    text += fmt::format("                quantised: now {}\n", format_quantity(simulation.part_size(), Dimension::time));
+    text += fmt::format("                quantised: now {}\n", format_quantity(simulation.substep_size(), Dimension::time));
   text += fmt::format("                critical step of that contact {}\n", format_quantity(step.critical(), Dimension::time));
   text += fmt::format("  steps         {:.0f} for {}\n", steps, format_quantity(s.duration, Dimension::time));
   text += fmt::format("  memory        {} bytes per body, {} per body pair, shapes {:.1f} kB, candidates now {:.1f} kB in {} pairs\n",

@@ -33,7 +33,7 @@ void RankLog::add_rows(std::int64_t step, const std::vector<RankMeasures>& ranks
     rows += fmt::format("{},{},{},{},{},{},{:.6g}", step, r, m.bodies, m.ghosts, m.neighbours, m.contacts, m.computing);
     for (const double t : m.times) rows += fmt::format(",{:.6g}", t);
     rows +=
-        fmt::format(",{},{},{},{},{},{},{}\n", m.messages, m.bytes, m.renewal_bytes, m.migrated, m.body_bytes, m.ghost_bytes, m.peak_rss);
+        fmt::format(",{},{},{},{},{},{},{}\n", m.messages, m.bytes, m.rebuild_bytes, m.migrated, m.body_bytes, m.ghost_bytes, m.peak_rss);
   }
   append_to_table(path_, rows);
 }

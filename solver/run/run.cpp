@@ -196,7 +196,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   Simulation simulation(comm, *loaded.prepared, options.parallel);
   const std::string checkpoint_path = checkpoint.path;
   const RunRecord before = checkpoint.record;  // of the parts of this run before this one
-  double max_ratio = before.max_depth_ratio, kinetic_peak = before.kinetic_peak, worst_balance = before.energy_error;
+  double max_ratio = before.max_overlap_ratio, kinetic_peak = before.kinetic_peak, worst_balance = before.energy_error;
   double reference = before.energy_reference, elastic_peak = before.elastic_peak, dissipated_peak = before.dissipated_peak;
   CriticalStep stiffest = before.stiffest;  // of all log rows
   if (restarted) {
@@ -299,16 +299,16 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     run.elastic_peak = elastic_peak;
     run.dissipated_peak = dissipated_peak;
     run.energy_error = worst_balance;
-    run.max_depth_ratio = max_ratio;
+    run.max_overlap_ratio = max_ratio;
     run.stiffest = stiffest;
     run.energies = energies;
     run.imbalance_sum = imbalance_sum;
     run.log_rows = log_rows;
-    run.list_renewals += simulation.list_renewals();
+    run.list_renewals += simulation.list_rebuilds();
     run.cuts += simulation.cuts();
     run.migrated += simulation.migrated();
     const RankMeasures mine = simulation.rank_measures();
-    run.bytes_sent += comm.sum(mine.bytes + mine.renewal_bytes);
+    run.bytes_sent += comm.sum(mine.bytes + mine.rebuild_bytes);
     run.peak_memory = std::max(run.peak_memory, comm.sum(peak_memory()));
     run.wall_seconds += seconds_since(start);
     PhaseTimes times = simulation.times();
@@ -346,9 +346,9 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
         throw RunInvalid(
             "step {}: damping and friction gave back {:.3g} J, {:.2g} of all that was in motion or stored; they can only take energy. "
             "The step {:.4g} s is too long for the damping of the contacts that there are: reduce the step, or raise the restitution",
-            simulation.step(), returned, returned / scale, simulation.part_size());
+            simulation.step(), returned, returned / scale, simulation.substep_size());
       });
-    const bool unstable = simulation.part_size() > stiffest.step && error > kUnstableGain * scale;
+    const bool unstable = simulation.substep_size() > stiffest.step && error > kUnstableGain * scale;
     const bool gains = error - simulation.shadow_energy_gap() > kAnyGain * scale;
     if (!unstable && !gains) return;
     const auto fastest = simulation.fastest_body();
@@ -356,7 +356,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       throw RunInvalid(
           "step {}: energy grew by {:.3g} J, {:.2g} of all that was in motion or stored, without a cause; body {} has the most, {:.3g} J. "
           "The critical step of {} is {:.4g} s, the step is {:.4g} s{}",
-          simulation.step(), error, error / scale, fastest.first, fastest.second, stiffest.name(), stiffest.step, simulation.part_size(),
+          simulation.step(), error, error / scale, fastest.first, fastest.second, stiffest.name(), stiffest.step, simulation.substep_size(),
           unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
     });
   };
@@ -375,7 +375,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     elastic_peak = std::max(elastic_peak, energies.elastic + energies.tangential_elastic);
     const double error = energies.balance() - reference;
     worst_balance = std::max(worst_balance, std::abs(error));
-    const double ratio = simulation.take_max_depth_ratio(), imbalance = simulation.take_imbalance();
+    const double ratio = simulation.take_max_overlap_ratio(), imbalance = simulation.take_imbalance();
     max_ratio = std::max(max_ratio, ratio);
     imbalance_sum += imbalance;
     ++log_rows;
@@ -396,11 +396,11 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       log->add_row(simulation.step(), simulation.time(), energies, error, contacts, ratio, imbalance, since_start(ranks), rate, removed,
                    critical.step, loads, walls, hash);
       rank_log->add_rows(simulation.step(), ranks, simulation.step() == schedule.last || rest.at_rest(simulation.time()));
-      if (simulation.part_size() > critical.step) {
+      if (simulation.substep_size() > critical.step) {
         warn_once("scree-solver",
                   fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
                               "log.csv; the run ends when their energy grows",
-                              simulation.part_size()));
+                              simulation.substep_size()));
       }
     });
     guard_energy(error);
@@ -517,7 +517,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
       if (n % schedule.frame == 0 || n == schedule.last) timed_output([&] { write_frame((n + schedule.frame - 1) / schedule.frame); });
       if (simulation.pending_signal() != 0) {
         save_state();
-        max_ratio = std::max(max_ratio, simulation.take_max_depth_ratio());
+        max_ratio = std::max(max_ratio, simulation.take_max_overlap_ratio());
         const int code = static_cast<int>(ExitCode::signal_base) + simulation.pending_signal();
         write_outcome("interrupted", fmt::format("signal {} at step {}; continue with --restart latest", simulation.pending_signal(), n),
                       code);
@@ -535,7 +535,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   } catch (const mpi::AgreedError& e) {
     // Every rank is here: keep the state and the reason.
     if (e.code() == ExitCode::run_invalid) {
-      const double ratio = simulation.take_max_depth_ratio();
+      const double ratio = simulation.take_max_overlap_ratio();
       max_ratio = std::max(max_ratio, ratio);
       // the last state as a frame without contacts, to be looked at; a restart goes on from the checkpoint before it
       write_frame(simulation.step() / schedule.frame + 1, false);
@@ -551,7 +551,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     const double elapsed = seconds_since(start);
     if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
     progress->finish(fmt::format(
-        "{} steps, {:.0f} particle-steps/s, depth/margin at most {:.3f}, energy balance to {:.2g}", simulation.step(),
+        "{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}", simulation.step(),
         static_cast<double>(scene.bodies.size()) * static_cast<double>(simulation.step() - first_step) / std::max(elapsed, 1e-9), max_ratio,
         worst_balance / std::max({kinetic_peak, energies.dissipated, 1e-300})));
   }

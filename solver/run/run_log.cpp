@@ -104,13 +104,13 @@ RunLog::RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up
   start_table(path, header_of(scene), keep_up_to_step);
 }
 
-void RunLog::add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts, double max_depth_ratio,
-                     double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second, const RemovedTotals& removed,
-                     double critical_step, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
-                     const std::string& state_hash) {
+void RunLog::add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts,
+                     double max_overlap_ratio, double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second,
+                     const RemovedTotals& removed, double critical_step, const std::vector<WallLoad>& loads,
+                     const std::vector<WallState>& walls, const std::string& state_hash) {
   std::string row = fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.9g},{},{:.9g},{:.6g}", step, time,
                                 e.translational, e.rotational, e.potential, e.elastic, e.tangential_elastic, e.dissipated, e.wall_work,
-                                energy_error, contacts, max_depth_ratio, imbalance);
+                                energy_error, contacts, max_overlap_ratio, imbalance);
   for (std::size_t p = 0; p < static_cast<std::size_t>(Phase::count); ++p) {
     double sum = 0;
     for (const RankMeasures& m : ranks) sum += m.times[p];
@@ -121,7 +121,7 @@ void RunLog::add_row(std::int64_t step, double time, const Energies& e, double e
   for (const RankMeasures& m : ranks) {
     longest_wait = std::max(longest_wait, m.times[static_cast<std::size_t>(Phase::wait)]);
     ghosts += m.ghosts;
-    bytes += m.bytes + m.renewal_bytes;
+    bytes += m.bytes + m.rebuild_bytes;
   }
   row += fmt::format(",{:.6g},{},{},{:.6g},{:.0f},{:.17g},{:.6g},{}", longest_wait, ghosts, bytes, steps_per_second, removed.count,
                      removed.mass, critical_step, state_hash);

@@ -33,7 +33,7 @@ class RunLog {
  public:
   RunLog(const std::string& path, const Scene& scene, std::int64_t keep_up_to_step);
   /// in   ranks   measures of all ranks: the row has the mean of their times
-  void add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts, double max_depth_ratio,
+  void add_row(std::int64_t step, double time, const Energies& e, double energy_error, std::int64_t contacts, double max_overlap_ratio,
                double imbalance, const std::vector<RankMeasures>& ranks, double steps_per_second, const RemovedTotals& removed,
                double critical_step, const std::vector<WallLoad>& loads, const std::vector<WallState>& walls,
                const std::string& state_hash);

@@ -237,7 +237,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
   const double modulus = effective_modulus(a, b);
   law.stiffness = 4.0 / 3 * modulus;
   if (pair.tangential_ratio < 0) law.tangential_ratio = 6 * effective_shear_modulus(a, b) / modulus;
-  // The stiffest tangent 2 E* sqrt(R* d), at the depth of the fastest impact of the heaviest bodies.
+  // The stiffest tangent 2 E* sqrt(R* d), at the overlap of the fastest impact of the heaviest bodies.
   double mass = 0, radius = 0, speed = settings.impact_speed;
   const BodyTable& bodies = scene_->bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -247,14 +247,14 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
     if (settings.impact_speed == 0) speed = std::max(speed, 2 * length(bodies.velocity[i]));
   }
   if (pair.contact_radius > 0) radius = pair.contact_radius;
-  double depth = hertz_impact_depth(modulus, radius, mass, speed);
-  if (margin_ > 0) depth = speed > 0 ? std::min(depth, 2 * margin_) : 2 * margin_;
-  if (!(depth > 0) && !(settings.step > 0) && mass > 0) {
+  double overlap = hertz_impact_overlap(modulus, radius, mass, speed);
+  if (margin_ > 0) overlap = speed > 0 ? std::min(overlap, 2 * margin_) : 2 * margin_;
+  if (!(overlap > 0) && !(settings.step > 0) && mass > 0) {
     throw UsageError(
-        "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its depth; "
+        "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its overlap; "
         "give the speed of the fastest impact, or time.step");
   }
-  law.step_stiffness = 2 * modulus * std::sqrt(radius * depth);
+  law.step_stiffness = 2 * modulus * std::sqrt(radius * overlap);
   return law;
 }
 

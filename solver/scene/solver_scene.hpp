@@ -89,7 +89,7 @@ class SolverScene {
   /// gather = "pairs": how many springs a contact of two bodies may have: two faces, edges or corners that lie over each other make about
   /// as many pairs as both have triangles there; more is rare. 0 otherwise.
   std::int64_t springs_per_pair() const { return springs_per_pair_; }
-  double normal_exponent() const { return law_choice_.exponent; }  ///< of the effective depth in the normal force
+  double normal_exponent() const { return law_choice_.exponent; }  ///< of the effective overlap in the normal force
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }

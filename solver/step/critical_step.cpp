@@ -50,21 +50,21 @@ void PairStiffness::add_mode(double s, double c, const std::array<double, 12>& m
   }
 }
 
-PairStiffness linearise(const PairLook& look) {
+PairStiffness linearise(const PairContact& look) {
   PairStiffness result;
   result.key = look.pair.key;
   result.a = look.pair.a;
   result.b = look.pair.b;
   const PairForce& force = look.force;
   const double p = look.exponent;
-  /// A point with its tangent stiffness, its normal force and the chi of its damping, and friction of f / depth along.
-  const auto add_point = [&](const Vec3& x, const Vec3& n, double stiffness, double normal, double chi, double depth) {
+  /// A point with its tangent stiffness, its normal force and the chi of its damping, and friction of f / overlap along.
+  const auto add_point = [&](const Vec3& x, const Vec3& n, double stiffness, double normal, double chi, double overlap) {
     result.add_mode(stiffness, chi * normal, mode_of(look.motion, x, n));
     if (!(look.law.friction > 0)) return;
     // any two directions across the normal
     const Vec3 other = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     const Vec3 u = normalised(cross(n, other)), v = cross(n, u);
-    const double kappa = look.law.tangential_ratio * normal / depth, c = tangential_damping_share(look.law, p) * chi * normal;
+    const double kappa = look.law.tangential_ratio * normal / overlap, c = tangential_damping_share(look.law, p) * chi * normal;
     result.add_mode(kappa, c, mode_of(look.motion, x, u));
     result.add_mode(kappa, c, mode_of(look.motion, x, v));
   };
@@ -75,20 +75,20 @@ PairStiffness linearise(const PairLook& look) {
       pressed += patch.force;
     }
     if (!(energy > 0)) return result;
-    const double modulus = force.elastic / energy, depth = 2 * energy / pressed;
+    const double modulus = force.elastic / energy, overlap = 2 * energy / pressed;
     for (const AreaPoint& point : look.motion.area->points) {
       const double stiffness = modulus * point.area;
-      add_point(point.x, point.n, stiffness, stiffness * depth, force.damping, depth);
+      add_point(point.x, point.n, stiffness, stiffness * overlap, force.damping, overlap);
     }
     return result;
   }
   if (look.motion.independent) {
     // U_j = c d_j^(p + 1), each with a dashpot by its own energy
     double sum = 0;
-    for (const ContactFeature& f : look.features) sum += std::pow(f.depth, p + 1);
+    for (const ContactFeature& f : look.features) sum += std::pow(f.overlap, p + 1);
     for (const ContactFeature& f : look.features) {
-      const double share = std::pow(f.depth, p + 1) / sum, normal = (p + 1) * share * force.elastic / f.depth;
-      add_point(f.x, f.n, p * normal / f.depth, normal, force.damping / std::sqrt(share), f.depth);
+      const double share = std::pow(f.overlap, p + 1) / sum, normal = (p + 1) * share * force.elastic / f.overlap;
+      add_point(f.x, f.n, p * normal / f.overlap, normal, force.damping / std::sqrt(share), f.overlap);
     }
     return result;
   }
@@ -116,9 +116,9 @@ PairStiffness linearise(const PairLook& look) {
   for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
     double sum = 0;
     for (end = begin; end < members.size() && members[end].cell == members[begin].cell; ++end) {
-      sum += members[end].weight * std::pow(look.features[members[end].feature].depth / force.deepest, kNorm);
+      sum += members[end].weight * std::pow(look.features[members[end].feature].overlap / force.largest_overlap, kNorm);
     }
-    const double D = force.deepest * std::pow(sum, 1.0 / kNorm);
+    const double D = force.largest_overlap * std::pow(sum, 1.0 / kNorm);
     if (D > 0) groups.push_back({begin, end, D});
     energy += std::pow(D, p + 1);
   }
@@ -128,7 +128,7 @@ PairStiffness linearise(const PairLook& look) {
     std::array<double, 12> common{};
     for (std::size_t m = group.begin; m < group.end; ++m) {
       const ContactFeature& f = look.features[members[m].feature];
-      const double weight = members[m].weight, r = f.depth / D, r6 = std::pow(r, kNorm - 2), normal = slope * D * weight * r6 * r;
+      const double weight = members[m].weight, r = f.overlap / D, r6 = std::pow(r, kNorm - 2), normal = slope * D * weight * r6 * r;
       const auto along = mode_of(look.motion, f.x, f.n);
       for (std::size_t i = 0; i < 12; ++i) common[i] += weight * r6 * r * along[i];
       add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, normal, force.damping, D);
@@ -138,8 +138,8 @@ PairStiffness linearise(const PairLook& look) {
   if (!(look.law.barrier > 0)) return result;
   const Barrier barrier(look.law);
   for (const ContactFeature& f : look.features) {
-    const double gap = look.law.margin - f.depth;
-    if (barrier.acts(gap)) add_point(f.x, f.n, f.weight * barrier.curvature(gap), f.weight * barrier.force(gap), force.damping, f.depth);
+    const double gap = look.law.margin - f.overlap;
+    if (barrier.acts(gap)) add_point(f.x, f.n, f.weight * barrier.curvature(gap), f.weight * barrier.force(gap), force.damping, f.overlap);
   }
   return result;
 }

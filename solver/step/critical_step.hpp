@@ -8,7 +8,7 @@
 //
 // The leapfrog with damping divided by 1 + gamma h / 4 (potential.hpp) is stable while
 //     h^2 lambda + 2 h gamma / (1 + h gamma / 4) <= 4.
-// What is left out: geometric stiffness (forces times curvature, smaller by depth over lever) and the fading of edges.
+// What is left out: geometric stiffness (forces times curvature, smaller by overlap over lever) and the fading of edges.
 // Source: docs/reference/validation-plan.md section 2, with the sum over the two bodies of a pair in place of twice the largest.
 #pragma once
 
@@ -33,7 +33,7 @@ struct PairStiffness {
 };
 
 /// The pair as it is now. `n` and levers of the features in the frame of A, as everywhere in the pair arithmetic.
-PairStiffness linearise(const PairLook& look);
+PairStiffness linearise(const PairContact& look);
 
 /// What a body contributes to the bound of its pairs.
 struct BodyBound {

@@ -59,10 +59,10 @@ void Simulation::remove_outside() {
       p_.v[i] += (0.5 * dt_) * gravity;
     }
     removed_.push_back({p_.id[i], step_, time(), p_.mass[i], p_.x[i], p_.v[i]});
-    wall_sums_[RunTotals::kRemovedCount].add(1);
-    wall_sums_[RunTotals::kRemovedMass].add(p_.mass[i]);
-    wall_sums_[RunTotals::kRemovedEnergy].add(translational_energy(p_, i) + rotational_energy(p_, i) + potential_energy(i));
-    wall_sums_[RunTotals::kRemovedDissipated].add(p_.dissipated[i]);
+    sums_[RunTotals::kRemovedCount].add(1);
+    sums_[RunTotals::kRemovedMass].add(p_.mass[i]);
+    sums_[RunTotals::kRemovedEnergy].add(translational_energy(p_, i) + rotational_energy(p_, i) + potential_energy(i));
+    sums_[RunTotals::kRemovedDissipated].add(p_.dissipated[i]);
   }
   p_.resize(kept);
   p_.owned = kept;
@@ -75,7 +75,7 @@ double Simulation::potential_energy(std::size_t i) const {
 }
 
 RemovedTotals Simulation::removed() const {
-  std::vector<ExactSum> sums = {wall_sums_[RunTotals::kRemovedCount], wall_sums_[RunTotals::kRemovedMass]};
+  std::vector<ExactSum> sums = {sums_[RunTotals::kRemovedCount], sums_[RunTotals::kRemovedMass]};
   add_over_ranks(comm_.get(), sums);
   return {sums[0].value(), sums[1].value()};
 }

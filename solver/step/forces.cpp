@@ -19,7 +19,7 @@ ForceScratch::ForceScratch() {
 
 namespace {
 
-// The skin of a pair follows its speed: long enough that lists are renewed every few tens of steps, short enough
+// The skin of a pair follows its speed: long enough that lists are rebuilt every few tens of steps, short enough
 // that they stay small. It never changes a result.
 constexpr double kSkinSteps = 24;       // steps that a skin lasts at the present relative speed
 constexpr double kSmallestSkin = 0.25;  // of the margin sum
@@ -51,8 +51,8 @@ struct PairView {
   RelativePose pose;
   double radius_a = 0, radius_b = 0, margin = 0;
   const WallZone* zone = nullptr;
-  double cell_size = 0;  // of the side that has cells [m]; 0: none
-  bool cells_on_a = false;
+  double cell_size = 0;  // [m]
+  CellSide cells = CellSide::none;
 };
 
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, const BodyPair& pair) {
@@ -67,8 +67,8 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
     view.radius_b = p.radius[j];
     const double cells_a = view.a.scale * view.a.shape->cell_size, cells_b = view.b.scale * view.b.shape->cell_size;
-    view.cells_on_a = cells_a > cells_b;
     view.cell_size = std::max(cells_a, cells_b);
+    if (view.cell_size > 0) view.cells = cells_a > cells_b ? CellSide::a : cells_b > cells_a ? CellSide::b : CellSide::both;
   } else {
     view.zone = &scene.zones()[static_cast<std::size_t>(pair.key.zone)];
     const Wall& wall = scene.source().walls[static_cast<std::size_t>(view.zone->wall)];
@@ -78,8 +78,8 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     view.radius_b = 2 * view.radius_a;  // the wall is the frame of the pair's motion
     const double wall_cells = view.zone->kind == WallZone::Kind::mesh ? wall.cell_size : 0.0,
                  own_cells = view.a.scale * view.a.shape->cell_size;
-    view.cells_on_a = own_cells > wall_cells;
     view.cell_size = std::max(own_cells, wall_cells);
+    if (view.cell_size > 0) view.cells = own_cells > wall_cells ? CellSide::a : CellSide::b;
     if (view.zone->kind == WallZone::Kind::mesh) {
       view.b.shape = &scene.shape(wall.shape);
       view.b.scale = wall.scale;
@@ -185,9 +185,9 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
   return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b)) > limit * limit;
 }
 
-/// Renews the lists of one pair. Returns false when its meshes intersect.
-bool renew_lists(const PairView& view, const PairVelocities& m, bool triangles, bool area, double dt, MeshDistanceScratch& scratch,
-                 CandidateLists& lists) {
+/// Rebuilds the lists of one pair. Returns false when its meshes intersect.
+bool rebuild_lists(const PairView& view, const PairVelocities& m, bool triangles, bool area, double dt, MeshDistanceScratch& scratch,
+                   CandidateLists& lists) {
   const double small = std::min(view.radius_a, view.radius_b);
   const double speed = length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small;
   const double lower = std::min(kSmallestSkin * view.margin, kLargestSkin * small);
@@ -223,7 +223,7 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
     out.feature.push_back(f.key + (pair.key.zone < 0 ? 0 : pair.key.zone));
     out.point.push_back(view.a.x + rotate(view.a.q, f.x));
     out.normal.push_back(side * rotate(view.a.q, outputs[j].normal));
-    out.depth.push_back(f.depth);
+    out.overlap.push_back(f.overlap);
     out.margin.push_back(view.margin);
     out.normal_force.push_back(outputs[j].normal_force);
     out.tangential_force.push_back(side * rotate(view.a.q, outputs[j].tangential_force));
@@ -234,22 +234,22 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
 
 double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                       std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
-                      PairList& list, FrameContacts* out, const PairLooker* look) {
+                      PairList& list, FrameContacts* out, const PairVisitor* look) {
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
   const bool only_looks = out != nullptr || look != nullptr;
   const PairForceFunction force_of = pair_force_function(scene.law_choice());
   const bool independent = scene.law_choice().independent;
   const bool is_area = scene.law_choice().area;
   // a barrier makes room for gaps that are otherwise too near to be followed
-  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopDepthRatio;
+  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopOverlapRatio;
   const bool needs_radius = scene.law_choice().needs_radius;
   const double exponent = scene.normal_exponent();
-  const BodyWays& ways = list.ways();
-  const auto way_of = [&ways](const PairRest& rest) { return ways[rest.a] + (rest.b >= 0 ? ways[rest.b] : 0.0); };
-  double deepest = 0;
+  const TravelBounds& ways = list.travel();
+  const auto way_of = [&ways](const IdlePair& rest) { return ways[rest.a] + (rest.b >= 0 ? ways[rest.b] : 0.0); };
+  double largest_overlap = 0;
   bool too_deep = false;
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
-#pragma omp parallel if (!only_looks) reduction(max : deepest) reduction(|| : too_deep)
+#pragma omp parallel if (!only_looks) reduction(max : largest_overlap) reduction(|| : too_deep)
   {
     std::vector<ContactFeature> features;
     std::vector<ContactOutput> outputs;
@@ -258,7 +258,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
     MeshDistanceScratch& distance = *scratch.distance[static_cast<std::size_t>(omp_get_thread_num())];
     shares.take(omp_get_thread_num(), [&](std::size_t n) {
       const std::int32_t k = which[n];
-      PairRest& rest = list.rests()[static_cast<std::size_t>(k)];
+      IdlePair& rest = list.idle()[static_cast<std::size_t>(k)];
       if (way_of(rest) < rest.way) return;  // its result says so already
       const PairClock clock(scratch.pair_seconds, k);
       BodyPair& pair = list.pairs()[static_cast<std::size_t>(k)];
@@ -278,7 +278,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         passing.store(k);
       }
       if (pair.lists.skin < 0 || moved > pair.lists.skin) {
-        if (!renew_lists(view, velocities, independent, is_area, dt, distance, pair.lists)) {
+        if (!rebuild_lists(view, velocities, independent, is_area, dt, distance, pair.lists)) {
           intersecting.store(k);
           return;
         }
@@ -291,7 +291,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
         pair.state.springs.clear();
         return;
       }
-      rest.way = kNoRest;
+      rest.way = kNeverIdle;
       const bool has_layer =
           is_area && view.a.shape->kind != ShapeKind::sphere && (view.b.shape == nullptr || view.b.shape->kind != ShapeKind::sphere);
       if (is_sphere_pair(view)) {
@@ -331,9 +331,10 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
           cells.push_back({static_cast<std::int64_t>(j), static_cast<std::int32_t>(j), 1, {}});
         relative.independent = true;
         relative.cells = &cells;
-      } else if (view.cell_size > 0) {
-        find_cell_shares(view.a, view.b, view.cell_size, view.cells_on_a, features, cells);
+      } else if (view.cells != CellSide::none) {
+        find_cell_shares(view.a, view.b, view.cell_size, view.cells, features, cells);
         relative.cells = &cells;
+        relative.cell_energy = energy_share(view.cells);
       }
       // Looking must not change anything: it works on a copy of the springs.
       std::vector<FrictionSpring> copy;
@@ -348,14 +349,14 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
       result.force_a = a_to_world * f.force;
       result.torque_a = a_to_world * f.torque;
       result.torque_b = cross(branch, result.force_a) - result.torque_a;
-      result.lossy_force_a = a_to_world * f.lossy_force;
-      result.lossy_torque_a = a_to_world * f.lossy_torque;
-      result.lossy_torque_b = cross(branch, result.lossy_force_a) - result.lossy_torque_a;
+      result.dissipative_force_a = a_to_world * f.dissipative_force;
+      result.dissipative_torque_a = a_to_world * f.dissipative_torque;
+      result.dissipative_torque_b = cross(branch, result.dissipative_force_a) - result.dissipative_torque_a;
       result.elastic = f.elastic;
       result.tangential_elastic = f.tangential_elastic;
-      result.depth_ratio = view.margin > 0 ? f.deepest / view.margin : 0;
-      deepest = std::max(deepest, result.depth_ratio);
-      if (!(result.depth_ratio < stop_ratio)) too_deep = true;  // or not a number
+      result.overlap_ratio = view.margin > 0 ? f.largest_overlap / view.margin : 0;
+      largest_overlap = std::max(largest_overlap, result.overlap_ratio);
+      if (!(result.overlap_ratio < stop_ratio)) too_deep = true;  // or not a number
       if (out != nullptr && counts_here(pair, p)) append_contacts(pair, view, features, outputs, *out);
     });
   }
@@ -376,16 +377,16 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   for (std::size_t n = 0; n < which.size() && too_deep; ++n) {
     const std::int32_t k = which[n];
     const PairResult& r = list.results()[static_cast<std::size_t>(k)];
-    if (r.active && !(r.depth_ratio < stop_ratio)) {
+    if (r.active && !(r.overlap_ratio < stop_ratio)) {
       throw RunInvalid("step {}: {} touch to {:.3f} of their margin (limit {}); {}", step,
-                       describe(list.pairs()[static_cast<std::size_t>(k)].key), r.depth_ratio, stop_ratio, cure);
+                       describe(list.pairs()[static_cast<std::size_t>(k)].key), r.overlap_ratio, stop_ratio, cure);
     }
   }
-  return deepest;
+  return largest_overlap;
 }
 
-void look_at_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
-                   std::int64_t step, ForceScratch& scratch, PairList& list, const PairLooker& look) {
+void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
+                 std::int64_t step, ForceScratch& scratch, PairList& list, const PairVisitor& look) {
   const std::vector<PairResult> kept = list.results();
   evaluate_pairs(scene, p, walls, which, 0, 0, step, scratch, list, nullptr, &look);
   list.results() = kept;

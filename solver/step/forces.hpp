@@ -19,33 +19,33 @@ struct ForceScratch {
 };
 
 /// A pair in contact as it is looked at: borrowed, valid during the call.
-struct PairLook {
+struct PairContact {
   const BodyPair& pair;
   std::span<const ContactFeature> features;  ///< frame of A
   const PairForce& force;
   const PairMotion& motion;
-  double exponent;  ///< of the normal force in the effective depth
+  double exponent;  ///< of the normal force in the effective overlap
   const PairLaw& law;
 };
-using PairLooker = std::function<void(const PairLook&)>;
+using PairVisitor = std::function<void(const PairContact&)>;
 
-/// Evaluates the pairs named by `which` and fills their results. Renews the candidate lists whose skin is used up.
+/// Evaluates the pairs named by `which` and fills their results. Rebuilds the candidate lists whose skin is used up.
 ///
 /// in   dt        step of the run [s]
 /// in   friction_dt  dt, or 0: friction springs stay as they are
-/// Returns the largest depth over its margin sum.
+/// Returns the largest overlap over its margin sum.
 /// in   out       when not null (one thread): every contact is appended to it
 /// Throws RunInvalid naming both bodies when two meshes intersect, when they move so fast that they could have passed through each
-/// other since the last step, or when the depth passes kStopDepthRatio.
+/// other since the last step, or when the overlap passes kStopOverlapRatio.
 /// Threads: parallel inside.   Ranks: local.
 double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                       std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
-                      PairList& list, FrameContacts* out = nullptr, const PairLooker* look = nullptr);
+                      PairList& list, FrameContacts* out = nullptr, const PairVisitor* look = nullptr);
 
 /// Shows every pair in contact to `look`, one after another; changes neither springs nor results. Damping is shown
 /// without its corrections for the step.
-void look_at_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
-                   std::int64_t step, ForceScratch& scratch, PairList& list, const PairLooker& look);
+void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
+                 std::int64_t step, ForceScratch& scratch, PairList& list, const PairVisitor& look);
 
 /// Whether this rank counts a pair in sums over the scene: the owner of A does.
 inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }

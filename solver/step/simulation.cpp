@@ -62,7 +62,7 @@ Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, 
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     smallest_radius_ = std::min(smallest_radius_, bodies.scale[b] * scene.shape(bodies.shape[b]).radius);
   }
-  wall_sums_.resize(RunTotals::kFirstImpulse + 3 * scene.source().walls.size());
+  sums_.resize(RunTotals::kFirstImpulse + 3 * scene.source().walls.size());
 }
 
 void Simulation::start_from_scene() {
@@ -78,15 +78,15 @@ void Simulation::start_from_scene() {
   begin(mine, 0, 0, halo_->has_cut());
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   compute_forces(0, false);
-  add_wall_totals(0.5 * dt_, wall_sums_);  // the first kick is by half a step
+  add_wall_totals(0.5 * dt_, sums_);  // the first kick is by half a step
   agree_on_failures();
 }
 
 void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state, std::int64_t step,
                                     double step_size, const RunTotals& totals) {
   pairs_.waiting() = std::move(state);
-  max_depth_ratio_ = totals.max_depth_ratio;
-  if (comm_.rank() == 0) wall_sums_ = totals.sums;
+  max_overlap_ratio_ = totals.max_overlap_ratio;
+  if (comm_.rank() == 0) sums_ = totals.sums;
   level_ = totals.level;
   begin(records, step, step_size, false);
 }
@@ -104,7 +104,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   walls_listed_ = walls_;
   if (!is_cut && comm_.size() > 1) cut_anew(true);
   agreement_.start(look_at_lists(false, 0));
-  renew_lists(agreement_.finish());
+  rebuild_lists(agreement_.finish());
   fastest_ = std::numeric_limits<double>::infinity();  // forces are not known yet
   agree_on_failures();
 }
@@ -119,7 +119,7 @@ void Simulation::compute_pairs(std::span<const std::int32_t> which, double frict
   const PhaseTimer timer(times_, phase);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   try {
-    max_depth_ratio_ = std::max(max_depth_ratio_, evaluate_pairs(scene_, p_, walls_, which, dt_, friction_dt, step_, scratch_, pairs_));
+    max_overlap_ratio_ = std::max(max_overlap_ratio_, evaluate_pairs(scene_, p_, walls_, which, dt_, friction_dt, step_, scratch_, pairs_));
   } catch (const Error& e) {
     fail(e);
   }
@@ -127,9 +127,9 @@ void Simulation::compute_pairs(std::span<const std::int32_t> which, double frict
 
 void Simulation::add_ways(std::size_t begin, std::size_t end) {
   if (begin == end) return;
-  const PhaseTimer timer(times_, Phase::distance);
+  const PhaseTimer timer(times_, Phase::contact);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
-  pairs_.ways().add_motion(p_, scene_.periodicity(), begin, end);
+  pairs_.travel().add_motion(p_, scene_.periodicity(), begin, end);
 }
 
 void Simulation::compute_forces(double friction_dt, bool refresh) {
@@ -138,18 +138,18 @@ void Simulation::compute_forces(double friction_dt, bool refresh) {
   if (built_with::kRanks && refresh) halo_->start_refresh(p_, times_);
   if (built_with::kRanks && refresh && options_.strategy == HaloStrategy::blocking) halo_->finish_refresh(p_, times_);
   if (refresh) add_ways(0, p_.owned);
-  compute_pairs(pairs_.inner(), friction_dt, Phase::distance);
+  compute_pairs(pairs_.inner(), friction_dt, Phase::contact);
   if (built_with::kRanks && refresh && options_.strategy == HaloStrategy::overlap) halo_->finish_refresh(p_, times_);
   if (refresh) add_ways(p_.owned, p_.size());
-  if (built_with::kRanks) compute_pairs(pairs_.outer(), friction_dt, Phase::distance);
-  if (built_with::kRanks) compute_pairs(pairs_.twice(), friction_dt, Phase::twice);
+  if (built_with::kRanks) compute_pairs(pairs_.outer(), friction_dt, Phase::contact);
+  if (built_with::kRanks) compute_pairs(pairs_.duplicated(), friction_dt, Phase::duplicated);
   if (timed) {
     balance_.add_sample(scratch_.pair_seconds, pairs_.pairs(), p_);
     scratch_.pair_seconds.clear();
   }
-  const PhaseTimer timer(times_, Phase::gather);
+  const PhaseTimer timer(times_, Phase::sum);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
-  pairs_.gather(scene_.source().settings.gravity, p_);
+  pairs_.sum_onto_bodies(scene_.source().settings.gravity, p_);
   if (fluid_) fluid_->add_buoyancy(p_);
 }
 
@@ -160,26 +160,26 @@ void Simulation::fail(const Error& error) {
 }
 
 void Simulation::agree_on_failures() {
-  if (agreement_.is_under_way()) news_ = agreement_.finish();
+  if (agreement_.is_under_way()) reports_ = agreement_.finish();
   // A failed rank goes on for a step or two with a state that means nothing, which others may stumble over: the first failure counts.
   const double none = 1e300;
   const double first = -comm_.max(failure_ ? -static_cast<double>(failure_step_) : -none);
   mpi::agree(comm_, failure_ && static_cast<double>(failure_step_) <= first ? failure_.get() : nullptr);
 }
 
-StepNews Simulation::exchange_news(bool forced) {
+StepReport Simulation::agree_on_step(bool forced) {
   // what was asked for this step in the one before, when ranks looked ahead
-  StepNews asked;
-  if (news_ || agreement_.is_under_way()) {
+  StepReport asked;
+  if (reports_ || agreement_.is_under_way()) {
     const PhaseTimer timer(times_, Phase::agree);
-    asked = news_ ? *news_ : agreement_.finish();
-    news_.reset();
+    asked = reports_ ? *reports_ : agreement_.finish();
+    reports_.reset();
     fastest_ = asked.fastest;
   }
   asked.fastest = fastest_;
-  if (forced) asked.renew = 1;
-  const bool renewed = asked.renew != 0, ahead = may_look_ahead(renewed ? list_skin(fastest_) : skin_);
-  StepNews mine = look_at_lists(renewed, fastest_);
+  if (forced) asked.rebuild = 1;
+  const bool rebuilt = asked.rebuild != 0, ahead = may_look_ahead(rebuilt ? list_skin(fastest_) : skin_);
+  StepReport mine = look_at_lists(rebuilt, fastest_);
   if (ahead && lists_overrun_) {
     fail(RunInvalid("step {}: a body or wall went further in one step than all that moved before; use a step of at most {:.3g} s", step_,
                     0.5 * dt_));
@@ -192,9 +192,9 @@ StepNews Simulation::exchange_news(bool forced) {
   const PhaseTimer timer(times_, Phase::agree);
   agreement_.start(mine);
   if (ahead) return asked;
-  StepNews now = agreement_.finish();
+  StepReport now = agreement_.finish();
   fastest_ = now.fastest;
-  now.renew = std::max(now.renew, asked.renew);
+  now.rebuild = std::max(now.rebuild, asked.rebuild);
   now.signal = std::max(now.signal, asked.signal);
   now.failed = std::max(now.failed, asked.failed);
   now.checkpoint = std::max(now.checkpoint, asked.checkpoint);
@@ -202,10 +202,10 @@ StepNews Simulation::exchange_news(bool forced) {
 }
 
 bool Simulation::review() {
-  // Lists are renewed at other steps on other numbers of ranks and after a restart; what changes the result must not.
+  // Lists are rebuilt at other steps on other numbers of ranks and after a restart; what changes the result must not.
   const Domain& domain = scene_.source().settings.domain;
-  const bool renew = std::exchange(level_changed_, false);  // lists are made for the step
-  if (part_ != 0 || step_ % kReviewSteps != 0 || !domain.bounded) return renew;
+  const bool rebuild = std::exchange(level_changed_, false);  // lists are made for the step
+  if (substep_ != 0 || step_ % kReviewSteps != 0 || !domain.bounded) return rebuild;
   if (domain.outside == "stop" && any_left_domain()) {
     try {
       check_domain();
@@ -213,50 +213,50 @@ bool Simulation::review() {
       fail(e);
     }
   }
-  if (domain.outside != "remove") return renew;
+  if (domain.outside != "remove") return rebuild;
   removal_due_ = comm_.max(any_left_domain() ? 1.0 : 0.0) > 0;
-  return renew || removal_due_;
+  return rebuild || removal_due_;
 }
 
 void Simulation::advance() {
   const std::int64_t next = step_ + 1;
-  while (step_ < next) advance_part();
+  while (step_ < next) advance_substep();
   if (step_ % kReviewSteps == 0) choose_level(step_ % kContactReviewSteps == 0);
 }
 
-void Simulation::advance_part() {
+void Simulation::advance_substep() {
   const double dt = dt_;
   {
     const PhaseTimer timer(times_, Phase::integrate);
     const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
     begin_step(integrator_, p_, dt, fluid());
     if (scene_.periodicity().any()) wrap_positions(scene_.periodicity(), p_);
-    if (++part_ == std::int64_t{1} << level_) {
-      part_ = 0;
+    if (++substep_ == std::int64_t{1} << level_) {
+      substep_ = 0;
       ++step_;
     }
     check_displacement();
     if (scene_.has_driven_walls()) set_walls(time());
   }
   const bool forced = review();
-  StepNews news = exchange_news(forced);
-  if (forced) news.renew = 1;
-  signal_ = static_cast<int>(news.signal);
-  checkpoint_heard_ = news.checkpoint;
-  if (news.failed != 0) agree_on_failures();
-  if (news.renew != 0) renew_lists(news);
-  compute_forces(dt, news.renew == 0);
+  StepReport report = agree_on_step(forced);
+  if (forced) report.rebuild = 1;
+  signal_ = static_cast<int>(report.signal);
+  checkpoint_heard_ = report.checkpoint;
+  if (report.failed != 0) agree_on_failures();
+  if (report.rebuild != 0) rebuild_lists(report);
+  compute_forces(dt, report.rebuild == 0);
   const PhaseTimer timer(times_, Phase::integrate);
   const WorkTimer work(balance_.computing(), balance_.weight_of(step_));
   end_step(integrator_, p_, dt, fluid());
-  add_wall_totals(dt, wall_sums_);
+  add_wall_totals(dt, sums_);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   const auto count = static_cast<std::ptrdiff_t>(p_.owned);
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     const auto i = static_cast<std::size_t>(n);
     if (p_.fixed[i]) continue;
-    p_.dissipated[i] -= dt * (dot(p_.lossy_force[i], p_.v[i]) + dot(p_.lossy_torque[i], p_.w[i]));
+    p_.dissipated[i] -= dt * (dot(p_.dissipative_force[i], p_.v[i]) + dot(p_.dissipative_torque[i], p_.w[i]));
   }
 }
 

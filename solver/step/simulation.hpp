@@ -72,8 +72,8 @@ struct RunTotals {
   /// mass [kg], their kinetic and potential energy, what they had dissipated [J]; then three components of the impulse on each wall [N s].
   /// The forces of the last step count in full; the measures below take half of them back.
   std::vector<ExactSum> sums;
-  double max_depth_ratio = 0;  ///< since it was last taken
-  std::int64_t level = 0;      ///< of the step, see Simulation::advance
+  double max_overlap_ratio = 0;  ///< since it was last taken
+  std::int64_t level = 0;        ///< of the step, see Simulation::advance
 };
 
 class Simulation {
@@ -103,9 +103,9 @@ class Simulation {
   void checkpoint_written() { ++checkpoints_; }
 
   std::int64_t step() const { return step_; }
-  double time() const { return static_cast<double>(step_) * step_size_.step + static_cast<double>(part_) * dt_; }
+  double time() const { return static_cast<double>(step_) * step_size_.step + static_cast<double>(substep_) * dt_; }
   /// What the bodies move by at once [s]: step_size().step, or with quantised steps that divided by a power of two.
-  double part_size() const { return dt_; }
+  double substep_size() const { return dt_; }
   const StepSize& step_size() const { return step_size_; }
   const ParticleSet& particles() const { return p_; }
   const PairList& pairs() const { return pairs_; }
@@ -119,7 +119,7 @@ class Simulation {
   std::int64_t body_count() const { return comm_.sum(static_cast<std::int64_t>(p_.owned)); }
   std::int64_t contact_count() const;
   std::int64_t active_pair_count() const;
-  double take_max_depth_ratio();        ///< largest since the last call, at every step
+  double take_max_overlap_ratio();      ///< largest since the last call, at every step
   double take_imbalance();              ///< largest over mean computing time of the ranks since the last call
   std::int64_t bodies_outside() const;  ///< of the domain
   /// Largest stable step of the contacts that there are now, and the pair that sets it.
@@ -140,7 +140,7 @@ class Simulation {
   /// Drops all kept candidates and has the body lists made anew: results never depend on them (for tests).
   void forget_candidates() {
     pairs_.forget_candidates();
-    renewal_asked_ = true;
+    rebuild_asked_ = true;
   }
 
   /// Contacts that this rank counts, at the present state, with forces that are the same on any number of ranks; changes no state.
@@ -149,18 +149,18 @@ class Simulation {
 
   PhaseTimes& times() { return times_; }
   RankMeasures rank_measures() const;  ///< of this rank alone
-  std::int64_t list_renewals() const { return renewals_; }
+  std::int64_t list_rebuilds() const { return rebuilds_; }
   std::int64_t cuts() const { return cuts_; }
   std::int64_t migrated() const { return migrated_; }
 
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
-  void advance_part();
-  StepNews exchange_news(bool forced);
-  StepNews look_at_lists(bool renewed, double speed_of_lists);
+  void advance_substep();
+  StepReport agree_on_step(bool forced);
+  StepReport look_at_lists(bool rebuilt, double speed_of_lists);
   double list_skin(double fastest) const;  // [m]
   bool may_look_ahead(double skin) const;
-  void renew_lists(const StepNews& news);
+  void rebuild_lists(const StepReport& report);
   void cut_anew(bool is_first);
   void compute_forces(double friction_dt, bool refresh);
   void add_ways(std::size_t begin, std::size_t end);
@@ -193,26 +193,26 @@ class Simulation {
   PairList pairs_;
   std::unique_ptr<Halo> halo_;
   Agreement agreement_;
-  std::optional<StepNews> news_;  // of the step before, when somebody needed them early
+  std::optional<StepReport> reports_;  // of the step before, when somebody needed them early
   Balance balance_;
   ForceScratch scratch_;
   StepSize step_size_;
   std::vector<WallState> walls_, walls_listed_;
   std::vector<std::int32_t> wall_pairs_;  // indices of pairs with a wall
-  std::vector<ExactSum> wall_sums_;       // of this rank, see RunTotals
-  std::int64_t step_ = 0, renewals_ = 0, cuts_ = 0, migrated_ = 0, failure_step_ = 0;
-  double skin_ = 0, smallest_radius_ = 0, max_depth_ratio_ = 0, computed_before_ = 0;
+  std::vector<ExactSum> sums_;            // of this rank, see RunTotals
+  std::int64_t step_ = 0, rebuilds_ = 0, cuts_ = 0, migrated_ = 0, failure_step_ = 0;
+  double skin_ = 0, smallest_radius_ = 0, max_overlap_ratio_ = 0, computed_before_ = 0;
   double fastest_ = 0;  // of all ranks, as far as known; infinite until a step was made
-  bool lists_overrun_ = false, renewal_asked_ = false;
+  bool lists_overrun_ = false, rebuild_asked_ = false;
   std::vector<RemovedBody> removed_;  // by this rank, not taken yet
   bool removal_due_ = false;
-  double dt_ = 0;                      // the step divided by 2^level_
-  std::int64_t level_ = 0, part_ = 0;  // parts of the present step that are done
+  double dt_ = 0;                         // the step divided by 2^level_
+  std::int64_t level_ = 0, substep_ = 0;  // parts of the present step that are done
   bool level_changed_ = false;
   std::vector<StepChange> step_changes_;
   int signal_ = 0;
   std::int64_t checkpoint_asked_ = 0, checkpoint_heard_ = 0,
-               checkpoints_ = 0;    // numbers: news of one that is written by now ask for nothing
+               checkpoints_ = 0;    // numbers: report of one that is written by now ask for nothing
   std::unique_ptr<Error> failure_;  // of this rank; all ranks stop together, a step or two later
   PhaseTimes times_{};
 };

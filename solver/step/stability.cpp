@@ -21,15 +21,15 @@ struct NamedBound {
 CriticalStep Simulation::critical_step() {
   // Pairs lie sorted by key, and so do their numbers.
   std::vector<std::int32_t> touching;
-  for (const auto* which : {&pairs_.inner(), &pairs_.outer(), &pairs_.twice()}) {
+  for (const auto* which : {&pairs_.inner(), &pairs_.outer(), &pairs_.duplicated()}) {
     for (const std::int32_t k : *which) {
       if (pairs_.results()[static_cast<std::size_t>(k)].active) touching.push_back(k);
     }
   }
   std::sort(touching.begin(), touching.end());
   StabilityBound bounds(p_.size());
-  const PairLooker look = [&](const PairLook& pair) { bounds.add(linearise(pair)); };
-  look_at_pairs(scene_, p_, walls_, touching, step_, scratch_, pairs_, look);
+  const PairVisitor look = [&](const PairContact& pair) { bounds.add(linearise(pair)); };
+  visit_pairs(scene_, p_, walls_, touching, step_, scratch_, pairs_, look);
 
   // The owner of a ghost knows all of its pairs.
   if (comm_.size() > 1) {
@@ -164,9 +164,9 @@ void Simulation::choose_level(bool with_contacts) {
   step_changes_.push_back({step_, time(), dt_, reason});
   if (step_ == 0) return;
   const double difference = 0.5 * (dt_ - before);
-  add_wall_totals(difference, wall_sums_);
+  add_wall_totals(difference, sums_);
   for (std::size_t i = 0; i < p_.owned; ++i) {
-    if (!p_.fixed[i]) p_.dissipated[i] -= difference * (dot(p_.lossy_force[i], p_.v[i]) + dot(p_.lossy_torque[i], p_.w[i]));
+    if (!p_.fixed[i]) p_.dissipated[i] -= difference * (dot(p_.dissipative_force[i], p_.v[i]) + dot(p_.dissipative_torque[i], p_.w[i]));
   }
 }
 

@@ -595,7 +595,7 @@ TEST_F(Packing, the_margin_follows_the_design_rule_when_it_is_not_given) {
   const double speed = std::sqrt(2 * 9.81 * 4.5);
   EXPECT_NEAR(packed.report.fastest_impact, speed, 1e-12);
   EXPECT_NEAR(packed.scene.settings.margin, speed * std::sqrt(2500 / 1e9) / 0.8, 1e-15);
-  EXPECT_NEAR(packed.report.depth_share, 0.4, 1e-12);
+  EXPECT_NEAR(packed.report.overlap_share, 0.4, 1e-12);
 }
 
 TEST_F(Packing, a_margin_that_could_not_be_kept_small_is_refused_with_a_stiffness) {

@@ -65,7 +65,7 @@ void expect_whole(const Frame& frame, std::int64_t count, int owners) {
     EXPECT_EQ(frame.contacts.body_a[i], id);
     EXPECT_EQ(frame.contacts.body_b[i], id + 1);
     EXPECT_EQ(frame.contacts.feature[i], 7 * id + (std::int64_t{1} << 40));
-    EXPECT_EQ(frame.contacts.depth[i], 1e-5 * static_cast<double>(id));
+    EXPECT_EQ(frame.contacts.overlap[i], 1e-5 * static_cast<double>(id));
     EXPECT_EQ(frame.contacts.normal_force[i], 3.0 * static_cast<double>(id));
     EXPECT_EQ(frame.contacts.tangential_force[i], (Vec3{static_cast<double>(id), 0, 0}));
   }

@@ -33,7 +33,7 @@ inline Frame share_of(std::int64_t body_count, int rank, int owners) {
     c.feature.push_back(7 * id + (std::int64_t{1} << 40));
     c.point.push_back(0.5 * (position_of(id) + position_of(id + 1)));
     c.normal.push_back({0, 0, -1});
-    c.depth.push_back(1e-5 * static_cast<double>(id));
+    c.overlap.push_back(1e-5 * static_cast<double>(id));
     c.margin.push_back(2e-3);
     c.normal_force.push_back(3.0 * static_cast<double>(id));
     c.tangential_force.push_back({static_cast<double>(id), 0, 0});

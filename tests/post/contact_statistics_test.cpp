@@ -28,7 +28,7 @@ TEST(ContactStatistics, two_touching_bodies_have_one_neighbour_each) {
   EXPECT_EQ(s.coordination_without_rattlers, 0);  // nobody is left
   EXPECT_EQ(s.contact_force.mean, 3.5);
   EXPECT_EQ(s.contact_force.median, 3.5);
-  EXPECT_EQ(s.max_depth_ratio, 0.25);
+  EXPECT_EQ(s.max_overlap_ratio, 0.25);
   EXPECT_EQ(s.fabric[2].z, 1);
   EXPECT_EQ(s.fabric[0].x, 0);
   EXPECT_EQ(s.fabric_principal.z, 1);

@@ -162,7 +162,7 @@ TEST_F(RunFolder, a_sound_run_is_judged_good_throughout) {
   for (const Verdict& v : all) EXPECT_EQ(v.judgement, Judgement::good) << v.question << ": " << v.answer;
   EXPECT_EQ(verdict(all, "Step margin").answer, "0.05 of the critical step");
   EXPECT_EQ(verdict(all, "Energy balance").answer, "closed to 0 %");  // 0.05 J, a tenth of what its contacts hold, and none at the end
-  EXPECT_EQ(verdict(all, "Contact depth").answer, "at most 0.250 of the margin");
+  EXPECT_EQ(verdict(all, "Contact overlap").answer, "at most 0.250 of the margin");
   EXPECT_EQ(verdict(all, "Came to rest").answer, "yes");  // 1e-7 J of a peak of 10 J
 }
 
@@ -213,7 +213,7 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
   const std::vector<Verdict> all = judge(open_run(folder.string()));
   EXPECT_EQ(verdict(all, "Outcome").judgement, Judgement::bad);
   EXPECT_EQ(verdict(all, "Energy balance").judgement, Judgement::bad);
-  EXPECT_EQ(verdict(all, "Contact depth").judgement, Judgement::bad);
+  EXPECT_EQ(verdict(all, "Contact overlap").judgement, Judgement::bad);
   EXPECT_EQ(verdict(all, "Came to rest").judgement, Judgement::information);
   EXPECT_EQ(verdict(all, "Lost bodies").judgement, Judgement::bad);
   EXPECT_EQ(verdict(all, "Mesh certificates").judgement, Judgement::bad);

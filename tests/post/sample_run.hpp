@@ -122,14 +122,14 @@ inline Frame sample_frame(const Scene& scene, std::int64_t number, double time) 
 }
 
 inline void add_contact(Frame& frame, std::int64_t a, std::int64_t b, std::int64_t feature, const Vec3& normal, double force,
-                        double depth = 1e-4) {
+                        double overlap = 1e-4) {
   FrameContacts& c = frame.contacts;
   c.body_a.push_back(a);
   c.body_b.push_back(b);
   c.feature.push_back(feature);
   c.point.push_back({0.1, 0.2, 1.0 / 3.0});
   c.normal.push_back(normal);
-  c.depth.push_back(depth);
+  c.overlap.push_back(overlap);
   c.margin.push_back(2e-3);
   c.normal_force.push_back(force);
   c.tangential_force.push_back({});
@@ -142,9 +142,9 @@ inline std::string log_header() {
 }
 
 /// Peak kinetic energy 10 J, 20 J dissipated at the end, largest error `error` J.
-inline std::string sample_log(double error, double final_kinetic, double depth_ratio) {
+inline std::string sample_log(double error, double final_kinetic, double overlap_ratio) {
   return log_header() + "0,0,0,0,20,0,0,0,0,0,0,0,1,0,0,0,aa\n" +
-         fmt::format("100,0.1,8,2,5,0.5,0,4.5,0,{},12,{},1.2,0.5,2.5,1000,bb\n", error, depth_ratio) +
+         fmt::format("100,0.1,8,2,5,0.5,0,4.5,0,{},12,{},1.2,0.5,2.5,1000,bb\n", error, overlap_ratio) +
          fmt::format("200,0.2,{},0,0,0.1,0,20,0,0,30,0.1,1.1,1,5,900,cc\n", final_kinetic);
 }
 

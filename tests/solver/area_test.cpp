@@ -82,9 +82,9 @@ Wall plane_wall() {
   return wall;
 }
 
-// Winkler's foundation under a flat punch: kappa times area times depth, however both are meshed, and less where it overhangs.
+// Winkler's foundation under a flat punch: kappa times area times overlap, however both are meshed, and less where it overhangs.
 TEST(AreaPressure, of_a_flat_punch_is_the_foundation_stiffness_on_every_mesh) {
-  const double depth = 0.004, gap = 2 * kMargin - depth, expected = kKappa * 0.2 * 0.1 * depth;
+  const double overlap = 0.004, gap = 2 * kMargin - overlap, expected = kKappa * 0.2 * 0.1 * overlap;
   for (const int n : {1, 2, 5}) {
     for (const int m : {1, 3}) {
       Layer layer(test::grid_box(n, {0.2, 0.1, 0.1}), test::grid_box(m, {1, 1, 0.1}));
@@ -92,26 +92,26 @@ TEST(AreaPressure, of_a_flat_punch_is_the_foundation_stiffness_on_every_mesh) {
       const PairForce f = layer.force(n == 2);
       const Vec3 force = rotate(layer.body[0].q, f.force);
       EXPECT_NEAR(force.z, expected, 1e-11 * expected);
-      EXPECT_NEAR(f.elastic, 0.5 * expected * depth, 1e-11 * expected * depth);
+      EXPECT_NEAR(f.elastic, 0.5 * expected * overlap, 1e-11 * expected * overlap);
       EXPECT_NEAR(length(force - Vec3{0, 0, force.z}), 0, 1e-11 * expected);
       EXPECT_NEAR(length(f.torque), 0, 1e-11 * expected);
-      EXPECT_NEAR(f.deepest, depth, 1e-12);
+      EXPECT_NEAR(f.largest_overlap, overlap, 1e-12);
     }
     Layer on_plane(test::grid_box(n, {0.2, 0.1, 0.1}), plane_wall());
     on_plane.body[0].x = {0, 0, 0.05 + gap};
     EXPECT_NEAR(on_plane.world_force().z, expected, 1e-11 * expected);
-    // a quarter of the face beyond the rim: less force, a moment, and a push off the rim by the energy of the depth
+    // a quarter of the face beyond the rim: less force, a moment, and a push off the rim by the energy of the overlap
     Layer rim(test::grid_box(n, {0.2, 0.1, 0.1}), test::grid_box(2, {1, 1, 0.1}));
     rim.body[0].x = {0.45, 0, 0.1 + gap};
     const PairForce f = rim.force();
     EXPECT_NEAR(rotate(rim.body[0].q, f.force).z, 0.75 * expected, 1e-10 * expected);
-    EXPECT_NEAR(rotate(rim.body[0].q, f.force).x, 0.5 * kKappa * 0.1 * depth * depth, 1e-10 * expected);
+    EXPECT_NEAR(rotate(rim.body[0].q, f.force).x, 0.5 * kKappa * 0.1 * overlap * overlap, 1e-10 * expected);
   }
 }
 
 // A ball on a plane: F = kappa pi R d^2, exactly for the analytic one, to second order in the facets for meshes.
 TEST(AreaPressure, of_a_ball_is_that_of_a_paraboloid) {
-  const double R = 0.5, depth = 0.01, expected = kKappa * std::numbers::pi * R * depth * depth;
+  const double R = 0.5, overlap = 0.01, expected = kKappa * std::numbers::pi * R * overlap * overlap;
   double before = 1;
   for (const int level : {3, 4, 5}) {
     Layer ball(test::scaled(test::icosphere(level), R), plane_wall());
@@ -121,7 +121,7 @@ TEST(AreaPressure, of_a_ball_is_that_of_a_paraboloid) {
       ball.body[0].q = test::random_quaternion(g);
       double low = 0;
       for (const Vec3& p : ball.body[0].shape->mesh.vertices) low = std::min(low, rotate(ball.body[0].q, p).z);
-      ball.body[0].x = {0, 0, R + 2 * kMargin - depth};
+      ball.body[0].x = {0, 0, R + 2 * kMargin - overlap};
       error = std::max(error, std::abs(ball.world_force().z / expected - 1));
     }
     EXPECT_LT(error, 0.45 * before) << level;
@@ -130,10 +130,10 @@ TEST(AreaPressure, of_a_ball_is_that_of_a_paraboloid) {
   EXPECT_LT(before, 0.05);
   test::TestRun run(layer_scene());
   run.scene.shapes = {make_sphere("ball", R)};
-  test::add_body(run.scene, 0, {0, 0, R + 2 * kMargin - depth});
+  test::add_body(run.scene, 0, {0, 0, R + 2 * kMargin - overlap});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
-  EXPECT_NEAR(run.simulation->energies().elastic, expected * depth / 3, 1e-12 * expected * depth);
+  EXPECT_NEAR(run.simulation->energies().elastic, expected * overlap / 3, 1e-12 * expected * overlap);
 }
 
 /// Force and torque on A against central differences of the energy over a small motion of A.
@@ -182,7 +182,7 @@ TEST(AreaPressure, is_the_gradient_of_its_energy_on_meshes_and_walls) {
     for (double way = i % 4 < 2 ? 0 : -1.6; way < 2; way += 0.004) {
       layer.body[0].x = way * direction;
       const PairForce f = layer.force();
-      if (!(f.deepest > 0.5 * kMargin)) continue;
+      if (!(f.largest_overlap > 0.5 * kMargin)) continue;
       ++touched;
       expect_gradient(layer, length(f.force));
       break;

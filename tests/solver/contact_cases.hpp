@@ -28,7 +28,7 @@ inline Statistics nested_bowls(int count) {
     for (int k = 0; k < 1500; ++k) {
       pair.step(dt);
       touched = touched || !pair.features.empty();
-      s.deepest = std::max(s.deepest, pair.last().deepest / kMargin);
+      s.largest_overlap = std::max(s.largest_overlap, pair.last().largest_overlap / kMargin);
     }
     if (!touched) continue;
     s.add(std::abs(pair.energy() / before - 1));
@@ -118,7 +118,7 @@ inline Statistics near_flat_impacts(bool free_base, double steps_per_contact, in
     double quiet = 0;
     for (int k = 0; k < 40 * steps_per_contact && quiet < 2 * steps_per_contact; ++k) {
       pair.step(dt);
-      s.deepest = std::max(s.deepest, pair.last().deepest / kMargin);
+      s.largest_overlap = std::max(s.largest_overlap, pair.last().largest_overlap / kMargin);
       touched = touched || !pair.features.empty();
       quiet = touched && pair.features.empty() ? quiet + 1 : 0;
     }

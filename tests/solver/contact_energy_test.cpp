@@ -11,7 +11,7 @@ namespace {
 using test::TwoBodies;
 
 void print(const char* what, const test::Statistics& s) {
-  std::printf("%-24s hits %3d  mean %.2e  worst %.2e  depth/margin %.2f\n", what, s.hits, s.mean, s.worst, s.deepest);
+  std::printf("%-24s hits %3d  mean %.2e  worst %.2e  depth/margin %.2f\n", what, s.hits, s.mean, s.worst, s.largest_overlap);
 }
 
 // Test 2: an energy jump would stay where it is as the step shrinks.
@@ -127,10 +127,10 @@ TEST(ContactEnergy, forces_do_not_know_the_order_of_features_or_triangles) {
     settle(other);
     other.body[0].x.z = plain.body[0].x.z;
     const PairForce f = other.force(0);
-    // The mass integrals run in the order of the triangles: centre and axes turn by rounding, which depth magnifies by
-    // size over depth.
+    // The mass integrals run in the order of the triangles: centre and axes turn by rounding, which overlap magnifies by
+    // size over overlap.
     constexpr double kMassRounding = 1e-12;
-    EXPECT_LE(length(f.force - expected.force), kMassRounding / (plain.last().deepest) * size);
+    EXPECT_LE(length(f.force - expected.force), kMassRounding / (plain.last().largest_overlap) * size);
     EXPECT_EQ(other.features.size(), plain.features.size());
   }
 }

@@ -22,7 +22,7 @@ using test::TestRun;
 struct Impact {
   Vec3 velocity, spin;      // of body 0, after
   Vec3 velocity_b, spin_b;  // of body 1
-  double duration = 0, depth = 0, force = 0;
+  double duration = 0, overlap = 0, force = 0;
 };
 
 /// Runs until the contact has begun and ended.
@@ -39,8 +39,8 @@ Impact until_apart(TestRun& run, bool watch) {
     ++steps;
     if (!watch) continue;
     const FrameContacts contacts = run.simulation->contacts();
-    for (std::size_t c = 0; c < contacts.depth.size(); ++c) {
-      result.depth = std::max(result.depth, contacts.depth[c]);
+    for (std::size_t c = 0; c < contacts.overlap.size(); ++c) {
+      result.overlap = std::max(result.overlap, contacts.overlap[c]);
       if (contacts.normal_force[c] > 0) result.duration = static_cast<double>(steps) * run.simulation->step_size().step;
       result.force = std::max(result.force, contacts.normal_force[c]);
     }
@@ -75,8 +75,8 @@ TEST(LinearLaw, has_the_restitution_duration_and_depth_of_the_closed_form) {
     run.start();
     const Impact impact = until_apart(run, true);
     EXPECT_NEAR(impact.velocity.z, row[1], 1e-4) << row[0];
-    EXPECT_NEAR(impact.duration * 100, row[2], 2 * pi / 1000) << row[0];      // two steps
-    EXPECT_NEAR(impact.depth * 100, row[3], 1e-3 * row[3] + 6e-4) << row[0];  // of first order in the step
+    EXPECT_NEAR(impact.duration * 100, row[2], 2 * pi / 1000) << row[0];        // two steps
+    EXPECT_NEAR(impact.overlap * 100, row[3], 1e-3 * row[3] + 6e-4) << row[0];  // of first order in the step
   }
 }
 
@@ -279,7 +279,7 @@ void add_wall(Scene& scene, std::int32_t material) {
 // Chung & Ooi 1: two equal balls at 10 m/s each.
 TEST(ChungOoi, test_1_elastic_impact_of_two_balls) {
   const double table[][6] = {{48e9, .20, 2800, 10696.9, 274.113e-6, 40.340e-6}, {20e9, .25, 2500, 7108.24, 368.304e-6, 54.201e-6}};
-  for (const auto& [young, poisson, density, force, depth, duration] : table) {
+  for (const auto& [young, poisson, density, force, overlap, duration] : table) {
     TestRun run(hertz_scene(young, poisson, density, 1, 0));
     run.scene.shapes = {make_sphere("ball", .01)};
     test::add_body(run.scene, 0, {0, 0, .01001}, {}, {0, 0, -10});
@@ -287,7 +287,7 @@ TEST(ChungOoi, test_1_elastic_impact_of_two_balls) {
     run.start();
     const Impact impact = until_apart(run, true);
     EXPECT_NEAR(impact.force, force, 1e-4 * force);
-    EXPECT_NEAR(impact.depth, depth, 1e-4 * depth);
+    EXPECT_NEAR(impact.overlap, overlap, 1e-4 * overlap);
     EXPECT_NEAR(impact.duration, duration, .005 * duration);
     EXPECT_NEAR(impact.velocity.z, 10, 1e-5);
   }
@@ -298,7 +298,7 @@ TEST(ChungOoi, test_2_elastic_impact_of_a_ball_on_a_wall) {
   const double table[][7] = {{70e9, .30, 2699, 0, 11369.9, 49.717e-6, 731.66e-6},
                              {70e9, .30, 2699, 70e12, 11365.3, 49.737e-6, 731.95e-6},
                              {40e9, .35, 1800, 0, 7232.7, 52.123e-6, 767.07e-6}};
-  for (const auto& [young, poisson, density, wall, force, depth, duration] : table) {
+  for (const auto& [young, poisson, density, wall, force, overlap, duration] : table) {
     TestRun run(hertz_scene(young, poisson, density, 1, 0));
     if (wall > 0) run.scene.materials[1] = {"stiff", density, wall, poisson};
     run.scene.shapes = {make_sphere("ball", .1)};
@@ -307,7 +307,7 @@ TEST(ChungOoi, test_2_elastic_impact_of_a_ball_on_a_wall) {
     run.start();
     const Impact impact = until_apart(run, true);
     EXPECT_NEAR(impact.force, force, 1e-4 * force);
-    EXPECT_NEAR(impact.depth, depth, 1e-4 * depth);
+    EXPECT_NEAR(impact.overlap, overlap, 1e-4 * overlap);
     EXPECT_NEAR(impact.duration, duration, .005 * duration);
   }
 }
@@ -315,7 +315,7 @@ TEST(ChungOoi, test_2_elastic_impact_of_a_ball_on_a_wall) {
 // Chung & Ooi 3: restitution out is restitution in, also with the Hertz law.
 TEST(ChungOoi, test_3_restitution_of_a_ball_on_a_wall) {
   const double materials[][5] = {{380e9, .23, 4000, 615.35, 8.0888e-6}, {100e9, .25, 7000, 506.76, 17.1887e-6}};
-  for (const auto& [young, poisson, density, force, depth] : materials) {
+  for (const auto& [young, poisson, density, force, overlap] : materials) {
     for (const double e : {.2, .4, .6, .8, 1.0}) {
       TestRun run(hertz_scene(young, poisson, density, e, 0));
       run.scene.shapes = {make_sphere("ball", .0025)};
@@ -326,7 +326,7 @@ TEST(ChungOoi, test_3_restitution_of_a_ball_on_a_wall) {
       EXPECT_NEAR(impact.velocity.z / 3.9, e, 5e-4) << e;
       if (e == 1) {
         EXPECT_NEAR(impact.force, force, 1e-4 * force);
-        EXPECT_NEAR(impact.depth, depth, 1e-4 * depth);
+        EXPECT_NEAR(impact.overlap, overlap, 1e-4 * overlap);
       }
     }
   }
@@ -354,7 +354,7 @@ TEST(ChungOoi, test_4_oblique_impact_with_gross_slip) {
       const Impact impact = oblique(hertz_scene(young, poisson, density, .98, .092), angle, true);
       EXPECT_NEAR(impact.velocity.x, e_t, 1e-3 * e_t) << angle;
       // friction acts in the middle of the overlap, at the lever R - d / 2
-      EXPECT_NEAR(impact.spin.y, spin, (1e-3 + .5 * impact.depth / .0025) * spin) << angle;
+      EXPECT_NEAR(impact.spin.y, spin, (1e-3 + .5 * impact.overlap / .0025) * spin) << angle;
       EXPECT_LE(impact.spin.y, spin * (1 + 1e-3));
     }
   }
@@ -389,7 +389,7 @@ TEST(ChungOoi, test_5_oblique_impact_of_a_tiny_ball) {
       run.start();
       const Impact impact = until_apart(run, true);
       EXPECT_NEAR(impact.velocity.x, tangential - .3 * 2 * 5, 1e-3 * tangential);
-      EXPECT_NEAR(impact.spin.y, 7.5e5, (1e-3 + .5 * impact.depth / 1e-5) * 7.5e5);  // the lever is R - d / 2
+      EXPECT_NEAR(impact.spin.y, 7.5e5, (1e-3 + .5 * impact.overlap / 1e-5) * 7.5e5);  // the lever is R - d / 2
     }
   }
 }

@@ -44,7 +44,7 @@ void expect_smooth(const std::function<double(double)>& energy, const char* what
   std::printf("%-28s U max %.2e J, largest slope %.1f U max\n", what, top, fine * kFine / top);
 }
 
-constexpr double kDeep = .012;  // depth of the crossing edges, of a margin sum of 0.02
+constexpr double kDeep = .012;  // overlap of the crossing edges, of a margin sum of 0.02
 constexpr double kHeight = 2 * CrossedBars::kEdge + .02 - kDeep;
 
 TEST(EdgeSweep, energy_is_continuous_as_an_edge_slides_past_the_end_of_another) {
@@ -63,7 +63,7 @@ TEST(EdgeSweep, energy_is_continuous_as_an_edge_turns_through_parallel) {
 
 TEST(EdgeSweep, energy_is_continuous_as_a_wedge_tilts_through_coplanar) {
   CrossedBars bars;
-  // height of the lowest point of a square section rolled by a: the depth stays what it was
+  // height of the lowest point of a square section rolled by a: the overlap stays what it was
   const auto height = [](double roll) {
     return .1 * (std::abs(std::sin(std::numbers::pi / 4 + roll)) + std::abs(std::cos(std::numbers::pi / 4 + roll)));
   };

@@ -208,7 +208,8 @@ TEST(CriticalStep, derived_for_one_spring_per_triangle_pair_is_not_above_the_one
   }
 }
 
-// Hertz and Mindlin: with friction a ball turns faster in its contact than it swings. The derived step looks ahead to the deepest point.
+// Hertz and Mindlin: with friction a ball turns faster in its contact than it swings. The derived step looks ahead to the largest_overlap
+// point.
 TEST(CriticalStep, derived_for_hertz_and_mindlin_is_at_least_70_percent_of_the_true_one) {
   for (const bool two : {false, true}) {
     for (const double friction : {0.0, 0.5}) {
@@ -253,11 +254,11 @@ TEST(Guards, a_barrier_keeps_apart_what_is_too_fast_for_the_potential) {
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
     run.start();
     std::string said;
-    double deepest = 0;
+    double largest_overlap = 0;
     try {
       for (double time = 0; time < 0.1; time += run.simulation->step_size().step) {
         run.simulation->advance();
-        deepest = std::max(deepest, run.simulation->take_max_depth_ratio());
+        largest_overlap = std::max(largest_overlap, run.simulation->take_max_overlap_ratio());
       }
       run.simulation->agree_on_failures();
     } catch (const Error& e) {
@@ -267,8 +268,8 @@ TEST(Guards, a_barrier_keeps_apart_what_is_too_fast_for_the_potential) {
       EXPECT_NE(said.find("of their margin"), std::string::npos) << said;
     } else {
       EXPECT_EQ(said, "");
-      EXPECT_GT(deepest, 0.8);
-      EXPECT_LT(deepest, 0.999);
+      EXPECT_GT(largest_overlap, 0.8);
+      EXPECT_LT(largest_overlap, 0.999);
       EXPECT_NEAR(run.velocity(0).z, speed, 1e-4 * speed);
     }
   }
@@ -403,7 +404,7 @@ TEST(StepSize, quantised_is_halved_for_speed_and_grows_back_when_quiet) {
   run.scene.settings.step = 1e-3;
   run.start();
   const double base = run.simulation->step_size().step;
-  EXPECT_LE((120 * std::hypot(0.05, 0.05)) * run.simulation->part_size(), 0.2 * 0.002);
+  EXPECT_LE((120 * std::hypot(0.05, 0.05)) * run.simulation->substep_size(), 0.2 * 0.002);
   const double start = run.simulation->energies().balance();
   double kinetic = 0;
   std::vector<StepChange> changes = run.simulation->take_step_changes();
@@ -418,7 +419,7 @@ TEST(StepSize, quantised_is_halved_for_speed_and_grows_back_when_quiet) {
   ASSERT_GE(changes.size(), 2u);
   EXPECT_EQ(changes.front().reason, "speed of body 0");
   for (const StepChange& c : changes) EXPECT_EQ(std::exp2(std::round(std::log2(base / c.step_size))), base / c.step_size);
-  EXPECT_GT(run.simulation->part_size(), changes.front().step_size) << "never grew back";
+  EXPECT_GT(run.simulation->substep_size(), changes.front().step_size) << "never grew back";
 }
 
 // X27: a step far too large is refused at the start, naming who cannot bear it.

@@ -48,7 +48,7 @@ inline ContactSet contact_set(const FrameContacts& contacts) {
     };
     for (const std::int64_t word : {contacts.body_a[i], contacts.body_b[i], contacts.feature[i]}) add(static_cast<std::uint64_t>(word));
     const Vec3 &x = contacts.point[i], &n = contacts.normal[i];
-    for (const double value : {contacts.depth[i], contacts.normal_force[i], x.x, x.y, x.z, n.x, n.y, n.z})
+    for (const double value : {contacts.overlap[i], contacts.normal_force[i], x.x, x.y, x.z, n.x, n.y, n.z})
       add(std::bit_cast<std::uint64_t>(value));
     ++set.count;
     set.low += static_cast<std::int64_t>(hash & 0xffffffff);

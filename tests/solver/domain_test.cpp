@@ -72,8 +72,8 @@ TEST(PeriodicAxes, keep_friction_and_energy_of_a_body_that_slides_around) {
   make_periodic(run.scene, {-0.25, -0.25, -1}, {0.25, 0.25, 1}, {true, true, false});
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("block", test::grid_box(1, {0.1, 0.1, 0.04}))};
-  const double depth = 0.4 * 9.81 / (std::sqrt(2.0) * 1e6);
-  test::add_body(run.scene, 0, {0.1, 0, 0.02 + 0.01 - depth}, {}, {2, 0, 0});
+  const double overlap = 0.4 * 9.81 / (std::sqrt(2.0) * 1e6);
+  test::add_body(run.scene, 0, {0.1, 0, 0.02 + 0.01 - overlap}, {}, {2, 0, 0});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
   const double start = run.simulation->energies().balance();

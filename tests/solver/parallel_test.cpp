@@ -159,9 +159,9 @@ TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
   scene.walls[0].motion.axis = {1, 0, 0};
   scene.walls[0].motion.rate = speed;
   scene.walls[0].motion.stop = 1e300;
-  const double mass = 1000 * side * side * side, depth = mass * 9 / (std::sqrt(2.0) * stiffness);
+  const double mass = 1000 * side * side * side, overlap = mass * 9 / (std::sqrt(2.0) * stiffness);
   constexpr int kBlocks = 3;
-  for (int i = 0; i < kBlocks; ++i) add_body(scene, 0, {0.3 * i, 0, side / 2 + 2 * margin - depth}, {}, {speed, 0, 0});
+  for (int i = 0; i < kBlocks; ++i) add_body(scene, 0, {0.3 * i, 0, side / 2 + 2 * margin - overlap}, {}, {speed, 0, 0});
   for (int i = 0; i < 12; ++i) {
     add_body(scene, 1, {0.2 * i, 1, 0.1});
     scene.bodies.fixed.back() = 1;

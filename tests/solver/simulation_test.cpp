@@ -90,8 +90,8 @@ TEST(Friction, stops_a_sliding_block_where_coulomb_says) {
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("block", test::grid_box(2, {0.4, 0.4, 0.1}))};
   // at rest four corners carry the weight: U = k sqrt(2) d^2 / 2 (n = 4, q = 8), so d = m g / (sqrt(2) k)
-  const double depth = 16 * 9.81 / (std::sqrt(2.0) * 1e6);
-  test::add_body(run.scene, 0, {0, 0, 0.05 + 0.01 - depth}, {}, {2, 0, 0});
+  const double overlap = 16 * 9.81 / (std::sqrt(2.0) * 1e6);
+  test::add_body(run.scene, 0, {0, 0, 0.05 + 0.01 - overlap}, {}, {2, 0, 0});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
   run.run_for(1.2);

@@ -79,8 +79,8 @@ TEST(SphereOnMesh, rests_on_both_faces_of_a_groove) {
   EXPECT_LE(length(run.velocity(0)), 1e-6);
   // one pair: two equal features, U = k 2^(1/4) d^2 / 2; along each normal half the weight times sqrt(2)
   const double mass = 1000 * 4.0 / 3 * 3.14159265358979 * 1e-3;
-  const double depth = mass * 9.81 / std::sqrt(2.0) / (1e5 * std::pow(2, 0.25) / 2);
-  EXPECT_NEAR(run.position(0).z, std::sqrt(2.0) * (0.1 + 0.004 - depth), 1e-6);
+  const double overlap = mass * 9.81 / std::sqrt(2.0) / (1e5 * std::pow(2, 0.25) / 2);
+  EXPECT_NEAR(run.position(0).z, std::sqrt(2.0) * (0.1 + 0.004 - overlap), 1e-6);
 }
 
 // A straight ridge with vertices inside it carries as one edge: a contact, and no speed along the ridge without friction. Pieces that

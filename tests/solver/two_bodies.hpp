@@ -52,7 +52,8 @@ class TwoBodies {
     m.turn = to_a * body[1].q;
     m.b_to_a = matrix_of(m.turn);
     if (cell_size > 0) {
-      find_cell_shares(body[0], body[1], cell_size, cells_on_a, features, cells_);
+      find_cell_shares(body[0], body[1], cell_size, cells, features, cells_);
+      m.cell_energy = energy_share(cells);
       m.cells = &cells_;
     }
     PairLaw law = prepared_->law(0, 0);
@@ -127,10 +128,10 @@ class TwoBodies {
   Vec3 v[2], L[2], inverse_inertia[2];
   Quat remainder[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};  // of the orientations
   double inverse_mass[2];
-  Vec3 gravity;             // on A only [m/s^2]
-  double cell_size = 0;     // as if B were a very large wall [m]
-  bool cells_on_a = false;  // or A a very large body
-  double barrier = 0;       // k_b [N/m]
+  Vec3 gravity;                  // on A only [m/s^2]
+  double cell_size = 0;          // as if B were a very large wall [m]
+  CellSide cells = CellSide::b;  // or A a very large body, or both
+  double barrier = 0;            // k_b [N/m]
   std::vector<ContactFeature> features;
   std::vector<ContactOutput> outputs;
 
@@ -159,7 +160,7 @@ inline void place_at_random(TwoBodies& pair, std::mt19937& g) {
 struct Statistics {
   double mean = 0, worst = 0;
   int hits = 0;
-  double deepest = 0;  // of the margin sum
+  double largest_overlap = 0;  // of the margin sum
   void add(double error) {
     ++hits;
     mean += (error - mean) / hits;
@@ -181,7 +182,7 @@ inline Statistics elastic_impacts(int level, int flat_levels, double steps_per_c
     int quiet = 0;
     for (int n = 0; n < 12 * steps_per_contact && quiet < steps_per_contact; ++n) {
       pair.step(dt);
-      s.deepest = std::max(s.deepest, pair.last().deepest / kMargin);
+      s.largest_overlap = std::max(s.largest_overlap, pair.last().largest_overlap / kMargin);
       touched = touched || !pair.features.empty();
       quiet = pair.features.empty() && touched ? quiet + 1 : 0;
     }

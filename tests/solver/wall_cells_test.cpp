@@ -41,7 +41,7 @@ TEST(WallCells, weights_are_a_partition_of_unity_with_exact_gradients) {
     PairBody a{&scene.shape(0), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)},
         b{&scene.shape(1), 1, {u(g), u(g), u(g)}, test::random_quaternion(g)};
     features[0].key = static_cast<std::int64_t>(i % scene.shape(0).features.corners.size()) << 30;
-    find_cell_shares(a, b, .3, false, features, shares);
+    find_cell_shares(a, b, .3, CellSide::b, features, shares);
     double sum = 0;
     Vec3 gradient;
     for (const CellShare& s : shares) {
@@ -54,7 +54,7 @@ TEST(WallCells, weights_are_a_partition_of_unity_with_exact_gradients) {
     constexpr double kStep = 1e-7;
     const Vec3 along = rotate(a.q, Vec3{.6, 0, .8});
     a.x += kStep * along;
-    find_cell_shares(a, b, .3, false, features, moved);
+    find_cell_shares(a, b, .3, CellSide::b, features, moved);
     if (moved.size() != shares.size()) continue;
     for (std::size_t s = 0; s < shares.size(); ++s) {
       EXPECT_NEAR((moved[s].weight - shares[s].weight) / kStep, dot(shares[s].gradient.force, {.6, 0, .8}), 1e-4);

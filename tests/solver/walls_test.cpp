@@ -69,8 +69,8 @@ TEST(DrivenWall, that_lifts_a_block_gives_the_power_it_takes) {
   TestRun run(test::empty_scene(1e6, 0.3, 0.5, 0.005));
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("block", test::grid_box(1, {0.4, 0.4, 0.1}))};
-  const double mass = 16, depth = mass * 9.81 / (std::sqrt(2.0) * 1e6);
-  test::add_body(run.scene, 0, {0, 0, 0.05 + 0.01 - depth}, {}, {0, 0, 0.5});
+  const double mass = 16, overlap = mass * 9.81 / (std::sqrt(2.0) * 1e6);
+  test::add_body(run.scene, 0, {0, 0, 0.05 + 0.01 - overlap}, {}, {0, 0, 0.5});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.scene.walls[0].motion.kind = WallMotion::Kind::translate;
   run.scene.walls[0].motion.axis = {0, 0, 1};
@@ -93,8 +93,8 @@ TEST(DrivenWall, that_turns_carries_a_block_round_by_friction) {
   TestRun run(test::empty_scene(1e6, 0.3, 0.5, 0.005));
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("block", test::grid_box(1, {0.1, 0.1, 0.04}))};
-  const double mass = 0.4, depth = mass * 9.81 / (std::sqrt(2.0) * 1e6), r = 0.5, omega = 2;
-  test::add_body(run.scene, 0, {r, 0, 0.02 + 0.01 - depth}, {}, {0, r * omega, 0}, {0, 0, omega});
+  const double mass = 0.4, overlap = mass * 9.81 / (std::sqrt(2.0) * 1e6), r = 0.5, omega = 2;
+  test::add_body(run.scene, 0, {r, 0, 0.02 + 0.01 - overlap}, {}, {0, r * omega, 0}, {0, 0, omega});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   WallMotion& m = run.scene.walls[0].motion;
   m.kind = WallMotion::Kind::rotate;
@@ -119,8 +119,8 @@ TEST(DrivenWall, that_turns_about_an_axis_away_from_its_origin_carries_a_block_a
     run.scene.settings.gravity = {0, 0, -9.81};
     run.scene.settings.step = 1e-4;
     run.scene.shapes = {make_solid("block", test::grid_box(1, {0.1, 0.1, 0.04}))};
-    const double mass = 0.4, depth = mass * 9.81 / (std::sqrt(2.0) * 1e6), r = 0.5, omega = 2;
-    test::add_body(run.scene, 0, {away + r, 0, 0.02 + 0.01 - depth}, {}, {0, r * omega, 0}, {0, 0, omega});
+    const double mass = 0.4, overlap = mass * 9.81 / (std::sqrt(2.0) * 1e6), r = 0.5, omega = 2;
+    test::add_body(run.scene, 0, {away + r, 0, 0.02 + 0.01 - overlap}, {}, {0, r * omega, 0}, {0, 0, omega});
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
     WallMotion& m = run.scene.walls[0].motion;
     m.kind = WallMotion::Kind::rotate;
@@ -131,7 +131,7 @@ TEST(DrivenWall, that_turns_about_an_axis_away_from_its_origin_carries_a_block_a
     run.run_for(1.0);
     return run.position(0) - Vec3{away, 0, 0};
   };
-  // what rounding makes of places 300 m away and of the depths that they leave
+  // what rounding makes of places 300 m away and of the overlaps that they leave
   EXPECT_LE(length(place_after(300) - place_after(0)), 1e-10);
 }
 

@@ -239,10 +239,9 @@ void KeptPairs::find_patches(const Placement& b_in_a, const Vec3& middle, double
   for (auto& side : box)
     for (int c = 0; c < 3; ++c) side[c] = 3e38f, side[3 + c] = -3e38f;
   const auto count = static_cast<std::int64_t>(s.descent.candidates.size());
-  for (std::int64_t begin = 0; begin < count; begin += kBatchPairs)
-    HWY_DYNAMIC_DISPATCH(add_corners)
-    (s.descent.corners.data() + begin / kBatchPairs * DescentScratch::kBlockSize, kStride, std::min(count - begin, kBatchPairs),
-     s.chosen.data() + begin, box);
+  for (std::int64_t begin = 0; begin < count; begin += kBatchPairs) HWY_DYNAMIC_DISPATCH(add_corners)
+  (s.descent.corners.data() + begin / kBatchPairs * DescentScratch::kBlockSize, kStride, std::min(count - begin, kBatchPairs),
+   s.chosen.data() + begin, box);
   // a ball is a ball in either frame
   const auto ball = [&](const float side[6]) {
     const Vec3 lower{side[0], side[1], side[2]}, upper{side[3], side[4], side[5]};

@@ -205,9 +205,9 @@ template <class T>
 HWY_INLINE Mask<T> is_optimal(Pack<T> g1, Pack<T> g2, Pack<T> u, Pack<T> v, Pack<T> unit) {
   using V = Pack<T>;
   const V highest = max(max(V(T(0)), g1), g2), level = V(PenaltySettings<T>::level) * unit, below = V(PenaltySettings<T>::below) * unit;
-  const auto fits = [&](V depth, V weight) {
+  const auto fits = [&](V overlap, V weight) {
     const Mask<T> used = weight > V(PenaltySettings<T>::weightless);
-    return (used & (depth <= level)) | ((!used) & (depth >= below));
+    return (used & (overlap <= level)) | ((!used) & (overlap >= below));
   };
   return fits(highest, V(T(1)) - u - v) & fits(highest - g1, u) & fits(highest - g2, v);
 }

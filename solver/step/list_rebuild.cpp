@@ -1,4 +1,4 @@
-// When the body lists are used up, and their renewal: the cut, migration, ghosts, pairs.
+// When the body lists are used up, and their rebuild: the cut, migration, ghosts, pairs.
 #include <algorithm>
 #include <cmath>
 
@@ -9,12 +9,12 @@ namespace scree {
 
 namespace {
 
-// Body lists last about this many steps at the speed of the fastest body; a longer skin means fewer renewals but
+// Body lists last about this many steps at the speed of the fastest body; a longer skin means fewer rebuilds but
 // more pairs. It never changes a result.
 constexpr double kListSteps = 40;
 constexpr double kSmallestListSkin = 0.02, kLargestListSkin = 0.5;  // of the smallest radius
 constexpr double kShareOfRoom = 0.999;                              // of the room that a periodic domain leaves: the rest is for rounding
-// Of the skin. A pair of which one rank alone has a ghost, since reaches are rounded, is not in reach before lists are renewed.
+// Of the skin. A pair of which one rank alone has a ghost, since reaches are rounded, is not in reach before lists are rebuilt.
 constexpr double kShareOfSkin = 1 - 1e-6;
 
 // Ranks learn one step late that one of them needs new lists, so a rank asks for them while they still hold for a step that
@@ -71,16 +71,16 @@ bool Simulation::may_look_ahead(double skin) const {
   return comm_.size() > 1 && step_size_.contact_time >= kFewSteps * step_size_.step && 0.5 * skin >= kStepsOfRoom * fastest_ * dt_;
 }
 
-/// What this rank has to tell. `renewed`: new lists are made in this step, for bodies of this speed [m/s].
-StepNews Simulation::look_at_lists(bool renewed, double speed_of_lists) {
-  const double limit = 0.5 * kShareOfSkin * (renewed ? list_skin(speed_of_lists) : skin_), dt = dt_;
+/// What this rank has to tell. `rebuilt`: new lists are made in this step, for bodies of this speed [m/s].
+StepReport Simulation::look_at_lists(bool rebuilt, double speed_of_lists) {
+  const double limit = 0.5 * kShareOfSkin * (rebuilt ? list_skin(speed_of_lists) : skin_), dt = dt_;
   const bool ahead = comm_.size() > 1 && step_size_.contact_time >= kFewSteps * step_size_.step;
-  bool beyond = !renewed && walls_moved(walls_listed_, walls_) > limit, soon = beyond;
+  bool beyond = !rebuilt && walls_moved(walls_listed_, walls_) > limit, soon = beyond;
   double fastest = fastest_wall(walls_);
   if (ahead && scene_.has_driven_walls()) {
     std::vector<WallState> next;
     for (const Wall& wall : scene_.source().walls) next.push_back(wall_state(wall, time() + dt));
-    soon = soon || walls_moved(renewed ? walls_ : walls_listed_, next) > limit;
+    soon = soon || walls_moved(rebuilt ? walls_ : walls_listed_, next) > limit;
     fastest = std::max(fastest, fastest_wall(next));
   }
   const double ask = ahead ? (1 - kSkinInHand) * limit : limit;
@@ -89,19 +89,19 @@ StepNews Simulation::look_at_lists(bool renewed, double speed_of_lists) {
 #pragma omp parallel for schedule(static) reduction(|| : beyond, soon) reduction(max : fastest)
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    const double moved = renewed ? 0.0 : length(p_.x[i] - p_.x_listed[i]), speed = length(p_.v[i]);
+    const double moved = rebuilt ? 0.0 : length(p_.x[i] - p_.x_listed[i]), speed = length(p_.v[i]);
     const double gain = ahead_a * p_.inverse_mass[i] * length(p_.force[i]);
     // written so that a NaN position counts as used up, and is then found by the guard
     if (!(moved <= limit)) beyond = true;
     if (!(moved + ahead_v * speed + dt * gain <= ask)) soon = true;
     fastest = std::max({fastest, speed, gain});  // from rest, the acceleration tells what comes
   }
-  StepNews news;
-  news.renew = beyond || soon || (renewal_asked_ && !renewed) ? 1 : 0;
-  renewal_asked_ = false;
-  news.fastest = fastest;
+  StepReport report;
+  report.rebuild = beyond || soon || (rebuild_asked_ && !rebuilt) ? 1 : 0;
+  rebuild_asked_ = false;
+  report.fastest = fastest;
   lists_overrun_ = beyond;
-  return news;
+  return report;
 }
 
 void Simulation::cut_anew(bool is_first) {
@@ -113,7 +113,7 @@ void Simulation::cut_anew(bool is_first) {
   balance_.note_cut(seconds, expected, p_);
 }
 
-void Simulation::renew_lists(const StepNews& news) {
+void Simulation::rebuild_lists(const StepReport& report) {
   {
     const PhaseTimer timer(times_, Phase::migrate);
     try {
@@ -124,7 +124,7 @@ void Simulation::renew_lists(const StepNews& news) {
     agree_on_failures();
     if (!built_with::kRanks) {
       // nobody to send to
-    } else if (balance_.is_cut_due(news)) {
+    } else if (balance_.is_cut_due(report)) {
       cut_anew(false);
       ++cuts_;
     } else {
@@ -132,7 +132,7 @@ void Simulation::renew_lists(const StepNews& news) {
     }
     if (removal_due_) remove_outside();
     removal_due_ = false;
-    skin_ = list_skin(news.fastest);
+    skin_ = list_skin(report.fastest);
     if (built_with::kRanks) halo_->make_ghosts(scene_, p_, skin_);
   }
   const double sorted = times_[static_cast<std::size_t>(Phase::sort)];
@@ -146,7 +146,7 @@ void Simulation::renew_lists(const StepNews& news) {
     }
     std::copy(p_.x.begin(), p_.x.end(), p_.x_listed.begin());
     walls_listed_ = walls_;
-    ++renewals_;
+    ++rebuilds_;
   }
   times_[static_cast<std::size_t>(Phase::search)] -= times_[static_cast<std::size_t>(Phase::sort)] - sorted;
 }

@@ -10,7 +10,7 @@
 
 namespace scree {
 
-class BodyWays {
+class TravelBounds {
  public:
   /// Begins anew: nobody has gone anywhere.
   void restart(const ParticleSet& p);

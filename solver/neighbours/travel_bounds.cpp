@@ -1,14 +1,14 @@
-#include "solver/neighbours/body_ways.hpp"
+#include "solver/neighbours/travel_bounds.hpp"
 
 namespace scree {
 
-void BodyWays::restart(const ParticleSet& p) {
+void TravelBounds::restart(const ParticleSet& p) {
   way_.assign(p.size(), 0.0);
   x_ = p.x;
   q_ = p.q;
 }
 
-void BodyWays::add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end) {
+void TravelBounds::add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end) {
   constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
   const bool wraps = periodicity.any();
 #pragma omp parallel for schedule(static)
