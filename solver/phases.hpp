@@ -7,9 +7,9 @@
 
 namespace scree {
 
-/// `sort`, `gather` and `twice` are what the same bits on any number of ranks and threads cost: putting pairs and their
+/// `sort`, `sum` and `duplicated` are what the same bits on any number of ranks and threads cost: putting pairs and their
 /// sides in order, adding up in that order, and computing pairs that another rank computes and counts too.
-enum class Phase : std::size_t { search, sort, distance, twice, gather, integrate, halo, wait, agree, migrate, output, count };
+enum class Phase : std::size_t { search, sort, contact, duplicated, sum, integrate, halo, wait, agree, migrate, output, count };
 const char* phase_name(Phase phase);
 
 /// Seconds spent in each phase by this rank. `wait` is time in which nothing but a message of a neighbour was missing.

@@ -199,7 +199,7 @@ class Compactor {
       return false;
     }
     worst_ = 0;
-    for (std::size_t i = 0; i < frame.contacts.size(); ++i) worst_ = std::max(worst_, frame.contacts.depth[i] / frame.contacts.margin[i]);
+    for (std::size_t i = 0; i < frame.contacts.size(); ++i) worst_ = std::max(worst_, frame.contacts.overlap[i] / frame.contacts.margin[i]);
     if (worst_ > kTooDeep) {
       why_ = fmt::format("bodies stay pressed {:.2f} of their margins into each other", worst_);
       return false;

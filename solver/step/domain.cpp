@@ -24,14 +24,19 @@ bool Simulation::any_left_domain() const {
   return false;
 }
 
-void Simulation::check_domain() const {
-  const Domain& domain = scene_.source().settings.domain;
+void Simulation::check_finite() const {
   for (std::size_t i = 0; i < p_.owned; ++i) {
     if (!is_finite(p_.x[i]) || !is_finite(p_.v[i]) || !is_finite(p_.L[i])) {
       throw RunInvalid("step {}: the state of body {} is not a finite number; the step is too large or the contact too stiff", step_,
                        p_.id[i]);
     }
-    if (domain.outside == "stop" && !p_.fixed[i] && is_outside(p_.x[i])) {
+  }
+}
+
+void Simulation::check_domain() const {
+  const Domain& domain = scene_.source().settings.domain;
+  for (std::size_t i = 0; i < p_.owned; ++i) {
+    if (!p_.fixed[i] && is_outside(p_.x[i])) {
       const Vec3 over = component_max(domain.lower - p_.x[i], p_.x[i] - domain.upper);
       throw RunInvalid("step {}: body {} left the domain and is {:g} m outside; widen domain, or set outside = \"remove\" or \"keep\"",
                        step_, p_.id[i], std::max({over.x, over.y, over.z}));

@@ -117,7 +117,7 @@ void Simulation::rebuild_lists(const StepReport& report) {
   {
     const PhaseTimer timer(times_, Phase::migrate);
     try {
-      if (!failure_) check_domain();
+      if (!failure_) check_finite();
     } catch (const Error& e) {
       fail(e);
     }

@@ -179,7 +179,8 @@ class Simulation {
   // domain.cpp
   bool is_outside(const Vec3& x) const;
   bool any_left_domain() const;
-  void check_domain() const;
+  void check_finite() const;  // that the state of every body is
+  void check_domain() const;  // that nobody left it; called in review() only, since lists are rebuilt at other steps on other ranks
   void remove_outside();
   double potential_energy(std::size_t i) const;
   const FluidForces* fluid() const { return fluid_ ? &*fluid_ : nullptr; }
