@@ -85,8 +85,8 @@ void check_feasible(const Case& c, const SceneParts& parts, const Scene& scene) 
     constexpr double kRandomLimit = 0.5, kAlike = 2;
     if (p.method == PackingMethod::random && fraction > kRandomLimit && largest < kAlike * smallest) {
       throw InputError(
-          "{}: a solid fraction of {:.3f} cannot be had by placing bodies at random, which ends near 0.38 for bodies of like size; use "
-          "method = \"settle\" or \"compact\", or ask for less",
+          "{}: a solid fraction of {:.3f} cannot be reached by random placement, which ends near 0.38 for bodies of similar size; use "
+          "method = \"settle\" or \"compact\", or request less",
           p.where, fraction);
     }
     // the densest packing of equal balls (T. Hales 2005)

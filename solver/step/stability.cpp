@@ -145,8 +145,10 @@ void Simulation::choose_level(bool with_contacts) {
                        : body[strictest] < 0 ? std::string("speed of a wall")
                                              : fmt::format("{} of body {}", strictest == speed ? "speed" : "spin", body[strictest]);
   if (level > kFinest) {
-    fail(RunInvalid("step {}: the {} asks for a step of {:.3g} s, 2^{} times smaller than {:.3g} s; nothing real moves like that", step_,
-                    reason, 1 / rate[strictest], level, step_size_.step));
+    fail(
+        RunInvalid("step {}: the {} requires a step of {:.3g} s, 2^{} times smaller than {:.3g} s and below the minimum; check for "
+                   "unphysical velocities or stiffness",
+                   step_, reason, 1 / rate[strictest], level, step_size_.step));
     return;
   }
   if (level < level_) {

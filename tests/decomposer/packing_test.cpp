@@ -452,7 +452,7 @@ TEST_F(Packing, impossible_requests_are_refused_before_work_starts) {
                    kBox);
   };
   const auto says = [](const std::string& text, const char* part) { EXPECT_NE(text.find(part), std::string::npos) << text; };
-  says(refusal("solid_fraction = 0.6"), "cannot be had by placing bodies at random");
+  says(refusal("solid_fraction = 0.6"), "cannot be reached by random placement");
   says(refusal("solid_fraction = 0.76\nmethod = \"compact\""), "more than equal balls can have");
   says(refusal("count = 1000000000000"), "the bodies alone take");  // and not after drawing them all
   says(refusal("mass = \"1 t\""), "the bodies alone take");

@@ -3,7 +3,7 @@
 
 A command is a ```sh block, or an indented line that begins with one of our tools or scripts, or with what starts them. A page is run from top to
 bottom in a folder of its own; what its commands need and do not make (a mesh, a case, a finished run) is put there before by stand_ins.sh.
-- A line that says "(untested: why)" is not run: the reader sees why.
+- not_run.txt lists the lines that are not run, and why.
 - workflows/run becomes a dry run, which reads all of a case and decides all its steps; cases_test.sh, boulders_test.py and studies_test.sh run
   the small sizes whole.
 Fails, too, when a page with commands belongs to no group.
@@ -24,10 +24,26 @@ GROUPS = {
 }
 TEMPLATES = {"workflows/distance-study/page.md"}  # of docs/distance-study.md
 COMMAND = re.compile(r"(\./|\(?cd |[A-Z_]+=\S+ |scree-(mesher|decomposer|solver|post|bench-|peers-)|mpirun |cmake |ctest |paraview |pvbatch |xvfb-run |tests/|workflows/)")
-UNTESTED = re.compile(r"\(untested: [^)]+\)")
 
 GROUP, ROOT, BIN, SCRATCH = sys.argv[1:5]
 HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def left_out():
+    """(page, command) of not_run.txt."""
+    with open(os.path.join(HERE, "not_run.txt"), encoding="utf-8") as file:
+        return {tuple(part.strip() for part in line.split(" | ")[:2]) for line in file if not line.startswith("#")}
+
+
+NOT_RUN = left_out()
+met = set()
+
+
+def is_run(page, line):
+    entry = (page, line.split("#")[0].strip())
+    if entry in NOT_RUN:
+        met.add(entry)
+    return entry not in NOT_RUN
 
 
 def scripts_of(page):
@@ -37,10 +53,10 @@ def scripts_of(page):
     found = []
     for fenced, indented in re.findall(r"^```sh\n(.*?)^```|((?:^    .*\n)+)", text, flags=re.S | re.M):
         if fenced:
-            found.append("".join(line for line in fenced.splitlines(keepends=True) if not UNTESTED.search(line)))
+            found.append("".join(line for line in fenced.splitlines(keepends=True) if is_run(page, line)))
             continue
         lines = re.sub(r"\\\n\s*", "", re.sub(r"^    ", "", indented, flags=re.M)).splitlines()
-        found += [line for line in lines if COMMAND.match(line) and not UNTESTED.search(line)]
+        found += [line for line in lines if COMMAND.match(line) and is_run(page, line)]
     return [script for script in found if script.strip()], text
 
 
@@ -78,6 +94,7 @@ def run(page):
 
 forgotten = set(pages_with_commands()) - set(sum(GROUPS.values(), []))
 assert not forgotten, f"commands of these pages are run by no test: {', '.join(sorted(forgotten))}; add them to GROUPS in {__file__}"
+assert met == NOT_RUN, f"not_run.txt names commands that no page has: {sorted(NOT_RUN - met)}"
 shutil.rmtree(SCRATCH, ignore_errors=True)
 for page in GROUPS[GROUP]:
     run(page)
