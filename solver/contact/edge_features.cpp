@@ -1,0 +1,153 @@
+#include "solver/contact/edge_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+/// S(y) = y^2 (3 - 2 y) on [0, 1] and its derivative: the smooth switch of the fading.
+double smooth_switch(double y, double& derivative) {
+  derivative = 0;
+  if (y <= 0) return 0;
+  if (y >= 1) return 1;
+  derivative = 6 * y * (1 - y);
+  return y * y * (3 - 2 * y);
+}
+
+/// A vector from an edge into one of its two faces, zero where there is none. It is not the conormal, but of a direction perpendicular
+/// to the edge it lies on the same side, and it takes no root.
+Vec3 into_face(const SolverShape& shape, std::int32_t edge, int side) {
+  const FeatureEdge& ends = shape.features.edges[static_cast<std::size_t>(edge)];
+  const std::int32_t face = ends.face[side];
+  if (face < 0) return {};
+  const Vec3& start = shape.mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
+  // two of the three lie on the edge: they add nothing across it
+  return (shape.mesh.corner(face, 0) - start) + (shape.mesh.corner(face, 1) - start) + (shape.mesh.corner(face, 2) - start);
+}
+
+/// Two edges of a candidate at the present pose, A frame. Letters of docs/reference/contact-law.md section 3.2: u, v edge vectors, s, t
+/// parameters, r = x_A - x_B = g n.
+struct EdgePair {
+  std::int32_t edge_a, edge_b;
+  Vec3 u, v;
+  double uu, uv, vv, det, sine2;
+  double s, t;
+  Vec3 xa, r, n;
+  double g;
+  double y[4];       ///< how far the normal leans out of the wedge over each face, where it does
+  Vec3 conormal[4];  ///< of the faces that it leans over, A frame
+  bool leans = false;
+};
+
+/// How far the normal leans out of the wedge over each face. It is perpendicular to both edges, so for most the sides tell: conormals
+/// are needed where it leans out. Returns false when it is outside.
+bool find_lean(const PairBody& a, const PairBody& b, const RelativePose& pose, EdgePair& e) {
+  const Vec3 n_b = transpose_times(pose.rotation, e.n);
+  for (int i = 0; i < 4; ++i) {
+    const double sign = i < 2 ? -1 : 1;
+    const SolverShape& shape = i < 2 ? *a.shape : *b.shape;
+    const std::int32_t edge = i < 2 ? e.edge_a : e.edge_b;
+    e.y[i] = 0;
+    if (!(sign * dot(i < 2 ? e.n : n_b, into_face(shape, edge, i & 1)) > 0)) continue;
+    e.conormal[i] = shape.edge_conormal(edge, i & 1);
+    if (i >= 2) e.conormal[i] = pose.rotation * e.conormal[i];
+    e.y[i] = sign * dot(e.n, e.conormal[i]);
+    e.leans = e.leans || e.y[i] > 0;
+    if (e.y[i] >= kFadeWedge) return false;
+  }
+  return true;
+}
+
+/// Weight of a faded feature and its gradient: a product of switches; each adds weight / switch * slope times the gradient of its
+/// argument. Returns false for a weight too small to count.
+bool fade(const EdgePair& e, ContactFeature& f) {
+  double of_s, of_t, of_sine, of_y[4] = {};
+  const double switch_s = smooth_switch(std::min(e.s, 1 - e.s) / kFadeEnd, of_s);
+  const double switch_t = smooth_switch(std::min(e.t, 1 - e.t) / kFadeEnd, of_t);
+  const double switch_sine = smooth_switch(e.sine2 / kFadeParallel, of_sine);
+  double switch_y[4] = {1, 1, 1, 1};
+  f.weight = switch_s * switch_t * switch_sine;
+  for (int i = 0; i < 4; ++i) {
+    if (!(e.y[i] > 0)) continue;
+    switch_y[i] = smooth_switch(1 - e.y[i] / kFadeWedge, of_y[i]);
+    f.weight *= switch_y[i];
+  }
+  // A weight this small adds less than rounding to the eighth-power sum.
+  constexpr double kWeightCutoff = 1e-12;
+  if (f.weight < kWeightCutoff) return false;
+  of_s *= f.weight / switch_s / kFadeEnd * (e.s < 0.5 ? 1 : -1);
+  of_t *= f.weight / switch_t / kFadeEnd * (e.t < 0.5 ? 1 : -1);
+  of_sine *= f.weight / switch_sine / kFadeParallel;
+  f.faded = of_s != 0 || of_t != 0 || of_sine != 0;
+
+  // For a virtual motion of A, B held: of the directions y with s and t held, and what they add to those of s and t
+  Vec3 across, turning;
+  for (int i = 0; i < 4; ++i) {
+    if (of_y[i] == 0) continue;
+    f.faded = true;
+    const double sign = i < 2 ? -1 : 1;
+    const double c = -sign * f.weight / switch_y[i] * of_y[i] / kFadeWedge;
+    const Vec3 tp = e.conormal[i] - dot(e.conormal[i], e.n) * e.n;
+    across += (c / e.g) * tp;
+    of_s += c / e.g * dot(tp, e.u);
+    of_t -= c / e.g * dot(tp, e.v);
+    if (i < 2) turning += c * cross(e.conormal[i], e.n);
+  }
+  // ds = (vv b1 - uv b2) / -det and dt = (uv b1 - uu b2) / -det, where a translation has b1 = u, b2 = v as coefficients and a
+  // rotation about A's centre has b1 = x_A x u + u x r, b2 = x_A x v
+  const double p = -(e.vv * of_s + e.uv * of_t) / e.det, q = -(e.uv * of_s + e.uu * of_t) / e.det;
+  f.weight_gradient.force = across + p * e.u - q * e.v;
+  f.weight_gradient.couple = cross(e.xa, f.weight_gradient.force) + p * cross(e.u, e.r) + turning;
+  if (of_sine != 0) f.weight_gradient.couple += (of_sine * -2 * e.uv / (e.uu * e.vv)) * cross(e.u, e.v);
+  return true;
+}
+
+}  // namespace
+
+void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
+                   const std::vector<EdgeCandidate>& candidates, std::vector<ContactFeature>& features) {
+  for (const EdgeCandidate& candidate : candidates) {
+    if (candidate.slack > motion) continue;
+    const ShapeEdge ea = a.shape->edge(candidate.edge_a);
+    const ShapeEdge eb = b.shape->edge(candidate.edge_b);
+    EdgePair e;
+    e.edge_a = candidate.edge_a;
+    e.edge_b = candidate.edge_b;
+    e.u = a.scale * ea.along;
+    e.v = pose.rotation * (b.scale * eb.along);
+    const Vec3 pa = a.scale * ea.start, pb = pose.a_from_b(b.scale * eb.start), r0 = pa - pb;
+    e.uu = dot(e.u, e.u);
+    e.uv = dot(e.u, e.v);
+    e.vv = dot(e.v, e.v);
+    const double ur = dot(e.u, r0), vr = dot(e.v, r0);
+    e.det = e.uu * e.vv - e.uv * e.uv;
+    e.sine2 = e.det / (e.uu * e.vv);
+    // Below this the fade S(sine2 / kFadeParallel) is under 1e-11 of a contact: nothing is lost by leaving it out.
+    constexpr double kParallelCutoff = 1e-8;
+    if (!(e.sine2 > kParallelCutoff)) continue;
+    e.s = (e.uv * vr - e.vv * ur) / e.det;
+    e.t = (e.uu * vr - e.uv * ur) / e.det;
+    if (e.s <= 0 || e.s >= 1 || e.t <= 0 || e.t >= 1) continue;
+    e.xa = pa + e.s * e.u;
+    const Vec3 xb = pb + e.t * e.v;
+    e.r = e.xa - xb;
+    e.g = length(e.r);
+    if (e.g >= margin || !(e.g > 0)) continue;
+    e.n = (1 / e.g) * e.r;
+    if (!find_lean(a, b, pose, e)) continue;
+
+    ContactFeature f{};
+    f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
+    f.x = 0.5 * (e.xa + xb);
+    f.n = e.n;
+    f.overlap = margin - e.g;
+    f.weight = 1;
+    const bool fades = e.leans || std::min({e.s, 1 - e.s, e.t, 1 - e.t}) < kFadeEnd || e.sine2 < kFadeParallel;
+    if (fades && !fade(e, f)) continue;
+    features.push_back(f);
+  }
+}
+
+}  // namespace scree
