@@ -71,8 +71,9 @@ def work(job):
         trial = Trial(TOOLS, case, job["draw"])
         for name in job["relations"]:
             outcome, why = examine(trial, name)
-            # relations of a scene that another scene is made from: only the case itself must be accepted
-            if outcome == "refused" and (job["known"] or trial.kept_scene is not None):
+            # relations of a scene that another scene is made from: only the case itself must be accepted, by pack and by the solver
+            accepted = trial.kept_run is not None or (trial.kept_scene is not None and not why.startswith("solver"))
+            if outcome == "refused" and (job["known"] or accepted):
                 outcome = "violated" if job["known"] or RELATIONS[name].group == "bits" else "not applicable"
             if outcome == "violated" and job["keep"]:
                 why += keep(job, case, trial, name, why)

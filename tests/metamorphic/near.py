@@ -76,7 +76,7 @@ def distances(run, other, back, size, speed):
         d = [numpy.abs(f.position - g["position"]).max() / size, numpy.abs(f.velocity - g["velocity"]).max() / speed,
              numpy.abs(f.spin - g["angular_velocity"]).max() * size / speed]
         if "quat" in g:
-            d.append(numpy.sqrt(numpy.maximum(0, 1 - numpy.abs((f.quat * g["quat"]).sum(axis=1)))).max() * 1e-3)   # the root makes much of a rounding
+            d.append(numpy.minimum(numpy.abs(f.quat - g["quat"]).max(axis=1), numpy.abs(f.quat + g["quat"]).max(axis=1)).max())   # q and -q are one turn
         found.append(float(max(d)))
     return found
 
