@@ -35,7 +35,7 @@ def d1(tools, report):
     c = fall("D1-floats", {**oil, "density": density}, density, 1e-2, 1e-3, 1e-2)
     c.body(c.sphere("ball", d / 2), "m", (0, 0, 0))
     run = report.run(c.run(tools))
-    report.at_most("way of a ball of the density of the fluid [m]", abs(run.x[-1, 0]).max(), 0)
+    report.at_most("distance moved by a ball of the density of the fluid [m]", abs(run.x[-1, 0]).max(), 0)
 
 
 @case("D2", "U", "tetrahedra, cubes and octahedra fall in water", "Pettyjohn and Christiansen, Chem. Eng. Prog. 44 (1948) 157")

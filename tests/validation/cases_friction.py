@@ -164,7 +164,7 @@ def f9(tools, report):
     report.at_least(f"{limit + .1:.3f} degrees: rolls in the last 2 s by [m]", way[1], 1e-3)
 
 
-@case("F10", "U", "friction knows no direction: F3 every 15 degrees")
+@case("F10", "U", "friction does not depend on direction: F3 every 15 degrees")
 def f10(tools, report):
     angles = [math.radians(15 * i) for i in range(24)]
     for locked in (True, False):

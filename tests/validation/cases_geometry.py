@@ -103,7 +103,7 @@ def crossing_pairs(mesh):
                for i, (a, s) in enumerate(corners) for b, t in corners[:i])
 
 
-@case("G5", "U", "broken meshes are named and counted, never silently taken")
+@case("G5", "U", "broken meshes are named and counted, never accepted silently")
 def g5(tools, report):
     vertices, triangles = meshes.box()
     flip = triangles[:, ::-1]
@@ -151,7 +151,7 @@ def g5(tools, report):
             report.check(f"{name}: {key}", count_of(verdict, key), count, 0, "absolute")
         # refused: what to do is said too
         told = words in text and (not refused or "what to do: " in text)
-        report.check(f"{name}: told as '{words}'{' with advice' if refused else ''}", float(told), 1, 0, "absolute")
+        report.check(f"{name}: reported as '{words}'{' with advice' if refused else ''}", float(told), 1, 0, "absolute")
 
 
 def count_of(verdict, key):

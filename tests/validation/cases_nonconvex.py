@@ -39,8 +39,8 @@ def n1(tools, report):
     report.at_most("speed after 10 s [m/s]", numpy.linalg.norm(run.v[-1, 1]), 1e-9)
     count = len(last["depth"])
     spread = numpy.ptp(last["depth"]) / last["depth"].mean()
-    report.at_most("spread of the depths", spread, 1e-6)
-    report.check(f"depth is m g / (k n^(1/4)), n = {count} contacts [m]", last["depth"].mean(), mass * G / (k * count**.25), 1e-3)
+    report.at_most("spread of the overlaps", spread, 1e-6)
+    report.check(f"overlap is m g / (k n^(1/4)), n = {count} contacts [m]", last["depth"].mean(), mass * G / (k * count**.25), 1e-3)
 
 
 @case("N3", "U", "ring falls along a bolt: clearance is clearance")
@@ -94,7 +94,7 @@ def n4(tools, report):
     report.check("bowls in their order", float((numpy.diff(z) > 0).sum()), count - 1, 0, "absolute")
     # a bowl of outer radius .1 rests, a gap of both margins away, on the inner edge, radius .08, of the one below
     report.check("distance of the two lowest [m]", z[1] - z[0], math.sqrt((.1 + 2 * margin)**2 - .08**2), .0015, "absolute", "24 sides flatten the circles by 1 %")
-    report.at_most("largest depth over the margins", run.max_depth_ratio, 1.0)
+    report.at_most("largest overlap over the margins", run.max_depth_ratio, 1.0)
 
 
 @case("N5", "N", "two staples pulled apart: the force follows the pull, up to what the contact can carry")
@@ -130,7 +130,7 @@ def n5(tools, report):
         soft = mass * pull / (4**.25 * share * 2 * margin)
         try:
             run = pulled(f"N5-{share}", numpy.array([0, 0, -pull]), soft, 1.0)
-            report.check(f"pull that needs {share} of the margins: depth over the margins", run.max_depth_ratio, share, .01, "absolute")
+            report.check(f"pull that needs {share} of the margins: overlap over the margins", run.max_depth_ratio, share, .01, "absolute")
         except ToolError as error:
             report.check(f"pull that needs {share} of the margins: refused by name (exit code)", error.code if "too soft" in error.text else -1, 5 if share > 1 else 0, 0, "absolute")
 

@@ -40,7 +40,7 @@ def bounces(tools, report, name, steps, zetas, phases=PHASES, law=None, every=No
     return run, v, dt
 
 
-@case("C1", "U", "linear spring-dashpot: restitution, duration, depth", "Schwager and Poeschel 2007")
+@case("C1", "U", "linear spring-dashpot: restitution, duration, overlap", "Schwager and Poeschel 2007")
 def c1(tools, report):
     # what VALIDATION 1.2 demands at e = 0.5, worst phase
     for steps, limit, elastic in ((20, 2.3e-2, 2.6e-4), (50, 8.5e-3, 1.7e-5), (100, 4.3e-3, 2e-6)):
@@ -108,7 +108,7 @@ def c2(tools, report):
         report.at_most(f"|e - 0.5|, worst of {PHASES} phases, {steps} steps a contact", numpy.abs(e[0] - .5).max(), limit)
         if steps == 100:
             for i in (1, 2):
-                report.check(f"e at {factors[i]:g} of the speed asked for", e[i].mean(), expected[i], 1e-3, "absolute")
+                report.check(f"e at {factors[i]:g} of the requested speed", e[i].mean(), expected[i], 1e-3, "absolute")
 
 
 @case("C3", "U", "Hertz: a sphere and a fine mesh of it", "Hertz; VALIDATION C3")
@@ -140,7 +140,7 @@ def c3(tools, report):
         deepest = run.x[0, 0, 2] - run.x[:, 0, 2].min()
         tolerance = 5e-3 if name[0] == "a" else .02
         report.run(run, error_e=abs(run.v[-1, 0, 2] / speed - 1), error_t=abs((touching[-1] - touching[0]) / duration - 1))
-        report.check(f"{name}: largest depth [m]", deepest, depth, tolerance)
+        report.check(f"{name}: largest overlap [m]", deepest, depth, tolerance)
         report.check(f"{name}: largest force [N]", total.max(), force, tolerance)
         report.check(f"{name}: duration [s]", touching[-1] - touching[0] + 4 * dt, duration, 2 * tolerance)
 

@@ -70,7 +70,7 @@ def s2(tools, report):
             depth = 2 * margin - (run.x[-1, b + i, 2] - (run.x[-1, b + i - 1, 2] + side if i else side / 2))
             load = depth * k * (4 if i == 0 else 8) ** .25
             worst = max(worst, abs(load / ((count - i) * mass * G) - 1))
-        report.at_most(f"{count} cubes: error of the loads, from the depths", worst, 1e-3)
+        report.at_most(f"{count} cubes: error of the loads, from the overlaps", worst, 1e-3)
     # twenty that fall onto each other by a tenth of a millimetre each: to true rest, with less energy at every look
     c = Case("S2-dropped", duration=20.0, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.5)
     c.mesh("cube", meshes.box((side,) * 3))

@@ -1,8 +1,13 @@
 #!/usr/bin/env python3
-"""Markdown tables from the results of validate.py --json. usage: tables.py RESULT.json... (to stdout)"""
+"""The page of docs/validation.md from the results of validate.py --json. usage: tables.py RESULT.json... [--note TEXT] (to stdout)
+
+What was found comes first: counts and the missed requirements with their reasons. All tables are folded below. TEXT says how the
+results were obtained.
+"""
+import argparse
+import html
 import json
 import re
-import sys
 
 import known_misses
 from report import number
@@ -10,16 +15,19 @@ from report import number
 
 HEADER = """# Validation
 
-Every case of `tests/validation`, run through the tools as a user runs them, against closed forms and published values. The
-demands are those of the validation plan of the project and are not loosened: a miss is shown as a miss, with its reason.
-Made by `./workflows/run validation`; the file is its `validation.md`.
+Every case of `tests/validation`, run through the tools as a user runs them, and compared with closed forms and published values. The
+requirements are those of the validation plan (`docs/reference/validation-plan.md`). They are not loosened: a miss is shown as a miss, with
+its reason. Made by `./workflows/run validation`; the file is its `validation.md`.
+"""
 
-Letters: G mass properties, C normal contact (C4 to C11: tests 1 to 8 of Chung and Ooi, Granular Matter 13 (2011) 643),
-I impulses of bodies off centre, F friction and rolling, R free rotation, S statics, N concave bodies, B packings and silos, D drag in a fluid.
-Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is
-held against the formula with its own mass and inertia, and the facet error is told apart. Two demands stay missed for reasons
-of physics: `docs/decisions/010`.
-Mesh independence, ranks and what is left out have no case here: `docs/validation-demands.md` goes through their demands.
+GROUPS = {
+    "G": "mass properties", "C": "normal contact; C4 to C11 are tests 1 to 8 of Chung and Ooi, Granular Matter 13 (2011) 643",
+    "I": "impulses of bodies off centre", "F": "friction and rolling", "R": "free rotation", "S": "statics", "N": "concave bodies",
+    "B": "packings and silos", "D": "drag in a fluid"}
+
+READING = """Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is compared with
+the formula with its own mass and inertia; the error of the facets is listed separately. Mesh independence, ranks and features that are left
+out have no case here: see `docs/validation-demands.md`. Two requirements cannot be met for physical reasons: `docs/decisions/010`.
 """
 
 
@@ -28,10 +36,10 @@ def load(paths):
     for path in paths:
         with open(path) as file:
             data = json.load(file)
-        again = {c["case"] for c in data["cases"]}  # a later file replaces what an earlier one says of its cases
+        again = {c["case"] for c in data["cases"]}  # a later file replaces the cases of an earlier one
         cases = [c for c in cases if c["case"] not in again] + data["cases"]
         checks = [k for k in checks if k["case"] not in again] + data["checks"]
-    order = {name: i for i, name in enumerate("GCIFRSNBD")}
+    order = {name: i for i, name in enumerate(GROUPS)}
     cases.sort(key=lambda c: (order.get(c["case"][0], 9), int(re.sub(r"\D", "", c["case"]) or 0)))
     return cases, checks
 
@@ -56,50 +64,84 @@ def error(c):
     return {"relative": f"{100 * c['error']:.2g} %", "absolute": f"{c['error']:.2g}"}.get(c["kind"], "")
 
 
+def limit(c):
+    """What is required, in words."""
+    return f"required {expected(c)}" + (f" within {tolerance(c)}" if tolerance(c) else "")
+
+
+def fold(summary, lines):
+    """A section that a reader opens."""
+    print(f"<details><summary>{html.escape(summary, quote=False)}</summary>\n")
+    print("\n".join(lines))
+    print("\n</details>\n")
+
+
+def table(header, rows):
+    return [row(*header), row(*["---"] * len(header)), *rows]
+
+
+def findings(cases, checks, note):
+    misses = [k for k in checks if not k["holds"]]
+    broken = [c for c in cases if c["failure"]]
+    print("## Findings\n")
+    print(f"**{len(cases)} cases, {len(checks)} checks, {len(misses)} missed" + (f", {len(broken)} cases did not run" if broken else "") + ".**")
+    remarks = [text for text in (note, "The missed requirements have the reasons below; everything else holds." if misses else "") if text]
+    print(" ".join(remarks) + ("\n" if remarks else ""))
+    print("\n".join(table(("group", "cases", "checks", "missed"), [
+        row(f"{letter}: {what}", len(own), sum(c["checks"] for c in own), f"**{missed}**" if (missed := sum(c["misses"] for c in own)) else 0)
+        for letter, what in GROUPS.items() if (own := [c for c in cases if c["case"][0] == letter])])))
+    print()
+    for c in broken:
+        print(f"- {c['case']} **did not run**: {c['failure']}")
+    why = {}
+    for k in misses:
+        why.setdefault((k["case"], known_misses.reason(k["case"], k["what"]) or "not explained yet"), []).append(k)
+    for (case, reason), own in why.items():
+        print(f"- **{case}**: {reason}")
+        for k in own:
+            print(f"  - {k['what']}: measured {number(k['measured'])}, {limit(k)}")
+    if broken or misses:
+        print()
+
+
 def main():
-    cases, checks = load(sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", nargs="+")
+    parser.add_argument("--note", default="")
+    arguments = parser.parse_args()
+    cases, checks = load(arguments.results)
     own = {c["case"]: [k for k in checks if k["case"] == c["case"]] for c in cases}
     print(HEADER)
-    print("## Summary\n")
-    print("Times are seconds in the solver, on a machine that does other work too; steps and contacts (largest mean of a run) tell the size.\n")
-    print("The last column tells how much of the tolerance the check closest to its limit uses.\n")
-    print(row("case", "what", "tier", "checks", "missed", "steps", "contacts", "s", "of the tolerance"))
-    print(row(*["---"] * 9))
+    findings(cases, checks, arguments.note)
+    print("## Tables\n")
+    print(READING)
+    rows = []
     for c in cases:
         missed = f"**{c['misses']}**" if c["misses"] else "0"
-        print(row(c["case"], c["title"], c["tier"], c["checks"], f"**did not run**: {c['failure']}" if c["failure"] else missed,
-                  c["steps"], f"{c['contacts']:.3g}", f"{c['solver_seconds']:.2f}", f"{max((k['used'] for k in own[c['case']]), default=0):.0%}"))
-    misses = [k for k in checks if not k["holds"]]
-    print(f"\n{len(cases)} cases, {len(checks)} checks, {len(misses)} missed.\n")
-    if misses:
-        print("## Missed demands\n")
-        print(row("case", "what", "measured", "demanded", "tolerance", "why"))
-        print(row(*["---"] * 6))
-        for k in misses:
-            print(row(k["case"], k["what"], number(k["measured"]), expected(k), tolerance(k), known_misses.reason(k["case"], k["what"]) or "not explained yet"))
-        print()
-    print("## Published values\n")
-    print("Of every case with a source, the comparison of two values that lies furthest off, measured in its tolerance.\n")
-    print(row("case", "source", "quantity", "measured", "published or closed form", "tolerance", "error"))
-    print(row(*["---"] * 7))
+        rows.append(row(c["case"], c["title"], c["tier"], c["checks"], f"**did not run**: {c['failure']}" if c["failure"] else missed,
+                        c["steps"], f"{c['contacts']:.3g}", f"{c['solver_seconds']:.2f}", f"{max((k['used'] for k in own[c['case']]), default=0):.0%}"))
+    fold("All cases: checks, size and time", [
+        "Times are seconds in the solver, on a machine that does other work too; steps and contacts (largest mean of a run) give the size. The last",
+        "column is the share of its tolerance that the check closest to its limit uses.\n",
+        *table(("case", "what", "tier", "checks", "missed", "steps", "contacts", "s", "of the tolerance"), rows)])
+    rows = []
     for c in cases:
         compared = [k for k in own[c["case"]] if k["kind"] in ("relative", "absolute") and k["tolerance"] > 0]
         if c["source"] and compared:
             k = max(compared, key=lambda k: k["used"])
-            print(row(c["case"], c["source"], k["what"], number(k["measured"]), expected(k), tolerance(k), error(k)))
-    print()
+            rows.append(row(c["case"], c["source"], k["what"], number(k["measured"]), expected(k), tolerance(k), error(k)))
+    if rows:
+        fold("Published values: the largest deviation of each case with a source", [
+            "Of every case with a source, the comparison of two values that uses the largest share of its tolerance.\n",
+            *table(("case", "source", "quantity", "measured", "published or closed form", "tolerance", "error"), rows)])
+    print("## Checks of each case\n")
     for c in cases:
         if not own[c["case"]]:
             continue
-        print(f"## {c['case']}: {c['title']}\n")
-        if c["source"]:
-            print(f"Reference: {c['source']}.\n")
-        print(row("quantity", "measured", "expected", "tolerance", "error", ""))
-        print(row(*["---"] * 6))
-        for k in own[c["case"]]:
-            note = f" ({k['note']})" if k["note"] else ""
-            print(row(k["what"] + note, number(k["measured"]), expected(k), tolerance(k), error(k), "" if k["holds"] else "**miss**"))
-        print()
+        rows = [row(k["what"] + (f" ({k['note']})" if k["note"] else ""), number(k["measured"]), expected(k), tolerance(k), error(k),
+                    "" if k["holds"] else "**miss**") for k in own[c["case"]]]
+        fold(f"{c['case']}: {c['title']} ({c['checks']} checks, {c['misses']} missed)", [
+            *([f"Reference: {c['source']}.\n"] if c["source"] else []), *table(("quantity", "measured", "expected", "tolerance", "error", ""), rows)])
 
 
 if __name__ == "__main__":

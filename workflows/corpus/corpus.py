@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks, repairs and remeshes meshes that nobody here made, and writes a table of what became of each.
+"""Checks, repairs and remeshes meshes from other sources, and writes a page with the outcome of each.
 
     workflows/corpus/corpus.py OUT [--mesher scree-mesher] [--fetch] [--table docs/mesh-corpus.md]
 
@@ -8,7 +8,7 @@ dpkg -x: nothing is installed). Each mesh ends as
 
     certified   as it is
     repaired    by `repair`
-    remeshed    by `remesh`, told with the distance from the original
+    remeshed    by `remesh`, with the distance from the original
     refused     with the reason
 
 and anything else (a crash, a hang, an exit code that means neither) fails the run.
@@ -18,6 +18,7 @@ import glob
 import gzip
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -120,12 +121,56 @@ def certify(mesher, path, out, faults):
     return "refused", triangles, "", why
 
 
+MEANING = {
+    "certified": "accepted as it is",
+    "repaired": "accepted after `scree-mesher repair`",
+    "remeshed": "accepted after `scree-mesher remesh --triangles 3000`: a new surface around all that the mesh encloses",
+    "refused": "no solid could be made; the reasons are below",
+    "FAULT": "a crash, a hang or a wrong exit code",
+}
+FAR = 10  # [% of the extent] a remeshed mesh that is further from its original is named at the top
+
+
+def page_of(rows):
+    """The page: counts and reasons first, all meshes folded below. rows: mesh, package, triangles, outcome, volume, note."""
+    counts = {word: sum(row[3] == word for row in rows) for word in MEANING}
+    lines = ["# Meshes from other sources", "",
+             "Meshes of Debian packages, each checked, repaired or remeshed by `scree-mesher`. Made by",
+             "`workflows/corpus/corpus.py OUT --fetch --table docs/mesh-corpus.md`.", "", "## Findings", "",
+             f"**{summary_of(rows)}.**", "", "| outcome | meshes | meaning |", "|---|---|---|"]
+    lines += [f"| {word} | {n} | {MEANING[word]} |" for word, n in counts.items() if n]
+    kinds = {}
+    for row in rows:
+        if row[3] == "refused":
+            first = re.split(r"[:;]", row[5])[0]
+            kind = re.sub(r" as \.\w+", "", re.sub(r"^\d+ ", "N ", first))
+            kinds.setdefault(kind, []).append(row[0])
+    if kinds:
+        lines += ["", "| reason of refusals | meshes |", "|---|---|"]
+        lines += [f"| {kind} | {len(names)}: {', '.join(names)} |" for kind, names in sorted(kinds.items(), key=lambda item: -len(item[1]))]
+    far = [(float(found[1]), row[0]) for row in rows if row[3] == "remeshed" and (found := re.search(r"\(([\d.]+) % of its extent\)", row[5]))]
+    far = sorted((item for item in far if item[0] > FAR), reverse=True)
+    if far:
+        lines += ["", f"Inspect a remeshed mesh before use: {len(far)} of them are more than {FAR} % of their extent away from the original,",
+                  ", ".join(f"{name} ({share:.0f} %)" for share, name in far) + "."]
+    lines += ["", f"<details><summary>All {len(rows)} meshes</summary>", "", "Volumes are in cubic units of the files.", "",
+              "| mesh | package | triangles | outcome | volume | what was done, or what is wrong |", "|---|---|---|---|---|---|"]
+    for name, package, triangles, outcome, volume, note in rows:
+        lines.append(f"| {name} | {package} | {triangles} | {outcome} | {volume} | {note if len(note) <= 330 else note[:327] + '...'} |")
+    return "\n".join(lines) + "\n\n</details>\n"
+
+
+def summary_of(rows):
+    counts = {word: sum(row[3] == word for row in rows) for word in MEANING}
+    return f"{len(rows)} meshes: " + ", ".join(f"{n} {word}" for word, n in counts.items() if n)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out")
     parser.add_argument("--mesher", default="scree-mesher")
     parser.add_argument("--fetch", action="store_true", help="unpack missing packages under OUT/packages")
-    parser.add_argument("--table", help="write the table into this file, too")
+    parser.add_argument("--table", help="write the page into this file")
     parser.add_argument("--least", type=int, default=0, help="fail when there are fewer meshes than this")
     options = parser.parse_args()
     root = os.path.join(options.out, "packages")
@@ -153,17 +198,10 @@ def main():
             outcome, triangles, volume, note = certify(options.mesher, source, options.out, faults)
             rows.append((os.path.basename(path), package, triangles, outcome, volume, note))
             print(f"{outcome:<10} {time.monotonic() - start:6.1f} s  {path}", flush=True)
-    counts = {word: sum(1 for row in rows if row[3] == word) for word in ("certified", "repaired", "remeshed", "refused", "FAULT")}
-    summary = f"{len(rows)} meshes: " + ", ".join(f"{n} {word}" for word, n in counts.items() if n)
-    table = "| mesh | package | triangles | outcome | volume | what was done, or what is wrong |\n|---|---|---|---|---|---|\n"
-    for name, package, triangles, outcome, volume, note in rows:
-        note = note if len(note) <= 330 else note[:327] + "..."
-        table += f"| {name} | {package} | {triangles} | {outcome} | {volume} | {note} |\n"
-    print(summary)
+    print(summary_of(rows))
     if options.table:
         with open(options.table, "w", encoding="utf-8") as file:
-            file.write("# Meshes that nobody here made\n\nMade by `workflows/corpus/corpus.py OUT --fetch --table docs/mesh-corpus.md`. "
-                       "Volumes are in cubic units of the files.\n\n" + summary + ".\n\n" + table)
+            file.write(page_of(rows))
     for fault in faults:
         print("FAULT:", fault, file=sys.stderr)
     if len(rows) < options.least:

@@ -58,7 +58,7 @@ def x1(tools, table):
         run = c.run(tools)
         ratio = run.step / critical
         table.add("critical step that the solver derives over the true one, one contact of a ball", "held" if .99 <= ratio <= 1 else "failed",
-                  f"{ratio:.3f} (demanded 0.99 to 1): pi/2 steps a contact; it reckons with four features on a face")
+                  f"{ratio:.3f} (required 0.99 to 1): pi/2 steps a contact; it assumes four features on a face")
     except ToolError as error:
         table.refusal("critical step derived, one contact of a ball", error)
 
@@ -106,7 +106,7 @@ def x3(tools, table):
             run = c.run(tools, timeout=300)
             z = run.x[-1, :, 2]
             error = max(abs(side / 2 + 2 * margin - z[0] - d1) / d1, abs(z[0] + side + 2 * margin - z[1] - d2) / d2)
-            table.figure(f"{name}: static depths", error, 1e-3, "relative error")
+            table.figure(f"{name}: static overlaps", error, 1e-3, "relative error")
             table.figure(f"{name}: jitter at the end [m/s]", numpy.linalg.norm(run.v[-1], axis=1).max(), 1e-6)
             warned = "ratio" in run.text or "steps" in run.text and "mass" in run.text
             period = 2 * math.pi * math.sqrt(1e6 / (k * 1.4))
@@ -417,7 +417,7 @@ def x27(tools, table):
         c.floor()
         try:
             run = c.run(tools)
-            table.truth(name, finite(run) and g == 0, f"ran; speed at the end {numpy.linalg.norm(run.v[-1, 0]):.3g} m/s, depth at most {run.max_depth_ratio:.3g} of the margins")
+            table.truth(name, finite(run) and g == 0, f"ran; speed at the end {numpy.linalg.norm(run.v[-1, 0]):.3g} m/s, overlap at most {run.max_depth_ratio:.3g} of the margins")
         except ToolError as error:
             table.refusal(name, error)
 

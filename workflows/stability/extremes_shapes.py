@@ -102,7 +102,7 @@ def x12(tools, table):
     table.figure("2 doubled, 2 flat and 1 repeated facet: trajectory differs by", max(numpy.abs(run.x - clean.x).max(), numpy.abs(run.w - clean.w).max()), 1e-12)
     _, text = import_mesh(tools, mesh)
     said = [line.rsplit(": ", 1)[-1] for line in text.splitlines() if "dropped" in line]
-    table.truth("told with their count", bool(said), "; ".join(said)[:160])
+    table.truth("reported with their count", bool(said), "; ".join(said)[:160])
 
 
 @case("X13", "thin plate, open sheet")
@@ -134,7 +134,7 @@ def x14(tools, table):
     for name, (mesh, words) in cases.items():
         table.must_refuse(f"{name}, as a body", lambda mesh=mesh: import_mesh(tools, mesh), words)
         out, text = import_mesh(tools, mesh, "--surface")
-        table.truth(f"{name}, as a wall", os.path.exists(out), "accepted, told as: " + "; ".join(line.rsplit(": ", 1)[-1] for line in text.splitlines() if "note" in line)[:140])
+        table.truth(f"{name}, as a wall", os.path.exists(out), "accepted, reported as: " + "; ".join(line.rsplit(": ", 1)[-1] for line in text.splitlines() if "note" in line)[:140])
 
 
 @case("X15", "inverted and mixed triangles")
@@ -281,7 +281,7 @@ def x24(tools, table):
             name = f"gap {gap:g} m between identical boxes{', with relax' if relax else ''}"
             try:
                 run = c.run(tools)
-                table.truth(name, finite(run), f"finite, depth at most {run.max_depth_ratio:.3g} of the margins" + (", parted along the common normal" if relax else ""))
+                table.truth(name, finite(run), f"finite, overlap at most {run.max_depth_ratio:.3g} of the margins" + (", separated along the common normal" if relax else ""))
             except ToolError as error:
                 table.refusal(name, error)
 

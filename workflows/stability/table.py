@@ -1,38 +1,62 @@
 #!/usr/bin/env python3
-"""Markdown table of the results of stability.py --json. usage: table.py RESULT.json... (to stdout)"""
+"""The page of docs/stability.md from the results of stability.py --json. usage: table.py RESULT.json... (to stdout)
+
+Counts, failures and notes.md (of the cases that were run) come first; the lines of each case are folded.
+"""
+import html
 import json
 import os
+import re
 import sys
 
-with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "table_header.md")) as file:
-    print(file.read(), end="")
-rows, titles = [], {}
-for path in sys.argv[1:]:
-    with open(path) as file:
-        data = json.load(file)
-    rows += data["rows"]
-    titles.update(data["titles"])
-order = sorted(titles, key=lambda name: int(name[1:]))
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+WORDS = {"held": "held", "refused": "refused with a named reason", "failed": "failed"}
 
 
 def cells(*values):
     return "| " + " | ".join(str(v).replace("|", "\\|").replace("\n", " ") for v in values) + " |"
 
 
-counts = {verdict: sum(r["verdict"] == verdict for r in rows) for verdict in ("held", "refused", "failed")}
-print(cells("case", "held", "refused with a named reason", "failed"))
-print(cells(*["---"] * 4))
-for name in order:
-    own = [r["verdict"] for r in rows if r["case"] == name]
-    failed = own.count("failed")
-    print(cells(f"{name} {titles[name]}", own.count("held"), own.count("refused"), f"**{failed}**" if failed else 0))
+def text_of(name):
+    with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
+        return file.read()
+
+
+def count_text(rows, leave_out_zero=False):
+    counts = {verdict: sum(r["verdict"] == verdict for r in rows) for verdict in WORDS}
+    return ", ".join(f"{n} {WORDS[verdict]}" for verdict, n in counts.items() if n or not leave_out_zero)
+
+
+rows, titles = [], {}
+for path in sys.argv[1:]:
+    with open(path, encoding="utf-8") as file:
+        data = json.load(file)
+    rows += data["rows"]
+    titles.update(data["titles"])
+order = sorted(titles, key=lambda name: int(name[1:]))
+of_case = {name: [r for r in rows if r["case"] == name] for name in order}
+
+print(text_of("table_header.md"), end="")
+print("## Findings\n")
+print(f"**{len(order)} cases, {len(rows)} lines: {count_text(rows)}.**")
+refused = [f"{name} ({n})" for name in order if (n := sum(r["verdict"] == "refused" for r in of_case[name]))]
+if refused:
+    print(f"Cases with refusals: {', '.join(refused)}.")
 print()
+failed = [r for r in rows if r["verdict"] == "failed"]
+for r in failed:
+    print(f"- **failed**: {r['case']}, {r['what']}: {r['figure']}")
+if failed:
+    print()
+notes = [note for note in re.findall(r"^- .*\n(?:  .*\n)*", text_of("notes.md"), flags=re.M) if re.match(r"- (X\d+)", note).group(1) in titles]
+if notes:
+    print("### Differences from the plan, and what was learned\n")
+    print("".join(notes))
+print("## Cases\n")
 for name in order:
-    print(f"### {name}: {titles[name]}\n")
+    print(f"<details><summary>{html.escape(f'{name}: {titles[name]}: {count_text(of_case[name], True)}', quote=False)}</summary>\n")
     print(cells("what", "verdict", "figure or reason"))
     print(cells(*["---"] * 3))
-    for r in rows:
-        if r["case"] == name:
-            print(cells(r["what"], f"**{r['verdict']}**" if r["verdict"] == "failed" else r["verdict"], r["figure"]))
-    print()
-print(f"{counts['held']} held, {counts['refused']} refused with a named reason, {counts['failed']} failed.")
+    for r in of_case[name]:
+        print(cells(r["what"], f"**{r['verdict']}**" if r["verdict"] == "failed" else r["verdict"], r["figure"]))
+    print("\n</details>\n")
