@@ -39,13 +39,13 @@ int run(int argc, char** argv) {
   app->require_subcommand(1);
 
   std::string case_path;
-  auto* check = app->add_subcommand("check", "Read a case and tell what is wrong with it; places nothing");
+  auto* check = app->add_subcommand("check", "Read a case and report its errors; places no bodies");
   check->add_option("CASE", case_path, "case.toml")->required();
 
   scree::PackOptions pack;
   const auto add_changes = [&pack](CLI::App* command_line) {
     command_line
-        ->add_option("--set", pack.changes, "KEY=VALUE instead of what the case says, for instance pairs.*.friction=0.4; may be repeated")
+        ->add_option("--set", pack.changes, "KEY=VALUE replaces a value of the case, for instance pairs.*.friction=0.4; can be repeated")
         ->take_all()
         ->expected(1)
         ->allow_extra_args(false);
@@ -55,11 +55,11 @@ int run(int argc, char** argv) {
   pack_command->add_option("CASE", pack.case_path, "case.toml")->required();
   pack_command->add_option("-o,--output", pack.output, "NAME.scene.h5")->required();
   add_changes(pack_command);
-  pack_command->add_option("--ranks", pack.ranks, "Cut the scene for so many ranks of the solver")->check(CLI::PositiveNumber);
+  pack_command->add_option("--ranks", pack.ranks, "Divide the scene among this number of solver ranks")->check(CLI::PositiveNumber);
 
-  pack_command->add_option("--preview", pack.preview, "With --ranks: write NAME.vtp, the parts for ParaView, and NAME.csv, what they cost")
+  pack_command->add_option("--preview", pack.preview, "With --ranks: write NAME.vtp, the parts for ParaView, and NAME.csv, their cost")
       ->needs("--ranks");
-  pack_command->add_option("--sizes", pack.sizes, "Write NAME.csv and NAME.svg: sizes asked and got");
+  pack_command->add_option("--sizes", pack.sizes, "Write NAME.csv and NAME.svg: requested and obtained sizes");
   std::string solver;
   pack_command->add_option(
       "--solver", solver,
@@ -69,7 +69,7 @@ int run(int argc, char** argv) {
   auto* partition_command = app->add_subcommand("partition", "Cut a scene for a number of ranks");
   partition_command->add_option("SCENE", partition.scene_path, "NAME.scene.h5")->required();
   partition_command->add_option("-o,--output", partition.output, "NAME.scene.h5")->required();
-  partition_command->add_option("--preview", partition.preview, "Write NAME.vtp, the parts for ParaView, and NAME.csv, what they cost");
+  partition_command->add_option("--preview", partition.preview, "Write NAME.vtp, the parts for ParaView, and NAME.csv, their cost");
   partition_command->add_option("--ranks", partition.ranks, "Ranks of the solver")->required()->check(CLI::PositiveNumber);
 
   const auto add_cut = [](CLI::App* command_line, std::string& name) {
@@ -81,7 +81,7 @@ int run(int argc, char** argv) {
 
   scree::CompareOptions compare;
   compare.cuts = scree::cut_method_names();
-  auto* compare_command = app->add_subcommand("compare", "Cut a scene in several ways; print what each would cost, as a table");
+  auto* compare_command = app->add_subcommand("compare", "Divide a scene by several methods; print a table of their costs");
   compare_command->add_option("SCENE", compare.scene_path, "NAME.scene.h5")->required();
   compare_command->add_option("--parts", compare.parts, "Numbers of parts, for instance 16,64,256")
       ->required()

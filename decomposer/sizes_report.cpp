@@ -53,13 +53,15 @@ std::string sizes_text(const Case& c, const Scene& scene) {
   for_each_sized(c, scene, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
     const SizeComparison s = compare_sizes(d, diameters);
     const auto metres = [](double value) { return format_quantity(value, Dimension::length); };
-    text += fmt::format("sizes {:<12} by {}: {:.2f} % off at most (Kolmogorov-Smirnov); d10, d50, d90 asked {}, {}, {}, got {}, {}, {}\n",
-                        k, measure_of(d), 100 * s.kolmogorov_smirnov, metres(s.asked[0]), metres(s.asked[1]), metres(s.asked[2]),
-                        metres(s.got[0]), metres(s.got[1]), metres(s.got[2]));
+    text += fmt::format(
+        "sizes {:<12} by {}: {:.2f} % off at most (Kolmogorov-Smirnov); requested d10, d50, d90 {}, {}, {}, obtained {}, {}, {}\n", k,
+        measure_of(d), 100 * s.kolmogorov_smirnov, metres(s.asked[0]), metres(s.asked[1]), metres(s.asked[2]), metres(s.got[0]),
+        metres(s.got[1]), metres(s.got[2]));
     constexpr double kNotable = 0.01;  // of all: what one body takes then explains a good part of the difference
     if (d.by_mass && s.largest_share > kNotable) {
-      text += fmt::format("                   the largest body alone has {:.2f} % of the mass: ask for more bodies to come closer\n",
-                          100 * s.largest_share);
+      text +=
+          fmt::format("                   the largest body alone has {:.2f} % of the mass: with more bodies the difference is smaller\n",
+                      100 * s.largest_share);
     }
   });
   return text;
@@ -77,14 +79,14 @@ std::string sizes_table(const Case& c, const Scene& scene) {
 
 std::string sizes_chart(const Case& c, const Scene& scene) {
   LineChart chart;
-  chart.title = "Sizes asked and got";
+  chart.title = "Requested and obtained sizes";
   chart.x_label = "diameter of the sphere of equal volume";
   chart.x_unit = std::string(1, 'm');
   chart.y_label = "share that is finer";
   chart.from_zero = true;
   for_each_sized(c, scene, [&](std::size_t k, const SizeDistribution& d, const std::vector<double>& diameters) {
     ChartLine asked, got;
-    asked.name = fmt::format("population {} asked, by {}", k, measure_of(d));
+    asked.name = fmt::format("population {} requested, by {}", k, measure_of(d));
     got.name = fmt::format("population {} got", k);
     for_each_row(d, diameters, [&](double x, double share, double share_got) {
       asked.x.push_back(x);

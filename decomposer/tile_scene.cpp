@@ -9,7 +9,7 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     throw UsageError("tile: the scene has {} walls; expected one, box_inside, whose inside is the tile", scene.walls.size());
   }
   if (scene.walls[0].motion.kind != WallMotion::Kind::none) {
-    throw UsageError("tile: the wall '{}' moves, and its motion would not fit a box of another size; tile a scene whose box stands still",
+    throw UsageError("tile: the wall '{}' moves, and its motion would not fit a box of another size; tile a scene whose box does not move",
                      scene.walls[0].name);
   }
   if (frame.size() != 0 && frame.size() != scene.bodies.size()) {

@@ -30,10 +30,10 @@ int run(int argc, char** argv) {
       kTool, "Checks, imports and generates the triangle meshes of rigid bodies and walls.",
       {{"scree-mesher check rock.stl --unit mm", "can it be a rigid body?"},
        {"scree-mesher import rock.stl -o rock.shape.h5 --unit mm", "a solid from a mesh in millimetres"},
-       {"scree-mesher import funnel.stl -o funnel.shape.h5 --surface", "a wall; may be open"},
+       {"scree-mesher import funnel.stl -o funnel.shape.h5 --surface", "a wall; can be open"},
        {"scree-mesher generate cylinder --radius \"5 mm\" --height 2cm -o pill.shape.h5", "a generated solid"},
-       {"scree-mesher simplify scan.ply -o rock.shape.h5 --unit mm --triangles 500", "fewer triangles, and how far off"},
-       {"scree-mesher repair scan.stl -o scan.ply --unit mm --picture scan.png", "close and mend it, or say why not"},
+       {"scree-mesher simplify scan.ply -o rock.shape.h5 --unit mm --triangles 500", "fewer triangles, and the distance from the original"},
+       {"scree-mesher repair scan.stl -o scan.ply --unit mm --picture scan.png", "close and repair it, or report why not"},
        {"scree-mesher generate rock --diameter 2cm --elongation 0.6..0.9 --count 20 -o rocks.shape.h5", "a family"},
        {"scree-mesher info rock.shape.h5", "what is in a shape file"}},
       libraries);

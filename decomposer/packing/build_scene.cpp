@@ -68,8 +68,8 @@ class Builder {
     const Relaxation done = relax_given_bodies(placed, parts_, scene(), gap);
     if (done.moved == 0) return;
     report().notices.push_back(
-        fmt::format("contact.relax = {}: {} bodies parted in {} sweeps, by up to {}; their potential energy changed by {:.3g} J. The "
-                    "hardest pressed: {}",
+        fmt::format("contact.relax = {}: {} bodies separated in {} sweeps, by up to {}; their potential energy changed by {:.3g} J. The "
+                    "strongest contact was: {}",
                     placed.relax == Relax::all ? "true" : "\"shallow\"", done.moved, done.sweeps,
                     format_quantity(done.furthest, Dimension::length), done.potential_change, done.hardest));
   }
@@ -273,12 +273,12 @@ class Builder {
     const std::string body =
         fmt::format("one '{}' of diameter {}", shape.name, format_quantity(first.scale * shape.equivalent_diameter(), Dimension::length));
     if (p.amount == CasePopulation::Amount::mass) {
-      throw InputError("{}: mass = {} is less than half of {}, {}: no body would be placed; ask for more, or for smaller bodies", p.where,
+      throw InputError("{}: mass = {} is less than half of {}, {}: no body would be placed; request more, or smaller bodies", p.where,
                        format_quantity(p.value, Dimension::mass), body, format_quantity(density * first.volume, Dimension::mass));
     }
     throw InputError(
         "{}: solid_fraction = {:g} of the region ({:.4g} m^3) is {:.3g} m^3, less than half of {}, {:.3g} m^3: no body would be "
-        "placed; ask for more, or for smaller bodies",
+        "placed; request more, or smaller bodies",
         p.where, p.value, region.volume, wanted, body, first.volume);
   }
 
@@ -288,7 +288,7 @@ class Builder {
       if (drawn[s] > 0) continue;
       const std::uint64_t all = std::accumulate(drawn.begin(), drawn.end(), std::uint64_t{0});
       throw InputError(
-          "{}: the share {:g} of '{}' gives not one of {} bodies; ask for more bodies, give it a larger share, or leave it out", p.where,
+          "{}: the share {:g} of '{}' gives not one of {} bodies; request more bodies, give it a larger share, or leave it out", p.where,
           p.shares[s].second, case_.shapes[static_cast<std::size_t>(p.shares[s].first)].name, all);
     }
   }
@@ -305,7 +305,7 @@ class Builder {
   static void check_amount(const CasePopulation& p, const Region& region, double volume) {
     if (volume < region.volume) return;
     throw InputError(
-        "{}: the bodies alone take {:.4g} m^3 and more, the region has {:.4g} m^3; ask for fewer or smaller bodies, or enlarge the region",
+        "{}: the bodies alone take {:.4g} m^3 and more, the region has {:.4g} m^3; request fewer or smaller bodies, or enlarge the region",
         p.where, volume, region.volume);
   }
 

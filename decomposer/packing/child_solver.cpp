@@ -149,7 +149,8 @@ Frame run_solver(const ChildSolver& solver, const Scene& scene, const std::funct
   if (failed == 0) listen(ends[0], talk);
   close(ends[0]);
   if (failed != 0) {
-    throw SystemError("cannot start {}, which this packing needs: {}; say how with --solver", words.front(), std::strerror(failed));
+    throw SystemError("cannot start {}, which this packing needs: {}; give its command with --solver", words.front(),
+                      std::strerror(failed));
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {

@@ -84,15 +84,14 @@ class Compactor {
         continue;
       }
       throw InputError(
-          "{}: jammed at a solid fraction of {:.4f} of the {:.4f} asked for ({}). Ask for less, give the bodies a wider range of "
+          "{}: jammed at a solid fraction of {:.4f} instead of the requested {:.4f} ({}). Request less, give the bodies a wider range of "
           "sizes, or reduce the margin ({}, which bodies keep from each other and from the sides)",
           case_.populations[population_].where, jammed_at_ * jammed_at_ * jammed_at_ * volume_ / region.volume, volume_ / region.volume,
           why_, format_quantity(case_margin(), Dimension::length));
     }
     if (worst_ > 0) {
-      report_.notices.push_back(
-          fmt::format("compact: the bodies of {} start in contact, pressed at most {:.2f} of the margins into each other",
-                      case_.populations[population_].where, worst_));
+      report_.notices.push_back(fmt::format("compact: the bodies of {} start in contact, with overlaps of at most {:.2f} of the margins",
+                                            case_.populations[population_].where, worst_));
     }
   }
 
@@ -201,7 +200,7 @@ class Compactor {
     worst_ = 0;
     for (std::size_t i = 0; i < frame.contacts.size(); ++i) worst_ = std::max(worst_, frame.contacts.overlap[i] / frame.contacts.margin[i]);
     if (worst_ > kTooDeep) {
-      why_ = fmt::format("bodies stay pressed {:.2f} of their margins into each other", worst_);
+      why_ = fmt::format("overlaps of {:.2f} of the margins remain", worst_);
       return false;
     }
     for (std::size_t b = 0; b < frame.bodies.size(); ++b) {

@@ -62,7 +62,7 @@ void Packer::place_on_lattice(std::size_t population, Placements& placements) {
   }
   throw InputError(
       "{}: {} bodies do not fit on a lattice: cells of {} x {} x {} hold the largest of them, and the region has {:.0f}, of which {} "
-      "were free. Enlarge the region, ask for fewer or smaller bodies, or give them an orientation that needs less room",
+      "were free. Enlarge the region, request fewer or smaller bodies, or give them an orientation that needs less room",
       p.where, members.size(), format_quantity(cell.x, Dimension::length), format_quantity(cell.y, Dimension::length),
       format_quantity(cell.z, Dimension::length), sites_of(cells_of(1)), placements.count_placed(parts_, population));
 }

@@ -258,9 +258,8 @@ void Packer::fail(const Draw& d, std::uint64_t attempts, const Placements& place
   }
   throw InputError(
       "{}: placed {} of {} bodies; the next one ('{}', diameter {}, largest first) found no place in {} draws. The solid fraction reached "
-      "is "
-      "{:.3f} of the {:.3f} asked for. Enlarge the region (now {:.4g} m^3), ask for fewer or smaller bodies, reduce the margin ({}), or "
-      "use "
+      "is {:.3f} instead of the requested {:.3f}. Enlarge the region (now {:.4g} m^3), request fewer or smaller bodies, reduce the margin "
+      "({}), or use "
       "method = \"settle\" or \"compact\"",
       p.where, placements.count_placed(parts_, d.population), wanted, name, diameter, attempts,
       placements.volume_placed(parts_, d.population) / region.volume, report_.solid_fraction[d.population], region.volume,

@@ -75,7 +75,7 @@ class Relaxer {
       const double way = length(way_[i]);
       if (way == 0) continue;
       if (case_.relax == Relax::shallow && way > limit(i))
-        refuse(hardest(), fmt::format("Parting all that is pressed would move {} by {}", case_.bodies[i].where, metres(way)));
+        refuse(hardest(), fmt::format("Separating all bodies in contact would move {} by {}", case_.bodies[i].where, metres(way)));
       ++result.moved;
       result.furthest = std::max(result.furthest, way);
       result.potential_change -= mass_[i] * dot(case_.settings.gravity, way_[i]);
@@ -219,7 +219,7 @@ class Relaxer {
                                                scene_.walls[static_cast<std::size_t>(p.wall)].name, overlaps(p) ? " or lies behind it" : "")
                                  : case_.bodies[static_cast<std::size_t>(p.other)].where;
     const double energy = energy_of(p), speed = std::sqrt(2 * energy * inverse_mass(thrown)), margins = 2 * scene_.settings.margin;
-    const std::string deep = !overlaps(p)  ? fmt::format("starts pressed {} into the margins at {}", metres(p.depth), whom)
+    const std::string deep = !overlaps(p)  ? fmt::format("starts {} within the margins of {}", metres(p.depth), whom)
                              : margins > 0 ? fmt::format("overlaps {}, {} short of a gap of two margins", whom, metres(p.depth))
                                            : fmt::format("overlaps {} by {}", whom, metres(p.depth));
     return fmt::format("{}: {}; this stores {:.3g} J, a speed of {}", case_.bodies[p.body].where, deep, energy,
@@ -229,8 +229,8 @@ class Relaxer {
   [[noreturn]] void refuse(const Pressed& p, const std::string& why) const {
     if (case_.relax == Relax::all) throw InputError("{}. {}; give the bodies more room", describe(p), why);
     throw InputError(
-        "{}. {}, and none goes further than two margins ({}) unasked: move one of them, or set contact.relax = true, which parts them "
-        "however far that is{}",
+        "{}. {}; by default no body is moved by more than two margins ({}). Move one of them, or set contact.relax = true, which "
+        "separates them at any distance{}",
         describe(p), why, metres(2 * scene_.settings.margin), overlaps(p) ? "" : ", or false, which lets them start as they are");
   }
 
@@ -241,7 +241,7 @@ class Relaxer {
       const double share = std::min(own, other) > 0 ? std::max(own, other) / (own + other) : 1;
       const std::size_t goer = other > own ? static_cast<std::size_t>(p.other) : p.body;
       if (share * p.depth > limit(goer))
-        refuse(p, fmt::format("Parting them would move {} by {}", case_.bodies[goer].where, metres(share * p.depth)));
+        refuse(p, fmt::format("Separating them would move {} by {}", case_.bodies[goer].where, metres(share * p.depth)));
     }
   }
 
@@ -256,7 +256,7 @@ class Relaxer {
       if (depth == 0) return n - 1;
       depths.push_back(depth);
       if (n > kPatience && depth > kProgress * depths[static_cast<std::size_t>(n - 1 - kPatience)]) {
-        refuse(tight_, fmt::format("It is so after {} sweeps of parting, for want of room", n));
+        refuse(tight_, fmt::format("This remains after {} sweeps of separation", n));
       }
       if (n == kExactSweeps) gap_.reached += std::min(kCrowdShare * deepest_, kMostCrowd * smallest_);
     }

@@ -161,8 +161,8 @@ class Settler {
       std::size_t wanted = 0;
       for (const Draw& d : parts_.draws) wanted += d.population == k ? 1 : 0;
       throw InputError(
-          "{}: the region is full: {} of {} bodies were poured, a solid fraction of {:.3f} of the {:.3f} asked for. Enlarge the "
-          "region, ask for fewer, or give fill = true",
+          "{}: the region is full: {} of {} bodies were poured, a solid fraction of {:.3f} instead of the requested {:.3f}. Enlarge "
+          "the region, request fewer, or give fill = true",
           p.where, placements_.count_placed(parts_, k), wanted, placements_.volume_placed(parts_, k) / parts_.regions[k].volume,
           report_.solid_fraction[k]);
     }
@@ -183,7 +183,7 @@ class Settler {
     }
     if (trimmed > 0)
       report_.notices.push_back(
-          fmt::format("settle: {} of {} bodies came to rest outside their region and were taken out", trimmed, wanted_ - waiting_.size()));
+          fmt::format("settle: {} of {} bodies came to rest outside their region and were removed", trimmed, wanted_ - waiting_.size()));
   }
 
   /// A box that is as long as a periodic axis has no sides there.

@@ -257,7 +257,7 @@ void judge(MeshCheck& check) {
     problems.push_back(
         fmt::format("the surface passes through itself so that no body has its inertia: principal moments {:.3g}, {:.3g}, {:.3g} m^5",
                     moments.x, moments.y, moments.z));
-    advice.push_back("mend it with 'scree-mesher repair' or 'scree-mesher remesh'");
+    advice.push_back("repair it with 'scree-mesher repair' or 'scree-mesher remesh'");
   }
   if (problems.empty() && !(check.mass.volume > kFlatVolume * check.area * size)) {
     problems.push_back(fmt::format("the mesh is flat: volume {:.3g} m^3 for an area of {:.3g} m^2", check.mass.volume, check.area));

@@ -10,7 +10,7 @@ using Words = std::vector<std::string>;
 
 MesherCommand check_line(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* line = app.add_subcommand("check", "Tell whether a mesh file can be a rigid body; exit 3 when not");
+  CLI::App* line = app.add_subcommand("check", "Report whether a mesh file can be a rigid body; exit 3 if not");
   line->add_option("FILE", options->file, "Mesh file (stl obj ply off 3ds dae bmf ...)")->required();
   line->add_option("--unit", options->unit, "Unit of the numbers in the file (default: what the file states, else m)");
   line->add_option("--scale", options->scale, "Factor on top of the unit");
@@ -29,7 +29,7 @@ MesherCommand import_line(CLI::App& app) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  line->add_flag("--surface", options->surface, "Import as a wall: may be open, no mass, coordinates kept");
+  line->add_flag("--surface", options->surface, "Import as a wall: can be open, no mass, coordinates kept");
   line->add_flag("--flip", options->flip, "Turn triangles that face inward or disagree (a surface: all of them)");
   return {line, [options](const Words& words) { return import_command(*options, words); }};
 }
@@ -39,19 +39,19 @@ void add_edit_options(CLI::App* line, EditOptions& options) {
   line->add_option("-o,--output", options.output, "NAME.shape.h5, or a mesh: NAME.stl .ply .obj .off")->required();
   line->add_option("--unit", options.unit, "Unit of the numbers in the file (default: what the file states, else m)");
   line->add_option("--scale", options.scale, "Factor on top of the unit");
-  line->add_flag("--surface", options.surface, "A wall: the result may be open and has no mass");
+  line->add_flag("--surface", options.surface, "A wall: the result can be open and has no mass");
   line->add_option("--picture", options.picture, "Draw before and after into this PNG");
 }
 
 MesherCommand repair_line(CLI::App& app) {
   auto options = std::make_shared<RepairOptions>();
-  CLI::App* line = app.add_subcommand("repair", "Make a solid of a broken mesh, or say why not");
+  CLI::App* line = app.add_subcommand("repair", "Make a solid from a broken mesh, or report why there is none");
   add_edit_options(line, *options);
   line->add_option("--weld", options->weld, "Weld all vertices nearer than this part of the extent, for instance 1e-4");
-  line->add_option("--largest-fill", options->largest_fill, "Most of the area that filled holes may make up (default 0.2)");
+  line->add_option("--largest-fill", options->largest_fill, "Largest share of the area for all filled holes together (default 0.2)");
   line->add_flag("--largest", options->keep_largest, "Keep only the component of largest volume");
   line->add_option("--component", options->component, "Keep only this component, counted as check lists them");
-  line->add_flag("--separate", options->separate, "Make each component a shape of its own");
+  line->add_flag("--separate", options->separate, "Make a separate shape from each component");
   return {line, [options](const Words& words) { return repair_command(*options, words); }};
 }
 
@@ -59,7 +59,7 @@ MesherCommand simplify_line(CLI::App& app) {
   auto options = std::make_shared<SimplifyOptions>();
   CLI::App* line = app.add_subcommand("simplify", "Fewer triangles for the same shape, with the distance from it");
   add_edit_options(line, *options);
-  line->add_option("--triangles", options->triangles, "How many; a list 2000,500,100 makes levels of detail in one file")
+  line->add_option("--triangles", options->triangles, "Number of triangles; a list 2000,500,100 makes levels of detail in one file")
       ->required()
       ->delimiter(',');
   line->add_flag("--keep-topology", options->keep_topology, "Keep handles and necks that are smaller than a triangle");
@@ -71,7 +71,7 @@ MesherCommand refine_line(CLI::App& app) {
   CLI::App* line = app.add_subcommand("refine", "More triangles for the same surface");
   add_edit_options(line, *options);
   line->add_option("--edge-length", options->edge_length, "Longest edge of the result");
-  line->add_option("--times", options->times, "Split every triangle in four this often");
+  line->add_option("--times", options->times, "Number of times that every triangle is split in four");
   return {line, [options](const Words& words) { return refine_command(*options, words); }};
 }
 
@@ -84,11 +84,11 @@ MesherCommand hull_line(CLI::App& app) {
 
 MesherCommand remesh_line(CLI::App& app) {
   auto options = std::make_shared<RemeshOptions>();
-  CLI::App* line = app.add_subcommand("remesh", "A new closed mesh around whatever a mesh encloses");
+  CLI::App* line = app.add_subcommand("remesh", "A new closed mesh around all that a mesh encloses");
   add_edit_options(line, *options);
   line->add_option("--edge-length", options->edge_length, "Of the new triangles");
   line->add_option("--triangles", options->triangles, "Or how many, about");
-  line->add_option("--largest-change", options->largest_change, "Most by which the volume may change, as part of it (default 0.2)");
+  line->add_option("--largest-change", options->largest_change, "Largest relative change of the volume (default 0.2)");
   return {line, [options](const Words& words) { return remesh_command(*options, words); }};
 }
 
@@ -123,7 +123,7 @@ MesherCommand generate_line(CLI::App& app) {
   line->add_option("--edge-length", options->edge_length, "Of the triangles (default: what suits the shape)");
   line->add_flag("--analytic", options->analytic, "Sphere without triangles: exact and cheapest");
   line->add_option("-o,--output", options->output, "NAME.shape.h5")->required();
-  line->add_option("--name", options->name, "Name of the shape (default: what it is)");
+  line->add_option("--name", options->name, "Name of the shape (default: its kind)");
   return {line, [options](const Words& words) { return generate_command(*options, words); }};
 }
 

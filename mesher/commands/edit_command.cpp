@@ -60,7 +60,7 @@ MeshCheck with_advice_after(const std::string& what, const EditedMesh& edited) {
     std::erase(check.advice, "");
   }
   check.advice.insert(check.advice.begin(), edited.advice.begin(), edited.advice.end());
-  if (check.advice.empty()) check.advice.push_back("mend it in a mesh editor");
+  if (check.advice.empty()) check.advice.push_back("repair it in a mesh editor");
   return check;
 }
 
@@ -184,7 +184,7 @@ double report_change(const TriangleMesh& before, bool surface, EditedMesh& edite
   if (enclosed > 0) {
     const double volume = b.volume / enclosed - 1;
     edited.steps.push_back(
-        fmt::format("volume changed by {:+.3g} % of what the original, which is no solid, encloses (sampled)", 100 * volume));
+        fmt::format("volume changed by {:+.3g} % of what the original, which is not a solid, encloses (sampled)", 100 * volume));
     edited.record["volume_change"] = volume;
     return volume;
   }
@@ -222,7 +222,7 @@ CommandResult simplify_command(const SimplifyOptions& options, const std::vector
       }
       if (!counts.reached_target) {
         result.notices.push_back(
-            fmt::format("{}: {} triangles were asked for; with fewer than {} the surface would change "
+            fmt::format("{}: {} triangles were requested; with fewer than {} the surface would change "
                         "its topology or fold",
                         done.name, target, done.mesh.triangle_count()));
       }

@@ -229,7 +229,7 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
       clean_mesh(mesh, false);
       const MeshCheck check = check_mesh(mesh);
       if (!check.is_solid()) {
-        throw InputError("generate {}: the mesh that was made is no solid ({}); try another --edge-length or --seed", options.what,
+        throw InputError("generate {}: the generated mesh is not a solid ({}); try another --edge-length or --seed", options.what,
                          check.problems.front());
       }
       shapes.push_back(make_solid(shape_name, std::move(mesh)));

@@ -84,7 +84,7 @@ PolygonMesh read_lines(TextReader text, const OffHeader& header) {
   }
   for (std::int64_t f = 0; f < header.facet_count; ++f) {
     const auto& fields = text.rest_of_line();
-    const std::int64_t corners = text.integer_of(fields.at(0), "the number of a facet's corners");
+    const std::int64_t corners = text.integer_of(fields.at(0), "the number of vertices of a facet");
     if (corners < 1) throw InputError("{}: facet {} has {} corners", text.place(), f, corners);
     if (corners >= static_cast<std::int64_t>(fields.size())) {
       throw InputError("{}: facet {} should have {} corners, but {} numbers follow in its line", text.place(), f, corners,
@@ -108,7 +108,7 @@ PolygonMesh read_words(TextReader text, const OffHeader& header) {
   }
   for (std::int64_t f = 0; f < header.facet_count; ++f) {
     if (!text.at_line_start()) throw InputError("{}: facet {} does not begin its line", text.place(), f);
-    const std::int64_t corners = text.integer("the number of a facet's corners");
+    const std::int64_t corners = text.integer("the number of vertices of a facet");
     if (corners < 1) throw InputError("{}: facet {} has {} corners", text.place(), f, corners);
     for (std::int64_t k = 0; k < corners; ++k) {
       mesh.corners.push_back(expect_index(text.integer("a vertex index"), header.vertex_count, f, text.place()));

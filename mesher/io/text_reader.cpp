@@ -101,7 +101,7 @@ std::int64_t TextReader::integer_of(std::string_view word, const char* what) con
   std::int64_t value = 0;
   const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (fault != std::errc{} || end != digits.data() + digits.size())
-    throw InputError("{}: '{}' is no whole number; expected {}", place(), shown_word(word), what);
+    throw InputError("{}: '{}' is not a whole number; expected {}", place(), shown_word(word), what);
   return value;
 }
 

@@ -404,7 +404,7 @@ double heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std
       steps.push_back(counted(walls, "triangle of walls inside the solid dropped", "triangles of walls inside the solid dropped"));
     turn_outward(mesh);
     if (const std::int32_t parted = part_edges(mesh); parted > 0) {
-      steps.push_back(counted(parted, "edge of more than two triangles parted", "edges of more than two triangles parted"));
+      steps.push_back(counted(parted, "edge of more than two triangles separated", "edges of more than two triangles separated"));
     }
     drop_unreferenced(mesh);
   }
@@ -430,7 +430,7 @@ double heal_mesh(TriangleMesh& mesh, const HealOptions& options, std::vector<std
                                 counted(left.impossible, "hole", "holes")));
   }
   if (const std::int32_t removed = recut(mesh, most, filled); removed > 0) {
-    steps.push_back(fmt::format("{} at edges that could neither be parted nor closed removed, and the holes filled",
+    steps.push_back(fmt::format("{} at edges that could neither be separated nor closed removed, and the holes filled",
                                 counted(removed, "triangle", "triangles")));
     turned += std::max(0, turn_outward(mesh));
   }

@@ -95,7 +95,7 @@ Command add_compare(CLI::App& app) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("compare", "Compare runs: settings that differ, statistics side by side, how the trajectories part");
+      app.add_subcommand("compare", "Compare runs: settings that differ, statistics side by side, divergence of the trajectories");
   command->add_option("RUN", o->folders, "NAME.run, two or more; the first is what the others are compared with")->required();
   command->add_option("-o,--output", o->output, "Folder for CSV, JSON, SVG and PNG")->required();
   o->run.add_pool_to(*command);

@@ -55,7 +55,7 @@ Command add_statistics(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "material", "shape", "half-x", "half-y", "half-z", "none"}));
   command->add_option("--repose", s.repose, "Angle of the free surface: cone (a heap), slope (a drum, a slide), none (default)")
       ->check(CLI::IsMember({"cone", "slope", "none"}));
-  command->add_option("--discharge", s.discharge, "Count the mass that has gone below a height: z=0.1");
+  command->add_option("--discharge", s.discharge, "Count the mass that has passed below a height: z=0.1");
   command->add_flag("--no-charts", o->no_charts, "Tables and JSON only");
   return {command, [o] {
             CommandResult result;

@@ -137,7 +137,7 @@ Command add_picture(CLI::App& app) {
   command->add_option("--frame", o->frame, "Number of the frame; -1 is the last (default)");
   command->add_option("--colour", o->picture.colour, "Of bodies: shape, material, rank or velocity (default shape)")
       ->check(CLI::IsMember({"shape", "material", "rank", "velocity"}));
-  command->add_flag("--network", o->picture.network, "Contact forces as tubes, bodies as ghosts");
+  command->add_flag("--network", o->picture.network, "Contact forces as tubes, bodies translucent");
   command->add_flag("--time", o->picture.time, "Write the time into the corner");
   command->add_flag("--no-walls", o->no_walls, "Bodies only");
   command->add_option("--from", o->from, "Direction from what is seen to the camera: X Y Z")->expected(3);

@@ -38,7 +38,7 @@ Verdict judge_outcome(const Run& run) {
   if (!run.is_finished()) {
     v.judgement = Judgement::doubtful;
     v.answer = "not finished";
-    v.evidence = "There is no run.json: the run is still being written, or was killed. This page shows the whole frames so far.";
+    v.evidence = "There is no run.json: the run is still being written, or was killed. This page shows the complete frames so far.";
     return v;
   }
   const std::string outcome = run.outcome.value("outcome", "?"), message = run.outcome.value("message", "");
@@ -66,7 +66,7 @@ Verdict judge_energy(const Run& run) {
       "{:.3g} J. Dissipation is summed from the contact forces. Good up to {}.",
       e.lasting, e.in_play, percent(kEnergyGood));
   if (on_the_way > std::max(kEnergyGood, relative)) {
-    v.evidence += fmt::format(" On the way it was {} at most, in contacts, and went as they ended: more steps per contact make it smaller.",
+    v.evidence += fmt::format(" During contacts it was {} at most and vanished when they ended; more steps per contact reduce it.",
                               percent(on_the_way));
   }
   return v;
@@ -77,13 +77,13 @@ Verdict judge_depth(const Run& run) {
   const double ratio = std::max(largest(run.log, "max_depth_ratio"), number_in(run.outcome, "max_depth_ratio", 0));
   if (run.scene.settings.margin <= 0) {
     v.answer = "no margin in this case";
-    v.evidence = "Contacts begin at touch; there is no boundary layer to use up.";
+    v.evidence = "Contact begins at the surface; there is no margin.";
     return v;
   }
   v.answer = fmt::format("at most {:.3f} of the margin", ratio);
   v.judgement = ratio < kOverlapDoubtful ? Judgement::good : (ratio < 1 ? Judgement::doubtful : Judgement::bad);
   v.evidence =
-      "Depth over the sum of both margins, the largest of all contacts and steps. Below 1 no two surfaces ever met; "
+      "Overlap over the sum of both margins, the largest of all contacts and steps. Below 1 no two surfaces ever touched; "
       "near 1 choose a larger stiffness or margin.";
   return v;
 }
@@ -103,19 +103,20 @@ Verdict judge_rest(const Run& run) {
   if (run.outcome.contains("no_body_left")) {
     v.answer = "no body is left";
   } else if (!run.scene.settings.stop_at_rest) {
-    v.answer = part < kRestKinetic ? "yes" : "no, and the case does not ask for it";
+    v.answer = part < kRestKinetic ? "yes" : "no; the case does not require it";
     if (part < kRestKinetic) v.judgement = Judgement::good;
     v.evidence += fmt::format(" At rest means below {:.0e} of the peak.", kRestKinetic);
   } else if (!run.outcome.contains("came_to_rest")) {
     v.answer = "known at the end";
   } else {
     const bool rests = run.outcome["came_to_rest"] == true;
-    v.answer = rests ? fmt::format("yes, after {:.4g} s", number_in(run.outcome, "time", 0)) : "no, still moving when its time was up";
+    v.answer =
+        rests ? fmt::format("yes, after {:.4g} s", number_in(run.outcome, "time", 0)) : "no, still moving at the end of the duration";
     v.judgement = rests ? Judgement::good : Judgement::doubtful;
     v.evidence +=
-        " The case asks for it (stop_at_rest): at rest means that for as long as a body takes to fall its own diameter, the bodies "
-        "had less than a millionth of the energy of such a fall.";
-    if (!rests) v.evidence += " A longer duration, or rolling friction for what rocks and spins, gives them time.";
+        " The case requires it (stop_at_rest): at rest means that for the time in which a body falls its own diameter, the kinetic energy "
+        "of the bodies stays below a millionth of the energy of such a fall.";
+    if (!rests) v.evidence += " A longer duration helps, or rolling friction for bodies that rock or spin.";
   }
   return v;
 }
@@ -172,15 +173,15 @@ Verdict judge_bodies(const Run& run) {
   v.evidence = fmt::format("{} bodies in the scene, {:.0f} at the end.", run.scene.bodies.size(),
                            number_in(run.outcome, "bodies", static_cast<double>(run.scene.bodies.size()) - lost));
   if (removed > 0) {
-    v.answer += fmt::format(", {:.0f} of {} taken out", removed, run.scene.bodies.size());
-    v.evidence += fmt::format(" {:.0f} were taken out as the case asks for, because they left the domain.", removed);
+    v.answer += fmt::format(", {:.0f} of {} removed", removed, run.scene.bodies.size());
+    v.evidence += fmt::format(" {:.0f} were removed as the case requires, because they left the domain.", removed);
   }
   if (below > 0) {
     v.answer = (v.answer == "none" ? std::string() : v.answer + ", ") +
                fmt::format("{} of {} fall below all walls", below, run.scene.bodies.size());
     v.judgement = Judgement::doubtful;
     v.evidence +=
-        " What falls below all walls meets nothing any more: check the walls for openings, or give a domain with outside = \"remove\" "
+        " Bodies below all walls have no further contacts: check the walls for openings, or give a domain with outside = \"remove\" "
         "where bodies are "
         "meant to leave.";
   }
@@ -193,7 +194,7 @@ Verdict judge_step(const Run& run) {
   const double step = number_in(run.outcome, "step_size", 0), critical = number_in(run.outcome, "critical_step", 0);
   if (!(step > 0) || !(critical > 0)) {
     v.answer = run.is_finished() ? "no contact to judge by" : "known at the end";
-    v.evidence = "The critical step of the contacts stands in run.json of a run that has ended and that had contacts.";
+    v.evidence = "The critical step of the contacts is in run.json after the end of a run that had contacts.";
     return v;
   }
   const double ratio = step / critical;
@@ -238,7 +239,7 @@ Verdict judge_files(const Run& run) {
   if (files.empty()) {
     v.judgement = Judgement::doubtful;
     v.answer = "no record";
-    v.evidence = "The run has no provenance record, or it names no inputs";
+    v.evidence = "The run has no provenance record, or it lists no inputs";
   }
   if (!missing.empty()) {
     v.judgement = Judgement::doubtful;

@@ -13,7 +13,7 @@ namespace {
 std::int64_t integer_in(const std::string& text, const std::string& where) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) throw UsageError("{}: '{}' is no whole number", where, text);
+  if (error != std::errc() || end != text.data() + text.size()) throw UsageError("{}: '{}' is not a whole number", where, text);
   return value;
 }
 

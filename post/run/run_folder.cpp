@@ -71,7 +71,7 @@ LogTable read_log(const std::string& path) {
 
 std::string Run::notice() const {
   if (!is_finished()) {
-    return fmt::format("{}: no run.json: the run is still being written, or was killed; the {} whole frames so far are used", folder,
+    return fmt::format("{}: no run.json: the run is still being written, or was killed; the {} complete frames so far are used", folder,
                        frames.size());
   }
   const std::string word = outcome.value("outcome", "?");

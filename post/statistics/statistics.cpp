@@ -310,7 +310,7 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
   over_time("force_chains", "Particles in force chains", "share of the particles", "", {{"force_chain_share", "in chains"}}, true);
   over_time("mixing_index", "Mixing index (Lacey)", "0 apart, 1 at random", "", {{"mixing_index", "mixing index"}}, true);
   over_time("angle_of_repose", "Angle of the free surface", "angle [degrees]", "", {{"angle_of_repose", "angle"}}, false);
-  over_time("discharged_mass", "Mass gone through the level", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
+  over_time("discharged_mass", "Mass passed through the level", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     NamedChart c{fmt::format("wall_{}_force", w), "walls.csv", {}};
     c.chart.title = "Force on wall " + s.walls[w];

@@ -132,7 +132,7 @@ def main():
     parser.add_argument("--frame", type=int, default=-1, help="which frame to show, from 0; -1 is the last")
     parser.add_argument("--surfaces", action="store_true", help="show the expanded surfaces instead of glyphs")
     parser.add_argument("--colour", choices=["shape", "velocity", "rank", "material"], default="shape", help="of the bodies (default shape)")
-    parser.add_argument("--network", action="store_true", help="show the contact network as tubes, and the bodies as ghosts")
+    parser.add_argument("--network", action="store_true", help="show the contact network as tubes, and the bodies translucent")
     parser.add_argument("--plain", action="store_true", help="bodies only: no walls, no time, no legend")
     parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("W", "H"))
     options = parser.parse_known_args(getattr(sys, "argv", [])[1:])[0]

@@ -167,7 +167,7 @@ TEST(MotionPacking, a_packing_that_jams_says_what_it_reached) {
 
 TEST(MotionPacking, what_cannot_be_poured_is_refused) {
   EXPECT_NE(failure("gravity = [0, 0, 0]\n" + kHead + kPoured, ExitCode::usage).find("needs gravity"), std::string::npos);
-  EXPECT_NE(failure(kHead + kPoured, ExitCode::system, {{"no-such-solver"}}).find("say how with --solver"), std::string::npos);
+  EXPECT_NE(failure(kHead + kPoured, ExitCode::system, {{"no-such-solver"}}).find("give its command with --solver"), std::string::npos);
   // no floor: the solver says who left, in its own words
   std::string open = kHead + kPoured.substr(0, kPoured.find("[[walls]]")) + "[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n";
   EXPECT_NE(failure(open).find("left the domain"), std::string::npos);

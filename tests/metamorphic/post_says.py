@@ -229,5 +229,5 @@ def report_trusts_its_files(trial):
     require(verdicts["Files behind the run"]["judgement"] == "good", f"report: files {verdicts['Files behind the run']}")
     lost, removed = run.record["lost_bodies"] + run.record["bodies_outside_domain"], run.record["removed_bodies"]
     require(lost == 0 or verdicts["Lost bodies"]["judgement"] != "good", f"report: {lost} bodies left, and {verdicts['Lost bodies']}")
-    taken = f"{removed} of {len(run.frames[0].bodies['position'])} taken out"  # as the case asks for: good, but told
+    taken = f"{removed} of {len(run.frames[0].bodies['position'])} removed"  # as the case requires: good, but reported
     require(removed == 0 or taken in verdicts["Lost bodies"]["answer"], f"report: {removed} bodies were taken out, and {verdicts['Lost bodies']}")

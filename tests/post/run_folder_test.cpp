@@ -230,11 +230,11 @@ TEST_F(RunFolder, rest_is_judged_where_the_case_asks_for_it) {
     std::ofstream(folder / "run.json") << outcome;
     return verdict(judge(open_run(folder.string())), "Came to rest");
   };
-  EXPECT_EQ(verdict_of(false, nullptr).answer, "no, and the case does not ask for it");
+  EXPECT_EQ(verdict_of(false, nullptr).answer, "no; the case does not require it");
   EXPECT_EQ(verdict_of(false, nullptr).judgement, Judgement::information);
   EXPECT_EQ(verdict_of(true, true).answer, "yes, after 0.2 s");
   EXPECT_EQ(verdict_of(true, true).judgement, Judgement::good);
-  EXPECT_EQ(verdict_of(true, false).answer, "no, still moving when its time was up");
+  EXPECT_EQ(verdict_of(true, false).answer, "no, still moving at the end of the duration");
   EXPECT_EQ(verdict_of(true, false).judgement, Judgement::doubtful);
   EXPECT_EQ(verdict_of(true, nullptr).answer, "known at the end");  // a run in progress, or of a solver that did not tell
 }

@@ -33,13 +33,13 @@ def x10(tools, table):
     table.must_refuse("two boxes that overlap by half", lambda: scene("X10a", ("cube", "m", (0, 0, 0)), ("cube", "m", (.05, 0, 0))).run(tools))
     table.must_refuse("two bodies at the same place", lambda: scene("X10b", ("cube", "m", (0, 0, 0)), ("cube", "m", (0, 0, 0))).run(tools))
     table.must_refuse("a small box inside a solid one", lambda: scene("X10c", ("big", "m", (0, 0, 0)), ("cube", "m", (0, 0, 0)), meshes_={"big": meshes.box((1, 1, 1))}).run(tools))
-    # parted on request, before the first step: the parted bodies start at rest, two margins apart
+    # separated on request, before the first step: the bodies start at rest, two margins apart
     c = scene("X10e", ("cube", "m", (0, 0, 0)), ("cube", "m", (.05, .01, 0)))
     c.tables["contact"]["relax"] = True
     try:
         run = c.run(tools)
         table.truth("two boxes that overlap by half, with relax", finite(run) and run.max_depth_ratio <= 1e-6 and numpy.abs(run.v[-1]).max() < 1e-9,
-                    f"parted to {numpy.linalg.norm(run.x[0, 1] - run.x[0, 0]):.4g} m between centres; speed {numpy.abs(run.v[-1]).max():.2g} m/s")
+                    f"separated to {numpy.linalg.norm(run.x[0, 1] - run.x[0, 0]):.4g} m between centres; speed {numpy.abs(run.v[-1]).max():.2g} m/s")
     except ToolError as error:
         table.refusal("two boxes that overlap by half, with relax", error)
     # legal: inside a hollow shell
