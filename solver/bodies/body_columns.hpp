@@ -17,43 +17,46 @@ namespace scree {
 /// What besides migration and checkpoints, which take every column of the state, reads a column.
 enum BodyUse : unsigned {
   kPlain = 0,
-  kGhost = 1,     ///< sent to the ranks that hold a ghost of the body, in every step
-  kHashed = 2,    ///< part of state_hash, in the order of the table
-  kMeasured = 4,  ///< a time or a count of work: verify does not compare it
+  kGhost = 1,      ///< sent to the ranks that hold a ghost of the body, in every step
+  kHashed = 2,     ///< part of state_hash, in the order of the table
+  kMeasured = 4,   ///< a time or a count of work: verify does not compare it
 };
 
 }  // namespace scree
 
+// clang-format off
+
 /// The state: travels with the body to another rank and into checkpoints.
-#define SCREE_BODY_STATE(column)                                                                                                         \
-  column(std::int64_t, id, "id", "", kHashed, "global, never used again")                                                                \
-      column(std::int32_t, shape, "shape", "", kPlain, "index into the scene's shapes")                                                  \
-          column(std::int32_t, material, "material", "", kPlain, "index into the scene's materials")                                     \
-              column(std::uint8_t, fixed, "fixed", "", kPlain, "never moves")                                                            \
-                  column(std::uint8_t, lock_rotation, "lock_rotation", "", kPlain, "translates only")                                    \
-                      column(double, scale, "scale", "", kPlain, "of the shape")                                                         \
-                          column(Vec3, x, "x", "m", kGhost | kHashed, "centre of mass, world")                                           \
-                              column(Vec3, x_remainder, "x_remainder", "m", kHashed,                                                     \
-                                     "what rounding took from x, below one unit in its last place; the next drift adds it")              \
-                                  column(Quat, q, "q_principal", "", kGhost | kHashed, "principal frame to world")                       \
-                                      column(Quat, q_remainder, "q_remainder", "", kHashed, "the same of q")                             \
-                                          column(Vec3, v, "v", "m/s", kGhost | kHashed, "velocity")                                      \
-                                              column(Vec3, L, "L", "kg m^2/s", kHashed, "angular momentum about the centre, world")      \
-                                                  column(Vec3, w, "w", "rad/s", kGhost, "angular velocity, world; follows from q and L") \
-                                                      column(Vec3, force, "force", "N", kPlain, "contact and gravity, world")            \
-                                                          column(Vec3, torque, "torque", "N m", kPlain, "about the centre, world")       \
-                                                              column(double, dissipated, "dissipated", "J", kPlain,                      \
-                                                                     "energy taken from this body by damping and friction")              \
-                                                                  column(double, work, "work", "", kMeasured,                            \
-                                                                         "measured work since the last cut, arbitrary unit")             \
-                                                                      column(Vec3, image, "image", "", kPlain,                           \
-                                                                             "periods gone along periodic axes, see Periodicity::wrap")
+#define SCREE_BODY_STATE(column)                                                                                                              \
+  column(std::int64_t, id, "id", "", kHashed, "global, never used again")                                                                     \
+  column(std::int32_t, shape, "shape", "", kPlain, "index into the scene's shapes")                                                           \
+  column(std::int32_t, material, "material", "", kPlain, "index into the scene's materials")                                                  \
+  column(std::uint8_t, fixed, "fixed", "", kPlain, "never moves")                                                                             \
+  column(std::uint8_t, lock_rotation, "lock_rotation", "", kPlain, "translates only")                                                         \
+  column(double, scale, "scale", "", kPlain, "of the shape")                                                                                  \
+  column(Vec3, x, "x", "m", kGhost | kHashed, "centre of mass, world")                                                                        \
+  column(Vec3, x_remainder, "x_remainder", "m", kHashed, "what rounding took from x, below one unit in its last place; the next drift adds it") \
+  column(Quat, q, "q_principal", "", kGhost | kHashed, "principal frame to world")                                                            \
+  column(Quat, q_remainder, "q_remainder", "", kHashed, "the same of q")                                                                      \
+  column(Vec3, v, "v", "m/s", kGhost | kHashed, "velocity")                                                                                   \
+  column(Vec3, L, "L", "kg m^2/s", kHashed, "angular momentum about the centre, world")                                                       \
+  column(Vec3, w, "w", "rad/s", kGhost, "angular velocity, world; follows from q and L")                                                      \
+  column(Vec3, force, "force", "N", kPlain, "contact and gravity, world")                                                                     \
+  column(Vec3, torque, "torque", "N m", kPlain, "about the centre, world")                                                                    \
+  column(double, dissipated, "dissipated", "J", kPlain, "energy taken from this body by damping and friction")                                \
+  column(double, work, "work", "", kMeasured, "measured work since the last cut, arbitrary unit")                                             \
+  column(Vec3, image, "image", "", kPlain, "periods gone along periodic axes, see Periodicity::wrap")
 
 /// What follows from the state, the scene and the step: made anew where the body arrives.
-#define SCREE_BODY_DERIVED(column)                                                                                                       \
-  column(double, radius, "bounding, scaled [m]") column(double, mass, "[kg]") column(double, inverse_mass, "[1/kg]; 0 for a fixed body") \
-      column(Vec3, inertia, "principal [kg m^2]") column(Vec3, inverse_inertia, "0 for fixed or locked bodies")                          \
-          column(std::uint8_t, isotropic, "all three principal moments equal")                                                           \
-              column(Vec3, dissipative_force, "the part of force from damping and friction [N]")                                         \
-                  column(Vec3, dissipative_torque, "the same of torque [N m]")                                                           \
-                      column(Vec3, x_listed, "centre when the body lists were made [m]")
+#define SCREE_BODY_DERIVED(column)                                                                           \
+  column(double, radius, "bounding, scaled [m]")                                                             \
+  column(double, mass, "[kg]")                                                                               \
+  column(double, inverse_mass, "[1/kg]; 0 for a fixed body")                                                 \
+  column(Vec3, inertia, "principal [kg m^2]")                                                                \
+  column(Vec3, inverse_inertia, "0 for fixed or locked bodies")                                              \
+  column(std::uint8_t, isotropic, "all three principal moments equal")                                       \
+  column(Vec3, dissipative_force, "the part of force from damping and friction [N]")                               \
+  column(Vec3, dissipative_torque, "the same of torque [N m]")                                                     \
+  column(Vec3, x_listed, "centre when the body lists were made [m]")
+
+// clang-format on
