@@ -17,9 +17,9 @@ namespace scree {
 /// What besides migration and checkpoints, which take every column of the state, reads a column.
 enum BodyUse : unsigned {
   kPlain = 0,
-  kGhost = 1,      ///< sent to the ranks that hold a ghost of the body, in every step
-  kHashed = 2,     ///< part of state_hash, in the order of the table
-  kMeasured = 4,   ///< a time or a count of work: verify does not compare it
+  kGhost = 1,     ///< sent to the ranks that hold a ghost of the body, in every step
+  kHashed = 2,    ///< part of state_hash, in the order of the table
+  kMeasured = 4,  ///< a time or a count of work: verify does not compare it
 };
 
 }  // namespace scree
