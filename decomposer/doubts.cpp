@@ -209,7 +209,7 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
     }
     const double weight = body.mass * length(s.gravity) * (s.fluid ? std::abs(1 - s.fluid->density / density) : 1.0);
     double depth = p.pair.stiffness > 0 ? weight / p.pair.stiffness : 0;
-    if (s.law == "hertz-mindlin" && body.diameter > 0) {
+    if (s.law == ContactLaw::hertz_mindlin && body.diameter > 0) {
       const double modulus =
           effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
       const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * body.diameter;

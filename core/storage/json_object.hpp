@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/words.hpp"
 #include "core/geometry/vec3.hpp"
 
 namespace scree {
@@ -73,13 +73,12 @@ class JsonObject {
     if (!value.is_string()) throw wrong(key, "a text", value);
     return value.get<std::string>();
   }
-  std::string one_of(const char* key, std::initializer_list<const char*> allowed) const {
-    std::string value = text(key), list;
-    for (const char* word : allowed) {
-      if (value == word) return value;
-      list += (list.empty() ? "" : ", ") + std::string(word);
-    }
-    throw InputError("{}.{}: '{}' found, expected one of {}", where_, key, value, list);
+  /// The value of an enum that a word stands for.
+  template <class E>
+  E word(const char* key) const {
+    const std::string found = text(key);
+    if (const std::optional<E> value = value_of<E>(found)) return *value;
+    throw InputError("{}.{}: '{}' found, expected one of {}", where_, key, found, list_of_words<E>());
   }
   Vec3 vector(const char* key) const { return vector_of(at(key), key); }
   Vec3 unit_vector(const char* key) const {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/scene_words.hpp"
 #include "core/storage/shape_file.hpp"
 
 namespace scree {
@@ -22,19 +23,19 @@ struct Material {
 
 /// How two materials meet. Only pairs that can occur are present.
 struct MaterialPair {
-  std::int32_t a = 0, b = 0;                      ///< material indices, a <= b
-  double stiffness = 0;                           ///< [N/m]
-  double restitution = 1;                         ///< [-], from 0 to 1
-  double friction = 0;                            ///< [-] static
-  double friction_sliding = -1;                   ///< [-], < 0: as static
-  double rolling_friction = 0;                    ///< [-] rolling moment at most this times R* times the normal force
-  double torsional_friction = 0;                  ///< [-] the same for the moment about the normal
-  std::string rolling_model = "elastic-plastic";  ///< elastic-plastic (type C) | constant (type A)
-  double tangential_ratio = -1;                   ///< [-] tangential over normal stiffness, < 0: that of the law
-  double tangential_damping = 1;                  ///< [-] factor on the tangential damping that goes with restitution
-  double restitution_speed = 0;                   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
-  double layer_modulus = 0;                       ///< [Pa] of the elastic layer that the margins are (gather = "area")
-  double contact_radius = 0;  ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
+  std::int32_t a = 0, b = 0;      ///< material indices, a <= b
+  double stiffness = 0;           ///< [N/m]
+  double restitution = 1;         ///< [-], from 0 to 1
+  double friction = 0;            ///< [-] static
+  double friction_sliding = -1;   ///< [-], < 0: as static
+  double rolling_friction = 0;    ///< [-] rolling moment at most this times R* times the normal force
+  double torsional_friction = 0;  ///< [-] the same for the moment about the normal
+  RollingModel rolling_model = RollingModel::elastic_plastic;
+  double tangential_ratio = -1;   ///< [-] tangential over normal stiffness, < 0: that of the law
+  double tangential_damping = 1;  ///< [-] factor on the tangential damping that goes with restitution
+  double restitution_speed = 0;   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
+  double layer_modulus = 0;       ///< [Pa] of the elastic layer that the margins are (gather = "area")
+  double contact_radius = 0;      ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
 };
 
 /// E* [Pa] of two materials: 1/E* = sum of (1 - poisson^2) / young.
@@ -77,8 +78,6 @@ struct BodyTable {
   BodyRow row(std::size_t i) const;
 };
 
-enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };
-
 /// A prescribed motion of a wall.
 struct WallMotion {
   enum class Kind : std::int32_t { none = 0, rotate = 1, translate = 2, oscillate = 3, table = 4 };
@@ -94,6 +93,13 @@ struct WallMotion {
   std::vector<double> table_time;    ///< table [s], ascending
   std::vector<Vec3> table_position;  ///< table: displacement [m], linear in between
 };
+
+template <>
+inline constexpr auto kWordsOf<WallMotion::Kind> = std::to_array<Word<WallMotion::Kind>>({{WallMotion::Kind::none, "none"},
+                                                                                          {WallMotion::Kind::rotate, "rotate"},
+                                                                                          {WallMotion::Kind::translate, "translate"},
+                                                                                          {WallMotion::Kind::oscillate, "oscillate"},
+                                                                                          {WallMotion::Kind::table, "table"}});
 
 /// A wall: fixed or driven, with the same contact law as a body.
 struct Wall {
@@ -117,35 +123,35 @@ struct Domain {
   bool bounded = false;
   Vec3 lower, upper;  ///< [m], when bounded
   std::array<bool, 3> periodic{false, false, false};
-  std::string outside = "stop";  ///< stop | remove | keep
+  Outside outside = Outside::stop;
 };
 
 /// A fluid around all bodies; it moves as given, whatever the bodies do.
 struct Fluid {
-  double density = 0;                      ///< [kg/m^3], > 0
-  double viscosity = 0;                    ///< dynamic [Pa s], > 0
-  Vec3 velocity;                           ///< [m/s], the same everywhere
-  std::string drag = "haider-levenspiel";  ///< haider-levenspiel | stokes
+  double density = 0;    ///< [kg/m^3], > 0
+  double viscosity = 0;  ///< dynamic [Pa s], > 0
+  Vec3 velocity;         ///< [m/s], the same everywhere
+  Drag drag = Drag::haider_levenspiel;
 };
 
-/// Settings, in the words of the case file; SI.
+/// Settings, as the case file gives them; SI.
 struct Settings {
   std::string title;
   std::uint64_t seed = 0;
   Vec3 gravity;         ///< [m/s^2]
   double duration = 0;  ///< [s]
   double steps_per_contact = 30;
-  double step = 0;                     ///< [s], 0: derived
-  std::string step_control = "fixed";  ///< fixed | quantised: halved where speed, spin or contacts ask for it
-  bool stop_at_rest = false;           ///< end at the first output time at which all bodies rest
+  double step = 0;  ///< [s], 0: derived
+  StepControl step_control = StepControl::fixed;
+  bool stop_at_rest = false;  ///< end at the first output time at which all bodies rest
   Domain domain;
-  std::optional<Fluid> fluid;        ///< none: bodies move in a void
-  std::string law = "linear";        ///< linear | hunt-crossley | hertz-mindlin
-  std::string gather = "potential";  ///< potential | area | pairs
-  double barrier = 0;                ///< [-] stiffness of the barrier over that of a contact; 0: none
-  double impact_speed = 0;           ///< [m/s] of the fastest impact expected; 0 when not known
-  double margin = 0;                 ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
-  std::string integrator = "kdk-dlm";
+  std::optional<Fluid> fluid;  ///< none: bodies move in a void
+  ContactLaw law = ContactLaw::linear;
+  Gathering gather = Gathering::potential;
+  double barrier = 0;       ///< [-] stiffness of the barrier over that of a contact; 0: none
+  double impact_speed = 0;  ///< [m/s] of the fastest impact expected; 0 when not known
+  double margin = 0;        ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
+  Integrator integrator = Integrator::kdk_dlm;
   double output_every = 0;  ///< [s]
   bool output_contacts = true;
   double checkpoint_every = 0;      ///< [s], 0: by the clock, or only at the end

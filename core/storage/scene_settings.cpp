@@ -12,12 +12,9 @@ using nlohmann::json;
 json to_json(const Vec3& v) { return json::array({v.x, v.y, v.z}); }
 json to_json(const Quat& q) { return json::array({q.w, q.x, q.y, q.z}); }
 
-const char* const kWallKinds[] = {"plane", "box_inside", "cylinder_inside", "sphere_inside", "mesh"};
-const char* const kMotionKinds[] = {"none", "rotate", "translate", "oscillate", "table"};
-
 json motion_json(const WallMotion& motion) {
   json j;
-  j["kind"] = kMotionKinds[static_cast<int>(motion.kind)];
+  j["kind"] = word_of(motion.kind);
   if (motion.kind == WallMotion::Kind::none) return j;
   j["axis"] = to_json(motion.axis);
   j["centre"] = to_json(motion.centre);
@@ -37,7 +34,7 @@ json wall_json(const Wall& wall) {
   json j;
   j["id"] = wall.id;
   j["name"] = wall.name;
-  j["kind"] = kWallKinds[static_cast<int>(wall.kind)];
+  j["kind"] = word_of(wall.kind);
   j["material"] = wall.material;
   switch (wall.kind) {
     case WallKind::plane:
@@ -80,7 +77,7 @@ Settings read_settings(const JsonObject& o) {
   s.steps_per_contact = o.positive("steps_per_contact");
   s.step = o.at_least("step", 0);
   if (o.has("stop_at_rest")) s.stop_at_rest = o.boolean("stop_at_rest");
-  if (o.has("step_control")) s.step_control = o.one_of("step_control", {"fixed", "quantised"});
+  if (o.has("step_control")) s.step_control = o.word<StepControl>("step_control");
   const JsonObject domain = o.object("domain");
   s.domain.bounded = domain.boolean("bounded");
   if (s.domain.bounded) {
@@ -96,18 +93,17 @@ Settings read_settings(const JsonObject& o) {
     if (!periodic[k].is_boolean()) throw InputError("{}.periodic: true or false expected", domain.where());
     s.domain.periodic[k] = periodic[k].get<bool>();
   }
-  s.domain.outside = domain.one_of("outside", {"stop", "remove", "keep"});
+  s.domain.outside = domain.word<Outside>("outside");
   if (o.has("fluid")) {
     const JsonObject fluid = o.object("fluid");
-    s.fluid = {fluid.positive("density"), fluid.positive("viscosity"), fluid.vector("velocity"),
-               fluid.one_of("drag", {"haider-levenspiel", "stokes"})};
+    s.fluid = {fluid.positive("density"), fluid.positive("viscosity"), fluid.vector("velocity"), fluid.word<Drag>("drag")};
   }
-  s.law = o.one_of("law", {"linear", "hunt-crossley", "hertz-mindlin"});
-  s.gather = o.one_of("gather", {"potential", "area", "pairs"});
+  s.law = o.word<ContactLaw>("law");
+  s.gather = o.word<Gathering>("gather");
   if (o.has("barrier")) s.barrier = o.at_least("barrier", 0);
   if (o.has("impact_speed")) s.impact_speed = o.at_least("impact_speed", 0);
   s.margin = o.at_least("margin", 0);
-  s.integrator = o.one_of("integrator", {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
+  s.integrator = o.word<Integrator>("integrator");
   s.output_every = o.at_least("output_every", 0);
   s.output_contacts = o.boolean("output_contacts");
   s.checkpoint_every = o.at_least("checkpoint_every", 0);
@@ -117,10 +113,7 @@ Settings read_settings(const JsonObject& o) {
 
 WallMotion read_motion(const JsonObject& o) {
   WallMotion motion;
-  const std::string kind = o.one_of("kind", {"none", "rotate", "translate", "oscillate", "table"});
-  for (int k = 0; k < 5; ++k) {
-    if (kind == kMotionKinds[k]) motion.kind = static_cast<WallMotion::Kind>(k);
-  }
+  motion.kind = o.word<WallMotion::Kind>("kind");
   if (motion.kind == WallMotion::Kind::none) return motion;
   motion.axis = o.unit_vector("axis");
   motion.centre = o.vector("centre");
@@ -146,10 +139,7 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
   wall.id = o.integer("id");
   wall.name = o.text("name");
   wall.material = o.index("material", material_count, "materials");
-  const std::string kind = o.one_of("kind", {"plane", "box_inside", "cylinder_inside", "sphere_inside", "mesh"});
-  for (int k = 0; k < 5; ++k) {
-    if (kind == kWallKinds[k]) wall.kind = static_cast<WallKind>(k);
-  }
+  wall.kind = o.word<WallKind>("kind");
   switch (wall.kind) {
     case WallKind::plane:
       wall.point = o.vector("point");
@@ -196,7 +186,7 @@ json settings_json(const Scene& scene) {
   t["duration"] = s.duration;
   t["steps_per_contact"] = s.steps_per_contact;
   t["step"] = s.step;
-  t["step_control"] = s.step_control;
+  t["step_control"] = word_of(s.step_control);
   t["stop_at_rest"] = s.stop_at_rest;
   json& domain = t["domain"];
   domain["bounded"] = s.domain.bounded;
@@ -205,19 +195,19 @@ json settings_json(const Scene& scene) {
     domain["max"] = to_json(s.domain.upper);
   }
   domain["periodic"] = s.domain.periodic;
-  domain["outside"] = s.domain.outside;
+  domain["outside"] = word_of(s.domain.outside);
   if (s.fluid) {
     t["fluid"] = {{"density", s.fluid->density},
                   {"viscosity", s.fluid->viscosity},
                   {"velocity", to_json(s.fluid->velocity)},
-                  {"drag", s.fluid->drag}};
+                  {"drag", word_of(s.fluid->drag)}};
   }
-  t["law"] = s.law;
-  t["gather"] = s.gather;
+  t["law"] = word_of(s.law);
+  t["gather"] = word_of(s.gather);
   t["impact_speed"] = s.impact_speed;
   t["barrier"] = s.barrier;
   t["margin"] = s.margin;
-  t["integrator"] = s.integrator;
+  t["integrator"] = word_of(s.integrator);
   t["output_every"] = s.output_every;
   t["output_contacts"] = s.output_contacts;
   t["checkpoint_every"] = s.checkpoint_every;
@@ -237,7 +227,7 @@ json settings_json(const Scene& scene) {
                           {"friction_sliding", p.friction_sliding},
                           {"rolling_friction", p.rolling_friction},
                           {"torsional_friction", p.torsional_friction},
-                          {"rolling_model", p.rolling_model},
+                          {"rolling_model", word_of(p.rolling_model)},
                           {"tangential_ratio", p.tangential_ratio},
                           {"tangential_damping", p.tangential_damping},
                           {"restitution_speed", p.restitution_speed},
@@ -261,7 +251,7 @@ void read_settings_json(const json& text, const std::string& where, Scene& scene
     p.a = o.index("a", material_count, "materials");
     p.b = o.index("b", material_count, "materials");
     // a Hertz contact and a layer have no stiffness of their own: it comes from the materials
-    const bool no_stiffness = scene.settings.law == "hertz-mindlin" || scene.settings.gather == "area";
+    const bool no_stiffness = scene.settings.law == ContactLaw::hertz_mindlin || scene.settings.gather == Gathering::area;
     p.stiffness = no_stiffness ? o.at_least("stiffness", 0) : o.positive("stiffness");
     p.restitution = o.at_least("restitution", 0);
     if (p.restitution > 1) throw InputError("{}.restitution: {:g} found, a value from 0 to 1 expected", o.where(), p.restitution);
@@ -270,7 +260,7 @@ void read_settings_json(const json& text, const std::string& where, Scene& scene
     p.rolling_friction = o.at_least("rolling_friction", 0);
     // added later: files without them mean the defaults
     if (o.has("torsional_friction")) p.torsional_friction = o.at_least("torsional_friction", 0);
-    if (o.has("rolling_model")) p.rolling_model = o.one_of("rolling_model", {"elastic-plastic", "constant"});
+    if (o.has("rolling_model")) p.rolling_model = o.word<RollingModel>("rolling_model");
     if (o.has("tangential_ratio")) p.tangential_ratio = o.number("tangential_ratio");
     if (o.has("tangential_damping")) p.tangential_damping = o.at_least("tangential_damping", 0);
     if (o.has("restitution_speed")) p.restitution_speed = o.at_least("restitution_speed", 0);

@@ -42,7 +42,7 @@ namespace {
 
 Relax relax_of(const CaseTable& contact) {
   if (contact.is_text("relax")) {
-    contact.word_or("relax", "shallow", {"shallow"}, {"shallow"});
+    contact.word("relax", {"shallow"});
     return Relax::shallow;
   }
   if (!contact.has("relax")) return Relax::shallow;
@@ -60,7 +60,7 @@ void read_settings(const CaseTable& top, Case& c) {
   s.duration = time.number("duration", Dimension::time, Range::not_negative);
   s.steps_per_contact = time.number_or("steps_per_contact", Dimension::none, 30, Range::positive);
   s.step = time.number_or("step", Dimension::time, 0, Range::positive);
-  s.step_control = time.word_or("step_control", s.step_control, {"fixed", "quantised"}, {"fixed", "quantised"});
+  s.step_control = time.word_or("step_control", s.step_control);
   s.stop_at_rest = time.boolean_or("stop_at_rest", false);
   if (s.stop_at_rest && !(length(s.gravity) > 0)) throw time.error("stop_at_rest", "needs gravity: without it rest cannot be told");
   if (time.has("step") && time.has("steps_per_contact")) {
@@ -76,7 +76,7 @@ void read_settings(const CaseTable& top, Case& c) {
       }
       if (!domain.has("min")) throw domain.error("periodic", "a periodic axis needs min and max");
     }
-    s.domain.outside = domain.word_or("outside", "stop", {"stop", "remove", "keep"}, {"stop", "remove", "keep"});
+    s.domain.outside = domain.word_or("outside", s.domain.outside);
     if (domain.has("min") || domain.has("max")) {
       s.domain.bounded = true;
       s.domain.lower = domain.vector("min", Dimension::length);
@@ -92,27 +92,25 @@ void read_settings(const CaseTable& top, Case& c) {
     s.fluid->density = fluid.number("density", Dimension::density, Range::positive);
     s.fluid->viscosity = fluid.number("viscosity", Dimension::viscosity, Range::positive);
     s.fluid->velocity = fluid.vector_or("velocity", Dimension::velocity, {});
-    s.fluid->drag = fluid.word_or("drag", s.fluid->drag, {"haider-levenspiel", "stokes"}, {"haider-levenspiel", "stokes"});
+    s.fluid->drag = fluid.word_or("drag", s.fluid->drag);
   }
   if (top.has("contact")) {
     const CaseTable contact = top.table("contact", {"law", "gather", "margin", "impact_speed", "relax", "barrier"});
-    s.law = contact.word_or("law", s.law, {"linear", "hunt-crossley", "hertz-mindlin"}, {"linear", "hunt-crossley", "hertz-mindlin"});
+    s.law = contact.word_or("law", s.law);
     s.barrier = contact.number_or("barrier", Dimension::none, 0, Range::not_negative);
     s.impact_speed = contact.number_or("impact_speed", Dimension::velocity, 0, Range::positive);
-    s.gather = contact.word_or("gather", s.gather, {"potential", "area", "pairs"}, {"potential", "area", "pairs"});
+    s.gather = contact.word_or("gather", s.gather);
     c.margin_given = contact.has("margin");
     c.relax = relax_of(contact);
-    if (s.barrier > 0 && s.gather != "potential") throw contact.error("barrier", "goes with gather = \"potential\" only");
-    if (s.gather == "area" && s.law == "hertz-mindlin")
+    if (s.barrier > 0 && s.gather != Gathering::potential) throw contact.error("barrier", "goes with gather = \"potential\" only");
+    if (s.gather == Gathering::area && s.law == ContactLaw::hertz_mindlin)
       throw contact.error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");
-    if (s.gather == "area" && !contact.has("margin"))
+    if (s.gather == Gathering::area && !contact.has("margin"))
       throw contact.error("gather", "\"area\" needs contact.margin, the thickness of the elastic layer");
     s.margin = contact.number_or("margin", Dimension::length, 0, Range::not_negative);
   }
   if (top.has("motion")) {
-    s.integrator = top.table("motion", {"integrator"})
-                       .word_or("integrator", s.integrator, {"kdk-dlm", "rig", "spiral", "midpoint", "euler"},
-                                {"kdk-dlm", "rig", "spiral", "midpoint", "euler"});
+    s.integrator = top.table("motion", {"integrator"}).word_or("integrator", s.integrator);
   }
   s.output_every = s.duration / 100;
   if (top.has("output")) {
@@ -168,13 +166,13 @@ void read_pairs(const CaseTable& top, const std::vector<std::string>& materials,
     for (const CasePair& other : c.pairs) {
       if (other.pair.a == p.pair.a && other.pair.b == p.pair.b) throw t.error("between", "is given twice; first at " + other.where);
     }
-    const bool hertz = c.settings.law == "hertz-mindlin";
+    const bool hertz = c.settings.law == ContactLaw::hertz_mindlin;
     if (hertz && t.has("stiffness")) {
       throw t.error(
           "stiffness",
           "is not used with contact.law = \"hertz-mindlin\", whose stiffness follows from young and poisson of the materials; remove it");
     }
-    const bool area = c.settings.gather == "area";
+    const bool area = c.settings.gather == Gathering::area;
     if (area && t.has("stiffness")) {
       throw t.error(
           "stiffness",
@@ -192,14 +190,13 @@ void read_pairs(const CaseTable& top, const std::vector<std::string>& materials,
     }
     p.pair.rolling_friction = t.number_or("rolling_friction", Dimension::none, 0, Range::not_negative);
     p.pair.torsional_friction = t.number_or("torsional_friction", Dimension::none, 0, Range::not_negative);
-    p.pair.rolling_model =
-        t.word_or("rolling_model", p.pair.rolling_model, {"elastic-plastic", "constant"}, {"elastic-plastic", "constant"});
+    p.pair.rolling_model = t.word_or("rolling_model", p.pair.rolling_model);
     p.pair.tangential_ratio = t.number_or("tangential_ratio", Dimension::none, -1, Range::any);
     if (t.has("tangential_ratio") && !(p.pair.tangential_ratio >= 0)) throw t.error("tangential_ratio", "expected a value >= 0");
     p.pair.tangential_damping = t.number_or("tangential_damping", Dimension::none, 1, Range::not_negative);
     p.pair.contact_radius = t.number_or("contact_radius", Dimension::length, 0, Range::positive);
     p.pair.restitution_speed = t.number_or("restitution_speed", Dimension::velocity, 0, Range::positive);
-    const bool hunt_crossley = c.settings.law == "hunt-crossley";
+    const bool hunt_crossley = c.settings.law == ContactLaw::hunt_crossley;
     if (t.has("restitution_speed") && !hunt_crossley) {
       throw t.error("restitution_speed", "is for contact.law = \"hunt-crossley\"; with other laws restitution does not depend on speed");
     }

@@ -53,7 +53,16 @@ struct CaseOrientation {
   double scatter = 0;       ///< aligned: deviation of the tilt about each of the two directions across [rad]
 };
 
+template <>
+inline constexpr auto kWordsOf<CaseOrientation::Axis> = std::to_array<Word<CaseOrientation::Axis>>(
+    {{CaseOrientation::Axis::longest, "longest"}, {CaseOrientation::Axis::shortest, "shortest"}});
+
 enum class PackingMethod { random, lattice, settle, compact };
+template <>
+inline constexpr auto kWordsOf<PackingMethod> = std::to_array<Word<PackingMethod>>({{PackingMethod::random, "random"},
+                                                                                    {PackingMethod::lattice, "lattice"},
+                                                                                    {PackingMethod::settle, "settle"},
+                                                                                    {PackingMethod::compact, "compact"}});
 
 /// [[populations]]
 struct CasePopulation {

@@ -74,12 +74,12 @@ SizeDistribution read_size(const CaseTable& population) {
       d.kind = SizeDistribution::Kind::power;
       d.first = plain("exponent", Range::any);
     } else {
-      t.word_or("distribution", "", {"fixed", "uniform", "normal", "lognormal", "weibull", "power", "sieve"}, {});
+      t.word_or("distribution", d.kind);
       throw UsageError("{}: expected a distribution, for instance {{ distribution = \"uniform\", min = \"8 mm\", max = \"20 mm\" }}",
                        t.where());
     }
     used.emplace_back("by");
-    d.by_mass = t.word_or("by", "number", {"number", "mass"}, {"number", "mass"}) == "mass";
+    d.by_mass = t.word_or("by", ShareOf::number) == ShareOf::mass;
     // without bounds a tail asks, sooner or later, for a body larger than the box
     d.min = length_of("min");
     d.max = length_of("max");
@@ -96,7 +96,7 @@ SizeDistribution read_size(const CaseTable& population) {
 
 /// Shares of a mixture: fractions that add up to 1, or a ratio of whole numbers.
 void read_shares(const CaseTable& t, const std::vector<std::string>& shapes, CasePopulation& p) {
-  p.shares_by_mass = t.word_or("shares_by", "number", {"number", "mass"}, {"number", "mass"}) == "mass";
+  p.shares_by_mass = t.word_or("shares_by", ShareOf::number) == ShareOf::mass;
   if (t.only_one_of({"shapes", "shape"}) == "shape") {
     if (t.has("shares_by")) throw t.error("shares_by", "is for a mixture: shapes = { a = 0.7, b = 0.3 }");
     p.shares = {{t.reference("shape", shapes, "shape"), 1.0}};
@@ -124,7 +124,7 @@ CaseOrientation read_population_orientation(const CaseTable& t) {
     return o;
   }
   if (!t.is_table("orientation")) {
-    t.word_or("orientation", "random", {"random"}, {"random"});
+    t.word("orientation", {"random"});
     return o;
   }
   const CaseTable a = t.table("orientation", {"align", "axis", "scatter"});
@@ -133,8 +133,8 @@ CaseOrientation read_population_orientation(const CaseTable& t) {
   if (a.is_list("axis")) {
     o.axis = CaseOrientation::Axis::given;
     o.body_axis = a.direction("axis");
-  } else if (a.word_or("axis", "longest", {"longest", "shortest"}, {"longest", "shortest"}) == "shortest") {
-    o.axis = CaseOrientation::Axis::shortest;
+  } else {
+    o.axis = a.word_or("axis", o.axis);
   }
   o.scatter = a.number_or("scatter", Dimension::angle, 0, Range::not_negative);
   return o;
@@ -198,13 +198,8 @@ void read_populations(const CaseTable& top, const std::string& folder, const std
     p.where = t.where();
     read_shares(t, shapes, p);
     p.material = t.reference("material", materials, "material");
-    const std::string method =
-        t.word_or("method", "random", {"random", "lattice", "settle", "compact"}, {"random", "lattice", "settle", "compact"});
-    p.method = method == "lattice"   ? PackingMethod::lattice
-               : method == "settle"  ? PackingMethod::settle
-               : method == "compact" ? PackingMethod::compact
-                                     : PackingMethod::random;
-    if (t.has("jitter") && method != "lattice") throw t.error("jitter", "is for method = \"lattice\"");
+    p.method = t.word_or("method", p.method);
+    if (t.has("jitter") && p.method != PackingMethod::lattice) throw t.error("jitter", "is for method = \"lattice\"");
     p.jitter = t.number_or("jitter", Dimension::none, p.jitter, Range::not_negative);
     if (p.jitter > 1) throw t.error("jitter", "expected a value from 0 to 1");
     read_amount(t, p);

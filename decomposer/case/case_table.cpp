@@ -239,18 +239,14 @@ std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
   return {lower, upper};
 }
 
-std::string CaseTable::word_or(const std::string& key, const std::string& value, std::initializer_list<const char*> known,
-                               std::initializer_list<const char*> available) const {
-  const std::vector<std::string> all(known.begin(), known.end()), built(available.begin(), available.end());
-  note(key, CaseRead::Kind::word, Dimension::none, Range::any, built);
-  if (!has(key)) return value;
+std::optional<std::size_t> CaseTable::word(const std::string& key, const std::vector<std::string>& words) const {
+  note(key, CaseRead::Kind::word, Dimension::none, Range::any, words);
+  if (!has(key)) return {};
   const std::string found = text(key);
-  if (std::find(built.begin(), built.end(), found) != built.end()) return found;
-  if (std::find(all.begin(), all.end(), found) != all.end()) {
-    throw error(key, "is not available in this version; use " + list_of(built));
-  }
-  const std::string near = nearest_name(found, all);
-  throw error(key, near.empty() ? "unknown; expected one of: " + list_of(all) : "unknown, did you mean '" + near + "'?");
+  const auto at = std::find(words.begin(), words.end(), found);
+  if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
+  const std::string near = nearest_name(found, words);
+  throw error(key, near.empty() ? "unknown; expected one of: " + list_of(words) : "unknown, did you mean '" + near + "'?");
 }
 
 std::int32_t CaseTable::find_name(const std::string& key, const std::string& name, const std::vector<std::string>& names,

@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/base/words.hpp"
 #include "core/geometry/vec3.hpp"
 #include "decomposer/case/case_reads.hpp"
 
@@ -48,9 +49,16 @@ class CaseTable {
   std::vector<std::string> texts(const std::string& key) const;
   /// Opposite corners [[x, y, z], [x, y, z]], lower below upper in each coordinate.
   std::pair<Vec3, Vec3> corners(const std::string& key) const;
-  /// One of the words of the case language. A word that is known but not built yet is refused with what is.
-  std::string word_or(const std::string& key, const std::string& value, std::initializer_list<const char*> known,
-                      std::initializer_list<const char*> available) const;
+  /// The value of an enum that a word stands for; `value` when the key is absent.
+  template <class E>
+  E word_or(const std::string& key, E value) const {
+    std::vector<std::string> words;
+    for (const Word<E>& w : kWordsOf<E>) words.emplace_back(w.word);
+    const std::optional<std::size_t> found = word(key, words);
+    return found ? kWordsOf<E>[*found].value : value;
+  }
+  /// Index of the word that is there, none when the key is absent.
+  std::optional<std::size_t> word(const std::string& key, const std::vector<std::string>& words) const;
   /// Index of a name in a list, for references to shapes and materials.
   std::int32_t reference(const std::string& key, const std::vector<std::string>& names, const std::string& kind) const;
   std::int32_t find_name(const std::string& key, const std::string& name, const std::vector<std::string>& names,

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "core/base/words.hpp"
+
 namespace scree {
 
 /// A distribution of diameters, truncated to [min, max], by number or by mass.
@@ -20,6 +22,21 @@ struct SizeDistribution {
   /// Diameter [m] at which that share is u.
   double quantile(double u) const;
 };
+
+template <>
+inline constexpr auto kWordsOf<SizeDistribution::Kind> =
+    std::to_array<Word<SizeDistribution::Kind>>({{SizeDistribution::Kind::fixed, "fixed"},
+                                                 {SizeDistribution::Kind::uniform, "uniform"},
+                                                 {SizeDistribution::Kind::normal, "normal"},
+                                                 {SizeDistribution::Kind::lognormal, "lognormal"},
+                                                 {SizeDistribution::Kind::weibull, "weibull"},
+                                                 {SizeDistribution::Kind::power, "power"},
+                                                 {SizeDistribution::Kind::sieve, "sieve"}});
+
+/// What shares are shares of.
+enum class ShareOf { number, mass };
+template <>
+inline constexpr auto kWordsOf<ShareOf> = std::to_array<Word<ShareOf>>({{ShareOf::number, "number"}, {ShareOf::mass, "mass"}});
 
 /// Draws diameters: one random number gives one size, none is rejected.
 class SizeSampler {

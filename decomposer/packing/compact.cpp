@@ -172,12 +172,12 @@ class Compactor {
       }
     }
     Settings& s = stage.settings;
-    s.law = "linear";
-    s.gather = "potential";
+    s.law = ContactLaw::linear;
+    s.gather = Gathering::potential;
     s.gravity = {};
     s.margin = margin;
     s.step = 0;
-    s.step_control = "fixed";
+    s.step_control = StepControl::fixed;
     s.steps_per_contact = 20;
     s.impact_speed = 0;
     constexpr double kContactTime = 2.2;  // [s] pi sqrt(m / 2k), two of the lightest

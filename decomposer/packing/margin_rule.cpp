@@ -141,7 +141,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   // spheres touch where they touch; a barrier is made of margins
   const bool from_touch = !has_meshes && !wall_meshes && !(c.settings.barrier > 0);
   double softest = 1e300;
-  if (c.settings.law == "hertz-mindlin") {
+  if (c.settings.law == ContactLaw::hertz_mindlin) {
     // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
     for (const CasePair& p : c.pairs) {
       const double modulus =
@@ -152,7 +152,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     }
   } else {
     // a layer has no stiffness of one contact; its margin is given
-    if (c.settings.gather != "area") {
+    if (c.settings.gather != Gathering::area) {
       for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
     }
   }
@@ -169,7 +169,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     const std::string cure = fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
     // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
     // Hertz contacts: what is soft there is so by its material, not by choice.
-    const bool is_free_of_limits = from_touch && c.settings.law == "hertz-mindlin";
+    const bool is_free_of_limits = from_touch && c.settings.law == ContactLaw::hertz_mindlin;
     const std::string advice = from_touch
                                    ? fmt::format("{} press spheres into each other by {}, {:.0f} % of the smallest diameter; {} {:.0f} %",
                                                  from, metres(depth), 100 * depth / smallest, cure, 100 * 2 * kOverlapShare * kNoticeShare)

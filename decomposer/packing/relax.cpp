@@ -180,7 +180,7 @@ class Relaxer {
     const MaterialPair& pair = scene_.pair(a, b);
     const double r = equivalent_radius(p.body), other = p.wall >= 0 ? 1e300 : equivalent_radius(static_cast<std::size_t>(p.other));
     const Settings& s = scene_.settings;
-    if (s.law == "hertz-mindlin") {
+    if (s.law == ContactLaw::hertz_mindlin) {
       const double radius = pair.contact_radius > 0 ? pair.contact_radius : 1 / (1 / r + 1 / other);
       const double modulus =
           effective_modulus(scene_.materials[static_cast<std::size_t>(a)], scene_.materials[static_cast<std::size_t>(b)]);
@@ -188,7 +188,7 @@ class Relaxer {
     }
     // a layer is pressed over some area, at most about the cross-section of the smaller body
     const double area = std::numbers::pi * std::pow(std::min(r, other), 2);
-    const double stiffness = s.gather == "area" ? pair.layer_modulus * area / (2 * s.margin) : pair.stiffness;
+    const double stiffness = s.gather == Gathering::area ? pair.layer_modulus * area / (2 * s.margin) : pair.stiffness;
     return 0.5 * stiffness * p.depth * p.depth;
   }
 

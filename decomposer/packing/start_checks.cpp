@@ -39,7 +39,7 @@ void check_needs_of_margin(const Case& c, const Settings& s) {
         "contact.margin out to have it derived",
         w.where, w.wall.name);
   }
-  if (s.gather == "area")
+  if (s.gather == Gathering::area)
     throw UsageError("{}: contact.margin = 0, but with contact.gather = \"area\" the margins are the elastic layer; give them a thickness",
                      c.path);
   if (s.barrier > 0) throw UsageError("{}: contact.barrier = {:g} needs margins; give contact.margin a value > 0", c.path, s.barrier);
@@ -52,7 +52,7 @@ void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std
   check_needs_of_margin(c, scene.settings);
   const Settings& s = scene.settings;
   const bool moves = !parts.draws.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
-  if (s.law == "hertz-mindlin" && moves && !scene.pairs.empty() && !(s.margin > 0) && !(s.impact_speed > 0) && !(s.step > 0)) {
+  if (s.law == ContactLaw::hertz_mindlin && moves && !scene.pairs.empty() && !(s.margin > 0) && !(s.impact_speed > 0) && !(s.step > 0)) {
     throw UsageError(
         "{}: contact.impact_speed is missing, and the case has no speed, no fall and no moving wall to derive it from: the step follows "
         "from the stiffness of a Hertz contact, which grows with its overlap; give the speed of the fastest impact, or time.step",

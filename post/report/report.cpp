@@ -111,8 +111,8 @@ std::string case_section(const Run& run) {
   rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
   rows.emplace_back("Duration", fmt::format("{}, a frame every {}", format_quantity(s.duration, Dimension::time),
                                             s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));
-  rows.emplace_back("Contact", fmt::format("law {}, gathered as {}, margin {}", escaped(s.law), escaped(s.gather), length_text(s.margin)));
-  rows.emplace_back("Motion", fmt::format("{}{}", escaped(s.integrator),
+  rows.emplace_back("Contact", fmt::format("law {}, gathered as {}, margin {}", word_of(s.law), word_of(s.gather), length_text(s.margin)));
+  rows.emplace_back("Motion", fmt::format("{}{}", word_of(s.integrator),
                                           run.outcome.contains("step_size")
                                               ? ", step " + format_quantity(run.outcome["step_size"].get<double>(), Dimension::time)
                                               : std::string()));

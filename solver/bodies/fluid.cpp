@@ -34,7 +34,7 @@ DragCoefficients drag_of_sphericity(double sphericity) {
           std::exp(1.4681 + 12.2584 * f - 20.7322 * f * f + 15.8855 * f * f * f)};
 }
 
-FluidForces::FluidForces(const Scene& scene) : scene_(&scene), fluid_(scene.settings.fluid.value()), stokes_(fluid_.drag == "stokes") {
+FluidForces::FluidForces(const Scene& scene) : scene_(&scene), fluid_(scene.settings.fluid.value()), stokes_(fluid_.drag == Drag::stokes) {
   for (const Material& m : scene.materials) density_ratio_.push_back(fluid_.density / m.density);
   for (const Shape& shape : scene.shapes) {
     diameter_.push_back(shape.equivalent_diameter());

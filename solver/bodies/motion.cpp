@@ -198,15 +198,6 @@ void kick_and_drift(ParticleSet& p, double kick_time, double h) {
 
 }  // namespace
 
-Integrator integrator_of(const std::string& name) {
-  if (name == "kdk-dlm") return Integrator::kdk_dlm;
-  if (name == "rig") return Integrator::rig;
-  if (name == "spiral") return Integrator::spiral;
-  if (name == "midpoint") return Integrator::midpoint;
-  if (name == "euler") return Integrator::euler;
-  throw InputError("motion.integrator = \"{}\"; expected kdk-dlm, rig, spiral, midpoint or euler", name);
-}
-
 void begin_step(Integrator integrator, ParticleSet& p, double h, const FluidForces* fluid) {
   double kick_time = 0.5 * h;
   if (fluid != nullptr && integrator != Integrator::euler) {

@@ -17,18 +17,12 @@
 // turn isotropic bodies and bodies without rotation alike, by one exact rotation or none.
 #pragma once
 
-#include <string>
-
+#include "core/storage/scene_words.hpp"
 #include "solver/bodies/particle_set.hpp"
 
 namespace scree {
 
 class FluidForces;
-
-enum class Integrator { kdk_dlm, rig, spiral, midpoint, euler };
-
-/// From the word of the case file. Throws InputError for others.
-Integrator integrator_of(const std::string& name);
 
 /// The part of a step before the forces are evaluated: x and q reach the full step; v and L the half step (euler: the
 /// full step). Fixed bodies stay; locked ones only translate. A fluid, where there is one, takes part in the kicks.

@@ -4,6 +4,7 @@
 
 #include <tuple>
 
+#include "core/storage/scene_words.hpp"
 #include "solver/laws/barrier.hpp"
 #include "solver/laws/damping.hpp"
 #include "solver/laws/normal.hpp"
@@ -11,22 +12,22 @@
 
 namespace scree {
 
-/// A line of the list: word of the case language, normal law, damping, whether it needs the bodies' radii.
+/// A line of the list: law of the case language, normal law, damping, whether it needs the bodies' radii.
 template <class NormalLaw, class DampingLaw>
 struct LawEntry {
   using Normal = NormalLaw;
   using Damp = DampingLaw;
-  const char* name;
+  ContactLaw law;
   bool needs_radius;
   bool layer = false;  ///< for gather = "area"
 };
 
 inline constexpr std::tuple kLaws{
-    LawEntry<LinearLaw, ViscousDamping>{"linear", false},
-    LawEntry<LinearLaw, HuntCrossleyDamping>{"hunt-crossley", false},
-    LawEntry<HertzLaw, ViscousDamping>{"hertz-mindlin", true},
-    LawEntry<LayerLaw, ViscousDamping>{"linear", true, true},
-    LawEntry<LayerLaw, HuntCrossleyDamping>{"hunt-crossley", true, true},
+    LawEntry<LinearLaw, ViscousDamping>{ContactLaw::linear, false},
+    LawEntry<LinearLaw, HuntCrossleyDamping>{ContactLaw::hunt_crossley, false},
+    LawEntry<HertzLaw, ViscousDamping>{ContactLaw::hertz_mindlin, true},
+    LawEntry<LayerLaw, ViscousDamping>{ContactLaw::linear, true, true},
+    LawEntry<LayerLaw, HuntCrossleyDamping>{ContactLaw::hunt_crossley, true, true},
 };
 
 /// What a scene needs of the force loop; the choice is made once, outside of all loops.

@@ -36,8 +36,8 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
     in("triangles", "hierarchies, triangle distance and feature pairs of the meshes");
   else
     out("triangles", "all bodies are analytic spheres");
-  in("normal contact",
-     fmt::format("{} law, {} gathering, margin {} per body", s.law, s.gather, format_quantity(s.margin, Dimension::length)));
+  in("normal contact", fmt::format("{} law, {} gathering, margin {} per body", word_of(s.law), word_of(s.gather),
+                                   format_quantity(s.margin, Dimension::length)));
   if (prepared.has_damping())
     in("damping", "restitution below 1 for some pair");
   else
@@ -56,15 +56,16 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
     in("rolling resistance", "one spring of moment per body pair");
   else
     out("rolling resistance", "no pair asks for it");
-  if (bodies > fixed) in("motion", fmt::format("{}, {} moving bodies", s.integrator, bodies - fixed));
+  if (bodies > fixed) in("motion", fmt::format("{}, {} moving bodies", word_of(s.integrator), bodies - fixed));
   if (fixed > 0) out("motion of fixed bodies", fmt::format("{} bodies; no fixed-fixed pairs", fixed));
   if (locked == bodies && bodies > 0)
     out("rotation", "every body has lock_rotation");
   else if (isotropic == bodies && bodies > 0)
     out("gyroscopic splitting", "every inertia is isotropic: one exact rotation");
   else
-    in("rotation", fmt::format("{}{}", s.integrator == "kdk-dlm" ? "five-rotation splitting" : s.integrator + " rotor",
-                               locked > 0 ? fmt::format(", {} bodies locked", locked) : ""));
+    in("rotation",
+       fmt::format("{}{}", s.integrator == Integrator::kdk_dlm ? "five-rotation splitting" : word_of(s.integrator) + std::string(" rotor"),
+                   locked > 0 ? fmt::format(", {} bodies locked", locked) : ""));
   if (s.fluid) {
     const FluidForces fluid(scene);
     double slowest = 1e300, fastest = 0;
@@ -74,9 +75,10 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
       slowest = std::min(slowest, reynolds);
       fastest = std::max(fastest, reynolds);
     }
-    in("fluid", fmt::format("{}, {}: buoyancy, {} drag, drag of spin; Reynolds numbers of a free fall {:.3g} to {:.3g}",
-                            format_quantity(s.fluid->density, Dimension::density),
-                            format_quantity(s.fluid->viscosity, Dimension::viscosity), s.fluid->drag, std::min(slowest, fastest), fastest));
+    in("fluid",
+       fmt::format("{}, {}: buoyancy, {} drag, drag of spin; Reynolds numbers of a free fall {:.3g} to {:.3g}",
+                   format_quantity(s.fluid->density, Dimension::density), format_quantity(s.fluid->viscosity, Dimension::viscosity),
+                   word_of(s.fluid->drag), std::min(slowest, fastest), fastest));
   } else {
     out("fluid", "no [fluid]: bodies move in a void");
   }
@@ -97,7 +99,7 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   if (!s.domain.bounded)
     out("domain checks", "the domain is unbounded");
   else
-    in("domain checks", "outside = " + s.domain.outside);
+    in("domain checks", std::string("outside = ") + word_of(s.domain.outside));
   if (s.output_contacts)
     in("contacts in frames", "output.contacts = true");
   else
@@ -120,7 +122,7 @@ std::string plan_text(const mpi::Communicator& comm, const SolverScene& prepared
   text += fmt::format("\n  step          {} ({}; contact time {}, {:.3g} steps per contact)\n", format_quantity(step.step, Dimension::time),
                       step.given ? "given" : "limited by " + step.limited_by, format_quantity(step.contact_time, Dimension::time),
                       step.contact_time / step.step);
-  if (s.step_control == "quantised")
+  if (s.step_control == StepControl::quantised)
     text += fmt::format("                quantised: now {}\n", format_quantity(simulation.substep_size(), Dimension::time));
   text += fmt::format("                critical step of that contact {}\n", format_quantity(step.critical(), Dimension::time));
   text += fmt::format("  steps         {:.0f} for {}\n", steps, format_quantity(s.duration, Dimension::time));

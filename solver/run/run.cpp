@@ -251,8 +251,8 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   std::unique_ptr<RankLog> rank_log;
   const std::string log_path = options.run_folder + "/log.csv", ranks_path = options.run_folder + "/ranks.csv";
   const std::string removed_path = options.run_folder + "/removed.csv", steps_path = options.run_folder + "/steps.csv";
-  const bool quantised = settings.step_control == "quantised";
-  const bool removes = settings.domain.bounded && settings.domain.outside == "remove";
+  const bool quantised = settings.step_control == StepControl::quantised;
+  const bool removes = settings.domain.bounded && settings.domain.outside == Outside::remove;
   std::vector<std::string> tables{log_path, ranks_path};
   if (quantised) tables.push_back(steps_path);
   if (removes) tables.push_back(removed_path);

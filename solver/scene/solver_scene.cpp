@@ -92,8 +92,8 @@ std::size_t SolverShape::memory() const {
 
 namespace {
 
-/// Finds a word of the case language in the list of laws.
-LawChoice choose_law(const std::string& name, bool area) {
+/// Finds a law of the case language in the list of laws.
+LawChoice choose_law(ContactLaw law, bool area) {
   LawChoice choice;
   std::string known;
   int index = 0;
@@ -101,20 +101,21 @@ LawChoice choose_law(const std::string& name, bool area) {
   std::apply(
       [&](const auto&... entry) {
         const auto look = [&](const auto& e) {
-          if (name == e.name && area == e.layer) {
+          if (law == e.law && area == e.layer) {
             choice.law = index;
             choice.needs_radius = e.needs_radius;
             choice.exponent = std::decay_t<decltype(e)>::Normal::kExponent;
             found = true;
           }
-          if (area == e.layer) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", e.name);
+          if (area == e.layer) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", word_of(e.law));
           ++index;
         };
         (look(entry), ...);
       },
       kLaws);
   if (!found)
-    throw UsageError("contact.law = \"{}\" is not known{}; use one of {}", name, area ? " with contact.gather = \"area\"" : "", known);
+    throw UsageError("contact.law = \"{}\" is not known{}; use one of {}", word_of(law), area ? " with contact.gather = \"area\"" : "",
+                     known);
   choice.area = area;
   return choice;
 }
@@ -150,13 +151,13 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }
 
-  law_choice_ = choose_law(settings.law, settings.gather == "area");
+  law_choice_ = choose_law(settings.law, settings.gather == Gathering::area);
   if (law_choice_.area) {
     if (!(margin_ > 0))
       throw UsageError("contact.margin = 0: with contact.gather = \"area\" the margins are the elastic layer; give them a thickness");
     for (SolverShape& shape : shapes_) shape.contact_area = largest_contact_area(shape, 2 * margin_);
   }
-  law_choice_.independent = settings.gather == "pairs";
+  law_choice_.independent = settings.gather == Gathering::pairs;
   if (law_choice_.independent) {
     std::vector<double> smallest(shapes_.size(), 0.0);  // scale of each shape
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -180,7 +181,7 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     laws_[b * material_count_ + a] = law;
   }
   if (settings.barrier > 0) {
-    if (settings.gather != "potential")
+    if (settings.gather != Gathering::potential)
       throw UsageError("contact.barrier = {:g}: goes with contact.gather = \"potential\" only", settings.barrier);
     if (!(margin_ > 0)) throw UsageError("contact.barrier = {:g}: needs margins; give contact.margin", settings.barrier);
     for (PairLaw& law : laws_) {
@@ -207,7 +208,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
   law.tangential_damping = pair.tangential_damping;
   law.rolling_friction = pair.rolling_friction;
   law.torsional_friction = pair.torsional_friction;
-  law.rolling_spring = pair.rolling_model != "constant";
+  law.rolling_spring = pair.rolling_model != RollingModel::constant;
   law.radius = pair.contact_radius;
   law.step_stiffness = pair.stiffness;
   law.step_damping = damping_ratio_of_restitution(pair.restitution);
@@ -217,7 +218,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
     }
     law.stiffness = law.step_stiffness = pair.layer_modulus / (2 * margin_);
   }
-  if (settings.law == "hunt-crossley") {
+  if (settings.law == ContactLaw::hunt_crossley) {
     if (pair.restitution < 1) {
       if (!(pair.restitution_speed > 0)) {
         throw UsageError(
@@ -230,7 +231,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
     return law;
   }
   law.damping_ratio = law.step_damping;
-  if (settings.law != "hertz-mindlin") return law;
+  if (settings.law != ContactLaw::hertz_mindlin) return law;
   if (!(a.young > 0 && b.young > 0)) {
     throw UsageError("materials: '{}' and '{}' need young (Young's modulus) for contact.law = \"hertz-mindlin\"", a.name, b.name);
   }

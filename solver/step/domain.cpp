@@ -17,7 +17,7 @@ bool Simulation::is_outside(const Vec3& x) const {
 
 bool Simulation::any_left_domain() const {
   const Domain& domain = scene_.source().settings.domain;
-  if (!domain.bounded || domain.outside == "keep") return false;
+  if (!domain.bounded || domain.outside == Outside::keep) return false;
   for (std::size_t i = 0; i < p_.owned; ++i) {
     if (!p_.fixed[i] && is_outside(p_.x[i])) return true;
   }
@@ -46,7 +46,7 @@ void Simulation::check_domain() const {
 
 void Simulation::remove_outside() {
   const Domain& domain = scene_.source().settings.domain;
-  if (!domain.bounded || domain.outside != "remove") return;
+  if (!domain.bounded || domain.outside != Outside::remove) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < p_.owned; ++i) {
     if (p_.fixed[i] || !is_outside(p_.x[i])) {

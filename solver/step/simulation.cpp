@@ -48,7 +48,7 @@ Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, 
     : comm_(comm),
       scene_(scene),
       options_(options),
-      integrator_(integrator_of(scene.source().settings.integrator)),
+      integrator_(scene.source().settings.integrator),
       agreement_(comm),
       balance_(comm.size()) {
   mpi::on_all(comm, [&] { check_built_with(comm, scene); });
@@ -206,14 +206,14 @@ bool Simulation::review() {
   const Domain& domain = scene_.source().settings.domain;
   const bool rebuild = std::exchange(level_changed_, false);  // lists are made for the step
   if (substep_ != 0 || step_ % kReviewSteps != 0 || !domain.bounded) return rebuild;
-  if (domain.outside == "stop" && any_left_domain()) {
+  if (domain.outside == Outside::stop && any_left_domain()) {
     try {
       check_domain();
     } catch (const Error& e) {
       fail(e);
     }
   }
-  if (domain.outside != "remove") return rebuild;
+  if (domain.outside != Outside::remove) return rebuild;
   removal_due_ = comm_.max(any_left_domain() ? 1.0 : 0.0) > 0;
   return rebuild || removal_due_;
 }

@@ -53,7 +53,7 @@ CriticalStep Simulation::critical_step() {
     }
   }
 
-  CriticalStep critical = bounds.critical_step(scene_.source().settings.law != "hunt-crossley");
+  CriticalStep critical = bounds.critical_step(scene_.source().settings.law != ContactLaw::hunt_crossley);
   if (comm_.size() > 1) {
     const auto ranks = static_cast<std::size_t>(comm_.size());
     for (const auto& block : comm_.exchange(std::vector<std::vector<CriticalStep>>(ranks, {critical}))) {
@@ -96,7 +96,7 @@ std::pair<std::int64_t, double> Simulation::fastest_body() const {
 
 void Simulation::choose_level(bool with_contacts) {
   const Settings& settings = scene_.source().settings;
-  if (settings.step_control != "quantised") return;
+  if (settings.step_control != StepControl::quantised) return;
   // what each reason asks for [1/s], and the body that does
   enum : std::size_t { speed, spin, contact, count };
   std::array<double, count> rate{};

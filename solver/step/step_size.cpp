@@ -165,7 +165,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.step = source.settings.duration > 0 ? source.settings.duration / 1000 : 1;
     result.limited_by = "no contact can occur: a thousandth of the duration";
   }
-  if (source.settings.step_control == "quantised") return result;  // speed and spin choose the level
+  if (source.settings.step_control == StepControl::quantised) return result;  // speed and spin choose the level
 
   if (stiffest > 0 && scene.margin() > 0) {
     const double way = kMarginPerStep * 2 * scene.margin();

@@ -316,8 +316,8 @@ TEST(CaseFile, a_fluid_is_what_it_says_and_nothing_without_viscosity) {
   EXPECT_DOUBLE_EQ(water.density, 1000);
   EXPECT_DOUBLE_EQ(water.viscosity, 1e-3);
   EXPECT_DOUBLE_EQ(water.velocity.z, 0.02);
-  EXPECT_EQ(water.drag, "haider-levenspiel");
-  EXPECT_EQ(parse(with("density = 1\nviscosity = 1\ndrag = \"stokes\"")).settings.fluid.value().drag, "stokes");
+  EXPECT_EQ(water.drag, Drag::haider_levenspiel);
+  EXPECT_EQ(parse(with("density = 1\nviscosity = 1\ndrag = \"stokes\"")).settings.fluid.value().drag, Drag::stokes);
   expect_refusal(with("density = 1000"), {"case.toml:5", "fluid.viscosity", "missing"});
   expect_refusal(with("density = 1000\nviscosity = \"1 mPa\""), {"case.toml:7", "a dynamic viscosity [Pa s]", "1 mPa s"});
   expect_refusal(with("density = -1\nviscosity = 1"), {"case.toml:6", "fluid.density"});
@@ -340,7 +340,7 @@ TEST(CaseFile, contact_laws_ask_for_what_they_need) {
                                 "\"constant\"\ntangential_ratio = 0.8\ntangential_damping = 0\ncontact_radius = \"3 mm\""));
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.rolling_friction, 0.1);
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.torsional_friction, 0.2);
-  EXPECT_EQ(c.pairs[0].pair.rolling_model, "constant");
+  EXPECT_EQ(c.pairs[0].pair.rolling_model, RollingModel::constant);
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.tangential_ratio, 0.8);
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.tangential_damping, 0);
   EXPECT_DOUBLE_EQ(c.pairs[0].pair.contact_radius, 0.003);

@@ -17,7 +17,7 @@ constexpr double kLayer = 1e6, kMargin = 0.01, kKappa = kLayer / (2 * kMargin); 
 
 Scene layer_scene(double restitution = 1, double friction = 0) {
   Scene scene = test::empty_scene(0, restitution, friction, kMargin);
-  scene.settings.gather = "area";
+  scene.settings.gather = Gathering::area;
   scene.pairs[0].layer_modulus = kLayer;
   return scene;
 }

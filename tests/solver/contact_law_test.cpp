@@ -100,7 +100,7 @@ TEST(LinearLaw, meets_the_demands_on_restitution_at_every_phase_of_touch) {
 }
 
 /// A unit ball, or a cube that lands flat, a share `phase` of a step above touch, with the step that the solver derives.
-TestRun unit_drop(const std::string& law, bool is_cube, double restitution, double steps_per_contact, double phase) {
+TestRun unit_drop(ContactLaw law, bool is_cube, double restitution, double steps_per_contact, double phase) {
   constexpr double k = 1e4, side = .2, margin = .02;
   const double density = is_cube ? 1 / (side * side * side) : 1 / (pi / 6 * side * side * side);
   TestRun run(test::empty_scene(k, restitution, 0, margin, density));
@@ -108,8 +108,8 @@ TestRun unit_drop(const std::string& law, bool is_cube, double restitution, doub
   settings.law = law;
   settings.steps_per_contact = steps_per_contact;
   settings.impact_speed = 1;
-  if (law == "hunt-crossley") run.scene.pairs[0].restitution_speed = 1;
-  if (law == "hertz-mindlin") {
+  if (law == ContactLaw::hunt_crossley) run.scene.pairs[0].restitution_speed = 1;
+  if (law == ContactLaw::hertz_mindlin) {
     run.scene.materials[0].young = 1.3e5;  // about as stiff at unit speed
     run.scene.pairs[0].stiffness = 0;
   }
@@ -131,7 +131,7 @@ TestRun unit_drop(const std::string& law, bool is_cube, double restitution, doub
 TEST(Restitution, from_0_to_1_is_as_requested_in_steps_from_coarse_to_fine) {
   constexpr double kWithin = 0.02;  // of the arrival speed
   double worst = 0;
-  for (const std::string law : {"linear", "hunt-crossley", "hertz-mindlin"}) {
+  for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hunt_crossley, ContactLaw::hertz_mindlin}) {
     for (const bool is_cube : {false, true}) {
       for (const double e : {0.0, 1e-5, 1e-4, 1e-3, .003, .006, .01, .03, .1, .2, .3, .5, .7, .9, 1.0}) {
         for (const double steps : {8.0, 12.0, 20.0, 30.0, 100.0}) {
@@ -149,7 +149,8 @@ TEST(Restitution, from_0_to_1_is_as_requested_in_steps_from_coarse_to_fine) {
               taken = std::max(taken, now.dissipated);
               returned = std::max(returned, taken - now.dissipated);
             }
-            const std::string what = fmt::format("{} {} e = {} {} steps, phase {}", law, is_cube ? "cube" : "ball", e, steps, phase);
+            const std::string what =
+                fmt::format("{} {} e = {} {} steps, phase {}", word_of(law), is_cube ? "cube" : "ball", e, steps, phase);
             ASSERT_TRUE(touched) << what;
             const double error = std::abs(run.velocity(0).z - e);
             worst = std::max(worst, error);
@@ -183,7 +184,7 @@ TEST(Restitution, that_a_given_step_cannot_resolve_is_refused) {
 // Such a run was told "energy balance good" and ended with exit 0.
 TEST(Restitution, a_run_in_which_damping_gives_energy_back_ends) {
   Scene scene = test::empty_scene(1e5, .01, 0, 0);
-  scene.settings.law = "hunt-crossley";
+  scene.settings.law = ContactLaw::hunt_crossley;
   scene.settings.duration = .02;
   scene.settings.output_every = .001;
   scene.pairs[0].restitution_speed = .01;
@@ -242,7 +243,7 @@ TEST(HuntCrossleyLaw, has_the_restitution_of_the_closed_form_at_any_speed) {
     double worst = 0;
     for (int phase = 0; phase < 41; ++phase) {
       TestRun run = unit_ball(.5, steps, (phase + .01) / 41);
-      run.scene.settings.law = "hunt-crossley";
+      run.scene.settings.law = ContactLaw::hunt_crossley;
       run.scene.pairs[0].restitution_speed = 1;
       run.start();
       worst = std::max(worst, std::abs(until_apart(run, false).velocity.z - .5));
@@ -252,7 +253,7 @@ TEST(HuntCrossleyLaw, has_the_restitution_of_the_closed_form_at_any_speed) {
   }
   for (const double speed : {.5, 2.0}) {
     TestRun run = unit_ball(.5, 400, .5);
-    run.scene.settings.law = "hunt-crossley";
+    run.scene.settings.law = ContactLaw::hunt_crossley;
     run.scene.pairs[0].restitution_speed = 1;
     run.scene.bodies.velocity[0].z = -speed;
     run.start();
@@ -264,7 +265,7 @@ TEST(HuntCrossleyLaw, has_the_restitution_of_the_closed_form_at_any_speed) {
 /// Balls of a Hertz material; the second material is rigid.
 Scene hertz_scene(double young, double poisson, double density, double restitution, double friction) {
   Scene scene = test::empty_scene(0, restitution, friction, 0, density);
-  scene.settings.law = "hertz-mindlin";
+  scene.settings.law = ContactLaw::hertz_mindlin;
   scene.materials = {{"elastic", density, young, poisson}, {"rigid", density, 1e30, 0}};
   scene.pairs = {{0, 0, 0, restitution, friction, -1, 0}, {0, 1, 0, restitution, friction, -1, 0}};
   scene.settings.steps_per_contact = 400;
@@ -338,7 +339,7 @@ Impact oblique(Scene scene, double angle, bool watch = false) {
   const double a = angle * pi / 180;
   run.scene.shapes = {make_sphere("ball", .0025)};
   test::add_body(run.scene, 0, {0, 0, .00250001}, {}, {3.9 * std::sin(a), 0, -3.9 * std::cos(a)});
-  add_wall(run.scene, run.scene.settings.law == "linear" ? 0 : 1);
+  add_wall(run.scene, run.scene.settings.law == ContactLaw::linear ? 0 : 1);
   run.start();
   Impact impact = until_apart(run, watch);
   impact.velocity.x /= 3.9 * std::sin(a);
@@ -438,7 +439,7 @@ TEST(ChungOoi, test_8_impact_on_a_large_heavy_ball_is_that_on_a_wall) {
 }
 
 /// A ball of radius 0.1 at rest on a plane under gravity, inclined by `slope` [rad] along x.
-TestRun resting_ball(double friction, double rolling, double torsion, const char* model, double slope) {
+TestRun resting_ball(double friction, double rolling, double torsion, RollingModel model, double slope) {
   TestRun run(test::empty_scene(1e6, .3, friction, 0));
   run.scene.pairs[0].rolling_friction = rolling;
   run.scene.pairs[0].torsional_friction = torsion;
@@ -453,34 +454,34 @@ TestRun resting_ball(double friction, double rolling, double torsion, const char
 
 // F8: w(t) = w0 - 5 mu_r g t / (2 R) without friction; with it and without slip 5/7 of mu_r g / R.
 TEST(Rolling, resistance_slows_a_ball_as_the_closed_forms_say) {
-  for (const char* model : {"constant", "elastic-plastic"}) {
+  for (const RollingModel model : {RollingModel::constant, RollingModel::elastic_plastic}) {
     TestRun run = resting_ball(0, .01, 0, model, 0);
     run.scene.bodies.angular_velocity[0] = {0, 10, 0};
     run.start();
     run.run_for(1);
-    EXPECT_NEAR(10 - run.spin(0).y, 2.5 * .01 * 9.81 / .1, .005 * 2.45) << model;
+    EXPECT_NEAR(10 - run.spin(0).y, 2.5 * .01 * 9.81 / .1, .005 * 2.45) << word_of(model);
     TestRun rolls = resting_ball(.5, .05, 0, model, 0);
     rolls.scene.bodies.angular_velocity[0] = {0, 10, 0};
     rolls.scene.bodies.velocity[0] = {1, 0, 0};
     rolls.start();
     rolls.run_for(1);
-    EXPECT_NEAR(1 - rolls.velocity(0).x, 5.0 / 7 * .05 * 9.81, .005 * .35) << model;
+    EXPECT_NEAR(1 - rolls.velocity(0).x, 5.0 / 7 * .05 * 9.81, .005 * .35) << word_of(model);
     rolls.run_for(3);  // v / (5/7 mu_r g) = 2.9 s
-    EXPECT_LE(length(rolls.velocity(0)), model == std::string("constant") ? 1e-6 : 1e-9);
+    EXPECT_LE(length(rolls.velocity(0)), model == RollingModel::constant ? 1e-6 : 1e-9);
   }
 }
 
 // F9: a ball rests on a slope if and only if tan(slope) < mu_r.
 TEST(Rolling, resistance_holds_a_ball_on_a_slope_up_to_its_angle) {
   const double critical = std::atan(.1), tenth = .1 * pi / 180;
-  TestRun below = resting_ball(.5, .1, 0, "elastic-plastic", critical - tenth);
+  TestRun below = resting_ball(.5, .1, 0, RollingModel::elastic_plastic, critical - tenth);
   below.start();
   below.run_for(2);
   const Vec3 start = below.position(0);
   below.run_for(2);
   EXPECT_LE(length(below.velocity(0)), 1e-9);
   EXPECT_LE(length(below.position(0) - start), 1e-9);
-  TestRun above = resting_ball(.5, .1, 0, "elastic-plastic", critical + tenth);
+  TestRun above = resting_ball(.5, .1, 0, RollingModel::elastic_plastic, critical + tenth);
   above.start();
   above.run_for(4);
   EXPECT_GE(above.velocity(0).x, .5 * 5.0 / 7 * 9.81 * (std::sin(critical + tenth) - .1 * std::cos(critical + tenth)) * 4);
@@ -488,20 +489,20 @@ TEST(Rolling, resistance_holds_a_ball_on_a_slope_up_to_its_angle) {
 
 // A ball that spins about the normal: dw/dt = -mu_t R m g / (2/5 m R^2).
 TEST(Rolling, torsional_resistance_stops_a_spinning_top) {
-  for (const char* model : {"constant", "elastic-plastic"}) {
+  for (const RollingModel model : {RollingModel::constant, RollingModel::elastic_plastic}) {
     TestRun run = resting_ball(.3, 0, .02, model, 0);
     run.scene.bodies.angular_velocity[0] = {0, 0, 10};
     run.start();
     run.run_for(1);
-    EXPECT_NEAR(10 - run.spin(0).z, 2.5 * .02 * 9.81 / .1, .005 * 4.9) << model;
+    EXPECT_NEAR(10 - run.spin(0).z, 2.5 * .02 * 9.81 / .1, .005 * 4.9) << word_of(model);
     run.run_for(2);
-    EXPECT_LE(length(run.spin(0)), 1e-6) << model;
+    EXPECT_LE(length(run.spin(0)), 1e-6) << word_of(model);
   }
 }
 
 // What resistance takes out of the motion is what the log calls dissipated.
 TEST(Rolling, work_of_the_resistance_closes_the_energy_balance) {
-  TestRun run = resting_ball(.3, .02, .02, "elastic-plastic", 0);
+  TestRun run = resting_ball(.3, .02, .02, RollingModel::elastic_plastic, 0);
   run.scene.bodies.angular_velocity[0] = {0, 8, 10};
   run.start();
   const Energies before = run.simulation->energies();

@@ -166,7 +166,7 @@ TEST(CriticalStep, of_a_single_contact_is_the_true_one_when_told_and_when_derive
 // gather = "pairs": N springs side by side have N times the stiffness.
 TEST(CriticalStep, of_one_spring_per_triangle_pair_counts_them) {
   TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
-  run.scene.settings.gather = "pairs";
+  run.scene.settings.gather = Gathering::pairs;
   run.scene.settings.step = 1e-5;
   run.scene.shapes = {make_solid("cube", test::grid_box(2, {1, 1, 1})), make_solid("floor", test::grid_box(1, {3, 3, 1}))};
   test::add_body(run.scene, 0, {0, 0, 1.018});
@@ -183,7 +183,7 @@ TEST(CriticalStep, of_one_spring_per_triangle_pair_counts_them) {
 TEST(CriticalStep, derived_for_one_spring_per_triangle_pair_is_not_above_the_one_of_the_contacts_that_occur) {
   for (const int mesh : {0, 1, 2, 3}) {
     TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
-    run.scene.settings.gather = "pairs";
+    run.scene.settings.gather = Gathering::pairs;
     const TriangleMesh solid = mesh < 2 ? test::grid_box(1 + 7 * mesh, {1, 1, 1}) : test::scaled(test::rock(1, mesh), 0.6);
     run.scene.shapes = {make_solid("solid", solid)};
     test::add_body(run.scene, 0, {0.05, 0.02, mesh < 2 ? 1.021 : 1.4}, {}, {0, 0, -0.5});
@@ -214,7 +214,7 @@ TEST(CriticalStep, derived_for_hertz_and_mindlin_is_at_least_70_percent_of_the_t
   for (const bool two : {false, true}) {
     for (const double friction : {0.0, 0.5}) {
       TestRun run(test::empty_scene(0, 1, friction, 0));
-      run.scene.settings.law = "hertz-mindlin";
+      run.scene.settings.law = ContactLaw::hertz_mindlin;
       run.scene.materials[0].young = 1e7;
       run.scene.materials[0].poisson = 0.3;
       run.scene.settings.impact_speed = two ? 2.0 : 1.0;
@@ -396,7 +396,7 @@ TEST(StepSize, follows_spin_and_approach_where_they_limit_it) {
 // A cube spins on a floor until friction has slowed it: the level is chosen at the start, and the step grows again.
 TEST(StepSize, quantised_is_halved_for_speed_and_grows_back_when_quiet) {
   TestRun run(test::empty_scene(1e4, 0.3, 0.5, 0.002));
-  run.scene.settings.step_control = "quantised";
+  run.scene.settings.step_control = StepControl::quantised;
   run.scene.settings.gravity = {0, 0, -9.81};
   run.scene.shapes = {make_solid("cube", test::grid_box(1, {0.1, 0.1, 0.1}))};
   test::add_body(run.scene, 0, {0, 0, 0.0539}, {}, {}, {0, 0, 120});

@@ -21,7 +21,7 @@ void make_periodic(Scene& scene, const Vec3& lower, const Vec3& upper, std::arra
 TestRun meeting_rocks(const Vec3& place, std::array<bool, 3> axes) {
   TestRun run(test::empty_scene(1e6, 0.5, 0.5, 0.002));
   make_periodic(run.scene, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, axes);
-  run.scene.settings.domain.outside = "keep";
+  run.scene.settings.domain.outside = Outside::keep;
   run.scene.shapes = {make_solid("a", test::scaled(test::rock(1, 2), 0.05)), make_solid("b", test::scaled(test::rock(2, 2), 0.03))};
   const auto wrapped = [](Vec3 x) {
     for (int k = 0; k < 3; ++k) x[k] -= std::floor(x[k] + 0.5);
@@ -217,7 +217,7 @@ TEST(PeriodicAxes, keep_the_momentum_of_many_bodies) {
   EXPECT_LE(length(run.momentum() - before), 1e-13 * std::sqrt(kSteps) * scale);
 }
 
-TestRun leaving_rocks(const std::string& outside) {
+TestRun leaving_rocks(Outside outside) {
   TestRun run(test::empty_scene(1e6, 0.5, 0.3, 0.002));
   make_periodic(run.scene, {-1, -1, -1}, {1, 1, 1}, {false, false, false});
   run.scene.settings.domain.outside = outside;
@@ -228,7 +228,7 @@ TestRun leaving_rocks(const std::string& outside) {
 }
 
 TEST(Domain, removes_what_leaves_it_and_tells_what_that_was) {
-  TestRun run = leaving_rocks("remove");
+  TestRun run = leaving_rocks(Outside::remove);
   run.start();
   const Energies start = run.simulation->energies();
   std::vector<RemovedBody> all;
@@ -262,7 +262,7 @@ TEST(Domain, removes_what_leaves_it_and_tells_what_that_was) {
 }
 
 TEST(Domain, stops_the_run_or_lets_bodies_go_as_asked) {
-  TestRun stop = leaving_rocks("stop");
+  TestRun stop = leaving_rocks(Outside::stop);
   stop.start();
   try {
     for (int n = 0; n < 100000; ++n) stop.simulation->advance();
@@ -271,7 +271,7 @@ TEST(Domain, stops_the_run_or_lets_bodies_go_as_asked) {
     EXPECT_EQ(e.code(), ExitCode::run_invalid);
     EXPECT_NE(std::string(e.what()).find("body 5 left the domain"), std::string::npos) << e.what();
   }
-  TestRun keep = leaving_rocks("keep");
+  TestRun keep = leaving_rocks(Outside::keep);
   keep.start();
   while (keep.simulation->time() < 0.5) keep.simulation->advance();
   EXPECT_EQ(keep.simulation->body_count(), 6);

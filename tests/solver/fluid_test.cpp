@@ -38,7 +38,7 @@ TEST(Fluid, slows_a_ball_down_as_stokes_says_at_any_step) {
   for (const Vec3 stream : {Vec3{}, Vec3{0.5, 0, -2}}) {
     for (const double step : {1e-6, 2e-4}) {
       const Vec3 start{1, 2, 3};
-      TestRun run = ball_in(d, {1000, viscosity, stream, "stokes"}, step, start);
+      TestRun run = ball_in(d, {1000, viscosity, stream, Drag::stokes}, step, start);
       run.start();
       advance(run, 5);
       const Vec3 expected = stream + std::exp(-rate * 5 * step) * (start - stream);
@@ -50,23 +50,23 @@ TEST(Fluid, slows_a_ball_down_as_stokes_says_at_any_step) {
 TEST(Fluid, lets_a_ball_fall_as_stokes_says) {
   const double d = 1e-3, viscosity = 0.1, fluid = 900, rate = 18 * viscosity / (kDensity * d * d);
   const double terminal = (kDensity - fluid) * kGravity * d * d / (18 * viscosity);
-  for (const char* integrator : {"kdk-dlm", "rig", "spiral", "midpoint", "euler"}) {
-    TestRun run = ball_in(d, {fluid, viscosity, {}, "stokes"}, 2e-4);
+  for (const Integrator integrator : {Integrator::kdk_dlm, Integrator::rig, Integrator::spiral, Integrator::midpoint, Integrator::euler}) {
+    TestRun run = ball_in(d, {fluid, viscosity, {}, Drag::stokes}, 2e-4);
     run.scene.settings.gravity = {0, 0, -kGravity};
     run.scene.settings.integrator = integrator;
     run.start();
     EXPECT_NEAR(FluidForces(run.scene).terminal_speed(0), terminal, kRounding * terminal);
     advance(run, 5);
-    EXPECT_NEAR(run.velocity(0).z, -terminal * (1 - std::exp(-rate * 1e-3)), kRounding * terminal) << integrator;
+    EXPECT_NEAR(run.velocity(0).z, -terminal * (1 - std::exp(-rate * 1e-3)), kRounding * terminal) << word_of(integrator);
     advance(run, 1000);
-    EXPECT_NEAR(run.velocity(0).z, -terminal, kRounding * terminal) << integrator;
+    EXPECT_NEAR(run.velocity(0).z, -terminal, kRounding * terminal) << word_of(integrator);
   }
 }
 
 TEST(Fluid, brakes_the_spin_of_a_ball_by_eight_pi_mu_r_cubed) {
   const double d = 2e-3, r = 0.5 * d, viscosity = 0.8, mass = kDensity * 4 / 3 * M_PI * r * r * r;
   const double rate = 8 * M_PI * viscosity * r * r * r / (0.4 * mass * r * r);
-  TestRun run = ball_in(d, {1000, viscosity, {3, 0, 0}, "stokes"}, 1e-4, {3, 0, 0}, {1, -2, 5});
+  TestRun run = ball_in(d, {1000, viscosity, {3, 0, 0}, Drag::stokes}, 1e-4, {3, 0, 0}, {1, -2, 5});
   run.start();
   advance(run, 20);
   EXPECT_LE(length(run.spin(0) - std::exp(-rate * 2e-3) * Vec3{1, -2, 5}), kRounding * 6);
@@ -80,7 +80,7 @@ TEST(Fluid, brakes_a_box_about_each_axis_by_its_own_inertia) {
   const double inertia[3] = {mass / 12 * (0.04 + 0.01), mass / 12 * (0.16 + 0.01), mass / 12 * (0.16 + 0.04)};
   for (int axis = 0; axis < 3; ++axis) {
     TestRun run(test::empty_scene(1e4, 1, 0, 1e-3, kDensity));
-    run.scene.settings.fluid = Fluid{1000, viscosity, {}, "stokes"};
+    run.scene.settings.fluid = Fluid{1000, viscosity, {}, Drag::stokes};
     run.scene.settings.step = 1e-3;
     run.scene.shapes = {make_solid("box", test::grid_box(1, sides))};
     Vec3 spin;
@@ -95,7 +95,7 @@ TEST(Fluid, brakes_a_box_about_each_axis_by_its_own_inertia) {
 // Dennis, Singh & Ingham at Re = 400: torque 1.922 times that of a slow spin. The rate over a short time; it falls as the spin does.
 TEST(Fluid, brakes_a_fast_spin_as_measured) {
   const double d = 2e-3, viscosity = 1e-3, w = 100, rate = 60 * viscosity / (kDensity * d * d);
-  TestRun run = ball_in(d, {1000, viscosity, {}, "haider-levenspiel"}, 1e-5, {}, {0, 0, w});
+  TestRun run = ball_in(d, {1000, viscosity, {}, Drag::haider_levenspiel}, 1e-5, {}, {0, 0, w});
   run.start();
   advance(run, 10);
   EXPECT_NEAR(-std::log(run.spin(0).z / w) / 1e-4 / rate, (12.9 * 20 + 128.4) / (64 * M_PI), 1e-3 * 1.922);
@@ -136,7 +136,7 @@ TEST(Fluid, lets_a_ball_fall_in_water_as_published_in_second_order) {
     return (1 - rho / kDensity) * kGravity - 0.75 * cd * rho / kDensity * v * v / d;
   };
   const auto fall = [&](double duration, int steps) {
-    TestRun run = ball_in(d, {rho, mu, {}, "haider-levenspiel"}, duration / steps);
+    TestRun run = ball_in(d, {rho, mu, {}, Drag::haider_levenspiel}, duration / steps);
     run.scene.settings.gravity = {kGravity, 0, 0};
     run.start();
     advance(run, steps);
@@ -148,14 +148,14 @@ TEST(Fluid, lets_a_ball_fall_in_water_as_published_in_second_order) {
   EXPECT_NEAR(std::log2(std::abs(coarse / fine)), 2, 0.2);
   const double terminal = fall(10, 2000);
   EXPECT_NEAR(acceleration(terminal), 0, 1e-9 * kGravity);
-  TestRun run = ball_in(d, {rho, mu, {}, "haider-levenspiel"}, 1);
+  TestRun run = ball_in(d, {rho, mu, {}, Drag::haider_levenspiel}, 1);
   run.scene.settings.gravity = {kGravity, 0, 0};
   EXPECT_NEAR(FluidForces(run.scene).terminal_speed(0), terminal, 1e-9 * terminal);
   EXPECT_NEAR(fall(1e6, 20), terminal, 1e-9 * terminal) << "no step is too large";
 }
 
 TEST(Fluid, holds_a_body_of_its_own_density_still) {
-  TestRun run = ball_in(0.01, {kDensity, 1e-3, {}, "haider-levenspiel"}, 1e-3);
+  TestRun run = ball_in(0.01, {kDensity, 1e-3, {}, Drag::haider_levenspiel}, 1e-3);
   run.scene.settings.gravity = {0, 0, -kGravity};
   run.start();
   advance(run, 1000);
@@ -165,7 +165,7 @@ TEST(Fluid, holds_a_body_of_its_own_density_still) {
 }
 
 TEST(Fluid, lets_what_is_lighter_rise) {
-  TestRun run = ball_in(0.01, {2 * kDensity, 1e-3, {}, "haider-levenspiel"}, 1e-5);
+  TestRun run = ball_in(0.01, {2 * kDensity, 1e-3, {}, Drag::haider_levenspiel}, 1e-5);
   run.scene.settings.gravity = {0, 0, -kGravity};
   run.start();
   run.simulation->advance();
@@ -174,7 +174,7 @@ TEST(Fluid, lets_what_is_lighter_rise) {
 
 // In pitch a ball sinks by a diameter in months: its energy then is far below what tells rest in a void.
 TEST(Fluid, does_not_take_slow_sinking_for_rest) {
-  TestRun run = ball_in(0.01, {1000, 1e8, {}, "haider-levenspiel"}, 1);
+  TestRun run = ball_in(0.01, {1000, 1e8, {}, Drag::haider_levenspiel}, 1);
   run.scene.settings.gravity = {0, 0, -kGravity};
   run.scene.settings.stop_at_rest = true;
   const double mass = run.scene.mass(0), speed = FluidForces(run.scene).terminal_speed(0);
@@ -188,9 +188,9 @@ TEST(Fluid, does_not_take_slow_sinking_for_rest) {
 
 // A spinning box falls through a stream onto a floor and off it: what goes into the fluid, or comes from it, is counted.
 TEST(Fluid, closes_the_balance_of_energy) {
-  const auto error = [](double steps_per_contact, const char* outside) {
+  const auto error = [](double steps_per_contact, Outside outside) {
     TestRun run(test::empty_scene(1e5, 0.5, 0.3, 1e-3, kDensity));
-    run.scene.settings.fluid = Fluid{998, 1e-3, {0.8, 0, 0}, "haider-levenspiel"};
+    run.scene.settings.fluid = Fluid{998, 1e-3, {0.8, 0, 0}, Drag::haider_levenspiel};
     run.scene.settings.gravity = {0, 0, -kGravity};
     run.scene.settings.steps_per_contact = steps_per_contact;
     run.scene.settings.domain.bounded = true;
@@ -205,12 +205,12 @@ TEST(Fluid, closes_the_balance_of_energy) {
     run.run_for(0.25);
     const Energies e = run.simulation->energies();
     const bool removed = run.simulation->body_count() == 0;
-    EXPECT_EQ(removed, std::string(outside) == "remove");
+    EXPECT_EQ(removed, outside == Outside::remove);
     EXPECT_NE(e.dissipated, 0);
     return std::abs(e.balance() - start) / std::abs(start);
   };
-  EXPECT_LE(error(40, "keep"), 1e-3);
-  EXPECT_LE(error(40, "remove"), 1e-3);
+  EXPECT_LE(error(40, Outside::keep), 1e-3);
+  EXPECT_LE(error(40, Outside::remove), 1e-3);
 }
 
 }  // namespace

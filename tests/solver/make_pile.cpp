@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     box.upper = {2 * rim + spacing * side, 2 * rim + spacing * side, 100};
     scene.walls.push_back(box);
     scene.settings.domain.bounded = kind == "periodic" || kind == "drain" || kind == "emptied";
-    if (kind == "quantised") scene.settings.step_control = kind;
+    if (kind == "quantised") scene.settings.step_control = StepControl::quantised;
     scene.settings.domain.lower = {0, 0, 0};
     scene.settings.domain.upper = {box.upper.x, box.upper.y, 100};
     if (kind == "periodic") {  // a chute around both axes, so that bodies pass the seams
@@ -57,10 +57,10 @@ int main(int argc, char** argv) {
       scene.settings.gravity = {3, 2, -9.81};
     } else if (kind == "drain") {  // bodies go when they come close to the floor
       scene.settings.domain.lower.z = 0.055;
-      scene.settings.domain.outside = "remove";
+      scene.settings.domain.outside = Outside::remove;
     } else if (kind == "emptied") {  // all of them; the run is to end at rest
       scene.settings.domain.lower.z = 0.09;
-      scene.settings.domain.outside = "remove";
+      scene.settings.domain.outside = Outside::remove;
       scene.settings.stop_at_rest = true;
     }
     if (kind == "far") {  // from the origin of the world: computed about its own middle

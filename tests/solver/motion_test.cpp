@@ -10,7 +10,7 @@ namespace {
 using test::TestRun;
 
 /// Speed after an elastic impact of a cube, rotation locked, on a plane at 1 m/s, `steps` steps a contact.
-double rebound(const std::string& integrator, double steps, double phase) {
+double rebound(Integrator integrator, double steps, double phase) {
   TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
   run.scene.settings.integrator = integrator;
   // four corners carry 1 kg: k_eff = sqrt(2) k
@@ -28,18 +28,18 @@ double rebound(const std::string& integrator, double steps, double phase) {
 // docs/reference/validation-plan.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler
 // gains exp(pi^2 / (2 N)) = 28 % at 20.
 TEST(Integrator, keeps_the_speed_of_an_elastic_impact_except_eulers) {
-  for (const char* integrator : {"kdk-dlm", "midpoint", "spiral", "rig"}) {
+  for (const Integrator integrator : {Integrator::kdk_dlm, Integrator::midpoint, Integrator::spiral, Integrator::rig}) {
     double worst = 0;
     for (int phase = 0; phase < 11; ++phase) worst = std::max(worst, std::abs(rebound(integrator, 20, phase / 11.0) - 1));
-    EXPECT_LE(worst, 2.6e-4 * 1.05) << integrator;
+    EXPECT_LE(worst, 2.6e-4 * 1.05) << word_of(integrator);
   }
-  EXPECT_NEAR(rebound("euler", 20, 0.5), std::exp(M_PI * M_PI / 40), 0.03);
-  EXPECT_NEAR(rebound("euler", 200, 0.5), std::exp(M_PI * M_PI / 400), 0.003);
+  EXPECT_NEAR(rebound(Integrator::euler, 20, 0.5), std::exp(M_PI * M_PI / 40), 0.03);
+  EXPECT_NEAR(rebound(Integrator::euler, 200, 0.5), std::exp(M_PI * M_PI / 400), 0.003);
 }
 
 // 4e-18 m a step is a seventh of the distance of neighbouring numbers at 0.2 m: a body as slow as that moves all the same.
 TEST(Integrator, moves_a_body_that_is_slower_than_rounding) {
-  for (const char* integrator : {"kdk-dlm", "midpoint", "spiral", "rig", "euler"}) {
+  for (const Integrator integrator : {Integrator::kdk_dlm, Integrator::midpoint, Integrator::spiral, Integrator::rig, Integrator::euler}) {
     TestRun run(test::empty_scene(1e4, 1, 0, 0.01, 1));
     run.scene.settings.integrator = integrator;
     run.scene.settings.step = 1e-6;
@@ -48,9 +48,9 @@ TEST(Integrator, moves_a_body_that_is_slower_than_rounding) {
     run.start();
     run.run_for(0.02);  // 20 000 steps
     const Vec3 way = run.position(0) - Vec3{0.2, -0.2, 0.15};
-    EXPECT_NEAR(way.x, 8e-14, 3e-17) << integrator;
-    EXPECT_NEAR(way.y, 6e-14, 3e-17) << integrator;
-    EXPECT_NEAR(way.z, -4e-14, 3e-17) << integrator;
+    EXPECT_NEAR(way.x, 8e-14, 3e-17) << word_of(integrator);
+    EXPECT_NEAR(way.y, 6e-14, 3e-17) << word_of(integrator);
+    EXPECT_NEAR(way.z, -4e-14, 3e-17) << word_of(integrator);
   }
 }
 
@@ -78,7 +78,7 @@ TEST(Integrator, keeps_a_stiff_stone_between_others_without_creep) {
 
 // A tumbling rock with friction on a floor: every scheme goes to the same state, Euler at first order.
 TEST(Integrator, meets_the_others_as_the_step_shrinks) {
-  const auto state = [](const std::string& integrator, double steps) {
+  const auto state = [](Integrator integrator, double steps) {
     TestRun run(test::empty_scene(1e6, 0.5, 0.4, 0.002));
     run.scene.settings.integrator = integrator;
     run.scene.settings.gravity = {0, 0, -9.81};
@@ -90,13 +90,13 @@ TEST(Integrator, meets_the_others_as_the_step_shrinks) {
     run.run_for(0.04);
     return std::pair(run.velocity(0), run.spin(0));
   };
-  const auto [v, w] = state("kdk-dlm", 1600);
+  const auto [v, w] = state(Integrator::kdk_dlm, 1600);
   EXPECT_GT(length(w - Vec3{10, 0, 3}), 1) << "no impact happened";
-  for (const char* integrator : {"midpoint", "spiral", "rig", "euler"}) {
+  for (const Integrator integrator : {Integrator::midpoint, Integrator::spiral, Integrator::rig, Integrator::euler}) {
     const auto [vi, wi] = state(integrator, 400);
-    const double limit = std::string(integrator) == "euler" ? 0.03 : 0.004;
-    EXPECT_LE(length(vi - v), limit * length(v)) << integrator;
-    EXPECT_LE(length(wi - w), limit * length(w)) << integrator;
+    const double limit = integrator == Integrator::euler ? 0.03 : 0.004;
+    EXPECT_LE(length(vi - v), limit * length(v)) << word_of(integrator);
+    EXPECT_LE(length(wi - w), limit * length(w)) << word_of(integrator);
   }
 }
 

@@ -67,8 +67,8 @@ TEST(Lists, hold_for_a_large_body_that_is_fast_for_the_smallest_one) {
 TEST(Lists, hold_for_a_ball_in_a_fast_drum_with_a_quantised_step) {
   Scene scene = empty_scene(0, 0.5, 0.4, 0.001, 2500);
   scene.settings.gravity = {0, 0, -9.81};
-  scene.settings.gather = "area";
-  scene.settings.step_control = "quantised";
+  scene.settings.gather = Gathering::area;
+  scene.settings.step_control = StepControl::quantised;
   scene.pairs[0].layer_modulus = 1e5;
   scene.shapes = {make_sphere("ball", 0.01)};
   add_body(scene, 0, {0, 0, -0.085});

@@ -57,7 +57,7 @@ TEST(Rest, is_not_told_while_a_wall_moves_or_will_move) {
 
 TEST(Rest, of_balls_that_weigh_nothing_in_their_fluid_is_measured_by_a_fall_in_a_void) {
   Scene scene = balls_at_rest(2);
-  scene.settings.fluid = Fluid{2500, 1e-3, {}, "haider-levenspiel"};
+  scene.settings.fluid = Fluid{2500, 1e-3, {}, Drag::haider_levenspiel};
   const double fall = 2 * scene.mass(0) * 9.81 * 0.01;
   RestWatch moving(scene), still(scene);
   for (int row = 0; row <= 10; ++row) {

@@ -97,7 +97,7 @@ TEST(MeshIndependence, restitution_of_a_cube_on_its_face_does_not_know_the_mesh)
 TEST(MeshIndependence, one_spring_per_triangle_pair_rebounds_by_the_number_of_triangles) {
   for (const int n : {1, 2}) {
     TestRun run(test::empty_scene(1e4, 0.744079, 0, 0.01, 1));
-    run.scene.settings.gather = "pairs";
+    run.scene.settings.gather = Gathering::pairs;
     run.scene.settings.step = 1e-5;
     run.scene.shapes = {make_solid("cube", test::grid_box(n, {1, 1, 1})), make_solid("floor", test::grid_box(1, {3, 3, 1}))};
     test::add_body(run.scene, 0, {0, 0, 1.0201}, {}, {0, 0, -1});

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "core/base/error.hpp"
+#include "core/storage/scene_settings.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -34,9 +35,9 @@ Scene rich_scene() {
   s.settings.domain.bounded = true;
   s.settings.domain.lower = {-1, -2, -3};
   s.settings.domain.upper = {1, 2, 3.3};
-  s.settings.domain.outside = "keep";
+  s.settings.domain.outside = Outside::keep;
   s.settings.output_every = 0.01;
-  s.settings.fluid = Fluid{998.2, 1e-3 / 3, {0.1, -1.0 / 3, 0}, "stokes"};
+  s.settings.fluid = Fluid{998.2, 1e-3 / 3, {0.1, -1.0 / 3, 0}, Drag::stokes};
   s.shapes = {make_solid("rock", test::rock(3, 1)), make_sphere("bead", 0.005), make_surface("floor", test::icosphere(0))};
   s.materials = {{"rock", 2700.1, 0, 0}, {"steel", 7800, 2.1e11, 0.3}};
   s.pairs = {{0, 0, 1e6 / 3, 0.5, 0.4, 0.3, 0}, {0, 1, 2e6, 0.4, 0.3, -1, 0}};
@@ -248,7 +249,6 @@ TEST_F(SceneFile, contents_that_cannot_be_right_are_refused_by_name) {
       {[](Scene& s) { s.walls[2].radius = -1; }, {"radius", "> 0"}},
       {[](Scene& s) { s.settings.gravity.x = std::nan(""); }, {"gravity", "finite"}},
       {[](Scene& s) { s.settings.fluid->viscosity = 0; }, {"settings.fluid.viscosity", "> 0"}},
-      {[](Scene& s) { s.settings.law = "magic"; }, {"settings.law", "'magic'", "linear"}},
       {[](Scene& s) { s.settings.domain.lower.x = 5; }, {"min is not below max"}},
   };
   for (const Damage& damage : damages) {
@@ -257,6 +257,28 @@ TEST_F(SceneFile, contents_that_cannot_be_right_are_refused_by_name) {
     write_scene_file(path("bad.scene.h5"), s);
     expect_says(message_of([&] { read_scene_file(path("bad.scene.h5")); }), damage.says);
   }
+}
+
+TEST_F(SceneFile, unknown_words_are_refused_with_those_that_are_known) {
+  const Scene s = rich_scene();
+  const auto message_for = [&](const nlohmann::json::json_pointer& place) {
+    nlohmann::json text = settings_json(s);
+    text[place] = "magic";
+    Scene read;
+    read.shapes = s.shapes;
+    return message_of([&] { read_settings_json(text, "X", read); });
+  };
+  using P = nlohmann::json::json_pointer;
+  EXPECT_EQ(message_for(P("/settings/law")), "X.settings.law: 'magic' found, expected one of linear, hunt-crossley, hertz-mindlin");
+  EXPECT_EQ(message_for(P("/settings/gather")), "X.settings.gather: 'magic' found, expected one of potential, area, pairs");
+  EXPECT_EQ(message_for(P("/settings/integrator")),
+            "X.settings.integrator: 'magic' found, expected one of kdk-dlm, rig, spiral, midpoint, euler");
+  EXPECT_EQ(message_for(P("/settings/step_control")), "X.settings.step_control: 'magic' found, expected one of fixed, quantised");
+  EXPECT_EQ(message_for(P("/settings/domain/outside")), "X.settings.domain.outside: 'magic' found, expected one of stop, remove, keep");
+  EXPECT_EQ(message_for(P("/settings/fluid/drag")), "X.settings.fluid.drag: 'magic' found, expected one of haider-levenspiel, stokes");
+  EXPECT_EQ(message_for(P("/pairs/0/rolling_model")), "X.pairs[0].rolling_model: 'magic' found, expected one of elastic-plastic, constant");
+  EXPECT_EQ(message_for(P("/walls/0/kind")),
+            "X.walls[0].kind: 'magic' found, expected one of plane, box_inside, cylinder_inside, sphere_inside, mesh");
 }
 
 TEST_F(SceneFile, a_quaternion_that_lost_digits_is_made_unit_again) {

@@ -58,14 +58,14 @@ inline Scene dense_heap(int nx = 3, int ny = 3, int nz = 4, double spacing = 0.1
 
 /// A scene in water that streams along x.
 inline Scene in_water(Scene scene) {
-  scene.settings.fluid = Fluid{998, 1e-3, {0.3, 0, 0}, "haider-levenspiel"};
+  scene.settings.fluid = Fluid{998, 1e-3, {0.3, 0, 0}, Drag::haider_levenspiel};
   return scene;
 }
 
 /// The same with gather = "area": a layer that an impact at 1 m/s presses to a third.
 inline Scene layered_heap() {
   Scene scene = dense_heap();
-  scene.settings.gather = "area";
+  scene.settings.gather = Gathering::area;
   scene.pairs[0].stiffness = 0;
   scene.pairs[0].layer_modulus = 1e7;
   return scene;

@@ -1,0 +1,65 @@
+// The choices of a scene that cases and scene files name by a word. In memory they are enums; a new value is one line in its enum and
+// one in its table of words.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/words.hpp"
+
+namespace scree {
+
+/// How the step follows what happens: always the same, or halved where speed, spin or contacts require it.
+enum class StepControl { fixed, quantised };
+template <>
+inline constexpr auto kWordsOf<StepControl> = std::to_array<Word<StepControl>>({{StepControl::fixed, "fixed"},
+                                                                                {StepControl::quantised, "quantised"}});
+
+/// What happens to a body that leaves the domain: the run stops, the body is taken out, or it flies on.
+enum class Outside { stop, remove, keep };
+template <>
+inline constexpr auto kWordsOf<Outside> =
+    std::to_array<Word<Outside>>({{Outside::stop, "stop"}, {Outside::remove, "remove"}, {Outside::keep, "keep"}});
+
+/// Drag of a fluid on a body (solver/bodies/fluid.hpp).
+enum class Drag { haider_levenspiel, stokes };
+template <>
+inline constexpr auto kWordsOf<Drag> = std::to_array<Word<Drag>>({{Drag::haider_levenspiel, "haider-levenspiel"},
+                                                                  {Drag::stokes, "stokes"}});
+
+/// The law of a contact: normal force and damping (solver/laws/laws.hpp).
+enum class ContactLaw { linear, hunt_crossley, hertz_mindlin };
+template <>
+inline constexpr auto kWordsOf<ContactLaw> = std::to_array<Word<ContactLaw>>({{ContactLaw::linear, "linear"},
+                                                                              {ContactLaw::hunt_crossley, "hunt-crossley"},
+                                                                              {ContactLaw::hertz_mindlin, "hertz-mindlin"}});
+
+/// How contacts become the force of a pair: one potential, an elastic layer over the facing area, or one spring per pair of triangles.
+enum class Gathering { potential, area, pairs };
+template <>
+inline constexpr auto kWordsOf<Gathering> =
+    std::to_array<Word<Gathering>>({{Gathering::potential, "potential"}, {Gathering::area, "area"}, {Gathering::pairs, "pairs"}});
+
+/// How a step moves the bodies (solver/bodies/motion.hpp).
+enum class Integrator { kdk_dlm, rig, spiral, midpoint, euler };
+template <>
+inline constexpr auto kWordsOf<Integrator> = std::to_array<Word<Integrator>>({{Integrator::kdk_dlm, "kdk-dlm"},
+                                                                              {Integrator::rig, "rig"},
+                                                                              {Integrator::spiral, "spiral"},
+                                                                              {Integrator::midpoint, "midpoint"},
+                                                                              {Integrator::euler, "euler"}});
+
+/// Rolling resistance: a spring that yields (type C), or a constant moment (type A).
+enum class RollingModel { elastic_plastic, constant };
+template <>
+inline constexpr auto kWordsOf<RollingModel> = std::to_array<Word<RollingModel>>({{RollingModel::elastic_plastic, "elastic-plastic"},
+                                                                                  {RollingModel::constant, "constant"}});
+
+enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };
+template <>
+inline constexpr auto kWordsOf<WallKind> = std::to_array<Word<WallKind>>({{WallKind::plane, "plane"},
+                                                                          {WallKind::box_inside, "box_inside"},
+                                                                          {WallKind::cylinder_inside, "cylinder_inside"},
+                                                                          {WallKind::sphere_inside, "sphere_inside"},
+                                                                          {WallKind::mesh, "mesh"}});
+
+}  // namespace scree
