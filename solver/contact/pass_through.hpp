@@ -1,7 +1,7 @@
 // Whether two surfaces may have passed through each other between two steps, unseen by the looks at either end.
 #pragma once
 
-#include "solver/contact/potential.hpp"
+#include "solver/contact/pair_view.hpp"
 
 namespace scree {
 

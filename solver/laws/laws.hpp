@@ -18,26 +18,22 @@ struct LawEntry {
   using Normal = NormalLaw;
   using Damp = DampingLaw;
   ContactLaw law;
-  bool needs_radius;
-  bool layer = false;  ///< for gather = "area"
+  bool needs_radius = false;
 };
 
 inline constexpr std::tuple kLaws{
-    LawEntry<LinearLaw, ViscousDamping>{ContactLaw::linear, false},
-    LawEntry<LinearLaw, HuntCrossleyDamping>{ContactLaw::hunt_crossley, false},
+    LawEntry<LinearLaw, ViscousDamping>{ContactLaw::linear},
+    LawEntry<LinearLaw, HuntCrossleyDamping>{ContactLaw::hunt_crossley},
     LawEntry<HertzLaw, ViscousDamping>{ContactLaw::hertz_mindlin, true},
-    LawEntry<LayerLaw, ViscousDamping>{ContactLaw::linear, true, true},
-    LawEntry<LayerLaw, HuntCrossleyDamping>{ContactLaw::hunt_crossley, true, true},
 };
 
 /// What a scene needs of the force loop; the choice is made once, outside of all loops.
 struct LawChoice {
-  int law = 0;                ///< index in kLaws
+  int law = 0;  ///< index in kLaws
+  Gathering gathering = Gathering::potential;
   double exponent = 1;        ///< of the effective overlap in the normal force
   bool friction = false;      ///< some pair has friction
   bool rolling = false;       ///< some pair has rolling or torsional resistance
-  bool independent = false;   ///< gather = "pairs": every contact its own spring and dashpot
-  bool area = false;          ///< gather = "area"
   bool needs_radius = false;  ///< R* of the bodies enters
 };
 

@@ -9,7 +9,7 @@
 
 #include "core/search/multilevel_grid.hpp"
 #include "solver/bodies/particle_set.hpp"
-#include "solver/contact/potential.hpp"
+#include "solver/contact/pair_force.hpp"
 #include "solver/neighbours/travel_bounds.hpp"
 #include "solver/phases.hpp"
 

@@ -92,31 +92,33 @@ std::size_t SolverShape::memory() const {
 
 namespace {
 
-/// Finds a law of the case language in the list of laws.
-LawChoice choose_law(ContactLaw law, bool area) {
+/// Finds a word of the case language in the list of laws.
+LawChoice choose_law(ContactLaw law, Gathering gathering) {
   LawChoice choice;
+  choice.gathering = gathering;
   std::string known;
   int index = 0;
   bool found = false;
-  std::apply(
-      [&](const auto&... entry) {
-        const auto look = [&](const auto& e) {
-          if (law == e.law && area == e.layer) {
-            choice.law = index;
-            choice.needs_radius = e.needs_radius;
-            choice.exponent = std::decay_t<decltype(e)>::Normal::kExponent;
-            found = true;
-          }
-          if (area == e.layer) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", word_of(e.law));
-          ++index;
-        };
-        (look(entry), ...);
-      },
-      kLaws);
-  if (!found)
-    throw UsageError("contact.law = \"{}\" is not known{}; use one of {}", word_of(law), area ? " with contact.gather = \"area\"" : "",
-                     known);
-  choice.area = area;
+  const auto look = [&]<class Entry>(const Entry& entry) {
+    using InLayer = typename Entry::Normal::InLayer;
+    const bool in_layer = gathering == Gathering::area;
+    if (!in_layer || !std::is_void_v<InLayer>) {
+      if (law == entry.law) {
+        choice.law = index;
+        choice.needs_radius = entry.needs_radius || in_layer;
+        choice.exponent = Entry::Normal::kExponent;
+        if constexpr (!std::is_void_v<InLayer>) choice.exponent = in_layer ? InLayer::kExponent : choice.exponent;
+        found = true;
+      }
+      known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", word_of(entry.law));
+    }
+    ++index;
+  };
+  std::apply([&](const auto&... entry) { (look(entry), ...); }, kLaws);
+  if (!found) {
+    throw UsageError("contact.law = \"{}\" is not known{}; use one of {}", word_of(law),
+                     gathering == Gathering::area ? " with contact.gather = \"area\"" : "", known);
+  }
   return choice;
 }
 
@@ -151,14 +153,13 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }
 
-  law_choice_ = choose_law(settings.law, settings.gather == Gathering::area);
-  if (law_choice_.area) {
+  law_choice_ = choose_law(settings.law, settings.gather);
+  if (law_choice_.gathering == Gathering::area) {
     if (!(margin_ > 0))
       throw UsageError("contact.margin = 0: with contact.gather = \"area\" the margins are the elastic layer; give them a thickness");
     for (SolverShape& shape : shapes_) shape.contact_area = largest_contact_area(shape, 2 * margin_);
   }
-  law_choice_.independent = settings.gather == Gathering::pairs;
-  if (law_choice_.independent) {
+  if (law_choice_.gathering == Gathering::pairs) {
     std::vector<double> smallest(shapes_.size(), 0.0);  // scale of each shape
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
       double& scale = smallest[static_cast<std::size_t>(scene.bodies.shape[b])];
@@ -212,7 +213,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
   law.radius = pair.contact_radius;
   law.step_stiffness = pair.stiffness;
   law.step_damping = damping_ratio_of_restitution(pair.restitution);
-  if (law_choice_.area) {
+  if (law_choice_.gathering == Gathering::area) {
     if (!(pair.layer_modulus > 0)) {
       throw UsageError("pairs: '{}' and '{}': layer_modulus is missing; contact.gather = \"area\" needs it", a.name, b.name);
     }

@@ -6,7 +6,7 @@
 // body b, the frequencies are the eigenvalues of sum_b G_b^T G_b, a sum of blocks on the contacts of b with norm lambda_b, and
 // a contact lies in the blocks of its two bodies only. A pair that touches nothing else is solved as it is, exactly.
 //
-// The leapfrog with damping divided by 1 + gamma h / 4 (potential.hpp) is stable while
+// The leapfrog with damping divided by 1 + gamma h / 4 (laws/damping.hpp) is stable while
 //     h^2 lambda + 2 h gamma / (1 + h gamma / 4) <= 4.
 // What is left out: geometric stiffness (forces times curvature, smaller by overlap over lever) and the fading of edges.
 // Source: docs/reference/validation-plan.md section 2, with the sum over the two bodies of a pair in place of twice the largest.
@@ -18,22 +18,13 @@
 #include <span>
 #include <vector>
 
+#include "solver/contact/pair_stiffness.hpp"
 #include "solver/step/forces.hpp"
 
 namespace scree {
 
-/// Linear stiffness [1/s^2] and damping [1/s] of a pair on the velocities of its bodies scaled by the root of mass and
-/// principal moments: linear then angular of A in its principal axes, then those of B in its own; row-major 12 x 12, symmetric.
-struct PairStiffness {
-  PairKey key;
-  std::int32_t a = 0, b = -1;  ///< rows of the particle set; b is -1 for a wall
-  std::array<double, 144> stiffness{}, damping{};
-  /// Adds stiffness s and damping c along a mode, a mass-normalised wrench.
-  void add_mode(double s, double c, const std::array<double, 12>& mode);
-};
-
-/// The pair as it is now. `n` and levers of the features in the frame of A, as everywhere in the pair arithmetic.
-PairStiffness linearise(const PairContact& look);
+/// The pair as it is now.
+PairStiffness linearise(const PairContact& look, LineariseFunction function);
 
 /// What a body contributes to the bound of its pairs.
 struct BodyBound {
@@ -76,6 +67,10 @@ class StabilityBound {
     PairKey key;
     std::int32_t a, b, alone;  ///< rows; place in alone_ when neither touched anything before, else -1
   };
+  /// At most the step of each link; of one that is alone its blocks bound it as well.
+  std::vector<double> steps_below(bool corrected) const;
+  double step_of(const Link& link, bool corrected);
+
   std::vector<Row> rows_;
   std::vector<Link> links_;
   std::vector<PairStiffness> alone_;

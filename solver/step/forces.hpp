@@ -21,10 +21,9 @@ struct ForceScratch {
 /// A pair in contact as it is looked at: borrowed, valid during the call.
 struct PairContact {
   const BodyPair& pair;
-  std::span<const ContactFeature> features;  ///< frame of A
+  const PairFeatures& features;  ///< frame of A
   const PairForce& force;
   const PairMotion& motion;
-  double exponent;  ///< of the normal force in the effective overlap
   const PairLaw& law;
 };
 using PairVisitor = std::function<void(const PairContact&)>;

@@ -28,7 +28,8 @@ CriticalStep Simulation::critical_step() {
   }
   std::sort(touching.begin(), touching.end());
   StabilityBound bounds(p_.size());
-  const PairVisitor look = [&](const PairContact& pair) { bounds.add(linearise(pair)); };
+  const LineariseFunction function = linearise_function(scene_.law_choice());
+  const PairVisitor look = [&](const PairContact& pair) { bounds.add(linearise(pair, function)); };
   visit_pairs(scene_, p_, walls_, touching, step_, scratch_, pairs_, look);
 
   // The owner of a ghost knows all of its pairs.

@@ -35,7 +35,7 @@ struct Touchable {
 /// Of a layer: times the largest area that the body can have in contact.
 double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i, double tangential_ratio) {
   const SolverShape& shape = scene.shape(p.shape[i]);
-  const double area = scene.law_choice().area ? shape.contact_area * p.scale[i] * p.scale[i] : 1;
+  const double area = scene.law_choice().gathering == Gathering::area ? shape.contact_area * p.scale[i] * p.scale[i] : 1;
   if (shape.kind == ShapeKind::sphere) {
     // A ball's normal passes its centre; only friction, with its softer spring, turns it. The two do not add up.
     const double r = p.radius[i], turning = p.lock_rotation[i] ? 0.0 : r * r * p.inverse_inertia[i].x;
@@ -99,7 +99,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
       const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
       const Touchable &a = all[2 * static_cast<std::size_t>(pair.a) + rough_a], &b = all[2 * static_cast<std::size_t>(pair.b) + rough_b];
       // n^(2/q), q = 8: a face on a face has n = 4 corners, a smooth body on a smooth one touches once
-      const double potential = rough_a + rough_b == 0 || scene.law_choice().area ? 1.0 : std::sqrt(std::sqrt(4.0));
+      const double potential = rough_a + rough_b == 0 || scene.law_choice().gathering == Gathering::area ? 1.0 : std::sqrt(std::sqrt(4.0));
       const double features = rough_a + rough_b == 0 ? potential : std::max(potential, static_cast<double>(scene.springs_per_pair()));
       const auto consider = [&](double mobility, const std::string& name) {
         const PairLaw& law = scene.law(pair.a, pair.b);

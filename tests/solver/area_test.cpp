@@ -29,8 +29,7 @@ struct Layer {
   PairBody body[2];
   const WallZone* zone = nullptr;
   MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
-  std::vector<ContactFeature> features;
-  AreaContact contact;
+  PairFeatures found;
 
   Layer(const TriangleMesh& a, const TriangleMesh& b) {
     scene.shapes = {make_solid("a", a), make_solid("b", b)};
@@ -54,19 +53,19 @@ struct Layer {
     const double ra = body[0].shape->radius, rb = zone != nullptr ? 2 * ra : body[1].shape->radius;
     if (zone != nullptr) {
       list_area_zone(body[0], body[1], *zone, 2 * kMargin, 0.01, ra, lists);
-      area_zone_features(body[0], body[1], *zone, 2 * kMargin, 0, lists, features, contact);
+      area_zone_features(body[0], body[1], *zone, 2 * kMargin, 0, lists, found.list, found.layer);
     } else {
       EXPECT_TRUE(list_triangle_contacts(body[0], body[1], 2 * kMargin, 0.01, ra, rb, *scratch, lists));
-      area_features(body[0], body[1], 2 * kMargin, 0, by_a, lists, features, contact);
+      area_features(body[0], body[1], 2 * kMargin, 0, by_a, lists, found.list, found.layer);
     }
     PairMotion m{};
     m.inverse_mass_a = 1;
     m.inverse_inertia_a = {1, 1, 1};
     m.centre_b = rotate_inverse(body[0].q, body[1].x - body[0].x);
     m.b_to_a = matrix_of(conjugate(body[0].q) * body[1].q);
-    m.area = &contact;
+    found.has_layer = true;
     std::vector<FrictionSpring> springs;
-    return pair_force_function(prepared->law_choice())(features, prepared->law(0, 0), m, 0, 0, springs, nullptr);
+    return pair_force_function(prepared->law_choice())(found, prepared->law(0, 0), m, 0, 0, springs, nullptr);
   }
   Vec3 world_force() {
     const PairForce f = force();

@@ -115,8 +115,9 @@ TEST(ContactEnergy, forces_do_not_know_the_order_of_features_or_triangles) {
   law.stiffness = test::kStiffness;
   std::vector<FrictionSpring> none;
   for (int i = 0; i < 20; ++i) {
-    std::vector<ContactFeature> features = plain.features;
-    std::shuffle(features.begin(), features.end(), g);
+    PairFeatures features;
+    features.list = plain.features;
+    std::shuffle(features.list.begin(), features.list.end(), g);
     const PairForce f = pair_force_function({})(features, law, still, 0, 0, none, nullptr);
     EXPECT_LE(length(f.force - expected.force), 1e-14 * size);
     EXPECT_LE(length(f.torque - expected.torque), 1e-14 * size);

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "solver/bodies/motion.hpp"
-#include "solver/contact/potential.hpp"
+#include "solver/contact/pair_force.hpp"
 #include "solver/scene/solver_scene.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shapes.hpp"
@@ -51,15 +51,16 @@ class TwoBodies {
     m.inverse_inertia_b = inverse_inertia[1];
     m.turn = to_a * body[1].q;
     m.b_to_a = matrix_of(m.turn);
+    found_.list = features;
+    found_.has_cells = cell_size > 0;
     if (cell_size > 0) {
-      find_cell_shares(body[0], body[1], cell_size, cells, features, cells_);
-      m.cell_energy = energy_share(cells);
-      m.cells = &cells_;
+      find_cell_shares(body[0], body[1], cell_size, cells, features, found_.cells);
+      found_.cell_energy = energy_share(cells);
     }
     PairLaw law = prepared_->law(0, 0);
     law.barrier = barrier;
     law.margin = margin_;
-    PairForce f = pair_force_function(prepared_->law_choice())(features, law, m, dt, dt, springs_, &outputs);
+    PairForce f = pair_force_function(prepared_->law_choice())(found_, law, m, dt, dt, springs_, &outputs);
     last_ = f;
     return f;
   }
@@ -141,7 +142,7 @@ class TwoBodies {
   double margin_;
   CandidateLists lists_;
   std::vector<FrictionSpring> springs_;
-  std::vector<CellShare> cells_;
+  PairFeatures found_;
   MeshDistanceScratchPtr scratch_ = make_mesh_distance_scratch();
   PairForce last_;
 };

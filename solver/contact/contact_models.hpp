@@ -1,0 +1,41 @@
+// The list of contact models, and the way from a scene's choice to the one that it takes.
+#pragma once
+
+#include <tuple>
+#include <type_traits>
+
+#include "solver/contact/area_model.hpp"
+#include "solver/contact/pairs_model.hpp"
+#include "solver/contact/potential_model.hpp"
+
+namespace scree {
+
+template <ContactModel... Models>
+struct ModelList {
+  /// Calls action.operator()<Model>() with the one of a way of gathering.
+  template <class Action>
+  static void choose(Gathering gathering, Action&& action) {
+    ((Models::kGathering == gathering ? action.template operator()<Models>() : void()), ...);
+  }
+};
+
+using ContactModels = ModelList<PotentialModel, AreaModel, PairsModel>;
+
+/// Calls action.operator()<Model, Entry, Normal>() with the model of a scene, the line of its law, and what its normal law is under the
+/// model.
+template <class Action>
+void for_chosen_law(const LawChoice& choice, Action&& action) {
+  ContactModels::choose(choice.gathering, [&]<class Model>() {
+    int index = 0;
+    const auto look = [&]<class Entry>(const Entry&) {
+      using Normal = typename Model::template NormalLaw<typename Entry::Normal>;
+      if constexpr (!std::is_void_v<Normal>) {
+        if (index == choice.law) action.template operator()<Model, Entry, Normal>();
+      }
+      ++index;
+    };
+    std::apply([&](const auto&... entry) { (look(entry), ...); }, kLaws);
+  });
+}
+
+}  // namespace scree

@@ -1,0 +1,207 @@
+#include "solver/contact/pair_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/built_with.hpp"
+#include "solver/contact/contact_models.hpp"
+#include "solver/contact/pair_friction.hpp"
+
+namespace scree {
+
+namespace {
+
+static_assert(kNorm == 8, "power7 and the roots of the models are written for the eighth norm");
+
+/// What a thread keeps from pair to pair, so that nothing is allocated for each.
+struct Workspace {
+  FeatureForces forces;
+  std::vector<FrictionSpring> springs;
+};
+
+/// Effective inverse mass of a wrench Q (force F on A at A's centre with torque T, the opposite on B): Q M^-1 Q.
+double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torque) {
+  double sum = (m.inverse_mass_a + m.inverse_mass_b) * squared_length(force);
+  sum += torque.x * torque.x * m.inverse_inertia_a.x + torque.y * torque.y * m.inverse_inertia_a.y +
+         torque.z * torque.z * m.inverse_inertia_a.z;
+  // T_B = -T_A - (x_A - x_B) x F, with x_A = 0
+  const Vec3 on_b = transpose_times(m.b_to_a, cross(m.centre_b, force) - torque);
+  sum += on_b.x * on_b.x * m.inverse_inertia_b.x + on_b.y * on_b.y * m.inverse_inertia_b.y + on_b.z * on_b.z * m.inverse_inertia_b.z;
+  return sum;
+}
+
+/// A contact's record: the force without friction has the feature's direction, but for what a weight adds that changes with the pose.
+ContactOutput output_of(const Vec3& n, double normal_force, const Vec3& from_weight, const Vec3& tangential) {
+  if (!(squared_length(from_weight) > 0)) return {n, normal_force, tangential};
+  const Vec3 force = normal_force * n + from_weight;
+  const double size = length(force);
+  return {size > 0 ? (1 / size) * force : n, size, tangential};
+}
+
+/// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
+void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force, double push, const std::vector<double>& per_overlap,
+                 double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
+                 const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
+  const double size = length(push_force);
+  if (!(size > 0)) return;
+  RollingState state;
+  state.n = (1 / size) * push_force;
+  state.relative_spin = m.w_a - m.w_b;
+  state.normal_force = push;
+  double stiffness = 0;
+  for (const double s : per_overlap) stiffness += s;
+  state.overlap = push / stiffness;
+  state.radius = m.radius;
+  state.damping = tangential_damping;
+  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
+  state.spin_mobility = largest(m.inverse_inertia_a) + largest(m.inverse_inertia_b);
+  FrictionSpring old{kRollingKey, Vec3{}, 0};
+  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kRollingKey; ++s) {
+    if (s->key == kRollingKey) old = *s;
+  }
+  old.force = turned(old.force);
+  const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
+  result.dissipative_torque += moment.moment;
+  if (!law.rolling_spring) return;
+  next.push_back({kRollingKey, moment.spring, moment.stiffness});
+  if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
+}
+
+/// Damping of a pair: each feature's is push chi v_n, never more than the push itself.
+template <class Model, class Damp, class Law>
+class PairDamping {
+ public:
+  PairDamping(const PairFeatures& features, const PairLaw& pair_law, const Law& law, const PairMotion& motion, const PairForce& elastic,
+              const FeatureForces& forces, const PushSum& push, double dt)
+      : pair_law_(pair_law), law_(law), forces_(forces), dt_(dt), reduced_(motion.inverse_mass_a + motion.inverse_mass_b) {
+    if (!Damp::acts(pair_law)) return;
+    if (push.force > 0) {
+      double mobility = reduced_;
+      if constexpr (!Model::kDampsEachFeature)
+        mobility = std::max(mobility, wrench_mobility(motion, elastic.force, elastic.torque) / (push.force * push.force));
+      if (mobility > 0) {
+        const double chi = Damp::chi(pair_law, push.energy, mobility);
+        pair_rate_ = chi * push.force * mobility * dt;
+        of_pair_ = Damp::in_step(chi, pair_rate_, pair_rate_);
+      }
+    }
+    if constexpr (Model::kDampsEachFeature) {
+      // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
+      pair_rate_ = 0;
+      for (std::size_t j = 0; j < features.list.size(); ++j)
+        pair_rate_ += Damp::chi(pair_law, law.energy(features.list[j].overlap), reduced_) * forces.push[j] * reduced_ * dt;
+    }
+  }
+  const Damping& of_pair() const { return of_pair_; }
+  Damping of_feature(const ContactFeature& f, std::size_t j) const {
+    if constexpr (Model::kDampsEachFeature) {
+      if (!Damp::acts(pair_law_)) return of_pair_;
+      const double chi = Damp::chi(pair_law_, law_.energy(f.overlap), reduced_);
+      return Damp::in_step(chi, chi * forces_.push[j] * reduced_ * dt_, pair_rate_);
+    } else {
+      return of_pair_;
+    }
+  }
+
+ private:
+  const PairLaw& pair_law_;
+  const Law& law_;
+  const FeatureForces& forces_;
+  double dt_, reduced_, pair_rate_ = 0;
+  Damping of_pair_;
+};
+
+/// Friction and rolling are compiled in or left out; a scene without them pays nothing for either.
+template <class Model, class Entry, class Law, bool kFriction, bool kRolling>
+PairForce pair_force(const PairFeatures& features, const PairLaw& law, const PairMotion& motion, double dt, double friction_dt,
+                     std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs) {
+  PairForce result;
+  const std::size_t count = features.list.size();
+  if (outputs != nullptr) outputs->resize(count);
+  if (count == 0) {
+    springs.clear();
+    return result;
+  }
+
+  const Law law_of_overlap(law, motion.radius);
+  thread_local Workspace work;
+  FeatureForces& forces = work.forces;
+  forces.push.assign(count, 0);
+  forces.push_per_overlap.assign(count, 0);
+  forces.wants_from_weight = outputs != nullptr;
+  if (outputs != nullptr) forces.from_weight.assign(count, Vec3{});
+  const PushSum push = Model::potential(features, law, law_of_overlap, forces, result);
+
+  const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt);
+  Damping damping = dampings.of_pair();
+  result.damping = damping.chi;
+  const bool frictional = kFriction && law.friction > 0;
+  const bool rolls = kRolling && (law.rolling_friction > 0 || law.torsional_friction > 0);
+  if (damping.chi == 0 && !frictional && !rolls) {
+    if (outputs != nullptr) {
+      for (std::size_t j = 0; j < count; ++j) (*outputs)[j] = output_of(features.list[j].n, forces.push[j], forces.from_weight[j], Vec3{});
+    }
+    springs.clear();
+    return result;
+  }
+
+  const double tangential_share = tangential_damping_share(law, tangent_over_secant(law_of_overlap, result.largest_overlap));
+  const Vec3 push_force = result.force;
+  const MeanTurn turned(springs, motion.turn, friction_dt);
+  std::vector<FrictionSpring>& next = work.springs;
+  next.clear();
+  PairFriction friction(law, motion, friction_dt, springs, turned, next);
+  for (std::size_t j = 0; j < count; ++j) {
+    const ContactFeature& f = features.list[j];
+    const Vec3 arm_b = f.x - motion.pivot_b;
+    const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
+    const Vec3 velocity = motion.v_a + turning_a - motion.pivot_v_b - turning_b;
+    const double vn = dot(velocity, f.n);
+    if constexpr (Model::kDampsEachFeature) damping = dampings.of_feature(f, j);
+    const double weight = std::min(damping.most_onset, onset_weight(f.overlap, vn, dt));
+    const double damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
+    Vec3 lossy = (damped - forces.push[j]) * f.n;
+    Vec3 tangential;
+    if (frictional) {
+      // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
+      // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
+      // Where springs do not move, at the start and for output, the velocities are those of now.
+      const Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
+      const Vec3 vt = slip - dot(slip, f.n) * f.n;
+      tangential = friction.force(f, vt, vn, damped, law.tangential_ratio * forces.push_per_overlap[j],
+                                  tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
+      lossy += tangential;
+    }
+    result.dissipative_force += lossy;
+    result.dissipative_torque += cross(f.x, lossy);
+    if (outputs != nullptr) (*outputs)[j] = output_of(f.n, damped, forces.from_weight[j], tangential);
+  }
+  if (rolls)
+    add_rolling(law, motion, push_force, push.force, forces.push_per_overlap, tangential_share * damping.chi, dt, friction_dt, turned,
+                springs, next, result);
+  if (!next.empty()) next.push_back(MeanTurn::entry(motion.turn));
+  springs.swap(next);
+  result.force += result.dissipative_force;
+  result.torque += result.dissipative_torque;
+  return result;
+}
+
+template <class Model, class Entry, class Law>
+PairForceFunction without_the_unneeded(const LawChoice& choice) {
+  if constexpr (!built_with::kFriction) return &pair_force<Model, Entry, Law, false, false>;
+  if (choice.rolling) {
+    return choice.friction ? &pair_force<Model, Entry, Law, true, true> : &pair_force<Model, Entry, Law, false, true>;
+  }
+  return choice.friction ? &pair_force<Model, Entry, Law, true, false> : &pair_force<Model, Entry, Law, false, false>;
+}
+
+}  // namespace
+
+PairForceFunction pair_force_function(const LawChoice& choice) {
+  PairForceFunction function = nullptr;
+  for_chosen_law(choice, [&]<class Model, class Entry, class Law>() { function = without_the_unneeded<Model, Entry, Law>(choice); });
+  SCREE_ASSERT(function != nullptr, "law {} of the list", choice.law);
+  return function;
+}
+
+}  // namespace scree

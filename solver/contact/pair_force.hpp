@@ -1,0 +1,82 @@
+// The force of one body pair: the potential of its unique features by the scene's contact model, damping from restitution, Coulomb
+// friction with history per feature, rolling resistance. Source: docs/reference/contact-law.md sections 3.2 to 3.4.
+// The laws are those of laws/laws.hpp.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "solver/contact/area_pressure.hpp"
+#include "solver/contact/pair_state.hpp"
+#include "solver/contact/pair_view.hpp"
+
+namespace scree {
+
+/// The features of one pair, and what of them shares an energy. Each thread has one and fills it anew for every pair.
+struct PairFeatures {
+  std::vector<ContactFeature> list;  ///< ascending keys
+  bool has_cells = false;            ///< one potential for each of `cells`, with this part of the energy
+  double cell_energy = 1;
+  std::vector<CellShare> cells;
+  bool has_layer = false;  ///< gather = "area": patches of `layer` as the features
+  AreaContact layer;
+};
+
+/// What a pair does to its bodies, A frame; torque about A's centre.
+struct PairForce {
+  Vec3 force, torque;                          ///< on A, everything
+  Vec3 dissipative_force, dissipative_torque;  ///< on A, from damping and friction alone
+  double elastic = 0;                          ///< U [J]; below 0 where a law pulls
+  double tangential_elastic = 0;               ///< stored in friction springs [J]
+  double largest_overlap = 0;                  ///< largest overlap [m]
+  double damping = 0;                          ///< chi: the damping force of a feature is its push times chi times its speed [s/m]
+};
+
+/// One contact as it is written to frames. All contacts of a pair add up to its force.
+struct ContactOutput {
+  Vec3 normal;            ///< unit: n of the feature; where its weight changes with the pose, along the force without friction
+  double normal_force;    ///< on A along `normal` [N], damping included; below 0 where a law pulls
+  Vec3 tangential_force;  ///< on A, A frame [N]
+};
+
+/// What each feature of a pair presses with: filled by the potential of a contact model.
+struct FeatureForces {
+  std::vector<double> push;              ///< f_j >= 0 [N]: what damping and friction are in proportion to
+  std::vector<double> push_per_overlap;  ///< over the effective overlap [N/m]: the tangential stiffness goes with it
+  bool wants_from_weight = false;
+  std::vector<Vec3> from_weight;  ///< where wanted, the force from a weight that changes with the pose [N]
+};
+
+/// Sums over the features of a pair.
+struct PushSum {
+  double force = 0;   ///< [N]
+  double energy = 0;  ///< [J]
+};
+
+/// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
+inline constexpr int kNorm = 8;
+
+/// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
+inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
+/// Key of the last entry: no spring, but how B was turned against A when the springs were set, x y z and w of a quaternion.
+inline constexpr std::int64_t kTurnKey = std::int64_t{7} << 60;
+
+/// Factor on chi in the damping of sliding: against the tangent stiffness of the normal force, as in the normal direction.
+/// in   exponent   tangent stiffness of the push over its secant
+inline double tangential_damping_share(const PairLaw& law, double exponent) {
+  return law.tangential_damping * std::sqrt(law.tangential_ratio / exponent);
+}
+
+/// in   features     overlap > 0
+/// in   dt           step of the run [s], for damping (laws/damping.hpp); 0: no correction for the step
+/// in   friction_dt  step of the friction update [s]: dt, or 0 to leave the springs as they are
+/// inout springs     sorted by key; replaced by those of the present features (left empty without friction and rolling)
+/// out  outputs      one per feature when not null
+using PairForceFunction = PairForce (*)(const PairFeatures& features, const PairLaw& law, const PairMotion& motion, double dt,
+                                        double friction_dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs);
+
+/// The function for a scene's model and law, with what the scene does not need left out of it.
+PairForceFunction pair_force_function(const LawChoice& choice);
+
+}  // namespace scree

@@ -1,0 +1,107 @@
+// Friction springs of a pair, from one step to the next. Source: docs/reference/contact-law.md section 3.4.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "solver/contact/pair_force.hpp"
+
+namespace scree {
+
+/// Takes springs, kept in the frame of A, along with both bodies: by half of what B has turned against A since they were set. Seen from B
+/// it is the same rotation, so that which of the two is A changes nothing but rounding.
+class MeanTurn {
+ public:
+  /// in   springs   of the last step, with their kTurnKey     in  turn  B to A, now
+  MeanTurn(const std::vector<FrictionSpring>& springs, const Quat& turn, double friction_dt) {
+    if (springs.empty() || springs.back().key != kTurnKey || !(friction_dt > 0)) return;
+    const FrictionSpring& kept = springs.back();
+    const Quat before{kept.stiffness, kept.force.x, kept.force.y, kept.force.z};
+    if (before == turn) return;  // at rest, to the last bit
+    Quat by = turn * conjugate(before);
+    if (by.w < 0) by = {-by.w, -by.x, -by.y, -by.z};
+    w_ = std::sqrt(0.5 * (1 + by.w));
+    u_ = (0.5 / w_) * Vec3{by.x, by.y, by.z};
+  }
+  Vec3 operator()(const Vec3& s) const {
+    const Vec3 t = cross(2 * u_, s);
+    return s + w_ * t + cross(u_, t);
+  }
+  static FrictionSpring entry(const Quat& turn) { return {kTurnKey, {turn.x, turn.y, turn.z}, turn.w}; }
+
+ private:
+  Vec3 u_;
+  double w_ = 1;
+};
+
+/// Friction of the features of one pair, taken in ascending order of their keys.
+class PairFriction {
+ public:
+  /// in   springs   of the last step     in  next   takes those of this one
+  PairFriction(const PairLaw& law, const PairMotion& motion, double friction_dt, const std::vector<FrictionSpring>& springs,
+               const MeanTurn& turned, std::vector<FrictionSpring>& next)
+      : law_(law),
+        friction_dt_(friction_dt),
+        rounding_(kStiffnessRounding * length(motion.centre_b)),
+        springs_(springs),
+        turned_(turned),
+        next_(next) {}
+
+  /// Tangential force on A at a feature.
+  ///
+  /// in   vt, vn    sliding and separation velocity [m/s]     in  push  of the feature, damping included [N]
+  /// in   kappa     tangential stiffness [N/m]     in  damping  of sliding [N s/m]
+  /// inout elastic  energy in springs [J]
+  [[gnu::always_inline]] Vec3 force(const ContactFeature& f, const Vec3& vt, double vn, double push, double kappa, double damping,
+                                    double& elastic) {
+    Vec3 spring = spring_of(f, vt, vn, kappa);
+    const double limit = law_.friction * push, sliding = law_.friction_sliding * push;
+    // squares: the root is taken only where something slides
+    const double stretched = squared_length(spring);
+    const bool slides = stretched > limit * limit;
+    if (slides) spring *= sliding / std::sqrt(stretched);
+    Vec3 tangential = spring - damping * vt;
+    const double total = squared_length(tangential), cap = slides ? sliding : limit;
+    if (total > cap * cap) tangential *= cap / std::sqrt(total);
+    if (kappa > 0) elastic += 0.5 * squared_length(spring) / kappa;
+    next_.push_back({f.key, spring, kappa});
+    return tangential;
+  }
+
+ private:
+  /// Share of itself by which rounding moves the stiffness of a feature, times the overlap over the distance of the two bodies: the
+  /// stiffness goes with powers of the overlap up to the seventh, and the overlap is a difference of places. The worst of 1e7 values in a
+  /// stiff heap at rest is 35 epsilon.
+  static constexpr double kStiffnessRounding = 64 * std::numeric_limits<double>::epsilon();
+
+  [[gnu::always_inline]] Vec3 spring_of(const ContactFeature& f, const Vec3& vt, double vn, double& kappa) {
+    while (old_ < springs_.size() && springs_[old_].key < f.key) ++old_;
+    if (old_ == springs_.size() || springs_[old_].key != f.key) {
+      // a new feature has slid only since it touched
+      return (-kappa * (f.overlap < -vn * friction_dt_ ? f.overlap / -vn : friction_dt_)) * vt;
+    }
+    // turn with the bodies' mean frame, back into the tangent plane at its own length
+    Vec3 s = turned_(springs_[old_].force);
+    s -= dot(s, f.n) * f.n;
+    const double flat = squared_length(s);
+    if (flat > 0) s *= std::sqrt(squared_length(springs_[old_].force) / flat);
+    // Unloading gives force back in proportion; loading must not create any (passivity, docs/reference/contact-law.md 3.4). A load that
+    // only rounding moves up and down is neither (docs/decisions/012): springs would lose a little each time, and a stiff heap creep
+    // for ever.
+    const double before = springs_[old_].stiffness;
+    if (std::abs(kappa - before) * f.overlap <= rounding_ * before) kappa = before;
+    if (kappa < before) s *= kappa / before;
+    return s - (kappa * friction_dt_) * vt;
+  }
+
+  const PairLaw& law_;
+  double friction_dt_, rounding_;
+  const std::vector<FrictionSpring>& springs_;
+  const MeanTurn& turned_;
+  std::vector<FrictionSpring>& next_;
+  std::size_t old_ = 0;
+};
+
+}  // namespace scree

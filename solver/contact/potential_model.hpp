@@ -1,0 +1,181 @@
+// gather = "potential": one smooth p-norm potential over the unique features of a pair, U(D), D = (sum a_j d_j^8)^(1/8); where one of
+// the bodies has cells, one for each of them; and the barrier of each feature that is near enough.
+// Source: docs/reference/contact-law.md section 3.2.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "solver/contact/contact_model.hpp"
+
+namespace scree {
+
+inline double power7(double x) {
+  const double x2 = x * x, x4 = x2 * x2;
+  return x4 * x2 * x;
+}
+
+struct PotentialModel {
+  static constexpr Gathering kGathering = Gathering::potential;
+  static constexpr bool kDampsEachFeature = false;
+  template <class Law>
+  using NormalLaw = Law;
+
+  static bool list(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists) {
+    if (view.geometry != PairGeometry::two_meshes) return list_closed_form(view, skin, scratch, lists);
+    return list_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
+  }
+
+  static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
+    if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
+      mesh_pair_features(view.a, view.b, view.pose, view.margin, moved, lists, features.list);
+    else
+      find_closed_form(view, moved, lists, features.list);
+    share_among_cells(view, features);
+  }
+
+  template <class Law>
+  static PushSum potential(const PairFeatures& features, const PairLaw& pair_law, const Law& law, FeatureForces& forces,
+                           PairForce& result) {
+    PushSum sum =
+        features.has_cells ? add_cell_potentials(features, law, forces, result) : add_potential(features.list, law, forces, result);
+    if (pair_law.barrier > 0) add_barrier(features.list, pair_law, forces, sum, result);
+    return sum;
+  }
+
+  template <class Law>
+  static void linearise(const LinearContact& contact, const Law& law);
+
+ private:
+  template <class Law>
+  static PushSum add_potential(const std::vector<ContactFeature>& features, const Law& law, FeatureForces& forces, PairForce& result);
+  template <class Law>
+  static PushSum add_cell_potentials(const PairFeatures& features, const Law& law, FeatureForces& forces, PairForce& result);
+  static void add_barrier(const std::vector<ContactFeature>& features, const PairLaw& law, FeatureForces& forces, PushSum& sum,
+                          PairForce& result);
+  static void linearise_barrier(const LinearContact& contact, double exponent);
+};
+
+/// One potential of all features.
+template <class Law>
+PushSum PotentialModel::add_potential(const std::vector<ContactFeature>& features, const Law& law, FeatureForces& forces,
+                                      PairForce& result) {
+  // scaled by the largest overlap so that nothing under- or overflows
+  for (const ContactFeature& f : features) result.largest_overlap = std::max(result.largest_overlap, f.overlap);
+  double sum = 0;
+  for (const ContactFeature& f : features) {
+    const double r = f.overlap / result.largest_overlap;
+    sum += f.weight * power7(r) * r;
+  }
+  const double D = result.largest_overlap * std::sqrt(std::sqrt(std::sqrt(sum)));
+  result.elastic = law.energy(D);
+  const double dU = law.force(D);
+  double push = 0;
+  for (std::size_t j = 0; j < features.size(); ++j) {
+    const ContactFeature& f = features[j];
+    const double r = f.overlap / D, r7 = power7(r);
+    forces.push[j] = dU * f.weight * r7;
+    forces.push_per_overlap[j] = forces.push[j] / D;
+    push += forces.push[j];
+    const Vec3 force = forces.push[j] * f.n;
+    result.force += force;
+    result.torque += cross(f.x, force);
+    if (f.faded) {
+      const double c = dU * D / kNorm * r7 * r;  // dU/da_j
+      result.force -= c * f.weight_gradient.force;
+      result.torque -= c * f.weight_gradient.couple;
+      if (forces.wants_from_weight) forces.from_weight[j] -= c * f.weight_gradient.force;
+    }
+  }
+  return {push, result.elastic};
+}
+
+/// The same with one potential per cell (wall_cells.hpp), each with a part of the energy.
+template <class Law>
+PushSum PotentialModel::add_cell_potentials(const PairFeatures& features, const Law& law, FeatureForces& forces, PairForce& result) {
+  constexpr double kPower = kNorm / (1 + Law::kExponent);  // a single feature's energies then sum to U(d)
+  const std::vector<CellShare>& shares = features.cells;
+  const double part = features.cell_energy;
+  for (const ContactFeature& f : features.list) result.largest_overlap = std::max(result.largest_overlap, f.overlap);
+  double push = 0;
+  for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
+    double sum = 0;
+    for (end = begin; end < shares.size() && shares[end].cell == shares[begin].cell; ++end) {
+      const ContactFeature& f = features.list[static_cast<std::size_t>(shares[end].feature)];
+      const double r = f.overlap / result.largest_overlap;
+      sum += f.weight * std::pow(shares[end].weight, kPower) * power7(r) * r;
+    }
+    const double D = result.largest_overlap * std::sqrt(std::sqrt(std::sqrt(sum)));
+    if (!(D > 0)) continue;
+    result.elastic += part * law.energy(D);
+    const double dU = part * law.force(D);
+    for (std::size_t s = begin; s < end; ++s) {
+      const CellShare& share = shares[s];
+      const auto j = static_cast<std::size_t>(share.feature);
+      const ContactFeature& f = features.list[j];
+      const double ratio = f.overlap / D, slope = kPower * std::pow(share.weight, kPower - 1), weight = std::pow(share.weight, kPower);
+      const double r7 = power7(ratio), force = dU * f.weight * weight * r7;
+      forces.push[j] += force;
+      forces.push_per_overlap[j] += force / D;
+      push += force;
+      result.force += force * f.n;
+      result.torque += cross(f.x, force * f.n);
+      const double c = dU * D / kNorm * r7 * ratio;  // dU / d(a_j w^power)
+      if (f.faded) {
+        result.force -= (c * weight) * f.weight_gradient.force;
+        result.torque -= (c * weight) * f.weight_gradient.couple;
+        if (forces.wants_from_weight) forces.from_weight[j] -= (c * weight) * f.weight_gradient.force;
+      }
+      result.force -= (c * f.weight * slope) * share.gradient.force;
+      result.torque -= (c * f.weight * slope) * share.gradient.couple;
+      if (forces.wants_from_weight) forces.from_weight[j] -= (c * f.weight * slope) * share.gradient.force;
+    }
+  }
+  return {push, result.elastic};
+}
+
+template <class Law>
+void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
+  const std::vector<ContactFeature>& features = contact.features.list;
+  const double largest = contact.force.largest_overlap;
+  // features that share a potential, each with its weight in it: all of them, or those of a cell
+  struct Member {
+    std::int64_t cell;
+    std::size_t feature;
+    double weight;
+  };
+  std::vector<Member> members;
+  double part = 1;
+  if (contact.features.has_cells) {
+    part = contact.features.cell_energy;
+    for (const CellShare& s : contact.features.cells) {
+      const auto j = static_cast<std::size_t>(s.feature);
+      members.push_back({s.cell, j, features[j].weight * std::pow(s.weight, kNorm / (1 + Law::kExponent))});
+    }
+  } else {
+    for (std::size_t j = 0; j < features.size(); ++j) members.push_back({0, j, features[j].weight});
+  }
+  for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
+    double sum = 0;
+    for (end = begin; end < members.size() && members[end].cell == members[begin].cell; ++end) {
+      sum += members[end].weight * std::pow(features[members[end].feature].overlap / largest, kNorm);
+    }
+    const double D = largest * std::pow(sum, 1.0 / kNorm);
+    if (!(D > 0)) continue;
+    const double slope = part * law.force(D) / D, tangent = part * law.stiffness(D);  // U' / D, U''
+    std::array<double, 12> common{};
+    for (std::size_t m = begin; m < end; ++m) {
+      const ContactFeature& f = features[members[m].feature];
+      const double weight = members[m].weight, r = f.overlap / D, r6 = std::pow(r, kNorm - 2);
+      const auto along = mode_of(contact.motion, f.x, f.n);
+      for (std::size_t i = 0; i < 12; ++i) common[i] += weight * r6 * r * along[i];
+      contact.add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, slope * D * weight * r6 * r, contact.force.damping, D,
+                        tangent_over_secant(law, D));
+    }
+    contact.result.add_mode(tangent - (kNorm - 1) * slope, 0, common);
+  }
+  if (contact.law.barrier > 0) linearise_barrier(contact, tangent_over_secant(law, largest));
+}
+
+}  // namespace scree

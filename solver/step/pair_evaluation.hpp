@@ -1,0 +1,179 @@
+// What the loop over pairs does with one of them: is it idle, are its candidates still good, which features does it have, what is their
+// force. A template of the scene's contact model (contact/contact_model.hpp).
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+
+#include "solver/built_with.hpp"
+#include "solver/contact/contact_models.hpp"
+#include "solver/contact/pass_through.hpp"
+#include "solver/step/forces.hpp"
+
+namespace scree {
+
+/// One evaluation of pairs: what all threads read, and what any of them may find wrong.
+struct PairPass {
+  const SolverScene& scene;
+  const ParticleSet& p;
+  const std::vector<WallState>& walls;
+  double dt, friction_dt;
+  ForceScratch& scratch;
+  PairList& list;
+  FrameContacts* out;
+  const PairVisitor* look;
+  PairForceFunction force_of;
+  double stop_ratio;  ///< overlap over margin sum at which a run is stopped
+  std::atomic<std::int32_t> intersecting{-1}, passing{-1};
+
+  bool only_looks() const { return out != nullptr || look != nullptr; }
+  /// Of both bodies together since the lists were made [m].
+  double way_of(const IdlePair& idle) const { return list.travel()[idle.a] + (idle.b >= 0 ? list.travel()[idle.b] : 0.0); }
+};
+
+/// Times one pair where that is asked for: reading the clock twice takes a tenth of an average pair.
+class PairClock {
+ public:
+  PairClock(std::vector<float>& seconds, std::int32_t pair) : slot_(seconds.empty() ? nullptr : &seconds[static_cast<std::size_t>(pair)]) {
+    if (slot_ != nullptr) start_ = Clock::now();
+  }
+  ~PairClock() {
+    if (slot_ != nullptr) *slot_ = std::chrono::duration<float>(Clock::now() - start_).count();
+  }
+  PairClock(const PairClock&) = delete;
+  PairClock& operator=(const PairClock&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  float* slot_;
+  Clock::time_point start_;
+};
+
+/// Length of the lists that a pair gets [m].
+double candidate_skin(const PairView& view, const PairVelocities& m, double dt);
+/// First look of may_have_passed_through, without its frames: false only where it says false.
+bool is_fast(const PairView& view, const PairVelocities& m, double dt);
+/// Appends the contacts of a pair as they stand in frames.
+void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
+                     const std::vector<ContactOutput>& outputs, FrameContacts& out);
+
+template <std::size_t kBytes>
+void prefetch(const void* begin) {
+  constexpr std::size_t kCacheLine = 64;
+  for (std::size_t n = 0; n < kBytes; n += kCacheLine) __builtin_prefetch(static_cast<const char*>(begin) + n);
+}
+
+/// What a pair keeps lies in several places: asked for together and first, it arrives while the pose is worked out. A bed of 10 000
+/// rocks is more than the caches hold; there this takes a twentieth off a step.
+[[gnu::always_inline]] inline void prefetch_pair(const BodyPair& pair, const PairResult& result) {
+  prefetch<1>(pair.lists.corners_a.data());  // the rest of a list follows by itself
+  prefetch<1>(pair.lists.corners_b.data());
+  prefetch<1>(pair.lists.edges.data());
+  prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
+  prefetch<sizeof(PairResult)>(&result);
+}
+
+/// One thread's part of a pass.
+template <ContactModel Model>
+class PairEvaluation {
+ public:
+  PairEvaluation(PairPass& pass, int thread) : pass_(pass), distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]) {}
+
+  void evaluate(std::int32_t k) {
+    IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
+    if (pass_.way_of(idle) < idle.way) return;  // its result says so already
+    const PairClock clock(pass_.scratch.pair_seconds, k);
+    BodyPair& pair = pass_.list.pairs()[static_cast<std::size_t>(k)];
+    PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+    prefetch_pair(pair, result);
+    result.active = false;
+    result.contact_count = 0;
+    const PairView view = view_of(pass_.scene, pass_.p, pass_.walls, pair.a, pair.b, pair.key.zone);
+    const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
+    double moved = 0;
+    if (!keep_candidates(k, view, velocities, pair, moved)) return;
+    if (moved < pair.lists.first_slack) return rest(view, moved, pair, idle);
+    idle.way = kNeverIdle;
+    Model::find_features(view, moved, pair.lists, features_);
+    if (features_.list.empty()) {
+      if (!pass_.only_looks()) pair.state.springs.clear();
+      return;
+    }
+    act(view, velocities, pair, result);
+  }
+
+  double largest_overlap() const { return largest_overlap_; }  ///< over the margin sum
+  bool too_deep() const { return too_deep_; }
+
+ private:
+  /// Looks whether the bodies could have passed through each other, and lists candidates anew where the pair has used up its skin.
+  /// Returns false when its meshes intersect.
+  bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, BodyPair& pair, double& moved) {
+    if (pair.lists.skin >= 0) moved = motion_since_listed(pair.lists, view.pose, view.radius_a, view.radius_b);
+    // a body behind a plane or in a cylinder is still seen
+    if (built_with::kMeshes && view.has_mesh() && pass_.dt > 0 && moved > pair.lists.first_slack && is_fast(view, velocities, pass_.dt)) {
+      const PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, matrix_of(view.a.q));
+      if (may_have_passed_through(view.a, view.b, motion, view.radius_a, view.radius_b, view.margin, pass_.dt, moved, pair.lists,
+                                  distance_))
+        pass_.passing.store(k);
+    }
+    if (!(pair.lists.skin < 0 || moved > pair.lists.skin)) return true;
+    moved = 0;
+    if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, pair.lists)) return true;
+    pass_.intersecting.store(k);
+    return false;
+  }
+
+  /// Nothing can be within the margin before both have gone what is left.
+  void rest(const PairView& view, double moved, BodyPair& pair, IdlePair& idle) {
+    if (pass_.only_looks()) return;
+    if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + (pair.lists.first_slack - moved);
+    pair.state.springs.clear();
+  }
+
+  const PairLaw& law_of(const PairView& view, const BodyPair& pair) const {
+    const std::int32_t material_b = view.zone == nullptr ? pass_.p.material[static_cast<std::size_t>(pair.b)]
+                                                         : pass_.scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
+    return pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_b);
+  }
+
+  /// The force of the features that were found, and the pair's result.
+  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, BodyPair& pair, PairResult& result) {
+    const PairLaw& law = law_of(view, pair);
+    const Mat3 a_to_world = matrix_of(view.a.q);
+    PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
+    if (pass_.scene.law_choice().needs_radius) motion.radius = law.radius > 0 ? law.radius : contact_radius(view);
+    // Looking must not change anything: it works on a copy of the springs.
+    std::vector<FrictionSpring> copy;
+    if (pass_.only_looks()) copy = pair.state.springs;
+    const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, pass_.only_looks() ? copy : pair.state.springs,
+                                       pass_.out != nullptr ? &outputs_ : nullptr);
+    if (pass_.look != nullptr) (*pass_.look)({pair, features_, f, motion, law});
+    result.active = true;
+    result.contact_count = static_cast<std::int32_t>(features_.list.size());
+    // torques about B's centre: T_B = (x_B - x_A) x F - T_A
+    const Vec3 branch = view.b.x - view.a.x;
+    result.force_a = a_to_world * f.force;
+    result.torque_a = a_to_world * f.torque;
+    result.torque_b = cross(branch, result.force_a) - result.torque_a;
+    result.dissipative_force_a = a_to_world * f.dissipative_force;
+    result.dissipative_torque_a = a_to_world * f.dissipative_torque;
+    result.dissipative_torque_b = cross(branch, result.dissipative_force_a) - result.dissipative_torque_a;
+    result.elastic = f.elastic;
+    result.tangential_elastic = f.tangential_elastic;
+    result.overlap_ratio = view.margin > 0 ? f.largest_overlap / view.margin : 0;
+    largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
+    if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
+    if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
+  }
+
+  PairPass& pass_;
+  MeshDistanceScratch& distance_;
+  PairFeatures features_;
+  std::vector<ContactOutput> outputs_;
+  double largest_overlap_ = 0;
+  bool too_deep_ = false;
+};
+
+}  // namespace scree
