@@ -118,8 +118,10 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   inner_.clear();
   outer_.clear();
   duplicated_.clear();
+  with_walls_.clear();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const BodyPair& pair = pairs_[k];
+    if (pair.key.zone >= 0) with_walls_.push_back(static_cast<std::int32_t>(k));
     const bool ghost_b = pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned;
     (static_cast<std::size_t>(pair.a) >= p.owned ? duplicated_ : ghost_b ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
   }

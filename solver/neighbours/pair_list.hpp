@@ -23,6 +23,9 @@ struct BodyPair {
   PairState state;
 };
 
+/// Whether this rank counts a pair in sums over the scene: the owner of A does.
+inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }
+
 /// Written by one thread per pair and step, read by the gather. World axes. What every pair is asked for comes first.
 struct PairResult {
   bool active = false;
@@ -63,6 +66,8 @@ class PairList {
   const std::vector<std::int32_t>& inner() const { return inner_; }
   const std::vector<std::int32_t>& outer() const { return outer_; }
   const std::vector<std::int32_t>& duplicated() const { return duplicated_; }
+  /// Indices of pairs with a wall.
+  const std::vector<std::int32_t>& with_walls() const { return with_walls_; }
 
   /// Adds up what the pairs did to each owned body, in ascending order of partner: the same bits for any number of
   /// threads and ranks. Gravity included.
@@ -84,7 +89,7 @@ class PairList {
   std::vector<IdlePair> idle_;
   TravelBounds travel_;
   std::vector<WaitingState> waiting_;
-  std::vector<std::int32_t> inner_, outer_, duplicated_;
+  std::vector<std::int32_t> inner_, outer_, duplicated_, with_walls_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order
   std::vector<std::int32_t> start_, entry_;
   MultilevelGrid grid_;

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 namespace scree {
 
 namespace {
 
-extern "C" void combine_news(void* in, void* in_out, int* length, MPI_Datatype* /*type*/) {
+extern "C" void combine_reports(void* in, void* in_out, int* length, MPI_Datatype* /*type*/) {
   const auto* from = static_cast<const StepReport*>(in);
   auto* to = static_cast<StepReport*>(in_out);
   for (int i = 0; i < *length; ++i, ++from, ++to) {
@@ -27,7 +28,7 @@ extern "C" void combine_news(void* in, void* in_out, int* length, MPI_Datatype* 
 Agreement::Agreement(const mpi::Communicator& comm) : comm_(comm), buffers_(std::make_unique<Buffers>()) {
   MPI_Type_contiguous(static_cast<int>(sizeof(StepReport)), MPI_BYTE, &type_);
   MPI_Type_commit(&type_);
-  MPI_Op_create(combine_news, 1, &op_);
+  MPI_Op_create(combine_reports, 1, &op_);
 }
 
 Agreement::~Agreement() {
@@ -53,6 +54,15 @@ StepReport Agreement::finish() {
   SCREE_ASSERT(is_under_way());
   MPI_Wait(&request_, MPI_STATUS_IGNORE);
   return buffers_->all;
+}
+
+void Agreement::finish_early() {
+  if (is_under_way()) early_ = finish();
+}
+
+StepReport Agreement::take() {
+  finish_early();
+  return std::exchange(early_, std::nullopt).value();
 }
 
 }  // namespace scree

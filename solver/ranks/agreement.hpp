@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "solver/ranks/mpi_session.hpp"
 
@@ -37,6 +38,12 @@ class Agreement {
   void start(const StepReport& mine);
   /// What start() of all ranks gave.
   StepReport finish();
+  /// Finishes what is under way; take() has it later.
+  void finish_early();
+  /// Whether there is a report that was started before and not finished then.
+  bool has_report() const { return early_ || is_under_way(); }
+  /// That report.
+  StepReport take();
   bool is_under_way() const { return request_ != MPI_REQUEST_NULL; }
 
  private:
@@ -44,6 +51,7 @@ class Agreement {
   MPI_Datatype type_ = MPI_DATATYPE_NULL;
   MPI_Op op_ = MPI_OP_NULL;
   MPI_Request request_ = MPI_REQUEST_NULL;
+  std::optional<StepReport> early_;
   struct Buffers {
     StepReport mine, all;
   };

@@ -39,10 +39,6 @@ Halo::Halo(const mpi::Communicator& comm, const SolverScene& scene, const Parall
   if (options.cut == CutMethod::rcb) first_cut_ = std::move(first_cut);
   if (comm_.size() == 1) first_cut_ = whole_space_first(1);
   regions_ = first_cut_;
-  const BodyTable& bodies = scene.source().bodies;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    largest_radius_ = std::max(largest_radius_, bodies.scale[b] * scene.shape(bodies.shape[b]).radius);
-  }
   const Domain& domain = scene.source().settings.domain;
   for (int k = 0; k < 3; ++k) {
     if (domain.periodic[static_cast<std::size_t>(k)]) period_[k] = domain.upper[k] - domain.lower[k];
@@ -158,7 +154,7 @@ std::vector<int> Halo::possible_neighbours(double reach) const {
   return ranks;
 }
 
-void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
+void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_radius, double skin) {
   p.resize(p.owned);
   neighbours_.clear();
   if (comm_.size() == 1) return;
@@ -172,7 +168,7 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double skin) {
     box.add(p.x[i] + Vec3{r, r, r});
   }
   // Both sides of a pair of ranks must take each other for possible neighbours: the reach is that of the largest body anywhere.
-  const std::vector<int> possible = possible_neighbours(2 * (largest_radius_ + own_reach));
+  const std::vector<int> possible = possible_neighbours(2 * (largest_radius + own_reach));
   const auto boxes = comm_.exchange(std::span<const int>(possible), std::vector<std::vector<Box3>>(possible.size(), {box}));
 
   std::vector<int> ranks;

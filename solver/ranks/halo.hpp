@@ -58,7 +58,8 @@ class Halo {
   std::int64_t migrate(const SolverScene& scene, ParticleSet& p, PairList& list);
 
   /// Finds and fetches ghosts: bodies that can touch one of ours while none moves further than skin / 2. Every rank calls it.
-  void make_ghosts(const SolverScene& scene, ParticleSet& p, double skin);
+  /// in   largest_radius   bounding, of the bodies of all ranks [m]
+  void make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_radius, double skin);
 
   /// Starts the refresh of ghosts; ghosts must not be read until finish_refresh().
   void start_refresh(const ParticleSet& p, PhaseTimes& times);
@@ -84,7 +85,6 @@ class Halo {
   CutBoxes first_cut_;  // until the first rebalance()
   CutBoxes regions_;    // of the cut in force; empty when its parts are no boxes
   std::unique_ptr<Partitioner> partitioner_;
-  double largest_radius_ = 0;   // of all bodies of the scene [m]
   Vec3 domain_lower_, period_;  // period along the periodic axes of the domain, else 0 [m]
   std::vector<Neighbour> neighbours_;
   std::vector<MPI_Request> requests_;

@@ -208,13 +208,9 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
   c.totals.max_overlap_ratio = root.read_double_attribute("interval_max_depth_ratio");
   c.state_hash = root.read_text_attribute("state_hash");
   c.scene_sha256 = root.read_text_attribute("scene_sha256");
-  const auto words = root.read_array<std::int64_t>("totals", static_cast<std::int64_t>(ExactSum::kWords));
-  c.totals.sums.resize(words.size() / ExactSum::kWords);
-  for (std::size_t i = 0; i < c.totals.sums.size(); ++i) {
-    ExactSum::Words sum;
-    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(i * ExactSum::kWords), ExactSum::kWords, sum.begin());
-    c.totals.sums[i].set_words(sum);
-  }
+  const RunTotals sums = totals_from(root.read_array<std::int64_t>("totals", static_cast<std::int64_t>(ExactSum::kWords)));
+  c.totals.walls = sums.walls;
+  c.totals.departed = sums.departed;
   bodies = read_columns<BodyTableColumns>(comm, root.open_group("bodies"), "id");
   for_each_kind(PairState{}, [&](const auto& kind) { read_states<typename std::decay_t<decltype(kind)>::value_type>(comm, root, states); });
 }
@@ -227,11 +223,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   std::vector<WaitingState> states;
   collect_state(simulation, bodies, states);
   const RunTotals totals = simulation.totals();
-  std::vector<std::int64_t> words;
-  for (const ExactSum& sum : totals.sums) {
-    const ExactSum::Words w = sum.words();
-    words.insert(words.end(), w.begin(), w.end());
-  }
+  const std::vector<std::int64_t> words = words_of(totals);
   const std::string hash = simulation.state_hash();
   // attributes are written by all ranks alike, and each has measured other times
   RunRecord run = so_far.record;
@@ -265,7 +257,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       const h5::Group group = root.create_group("record");
       for_each_number(run, [&](const std::string& name, const auto& value) { group.write_attribute(name, value); });
       file.write_text(root, "provenance", record);
-      const auto sums = static_cast<std::int64_t>(totals.sums.size());  // the same on every rank: rank 0 writes them
+      const auto sums = static_cast<std::int64_t>(words.size() / ExactSum::kWords);  // the same on every rank: rank 0 writes them
       file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
                  static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
       write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);

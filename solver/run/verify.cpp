@@ -265,10 +265,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
     if (!record.checkpoint.empty()) {
       const Checkpoint recorded = read_checkpoint(comm, record.checkpoint);
       where = sum_up(comm, compare_with_checkpoint(now, recorded));
-      bool totals = recorded.totals.sums.size() == now.totals.sums.size();
-      for (std::size_t i = 0; totals && i < now.totals.sums.size(); ++i)
-        totals = recorded.totals.sums[i].words() == now.totals.sums[i].words();
-      if (where.empty() && !totals) where = "the accumulated work and impulse of walls differ";
+      if (where.empty() && words_of(recorded.totals) != words_of(now.totals)) where = "the accumulated work and impulse of walls differ";
       if (where.empty() && recorded.state_hash != now.state_hash) where = "the hash that the checkpoint tells differs";
       ++checkpoints;
     }

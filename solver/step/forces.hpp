@@ -46,7 +46,4 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
 void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
                  std::int64_t step, ForceScratch& scratch, PairList& list, const PairVisitor& look);
 
-/// Whether this rank counts a pair in sums over the scene: the owner of A does.
-inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }
-
 }  // namespace scree

@@ -1,0 +1,58 @@
+// What can be said of a run: energies, loads of walls, counts, the hash of its state. Functions of a state that change nothing;
+// every one is collective, and every rank gets the value of the whole scene.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solver/step/run_state.hpp"
+
+namespace scree {
+
+/// Energies of the whole scene [J], at a full step.
+struct Energies {
+  double translational = 0, rotational = 0, potential = 0, elastic = 0, tangential_elastic = 0;
+  double dissipated = 0;  ///< accumulated from the damping and friction forces, never the remainder
+  double wall_work = 0;   ///< done by driven walls on the bodies
+  double removed = 0;     ///< kinetic and potential, taken away by bodies that left the domain
+  double balance() const {
+    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed;
+  }
+};
+Energies energies(const RunState& s);
+/// What the energies of a leapfrog swing by at this step [J]: h^2 / 8 times the sum of squared forces over masses. The
+/// difference of both is kept exactly by linear contacts at any stable step.
+double shadow_energy_gap(const RunState& s);
+/// The body with the most kinetic energy, the lower id among equals, and that energy [J]; -1 without a body.
+std::pair<std::int64_t, double> fastest_body(const RunState& s);
+
+/// What a wall received since the start.
+struct WallLoad {
+  Vec3 force;    ///< now, on the wall [N]
+  Vec3 torque;   ///< now, about the origin of the computation [N m]
+  Vec3 impulse;  ///< since the start [N s]
+  /// Of the wall on the bodies, now [W].
+  double power(const WallState& wall) const {
+    return -dot(force, wall.velocity) - dot(torque - cross(wall.position, force), wall.angular_velocity);
+  }
+};
+std::vector<WallLoad> wall_loads(const RunState& s);
+
+std::int64_t body_count(const RunState& s);
+std::int64_t contact_count(const RunState& s);
+std::int64_t active_pair_count(const RunState& s);
+std::int64_t bodies_outside(const RunState& s);  ///< of the domain
+
+/// Number and mass [kg] of all bodies removed since the start.
+struct RemovedTotals {
+  double count = 0, mass = 0;
+};
+RemovedTotals removed(const RunState& s);
+/// What a checkpoint keeps of the totals.
+RunTotals overall_totals(const RunState& s);
+
+/// 128-bit hash over the bits of all bodies and the state of all pairs, the same for any distribution over ranks.
+std::string state_hash(const RunState& s);
+
+}  // namespace scree

@@ -1,0 +1,42 @@
+// What becomes of bodies that leave the domain, and of states that are not finite.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solver/ranks/failure.hpp"
+#include "solver/step/run_state.hpp"
+
+namespace scree {
+
+/// A body that left the domain and was taken out.
+struct RemovedBody {
+  std::int64_t id, step;
+  double time, mass;
+  Vec3 x, v;
+};
+
+/// Whether a place is outside a bounded domain; never across a periodic axis.
+bool is_outside(const SolverScene& scene, const Vec3& x);
+
+/// Throws RunInvalid naming the first owned body whose state is not finite.
+void check_finite(const RunState& s);
+
+/// Watches the domain of a scene, and takes bodies out where the case asks for that.
+class DomainGuard {
+ public:
+  /// Looks at the bodies every kReviewSteps: a body outside is a failure, or is to be removed. Collective.
+  /// Returns whether bodies of any rank are to be removed: at the rebuild of lists in this step, by remove().
+  bool review(const RunState& s, FirstFailure& failure);
+  /// Takes out what review() found, before ghosts are made. Between the two kicks of a step.
+  /// Returns whether bodies of any rank left: the same on all.
+  bool remove(RunState& s);
+  /// Bodies removed since the last call, by step and id; on rank 0. Collective.
+  std::vector<RemovedBody> take_removed(const mpi::Communicator& comm);
+
+ private:
+  std::vector<RemovedBody> removed_;  // by this rank
+  bool removal_due_ = false;
+};
+
+}  // namespace scree

@@ -1,0 +1,76 @@
+#include "solver/step/force_step.hpp"
+
+#include <algorithm>
+
+#include "solver/built_with.hpp"
+
+namespace scree {
+
+namespace {
+
+void add_travel(RunState& s, Balance& balance, std::size_t begin, std::size_t end) {
+  if (begin == end) return;
+  const PhaseTimer timer(s.times, Phase::contact);
+  const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
+  s.pairs.travel().add_motion(s.particles, s.scene.periodicity(), begin, end);
+}
+
+}  // namespace
+
+void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure& failure, double friction_dt, bool refresh) {
+  ParticleSet& p = s.particles;
+  Halo& halo = decomposition.halo();
+  Balance& balance = decomposition.balance();
+  const bool refresh_ghosts = built_with::kRanks && refresh, overlap = decomposition.options().strategy == HaloStrategy::overlap;
+  const bool timed = refresh_ghosts && balance.is_sample(s.clock.step);
+  if (timed) scratch_.pair_seconds.assign(s.pairs.pairs().size(), 0.0f);
+
+  if (refresh_ghosts) halo.start_refresh(p, s.times);
+  if (refresh_ghosts && !overlap) halo.finish_refresh(p, s.times);
+  if (refresh) add_travel(s, balance, 0, p.owned);
+  compute_pairs(s, balance, failure, s.pairs.inner(), friction_dt, Phase::contact);
+  if (refresh_ghosts && overlap) halo.finish_refresh(p, s.times);
+  if (refresh) add_travel(s, balance, p.owned, p.size());
+  if (built_with::kRanks) compute_pairs(s, balance, failure, s.pairs.outer(), friction_dt, Phase::contact);
+  if (built_with::kRanks) compute_pairs(s, balance, failure, s.pairs.duplicated(), friction_dt, Phase::duplicated);
+
+  if (timed) {
+    balance.add_sample(scratch_.pair_seconds, s.pairs.pairs(), p);
+    scratch_.pair_seconds.clear();
+  }
+  const PhaseTimer timer(s.times, Phase::sum);
+  const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
+  s.pairs.sum_onto_bodies(s.scene.source().settings.gravity, p);
+  if (s.fluid) s.fluid->add_buoyancy(p);
+}
+
+void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, std::span<const std::int32_t> which, double friction_dt,
+                              Phase phase) {
+  if (failure.exists() || which.empty()) return;
+  const PhaseTimer timer(s.times, phase);
+  const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
+  failure.watch(s.clock.step, [&] {
+    double& largest = s.totals.max_overlap_ratio;
+    largest =
+        std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, friction_dt, s.clock.step, scratch_, s.pairs));
+  });
+}
+
+FrameContacts ForceStep::contacts(RunState& s, Halo& halo) {
+  // ghosts have the velocities that forces are computed with; their owners have been kicked since
+  if (built_with::kRanks) {
+    halo.start_refresh(s.particles, s.times);
+    halo.finish_refresh(s.particles, s.times);
+  }
+  // Damping acts here with the velocities of the full step; what the step computed, with those that it had then, stays: loads of walls are
+  // read from it.
+  const std::vector<PairResult> kept = s.pairs.results();
+  FrameContacts out;
+  for (const auto* which : {&s.pairs.inner(), &s.pairs.outer()}) {
+    evaluate_pairs(s.scene, s.particles, s.walls, *which, s.clock.dt, 0, s.clock.step, scratch_, s.pairs, &out);
+  }
+  s.pairs.results() = kept;
+  return out;
+}
+
+}  // namespace scree

@@ -1,0 +1,34 @@
+// Forces of all pairs of a rank, computed while the messages of its neighbours travel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "solver/ranks/decomposition.hpp"
+#include "solver/ranks/failure.hpp"
+#include "solver/step/forces.hpp"
+#include "solver/step/run_state.hpp"
+
+namespace scree {
+
+class ForceStep {
+ public:
+  /// Forces and torques on all owned bodies, and the state of all pairs after friction_dt. What a pair throws is kept in `failure`;
+  /// after a failure nothing is computed, and the messages go on until all ranks know.
+  /// in   refresh   ghosts are brought to the present first
+  void compute(RunState& s, Decomposition& decomposition, FirstFailure& failure, double friction_dt, bool refresh);
+
+  /// Contacts that this rank counts, at the present state, with forces that are the same on any number of ranks; changes no state.
+  /// Collective.
+  FrameContacts contacts(RunState& s, Halo& halo);
+
+  ForceScratch& scratch() { return scratch_; }
+
+ private:
+  void compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, std::span<const std::int32_t> which, double friction_dt,
+                     Phase phase);
+
+  ForceScratch scratch_;
+};
+
+}  // namespace scree

@@ -1,0 +1,98 @@
+#include "solver/step/neighbour_lists.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scree {
+
+namespace {
+
+// Body lists last about this many steps at the speed of the fastest body; a longer skin means fewer rebuilds but
+// more pairs. It never changes a result.
+constexpr double kListSteps = 40;
+constexpr double kSmallestListSkin = 0.02, kLargestListSkin = 0.5;  // of the smallest radius
+constexpr double kShareOfRoom = 0.999;                              // of the room that a periodic domain leaves: the rest is for rounding
+// Of the skin. A pair of which one rank alone has a ghost, since reaches are rounded, is not in reach before lists are rebuilt.
+constexpr double kShareOfSkin = 1 - 1e-6;
+
+// Looking ahead: the next displacement is dt v + dt^2 a with an acceleration that is known from the last step only:
+// its share counts twice, and this part of the skin stays in hand. A contact of N steps changes a displacement by at most
+// (pi / N)^2 of the one before it, 2.5 % for N = 20. What is in hand is then more than a contact gives to a body at rest. Where
+// contacts last less than kFewSteps, or the lists less than kStepsOfRoom of the fastest body or wall, the ranks agree at once
+// instead: so they do until a first step has shown the forces.
+constexpr double kSkinInHand = 0.2;
+constexpr double kVelocityShare = 1.25, kAccelerationShare = 2;
+constexpr double kFewSteps = 10, kStepsOfRoom = 4;
+
+/// Whether contacts are slow enough to look ahead.
+bool can_look_ahead(const RunState& s) { return s.comm.size() > 1 && s.clock.size.contact_time >= kFewSteps * s.clock.size.step; }
+
+}  // namespace
+
+double NeighbourLists::skin_for(const RunState& s, double fastest) const {
+  const double smallest = s.facts.smallest_radius;
+  double skin = std::clamp(2 * kListSteps * fastest * s.clock.dt, kSmallestListSkin * smallest, kLargestListSkin * smallest);
+  // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
+  for (int k = 0; k < 3; ++k) {
+    if (!s.scene.periodicity().is_periodic(k)) continue;
+    const double room = 0.25 * s.scene.periodicity().period()[k] - s.facts.largest_radius - s.scene.margin();
+    skin = std::min(skin, 2 * kShareOfRoom * room);
+  }
+  return skin;
+}
+
+bool NeighbourLists::may_look_ahead(const RunState& s, bool rebuilt) const {
+  return can_look_ahead(s) && 0.5 * (rebuilt ? skin_for(s, fastest_) : skin_) >= kStepsOfRoom * fastest_ * s.clock.dt;
+}
+
+StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
+  const ParticleSet& p = s.particles;
+  const double limit = 0.5 * kShareOfSkin * (rebuilt ? skin_for(s, fastest_) : skin_), dt = s.clock.dt;
+  const bool ahead = can_look_ahead(s);
+  bool beyond = !rebuilt && walls_moved(s, walls_listed_, s.walls) > limit, soon = beyond;
+  double fastest = fastest_wall(s, s.walls);
+  if (ahead && s.scene.has_driven_walls()) {
+    std::vector<WallState> next;
+    for (const Wall& wall : s.scene.source().walls) next.push_back(wall_state(wall, s.clock.time() + dt));
+    soon = soon || walls_moved(s, rebuilt ? s.walls : walls_listed_, next) > limit;
+    fastest = std::max(fastest, fastest_wall(s, next));
+  }
+  const double ask = ahead ? (1 - kSkinInHand) * limit : limit;
+  const double ahead_v = ahead ? kVelocityShare * dt : 0, ahead_a = ahead ? kAccelerationShare * dt : 0;
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static) reduction(|| : beyond, soon) reduction(max : fastest)
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    const double moved = rebuilt ? 0.0 : length(p.x[i] - p.x_listed[i]), speed = length(p.v[i]);
+    const double gain = ahead_a * p.inverse_mass[i] * length(p.force[i]);
+    // written so that a NaN position counts as used up, and is then found by the guard
+    if (!(moved <= limit)) beyond = true;
+    if (!(moved + ahead_v * speed + dt * gain <= ask)) soon = true;
+    fastest = std::max({fastest, speed, gain});  // from rest, the acceleration tells what comes
+  }
+  StepReport report;
+  const bool asked = std::exchange(rebuild_asked_, false);
+  report.rebuild = beyond || soon || (asked && !rebuilt) ? 1 : 0;
+  report.fastest = fastest;
+  overrun_ = beyond;
+  return report;
+}
+
+void NeighbourLists::rebuild(RunState& s, Balance& balance) {
+  double& search = s.times[static_cast<std::size_t>(Phase::search)];
+  const double& sort = s.times[static_cast<std::size_t>(Phase::sort)];
+  const double sorted = sort;
+  {
+    const PhaseTimer timer(s.times, Phase::search);
+    const WorkTimer work(balance.computing(), s.comm.size() > 1 ? 1 : 0);
+    if (std::exchange(forget_asked_, false)) s.pairs.forget_candidates();
+    s.pairs.rebuild(s.scene, s.particles, s.walls, skin_, s.times);
+    std::copy(s.particles.x.begin(), s.particles.x.end(), s.particles.x_listed.begin());
+    walls_listed_ = s.walls;
+    ++rebuilds_;
+  }
+  search -= sort - sorted;
+}
+
+}  // namespace scree

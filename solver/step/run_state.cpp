@@ -1,0 +1,111 @@
+#include "solver/step/run_state.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <span>
+
+namespace scree {
+
+RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
+    : comm(on),
+      scene(of),
+      integrator(of.source().settings.integrator),
+      fluid(of.source().settings.fluid ? std::optional<FluidForces>(of.source()) : std::nullopt),
+      totals(of.source().walls.size()) {}
+
+void RunState::set_walls() {
+  walls.clear();
+  for (const Wall& wall : scene.source().walls) walls.push_back(wall_state(wall, clock.time(), clock.dt));
+}
+
+double potential_energy(const RunState& s, std::size_t body) {
+  const ParticleSet& p = s.particles;
+  if (p.fixed[body]) return 0;
+  const double mass = s.fluid ? s.fluid->weighed_mass(p, body) : p.mass[body];
+  return -mass * dot(s.scene.source().settings.gravity, s.scene.periodicity().way_of(p.x[body], p.image[body]));
+}
+
+double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to) {
+  if (!s.scene.has_driven_walls()) return 0;
+  const ParticleSet& p = s.particles;
+  double moved = 0;
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    const Quat turn = conjugate(from[k].orientation) * to[k].orientation;
+    const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+    double farthest = 0;
+    for (std::size_t i = 0; i < p.owned && chord > 0; ++i) {
+      farthest = std::max(farthest, length(p.x[i] - to[k].position) + p.radius[i]);
+    }
+    moved = std::max(moved, length(to[k].position - from[k].position) + chord * farthest);
+  }
+  return moved;
+}
+
+double fastest_wall(const RunState& s, const std::vector<WallState>& walls) {
+  const ParticleSet& p = s.particles;
+  double fastest = 0;
+  for (const WallState& w : walls) {
+    double farthest = 0;
+    for (std::size_t i = 0; i < p.owned && length(w.angular_velocity) > 0; ++i) {
+      farthest = std::max(farthest, length(p.x[i] - w.position) + p.radius[i]);
+    }
+    fastest = std::max(fastest, length(w.velocity) + farthest * length(w.angular_velocity));
+  }
+  return fastest;
+}
+
+namespace {
+
+void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
+  for (const std::int32_t k : pairs) {
+    const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
+    if (!r.active) continue;
+    const BodyPair& pair = s.pairs.pairs()[static_cast<std::size_t>(k)];
+    const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
+    const Vec3 on_wall = -r.force_a;
+    std::array<ExactSum, 3>& impulse = totals.impulse[w];
+    impulse[0].add(dt * on_wall.x);
+    impulse[1].add(dt * on_wall.y);
+    impulse[2].add(dt * on_wall.z);
+    const WallState& state = s.walls[w];
+    // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
+    const Vec3 lever = s.particles.x[static_cast<std::size_t>(pair.a)] - state.position;
+    const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;
+    totals.work.add(-dt * (dot(on_wall, state.velocity) + dot(torque_wall, state.angular_velocity)));
+    // Damping and friction take force times sliding velocity: the bodies' part is counted with them, this is the walls'.
+    const Vec3 dissipative_force = -r.dissipative_force_a;
+    const Vec3 dissipative_torque = cross(lever, dissipative_force) - r.dissipative_torque_a;
+    totals.dissipated.add(-dt * (dot(dissipative_force, state.velocity) + dot(dissipative_torque, state.angular_velocity)));
+  }
+}
+
+}  // namespace
+
+void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
+  // The sums are exact, so that threads may add up parts of them.
+  constexpr std::size_t kWorthAThread = 64;  // pairs, 45 us: starting a thread and adding its part takes some 5 us
+  const std::span<const std::int32_t> pairs = s.pairs.with_walls();
+  const std::size_t parts = std::clamp<std::size_t>(pairs.size() / kWorthAThread, 1, static_cast<std::size_t>(omp_get_max_threads()));
+  const auto part = [&](std::size_t n) {
+    const std::size_t begin = pairs.size() * n / parts, end = pairs.size() * (n + 1) / parts;
+    return pairs.subspan(begin, end - begin);
+  };
+  std::vector<WallTotals> others(parts - 1, WallTotals(totals.impulse.size()));
+#pragma omp parallel for schedule(static, 1) if (parts > 1)
+  for (std::size_t n = 0; n < parts; ++n) add_effects_of(part(n), s, dt, n == 0 ? totals : others[n - 1]);
+  for (WallTotals& other : others) add(other, totals);
+}
+
+void add_dissipation(RunState& s, double dt) {
+  ParticleSet& p = s.particles;
+  const auto count = static_cast<std::ptrdiff_t>(p.owned);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    if (p.fixed[i]) continue;
+    p.dissipated[i] -= dt * (dot(p.dissipative_force[i], p.v[i]) + dot(p.dissipative_torque[i], p.w[i]));
+  }
+}
+
+}  // namespace scree

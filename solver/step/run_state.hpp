@@ -1,0 +1,77 @@
+// What one rank holds of a run between two steps: bodies, pairs, walls, time, totals. Measures are functions of it, and the parts of a
+// step change it one after the other (simulation.hpp).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "solver/bodies/fluid.hpp"
+#include "solver/bodies/motion.hpp"
+#include "solver/neighbours/pair_list.hpp"
+#include "solver/phases.hpp"
+#include "solver/ranks/body_facts.hpp"
+#include "solver/step/run_totals.hpp"
+#include "solver/step/step_size.hpp"
+
+namespace scree {
+
+/// Where a run stands in time. A step is made in 2^level equal parts; the level is 0 but for quantised steps.
+struct StepClock {
+  StepSize size;
+  std::int64_t step = 0;  ///< whole steps since the start
+  std::int64_t level = 0;
+  std::int64_t substep = 0;  ///< parts of the present step that are done
+  double dt = 0;             ///< what the bodies move by at once [s]: size.step / 2^level
+
+  double time() const { return static_cast<double>(step) * size.step + static_cast<double>(substep) * dt; }
+  void set_level(std::int64_t to) {
+    level = to;
+    dt = std::ldexp(size.step, -static_cast<int>(to));
+  }
+  void advance() {
+    if (++substep < std::int64_t{1} << level) return;
+    substep = 0;
+    ++step;
+  }
+};
+
+/// What changes a result and costs too much for every step is done in these: never when lists are rebuilt, which differs between numbers
+/// of ranks and after a restart. Bodies may be so many steps outside the domain before they are removed.
+inline constexpr std::int64_t kReviewSteps = 16;
+
+struct RunState {
+  RunState(const mpi::Communicator& on, const SolverScene& of);
+
+  const mpi::Communicator& comm;
+  const SolverScene& scene;
+  const Integrator integrator;
+  const std::optional<FluidForces> fluid;  ///< of a scene that has one
+  ParticleSet particles;
+  PairList pairs;
+  std::vector<WallState> walls;
+  BodyFacts facts;
+  StepClock clock;
+  RunTotals totals;  ///< of this rank
+  PhaseTimes times{};
+
+  const FluidForces* fluid_forces() const { return fluid ? &*fluid : nullptr; }
+  /// Walls as they are at the present time.
+  void set_walls();
+};
+
+/// Of an owned body [J]: against gravity, buoyancy included, on the way that it has gone through periodic axes.
+double potential_energy(const RunState& s, std::size_t body);
+
+/// How far walls have moved between two states with respect to any owned body, at most [m].
+double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to);
+/// Fastest point of a wall near an owned body [m/s].
+double fastest_wall(const RunState& s, const std::vector<WallState>& walls);
+
+/// Adds what the present forces do to the walls in a time dt.
+void add_wall_effects(const RunState& s, double dt, WallTotals& totals);
+/// Adds what the present damping and friction forces take from each owned body in a time dt.
+void add_dissipation(RunState& s, double dt);
+
+}  // namespace scree

@@ -1,0 +1,78 @@
+// What a run has added up since its start besides its bodies and the state of their pairs; part of a checkpoint.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "solver/ranks/exact_sum.hpp"
+
+namespace scree {
+
+/// What walls and bodies did to each other. The forces of the last step count in full; who reads a total takes half of them back.
+struct WallTotals {
+  explicit WallTotals(std::size_t walls = 0) : impulse(walls) {}
+  ExactSum work;                                 ///< of driven walls on the bodies [J]
+  ExactSum dissipated;                           ///< the walls' part of what is dissipated [J]
+  std::vector<std::array<ExactSum, 3>> impulse;  ///< on each wall [N s]
+};
+
+/// What bodies took with them that were removed from the domain.
+struct DepartureTotals {
+  ExactSum count;
+  ExactSum mass;        ///< [kg]
+  ExactSum energy;      ///< kinetic and potential [J]
+  ExactSum dissipated;  ///< what they had dissipated by then [J]
+};
+
+/// Of one rank, or of all.
+struct RunTotals {
+  RunTotals(std::size_t wall_count = 0) : walls(wall_count) {}
+  WallTotals walls;
+  DepartureTotals departed;
+  double max_overlap_ratio = 0;  ///< since it was last taken
+  std::int64_t level = 0;        ///< of the step, see StepClock
+};
+
+/// Calls action(sum) for every sum; those of RunTotals in the order in which checkpoints hold them.
+template <class Action>
+void for_each_impulse(WallTotals& t, Action&& action) {
+  for (std::array<ExactSum, 3>& of_wall : t.impulse) {
+    for (ExactSum& component : of_wall) action(component);
+  }
+}
+template <class Action>
+void for_each_sum(WallTotals& t, Action&& action) {
+  for (ExactSum* sum : {&t.work, &t.dissipated}) action(*sum);
+  for_each_impulse(t, action);
+}
+template <class Action>
+void for_each_sum(DepartureTotals& t, Action&& action) {
+  for (ExactSum* sum : {&t.count, &t.mass, &t.energy, &t.dissipated}) action(*sum);
+}
+template <class Action>
+void for_each_sum(RunTotals& t, Action&& action) {
+  for (ExactSum* sum : {&t.walls.work, &t.walls.dissipated}) action(*sum);
+  for_each_sum(t.departed, action);
+  for_each_impulse(t.walls, action);
+}
+
+void add(WallTotals& other, WallTotals& to);
+
+/// The sums of all ranks, on every rank. Collective.
+template <class Totals>
+Totals over_ranks(MPI_Comm comm, Totals totals) {
+  std::vector<ExactSum> sums;
+  for_each_sum(totals, [&](const ExactSum& sum) { sums.push_back(sum); });
+  add_over_ranks(comm, sums);
+  auto next = sums.begin();
+  for_each_sum(totals, [&](ExactSum& sum) { sum = *next++; });
+  return totals;
+}
+
+/// The words of all sums, one sum after the other, as checkpoints hold them.
+std::vector<std::int64_t> words_of(RunTotals totals);
+/// Sums from such words; how many there are tells the number of walls. Throws InputError when they are not whole sums.
+RunTotals totals_from(const std::vector<std::int64_t>& words);
+
+}  // namespace scree
