@@ -16,7 +16,7 @@ import sys
 
 GROUPS = {
     "guide": ["docs/guide/start-here.md", "docs/guide/cookbook.md"],
-    "tools": ["README.md", "mesher/README.md", "decomposer/README.md", "solver/README.md", "post/README.md", "post/STATISTICS.md"],
+    "tools": ["README.md", "mesher/README.md", "decomposer/README.md", "solver/README.md", "post/README.md", "post/STATISTICS.md", "post/python/README.md"],
     "workflows": ["docs/distance-study.md", "docs/workflows.md", *(f"workflows/{name}/README.md" for name in (
         "boulders", "column", "dice", "distance-study", "drum", "hopper", "peers", "repose", "scaling", "shape-dial", "stability", "validation", "work-precision"))],
     "tests": ["tests/sanitizers/README.md", "tests/validation/README.md", "tests/metamorphic/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
@@ -51,7 +51,7 @@ def scripts_of(page):
     with open(os.path.join(ROOT, page), encoding="utf-8") as file:
         text = file.read()
     found = []
-    for fenced, indented in re.findall(r"^```sh\n(.*?)^```|((?:^    .*\n)+)", text, flags=re.S | re.M):
+    for fenced, indented in re.findall(r"^```sh\n(.*?)^```|((?:^    [^\n]*\n)+)", text, flags=re.S | re.M):
         if fenced:
             found.append("".join(line for line in fenced.splitlines(keepends=True) if is_run(page, line)))
             continue
@@ -73,7 +73,7 @@ def run(page):
     folder = os.path.join(SCRATCH, page.replace("/", "-").removesuffix(".md"))
     os.makedirs(os.path.join(folder, "build", "release"))
     os.symlink(BIN, os.path.join(folder, "build", "release", "bin"))
-    for name in ("workflows", "tests"):
+    for name in ("workflows", "tests", "post"):
         os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
     environment = dict(os.environ, PATH=BIN + os.pathsep + os.environ["PATH"], PYTHONDONTWRITEBYTECODE="1")
     environment.pop("SCREE_BIN", None)

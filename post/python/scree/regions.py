@@ -1,0 +1,194 @@
+"""Parts of space: boxes, cylinders, spheres, with the rule of scree-post (post/run/region.hpp).
+
+A box is half open (lower sides belong to it, upper sides do not), a cylinder is half open along its axis, and the curved surface
+of a cylinder or sphere does not belong to it: regions side by side count nothing twice.
+"""
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .errors import UsageError
+from .units import si
+
+
+class Region:
+    """A part of space. Use Box, Cylinder, Sphere, or `scree.region("box:0,0,0,1,1,1")`."""
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Which of the points (n x 3) [m] lie inside: n booleans."""
+        raise NotImplementedError
+
+    @property
+    def volume(self) -> float:
+        """Volume [m^3]."""
+        raise NotImplementedError
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the box around the region [m]."""
+        raise NotImplementedError
+
+    def _checked(self) -> None:
+        if not self.volume > 0:
+            raise UsageError(f"{self!r}: it has no volume")
+
+
+class Box(Region):
+    """A box with sides along the axes, between two opposite corners [m] in any order."""
+
+    def __init__(self, corner: Sequence[float], opposite: Sequence[float]) -> None:
+        """corner, opposite: three coordinates each [m]. Raises UsageError when the box has no volume."""
+        a, b = np.asarray(corner, dtype=float), np.asarray(opposite, dtype=float)
+        self.lower: np.ndarray = np.minimum(a, b)  #: corner with the smallest coordinates [m]
+        self.upper: np.ndarray = np.maximum(a, b)  #: corner with the largest coordinates [m]
+        self._checked()
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Which of the points (n x 3) [m] lie inside; lower sides belong to the box, upper sides do not."""
+        p = np.asarray(points)
+        return np.all((p >= self.lower) & (p < self.upper), axis=-1)
+
+    @property
+    def volume(self) -> float:
+        """Volume [m^3]."""
+        return float(np.prod(self.upper - self.lower))
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner [m]."""
+        return self.lower, self.upper
+
+    def __repr__(self) -> str:
+        return f"scree.Box({self.lower.tolist()}, {self.upper.tolist()})"
+
+
+class Cylinder(Region):
+    """A cylinder in any direction, given by the ends of its axis and its radius [m]."""
+
+    def __init__(self, start: Sequence[float], end: Sequence[float], radius: float) -> None:
+        """start, end: of the axis [m]; radius [m]. Raises UsageError when the cylinder has no volume."""
+        self.start: np.ndarray = np.asarray(start, dtype=float)
+        self.end: np.ndarray = np.asarray(end, dtype=float)
+        self.radius: float = float(radius)
+        self._checked()
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Which of the points (n x 3) [m] lie inside; the lid at the start belongs to the cylinder."""
+        axis, d = self.end - self.start, np.asarray(points) - self.start
+        along = d @ axis / (axis @ axis)
+        across = d - along[..., None] * axis
+        return (along >= 0) & (along < 1) & (np.einsum("...i,...i", across, across) < self.radius**2)
+
+    @property
+    def volume(self) -> float:
+        """Volume [m^3]."""
+        return float(math.pi * self.radius**2 * np.linalg.norm(self.end - self.start))
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the box around it [m]."""
+        axis = (self.end - self.start) / np.linalg.norm(self.end - self.start)
+        reach = self.radius * np.sqrt(np.maximum(0, 1 - axis**2))
+        return np.minimum(self.start, self.end) - reach, np.maximum(self.start, self.end) + reach
+
+    def __repr__(self) -> str:
+        return f"scree.Cylinder({self.start.tolist()}, {self.end.tolist()}, {self.radius})"
+
+
+class Sphere(Region):
+    """A ball, given by its centre and radius [m]."""
+
+    def __init__(self, centre: Sequence[float], radius: float) -> None:
+        """centre: three coordinates [m]; radius [m]. Raises UsageError when the ball has no volume."""
+        self.centre: np.ndarray = np.asarray(centre, dtype=float)
+        self.radius: float = float(radius)
+        self._checked()
+
+    def contains(self, points: Any) -> np.ndarray:
+        """Which of the points (n x 3) [m] lie inside; the surface does not belong to it."""
+        d = np.asarray(points) - self.centre
+        return np.einsum("...i,...i", d, d) < self.radius**2
+
+    @property
+    def volume(self) -> float:
+        """Volume [m^3]."""
+        return 4 / 3 * math.pi * self.radius**3
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the box around it [m]."""
+        return self.centre - self.radius, self.centre + self.radius
+
+    def __repr__(self) -> str:
+        return f"scree.Sphere({self.centre.tolist()}, {self.radius})"
+
+
+def region(text: str | Region) -> Region:
+    """A region from the text that scree-post takes.
+
+    "box:x0,y0,z0,x1,y1,z1", "cylinder:x0,y0,z0,x1,y1,z1,r" or "sphere:x,y,z,r", in metres or with units ("5 cm"). A name in front
+    ("top=box:...") is ignored. A Region is returned as it is. Raises UsageError for anything else.
+    """
+    if isinstance(text, Region):
+        return text
+    kind, _, rest = text.rsplit("=", 1)[-1].partition(":")
+    sizes = {"box": 6, "cylinder": 7, "sphere": 4}
+    if kind not in sizes:
+        raise UsageError(f"region '{text}': expected box:x0,y0,z0,x1,y1,z1, cylinder:x0,y0,z0,x1,y1,z1,r or sphere:x,y,z,r")
+    numbers = [si(part, "m") for part in rest.split(",")]
+    if len(numbers) != sizes[kind]:
+        raise UsageError(f"region '{text}': {len(numbers)} numbers found, {sizes[kind]} expected")
+    if kind == "box":
+        return Box(numbers[:3], numbers[3:])
+    if kind == "cylinder":
+        return Cylinder(numbers[:3], numbers[3:6], numbers[6])
+    return Sphere(numbers[:3], numbers[3])
+
+
+class Periodicity:
+    """Periodic axes of a domain. lower: its lower corner [m]; period: length along each periodic axis [m], 0 for the others."""
+
+    def __init__(self, lower: Sequence[float], period: Sequence[float]) -> None:
+        """Both with three values."""
+        self.lower: np.ndarray = np.asarray(lower, dtype=float)
+        self.period: np.ndarray = np.asarray(period, dtype=float)
+
+    @property
+    def any(self) -> bool:
+        """Whether an axis is periodic."""
+        return bool(np.any(self.period > 0))
+
+    def wrap(self, points: np.ndarray) -> np.ndarray:
+        """The points (n x 3) [m] moved by whole periods into the domain."""
+        wrapped = np.array(points)
+        for k in np.flatnonzero(self.period > 0):
+            wrapped[:, k] += -np.floor((wrapped[:, k] - self.lower[k]) / self.period[k]) * self.period[k]
+        return wrapped
+
+    def nearest(self, differences: np.ndarray) -> np.ndarray:
+        """The shortest image of each difference (n x 3) of two positions in the domain [m]."""
+        d = np.array(differences)
+        for k in np.flatnonzero(self.period > 0):
+            d[:, k] -= np.where(d[:, k] > 0.5 * self.period[k], self.period[k], 0) - np.where(d[:, k] < -0.5 * self.period[k], self.period[k], 0)
+        return d
+
+    def contained(self, part: Region, points: np.ndarray) -> np.ndarray:
+        """Which of the points (n x 3) [m] in the domain lie in a region, themselves or with one of their images."""
+        if not self.any:
+            return part.contains(points)
+        lower, upper = part.bounds
+        shifts = [np.zeros(1)] * 3
+        for k in np.flatnonzero(self.period > 0):
+            first = math.floor((lower[k] - self.lower[k]) / self.period[k]) - 1
+            last = math.floor((upper[k] - self.lower[k]) / self.period[k]) + 1
+            shifts[k] = np.arange(first, last + 1) * self.period[k]
+        inside = np.zeros(len(points), dtype=bool)
+        for x in shifts[0]:
+            for y in shifts[1]:
+                for z in shifts[2]:
+                    inside |= part.contains(points + np.array([x, y, z]))
+        return inside

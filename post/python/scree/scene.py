@@ -1,0 +1,255 @@
+"""Scenes and shapes: what a run was made from (core/storage/SCENE_FORMAT.md, SHAPE_FORMAT.md)."""
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic, TypeVar
+
+import h5py
+import numpy as np
+
+from .case import Case
+from .errors import InputError, UsageError, unknown_name
+from .hdf import json_of, opened, text_of
+from .meshes import Mesh, box_mesh, cylinder_mesh, icosphere
+from .regions import Periodicity
+
+_APPARATUS_SIZE = 5.0  # as post/run/apparatus.hpp
+_KINDS = ("solid", "surface", "sphere")
+
+Item = TypeVar("Item")
+
+
+class Named(Mapping[str, Item], Generic[Item]):
+    """Things by name, in the order of the file; `by_index(i)` gives the one that an index in a frame means."""
+
+    def __init__(self, kind: str, items: list[Item]) -> None:
+        """kind: word for messages; items: with an attribute `name`."""
+        self._kind = kind
+        self._items = items
+        self._by_name = {item.name: item for item in items}  # type: ignore[attr-defined]
+
+    def by_index(self, index: int) -> Item:
+        """The thing that an index in a frame or scene means."""
+        return self._items[index]
+
+    def index(self, name: str) -> int:
+        """The index by which frames and scenes mean a name. Raises UnknownName."""
+        return self._items.index(self[name])
+
+    def __getitem__(self, name: str) -> Item:
+        try:
+            return self._by_name[name]
+        except KeyError:
+            raise unknown_name(self._kind, name, self._by_name) from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._by_name)
+
+    def __len__(self) -> int:
+        return len(self._by_name)
+
+    def __repr__(self) -> str:
+        return f"<scree.{type(self).__name__}: {', '.join(self._by_name) or 'none'}>"
+
+
+class Shape:
+    """A shape of scale 1.
+
+    name           of the shape
+    kind           "solid" (closed mesh with mass), "surface" (a wall, no mass) or "sphere" (exact, without triangles)
+    vertices       V x 3 [m]; of a solid about its centre of mass
+    triangles      T x 3 indices, counter-clockwise seen from outside; none for a sphere
+    sphere_radius  [m]; 0 for a mesh
+    volume         [m^3]; 0 for a surface
+    area           [m^2]
+    inertia        3 x 3 [m^5]: at density 1, about the centre of mass, in the axes of `vertices`; times the density for kg m^2
+    origin_shift   3 [m]: coordinates of the mesh file are `vertices + origin_shift`
+    """
+
+    def __init__(self, group: h5py.Group) -> None:
+        """group: of a shape in a file."""
+        self.name: str = text_of(group.attrs["name"])
+        self.kind: str = _KINDS[int(group.attrs["kind"])]
+        self.sphere_radius: float = float(group.attrs["sphere_radius"])
+        self.volume: float = float(group.attrs["volume"])
+        self.area: float = float(group.attrs["area"])
+        self.vertices: np.ndarray = group["vertices"][()].reshape(-1, 3)
+        self.triangles: np.ndarray = group["triangles"][()].reshape(-1, 3)
+        self.inertia: np.ndarray = group["inertia"][()].reshape(3, 3)
+        self.origin_shift: np.ndarray = group["origin_shift"][()].reshape(3)
+
+    @property
+    def equivalent_diameter(self) -> float:
+        """Diameter of the ball of equal volume [m]; 0 for a surface."""
+        return float(np.cbrt(6 * self.volume / np.pi))
+
+    @cached_property
+    def bounding_radius(self) -> float:
+        """Distance of the farthest point from the origin [m]."""
+        return float(np.sqrt((self.vertices**2).sum(axis=1).max(initial=0))) + self.sphere_radius
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """The surface as a Mesh; of a sphere 320 triangles inscribed in it."""
+        if self.kind == "sphere":
+            ball = icosphere()
+            return Mesh(self.sphere_radius * ball.vertices, ball.triangles)
+        return Mesh(self.vertices, self.triangles)
+
+    def __repr__(self) -> str:
+        if self.kind == "sphere":
+            return f"<scree.Shape '{self.name}': sphere, radius {self.sphere_radius:.4g} m>"
+        size = f", equivalent diameter {self.equivalent_diameter:.4g} m" if self.volume else ""
+        return f"<scree.Shape '{self.name}': {self.kind}, {len(self.triangles)} triangles{size}>"
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material."""
+
+    name: str  #: by which cases mean it
+    density: float  #: [kg/m^3]
+    young: float  #: Young's modulus [Pa]; 0 when not given
+    poisson: float  #: Poisson's ratio
+
+
+class Wall:
+    """A wall of a scene.
+
+    id        by which contacts and frames mean it
+    name      given in the case, or kind and number
+    kind      "plane", "box_inside", "cylinder_inside", "sphere_inside" or "mesh"
+    material  name of its material
+    facts     what else the scene says about it, as in SCENE_FORMAT.md: `point`, `normal`, `lower`, `upper`, `radius`, `motion` ... SI
+    """
+
+    def __init__(self, facts: dict[str, Any], materials: Named[Material], shapes: Shapes) -> None:
+        """facts: of the wall in the scene's settings."""
+        self.id: int = int(facts["id"])
+        self.name: str = facts["name"]
+        self.kind: str = facts["kind"]
+        self.material: str = materials.by_index(facts["material"]).name
+        self.facts: dict[str, Any] = facts
+        self._shape = shapes.by_index(facts["shape"]) if self.kind == "mesh" else None
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """Its surface in its own frame; `frame.wall_mesh(name)` gives it in the world.
+
+        Boxes, cylinders and spheres that are inside out are turned inward; curved ones are drawn with triangles.
+        Raises UsageError for a plane, which has no end.
+        """
+        f = self.facts
+        if self._shape is not None:
+            return Mesh(f["scale"] * self._shape.vertices, self._shape.triangles)
+        if self.kind == "box_inside":
+            mesh = box_mesh(f["lower"], f["upper"])
+        elif self.kind == "cylinder_inside":
+            mesh = cylinder_mesh(f["axis_start"], f["axis_end"], f["radius"])
+        elif self.kind == "sphere_inside":
+            mesh = icosphere(3).placed(f["point"], scale=f["radius"])
+        else:
+            raise UsageError(f"wall '{self.name}': a plane has no end, and so no mesh; its point and normal are in `facts`")
+        return Mesh(mesh.vertices, mesh.triangles[:, ::-1])
+
+    def __repr__(self) -> str:
+        return f"<scree.Wall {self.id} '{self.name}': {self.kind} of {self.material}>"
+
+
+class Shapes(Named[Shape]):
+    """Shapes by name, from a shape file or a scene."""
+
+    def __init__(self, items: list[Shape], path: str = "", provenance: dict[str, Any] | None = None) -> None:
+        """items: in the order of the file."""
+        super().__init__("shape", items)
+        self.path: str = path  #: file they were read from
+        self.provenance: dict[str, Any] = provenance or {}  #: who made the file, from what: tool, command, inputs, git, time
+
+    def __fspath__(self) -> str:
+        return self.path
+
+
+def _shapes_in(group: h5py.Group) -> list[Shape]:
+    # by number: shape_10000 comes after shape_9999
+    return [Shape(group[name]) for name in sorted(group, key=lambda n: int(n.rpartition("_")[2]))]
+
+
+def open_shapes(path: str | os.PathLike[str]) -> Shapes:
+    """The shapes of a NAME.shape.h5 by name. Raises InputError when it is missing, damaged or newer."""
+    source = os.fspath(path)
+    with opened(source, "scree-shape", 1) as file:
+        return Shapes(_shapes_in(file["shapes"]), source, json_of(file["provenance"]))
+
+
+class Scene:
+    """A scene: shapes, materials, pairs, walls, settings, and the bodies at the start."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """path: NAME.scene.h5. Raises InputError when it is missing, damaged or newer."""
+        self.path: str = os.fspath(path)  #: file it was read from
+        with opened(self.path, "scree-scene", 1) as file:
+            facts = json_of(file["settings"])
+            self.provenance: dict[str, Any] = json_of(file["provenance"])  #: who made it, from what: tool, command, case, inputs, git, time
+            self.shapes: Shapes = Shapes(_shapes_in(file["shapes"]), self.path, self.provenance)  #: by name
+            #: columns of the bodies at the start, as in SCENE_FORMAT.md: id, shape, material, scale, position, orientation, velocity ...
+            self.start: dict[str, np.ndarray] = {name: data[()] for name, data in file["bodies"].items()}
+        self.settings: dict[str, Any] = facts["settings"]  #: as in SCENE_FORMAT.md, SI
+        known = ("name", "density", "young", "poisson")
+        self.materials: Named[Material] = Named("material", [Material(*(m.get(k, 0.0) for k in known)) for m in facts["materials"]])  #: by name
+        #: contact of each two materials that can meet: `between` (two names) and the values of SCENE_FORMAT.md, SI
+        self.pairs: list[dict[str, Any]] = [
+            {"between": tuple(self.materials.by_index(p[k]).name for k in "ab"), **{k: v for k, v in p.items() if k not in "ab"}} for p in facts["pairs"]]
+        self.walls: Named[Wall] = Named("wall", [Wall(w, self.materials, self.shapes) for w in facts["walls"]])  #: by name
+        if len(self.start["id"]) and self.start["shape"].max() >= len(self.shapes):
+            raise InputError(f"{self.path}: a body has shape {self.start['shape'].max()}, but there are {len(self.shapes)} shapes")
+
+    def pair(self, a: str, b: str) -> dict[str, Any]:
+        """The contact of two materials in either order: stiffness [N/m], restitution, friction ... Raises UnknownName."""
+        for pair in self.pairs:
+            if pair["between"] in ((a, b), (b, a)):
+                return pair
+        raise unknown_name("pair", f"{a}, {b}", [", ".join(p["between"]) for p in self.pairs])
+
+    @property
+    def case(self) -> Case:
+        """The case that it was packed from, with what `--set` changed."""
+        inputs = self.provenance.get("inputs") or [{}]
+        return Case.from_text(self.provenance.get("configuration", ""), inputs[0].get("path", "case.toml"))
+
+    @cached_property
+    def periodicity(self) -> Periodicity:
+        """Periodic axes of the domain."""
+        domain = self.settings.get("domain", {})
+        if not any(domain.get("periodic", [])):
+            return Periodicity([0, 0, 0], [0, 0, 0])
+        period = np.where(domain["periodic"], np.subtract(domain["max"], domain["min"]), 0)
+        return Periodicity(domain["min"], period)
+
+    @cached_property
+    def boundary_ids(self) -> np.ndarray:
+        """Ids that are no particles, as in scree-post: walls, fixed bodies, and apparatus.
+
+        Apparatus is a body of [[bodies]] at least five times as large as the median body of the populations, such as a lid.
+        """
+        b = self.start
+        radius = np.array([shape.bounding_radius for shape in self.shapes.values()] or [0.0])
+        size = b["scale"] * radius[b["shape"]]
+        boundary = b["fixed"] != 0
+        poured = np.sort(size[(b["population"] >= 0) & ~boundary])
+        if len(poured):
+            boundary = boundary | ((b["population"] < 0) & (size >= _APPARATUS_SIZE * poured[len(poured) // 2]))
+        return np.sort(np.concatenate([[wall.id for wall in self.walls.values()], b["id"][boundary]]).astype(np.int64))
+
+    def __fspath__(self) -> str:
+        return self.path
+
+    def __repr__(self) -> str:
+        return f"<scree.Scene '{self.path}': {len(self.start['id'])} bodies of {len(self.shapes)} shapes, {len(self.walls)} walls>"
+
+
+def open_scene(path: str | os.PathLike[str]) -> Scene:
+    """The scene in a NAME.scene.h5. Raises InputError when it is missing, damaged or newer."""
+    return Scene(path)

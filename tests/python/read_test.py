@@ -1,0 +1,351 @@
+#!/usr/bin/env python3
+"""What the package reads of a run: frames, contacts, walls, tables, shapes, scene, meshes, regions, pictures."""
+import os
+import shutil
+import unittest
+import zlib
+from unittest import mock
+
+import numpy as np
+import scree
+from small_run import CASE, InFolder, make
+
+
+class ReadTest(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.run_ = make(cls.folder, ranks=2)
+
+    def test_a_run_says_what_it_is(self):
+        run = self.run_
+        self.assertEqual(run.name, "bed")
+        self.assertEqual(os.fspath(run), run.folder)
+        self.assertEqual(run.outcome["outcome"], "completed")
+        self.assertEqual(run.provenance["ranks"], 2)
+        self.assertEqual(run.case.text(), CASE)
+        self.assertEqual(run.case["pairs.0.friction"], 0.4)
+        self.assertIn("25 bodies, 5 frames; completed", repr(run))
+        chalk = run.materials["chalk"]
+        self.assertEqual((chalk.name, chalk.density, chalk.young, chalk.poisson), ("chalk", 1500, 0, 0))
+        self.assertEqual(run.materials.by_index(0).name, "chalk")
+        self.assertEqual(run.materials.index("steel"), 1)
+        self.assertEqual(list(run.walls), ["box", "plate"])
+        self.assertEqual(run.walls["plate"].kind, "mesh")
+        self.assertEqual((run.walls["box"].material, run.walls["box"].facts["upper"][2]), ("steel", 0.08))
+
+    def test_frames_are_found_by_place_number_and_time(self):
+        frames = self.run_.frames
+        self.assertEqual(len(frames), 5)  # the last at the end of the step that reaches the duration
+        self.assertEqual([frame.number for frame in frames], [0, 1, 2, 3, 4])
+        self.assertEqual([frame.number for frame in frames[1:3]], [1, 2])
+        self.assertEqual(frames[-1].number, 4)
+        self.assertEqual(frames.by_number(2).number, 2)
+        self.assertEqual(frames.at_time(0.021).number, 1)
+        np.testing.assert_allclose(frames.times, [0, 0.02, 0.04, 0.06, 0.06], atol=1e-4)
+        self.assertEqual(frames[1].time, frames.times[1])
+        self.assertGreater(frames[1].step, 0)
+        with self.assertRaises(scree.UnknownName):
+            frames.by_number(77)
+        with self.assertRaisesRegex(IndexError, "5 frames"):
+            frames[5]
+        self.assertEqual(repr(frames), f"<scree.Frames: 5 frames from 0 s to {frames.times[4]:.6g} s>")
+
+    def test_bodies_come_by_id_with_all_fields(self):
+        for frame in self.run_.frames:
+            b = frame.bodies
+            self.assertEqual(len(b), 25)
+            self.assertTrue(np.all(np.diff(b.id) > 0))
+            self.assertEqual({name: getattr(b, name).shape for name in b.fields()},
+                             {"id": (25,), "position": (25, 3), "quaternion": (25, 4), "velocity": (25, 3), "angular_velocity": (25, 3),
+                              "shape": (25,), "material": (25,), "scale": (25,), "rank": (25,)})
+            np.testing.assert_allclose(np.linalg.norm(b.quaternion, axis=1), 1, rtol=1e-12)
+        self.assertEqual(set(self.run_.frames[0].bodies.rank), {0, 1})
+        self.assertEqual(scree.Bodies.velocity.unit, "m/s")
+        self.assertIn("[m/s]", scree.Bodies.velocity.__doc__)
+
+    def test_arrays_are_shared_and_so_read_only(self):
+        position = self.run_.frames[0].bodies.position
+        with self.assertRaises(ValueError):
+            position[0, 0] = 1
+        position.copy()[0, 0] = 1
+
+    def test_energy_and_mass_of_bodies_are_those_of_the_solver(self):
+        frame = self.run_.frames[1]
+        b = frame.bodies
+        moving = b[b.is_particle]
+        self.assertAlmostEqual(moving.kinetic_energy.sum() / frame.kinetic, 1, delta=1e-12)
+        rock = self.run_.shapes["rock"]
+        np.testing.assert_allclose(b.of_shape("rock").mass, 1500 * rock.volume * b.of_shape("rock").scale**3, rtol=1e-14)
+        np.testing.assert_allclose(b.of_material("steel").volume, 4 / 3 * np.pi * 0.004**3, rtol=1e-12)
+        np.testing.assert_allclose(b.of_shape("ball").diameter, 0.008, rtol=1e-12)
+        self.assertEqual(len(b.particles()), 24)
+        log, row, frame = self.run_.log, -1, self.run_.frames[-1]
+        self.assertAlmostEqual((log["kinetic_translational"][row] + log["kinetic_rotational"][row]) / frame.kinetic, 1, delta=1e-12)
+        self.assertAlmostEqual((log["elastic"][row] + log["elastic_tangential"][row]) / frame.elastic, 1, delta=1e-12)
+        self.assertEqual((frame.potential, frame.dissipated), (log["potential"][row], log["dissipated"][row]))
+
+    def test_names_and_rows_of_bodies(self):
+        b = self.run_.bodies(-1)
+        self.assertEqual(set(b.shape_name), {"rock", "ball"})
+        self.assertEqual(list(b.material_name[b.row(0) : b.row(0) + 1]), ["steel"])
+        self.assertEqual(b[b.row(5)].id.tolist(), [5])
+        with self.assertRaisesRegex(scree.UnknownName, "body 1000"):
+            b.row(1000)
+        self.assertEqual(self.run_.bodies(self.run_.frames[0]).id.tolist(), self.run_.bodies(0).id.tolist())
+
+    def test_contacts_of_a_frame(self):
+        c = self.run_.frames[-1].contacts
+        self.assertGreater(len(c), 10)
+        self.assertTrue(np.all(c.body_a < c.body_b))
+        np.testing.assert_allclose(np.linalg.norm(c.normal, axis=1), 1, rtol=1e-9)
+        np.testing.assert_array_equal(c.force, c.normal_force[:, None] * c.normal + c.tangential_force)
+        self.assertTrue(np.all(c.overlap < c.margin))
+        keys = np.stack([c.body_a, c.body_b, c.feature], axis=1).tolist()
+        self.assertEqual(keys, sorted(keys))
+        b = self.run_.frames[-1].bodies
+        low = b.in_region("box:-1,-1,-1,1,1,0.006")
+        part = c.of(low)
+        self.assertTrue(0 < len(part) < len(c))
+        boundary = set(self.run_.scene.boundary_ids)
+        for a, b in zip(part.body_a, part.body_b):
+            self.assertTrue({a, b} <= set(low.id) | boundary and {a, b} & set(low.id))
+        self.assertEqual(len(c.in_region("box:-1,-1,-1,1,1,1")), len(c))
+
+    def test_walls_have_loads_and_names(self):
+        frame = self.run_.frames[-1]
+        w = frame.walls
+        self.assertEqual(w.name, ["box", "plate"])
+        log, row = self.run_.log, self.run_.log.rows - 1
+        i = self.run_.walls["box"].id
+        np.testing.assert_allclose(w.force[w.row("box")], [log[f"wall{i}_force_{k}"][row] for k in "xyz"], rtol=1e-12)
+        np.testing.assert_allclose(w.torque[w.row(i)], [log[f"wall{i}_torque_{k}"][row] for k in "xyz"], rtol=1e-12, atol=1e-18)
+        with self.assertRaisesRegex(scree.UnknownName, "box, plate"):
+            w.row("lid")
+        mesh = frame.wall_mesh("plate")
+        np.testing.assert_allclose(mesh.vertices[:, 2], 0.07 - 0.05 * frame.time, rtol=1e-9)
+        self.assertAlmostEqual(frame.wall_mesh("box").volume, -(0.036**2) * 0.08, delta=1e-12)
+
+    def test_meshes_in_the_world(self):
+        frame = self.run_.frames[-1]
+        b = frame.bodies.of_shape("rock")
+        mesh = frame.mesh(int(b.id[0]))
+        self.assertAlmostEqual(mesh.volume / b.volume[0], 1, delta=1e-9)
+        centre = np.einsum("t,tk->k", np.einsum("ij,ij->i", mesh.vertices[mesh.triangles[:, 0]], np.cross(
+            mesh.vertices[mesh.triangles[:, 1]], mesh.vertices[mesh.triangles[:, 2]])), mesh.vertices[mesh.triangles].sum(axis=1)) / 24 / mesh.volume
+        np.testing.assert_allclose(centre, b.position[0], atol=1e-12)
+        together = frame.meshes(b)
+        self.assertEqual(len(together.triangles), 60 * len(b))
+        self.assertEqual(np.unique(together.body).tolist(), b.id.tolist())
+        np.testing.assert_array_equal(together.vertices[together.triangles[together.body == b.id[1]]],
+                                      frame.mesh(int(b.id[1])).vertices[frame.mesh(int(b.id[1])).triangles])
+        ball = frame.mesh(0)
+        self.assertEqual(len(ball.triangles), 320)
+        np.testing.assert_allclose(np.linalg.norm(ball.vertices - frame.bodies.position[0], axis=1), 0.004, rtol=1e-12)
+        self.assertLess(abs(ball.area / (4 * np.pi * 0.004**2) - 1), 0.02)
+        self.assertEqual(len(frame.meshes(frame.bodies[:0]).triangles), 0)
+        self.assertTrue(np.all(np.einsum("ij,ij->i", ball.normals, ball.vertices[ball.triangles[:, 0]] - frame.bodies.position[0]) > 0))
+
+    def test_shapes_from_run_and_file(self):
+        rock = self.run_.shapes["rock"]
+        alone = scree.open_shapes(self.path("rock.shape.h5"))
+        self.assertEqual(list(alone), ["rock"])
+        self.assertEqual(alone.provenance["tool"], "scree-mesher")
+        self.assertEqual(os.fspath(alone), self.path("rock.shape.h5"))
+        np.testing.assert_array_equal(alone["rock"].vertices, rock.vertices)
+        self.assertEqual(rock.triangles.shape, (60, 3))
+        self.assertAlmostEqual(rock.mesh.volume / rock.volume, 1, delta=1e-9)
+        self.assertAlmostEqual(rock.mesh.area / rock.area, 1, delta=1e-9)
+        self.assertAlmostEqual(rock.equivalent_diameter, 0.008, delta=1e-6)
+        self.assertLess(rock.bounding_radius, 0.01)
+        self.assertEqual((rock.kind, rock.sphere_radius, self.run_.shapes["ball"].sphere_radius), ("solid", 0, 0.004))
+        self.assertEqual(rock.inertia.shape, (3, 3))
+        self.assertEqual(rock.origin_shift.shape, (3,))
+        with self.assertRaisesRegex(scree.UnknownName, "ball, rock, plate"):
+            self.run_.shapes["stone"]
+
+    def test_scene_alone(self):
+        scene = scree.open_scene(self.path("bed.scene.h5"))
+        self.assertEqual(scene.pair("steel", "chalk")["friction"], 0.2)
+        self.assertEqual([pair["between"] for pair in scene.pairs], [("chalk", "chalk"), ("chalk", "steel")])  # that can occur
+        self.assertEqual(scene.settings["gravity"], [0, 0, -9.81])
+        self.assertEqual(scene.start["position"].shape, (25, 3))
+        self.assertEqual(scene.boundary_ids.tolist(), sorted([0, *(wall.id for wall in scene.walls.values())]))
+        self.assertEqual(scene.case["title"], "a small bed")
+        self.assertFalse(scene.periodicity.any)
+        self.assertEqual(os.fspath(scene), self.path("bed.scene.h5"))
+        self.assertIn("25 bodies", repr(scene))
+        with self.assertRaises(scree.UnknownName):
+            scene.pair("steel", "wood")
+
+    def test_log_and_ranks_are_columns_with_units(self):
+        log = self.run_.log
+        self.assertEqual((log.units["time"], log.units["kinetic_rotational"], log["step"].dtype.kind, log["state_hash"][0][:0]), ("s", "J", "i", ""))
+        self.assertTrue(np.all(np.diff(log["time"]) > 0))
+        late = log.where(log["time"] > 0.03)
+        self.assertLess(late.rows, log.rows)
+        self.assertEqual(set(self.run_.ranks["rank"]), {0, 1})
+        with self.assertRaisesRegex(scree.UnknownName, "column 'tyme'"):
+            log["tyme"]
+        with self.assertRaisesRegex(scree.InputError, "steps.csv"):
+            self.run_.steps
+        with self.assertRaisesRegex(scree.InputError, "removed.csv"):
+            self.run_.removed
+
+    def test_a_log_that_is_being_written_is_read_to_its_last_complete_row(self):
+        table = scree.Table.read(os.path.join(self.run_.folder, "log.csv"))
+        with open(os.path.join(self.run_.folder, "log.csv"), encoding="utf-8") as file:
+            text = file.read()
+        for cut in (3, len(text.splitlines()[-1]) // 2):
+            with open(self.path("cut.csv"), "w", encoding="utf-8") as file:
+                file.write(text[:-cut])
+            self.assertEqual(scree.Table.read(self.path("cut.csv")).rows, table.rows - 1)
+
+    def test_own_tables(self):
+        table = scree.Table({"friction": [0.2, 0.4], "name": ["a, b", "c"]}, {"friction": "-"})
+        again = scree.Table.read(table.write(self.path("own.csv")))
+        self.assertEqual(again["friction"].tolist(), [0.2, 0.4])
+        self.assertEqual(again["name"].tolist(), ["a, b", "c"])
+        self.assertIn("2 rows", repr(again))
+        self.assertIn("<td>0.2</td>", again._repr_html_())
+        with self.assertRaisesRegex(scree.InputError, "different lengths"):
+            scree.Table({"a": [1], "b": [1, 2]})
+
+    def test_pictures_and_tables_for_notebooks(self):
+        frame = self.run_.frames[-1]
+        for page in (frame._repr_html_(), self.run_._repr_html_()):
+            self.assertIn("<td>25</td>", page)
+            self.assertIn("data:image/png;base64,iVBOR", page)
+        for colour in ("shape", "material", "speed", frame.bodies.mass):
+            ax = frame.plot(colour=colour, towards=(1, 1, -0.2))
+            self.assertEqual(len(ax.collections), 1)
+        with self.assertRaisesRegex(scree.UsageError, "shape, material, speed"):
+            frame.plot(colour="rank")
+        with mock.patch("scree.display._MOST_TRIANGLES", 0):  # outlines
+            self.assertEqual(len(frame.plot(bodies=frame.bodies[:7]).collections[0].get_paths()), 7)
+        self.assertIn("title", self.run_.case._repr_html_())
+
+    def test_optional_packages_are_used_or_named(self):
+        frame = self.run_.frames[-1]
+        for call, package in ((frame.bodies.to_pandas, "pandas"), (frame.contacts.to_pandas, "pandas"), (frame.walls.to_pandas, "pandas"),
+                              (self.run_.log.to_pandas, "pandas"), (frame.mesh(0).to_trimesh, "trimesh"), (frame.meshes().to_pyvista, "pyvista")):
+            try:
+                __import__(package)
+            except ImportError:
+                with self.assertRaisesRegex(scree.MissingPackage, f"pip install {package}"):
+                    call()
+            else:
+                made = call()
+                self.assertIn(package, type(made).__module__)
+                if call == frame.bodies.to_pandas:
+                    self.assertEqual((len(made), made.attrs["units"]["position_x"]), (25, "m"))
+                    np.testing.assert_array_equal(made["quaternion_w"], frame.bodies.quaternion[:, 0])
+                if package == "trimesh":
+                    self.assertTrue(made.is_watertight)
+                if package == "pyvista":
+                    self.assertEqual(made.n_cells, len(frame.meshes().triangles))
+
+    def test_what_is_wrong_is_said_with_the_file(self):
+        with self.assertRaisesRegex(scree.InputError, "no such run folder"):
+            scree.open(self.path("none.run"))
+        with self.assertRaisesRegex(scree.InputError, "no such file"):
+            scree.open_scene(self.path("none.scene.h5"))
+        with self.assertRaisesRegex(scree.InputError, "'scree-shape' found, 'scree-scene' expected"):
+            scree.open_scene(self.path("rock.shape.h5"))
+        broken = self.path("broken.run")
+        shutil.copytree(self.run_.folder, broken)
+        os.truncate(os.path.join(broken, "frame_000002.hdf"), 1000)
+        os.remove(os.path.join(broken, "run.json"))
+        run = scree.open(broken)
+        self.assertIsNone(run.outcome)
+        self.assertIn("still being written", repr(run))
+        self.assertEqual(run.provenance["tool"], "scree-solver")
+        self.assertEqual(len(run.frames[1].bodies), 25)
+        with self.assertRaisesRegex(scree.InputError, "frame_000002.hdf: the file is damaged"):
+            run.frames[2].bodies.position
+        os.remove(os.path.join(broken, "frames.hdf.series"))
+        with self.assertRaisesRegex(scree.InputError, "no frames.hdf.series"):
+            scree.open(broken)
+
+    def test_a_run_without_contacts_says_so(self):
+        run = make(self.folder, name="silent", changes={"output.contacts": False, "time.duration": "1 ms", "output.every": "1 ms"})
+        with self.assertRaisesRegex(scree.InputError, "kept no contacts"):
+            run.frames[-1].contacts
+        self.assertTrue(np.isnan(run.frames[-1].measures()["coordination_number"]))
+        self.assertIn("not kept", run.frames[-1]._repr_html_())
+        self.assertIn("--set output.contacts=false", run.case.text())
+
+
+class ChunksTest(InFolder):
+    def test_threads_read_what_hdf5_reads(self):
+        import h5py
+        from scree.chunks import read_array
+        random = np.random.default_rng(1)
+        path = self.path("chunks.h5")
+        with h5py.File(path, "w") as file:
+            for name, values in (("vectors", random.normal(size=(70001, 3))), ("ids", np.arange(200003)), ("indices", random.integers(0, 9, 300000, dtype=np.int32))):
+                file.create_dataset(name, data=values, chunks=(16384, *values.shape[1:]), compression="gzip", shuffle=True)
+            file.create_dataset("unshuffled", data=np.arange(200000), chunks=(16384,), compression="gzip")
+            file.create_dataset("plain", data=np.arange(200000))
+            file.create_dataset("big_endian", data=np.arange(200000, dtype=">i8"), chunks=(16384,), compression="gzip", shuffle=True)
+            file.create_dataset("sparse", shape=(200000,), dtype="f8", chunks=(16384,), compression="gzip", shuffle=True)[20000:20010] = 1
+        with mock.patch("scree.chunks._threads", lambda: 3), h5py.File(path) as file:
+            for name, data in file.items():
+                np.testing.assert_array_equal(read_array(path, data), data[()], err_msg=name)
+            offset = file["vectors"].id.get_chunk_info(1).byte_offset
+        with open(path, "r+b") as file:
+            file.seek(offset)
+            file.write(b"damaged")
+        with mock.patch("scree.chunks._threads", lambda: 3), h5py.File(path) as file, self.assertRaises(zlib.error):
+            read_array(path, file["vectors"])
+
+
+class RegionTest(unittest.TestCase):
+    def test_regions_have_the_rule_of_scree_post(self):
+        points = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.5, 0.5], [0, 0, 1], [0, 1, 0]], dtype=float)
+        self.assertEqual(scree.Box([1, 1, 1], [0, 0, 0]).contains(points).tolist(), [True, False, True, False, False])
+        self.assertEqual(scree.Cylinder([0, 0, 0], [0, 0, 1], 1).contains(points).tolist(), [True, False, True, False, False])
+        self.assertEqual(scree.Sphere([0, 0, 0], 1).contains(points).tolist(), [True, False, True, False, False])
+        self.assertEqual(scree.region("top=sphere:0,0,0,5 mm").radius, 0.005)
+        cylinder = scree.region("cylinder:0,0,0,0,0,1 cm,2 mm")
+        self.assertEqual((cylinder.start.tolist(), cylinder.end.tolist(), cylinder.radius), ([0, 0, 0], [0, 0, 0.01], 0.002))
+        self.assertEqual(scree.region("box:1,1,1,0,0,0").lower.tolist(), [0, 0, 0])
+        self.assertEqual(scree.Sphere([1, 2, 3], 1).centre.tolist(), [1, 2, 3])
+        self.assertAlmostEqual(scree.Cylinder([0, 0, 0], [1, 1, 0], 2).volume, np.pi * 4 * np.sqrt(2))
+        self.assertAlmostEqual(scree.Sphere([0, 0, 0], 3).volume, 36 * np.pi)
+        self.assertEqual(scree.Box([0, 0, 0], [1, 2, 3]).volume, 6)
+        self.assertEqual(scree.Box([0, 0, 0], [1, 2, 3]).upper.tolist(), [1, 2, 3])
+        np.testing.assert_allclose(scree.Cylinder([0, 0, 0], [0, 0, 1], 2).bounds, [[-2, -2, 0], [2, 2, 1]])
+        for text in ("cube:0,0,0,1,1,1", "box:0,0,0,1,1", "sphere:0,0,0,0", "box:0,0,0,1,1,1 kg"):
+            with self.assertRaises(scree.UsageError):
+                scree.region(text)
+
+    def test_images_in_a_periodic_domain(self):
+        from scree.regions import Periodicity
+        p = Periodicity([0, 0, 0], [1, 0, 0])
+        points = np.array([[0.1, 0, 0], [0.5, 0, 0], [0.95, 0, 0]])
+        self.assertEqual(p.contained(scree.Sphere([0, 0, 0], 0.2), points).tolist(), [True, False, True])
+        np.testing.assert_allclose(p.wrap(np.array([[1.25, 3, 0], [-0.25, 0, 0]])), [[0.25, 3, 0], [0.75, 0, 0]])
+        np.testing.assert_allclose(p.nearest(np.array([[0.75, 3, 0]])), [[-0.25, 3, 0]])
+
+    def test_units(self):
+        for text, value in (("2.5 mm", 0.0025), ("120 rpm", 4 * np.pi), ("7.8 g/cm^3", 7800), ("1 MN/m", 1e6), ("30 deg", np.pi / 6), ("3", 3),
+                            ("1 1/s", 1), ("5 m/s²", 5), ("2 min", 120), ("1 mPa s", 1e-3), (4, 4)):
+            self.assertAlmostEqual(scree.si(text) / value, 1, delta=1e-15, msg=text)
+        for text in ("mm", "1 parsec", "1 m/", "1 m//s", "1 m %"):
+            with self.assertRaises(scree.UsageError, msg=text):
+                scree.si(text)
+        with self.assertRaisesRegex(scree.UsageError, "not in units of m"):
+            scree.si("1 kg", "m")
+
+    def test_rotations(self):
+        q = np.array([np.cos(0.3), 0, 0, np.sin(0.3)])
+        np.testing.assert_allclose(scree.rotate(q, [1, 0, 0]), [np.cos(0.6), np.sin(0.6), 0], atol=1e-15)
+        np.testing.assert_allclose(scree.rotation_matrix(q) @ [1, 2, 3], scree.rotate(q, [1, 2, 3]), atol=1e-15)
+        mesh = scree.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        np.testing.assert_allclose(mesh.placed([0, 0, 5], q, 2).vertices[1], [2 * np.cos(0.6), 2 * np.sin(0.6), 5], atol=1e-15)
+        self.assertEqual(len(scree.Mesh.joined([mesh, mesh]).triangles), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
