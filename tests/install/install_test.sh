@@ -33,3 +33,15 @@ done
 unpacked/usr/bin/scree-mesher info box.shape.h5 >info.txt
 grep -q "box" info.txt || fail "the packaged mesher said: $(cat info.txt)"
 unpacked/usr/bin/scree-solver --version >/dev/null
+
+# 4. the Python package, with the tools beside it and the schema inside it
+for root in prefix unpacked/usr; do
+  env -u SCREE_BIN PATH=/usr/bin:/bin PYTHONPATH="$root/lib/python3/dist-packages" /usr/bin/python3 -B - "$root" >python.txt <<'PYTHON' || fail "the Python package in $root"
+import os, sys, scree
+assert os.path.abspath(scree.__file__).startswith(os.path.abspath(sys.argv[1])), scree.__file__
+assert scree.Case.from_text("[time]\nduraton = 1\n").problems()
+print(scree.call("mesher", "info", "box.shape.h5", progress=False).command[0])
+print(scree.open_shapes("box.shape.h5")["box"].volume)
+PYTHON
+  [[ "$(head -n 1 python.txt)" -ef "$root/bin/scree-mesher" ]] || fail "the Python package of $root calls $(head -n 1 python.txt)"
+done
