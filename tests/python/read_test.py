@@ -2,6 +2,7 @@
 """What the package reads of a run: frames, contacts, walls, tables, shapes, scene, meshes, regions, pictures."""
 import os
 import shutil
+import sys
 import unittest
 import zlib
 from unittest import mock
@@ -29,7 +30,7 @@ class ReadTest(InFolder):
         chalk = run.materials["chalk"]
         self.assertEqual((chalk.name, chalk.density, chalk.young, chalk.poisson), ("chalk", 1500, 0, 0))
         self.assertEqual(run.materials.by_index(0).name, "chalk")
-        self.assertEqual(run.materials.index("steel"), 1)
+        self.assertEqual(run.materials.indices("steel"), [1])
         self.assertEqual(list(run.walls), ["box", "plate"])
         self.assertEqual(run.walls["plate"].kind, "mesh")
         self.assertEqual((run.walls["box"].material, run.walls["box"].facts["upper"][2]), ("steel", 0.08))
@@ -245,6 +246,21 @@ class ReadTest(InFolder):
                 if package == "pyvista":
                     self.assertEqual(made.n_cells, len(frame.meshes().triangles))
 
+    def test_what_other_packages_are_given(self):
+        mesh = self.run_.frames[-1].meshes()
+        trimesh, pyvista = mock.Mock(), mock.Mock()
+        pyvista.PolyData.return_value.cell_data = {}
+        with mock.patch.dict(sys.modules, trimesh=trimesh, pyvista=pyvista):
+            mesh.to_trimesh()
+            data = mesh.to_pyvista()
+        (vertices, triangles), options = trimesh.Trimesh.call_args
+        np.testing.assert_array_equal(vertices[triangles], mesh.vertices[mesh.triangles])
+        np.testing.assert_array_equal(options["face_attributes"]["body"], mesh.body)
+        (vertices, faces), _ = pyvista.PolyData.call_args
+        np.testing.assert_array_equal(faces.reshape(-1, 4)[:, 1:], mesh.triangles)
+        self.assertEqual(set(faces.reshape(-1, 4)[:, 0]), {3})
+        np.testing.assert_array_equal(data.cell_data["body"], mesh.body)
+
     def test_what_is_wrong_is_said_with_the_file(self):
         with self.assertRaisesRegex(scree.InputError, "no such run folder"):
             scree.open(self.path("none.run"))
@@ -266,6 +282,21 @@ class ReadTest(InFolder):
         os.remove(os.path.join(broken, "frames.hdf.series"))
         with self.assertRaisesRegex(scree.InputError, "no frames.hdf.series"):
             scree.open(broken)
+
+    def test_things_of_one_name_are_all_there(self):
+        plate = {"shape": {"plate": {"corner": [-0.01, -0.01, 0.075], "side_a": [0.02, 0, 0], "side_b": [0, 0.02, 0]}}, "material": "steel"}
+        case = scree.Case.from_text(CASE, self.path("names.toml"))
+        case["walls"] = [*case["walls"], {"name": "rock", **plate}, {"name": "rock", **plate}]
+        case["time.duration"] = "1 ms"
+        case["populations.0.count"] = 6
+        run = scree.solve(scree.pack(case, self.path("names.scene.h5"), progress=False), threads=1, progress=False)
+        self.assertEqual(run.frames[-1].walls.name, ["box", "plate", "rock", "rock"])
+        self.assertEqual((list(run.walls), len(run.walls.in_order)), (["box", "plate", "rock"], 4))
+        b = run.bodies()
+        self.assertEqual(set(b.of_shape("rock").shape_name), {"rock"})
+        np.testing.assert_allclose(b.of_shape("ball").volume, 4 / 3 * np.pi * 0.004**3, rtol=1e-12)
+        self.assertEqual(len(run.scene.boundary_ids), 5)
+        self.assertEqual(len(run.frames[-1].wall_mesh(run.walls.in_order[3].id).triangles), 2)
 
     def test_a_run_without_contacts_says_so(self):
         run = make(self.folder, name="silent", changes={"output.contacts": False, "time.duration": "1 ms", "output.every": "1 ms"})

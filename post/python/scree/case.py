@@ -127,7 +127,7 @@ class Case:
                 if len(columns[name]) != count:
                     raise UsageError(f"add_bodies: {len(columns[name])} values of {name} for {count} positions")
         for row in range(count):
-            body = {"shape": shape, "material": material, **{name: values[row] for name, values in columns.items()}}
+            body: dict[str, Any] = {"shape": shape, "material": material, **{name: values[row] for name, values in columns.items()}}
             self.data.setdefault("bodies", []).append({**body, "fixed": True} if fixed else body)
 
     def problems(self) -> list[str]:

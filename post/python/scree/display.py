@@ -4,13 +4,13 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .errors import UsageError, missing_package
-from .meshes import rotate
+from .meshes import rotation_matrix
 
 if TYPE_CHECKING:
     from .frames import Frame
@@ -18,11 +18,12 @@ if TYPE_CHECKING:
 
 _MOST_TRIANGLES = 60_000  # drawn one by one, about a second; above, each body is its outline
 _MOST_OUTLINES = 20_000  # above, each body is a disc of equal volume
+_DIRECTIONS = 32  # of an outline
 _TONES = ((0.55, 0.52, 0.48), (0.76, 0.66, 0.50), (0.45, 0.55, 0.62), (0.70, 0.48, 0.40), (0.60, 0.66, 0.52), (0.40, 0.38, 0.42),
           (0.82, 0.78, 0.70), (0.50, 0.42, 0.55))  # stone, as the pictures of scree-post
 
 
-def _axes_of_view(frame: Frame, towards: Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _axes_of_view(frame: Frame, towards: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Right, up and depth of the picture: gravity points down where it can."""
     depth = np.asarray(towards, dtype=float)
     if not np.linalg.norm(depth) > 0:
@@ -35,23 +36,6 @@ def _axes_of_view(frame: Frame, towards: Sequence[float]) -> tuple[np.ndarray, n
             break
     up = up / np.linalg.norm(up)
     return np.cross(depth, up), up, depth
-
-
-def _hull(points: np.ndarray) -> np.ndarray:
-    """Convex outline of points in the plane, counter-clockwise (Andrew's monotone chain)."""
-    points = points[np.lexsort((points[:, 1], points[:, 0]))]
-    chains: list[list[np.ndarray]] = []
-    for ordered in (points, points[::-1]):
-        chain: list[np.ndarray] = []
-        for p in ordered:
-            while len(chain) > 1:
-                (ax, ay), (bx, by) = chain[-1] - chain[-2], p - chain[-2]
-                if ax * by - ay * bx > 0:
-                    break
-                chain.pop()
-            chain.append(p)
-        chains.append(chain[:-1])
-    return np.array(chains[0] + chains[1]) if len(points) > 2 else points
 
 
 def _colours(frame: Frame, bodies: Bodies, colour: str | Any) -> tuple[np.ndarray, tuple[str, float, float] | None]:
@@ -86,24 +70,25 @@ def _triangle_patches(frame: Frame, bodies: Bodies, colours: np.ndarray, view: n
 
 
 def _outline_patches(frame: Frame, bodies: Bodies, colours: np.ndarray, view: np.ndarray) -> tuple[list[np.ndarray] | np.ndarray, np.ndarray]:
-    """The outline of each body, farthest first. Each shape is thinned to vertices that can lie on an outline."""
-    order = np.argsort(-(bodies.position @ view[2]), kind="stable")
-    angle = 2 * np.pi * np.arange(24) / 24
+    """The convex outline of each body, farthest first: its farthest vertices in 32 directions of the picture."""
+    angle = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    shapes = list(frame.scene.shapes.values())
-    index, position, scale, quaternion = bodies.shape, bodies.position @ view[:2].T, bodies.scale, bodies.quaternion
-    discs, patches = len(bodies) > _MOST_OUTLINES, []
-    diameter = bodies.diameter
-    for i in order:
-        shape = shapes[index[i]]
-        if discs or shape.kind == "sphere":
-            patches.append(position[i] + 0.5 * diameter[i] * circle)
-        else:
-            patches.append(position[i] + scale[i] * _hull(rotate(quaternion[i], shape.vertices) @ view[:2].T))
-    return patches, colours[order]
+    patches = 0.5 * bodies.diameter[:, None, None] * circle
+    for index, shape in enumerate(frame.scene.shapes.in_order):
+        rows = np.flatnonzero(bodies.shape == index)
+        if shape.kind == "sphere" or len(bodies) > _MOST_OUTLINES:
+            continue
+        for part in np.array_split(rows, 1 + len(rows) * _DIRECTIONS * len(shape.vertices) // 10_000_000):  # 80 MB at a time
+            turned = rotation_matrix(bodies.quaternion[part])
+            seen = np.einsum("ak,nkj->naj", view[:2], turned)  # right and up of the picture in the axes of each body
+            farthest = np.argmax(np.einsum("da,naj->ndj", circle, seen) @ shape.vertices.T, axis=2)
+            corners = shape.vertices[farthest]
+            patches[part] = bodies.scale[part][:, None, None] * np.einsum("naj,ndj->nda", seen, corners)
+    order = np.argsort(-(bodies.position @ view[2]), kind="stable")
+    return (patches + (bodies.position @ view[:2].T)[:, None])[order], colours[order]
 
 
-def plot_bodies(frame: Frame, bodies: Bodies, ax: Any, colour: str | Any, towards: Sequence[float]) -> Any:
+def plot_bodies(frame: Frame, bodies: Bodies, ax: Any, colour: str | Any, towards: ArrayLike) -> Any:
     """See Frame.plot."""
     try:
         from matplotlib.cm import ScalarMappable
@@ -116,7 +101,7 @@ def plot_bodies(frame: Frame, bodies: Bodies, ax: Any, colour: str | Any, toward
         ax = Figure(figsize=(5, 4), layout="tight").add_subplot()
     view = np.array(_axes_of_view(frame, towards))
     colours, scale = _colours(frame, bodies, colour)
-    triangles = np.array([len(shape.mesh.triangles) for shape in frame.scene.shapes.values()])
+    triangles = np.array([len(shape.mesh.triangles) for shape in frame.scene.shapes.in_order])
     few = len(bodies) > 0 and int(triangles[bodies.shape].sum()) <= _MOST_TRIANGLES
     patches, faces = (_triangle_patches if few else _outline_patches)(frame, bodies, colours, view)
     edges = {"linewidths": 0.3, "edgecolors": "face"} if few else {"linewidths": 0.4, "edgecolors": (0.2, 0.2, 0.2)}

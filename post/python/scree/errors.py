@@ -105,4 +105,5 @@ def unknown_name(kind: str, name: object, known: Iterable[object]) -> UnknownNam
 
 def missing_package(what: str, package: str) -> MissingPackage:
     """The error for an optional package that is not installed."""
-    return MissingPackage(f"{what} needs the Python package {package}: apt-get install python3-{package}, or pip install {package}")
+    debian = f"apt-get install python3-{package}, or " if package in ("matplotlib", "pandas") else ""  # Debian 12 has these
+    return MissingPackage(f"{what} needs the Python package {package}: {debian}pip install {package}")

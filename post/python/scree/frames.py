@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .display import frame_html, plot_bodies
 from .errors import InputError, UsageError, unknown_name
@@ -101,7 +102,7 @@ class Frame:
     def wall_mesh(self, wall: str | int) -> Mesh:
         """The mesh of a wall, by its name or id, in the world at this time. Raises UnknownName; UsageError for a plane."""
         row = self.walls.row(wall)
-        by_id = {w.id: w for w in self.scene.walls.values()}
+        by_id = {w.id: w for w in self.scene.walls.in_order}
         return by_id[int(self.walls.id[row])].mesh.placed(self.walls.position[row], self.walls.quaternion[row])
 
     def measures(self, part: Region | str | None = None) -> dict[str, float]:
@@ -115,7 +116,7 @@ class Frame:
         """
         return frame_measures(self, None if part is None else region(part))
 
-    def plot(self, ax: Any = None, colour: str | Any = "shape", towards: Sequence[float] = (0, 1, 0), bodies: Bodies | None = None) -> Any:
+    def plot(self, ax: Any = None, colour: str | Any = "shape", towards: ArrayLike = (0, 1, 0), bodies: Bodies | None = None) -> Any:
         """Draws the bodies with matplotlib as they look from outside; returns the axes. Raises MissingPackage without matplotlib.
 
         ax       matplotlib axes; new ones when None

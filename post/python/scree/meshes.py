@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .errors import missing_package
 
@@ -39,7 +40,7 @@ class Mesh:
         self.triangles: np.ndarray = np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
         self.body: np.ndarray | None = None if body is None else np.asarray(body, dtype=np.int64)
 
-    def placed(self, position: Sequence[float], quaternion: Sequence[float] = (1, 0, 0, 0), scale: float = 1.0) -> Mesh:
+    def placed(self, position: ArrayLike, quaternion: ArrayLike = (1, 0, 0, 0), scale: float = 1.0) -> Mesh:
         """The mesh scaled, turned by a quaternion w x y z, then moved [m]."""
         return Mesh(np.asarray(position) + scale * rotate(quaternion, self.vertices), self.triangles, self.body)
 

@@ -6,10 +6,10 @@ of a cylinder or sphere does not belong to it: regions side by side count nothin
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .errors import UsageError
 from .units import si
@@ -40,7 +40,7 @@ class Region:
 class Box(Region):
     """A box with sides along the axes, between two opposite corners [m] in any order."""
 
-    def __init__(self, corner: Sequence[float], opposite: Sequence[float]) -> None:
+    def __init__(self, corner: ArrayLike, opposite: ArrayLike) -> None:
         """corner, opposite: three coordinates each [m]. Raises UsageError when the box has no volume."""
         a, b = np.asarray(corner, dtype=float), np.asarray(opposite, dtype=float)
         self.lower: np.ndarray = np.minimum(a, b)  #: corner with the smallest coordinates [m]
@@ -69,7 +69,7 @@ class Box(Region):
 class Cylinder(Region):
     """A cylinder in any direction, given by the ends of its axis and its radius [m]."""
 
-    def __init__(self, start: Sequence[float], end: Sequence[float], radius: float) -> None:
+    def __init__(self, start: ArrayLike, end: ArrayLike, radius: float) -> None:
         """start, end: of the axis [m]; radius [m]. Raises UsageError when the cylinder has no volume."""
         self.start: np.ndarray = np.asarray(start, dtype=float)
         self.end: np.ndarray = np.asarray(end, dtype=float)
@@ -102,7 +102,7 @@ class Cylinder(Region):
 class Sphere(Region):
     """A ball, given by its centre and radius [m]."""
 
-    def __init__(self, centre: Sequence[float], radius: float) -> None:
+    def __init__(self, centre: ArrayLike, radius: float) -> None:
         """centre: three coordinates [m]; radius [m]. Raises UsageError when the ball has no volume."""
         self.centre: np.ndarray = np.asarray(centre, dtype=float)
         self.radius: float = float(radius)
@@ -152,7 +152,7 @@ def region(text: str | Region) -> Region:
 class Periodicity:
     """Periodic axes of a domain. lower: its lower corner [m]; period: length along each periodic axis [m], 0 for the others."""
 
-    def __init__(self, lower: Sequence[float], period: Sequence[float]) -> None:
+    def __init__(self, lower: ArrayLike, period: ArrayLike) -> None:
         """Both with three values."""
         self.lower: np.ndarray = np.asarray(lower, dtype=float)
         self.period: np.ndarray = np.asarray(period, dtype=float)

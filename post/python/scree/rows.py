@@ -162,33 +162,33 @@ class Bodies(Rows):
     @property
     def shape_name(self) -> np.ndarray:
         """Name of the shape of each body; n texts."""
-        return np.array([s.name for s in self._store.scene.shapes.values()], dtype=object)[self.shape]
+        return np.array([s.name for s in self._store.scene.shapes.in_order], dtype=object)[self.shape]
 
     @property
     def material_name(self) -> np.ndarray:
         """Name of the material of each body; n texts."""
-        return np.array([m.name for m in self._store.scene.materials.values()], dtype=object)[self.material]
+        return np.array([m.name for m in self._store.scene.materials.in_order], dtype=object)[self.material]
 
     @property
     def volume(self) -> np.ndarray:
         """Volume of each body; n [m^3]."""
-        return self._of_shape([s.volume for s in self._store.scene.shapes.values()]) * self.scale * self.scale * self.scale
+        return self._of_shape([s.volume for s in self._store.scene.shapes.in_order]) * self.scale * self.scale * self.scale
 
     @property
     def mass(self) -> np.ndarray:
         """Mass of each body; n [kg]."""
-        return self.volume * np.array([m.density for m in self._store.scene.materials.values()])[self.material]
+        return self.volume * np.array([m.density for m in self._store.scene.materials.in_order])[self.material]
 
     @property
     def diameter(self) -> np.ndarray:
         """Diameter of the sphere of equal volume of each body; n [m]."""
-        return self._of_shape([s.equivalent_diameter for s in self._store.scene.shapes.values()]) * self.scale
+        return self._of_shape([s.equivalent_diameter for s in self._store.scene.shapes.in_order]) * self.scale
 
     @property
     def kinetic_energy(self) -> np.ndarray:
         """Kinetic energy of each body, translation and rotation; n [J]."""
-        inertia = np.array([s.inertia for s in self._store.scene.shapes.values()])[self.shape]
-        density = np.array([m.density for m in self._store.scene.materials.values()])[self.material]
+        inertia = np.array([s.inertia for s in self._store.scene.shapes.in_order])[self.shape]
+        density = np.array([m.density for m in self._store.scene.materials.in_order])[self.material]
         spin = rotate(self.quaternion * [1, -1, -1, -1], self.angular_velocity)
         rotation = density * self.scale**5 * np.einsum("ni,nij,nj->n", spin, inertia, spin)
         return 0.5 * (self.mass * np.einsum("ni,ni->n", self.velocity, self.velocity) + rotation)
@@ -214,11 +214,11 @@ class Bodies(Rows):
 
     def of_shape(self, name: str) -> Bodies:
         """The bodies of a shape by its name. Raises UnknownName."""
-        return self[self.shape == self._store.scene.shapes.index(name)]
+        return self[np.isin(self.shape, self._store.scene.shapes.indices(name))]
 
     def of_material(self, name: str) -> Bodies:
         """The bodies of a material by its name. Raises UnknownName."""
-        return self[self.material == self._store.scene.materials.index(name)]
+        return self[np.isin(self.material, self._store.scene.materials.indices(name))]
 
     def particles(self) -> Bodies:
         """The bodies that are particles (`is_particle`)."""
@@ -266,7 +266,7 @@ class Walls(Rows):
     @property
     def name(self) -> list[str]:
         """Names of the walls, as in the case, or kind and number."""
-        names = {wall.id: wall.name for wall in self._store.scene.walls.values()}
+        names = {wall.id: wall.name for wall in self._store.scene.walls.in_order}
         return [names.get(int(i), str(i)) for i in self.id]
 
     def row(self, wall: str | int) -> int:

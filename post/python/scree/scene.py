@@ -23,36 +23,36 @@ Item = TypeVar("Item")
 
 
 class Named(Mapping[str, Item], Generic[Item]):
-    """Things by name, in the order of the file; `by_index(i)` gives the one that an index in a frame means."""
+    """Things by name. Of several with one name, such as two walls, the name means the first; `in_order` has all."""
 
     def __init__(self, kind: str, items: list[Item]) -> None:
         """kind: word for messages; items: with an attribute `name`."""
         self._kind = kind
-        self._items = items
-        self._by_name = {item.name: item for item in items}  # type: ignore[attr-defined]
+        self.in_order: tuple[Item, ...] = tuple(items)  #: all, as frames and scenes count them
+        self._names: list[str] = [item.name for item in items]  # type: ignore[attr-defined]
 
     def by_index(self, index: int) -> Item:
         """The thing that an index in a frame or scene means."""
-        return self._items[index]
+        return self.in_order[index]
 
-    def index(self, name: str) -> int:
-        """The index by which frames and scenes mean a name. Raises UnknownName."""
-        return self._items.index(self[name])
+    def indices(self, name: str) -> list[int]:
+        """The indices by which frames and scenes mean a name. Raises UnknownName."""
+        found = [index for index, known in enumerate(self._names) if known == name]
+        if not found:
+            raise unknown_name(self._kind, name, self)
+        return found
 
     def __getitem__(self, name: str) -> Item:
-        try:
-            return self._by_name[name]
-        except KeyError:
-            raise unknown_name(self._kind, name, self._by_name) from None
+        return self.in_order[self.indices(name)[0]]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._by_name)
+        return iter(dict.fromkeys(self._names))
 
     def __len__(self) -> int:
-        return len(self._by_name)
+        return len(set(self._names))
 
     def __repr__(self) -> str:
-        return f"<scree.{type(self).__name__}: {', '.join(self._by_name) or 'none'}>"
+        return f"<scree.{type(self).__name__}: {', '.join(self) or 'none'}>"
 
 
 class Shape:
@@ -203,8 +203,8 @@ class Scene:
         self.pairs: list[dict[str, Any]] = [
             {"between": tuple(self.materials.by_index(p[k]).name for k in "ab"), **{k: v for k, v in p.items() if k not in "ab"}} for p in facts["pairs"]]
         self.walls: Named[Wall] = Named("wall", [Wall(w, self.materials, self.shapes) for w in facts["walls"]])  #: by name
-        if len(self.start["id"]) and self.start["shape"].max() >= len(self.shapes):
-            raise InputError(f"{self.path}: a body has shape {self.start['shape'].max()}, but there are {len(self.shapes)} shapes")
+        if len(self.start["id"]) and self.start["shape"].max() >= len(self.shapes.in_order):
+            raise InputError(f"{self.path}: a body has shape {self.start['shape'].max()}, but there are {len(self.shapes.in_order)} shapes")
 
     def pair(self, a: str, b: str) -> dict[str, Any]:
         """The contact of two materials in either order: stiffness [N/m], restitution, friction ... Raises UnknownName."""
@@ -235,19 +235,19 @@ class Scene:
         Apparatus is a body of [[bodies]] at least five times as large as the median body of the populations, such as a lid.
         """
         b = self.start
-        radius = np.array([shape.bounding_radius for shape in self.shapes.values()] or [0.0])
+        radius = np.array([shape.bounding_radius for shape in self.shapes.in_order] or [0.0])
         size = b["scale"] * radius[b["shape"]]
         boundary = b["fixed"] != 0
         poured = np.sort(size[(b["population"] >= 0) & ~boundary])
         if len(poured):
             boundary = boundary | ((b["population"] < 0) & (size >= _APPARATUS_SIZE * poured[len(poured) // 2]))
-        return np.sort(np.concatenate([[wall.id for wall in self.walls.values()], b["id"][boundary]]).astype(np.int64))
+        return np.sort(np.concatenate([[wall.id for wall in self.walls.in_order], b["id"][boundary]]).astype(np.int64))
 
     def __fspath__(self) -> str:
         return self.path
 
     def __repr__(self) -> str:
-        return f"<scree.Scene '{self.path}': {len(self.start['id'])} bodies of {len(self.shapes)} shapes, {len(self.walls)} walls>"
+        return f"<scree.Scene '{self.path}': {len(self.start['id'])} bodies, {len(self.shapes.in_order)} shapes, {len(self.walls.in_order)} walls>"
 
 
 def open_scene(path: str | os.PathLike[str]) -> Scene:

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import difflib
 import json
+import operator
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -17,6 +18,10 @@ from .errors import MachineError
 Problem = tuple[tuple[Any, ...], str]  # place, message
 _KINDS: dict[str, tuple[type, ...]] = {"object": (dict,), "array": (list,), "string": (str,), "boolean": (bool,), "integer": (int,), "number": (int, float)}
 _WORDS = {"object": "a table", "array": "a list", "string": "a text", "boolean": "true or false", "integer": "a whole number", "number": "a number"}
+
+_RANGES: tuple[tuple[str, Callable[[Any, Any], bool], str], ...] = (
+    ("minimum", operator.ge, "at least"), ("maximum", operator.le, "at most"),
+    ("exclusiveMinimum", operator.gt, "more than"), ("exclusiveMaximum", operator.lt, "less than"))
 
 
 @lru_cache(maxsize=1)
@@ -111,7 +116,6 @@ def problems_of(value: Any, schema: dict[str, Any], place: tuple[Any, ...] = ())
         if "pattern" in schema and not re.search(schema["pattern"], value):
             yield place, f"{_shown(value)}: expected {_expected(schema)}"
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        for key, holds, words in (("minimum", lambda m: value >= m, "at least"), ("maximum", lambda m: value <= m, "at most"),
-                                  ("exclusiveMinimum", lambda m: value > m, "more than"), ("exclusiveMaximum", lambda m: value < m, "less than")):
-            if key in schema and not holds(schema[key]):
+        for key, holds, words in _RANGES:
+            if key in schema and not holds(value, schema[key]):
                 yield place, f"{_shown(value)}: {words} {schema[key]} expected"

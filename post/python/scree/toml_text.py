@@ -116,7 +116,8 @@ class Document:
     def _scan(self, text: str) -> None:
         lines, at, before = text.splitlines(keepends=True), 0, ""
         counts: dict[Path, int] = {}
-        table, path = self.data, ()
+        table = self.data
+        path: Path = ()
         while at < len(lines):
             begin, line = at + 1, lines[at]
             at += 1

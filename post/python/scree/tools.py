@@ -77,8 +77,8 @@ def _message(errors: str, tool: str) -> str:
         rest = errors[found[-1].end() :].splitlines()
         own = [line for line in rest[1:] if line.startswith((" ", "\t"))]
         return "\n".join([*rest[:1], *own]).strip()
-    said = [line for line in errors.splitlines() if line.strip() and not _PROGRESS.match(line)]
-    return said[-1] if said else ""
+    said = [line for line in errors.splitlines() if line.strip(" -") and not _PROGRESS.match(line)]
+    return "\n".join(said[-20:])  # of mpirun, or of the system
 
 
 def call(tool: str, *words: Any, progress: bool | Callable[[Progress], None] = True, ranks: int = 1, threads: int | None = None,
