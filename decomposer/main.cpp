@@ -1,6 +1,5 @@
 // scree-decomposer: from a case file to a scene that the solver can run, cut for its ranks.
 #include <fmt/format.h>
-#include <mpi.h>
 
 #include <cstdio>
 #include <iterator>
@@ -9,6 +8,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/base/mpi_session.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "decomposer/commands.hpp"
@@ -16,14 +16,6 @@
 namespace {
 
 const char* const kTool = "scree-decomposer";
-
-/// MPI for one process: Zoltan wants it. Lives as long as main.
-struct MpiSession {
-  MpiSession(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
-  ~MpiSession() { MPI_Finalize(); }
-  MpiSession(const MpiSession&) = delete;
-  MpiSession& operator=(const MpiSession&) = delete;
-};
 
 int run(int argc, char** argv) {
   // 1. the commands and their options
@@ -133,6 +125,6 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const MpiSession mpi(argc, argv);
+  const scree::mpi::Session session(argc, argv);  // Zoltan wants it
   return scree::run_main(kTool, [&] { return run(argc, argv); });
 }

@@ -1,5 +1,8 @@
 #include "core/base/csv.hpp"
 
+#include <algorithm>
+#include <fstream>
+
 namespace scree {
 
 std::string csv_cell(const std::string& text) {
@@ -24,6 +27,27 @@ std::vector<std::string> csv_cells(const std::string& line) {
       cells.back() += c;
   }
   return cells;
+}
+
+std::size_t CsvTable::column(const std::string& name) const {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::optional<CsvTable> read_csv(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return std::nullopt;
+  CsvTable table;
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (line.empty() || line.starts_with('#')) continue;
+    if (table.names.empty()) {
+      table.header = line;
+      table.names = csv_cells(line);
+    } else {
+      table.rows.push_back({number, !file.eof(), csv_cells(line)});
+    }
+  }
+  return table;
 }
 
 }  // namespace scree

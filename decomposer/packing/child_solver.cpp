@@ -1,9 +1,5 @@
 #include "decomposer/packing/child_solver.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,8 +7,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
-#include "core/base/error.hpp"
+#include "core/base/child_process.hpp"
 
 namespace scree {
 
@@ -98,30 +95,6 @@ class Talk {
   double share_ = 0;
 };
 
-/// Reads all that comes until every writer has gone.
-void listen(int descriptor, Talk& talk) {
-  constexpr int kAgain = 1000;  // [ms] a run that says nothing new is still told of: the time goes on
-  char bytes[4096];
-  while (true) {
-    pollfd waits{descriptor, POLLIN, 0};
-    if (poll(&waits, 1, kAgain) == 0) {
-      talk.tell();
-      continue;
-    }
-    const ssize_t n = read(descriptor, bytes, sizeof bytes);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return;
-    talk.add(bytes, static_cast<std::size_t>(n));
-  }
-}
-
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> result;
-  for (std::string& word : words) result.push_back(word.data());
-  result.push_back(nullptr);
-  return result;
-}
-
 }  // namespace
 
 Frame run_solver(const ChildSolver& solver, const Scene& scene, const std::function<void(double)>& progress) {
@@ -134,29 +107,22 @@ Frame run_solver(const ChildSolver& solver, const Scene& scene, const std::funct
   for (char** variable = environ; *variable != nullptr; ++variable) {
     if (!is_of_this_job(*variable)) variables.emplace_back(*variable);
   }
-  std::vector<char*> argv = pointers(words), envp = pointers(variables);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw SystemError("cannot make a pipe: {}", std::strerror(errno));
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), envp.data());
-  posix_spawn_file_actions_destroy(&actions);
-  close(ends[1]);
+  std::optional<ChildProcess> child;
+  try {
+    child.emplace(ChildProcess::start(words, variables, true));
+  } catch (const StartError& error) {
+    throw SystemError("cannot start {}, which this packing needs: {}; give its command with --solver", words.front(), error.reason());
+  }
   Talk talk(progress);
-  if (failed == 0) listen(ends[0], talk);
-  close(ends[0]);
-  if (failed != 0) {
-    throw SystemError("cannot start {}, which this packing needs: {}; give its command with --solver", words.front(),
-                      std::strerror(failed));
+  constexpr int kAgain = 1000;  // [ms] a run that says nothing new is still told of: the time goes on
+  std::vector<char> bytes;
+  for (auto state = ChildProcess::Read::data; state != ChildProcess::Read::end; bytes.clear()) {
+    state = child->read(bytes, kAgain);
+    if (state == ChildProcess::Read::nothing_yet) talk.tell();
+    talk.add(bytes.data(), bytes.size());
   }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) throw SystemError("lost sight of {}: {}", words.front(), std::strerror(errno));
-  }
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  const ProcessEnd end = child->wait();
+  const int code = end.signal == 0 ? end.code : 128 + end.signal;
   if (code == 2 || code == 3 || code == 5) throw RunInvalid(talk.error());
   if (code != 0) throw SystemError("{} ended with {}: {}", words.front(), code, talk.error());
   return read_frame_file(list_frames(run).back().path);

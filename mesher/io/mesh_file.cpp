@@ -13,7 +13,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
-#include "mesher/io/child_process.hpp"
+#include "mesher/io/sandbox.hpp"
 #include "mesher/io/polygons.hpp"
 
 namespace scree {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
-#include "mesher/io/child_process.hpp"
+#include "mesher/io/sandbox.hpp"
 
 namespace scree {
 

@@ -1,17 +1,11 @@
 #include "post/run/frame_pool.hpp"
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <thread>
 
-#include "core/base/error.hpp"
+#include "core/base/child_process.hpp"
 #include "core/base/long_work.hpp"
 
 namespace scree {
@@ -55,87 +49,29 @@ Answer answer_of(const std::function<std::string(std::size_t)>& task, std::size_
   }
 }
 
-bool write_all(int descriptor, const void* data, std::size_t size) {
-  const char* at = static_cast<const char*>(data);
-  while (size > 0) {
-    const ssize_t n = write(descriptor, at, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    at += n;
-    size -= static_cast<std::size_t>(n);
+ChildProcess start_child(const std::function<void(int)>& work) {
+  try {
+    return ChildProcess::fork(work);
+  } catch (const StartError& error) {
+    throw SystemError("{}; give fewer --jobs", error.what());
   }
-  return true;
 }
 
-bool read_all(int descriptor, void* data, std::size_t size) {
-  char* at = static_cast<char*>(data);
-  while (size > 0) {
-    const ssize_t n = read(descriptor, at, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    at += n;
-    size -= static_cast<std::size_t>(n);
+/// in   frame   for the message
+Answer receive(ChildProcess& child, std::size_t frame) {
+  Answer answer;
+  std::uint64_t size = 0;
+  bool whole = child.read_exactly(&answer.status, 1) && child.read_exactly(&size, sizeof size);
+  if (whole) {
+    answer.bytes.resize(size);
+    whole = child.read_exactly(answer.bytes.data(), size);
   }
-  return true;
+  if (!whole) {
+    throw SystemError(
+        "a process of scree-post died at frame {} of the list; was it killed, or is there too little memory? Give fewer --jobs", frame);
+  }
+  return answer;
 }
-
-/// The child processes: ended and waited for on every way out.
-class Children {
- public:
-  Children() = default;
-  Children(const Children&) = delete;
-  Children& operator=(const Children&) = delete;
-  ~Children() {
-    for (const Child& child : children_) {
-      close(child.descriptor);
-      kill(child.process, SIGKILL);  // one that has ended is still ours until it is waited for
-      waitpid(child.process, nullptr, 0);
-    }
-  }
-  /// Starts a child that runs `work` with the descriptor it writes to.
-  void start(const std::function<void(int)>& work) {
-    int ends[2];
-    if (pipe(ends) != 0) throw SystemError("cannot make a pipe: {}", std::strerror(errno));
-    std::fflush(nullptr);  // what waits in buffers must not be printed twice
-    const pid_t process = fork();
-    if (process < 0) {
-      close(ends[0]);
-      close(ends[1]);
-      throw SystemError("cannot start a process: {}; give fewer --jobs", std::strerror(errno));
-    }
-    if (process == 0) {
-      print_progress(false);
-      close(ends[0]);
-      for (const Child& child : children_) close(child.descriptor);
-      work(ends[1]);
-      _exit(0);
-    }
-    close(ends[1]);
-    children_.push_back({process, ends[0]});
-  }
-  Answer receive(std::size_t child, std::size_t frame) {
-    Answer answer;
-    std::uint64_t size = 0;
-    const int descriptor = children_[child].descriptor;
-    bool whole = read_all(descriptor, &answer.status, 1) && read_all(descriptor, &size, sizeof size);
-    if (whole) {
-      answer.bytes.resize(size);
-      whole = read_all(descriptor, answer.bytes.data(), size);
-    }
-    if (!whole) {
-      throw SystemError(
-          "a process of scree-post died at frame {} of the list; was it killed, or is there too little memory? Give fewer --jobs", frame);
-    }
-    return answer;
-  }
-
- private:
-  struct Child {
-    pid_t process;
-    int descriptor;
-  };
-  std::vector<Child> children_;
-};
 
 }  // namespace
 
@@ -163,21 +99,21 @@ FramePoolResult for_each_frame(const std::vector<std::size_t>& frames, const Fra
     }
     return result;
   }
-  Children children;
+  std::vector<ChildProcess> children;
   for (std::size_t j = 0; j < jobs; ++j) {
-    children.start([&, j](int descriptor) {
+    children.push_back(start_child([&, j](int descriptor) {
       for (std::size_t i = j; i < frames.size(); i += jobs) {
         const Answer answer = answer_of(task, frames[i], pool.skip_damaged);
         const std::uint64_t size = answer.bytes.size();
-        if (!write_all(descriptor, &answer.status, 1) || !write_all(descriptor, &size, sizeof size) ||
-            !write_all(descriptor, answer.bytes.data(), size)) {
+        if (!write_exactly(descriptor, &answer.status, 1) || !write_exactly(descriptor, &size, sizeof size) ||
+            !write_exactly(descriptor, answer.bytes.data(), size)) {
           return;  // the parent has gone
         }
       }
-    });
+    }));
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    take(frames[i], children.receive(i % jobs, frames[i]));
+    take(frames[i], receive(children[i % jobs], frames[i]));
     done(i + 1);
   }
   return result;

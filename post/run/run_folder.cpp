@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
@@ -41,28 +42,22 @@ const std::vector<double>& LogTable::column(const std::string& name) const {
 }
 
 LogTable read_log(const std::string& path) {
-  std::ifstream stream(path);
   LogTable table;
-  if (!stream) return table;
-  std::string line;
-  std::getline(stream, line);
-  table.names = csv_cells(line);
+  const std::optional<CsvTable> csv = read_csv(path);
+  if (!csv) return table;
+  table.names = csv->names;
   if (table.names.empty() || table.names[0] != "step") throw InputError("{}: its first line is no header; 'step,time,...' expected", path);
   table.columns.resize(table.names.size());
-  std::size_t number = 1;
-  while (std::getline(stream, line)) {
-    ++number;
-    if (line.empty() || line[0] == '#') continue;
-    const std::vector<std::string> words = csv_cells(line);
-    if (words.size() != table.names.size() || stream.eof()) {
+  for (const CsvTable::Row& row : csv->rows) {
+    if (row.cells.size() != table.names.size() || !row.is_ended) {
       // the last line of a run in progress may be half written
-      if (stream.peek() == std::ifstream::traits_type::eof()) break;
-      throw InputError("{}:{}: {} values found, {} expected", path, number, words.size(), table.names.size());
+      if (&row == &csv->rows.back()) break;
+      throw InputError("{}:{}: {} values found, {} expected", path, row.line, row.cells.size(), table.names.size());
     }
-    for (std::size_t c = 0; c < words.size(); ++c) {
+    for (std::size_t c = 0; c < row.cells.size(); ++c) {
       char* end = nullptr;
-      const double value = std::strtod(words[c].c_str(), &end);
-      const bool is_number = end != words[c].c_str() && *end == '\0';
+      const double value = std::strtod(row.cells[c].c_str(), &end);
+      const bool is_number = end != row.cells[c].c_str() && *end == '\0';
       table.columns[c].push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
     }
   }

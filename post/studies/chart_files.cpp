@@ -1,17 +1,13 @@
 #include "post/studies/chart_files.hpp"
 
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/base/error.hpp"
+#include "core/base/child_process.hpp"
 #include "core/storage/h5.hpp"
 #include "post/run/output_file.hpp"
-
-extern char** environ;
 
 namespace scree {
 
@@ -30,15 +26,12 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-int run_program(std::vector<std::string> words) {
-  std::vector<char*> arguments;
-  for (std::string& w : words) arguments.push_back(w.data());
-  arguments.push_back(nullptr);
-  pid_t process = 0;
-  if (posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return -1;
-  int status = 0;
-  if (waitpid(process, &status, 0) != process) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+bool run_program(std::vector<std::string> words) {
+  try {
+    return ChildProcess::start(std::move(words), std::nullopt, false).wait().is_success();
+  } catch (const SystemError&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -54,7 +47,7 @@ std::vector<std::string> write_chart(const std::string& folder, const std::strin
   h5::write_text_file(svg, standalone_svg(chart));
   if (!png_obstacle().empty()) return {name + ".svg"};
   const std::string temporary = h5::temporary_name(png);
-  if (run_program({kConverter, "--zoom=2", "--format=png", "--output=" + temporary, svg}) != 0) {
+  if (!run_program({kConverter, "--zoom=2", "--format=png", "--output=" + temporary, svg})) {
     std::remove(temporary.c_str());
     throw SystemError("{} could not turn {} into {}; is the disk full?", kConverter, svg, png);
   }

@@ -5,7 +5,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
@@ -38,21 +37,18 @@ constexpr std::array<ErrorColumn, 7> kErrors{{{"error_e", "-", "error of the res
 using Row = std::map<std::string, std::string>;
 
 std::vector<Row> read_rows(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw InputError("{}: no such file, or it cannot be read", path);
-  std::string line;
-  std::getline(stream, line);
-  const std::vector<std::string> names = csv_cells(line);
+  const std::optional<CsvTable> csv = read_csv(path);
+  if (!csv) throw InputError("{}: no such file, or it cannot be read", path);
+  const std::vector<std::string>& names = csv->names;
   if (names.empty() || names[0] != "case")
-    throw InputError("{}:1: '{}' is no header of a study; 'case,...' expected (VALIDATION 4.5)", path, line.substr(0, 40));
+    throw InputError("{}:1: '{}' is no header of a study; 'case,...' expected (VALIDATION 4.5)", path, csv->header.substr(0, 40));
   std::vector<Row> rows;
-  for (std::size_t number = 2; std::getline(stream, line); ++number) {
-    if (line.empty() || line[0] == '#') continue;
-    const std::vector<std::string> cells = csv_cells(line);
-    if (cells.size() != names.size()) throw InputError("{}:{}: {} values found, {} expected", path, number, cells.size(), names.size());
+  for (const CsvTable::Row& from : csv->rows) {
+    if (from.cells.size() != names.size())
+      throw InputError("{}:{}: {} values found, {} expected", path, from.line, from.cells.size(), names.size());
     Row row;
-    for (std::size_t c = 0; c < names.size(); ++c) row[names[c]] = cells[c];
-    row["\nwhere"] = fmt::format("{}:{}", path, number);
+    for (std::size_t c = 0; c < names.size(); ++c) row[names[c]] = from.cells[c];
+    row["\nwhere"] = fmt::format("{}:{}", path, from.line);
     rows.push_back(std::move(row));
   }
   return rows;

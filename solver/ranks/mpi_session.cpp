@@ -18,18 +18,6 @@ std::vector<char> receive_matched(MPI_Message message, MPI_Status& status) {
 
 }  // namespace
 
-Session::Session(int& argc, char**& argv) {
-  int provided = 0;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-  if (provided < MPI_THREAD_FUNNELED) throw SystemError("this MPI library does not allow threads (MPI_THREAD_FUNNELED)");
-}
-
-Session::~Session() {
-  int finalized = 0;
-  MPI_Finalized(&finalized);
-  if (!finalized) MPI_Finalize();
-}
-
 Communicator::Communicator() : Communicator(MPI_COMM_WORLD) {}
 
 Communicator::Communicator(MPI_Comm other) {

@@ -10,17 +10,9 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/mpi_session.hpp"
 
 namespace scree::mpi {
-
-/// MPI_Init and MPI_Finalize. The first local of main().
-class Session {
- public:
-  Session(int& argc, char**& argv);
-  ~Session();
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-};
 
 /// An own duplicate of a communicator, by default of the world; errors of MPI stop the job with exit code 4.
 class Communicator {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+#include "core/base/mpi_session.hpp"
 #include "tests/partition/cloud.hpp"
 
 namespace scree {
@@ -195,10 +196,9 @@ TEST(Partition, imbalance_is_the_largest_over_the_mean) {
 }  // namespace scree
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
+  const scree::mpi::Session session(argc, argv);
   ::testing::InitGoogleTest(&argc, argv);
   int failed = RUN_ALL_TESTS();
   MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-  MPI_Finalize();
   return failed;
 }

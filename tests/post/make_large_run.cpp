@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "core/base/mpi_session.hpp"
 #include "tests/post/sample_run.hpp"
 
 namespace {
@@ -42,7 +43,7 @@ Frame shaken(const Scene& scene, std::int64_t side, std::int64_t number, double 
 
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
-  MPI_Init(&argc, &argv);
+  const scree::mpi::Session session(argc, argv);
   const std::filesystem::path folder(argv[1]);
   const auto bodies = static_cast<std::size_t>(std::atoll(argv[2]));
   const int frames = std::atoi(argv[3]);
@@ -71,6 +72,5 @@ int main(int argc, char** argv) {
   h5::write_text_file((folder / "log.csv").string(), test::sample_log(0.05, 1e-7, 0.25));
   h5::write_text_file((folder / "run.json").string(),
                       test::sample_outcome(scene, test::sample_frame(scene, frames - 1, 0.01 * frames)).dump(1));
-  MPI_Finalize();
   return 0;
 }

@@ -1,5 +1,5 @@
 // Importers may crash, hang or eat memory: the tool must outlive them.
-#include "mesher/io/child_process.hpp"
+#include "mesher/io/sandbox.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,159 @@
+#include "core/base/child_process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "core/base/long_work.hpp"
+
+namespace scree {
+
+namespace {
+
+/// What this process reads its children from. A copy of it closes them: else it would keep the pipes of the others open, and a child would
+/// not notice that this process has gone.
+std::vector<int>& outputs() {
+  static std::vector<int> open;
+  return open;
+}
+
+/// The ends of a pipe: { to read, to write }. Programs that are started later inherit neither.
+std::array<int, 2> make_pipe() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw StartError("cannot make a pipe", std::strerror(errno));
+  return ends;
+}
+
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> result;
+  for (std::string& word : words) result.push_back(word.data());
+  result.push_back(nullptr);
+  return result;
+}
+
+}  // namespace
+
+ChildProcess ChildProcess::fork(const std::function<void(int)>& work) {
+  const std::array<int, 2> ends = make_pipe();
+  std::fflush(nullptr);  // what waits in buffers must not be printed twice
+  const pid_t process = ::fork();
+  if (process < 0) {
+    const int reason = errno;
+    close(ends[0]);
+    close(ends[1]);
+    throw StartError("cannot start a process", std::strerror(reason));
+  }
+  if (process == 0) {
+    print_progress(false);
+    close(ends[0]);
+    for (const int output : outputs()) close(output);
+    work(ends[1]);
+    _exit(0);  // no destructors: they belong to the parent
+  }
+  close(ends[1]);
+  outputs().push_back(ends[0]);
+  return {process, ends[0]};
+}
+
+ChildProcess ChildProcess::start(std::vector<std::string> words, std::optional<std::vector<std::string>> environment, bool is_read) {
+  const std::vector<char*> arguments = pointers(words);
+  std::vector<char*> variables;
+  if (environment) variables = pointers(*environment);
+  std::array<int, 2> ends{-1, -1};
+  if (is_read) ends = make_pipe();
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  if (is_read) {
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  }
+  pid_t process = 0;
+  const int failed = posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environment ? variables.data() : environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (is_read) close(ends[1]);
+  if (failed != 0) {
+    if (is_read) close(ends[0]);
+    throw StartError("cannot start " + words.front(), std::strerror(failed));
+  }
+  if (is_read) outputs().push_back(ends[0]);
+  return {process, ends[0]};
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : process_(std::exchange(other.process_, -1)), output_(std::exchange(other.output_, -1)) {}
+
+ChildProcess::~ChildProcess() {
+  close_output();
+  if (process_ < 0) return;
+  kill();
+  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+void ChildProcess::close_output() {
+  if (output_ < 0) return;
+  std::erase(outputs(), output_);
+  close(std::exchange(output_, -1));
+}
+
+ChildProcess::Read ChildProcess::read(std::vector<char>& to, int wait) {
+  pollfd ready{output_, POLLIN, 0};
+  const int found = poll(&ready, 1, wait);
+  if (found == 0 || (found < 0 && errno == EINTR)) return Read::nothing_yet;
+  char buffer[1 << 16];
+  const ssize_t size = found < 0 ? -1 : ::read(output_, buffer, sizeof buffer);
+  if (size < 0 && errno == EINTR) return Read::nothing_yet;
+  if (size <= 0) return Read::end;
+  to.insert(to.end(), buffer, buffer + size);
+  return Read::data;
+}
+
+bool ChildProcess::read_exactly(void* to, std::size_t size) {
+  char* at = static_cast<char*>(to);
+  while (size > 0) {
+    const ssize_t n = ::read(output_, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+void ChildProcess::kill() {
+  if (process_ > 0) ::kill(process_, SIGKILL);  // one that has ended is still ours until it is waited for
+}
+
+ProcessEnd ChildProcess::wait() {
+  close_output();
+  const pid_t process = std::exchange(process_, -1);
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0) {
+    if (errno != EINTR) throw SystemError("lost sight of a child process: {}", std::strerror(errno));
+  }
+  return WIFSIGNALED(status) ? ProcessEnd{0, WTERMSIG(status)} : ProcessEnd{WEXITSTATUS(status), 0};
+}
+
+bool write_exactly(int descriptor, const void* data, std::size_t size) {
+  const char* at = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t n = write(descriptor, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+}  // namespace scree
