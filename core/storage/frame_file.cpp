@@ -17,24 +17,27 @@ namespace {
 
 constexpr std::int64_t kPieceOverhead = 4096;  // [B] piece tables and alignment, per rank
 
-/// Scalars of the frame as rank 0 has them.
-struct Header {
-  std::int64_t number, step, wall_count;
-  double time, kinetic, potential, elastic, dissipated;
-};
+/// All columns have as many rows as the first.
+template <class Table>
+void check_sizes(const Table& rows) {
+  Table::visit([&](const auto& c) {
+    SCREE_ASSERT((rows.*c.column).size() == rows.size(), "{}: {} rows of {}", c.path, (rows.*c.column).size(), rows.size());
+  });
+}
 
-void check_sizes(const Frame& frame) {
-  const FrameBodies& b = frame.bodies;
-  const std::size_t n = b.size();
-  SCREE_ASSERT(b.shape.size() == n && b.material.size() == n && b.rank.size() == n && b.scale.size() == n && b.position.size() == n &&
-               b.orientation.size() == n && b.velocity.size() == n && b.angular_velocity.size() == n);
-  const FrameContacts& c = frame.contacts;
-  const std::size_t m = c.size();
-  SCREE_ASSERT(c.body_b.size() == m && c.feature.size() == m && c.point.size() == m && c.normal.size() == m && c.overlap.size() == m &&
-               c.margin.size() == m && c.normal_force.size() == m && c.tangential_force.size() == m);
-  const FrameWalls& w = frame.walls;
-  const std::size_t k = w.id.size();
-  SCREE_ASSERT(w.position.size() == k && w.orientation.size() == k && w.force.size() == k && w.torque.size() == k);
+template <class Table>
+std::int64_t bytes_per_row() {
+  std::size_t bytes = 0;
+  Table::visit([&](const auto& c) { bytes += sizeof(typename std::decay_t<decltype(c)>::Value); });
+  return static_cast<std::int64_t>(bytes);
+}
+
+/// Writes the columns of one group. Collective.
+template <class Table>
+void write_columns(CollectiveFile& file, const h5::Group& group, std::string_view name, const Table& table, const Rows& rows) {
+  Table::visit([&](const auto& c) {
+    if (c.group() == name) file.write(group, std::string(c.dataset()), table.*c.column, rows, c.unit);
+  });
 }
 
 void write_vtkhdf(CollectiveFile& file, MPI_Comm communicator, const FrameBodies& bodies, const Rows& rows) {
@@ -57,56 +60,30 @@ void write_vtkhdf(CollectiveFile& file, MPI_Comm communicator, const FrameBodies
   std::iota(offsets.begin(), offsets.end(), 0);
   const std::vector<std::int64_t> connectivity(offsets.begin(), offsets.end() - 1);
   const std::vector<std::uint8_t> types(bodies.size(), 1);  // VTK_VERTEX
-  file.write(vtk, "Points", bodies.position, rows, "m");
+  write_columns(file, vtk, "VTKHDF", bodies, rows);
   file.write(vtk, "Connectivity", connectivity, rows, "");
   file.write(vtk, "Offsets", offsets, {rows.local + 1, rows.start + pieces.start, rows.total + pieces.total}, "");
   file.write(vtk, "Types", types, rows, "");
 
-  const h5::Group data = vtk.create_group("PointData");
-  file.write(data, "id", bodies.id, rows, "");
-  file.write(data, "quat", bodies.orientation, rows, "");
-  file.write(data, "shape", bodies.shape, rows, "");
-  file.write(data, "material", bodies.material, rows, "");
-  file.write(data, "rank", bodies.rank, rows, "");
-  file.write(data, "scale", bodies.scale, rows, "");
-  file.write(data, "velocity", bodies.velocity, rows, "m/s");
-  file.write(data, "angular_velocity", bodies.angular_velocity, rows, "rad/s");
-}
-
-void write_contacts(CollectiveFile& file, const FrameContacts& contacts, const Rows& rows) {
-  const h5::Group group = file.root().create_group("contacts");
-  file.write(group, "body_a", contacts.body_a, rows, "");
-  file.write(group, "body_b", contacts.body_b, rows, "");
-  file.write(group, "feature", contacts.feature, rows, "");
-  file.write(group, "point", contacts.point, rows, "m");
-  file.write(group, "normal", contacts.normal, rows, "");
-  file.write(group, "depth", contacts.overlap, rows, "m");
-  file.write(group, "margin", contacts.margin, rows, "m");
-  file.write(group, "normal_force", contacts.normal_force, rows, "N");
-  file.write(group, "tangential_force", contacts.tangential_force, rows, "N");
-}
-
-void write_walls(CollectiveFile& file, const FrameWalls& walls, const Rows& rows) {
-  const h5::Group group = file.root().create_group("walls");
-  file.write(group, "id", walls.id, rows, "");
-  file.write(group, "position", walls.position, rows, "m");
-  file.write(group, "orientation", walls.orientation, rows, "");
-  file.write(group, "force", walls.force, rows, "N");
-  file.write(group, "torque", walls.torque, rows, "N m");
+  write_columns(file, vtk.create_group("PointData"), "VTKHDF/PointData", bodies, rows);
 }
 
 }  // namespace
 
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame) {
-  check_sizes(frame);
+  check_sizes(frame.bodies);
+  check_sizes(frame.contacts);
+  check_sizes(frame.walls);
   int rank = 0, size = 1;
   MPI_Comm_rank(communicator, &rank);
   MPI_Comm_size(communicator, &size);
 
   // what only rank 0 knows
-  Header header{frame.number,  frame.step,      static_cast<std::int64_t>(frame.walls.id.size()),
-                frame.time,    frame.kinetic,   frame.potential,
-                frame.elastic, frame.dissipated};
+  struct {
+    FrameScalars scalars;
+    std::int64_t wall_count;
+  } header{frame, static_cast<std::int64_t>(frame.walls.size())};
+  static_assert(std::is_trivially_copyable_v<decltype(header)>);
   MPI_Bcast(&header, static_cast<int>(sizeof header), MPI_BYTE, 0, communicator);
   const std::string provenance = broadcast_text(communicator, rank == 0 ? json_text(frame.provenance) : std::string());
   const Rows bodies = distribute(communicator, static_cast<std::int64_t>(frame.bodies.size()));
@@ -114,12 +91,11 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const Rows walls{rank == 0 ? header.wall_count : 0, rank == 0 ? 0 : header.wall_count, header.wall_count};
 
   // room on the disk, uncompressed
-  constexpr std::int64_t kBodyBytes = 8 + 3 * 4 + 8 + 8 * (3 + 4 + 3 + 3) + 8 + 8 + 1;
-  constexpr std::int64_t kContactBytes = 8 * (3 + 3 + 3 + 1 + 1 + 1 + 3);
-  constexpr std::int64_t kWallBytes = 8 * (1 + 3 + 4 + 3 + 3);
-  const std::int64_t bytes = kBodyBytes * CollectiveFile::rows_on_disk(bodies.total) +
-                             kContactBytes * CollectiveFile::rows_on_disk(contacts.total) + kWallBytes * walls.total +
-                             static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
+  constexpr std::int64_t kCellBytes = 8 + 8 + 1;  // connectivity, offset, type
+  const std::int64_t bytes = (bytes_per_row<FrameBodies>() + kCellBytes) * CollectiveFile::rows_on_disk(bodies.total) +
+                             bytes_per_row<FrameContacts>() * CollectiveFile::rows_on_disk(contacts.total) +
+                             bytes_per_row<FrameWalls>() * walls.total + static_cast<std::int64_t>(provenance.size()) +
+                             kPieceOverhead * size;
 
   CollectiveFile file(communicator, path, bytes, CollectiveFile::Kind::plain);
   const h5::Group& root = file.root();
@@ -127,128 +103,65 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   root.write_attribute("format_version", kFrameFormatVersion);
   file.write_text(root, "provenance", provenance);
   write_vtkhdf(file, communicator, frame.bodies, bodies);
-  write_contacts(file, frame.contacts, contacts);
-  write_walls(file, rank == 0 ? frame.walls : FrameWalls{}, walls);
+  write_columns(file, root.create_group("contacts"), "contacts", frame.contacts, contacts);
+  write_columns(file, root.create_group("walls"), "walls", rank == 0 ? frame.walls : FrameWalls{}, walls);
   {
     const h5::Group scalars = root.create_group("frame");
-    scalars.write_attribute("number", header.number);
-    scalars.write_attribute("step", header.step);
-    scalars.write_attribute("time", header.time);
-    scalars.write_attribute("kinetic", header.kinetic);
-    scalars.write_attribute("potential", header.potential);
-    scalars.write_attribute("elastic", header.elastic);
-    scalars.write_attribute("dissipated", header.dissipated);
+    FrameScalars::visit(header.scalars, [&](const char* name, const auto& value) { scalars.write_attribute(name, value); });
   }
   file.commit();
 }
 
 namespace {
 
-template <class T>
-void permute(std::vector<T>& values, const std::vector<std::size_t>& order) {
-  std::vector<T> sorted;
-  sorted.reserve(values.size());
-  for (std::size_t i : order) sorted.push_back(values[i]);
-  values = std::move(sorted);
-}
-
-template <class T>
-void expect_rows(const h5::Group& group, const char* name, const std::vector<T>& values, std::size_t expected) {
-  if (values.size() != expected) {
-    throw InputError("{}/{}: {} rows found, {} expected; the file is damaged", group.path(), name, values.size(), expected);
-  }
-}
-
-FrameBodies read_bodies(const h5::Group& vtk) {
-  FrameBodies b;
-  const h5::Group data = vtk.open_group("PointData");
-  b.position = vtk.read_vectors("Points");
-  b.id = data.read_array<std::int64_t>("id", 1);
-  b.shape = data.read_array<std::int32_t>("shape", 1);
-  b.material = data.read_array<std::int32_t>("material", 1);
-  b.rank = data.read_array<std::int32_t>("rank", 1);
-  b.scale = data.read_array<double>("scale", 1);
-  b.orientation = data.read_quaternions("quat");
-  b.velocity = data.read_vectors("velocity");
-  b.angular_velocity = data.read_vectors("angular_velocity");
-  const std::size_t n = b.size();
-  expect_rows(vtk, "Points", b.position, n);
-  expect_rows(data, "shape", b.shape, n);
-  expect_rows(data, "material", b.material, n);
-  expect_rows(data, "rank", b.rank, n);
-  expect_rows(data, "scale", b.scale, n);
-  expect_rows(data, "quat", b.orientation, n);
-  expect_rows(data, "velocity", b.velocity, n);
-  expect_rows(data, "angular_velocity", b.angular_velocity, n);
-
-  std::vector<std::size_t> order(n);
+/// Rows in the order that `before(i, j)` gives.
+template <class Table, class Before>
+void sort_rows(Table& rows, Before&& before) {
+  std::vector<std::size_t> order(rows.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return b.id[i] < b.id[j]; });
-  permute(b.id, order);
-  permute(b.shape, order);
-  permute(b.material, order);
-  permute(b.rank, order);
-  permute(b.scale, order);
-  permute(b.position, order);
-  permute(b.orientation, order);
-  permute(b.velocity, order);
-  permute(b.angular_velocity, order);
-  for (std::size_t i = 1; i < n; ++i) {
-    if (b.id[i] == b.id[i - 1]) throw InputError("{}: body {} occurs twice; the file is damaged", vtk.path(), b.id[i]);
+  std::sort(order.begin(), order.end(), before);
+  take_rows(rows, order);
+}
+
+template <class T>
+std::vector<T> read_column(const h5::Group& group, const std::string& name) {
+  if constexpr (std::is_same_v<T, Vec3>)
+    return group.read_vectors(name);
+  else if constexpr (std::is_same_v<T, Quat>)
+    return group.read_quaternions(name);
+  else
+    return group.read_array<T>(name, 1);
+}
+
+template <class Table>
+Table read_columns(const h5::Group& root) {
+  Table rows;
+  Table::visit([&](const auto& c) {
+    auto& values = rows.*c.column;
+    const h5::Group group = root.open_group(std::string(c.group()));
+    values = read_column<typename std::decay_t<decltype(c)>::Value>(group, std::string(c.dataset()));
+    if (values.size() != rows.size()) {
+      throw InputError("{}/{}: {} rows found, {} expected; the file is damaged", group.path(), c.dataset(), values.size(), rows.size());
+    }
+  });
+  return rows;
+}
+
+FrameBodies read_bodies(const h5::Group& root) {
+  FrameBodies b = read_columns<FrameBodies>(root);
+  sort_rows(b, [&](std::size_t i, std::size_t j) { return b.id[i] < b.id[j]; });
+  for (std::size_t i = 1; i < b.size(); ++i) {
+    if (b.id[i] == b.id[i - 1]) throw InputError("{}/VTKHDF: body {} occurs twice; the file is damaged", root.path(), b.id[i]);
   }
   return b;
 }
 
-FrameContacts read_contacts(const h5::Group& group) {
-  FrameContacts c;
-  c.body_a = group.read_array<std::int64_t>("body_a", 1);
-  c.body_b = group.read_array<std::int64_t>("body_b", 1);
-  c.feature = group.read_array<std::int64_t>("feature", 1);
-  c.point = group.read_vectors("point");
-  c.normal = group.read_vectors("normal");
-  c.overlap = group.read_array<double>("depth", 1);
-  c.margin = group.read_array<double>("margin", 1);
-  c.normal_force = group.read_array<double>("normal_force", 1);
-  c.tangential_force = group.read_vectors("tangential_force");
-  const std::size_t n = c.size();
-  expect_rows(group, "body_b", c.body_b, n);
-  expect_rows(group, "feature", c.feature, n);
-  expect_rows(group, "point", c.point, n);
-  expect_rows(group, "normal", c.normal, n);
-  expect_rows(group, "depth", c.overlap, n);
-  expect_rows(group, "margin", c.margin, n);
-  expect_rows(group, "normal_force", c.normal_force, n);
-  expect_rows(group, "tangential_force", c.tangential_force, n);
-
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+FrameContacts read_contacts(const h5::Group& root) {
+  FrameContacts c = read_columns<FrameContacts>(root);
+  sort_rows(c, [&](std::size_t i, std::size_t j) {
     return std::tie(c.body_a[i], c.body_b[i], c.feature[i]) < std::tie(c.body_a[j], c.body_b[j], c.feature[j]);
   });
-  permute(c.body_a, order);
-  permute(c.body_b, order);
-  permute(c.feature, order);
-  permute(c.point, order);
-  permute(c.normal, order);
-  permute(c.overlap, order);
-  permute(c.margin, order);
-  permute(c.normal_force, order);
-  permute(c.tangential_force, order);
   return c;
-}
-
-FrameWalls read_walls(const h5::Group& group) {
-  FrameWalls w;
-  w.id = group.read_array<std::int64_t>("id", 1);
-  w.position = group.read_vectors("position");
-  w.orientation = group.read_quaternions("orientation");
-  w.force = group.read_vectors("force");
-  w.torque = group.read_vectors("torque");
-  expect_rows(group, "position", w.position, w.id.size());
-  expect_rows(group, "orientation", w.orientation, w.id.size());
-  expect_rows(group, "force", w.force, w.id.size());
-  expect_rows(group, "torque", w.torque, w.id.size());
-  return w;
 }
 
 }  // namespace
@@ -259,16 +172,15 @@ Frame read_frame_file(const std::string& path) {
   check_format(root, kFrameFormat, kFrameFormatVersion);
   Frame frame;
   const h5::Group scalars = root.open_group("frame");
-  frame.number = scalars.read_integer_attribute("number");
-  frame.step = scalars.read_integer_attribute("step");
-  frame.time = scalars.read_double_attribute("time");
-  frame.kinetic = scalars.read_double_attribute("kinetic");
-  frame.potential = scalars.read_double_attribute("potential");
-  frame.elastic = scalars.read_double_attribute("elastic");
-  frame.dissipated = scalars.read_double_attribute("dissipated");
-  frame.bodies = read_bodies(root.open_group("VTKHDF"));
-  frame.contacts = read_contacts(root.open_group("contacts"));
-  frame.walls = read_walls(root.open_group("walls"));
+  FrameScalars::visit(frame, [&](const char* name, auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
+      value = scalars.read_double_attribute(name);
+    else
+      value = scalars.read_integer_attribute(name);
+  });
+  frame.bodies = read_bodies(root);
+  frame.contacts = read_contacts(root);
+  frame.walls = read_columns<FrameWalls>(root);
   frame.provenance = nlohmann::json::parse(root.read_text("provenance"), nullptr, false);
   return frame;
 }

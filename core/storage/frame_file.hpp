@@ -7,56 +7,124 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/geometry/vec3.hpp"
+#include "core/storage/frame_columns.hpp"
 
 namespace scree {
 
 inline constexpr const char* kFrameFormat = "scree-frame";
 inline constexpr std::int64_t kFrameFormatVersion = 1;
 
+/// A column of bodies, contacts or walls, for what goes over all of them.
+template <class Rows, class T>
+struct FrameColumn {
+  using Value = T;
+  const char* name;       ///< of the member
+  std::string_view path;  ///< in the file
+  const char* unit;
+  std::string_view csv;
+  unsigned uses;  ///< see FrameUse
+  std::vector<T> Rows::*column;
+  std::string_view group() const { return path.substr(0, path.rfind('/')); }
+  std::string_view dataset() const { return path.substr(path.rfind('/') + 1); }
+};
+
+#define SCREE_FRAME_MEMBER(type, name, path, unit, csv, uses, what) std::vector<type> name;
+#define SCREE_FRAME_STORED_MEMBER(type, name, member, path, unit, csv, uses, what) std::vector<type> name;
+#define SCREE_FRAME_VISIT(type, name, path, unit, csv, uses, what) \
+  action(FrameColumn<Self, type>{#name, path, unit, csv, uses, &Self::name});
+#define SCREE_FRAME_STORED_VISIT(type, name, member, path, unit, csv, uses, what) SCREE_FRAME_VISIT(type, name, path, unit, csv, uses, what)
+
 /// Bodies of one frame, in any order when written (each rank gives its own), by ascending id when read.
 struct FrameBodies {
-  std::vector<std::int64_t> id;
-  std::vector<std::int32_t> shape, material, rank;
-  std::vector<double> scale;
-  std::vector<Vec3> position;          ///< [m], world
-  std::vector<Quat> orientation;       ///< mesh axes to world, w x y z
-  std::vector<Vec3> velocity;          ///< [m/s]
-  std::vector<Vec3> angular_velocity;  ///< [rad/s], world
+  SCREE_FRAME_BODIES(SCREE_FRAME_STORED_MEMBER, SCREE_FRAME_MEMBER)
   std::size_t size() const { return id.size(); }
+  /// Calls action(FrameColumn) for every column, in the order of the table.
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameBodies;
+    SCREE_FRAME_BODIES(SCREE_FRAME_STORED_VISIT, SCREE_FRAME_VISIT)
+  }
 };
 
-/// Contacts of one frame. a < b, normal from b to a, force on a.
+/// Contacts of one frame, in any order when written, by (a, b, feature) when read.
 struct FrameContacts {
-  std::vector<std::int64_t> body_a, body_b;
-  std::vector<std::int64_t> feature;   ///< key, unique within the body pair
-  std::vector<Vec3> point;             ///< [m]
-  std::vector<Vec3> normal;            ///< unit
-  std::vector<double> overlap;         ///< [m], margin sum minus gap
-  std::vector<double> margin;          ///< [m], margin sum
-  std::vector<double> normal_force;    ///< [N], on a along the normal
-  std::vector<Vec3> tangential_force;  ///< [N], on a
+  SCREE_FRAME_CONTACTS(SCREE_FRAME_MEMBER)
   std::size_t size() const { return body_a.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameContacts;
+    SCREE_FRAME_CONTACTS(SCREE_FRAME_VISIT)
+  }
 };
 
+/// Walls of one frame, in the order of the scene.
 struct FrameWalls {
-  std::vector<std::int64_t> id;
-  std::vector<Vec3> position;  ///< displacement of the wall's frame [m]
-  std::vector<Quat> orientation;
-  std::vector<Vec3> force, torque;  ///< on the wall, torque about the world origin [N], [N m]
+  SCREE_FRAME_WALLS(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return id.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameWalls;
+    SCREE_FRAME_WALLS(SCREE_FRAME_VISIT)
+  }
+};
+#undef SCREE_FRAME_MEMBER
+#undef SCREE_FRAME_STORED_MEMBER
+#undef SCREE_FRAME_VISIT
+#undef SCREE_FRAME_STORED_VISIT
+
+/// What a frame has once. Plain data.
+struct FrameScalars {
+#define SCREE_FRAME_SCALAR(type, name, unit, what) type name = 0;
+  SCREE_FRAME_SCALARS(SCREE_FRAME_SCALAR)
+#undef SCREE_FRAME_SCALAR
+  /// Calls action(name, value) for every one, of a constant or of one that is read.
+  template <class Scalars, class Action>
+  static void visit(Scalars& scalars, Action&& action) {
+#define SCREE_FRAME_SCALAR(type, name, unit, what) action(#name, scalars.name);
+    SCREE_FRAME_SCALARS(SCREE_FRAME_SCALAR)
+#undef SCREE_FRAME_SCALAR
+  }
 };
 
-struct Frame {
-  std::int64_t number = 0, step = 0;
-  double time = 0;                                                 ///< [s]
-  double kinetic = 0, potential = 0, elastic = 0, dissipated = 0;  ///< [J], whole scene
+struct Frame : FrameScalars {
   FrameBodies bodies;
   FrameContacts contacts;
   FrameWalls walls;
   nlohmann::json provenance;
 };
+
+/// The components of a value, as tables and ParaView files have them.
+template <class T>
+constexpr int component_count = std::is_same_v<T, Vec3>   ? 3
+                                : std::is_same_v<T, Quat> ? 4
+                                                          : 1;
+template <class T>
+auto component(const T& value, int k) {
+  if constexpr (std::is_same_v<T, Vec3>) {
+    return value[k];
+  } else if constexpr (std::is_same_v<T, Quat>) {
+    return k == 0 ? value.w : k == 1 ? value.x : k == 2 ? value.y : value.z;
+  } else {
+    return value;
+  }
+}
+
+/// Leaves the rows with these indices, in this order; an index may come once.
+template <class Rows>
+void take_rows(Rows& rows, const std::vector<std::size_t>& indices) {
+  Rows::visit([&](const auto& c) {
+    auto& values = rows.*c.column;
+    std::decay_t<decltype(values)> taken;
+    taken.reserve(indices.size());
+    for (const std::size_t i : indices) taken.push_back(values[i]);
+    values = std::move(taken);
+  });
+}
 
 /// Collective: every rank gives its own bodies and contacts (possibly none); walls and scalars are rank 0's.
 /// Written under a temporary name and renamed by rank 0 when complete. Throws SystemError on every rank.

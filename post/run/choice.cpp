@@ -107,34 +107,14 @@ Frame ChosenBodies::part_of(Frame frame, const std::unordered_set<std::int64_t>&
     kept.insert(b.id[i]);
     rows.push_back(i);
   }
-  const auto take = [](auto& values, const std::vector<std::size_t>& chosen) {
-    for (std::size_t k = 0; k < chosen.size(); ++k) values[k] = values[chosen[k]];  // chosen ascends: nothing is read after it is written
-    values.resize(chosen.size());
-  };
-  take(b.id, rows);
-  take(b.shape, rows);
-  take(b.material, rows);
-  take(b.rank, rows);
-  take(b.scale, rows);
-  take(b.position, rows);
-  take(b.orientation, rows);
-  take(b.velocity, rows);
-  take(b.angular_velocity, rows);
+  take_rows(b, rows);
   FrameContacts& c = frame.contacts;
   rows.clear();
   for (std::size_t i = 0; i < c.size(); ++i) {
     const bool a = kept.contains(c.body_a[i]), other = kept.contains(c.body_b[i]);
     if ((a && other) || (a && boundary.contains(c.body_b[i])) || (other && boundary.contains(c.body_a[i]))) rows.push_back(i);
   }
-  take(c.body_a, rows);
-  take(c.body_b, rows);
-  take(c.feature, rows);
-  take(c.point, rows);
-  take(c.normal, rows);
-  take(c.overlap, rows);
-  take(c.margin, rows);
-  take(c.normal_force, rows);
-  take(c.tangential_force, rows);
+  take_rows(c, rows);
   return frame;
 }
 

@@ -7,43 +7,50 @@
 
 namespace scree {
 
-void write_bodies_table(const Run& run, const std::string& path) {
+namespace {
+
+template <class Table>
+std::string header() {
+  std::string names = "time";
+  Table::visit([&](const auto& c) {
+    if (!c.csv.empty()) names.append(",").append(c.csv);
+  });
+  return names + "\n";
+}
+
+template <class Table>
+std::string rows_of(const Table& table, double time) {
+  std::string text;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    text += fmt::format("{}", time);
+    Table::visit([&](const auto& c) {
+      if (c.csv.empty()) return;
+      const auto& value = (table.*c.column)[i];
+      for (int k = 0; k < component_count<std::decay_t<decltype(value)>>; ++k) text += fmt::format(",{}", component(value, k));
+    });
+    text += "\n";
+  }
+  return text;
+}
+
+/// in   part   the bodies or the contacts of a frame
+template <class Table>
+void write_table(const Run& run, const std::string& path, Table Frame::*part) {
   OutputFile file(path);
-  file.add("time,id,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n");
+  file.add(header<Table>());
   LongWork work("frames", static_cast<double>(run.frames.size()));
   for (std::size_t f = 0; f < run.frames.size(); ++f) {
     work.advance();
     const Frame frame = load_frame(run, f);
-    const FrameBodies& b = frame.bodies;
-    std::string rows;
-    for (std::size_t i = 0; i < b.size(); ++i) {
-      const Vec3 &x = b.position[i], &v = b.velocity[i], &w = b.angular_velocity[i];
-      const Quat& q = b.orientation[i];
-      rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frame.time, b.id[i], x.x, x.y, x.z, v.x, v.y, v.z, q.w, q.x,
-                          q.y, q.z, w.x, w.y, w.z);
-    }
-    file.add(rows);
+    file.add(rows_of(frame.*part, frame.time));
   }
   file.commit();
 }
 
-void write_contacts_table(const Run& run, const std::string& path) {
-  OutputFile file(path);
-  file.add("time,body_a,body_b,feature,x,y,z,nx,ny,nz,depth,fn,ftx,fty,ftz\n");
-  LongWork work("frames", static_cast<double>(run.frames.size()));
-  for (std::size_t f = 0; f < run.frames.size(); ++f) {
-    work.advance();
-    const Frame frame = load_frame(run, f);
-    const FrameContacts& c = frame.contacts;
-    std::string rows;
-    for (std::size_t i = 0; i < c.size(); ++i) {
-      const Vec3 &x = c.point[i], &n = c.normal[i], &t = c.tangential_force[i];
-      rows += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frame.time, c.body_a[i], c.body_b[i], c.feature[i], x.x, x.y,
-                          x.z, n.x, n.y, n.z, c.overlap[i], c.normal_force[i], t.x, t.y, t.z);
-    }
-    file.add(rows);
-  }
-  file.commit();
-}
+}  // namespace
+
+void write_bodies_table(const Run& run, const std::string& path) { write_table(run, path, &Frame::bodies); }
+
+void write_contacts_table(const Run& run, const std::string& path) { write_table(run, path, &Frame::contacts); }
 
 }  // namespace scree

@@ -81,16 +81,34 @@ vtkSmartPointer<Array> array_of(const char* name, std::size_t size, int componen
   return array;
 }
 
-/// What every body has, as arrays with one row per index in `body`.
-void add_body_arrays(vtkDataSetAttributes* to, const FrameBodies& b, const std::vector<std::int32_t>& body) {
-  const std::size_t n = body.size();
-  const auto of = [&body](std::size_t i) { return static_cast<std::size_t>(body[i]); };
-  to->AddArray(array_of<vtkTypeInt64Array>("id", n, 1, [&](std::size_t i, int) { return b.id[of(i)]; }));
-  to->AddArray(array_of<vtkIntArray>("shape", n, 1, [&](std::size_t i, int) { return b.shape[of(i)]; }));
-  to->AddArray(array_of<vtkIntArray>("material", n, 1, [&](std::size_t i, int) { return b.material[of(i)]; }));
-  to->AddArray(array_of<vtkIntArray>("rank", n, 1, [&](std::size_t i, int) { return b.rank[of(i)]; }));
-  to->AddArray(array_of<vtkFloatArray>("velocity", n, 3, [&](std::size_t i, int c) { return b.velocity[of(i)][c]; }));
-  to->AddArray(array_of<vtkFloatArray>("speed", n, 1, [&](std::size_t i, int) { return length(b.velocity[of(i)]); }));
+template <class T>
+using ArrayOf = std::conditional_t<std::is_same_v<T, std::int64_t>, vtkTypeInt64Array,
+                                   std::conditional_t<std::is_same_v<T, std::int32_t>, vtkIntArray, vtkFloatArray>>;
+
+/// The columns of bodies or contacts that are for this use (see FrameUse), as arrays with one row per index.
+template <class Table>
+void add_columns(vtkDataSetAttributes* to, const Table& table, unsigned use, const std::vector<std::int32_t>& indices) {
+  Table::visit([&](const auto& c) {
+    using Value = typename std::decay_t<decltype(c)>::Value;
+    if ((c.uses & use) == 0) return;
+    const auto& values = table.*c.column;
+    to->AddArray(
+        array_of<ArrayOf<Value>>(std::string(c.dataset()).c_str(), indices.size(), component_count<Value>,
+                                 [&](std::size_t i, int k) { return component(values[static_cast<std::size_t>(indices[i])], k); }));
+  });
+}
+
+/// What bodies have, and their speeds.
+void add_body_arrays(vtkDataSetAttributes* to, const FrameBodies& b, unsigned use, const std::vector<std::int32_t>& body) {
+  add_columns(to, b, use, body);
+  to->AddArray(array_of<vtkFloatArray>("speed", body.size(), 1,
+                                       [&](std::size_t i, int) { return length(b.velocity[static_cast<std::size_t>(body[i])]); }));
+}
+
+std::vector<std::int32_t> all_rows(std::size_t size) {
+  std::vector<std::int32_t> all(size);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 /// Points with one vertex cell each.
@@ -188,7 +206,7 @@ void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, cons
     for (const Vec3& n : drawn.normals) normals.push_back(rotate(bodies.orientation[i], n));
   }
   const auto data = all.poly_data();
-  add_body_arrays(data->GetCellData(), bodies, body);
+  add_body_arrays(data->GetCellData(), bodies, kOnSurfaces, body);
   if (curved)
     data->GetPointData()->SetNormals(
         array_of<vtkFloatArray>("Normals", normals.size(), 3, [&](std::size_t i, int c) { return normals[i][c]; }));
@@ -197,17 +215,7 @@ void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, cons
 
 void write_bodies_vtp(const std::string& path, const FrameBodies& b) {
   const auto data = points_of(b.position);
-  std::vector<std::int32_t> all(b.size());
-  std::iota(all.begin(), all.end(), 0);
-  vtkPointData* arrays = data->GetPointData();
-  add_body_arrays(arrays, b, all);
-  arrays->AddArray(array_of<vtkFloatArray>("scale", b.size(), 1, [&](std::size_t i, int) { return b.scale[i]; }));
-  arrays->AddArray(array_of<vtkFloatArray>("quat", b.size(), 4, [&](std::size_t i, int c) {
-    const Quat& q = b.orientation[i];
-    return c == 0 ? q.w : (c == 1 ? q.x : (c == 2 ? q.y : q.z));
-  }));
-  arrays->AddArray(
-      array_of<vtkFloatArray>("angular_velocity", b.size(), 3, [&](std::size_t i, int c) { return b.angular_velocity[i][c]; }));
+  add_body_arrays(data->GetPointData(), b, kInParaView, all_rows(b.size()));
   write(path, data);
 }
 
@@ -215,12 +223,7 @@ void write_contacts_vtp(const std::string& path, const FrameContacts& c) {
   const std::size_t n = c.size();
   const auto data = points_of(c.point);
   vtkPointData* arrays = data->GetPointData();
-  arrays->AddArray(array_of<vtkTypeInt64Array>("body_a", n, 1, [&](std::size_t i, int) { return c.body_a[i]; }));
-  arrays->AddArray(array_of<vtkTypeInt64Array>("body_b", n, 1, [&](std::size_t i, int) { return c.body_b[i]; }));
-  arrays->AddArray(array_of<vtkFloatArray>("normal", n, 3, [&](std::size_t i, int k) { return c.normal[i][k]; }));
-  arrays->AddArray(array_of<vtkFloatArray>("depth", n, 1, [&](std::size_t i, int) { return c.overlap[i]; }));
-  arrays->AddArray(array_of<vtkFloatArray>("normal_force", n, 1, [&](std::size_t i, int) { return c.normal_force[i]; }));
-  arrays->AddArray(array_of<vtkFloatArray>("tangential_force", n, 3, [&](std::size_t i, int k) { return c.tangential_force[i][k]; }));
+  add_columns(arrays, c, kInParaView, all_rows(n));
   arrays->AddArray(array_of<vtkFloatArray>(
       "force", n, 3, [&](std::size_t i, int k) { return c.normal_force[i] * c.normal[i][k] + c.tangential_force[i][k]; }));
   write(path, data);

@@ -1,0 +1,69 @@
+// Every quantity of a frame, once. Structures, writer, reader, sorting, selection of bodies, verify, CSV tables and ParaView files go over
+// these tables, and so does the solver when it fills them (solver/run/make_frame.cpp).
+//
+// A new quantity of a body that a column of solver/bodies/body_columns.hpp holds is one line here; any other is one line here and one where
+// it is computed: make_frame.cpp for bodies and walls, append_contacts() in the solver for contacts. RUN_FORMAT.md lists it.
+//
+//   stored(type, name, member, path, unit, csv, uses, what it is)     a copy of a column `member` of the solver's bodies
+//   computed(type, name, path, unit, csv, uses, what it is)
+//
+// path   in the file; old files keep their names
+// csv    columns of its components in the tables of scree-post, "": it is not in them
+// uses   see FrameUse below
+#pragma once
+
+namespace scree {
+
+/// What besides frame files has a column.
+enum FrameUse : unsigned {
+  kFileOnly = 0,
+  kInParaView = 1,  ///< files of bodies and of contacts for ParaView
+  kOnSurfaces = 2,  ///< every triangle of a body, in ParaView files of surfaces
+  kOfThisRun = 4,   ///< of how a run was shared out: verify does not compare it
+};
+
+}  // namespace scree
+
+// clang-format off
+/// In the order of the CSV tables.
+#define SCREE_FRAME_BODIES(stored, computed) \
+  stored(std::int64_t, id, id, "VTKHDF/PointData/id", "", "id", kInParaView | kOnSurfaces, "global, unique") \
+  stored(std::int32_t, shape, shape, "VTKHDF/PointData/shape", "", "", kInParaView | kOnSurfaces, "index into the scene's shapes") \
+  stored(std::int32_t, material, material, "VTKHDF/PointData/material", "", "", kInParaView | kOnSurfaces, "index into its materials") \
+  computed(std::int32_t, rank, "VTKHDF/PointData/rank", "", "", kInParaView | kOnSurfaces | kOfThisRun, "owner") \
+  stored(double, scale, scale, "VTKHDF/PointData/scale", "", "", kInParaView, "of the shape") \
+  computed(Vec3, position, "VTKHDF/Points", "m", "x,y,z", kFileOnly, "centre of mass, world") \
+  stored(Vec3, velocity, v, "VTKHDF/PointData/velocity", "m/s", "vx,vy,vz", kInParaView | kOnSurfaces, "world") \
+  computed(Quat, orientation, "VTKHDF/PointData/quat", "", "qw,qx,qy,qz", kInParaView, "mesh axes to world, w x y z") \
+  stored(Vec3, angular_velocity, w, "VTKHDF/PointData/angular_velocity", "rad/s", "wx,wy,wz", kInParaView, "world")
+
+/// a < b, normal from b to a, force on a: column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_CONTACTS(column) \
+  column(std::int64_t, body_a, "contacts/body_a", "", "body_a", kInParaView, "id") \
+  column(std::int64_t, body_b, "contacts/body_b", "", "body_b", kInParaView, "id; a wall has one too") \
+  column(std::int64_t, feature, "contacts/feature", "", "feature", kFileOnly, "key, unique within the body pair") \
+  column(Vec3, point, "contacts/point", "m", "x,y,z", kFileOnly, "world") \
+  column(Vec3, normal, "contacts/normal", "", "nx,ny,nz", kInParaView, "unit") \
+  column(double, overlap, "contacts/depth", "m", "depth", kInParaView, "margin sum minus gap") \
+  column(double, margin, "contacts/margin", "m", "", kFileOnly, "margin sum") \
+  column(double, normal_force, "contacts/normal_force", "N", "fn", kInParaView, "on a along the normal") \
+  column(Vec3, tangential_force, "contacts/tangential_force", "N", "ftx,fty,ftz", kInParaView, "on a")
+
+/// column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_WALLS(column) \
+  column(std::int64_t, id, "walls/id", "", "", kFileOnly, "as in the scene") \
+  column(Vec3, position, "walls/position", "m", "", kFileOnly, "displacement of the wall's frame") \
+  column(Quat, orientation, "walls/orientation", "", "", kFileOnly, "of the wall's frame") \
+  column(Vec3, force, "walls/force", "N", "", kFileOnly, "on the wall") \
+  column(Vec3, torque, "walls/torque", "N m", "", kFileOnly, "on the wall, about the world origin")
+
+/// Attributes of the group `frame`: column(type, name, unit, what it is)
+#define SCREE_FRAME_SCALARS(column) \
+  column(std::int64_t, number, "", "of the frame") \
+  column(std::int64_t, step, "", "of the run") \
+  column(double, time, "s", "at the end of the step") \
+  column(double, kinetic, "J", "of the whole scene") \
+  column(double, potential, "J", "of the whole scene") \
+  column(double, elastic, "J", "of the whole scene, normal and tangential") \
+  column(double, dissipated, "J", "of the whole scene, since the start")
+// clang-format on
