@@ -1,4 +1,4 @@
-// scree-solver: read the command, read the scene, run, tell the outcome.
+// scree-solver: read the command, read the scene, run.
 #include <omp.h>
 #include <unistd.h>
 
@@ -9,6 +9,8 @@
 #include "core/base/command_line.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "solver/run/job_script.hpp"
+#include "solver/run/loaded_scene.hpp"
+#include "solver/run/plan.hpp"
 #include "solver/run/verify.hpp"
 
 namespace {
@@ -37,98 +39,122 @@ std::string run_folder_of(std::string scene_path) {
   return scene_path + ".run";
 }
 
+using namespace scree;
+
+/// What the user asks for.
+struct Command {
+  RunOptions options;
+  VerifyOptions again;
+  bool goes_on = true;  ///< false: the help was all
+  bool verify = false, plan = false, slurm = false;
+  std::string halo = "overlap", send = "selected", cut = "rcb", simd = "best";
+};
+
+void describe_run_options(CLI::App& app, Command& c) {
+  RunOptions& o = c.options;
+  app.add_option("scene", o.scene_path, "scene file made by scree-decomposer");
+  app.add_option("-o,--output", o.run_folder, "run folder to make (default: the scene's name with .run)");
+  app.add_flag("--plan", c.plan, "print what would be done, and stop");
+  app.add_flag("--print-slurm", c.slurm, "print a job script for SLURM that requeues itself, and stop");
+  app.add_option("--restart", o.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
+  add_quantity(app, "--stall-limit", o.stall_limit, Dimension::time,
+               "time without a step or output after which the run ends with 4, "
+               "for instance \"10 min\"; 0: never (default 30 min)");
+  add_quantity(app, "--checkpoint-interval", o.checkpoint_interval, Dimension::time,
+               "run time between checkpoints, for a case without output.checkpoint; 0: only at the end (default 30 min)");
+  app.add_option("--halo", c.halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
+  app.add_option("--send", c.send, "selected | all: what a neighbour gets, the bodies within its reach or everything")
+      ->check(CLI::IsMember({"selected", "all"}));
+  app.add_option("--cut", c.cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")
+      ->check(CLI::IsMember(cut_method_names()));
+  app.add_option("--simd", c.simd, "best | avx512 | avx2 | sse4 | scalar");
+}
+
+/// The same command on every rank; rank 0 alone prints. Collective.
+Command read_command(const mpi::Communicator& comm, int argc, char** argv) {
+  Command c;
+  c.options.command = command_words(argc, argv);
+  c.options.stalled = end_stalled_run;
+  const auto app = make_command_line("scree-solver", "Moves the bodies of a scene by the discrete element method.",
+                                     {{"mpirun -n 2 scree-solver drum.scene.h5 -o drum.run", "run a scene on two ranks"},
+                                      {"scree-solver drum.scene.h5 --plan", "what is computed, what is left out, memory, step"},
+                                      {"mpirun -n 4 scree-solver drum.scene.h5 -o drum.run --restart latest", "continue a stopped run"},
+                                      {"scree-solver drum.scene.h5 --print-slurm > drum.sh", "a job that requeues itself until the end"},
+                                      {"mpirun -n 3 scree-solver verify drum.run", "the same bits again? where not?"}});
+  describe_run_options(*app, c);
+  CLI::App* verify = app->add_subcommand("verify", "Computes steps of a run again and says whether they are the same, or where not.");
+  verify->fallthrough();
+  verify->add_option("run", c.again.run_folder, "run folder")->required();
+  verify->add_option("--steps", c.again.steps, "how many (default: up to the newest checkpoint)")->check(CLI::PositiveNumber);
+  verify->add_option("--from", c.again.from, "checkpoint, or 'start' (default: the older checkpoint that is kept)");
+  mpi::on_root(comm, [&] { c.goes_on = parse_command_line(*app, argc, argv); });
+  int goes_on = c.goes_on ? 1 : 0;
+  MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm.get());
+  c.goes_on = goes_on != 0;
+  if (!c.goes_on) return c;
+  if (comm.rank() != 0) parse_command_line(*app, argc, argv);
+  c.verify = verify->parsed();
+  return c;
+}
+
+/// Refuses what the parser cannot, and fills in what follows from the options. Collective.
+void complete(const mpi::Communicator& comm, Command& c) {
+  RunOptions& o = c.options;
+  mpi::on_root(comm, [&] {
+    if (!(o.stall_limit >= 0)) throw UsageError("--stall-limit {:g}: expected a time >= 0 s", o.stall_limit);
+    if (!(o.checkpoint_interval >= 0)) throw UsageError("--checkpoint-interval {:g}: expected a time >= 0 s", o.checkpoint_interval);
+    if (!c.verify && o.scene_path.empty()) throw UsageError("name a scene file, for instance drum.scene.h5; see scree-solver --help");
+  });
+  o.parallel = {c.halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,
+                c.send == "all" ? HaloSelection::all : HaloSelection::selected, cut_method_of(c.cut)};
+  if (o.run_folder.empty()) o.run_folder = run_folder_of(o.scene_path);
+  c.again.parallel = o.parallel;
+  c.again.stall_limit = o.stall_limit;
+  c.again.stalled = o.stalled;
+}
+
+int verify(const mpi::Communicator& comm, const VerifyOptions& options) {
+  const Verdict verdict = verify_run(comm, options);
+  if (comm.rank() == 0) std::puts(verdict.text.c_str());
+  return static_cast<int>(verdict.same ? ExitCode::done : ExitCode::run_invalid);
+}
+
+/// Prints the plan of a run, or the job script for it.
+int print_only(const mpi::Communicator& comm, const Command& c) {
+  const LoadedScene loaded = load_scene(comm, c.options.scene_path);
+  std::string text;
+  if (c.slurm) {
+    const int ranks = comm.size() > 1 ? comm.size() : std::max<int>(1, static_cast<int>(loaded.scene.partition.ranks));
+    text = slurm_script({c.options.command[0], c.options.scene_path, c.options.run_folder, ranks, omp_get_max_threads()});
+  } else {
+    Simulation simulation(comm, *loaded.prepared, c.options.parallel);
+    simulation.start_from_scene();
+    text = plan_text(comm, *loaded.prepared, simulation);
+  }
+  if (comm.rank() == 0) std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+int do_command(const mpi::Communicator& comm, int argc, char** argv) {
+  Command c = read_command(comm, argc, argv);
+  if (!c.goes_on) return 0;
+  complete(comm, c);
+  limit_simd(c.simd);
+  if (c.verify) return verify(comm, c.again);
+  if (c.slurm || c.plan) return print_only(comm, c);
+  return run_scene(comm, c.options);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace scree;
   share_cores_when_oversubscribed(argv);
   const mpi::Session session(argc, argv);
   const mpi::Communicator comm;
-  const auto body = [&]() -> int {
-    // 1. the command line
-    RunOptions options;
-    options.command = command_words(argc, argv);
-    options.stalled = end_stalled_run;
-    VerifyOptions again;
-    bool plan = false, slurm = false;
-    std::string halo = "overlap", send = "selected", cut = "rcb", simd = "best";
-    const auto app = make_command_line("scree-solver", "Moves the bodies of a scene by the discrete element method.",
-                                       {{"mpirun -n 2 scree-solver drum.scene.h5 -o drum.run", "run a scene on two ranks"},
-                                        {"scree-solver drum.scene.h5 --plan", "what is computed, what is left out, memory, step"},
-                                        {"mpirun -n 4 scree-solver drum.scene.h5 -o drum.run --restart latest", "continue a stopped run"},
-                                        {"scree-solver drum.scene.h5 --print-slurm > drum.sh", "a job that requeues itself until the end"},
-                                        {"mpirun -n 3 scree-solver verify drum.run", "the same bits again? where not?"}});
-    app->add_option("scene", options.scene_path, "scene file made by scree-decomposer");
-    app->add_option("-o,--output", options.run_folder, "run folder to make (default: the scene's name with .run)");
-    app->add_flag("--plan", plan, "print what would be done, and stop");
-    app->add_flag("--print-slurm", slurm, "print a job script for SLURM that requeues itself, and stop");
-    app->add_option("--restart", options.restart, "checkpoint file; 'latest' of the run folder; or 'auto': latest, or from the start");
-    add_quantity(*app, "--stall-limit", options.stall_limit, Dimension::time,
-                 "time without a step or output after which the run ends with 4, "
-                 "for instance \"10 min\"; 0: never (default 30 min)");
-    add_quantity(*app, "--checkpoint-interval", options.checkpoint_interval, Dimension::time,
-                 "run time between checkpoints, for a case without output.checkpoint; 0: only at the end (default 30 min)");
-    app->add_option("--halo", halo, "overlap | blocking: whether messages hide behind work")->check(CLI::IsMember({"overlap", "blocking"}));
-    app->add_option("--send", send, "selected | all: what a neighbour gets, the bodies within its reach or everything")
-        ->check(CLI::IsMember({"selected", "all"}));
-    app->add_option("--cut", cut, "rcb | rib | hsfc | body: how bodies are shared out among the ranks")
-        ->check(CLI::IsMember(cut_method_names()));
-    app->add_option("--simd", simd, "best | avx512 | avx2 | sse4 | scalar");
-    CLI::App* verify = app->add_subcommand("verify", "Computes steps of a run again and says whether they are the same, or where not.");
-    verify->fallthrough();
-    verify->add_option("run", again.run_folder, "run folder")->required();
-    verify->add_option("--steps", again.steps, "how many (default: up to the newest checkpoint)")->check(CLI::PositiveNumber);
-    verify->add_option("--from", again.from, "checkpoint, or 'start' (default: the older checkpoint that is kept)");
-    bool go_on = false;
-    mpi::on_root(comm, [&] { go_on = parse_command_line(*app, argc, argv); });
-    int flag = go_on ? 1 : 0;
-    MPI_Bcast(&flag, 1, MPI_INT, 0, comm.get());
-    if (flag == 0) return 0;
-    if (comm.rank() != 0) parse_command_line(*app, argc, argv);
-    mpi::on_root(comm, [&] {
-      if (!(options.stall_limit >= 0)) throw UsageError("--stall-limit {:g}: expected a time >= 0 s", options.stall_limit);
-      if (!(options.checkpoint_interval >= 0))
-        throw UsageError("--checkpoint-interval {:g}: expected a time >= 0 s", options.checkpoint_interval);
-    });
-    limit_simd(simd);
-    options.parallel = {halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,
-                        send == "all" ? HaloSelection::all : HaloSelection::selected, cut_method_of(cut)};
-    if (verify->parsed()) {
-      again.parallel = options.parallel;
-      again.stall_limit = options.stall_limit;
-      again.stalled = options.stalled;
-      const Verdict verdict = verify_run(comm, again);
-      if (comm.rank() == 0) std::puts(verdict.text.c_str());
-      return static_cast<int>(verdict.same ? ExitCode::done : ExitCode::run_invalid);
-    }
-    mpi::on_root(comm, [&] {
-      if (options.scene_path.empty()) throw UsageError("name a scene file, for instance drum.scene.h5; see scree-solver --help");
-    });
-    if (options.run_folder.empty()) options.run_folder = run_folder_of(options.scene_path);
-
-    // 2. the plan, or the job
-    if (slurm || plan) {
-      const LoadedScene loaded = load_scene(comm, options.scene_path);
-      std::string text;
-      if (slurm) {
-        const int ranks = comm.size() > 1 ? comm.size() : std::max<int>(1, static_cast<int>(loaded.scene.partition.ranks));
-        text = slurm_script({options.command[0], options.scene_path, options.run_folder, ranks, omp_get_max_threads()});
-      } else {
-        Simulation simulation(comm, *loaded.prepared, options.parallel);
-        simulation.start_from_scene();
-        text = plan_text(comm, *loaded.prepared, simulation);
-      }
-      if (comm.rank() == 0) std::fputs(text.c_str(), stdout);
-      return 0;
-    }
-
-    // 3. the run
-    return run_scene(comm, options);
-  };
-  // A failure that all ranks agreed on ends each of them with its code; rank 0 or the failing rank tells it once.
+  // A failure that all ranks agreed on ends each of them with its code; rank 0 or the failing rank reports it once.
   // Anything else would leave the others waiting: the job is stopped.
   try {
-    return body();
+    return do_command(comm, argc, argv);
   } catch (const mpi::SilentError& e) {
     return static_cast<int>(e.code());
   } catch (const Error& e) {

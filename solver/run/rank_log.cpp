@@ -2,40 +2,40 @@
 
 #include <algorithm>
 
-#include "solver/run/run_log.hpp"
-
 namespace scree {
 
-namespace {
-
-std::string header() {
-  std::string names = "step,rank,bodies,ghosts,neighbours,contacts,computing", units = "# units: -,-,-,-,-,-,s";
-  for (std::size_t p = 0; p < static_cast<std::size_t>(Phase::count); ++p) {
-    names += std::string(",t_") + phase_name(static_cast<Phase>(p));
-    units += ",s";
+std::vector<Column> rank_columns(std::int64_t step, std::size_t rank, const RankMeasures& measures) {
+  const auto count = [](auto value) { return fmt::format("{}", value); };
+  std::vector<Column> columns{{"step", "-", count(step)},
+                              {"rank", "-", count(rank)},
+                              {"bodies", "-", count(measures.bodies)},
+                              {"ghosts", "-", count(measures.ghosts)},
+                              {"neighbours", "-", count(measures.neighbours)},
+                              {"contacts", "-", count(measures.contacts)},
+                              {"computing", "s", fmt::format("{:.6g}", measures.computing)}};
+  for (std::size_t p = 0; p < measures.times.size(); ++p) {
+    columns.push_back({std::string("t_") + phase_name(static_cast<Phase>(p)), "s", fmt::format("{:.6g}", measures.times[p])});
   }
-  return names + ",messages,bytes,renewal_bytes,migrated,body_bytes,ghost_bytes,peak_rss\n" + units + ",-,B,B,-,B,B,B\n";
+  columns.push_back({"messages", "-", count(measures.messages)});
+  columns.push_back({"bytes", "B", count(measures.bytes)});
+  columns.push_back({"renewal_bytes", "B", count(measures.rebuild_bytes)});
+  columns.push_back({"migrated", "-", count(measures.migrated)});
+  columns.push_back({"body_bytes", "B", count(measures.body_bytes)});
+  columns.push_back({"ghost_bytes", "B", count(measures.ghost_bytes)});
+  columns.push_back({"peak_rss", "B", count(measures.peak_rss)});
+  return columns;
 }
 
-}  // namespace
-
-RankLog::RankLog(const std::string& path, int ranks, std::int64_t keep_up_to_step) : path_(path) {
+RankLog::RankLog(int ranks) {
   constexpr int kRanksInEveryRow = 16;
   keep_every_ = std::max(1, ranks / kRanksInEveryRow);
-  start_table(path, header(), keep_up_to_step);
 }
 
-void RankLog::add_rows(std::int64_t step, const std::vector<RankMeasures>& ranks, bool last) {
-  if (calls_++ % keep_every_ != 0 && !last) return;
+std::string RankLog::rows(std::int64_t step, const std::vector<RankMeasures>& ranks, bool last) {
+  if (calls_++ % keep_every_ != 0 && !last) return "";
   std::string rows;
-  for (std::size_t r = 0; r < ranks.size(); ++r) {
-    const RankMeasures& m = ranks[r];
-    rows += fmt::format("{},{},{},{},{},{},{:.6g}", step, r, m.bodies, m.ghosts, m.neighbours, m.contacts, m.computing);
-    for (const double t : m.times) rows += fmt::format(",{:.6g}", t);
-    rows +=
-        fmt::format(",{},{},{},{},{},{},{}\n", m.messages, m.bytes, m.rebuild_bytes, m.migrated, m.body_bytes, m.ghost_bytes, m.peak_rss);
-  }
-  append_to_table(path_, rows);
+  for (std::size_t r = 0; r < ranks.size(); ++r) rows += row_of(rank_columns(step, r, ranks[r]));
+  return rows;
 }
 
 }  // namespace scree

@@ -5,19 +5,21 @@
 #include <vector>
 
 #include "solver/ranks/rank_measures.hpp"
+#include "solver/run/table.hpp"
 
 namespace scree {
 
-/// Rank 0 writes. A restart keeps the rows up to its step and drops later ones.
+/// The columns of ranks.csv, each declared once.
+std::vector<Column> rank_columns(std::int64_t step, std::size_t rank, const RankMeasures& measures);
+
+/// Which rows of the log have their ranks in ranks.csv: of many ranks only some, so that the file stays readable.
 class RankLog {
  public:
-  RankLog(const std::string& path, int ranks, std::int64_t keep_up_to_step);
-  /// Adds one row a rank. Of many ranks only some steps are kept, so that the file stays readable; `last` is always.
-  /// Throws SystemError (disk full).
-  void add_rows(std::int64_t step, const std::vector<RankMeasures>& ranks, bool last);
+  explicit RankLog(int ranks);
+  /// One row a rank, or "" when this row of the log is left out; `last` never is.
+  std::string rows(std::int64_t step, const std::vector<RankMeasures>& ranks, bool last);
 
  private:
-  std::string path_;
   std::int64_t calls_ = 0, keep_every_ = 1;
 };
 

@@ -7,7 +7,7 @@
 #include "core/base/error.hpp"
 #include "solver/bodies/fluid.hpp"
 #include "solver/bodies/motion.hpp"
-#include "solver/run/run_log.hpp"
+#include "solver/run/table.hpp"
 
 namespace scree {
 
@@ -82,7 +82,7 @@ void RestWatch::add(double time, double kinetic) {
 
 void RestWatch::read_log(const std::string& path) {
   if (!active_) return;
-  const TableRows log = read_table(path);
+  const StepTable log = read_table(path);
   const std::size_t time = log.column("time"), translational = log.column("kinetic_translational"),
                     rotational = log.column("kinetic_rotational");
   if (std::max({time, translational, rotational}) >= log.names.size()) {

@@ -2,24 +2,13 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "solver/ranks/mpi_session.hpp"
 #include "solver/step/simulation.hpp"
 
 namespace scree {
-
-/// A scene as every rank holds it.
-struct LoadedScene {
-  Scene scene;
-  std::string sha256;
-  std::unique_ptr<SolverScene> prepared;
-  Vec3 origin;  ///< of the scene as it is computed, in the world [m], see origin.hpp
-};
-
-/// Reads and checks; what is wrong is told once, by rank 0. Collective.
-LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path);
 
 /// [s] Long enough for a frame on a slow file system; a stalled run then costs half an hour, not the night.
 inline constexpr double kStallLimit = 1800;
@@ -41,8 +30,5 @@ struct RunOptions {
 /// "auto" restarts from the newest checkpoint, and starts afresh in the same folder when a run ended before its first one.
 /// Throws RunInvalid after the last state was kept (exit 5), and what files and MPI throw. Collective.
 int run_scene(const mpi::Communicator& comm, const RunOptions& options);
-
-/// Text of --plan: what this scene needs and what is left out and why, memory, step size, time.
-std::string plan_text(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation);
 
 }  // namespace scree

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "core/base/error.hpp"
-#include "solver/run/run_log.hpp"
+#include "solver/run/table.hpp"
 
 namespace scree {
 namespace {

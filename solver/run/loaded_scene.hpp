@@ -1,0 +1,23 @@
+// A scene as every rank holds it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "solver/ranks/mpi_session.hpp"
+#include "solver/scene/solver_scene.hpp"
+
+namespace scree {
+
+struct LoadedScene {
+  Scene scene;
+  std::string path, sha256;
+  std::unique_ptr<SolverScene> prepared;
+  Vec3 origin;  ///< of the scene as it is computed, in the world [m], see origin.hpp
+};
+
+/// Reads and checks; each rank reads for itself. Collective.
+/// Fails: throws InputError on every rank, reported once, when one of them cannot read it or finds another file of this name.
+LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path);
+
+}  // namespace scree

@@ -1,0 +1,100 @@
+#include "solver/run/outcome.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/utf8.hpp"
+#include "core/storage/h5.hpp"
+#include "solver/step/origin.hpp"
+
+namespace scree {
+
+namespace {
+
+nlohmann::json energy_json(const RunRecord& record) {
+  const Energies& e = record.energies;
+  const double scale = std::max(record.kinetic_peak, e.dissipated);
+  return {{"initial_balance", record.energy_reference},
+          {"kinetic_peak", record.kinetic_peak},
+          {"kinetic_final", e.translational + e.rotational},
+          {"potential_final", e.potential},
+          {"elastic_final", e.elastic + e.tangential_elastic},
+          {"dissipated", e.dissipated},
+          {"wall_work", e.wall_work},
+          {"removed", e.removed},
+          {"error_max", record.energy_error},
+          {"error_relative", scale > 0 ? record.energy_error / scale : 0.0}};
+}
+
+/// Bytes held for a body and for a ghost, pairs and their candidates included.
+nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
+  double bodies = 0, ghosts = 0, body_bytes = 0, ghost_bytes = 0;
+  for (const RankMeasures& m : ranks) {
+    bodies += static_cast<double>(m.bodies);
+    ghosts += static_cast<double>(m.ghosts);
+    body_bytes += static_cast<double>(m.body_bytes);
+    ghost_bytes += static_cast<double>(m.ghost_bytes);
+  }
+  return {{"bytes_per_body", bodies > 0 ? body_bytes / bodies : 0.0}, {"bytes_per_ghost", ghosts > 0 ? ghost_bytes / ghosts : 0.0}};
+}
+
+/// What was measured while it ran.
+void add_measures(nlohmann::json& run, const RunRecord& record) {
+  run["wall_seconds"] = record.wall_seconds;
+  for (std::size_t i = 0; i < record.phases.size(); ++i) run["phases"][phase_name(static_cast<Phase>(i))] = record.phases[i];
+  run["max_depth_ratio"] = record.max_overlap_ratio;
+  run["mean_imbalance"] = record.log_rows > 0 ? record.imbalance_sum / static_cast<double>(record.log_rows) : 1.0;
+  run["list_renewals"] = record.list_renewals;
+  run["cuts"] = record.cuts;
+  run["migrated_bodies_rank_0"] = record.migrated;
+  run["peak_rss_bytes"] = record.peak_memory;
+}
+
+}  // namespace
+
+void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const RunOptions& options, const LoadedScene& loaded,
+                   const Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance) {
+  const std::string hash = simulation.state_hash();
+  const RemovedTotals removed = simulation.removed();
+  const std::int64_t bodies = simulation.body_count(), outside = simulation.bodies_outside();
+  const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
+  mpi::on_root(comm, [&] {
+    nlohmann::json run;
+    run["format"] = "scree-run";
+    run["format_version"] = 1;
+    run["outcome"] = outcome.outcome;
+    run["message"] = outcome.message;
+    run["exit_code"] = outcome.exit_code;
+    run["steps"] = simulation.step();
+    run["step_size"] = simulation.step_size().step;
+    run["step_limited_by"] = simulation.step_size().limited_by;
+    run["critical_step"] = std::isfinite(record.stiffest.step) ? nlohmann::json(record.stiffest.step) : nlohmann::json();
+    run["critical_contact"] = record.stiffest.name();
+    run["time"] = simulation.time();
+    if (loaded.scene.settings.stop_at_rest) run["came_to_rest"] = rest.at_rest(simulation.time());
+    if (bodies == 0) run["no_body_left"] = true;
+    run["state_hash"] = hash;
+    run["ranks"] = comm.size();
+    run["threads"] = omp_get_max_threads();
+    run["bodies"] = bodies;
+    run["removed_bodies"] = static_cast<std::int64_t>(removed.count);
+    run["removed_mass"] = removed.mass;
+    run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) - bodies - static_cast<std::int64_t>(removed.count);
+    run["bodies_outside_domain"] = outside;
+    add_measures(run, record);
+    run["energy"] = energy_json(record);
+    run["memory"] = memory_json(ranks);
+    run["parallel"] = {{"halo", options.parallel.strategy == HaloStrategy::overlap ? "overlap" : "blocking"},
+                       {"send", options.parallel.selection == HaloSelection::all ? "all" : "selected"},
+                       {"cut", cut_method_name(options.parallel.cut)}};
+    Scene as_given = loaded.scene;
+    move_scene(as_given, -loaded.origin);
+    run["settings"] = settings_json(as_given);
+    run["provenance"] = provenance;
+    h5::write_text_file(options.run_folder + "/run.json", json_text(run, 1) + "\n");
+  });
+}
+
+}  // namespace scree

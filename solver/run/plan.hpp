@@ -1,0 +1,14 @@
+// What --plan prints.
+#pragma once
+
+#include <string>
+
+#include "solver/step/simulation.hpp"
+
+namespace scree {
+
+/// What a scene needs and what is left out and why, memory, step size, disk. Collective.
+/// in   simulation   started from the scene
+std::string plan_text(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation);
+
+}  // namespace scree

@@ -1,0 +1,25 @@
+// Where a run begins: at its scene, or at a checkpoint of its folder.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "solver/run/checkpoint.hpp"
+#include "solver/run/loaded_scene.hpp"
+#include "solver/run/run.hpp"
+#include "solver/run/run_folder.hpp"
+
+namespace scree {
+
+struct RunStart {
+  std::unique_ptr<FolderLock> lock;      ///< rank 0
+  std::optional<Checkpoint> checkpoint;  ///< nothing: the run begins at the scene
+  bool is_complete = false;              ///< nothing is left to do
+};
+
+/// Looks at the folder, locks it and reads the checkpoint. Whatever refuses this run comes here, before the folder is touched. Collective.
+/// Fails: throws on every rank what check_run_folder(), FolderLock and read_checkpoint() throw, and InputError when the checkpoint was
+/// made from another scene.
+RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, const LoadedScene& loaded);
+
+}  // namespace scree

@@ -1,0 +1,50 @@
+// What a run writes into its folder while it goes on: tables, frames, checkpoints.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "solver/run/checkpoint.hpp"
+#include "solver/run/loaded_scene.hpp"
+#include "solver/run/rank_log.hpp"
+#include "solver/run/run_log.hpp"
+#include "solver/run/schedule.hpp"
+
+namespace scree {
+
+/// Every function is collective and throws SystemError on every rank when the disk refuses.
+class Writers {
+ public:
+  /// Opens the folder. A restart keeps what was written up to its step, and the rest is made again.
+  /// in   provenance   of the frames and checkpoints
+  Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::string folder, const Schedule& schedule, nlohmann::json provenance,
+          const Simulation& simulation, bool is_restart);
+
+  /// A row of log.csv, and of ranks.csv when it is due or `is_last`.
+  /// in   before   of the parts of this run before this one: log.csv counts from the start of the run, ranks.csv from the last restart
+  void write_row(const LogRow& row, const RunRecord& before, bool is_last);
+  /// What happened since the last call: changes of the step, bodies removed.
+  void write_events(Simulation& simulation);
+  /// in   number      in the name of the frame
+  /// in   with_contacts   whether it has them, where the case asks for them
+  void write_frame(Simulation& simulation, std::int64_t number, bool with_contacts);
+  void write_checkpoint(const Simulation& simulation, const RunRecord& record);
+
+  const nlohmann::json& provenance() const { return provenance_; }
+  std::string log_path() const { return folder_ + "/log.csv"; }
+
+ private:
+  void start_tables(std::int64_t keep_up_to_step);
+
+  const mpi::Communicator& comm_;
+  const LoadedScene& loaded_;
+  std::string folder_;
+  nlohmann::json provenance_;
+  bool has_steps_, has_removed_;
+  std::vector<std::string> tables_;  // paths; rank 0
+  RankLog rank_log_;
+  std::vector<FrameEntry> frames_;  // rank 0
+};
+
+}  // namespace scree
