@@ -7,15 +7,12 @@
 
 namespace scree {
 
-/// A point counts as outside of a face when it is further than this part of the extent above it; nearer ones, as in flat
-/// faces of many vertices, are left out of the hull.
-inline constexpr double kHullTolerance = 1e-10;
-
-/// Closed outward mesh of the hull; empty when the points lie in one plane.
+/// Closed outward mesh of the hull; empty when the points lie in one plane. Its vertices come in the order of the points. A point that is
+/// outside of it by rounding alone, as in flat faces of many vertices, is left out.
 ///
-/// How: the furthest point outside of a face replaces the faces that see it by a cone over their horizon.
+/// How: qhull's library, faces that rounding makes concave merged, then triangulated (option Qt); see docs/decisions/014.
 /// Source: C. Barber, D. Dobkin, H. Huhdanpaa, The quickhull algorithm for convex hulls, ACM TOMS 22 (1996) 469.
-/// Fails: never.   Cost: O(n log n) for most inputs.
+/// Fails: throws InputError with qhull's words when rounding is too large for these points.   Cost: O(n log n) for most inputs.
 TriangleMesh convex_hull(const std::vector<Vec3>& points);
 
 }  // namespace scree

@@ -100,8 +100,32 @@ TEST(ConvexHull, of_points_on_a_sphere_holds_all_of_them) {
   EXPECT_TRUE(check_mesh(hull).is_solid());
 }
 
+TEST(ConvexHull, of_a_turned_box_with_points_on_its_faces_has_its_vertices_alone) {
+  std::vector<Vec3> points = test::grid_box(6, {1, 2, 3}).vertices;
+  for (Vec3& p : points) p = rotate(quaternion_of(Vec3{0.36, 0.48, 0.8}, 0.7), p);
+  const TriangleMesh hull = convex_hull(points);
+  EXPECT_EQ(hull.vertex_count(), 8);
+  EXPECT_EQ(hull.triangle_count(), 12);
+  EXPECT_NEAR(check_mesh(hull).mass.volume, 6, 1e-12);
+}
+
+TEST(ConvexHull, of_stones_cut_again_and_again_is_solid_and_convex) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    RockForm form;
+    form.seed = seed;
+    const TriangleMesh stone = crushed_stone(form), hull = convex_hull(stone.vertices);
+    EXPECT_TRUE(check_mesh(hull).is_solid()) << seed;
+    EXPECT_NEAR(check_mesh(hull).mass.volume, check_mesh(stone).mass.volume, 1e-9) << seed;
+    for (std::int32_t t = 0; t < hull.triangle_count(); ++t) {
+      const Vec3 n = normalised(cross(hull.corner(t, 1) - hull.corner(t, 0), hull.corner(t, 2) - hull.corner(t, 0)));
+      for (const Vec3& p : hull.vertices) ASSERT_LT(dot(n, p - hull.corner(t, 0)), 1e-9) << seed;
+    }
+  }
+}
+
 TEST(ConvexHull, of_points_in_a_plane_is_empty) {
   EXPECT_TRUE(convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.4, 0}}).triangles.empty());
+  EXPECT_TRUE(convex_hull(std::vector<Vec3>(10)).triangles.empty());
 }
 
 TEST(Primitives, platonic_solids_have_their_volumes_and_faces) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "mesher/check/mesh_check.hpp"
-#include "mesher/commands/remesh.hpp"
+#include "mesher/repair/remesh.hpp"
 #include "mesher/repair/heal_mesh.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -20,4 +20,7 @@ TriangleMesh remesh(const TriangleMesh& mesh, double edge_length);
 
 inline constexpr double kMostLatticePoints = 5e7;
 
+/// Volume of the points around which the surface winds [m^3], sampled: that of overlapping parts once, and up to the gaps of an open mesh.
+double enclosed_volume(const TriangleMesh& mesh);
+
 }  // namespace scree
