@@ -124,18 +124,7 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies.fixed[i] == 0) scene_mass += scene.mass(i);
   }
-
-  // groups
-  groups.push_back({"all", nullptr, -1, -1});
-  for (const Region& region : options.regions)
-    groups.push_back({"region " + region.name, &region, -1, -1});  // in our own copy of the options
-  for (std::size_t m = 0; options.by_material && m < scene.materials.size(); ++m) {
-    groups.push_back({"material " + scene.materials[m].name, nullptr, static_cast<std::int32_t>(m), -1});
-  }
-  for (std::size_t s = 0; options.by_shape && s < scene.shapes.size(); ++s) {
-    if (scene.shapes[s].kind != ShapeKind::surface)
-      groups.push_back({"shape " + scene.shapes[s].name, nullptr, -1, static_cast<std::int32_t>(s)});
-  }
+  add_groups();
   // profiles, from the lowest to the highest place of the bodies at the first and at the last frame
   const FrameView view(*facts, first);
   double low = view.lowest, high = view.highest;
@@ -147,6 +136,32 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
     high = std::max(high, end.highest);
     if (!(diameter > 0)) diameter = end.mean_diameter;
   }
+  add_profiles(low, high);
+  add_distributions(diameter);
+  choose_kinds(view);
+  if (!options.discharge.empty()) read_discharge(options.discharge);
+  for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("force_{}", component), "N", "on the wall"});
+  for (const char* component : {"x", "y", "z"})
+    wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
+  wall_quantities.push_back({"power", "W", "of the wall on the bodies, from log.csv"});
+  wall_begin = table_begin(tables.size());
+}
+
+void StatisticsPlan::add_groups() {
+  const Scene& scene = run.scene;
+  groups.push_back({"all", nullptr, -1, -1});
+  for (const Region& region : options.regions)
+    groups.push_back({"region " + region.name, &region, -1, -1});  // in our own copy of the options
+  for (std::size_t m = 0; options.by_material && m < scene.materials.size(); ++m) {
+    groups.push_back({"material " + scene.materials[m].name, nullptr, static_cast<std::int32_t>(m), -1});
+  }
+  for (std::size_t s = 0; options.by_shape && s < scene.shapes.size(); ++s) {
+    if (scene.shapes[s].kind != ShapeKind::surface)
+      groups.push_back({"shape " + scene.shapes[s].name, nullptr, -1, static_cast<std::int32_t>(s)});
+  }
+}
+
+void StatisticsPlan::add_profiles(double low, double high) {
   std::vector<std::string> wanted = options.profiles;
   if (wanted.empty()) wanted.push_back(std::string(1, static_cast<char>('x' + facts->container.vertical)));
   for (const std::string& text : wanted) {
@@ -165,6 +180,9 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
                      {"velocity_z", "m/s", "mean by mass"},   {"granular_temperature", "m^2/s^2", "about the mean velocity of the layer"}};
     tables.push_back(std::move(table));
   }
+}
+
+void StatisticsPlan::add_distributions(double diameter) {
   tables.push_back(
       {"force_distribution",
        "Distribution of contact forces",
@@ -185,8 +203,11 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
                     centres(kShortestChain - 0.5, 1, kChainLengths),
                     {{"chain_count", "-", "chains of that length"}},
                     {}});
+}
 
-  // mixing: kinds of the first frame
+void StatisticsPlan::choose_kinds(const FrameView& view) {
+  const Scene& scene = run.scene;
+  const Frame& first = view.frame;
   std::string mixing = options.mixing;
   if (mixing == "auto") {
     bool several = false;
@@ -213,21 +234,14 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
       kind[static_cast<std::size_t>(first.bodies.id[i])] = first_kind ? 1 : 0;
     }
   }
+}
 
-  if (!options.discharge.empty()) {
-    const std::string& text = options.discharge;
-    if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') {
-      throw UsageError("--discharge {}: expected an axis and a height along it, as in z=0.1 or \"z=5 cm\"", text);
-    }
-    discharge_axis = text[0] - 'x';
-    discharge_level = parse_quantity(text.substr(2), Dimension::length, "--discharge " + text);
+void StatisticsPlan::read_discharge(const std::string& text) {
+  if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') {
+    throw UsageError("--discharge {}: expected an axis and a height along it, as in z=0.1 or \"z=5 cm\"", text);
   }
-
-  for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("force_{}", component), "N", "on the wall"});
-  for (const char* component : {"x", "y", "z"})
-    wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
-  wall_quantities.push_back({"power", "W", "of the wall on the bodies, from log.csv"});
-  wall_begin = table_begin(tables.size());
+  discharge_axis = text[0] - 'x';
+  discharge_level = parse_quantity(text.substr(2), Dimension::length, "--discharge " + text);
 }
 
 std::size_t StatisticsPlan::index_of(const std::string& quantity) const {
@@ -290,36 +304,47 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     add_vector(motion.centre);
     const std::size_t whole_only = row.size();
     if (g == 0) {
-      const double count = static_cast<double>(chains.chains.size());
-      row.insert(row.end(),
-                 {has_contacts && view.particles > 0 ? static_cast<double>(chains.members) / static_cast<double>(view.particles) : kNaN,
-                  has_contacts ? count : kNaN, count > 0 ? static_cast<double>(chains.members) / count : kNaN});
-      std::vector<std::uint8_t> kinds(frame.bodies.size(), 2);
-      for (std::size_t i = 0; i < kinds.size(); ++i) {
-        const auto id = static_cast<std::size_t>(frame.bodies.id[i]);
-        if (id < kind.size()) kinds[i] = kind[id];
-      }
-      row.push_back(mixing_index(view, kinds));
-      row.push_back(options.repose == "cone" ? angle_of_repose_cone(view)
-                                             : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
-      double above = 0;
-      for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
-        if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
-      }
-      row.push_back(discharge_axis >= 0 ? scene_mass - above : kNaN);
-      row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
-      row.insert(row.end(),
-                 {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
+      add_whole(view, chains, row);
     }
     row.resize(g == 0 ? row.size() : whole_only + (quantities.size() - (whole_only - begin)), kNaN);
     SCREE_ASSERT(row.size() == (g + 1) * quantities.size(), "{} numbers", row.size());
   }
 
+  add_tables(view, chains, row);
+  add_walls(frame, row);
+  SCREE_ASSERT(row.size() == size(), "{} numbers, {} expected", row.size(), size());
+  return row;
+}
+
+void StatisticsPlan::add_whole(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const {
+  const Frame& frame = view.frame;
+  const bool has_contacts = run.scene.settings.output_contacts;
+  const double count = static_cast<double>(chains.chains.size());
+  row.insert(row.end(),
+             {has_contacts && view.particles > 0 ? static_cast<double>(chains.members) / static_cast<double>(view.particles) : kNaN,
+              has_contacts ? count : kNaN, count > 0 ? static_cast<double>(chains.members) / count : kNaN});
+  std::vector<std::uint8_t> kinds(frame.bodies.size(), 2);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const auto id = static_cast<std::size_t>(frame.bodies.id[i]);
+    if (id < kind.size()) kinds[i] = kind[id];
+  }
+  row.push_back(mixing_index(view, kinds));
+  row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
+  double above = 0;
+  for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
+    if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
+  }
+  row.push_back(discharge_axis >= 0 ? scene_mass - above : kNaN);
+  row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
+  row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
+}
+
+void StatisticsPlan::add_tables(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const {
   for (const ProfileBins& bins : profiles) {
     const Profile p = profile(view, bins);
     for (std::size_t k = 0; k < bins.count; ++k) {
       row.insert(row.end(), {p.solid_fraction[k], p.particles[k]});
-      add_vector(p.velocity[k]);
+      row.insert(row.end(), {p.velocity[k].x, p.velocity[k].y, p.velocity[k].z});
       row.push_back(p.granular_temperature[k]);
     }
   }
@@ -329,10 +354,13 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
   const double shell = pairs.coordinates.size() > 1 ? pairs.coordinates[1] - pairs.coordinates[0] : 0;
   const std::vector<double> g = pair_correlation(view, kShells, shell * kShells);
   row.insert(row.end(), g.begin(), g.end());
-  std::vector<double> lengths(kChainLengths, has_contacts ? 0.0 : kNaN);
+  std::vector<double> lengths(kChainLengths, run.scene.settings.output_contacts ? 0.0 : kNaN);
   for (const auto& chain : chains.chains) lengths[std::min(chain.size() - kShortestChain, kChainLengths - 1)] += 1;
   row.insert(row.end(), lengths.begin(), lengths.end());
+}
 
+void StatisticsPlan::add_walls(const Frame& frame, std::vector<double>& row) const {
+  const auto add_vector = [&row](const Vec3& v) { row.insert(row.end(), {v.x, v.y, v.z}); };
   const FrameWalls& walls = frame.walls;
   for (const Wall& wall : run.scene.walls) {
     const auto it = std::find(walls.id.begin(), walls.id.end(), wall.id);
@@ -341,8 +369,6 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     add_vector(it != walls.id.end() ? walls.torque[i] : Vec3{kNaN, kNaN, kNaN});
     row.push_back(log_value(run.log, fmt::format("wall{}_power", wall.id), frame.time));
   }
-  SCREE_ASSERT(row.size() == size(), "{} numbers, {} expected", row.size(), size());
-  return row;
 }
 
 }  // namespace scree

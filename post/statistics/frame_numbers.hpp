@@ -32,6 +32,16 @@ struct StatisticsPlan {
   std::size_t wall_begin = 0;
 
   std::vector<double> numbers_of(const Frame& frame) const;
+
+ private:
+  void add_groups();
+  void add_profiles(double low, double high);  // between these heights [m]
+  void add_distributions(double diameter);     // [m]
+  void choose_kinds(const FrameView& first);
+  void read_discharge(const std::string& text);
+  void add_whole(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const;  // what only the group of all has
+  void add_tables(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const;
+  void add_walls(const Frame& frame, std::vector<double>& row) const;
 };
 
 }  // namespace scree

@@ -143,58 +143,83 @@ TrajectoryComparison compare_trajectories(const Run& a, const Run& b, const Fram
   return result;
 }
 
-Comparison compare_runs(const std::vector<Run>& runs, const std::string& folder, const FramePool& pool) {
-  if (runs.size() < 2) throw UsageError("compare: one run is given; give two or more");
-  make_folder(folder);
-  Comparison c;
-  const auto write = [&](const std::string& name, const std::string& text) {
-    OutputFile file(fmt::format("{}/{}", folder, name));
+namespace {
+
+/// Compares part by part.
+class RunComparer {
+ public:
+  RunComparer(const std::vector<Run>& runs, const std::string& folder, const FramePool& pool) : runs_(runs), folder_(folder), pool_(pool) {
+    // runs of the same name are told apart by their number
+    for (const Run& run : runs) {
+      const bool again = std::count_if(runs.begin(), runs.end(), [&](const Run& other) { return other.name == run.name; }) > 1;
+      names_.push_back(again ? fmt::format("{} ({})", run.name, names_.size() + 1) : run.name);
+    }
+    json_ = {{"format", "scree-comparison"}, {"format_version", 1}, {"runs", names_}};
+    for (const Run& run : runs) json_["folders"].push_back(run.folder);
+  }
+
+  Comparison compare() {
+    compare_settings();
+    compare_statistics();
+    compare_with_first();
+    write("comparison.json", json_text(json_, 1) + "\n");
+    return std::move(result_);
+  }
+
+ private:
+  void write(const std::string& name, const std::string& text) {
+    OutputFile file(fmt::format("{}/{}", folder_, name));
     file.add(text);
     file.commit();
-    c.files.push_back(name);
-  };
-  // runs of the same name are told apart by their number
-  std::vector<std::string> names;
-  std::string header;
-  for (const Run& run : runs) {
-    const bool again = std::count_if(runs.begin(), runs.end(), [&](const Run& other) { return other.name == run.name; }) > 1;
-    names.push_back(again ? fmt::format("{} ({})", run.name, names.size() + 1) : run.name);
-    header += fmt::format(",{}", csv_cell(names.back()));
+    result_.files.push_back(name);
   }
-  nlohmann::json json = {{"format", "scree-comparison"}, {"format_version", 1}, {"runs", names}};
-  for (const Run& run : runs) json["folders"].push_back(run.folder);
+  void compare_settings();
+  void compare_statistics();
+  void compare_with_first();  // trajectories
+  void report_trajectory(const std::string& name, const TrajectoryComparison& t);
 
-  // 1. settings
-  const std::vector<SettingDifference> settings = setting_differences(runs);
-  std::string csv = "setting" + header + "\n";
-  c.text = settings.empty() ? "settings: no difference\n" : "settings that differ\n";
-  json["settings"] = nlohmann::json::object();
+  const std::vector<Run>& runs_;
+  const std::string& folder_;
+  const FramePool& pool_;
+  std::vector<std::string> names_;
+  nlohmann::json json_;
+  Comparison result_;
+};
+
+void RunComparer::compare_settings() {
+  const std::vector<SettingDifference> settings = setting_differences(runs_);
+  std::string csv = "setting";
+  for (const std::string& name : names_) csv += "," + csv_cell(name);
+  csv += "\n";
+  result_.text = settings.empty() ? "settings: no difference\n" : "settings that differ\n";
+  json_["settings"] = nlohmann::json::object();
   for (const SettingDifference& s : settings) {
     csv += csv_cell(s.key);
-    c.text += fmt::format("  {:<40}", s.key);
+    result_.text += fmt::format("  {:<40}", s.key);
     for (const std::string& value : s.values) {
       csv += fmt::format(",{}", csv_cell(value));
-      c.text += fmt::format(" {:>22}", value.size() > 22 ? value.substr(0, 19) + "..." : value);
+      result_.text += fmt::format(" {:>22}", value.size() > 22 ? value.substr(0, 19) + "..." : value);
     }
     csv += "\n";
-    c.text += "\n";
-    json["settings"][s.key] = s.values;
+    result_.text += "\n";
+    json_["settings"][s.key] = s.values;
   }
   write("settings.csv", csv);
+}
 
-  // 2. statistics
+void RunComparer::compare_statistics() {
   std::vector<Statistics> all;
-  for (const Run& run : runs) {
+  for (const Run& run : runs_) {
     StatisticsOptions options;
     options.frames = choose_frames(run, "all");
-    options.pool = pool;
+    options.pool = pool_;
     all.push_back(run_statistics(run, options, ""));
-    for (const std::string& message : all.back().skipped) c.notices.push_back("left out: " + message);
+    for (const std::string& message : all.back().skipped) result_.notices.push_back("left out: " + message);
   }
-  csv = "quantity,unit";
-  for (const std::string& name : names) csv += "," + csv_cell(name) + "," + csv_cell(name + " ci95");
+  std::string csv = "quantity,unit";
+  for (const std::string& name : names_) csv += "," + csv_cell(name) + "," + csv_cell(name + " ci95");
   csv += ",apart\n";
-  c.text += "statistics, mean +- 95 % (* apart by more than the intervals)\n";
+  result_.text += "statistics, mean +- 95 % (* apart by more than the intervals)\n";
   for (std::size_t q = 0; q < all[0].quantities.size(); ++q) {
     const Quantity& quantity = all[0].quantities[q];
     std::string line = fmt::format("  {:<40}", quantity.name), row = fmt::format("{},{}", quantity.name, quantity.unit);
@@ -213,52 +238,63 @@ Comparison compare_runs(const std::vector<Run>& runs, const std::string& folder,
     }
     if (!any) continue;
     entry["apart"] = apart;
-    json["statistics"][quantity.name] = entry;
+    json_["statistics"][quantity.name] = entry;
     csv += fmt::format("{},{}\n", row, apart ? "yes" : "no");
-    c.text += fmt::format("{}{}\n", line, apart ? " *" : "");
+    result_.text += fmt::format("{}{}\n", line, apart ? " *" : "");
   }
   write("statistics.csv", csv);
+}
 
-  // 3. trajectories, each against the first run
+void RunComparer::compare_with_first() {
   LineChart chart{"Distance between the same bodies", "time", "s", "rms distance over the mean diameter", "", true, false, {}, {}};
-  csv = "run,time,bodies,rms,largest,largest_angle,furthest_body\n# units: -,s,-,m,m,rad,-\n";
-  c.text += fmt::format("trajectories against {}\n", names[0]);
-  for (std::size_t r = 1; r < runs.size(); ++r) {
+  std::string csv = "run,time,bodies,rms,largest,largest_angle,furthest_body\n# units: -,s,-,m,m,rad,-\n";
+  result_.text += fmt::format("trajectories against {}\n", names_[0]);
+  for (std::size_t r = 1; r < runs_.size(); ++r) {
     TrajectoryComparison t;
     try {
-      t = compare_trajectories(runs[0], runs[r], pool);
+      t = compare_trajectories(runs_[0], runs_[r], pool_);
     } catch (const InputError& error) {
-      c.notices.emplace_back(error.what());
+      result_.notices.emplace_back(error.what());
       continue;
     }
-    ChartLine line{names[r], {}, {}};
+    ChartLine line{names_[r], {}, {}};
     for (const Divergence& d : t.frames) {
-      csv += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{}\n", csv_cell(names[r]), d.time, d.bodies, d.rms, d.largest, d.largest_angle,
+      csv += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{}\n", csv_cell(names_[r]), d.time, d.bodies, d.rms, d.largest, d.largest_angle,
                          d.furthest);
       line.x.push_back(d.time);
       line.y.push_back(t.diameter > 0 ? d.rms / t.diameter : d.rms);
     }
-    const Divergence& last = t.frames.back();
-    if (t.identical) {
-      c.text += fmt::format("  {}: the same in all {} frames, bit by bit\n", names[r], t.frames.size());
-    } else {
-      c.text += fmt::format(
-          "  {}: after {:.4g} s rms {:.3g} m ({:.3g} diameters), at most {:.3g} m (body {}), turned by at most {:.3g} rad{}\n", names[r],
-          last.time, last.rms, t.diameter > 0 ? last.rms / t.diameter : 0, last.largest, last.furthest, last.largest_angle,
-          std::isfinite(t.growth_rate) ? fmt::format("; while small it grows as exp({:.3g} t / s)", t.growth_rate) : "");
-    }
-    json["trajectories"].push_back({{"run", names[r]},
-                                    {"identical", t.identical},
-                                    {"frames", t.frames.size()},
-                                    {"rms", last.rms},
-                                    {"largest", last.largest},
-                                    {"growth_rate", std::isfinite(t.growth_rate) ? nlohmann::json(t.growth_rate) : nlohmann::json()}});
+    report_trajectory(names_[r], t);
     chart.lines.push_back(std::move(line));
   }
   write("divergence.csv", csv);
-  for (const std::string& name : write_chart(folder, "divergence", chart)) c.files.push_back(name);
-  write("comparison.json", json_text(json, 1) + "\n");
-  return c;
+  for (const std::string& name : write_chart(folder_, "divergence", chart)) result_.files.push_back(name);
+}
+
+void RunComparer::report_trajectory(const std::string& name, const TrajectoryComparison& t) {
+  const Divergence& last = t.frames.back();
+  if (t.identical) {
+    result_.text += fmt::format("  {}: the same in all {} frames, bit by bit\n", name, t.frames.size());
+  } else {
+    result_.text +=
+        fmt::format("  {}: after {:.4g} s rms {:.3g} m ({:.3g} diameters), at most {:.3g} m (body {}), turned by at most {:.3g} rad{}\n",
+                    name, last.time, last.rms, t.diameter > 0 ? last.rms / t.diameter : 0, last.largest, last.furthest, last.largest_angle,
+                    std::isfinite(t.growth_rate) ? fmt::format("; while small it grows as exp({:.3g} t / s)", t.growth_rate) : "");
+  }
+  json_["trajectories"].push_back({{"run", name},
+                                   {"identical", t.identical},
+                                   {"frames", t.frames.size()},
+                                   {"rms", last.rms},
+                                   {"largest", last.largest},
+                                   {"growth_rate", std::isfinite(t.growth_rate) ? nlohmann::json(t.growth_rate) : nlohmann::json()}});
+}
+
+}  // namespace
+
+Comparison compare_runs(const std::vector<Run>& runs, const std::string& folder, const FramePool& pool) {
+  if (runs.size() < 2) throw UsageError("compare: one run is given; give two or more");
+  make_folder(folder);
+  return RunComparer(runs, folder, pool).compare();
 }
 
 }  // namespace scree

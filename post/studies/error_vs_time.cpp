@@ -107,9 +107,17 @@ int best_for(const std::vector<StudyRow>& rows, double target) {
   return best;
 }
 
-ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
-  std::map<std::string, std::vector<Row>> cases;
+namespace {
+
+/// The rows of each case, in the order of the files.
+struct Cases {
+  std::map<std::string, std::vector<Row>> rows;
   std::vector<std::string> order;
+};
+
+Cases read_cases(const ErrorVsTimeOptions& options) {
+  Cases result;
+  auto& [cases, order] = result;
   for (const std::string& file : options.files) {
     std::vector<Row> table = read_rows(file);
     const int words = options.words > 0 ? options.words : words_of_a_case(table);
@@ -126,128 +134,172 @@ ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
   for (const std::string& name : options.cases) {
     if (!cases.contains(name)) throw InputError("--case {}: no row of that case in the files", name);
   }
-  make_folder(options.folder);
-  ErrorVsTimeResult result;
-  std::string fronts = "case,error_column,error,unit,time,on_front,choice\n# units: -,-,as unit,-,s,-,-\n",
-              best = "case,error_column,at_most,unit,error,time,choice\n# units: -,-,as unit,-,as unit,s,-\n";
-  for (const std::string& name : order) {
-    const std::vector<Row>& rows = cases[name];
-    // what was varied
-    const auto varies = [&](const char* column) {
-      return std::any_of(rows.begin(), rows.end(), [&](const Row& r) {
-        return r.contains(column) != rows[0].contains(column) || (r.contains(column) && r.at(column) != rows[0].at(column));
-      });
-    };
-    std::vector<std::string> words, numbers;
-    for (const char* column : kWords) {
-      if (varies(column)) words.emplace_back(column);
-    }
-    for (const char* column : kNumbers) {
-      if (varies(column)) numbers.emplace_back(column);
-    }
-    for (const ErrorColumn& column : kErrors) {
-      if (!options.errors.empty() && std::find(options.errors.begin(), options.errors.end(), column.name) == options.errors.end()) continue;
-      std::vector<StudyRow> study;
-      std::vector<std::string> rests;
-      for (const Row& row : rows) {
-        const std::optional<double> time = number_of(row, options.time), error = number_of(row, column.name);
-        if (!time || !error || !(*time > 0) || *error == 0 || !std::isfinite(*error)) continue;
-        StudyRow entry;
-        for (const std::string& c : words) entry.series += (entry.series.empty() ? "" : ", ") + row.at(c);
-        entry.choice = entry.series;
-        for (const std::string& c : numbers) {
-          if (row.contains(c) && !row.at(c).empty()) entry.choice += fmt::format("{}{} {}", entry.choice.empty() ? "" : ", ", c, row.at(c));
-        }
-        if (entry.series.empty()) entry.series = "runs";
-        entry.time = *time;
-        entry.error = std::abs(*error);
-        study.push_back(std::move(entry));
-        rests.push_back(row.at("\nrest"));
-      }
-      if (study.size() < 2) continue;
-      // where the columns do not tell the choices apart, the rest of the name does
-      std::set<std::string> choices;
-      for (const StudyRow& row : study) choices.insert(row.choice);
-      for (std::size_t i = 0; choices.size() < study.size() && i < study.size(); ++i) {
-        if (!rests[i].empty()) study[i].choice = rests[i];
-      }
-      mark_front(study);
+  return result;
+}
 
-      LineChart chart{fmt::format("{}: {}", name, column.text),
-                      "run time",
-                      "s",
-                      fmt::format("{} [{}]", column.name, column.unit),
-                      "",
-                      true,
-                      false,
-                      {},
-                      {}};
-      chart.logarithmic_x = true;
-      std::map<std::string, ChartLine> lines;
-      ChartLine front{"front", {}, {}};
-      std::vector<const StudyRow*> sorted;
-      double smallest = study[0].error, largest = study[0].error;
-      for (const StudyRow& row : study) {
-        sorted.push_back(&row);
-        smallest = std::min(smallest, row.error);
-        largest = std::max(largest, row.error);
-        fronts += fmt::format("{},{},{:.6g},{},{:.6g},{},{}\n", csv_cell(name), column.name, row.error, column.unit, row.time,
-                              row.on_front ? "yes" : "no", csv_cell(row.choice));
-      }
-      std::stable_sort(sorted.begin(), sorted.end(), [](const StudyRow* p, const StudyRow* q) { return p->time < q->time; });
-      for (const StudyRow* row : sorted) {
-        ChartLine& line = lines[row->series];
-        line.name = row->series;
-        line.style = ChartLine::Style::points;
-        line.x.push_back(row->time);
-        line.y.push_back(row->error);
-        if (!row->on_front) continue;
-        front.x.push_back(row->time);
-        front.y.push_back(row->error);
-      }
+/// The columns in which the rows of a case differ: those of words, and those of numbers.
+struct Varied {
+  std::vector<std::string> words, numbers;
+};
 
-      // the best choice for each error that is asked for
-      std::vector<double> targets = options.targets;
-      if (targets.empty()) {
-        for (int e = static_cast<int>(std::ceil(std::log10(smallest))); e <= static_cast<int>(std::ceil(std::log10(largest))); ++e)
-          targets.push_back(std::pow(10.0, e));
-        if (targets.size() > 4) targets.erase(targets.begin(), targets.end() - 4);
-      }
-      front.labels.resize(front.x.size());
-      for (const double target : targets) {
-        const int index = best_for(study, target);
-        if (index < 0) {
-          result.text += fmt::format("{}: {} <= {:g}: no choice reaches it; the least is {:.3g}\n", name, column.name, target, smallest);
-          continue;
-        }
-        const StudyRow& row = study[static_cast<std::size_t>(index)];
-        best += fmt::format("{},{},{:g},{},{:.6g},{:.6g},{}\n", csv_cell(name), column.name, target, column.unit, row.error, row.time,
-                            csv_cell(row.choice));
-        result.text += fmt::format("{}: {} <= {:g}: {} ({:.3g} s, error {:.3g})\n", name, column.name, target,
-                                   row.choice.empty() ? "the only choice" : row.choice, row.time, row.error);
-        for (std::size_t i = 0; i < front.x.size(); ++i) {
-          if (front.x[i] == row.time && front.y[i] == row.error && front.labels[i].empty())
-            front.labels[i] = fmt::format("best for {:g}", target);
-        }
-      }
-      chart.lines.push_back(std::move(front));  // the blue solid line; its choices are labelled
-      for (auto& [series, line] : lines) chart.lines.push_back(std::move(line));
-      for (const std::string& file : write_chart(options.folder, file_name_of(fmt::format("{}-{}", name, column.name)), chart))
-        result.files.push_back(file);
+Varied varied_in(const std::vector<Row>& rows) {
+  const auto varies = [&](const char* column) {
+    return std::any_of(rows.begin(), rows.end(), [&](const Row& r) {
+      return r.contains(column) != rows[0].contains(column) || (r.contains(column) && r.at(column) != rows[0].at(column));
+    });
+  };
+  Varied varied;
+  for (const char* column : kWords) {
+    if (varies(column)) varied.words.emplace_back(column);
+  }
+  for (const char* column : kNumbers) {
+    if (varies(column)) varied.numbers.emplace_back(column);
+  }
+  return varied;
+}
+
+/// The runs of a case with a time and an error, and what was chosen in each.
+std::vector<StudyRow> study_of(const std::vector<Row>& rows, const Varied& varied, const ErrorColumn& column,
+                               const std::string& time_column) {
+  std::vector<StudyRow> study;
+  std::vector<std::string> rests;
+  for (const Row& row : rows) {
+    const std::optional<double> time = number_of(row, time_column), error = number_of(row, column.name);
+    if (!time || !error || !(*time > 0) || *error == 0 || !std::isfinite(*error)) continue;
+    StudyRow entry;
+    for (const std::string& c : varied.words) entry.series += (entry.series.empty() ? "" : ", ") + row.at(c);
+    entry.choice = entry.series;
+    for (const std::string& c : varied.numbers) {
+      if (row.contains(c) && !row.at(c).empty()) entry.choice += fmt::format("{}{} {}", entry.choice.empty() ? "" : ", ", c, row.at(c));
     }
+    if (entry.series.empty()) entry.series = "runs";
+    entry.time = *time;
+    entry.error = std::abs(*error);
+    study.push_back(std::move(entry));
+    rests.push_back(row.at("\nrest"));
   }
-  if (result.files.empty()) {
-    throw InputError("{}: no case has two runs with a time and an error; a front needs at least two", options.files.front());
+  // where the columns do not tell the choices apart, the rest of the name does
+  std::set<std::string> choices;
+  for (const StudyRow& row : study) choices.insert(row.choice);
+  for (std::size_t i = 0; choices.size() < study.size() && i < study.size(); ++i) {
+    if (!rests[i].empty()) study[i].choice = rests[i];
   }
-  const auto write = [&](const std::string& name, const std::string& text) {
-    OutputFile file(fmt::format("{}/{}", options.folder, name));
+  return study;
+}
+
+/// The errors that are asked for, or powers of ten among those of a study.
+std::vector<double> targets_for(const std::vector<StudyRow>& study, std::vector<double> targets) {
+  if (!targets.empty()) return targets;
+  const auto [smallest, largest] =
+      std::minmax_element(study.begin(), study.end(), [](const StudyRow& a, const StudyRow& b) { return a.error < b.error; });
+  const auto decade = [](double error) { return static_cast<int>(std::ceil(std::log10(error))); };
+  for (int e = decade(smallest->error); e <= decade(largest->error); ++e) targets.push_back(std::pow(10.0, e));
+  if (targets.size() > 4) targets.erase(targets.begin(), targets.end() - 4);
+  return targets;
+}
+
+/// Charts and tables of all cases.
+class ErrorStudy {
+ public:
+  explicit ErrorStudy(const ErrorVsTimeOptions& options) : options_(options) {}
+  /// A chart, and the rows of both tables.
+  void add(const std::string& name, const ErrorColumn& column, const std::vector<StudyRow>& study);
+  ErrorVsTimeResult finish();
+
+ private:
+  void add_best(const std::string& name, const ErrorColumn& column, const std::vector<StudyRow>& study, ChartLine& front);
+  void write(const std::string& name, const std::string& text) {
+    OutputFile file(fmt::format("{}/{}", options_.folder, name));
     file.add(text);
     file.commit();
-    result.files.push_back(name);
-  };
-  write("fronts.csv", fronts);
-  write("best.csv", best);
-  return result;
+    result_.files.push_back(name);
+  }
+
+  const ErrorVsTimeOptions& options_;
+  ErrorVsTimeResult result_;
+  std::string fronts_ = "case,error_column,error,unit,time,on_front,choice\n# units: -,-,as unit,-,s,-,-\n";
+  std::string best_ = "case,error_column,at_most,unit,error,time,choice\n# units: -,-,as unit,-,as unit,s,-\n";
+};
+
+void ErrorStudy::add(const std::string& name, const ErrorColumn& column, const std::vector<StudyRow>& study) {
+  LineChart chart{
+      fmt::format("{}: {}", name, column.text), "run time", "s", fmt::format("{} [{}]", column.name, column.unit), "", true, false, {}, {}};
+  chart.logarithmic_x = true;
+  std::map<std::string, ChartLine> lines;
+  ChartLine front{"front", {}, {}};
+  std::vector<const StudyRow*> sorted;
+  for (const StudyRow& row : study) {
+    sorted.push_back(&row);
+    fronts_ += fmt::format("{},{},{:.6g},{},{:.6g},{},{}\n", csv_cell(name), column.name, row.error, column.unit, row.time,
+                           row.on_front ? "yes" : "no", csv_cell(row.choice));
+  }
+  std::stable_sort(sorted.begin(), sorted.end(), [](const StudyRow* p, const StudyRow* q) { return p->time < q->time; });
+  for (const StudyRow* row : sorted) {
+    ChartLine& line = lines[row->series];
+    line.name = row->series;
+    line.style = ChartLine::Style::points;
+    line.x.push_back(row->time);
+    line.y.push_back(row->error);
+    if (!row->on_front) continue;
+    front.x.push_back(row->time);
+    front.y.push_back(row->error);
+  }
+  add_best(name, column, study, front);
+  chart.lines.push_back(std::move(front));  // the blue solid line; its choices are labelled
+  for (auto& [series, line] : lines) chart.lines.push_back(std::move(line));
+  for (const std::string& file : write_chart(options_.folder, file_name_of(fmt::format("{}-{}", name, column.name)), chart))
+    result_.files.push_back(file);
+}
+
+void ErrorStudy::add_best(const std::string& name, const ErrorColumn& column, const std::vector<StudyRow>& study, ChartLine& front) {
+  front.labels.resize(front.x.size());
+  for (const double target : targets_for(study, options_.targets)) {
+    const int index = best_for(study, target);
+    if (index < 0) {
+      result_.text += fmt::format(
+          "{}: {} <= {:g}: no choice reaches it; the least is {:.3g}\n", name, column.name, target,
+          std::min_element(study.begin(), study.end(), [](const StudyRow& a, const StudyRow& b) { return a.error < b.error; })->error);
+      continue;
+    }
+    const StudyRow& row = study[static_cast<std::size_t>(index)];
+    best_ += fmt::format("{},{},{:g},{},{:.6g},{:.6g},{}\n", csv_cell(name), column.name, target, column.unit, row.error, row.time,
+                         csv_cell(row.choice));
+    result_.text += fmt::format("{}: {} <= {:g}: {} ({:.3g} s, error {:.3g})\n", name, column.name, target,
+                                row.choice.empty() ? "the only choice" : row.choice, row.time, row.error);
+    for (std::size_t i = 0; i < front.x.size(); ++i) {
+      if (front.x[i] == row.time && front.y[i] == row.error && front.labels[i].empty())
+        front.labels[i] = fmt::format("best for {:g}", target);
+    }
+  }
+}
+
+ErrorVsTimeResult ErrorStudy::finish() {
+  if (result_.files.empty()) {
+    throw InputError("{}: no case has two runs with a time and an error; a front needs at least two", options_.files.front());
+  }
+  write("fronts.csv", fronts_);
+  write("best.csv", best_);
+  return std::move(result_);
+}
+
+}  // namespace
+
+ErrorVsTimeResult write_error_vs_time(const ErrorVsTimeOptions& options) {
+  Cases cases = read_cases(options);
+  make_folder(options.folder);
+  ErrorStudy all(options);
+  for (const std::string& name : cases.order) {
+    const std::vector<Row>& rows = cases.rows[name];
+    const Varied varied = varied_in(rows);
+    for (const ErrorColumn& column : kErrors) {
+      if (!options.errors.empty() && std::find(options.errors.begin(), options.errors.end(), column.name) == options.errors.end()) continue;
+      std::vector<StudyRow> study = study_of(rows, varied, column, options.time);
+      if (study.size() < 2) continue;
+      mark_front(study);
+      all.add(name, column, study);
+    }
+  }
+  return all.finish();
 }
 
 }  // namespace scree

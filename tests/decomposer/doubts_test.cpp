@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "decomposer/doubts.hpp"
+#include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/build_scene.hpp"
 
 namespace scree {

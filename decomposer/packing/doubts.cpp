@@ -1,4 +1,4 @@
-#include "decomposer/doubts.hpp"
+#include "decomposer/packing/doubts.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,168 @@
+#include "post/report/case_sections.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "core/base/progress.hpp"
+#include "core/base/provenance.hpp"
+#include "core/base/units.hpp"
+#include "core/base/version.hpp"
+#include "post/report/html.hpp"
+
+namespace scree {
+
+namespace {
+
+std::string motion_text(const Wall& wall) {
+  switch (wall.motion.kind) {
+    case WallMotion::Kind::none:
+      return "fixed";
+    case WallMotion::Kind::rotate:
+      return fmt::format("rotates at {:.4g} rad/s", wall.motion.rate);
+    case WallMotion::Kind::translate:
+      return fmt::format("translates at {:.4g} m/s", wall.motion.rate);
+    case WallMotion::Kind::oscillate:
+      return fmt::format("oscillates by {:.4g} m at {:.4g} Hz", wall.motion.amplitude, wall.motion.frequency);
+    case WallMotion::Kind::table:
+      return "follows a table";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string verdict_section(const std::vector<Verdict>& verdicts) {
+  static const std::map<Judgement, std::pair<const char*, const char*>> kSigns{{Judgement::good, {"good", "&#10003;"}},
+                                                                               {Judgement::doubtful, {"doubtful", "!"}},
+                                                                               {Judgement::bad, {"bad", "&#10007;"}},
+                                                                               {Judgement::information, {"information", "i"}}};
+  std::string html = "<div class=\"verdicts\">\n";
+  for (const Verdict& v : verdicts) {
+    const auto& [style, sign] = kSigns.at(v.judgement);
+    html += fmt::format(
+        "<div class=\"verdict {}\"><div class=\"sign\" aria-hidden=\"true\">{}</div><div><h3>{}</h3><p class=\"answer\">{}"
+        " <span class=\"word\">{}</span></p><p class=\"evidence\">{}</p></div></div>\n",
+        style, sign, escaped(v.question), escaped(v.answer), name_of(v.judgement), escaped(v.evidence));
+  }
+  return html + "</div>\n";
+}
+
+std::string case_section(const Run& run) {
+  const Scene& scene = run.scene;
+  const Settings& s = scene.settings;
+  double mass = 0, volume = 0, smallest = 1e300, largest = 0;
+  std::vector<std::size_t> count(scene.shapes.size(), 0);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const auto k = static_cast<std::size_t>(scene.bodies.shape[i]);
+    const double diameter = scene.bodies.scale[i] * scene.shapes[k].equivalent_diameter();
+    mass += scene.mass(i);
+    volume += scene.shapes[k].mass.volume * std::pow(scene.bodies.scale[i], 3);
+    smallest = std::min(smallest, diameter);
+    largest = std::max(largest, diameter);
+    ++count[k];
+  }
+  const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
+  FactRows rows{{"Title", escaped(s.title)},
+            {"Bodies", fmt::format("{} ({:.4g} kg, {:.4g} m&sup3; of solid)", scene.bodies.size(), mass, volume)}};
+  if (scene.bodies.size() > 0)
+    rows.emplace_back("Equivalent diameter", fmt::format("{} to {}", length_text(smallest), length_text(largest)));
+  rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
+  rows.emplace_back("Duration", fmt::format("{}, a frame every {}", format_quantity(s.duration, Dimension::time),
+                                            s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));
+  rows.emplace_back("Contact", fmt::format("law {}, gathered as {}, margin {}", word_of(s.law), word_of(s.gather), length_text(s.margin)));
+  rows.emplace_back("Motion", fmt::format("{}{}", word_of(s.integrator),
+                                          run.outcome.contains("step_size")
+                                              ? ", step " + format_quantity(run.outcome["step_size"].get<double>(), Dimension::time)
+                                              : std::string()));
+  if (run.is_finished()) {
+    if (const std::string limit = run.outcome.value("step_limited_by", ""); !limit.empty())
+      rows.emplace_back("Step limited by", escaped(limit));
+    rows.emplace_back("State hash", "<code>" + escaped(run.outcome.value("state_hash", "?")) + "</code>");
+  }
+  std::string html = table_of(rows);
+
+  html +=
+      "<h3>Shapes</h3>\n<table class=\"grid-table\"><thead><tr><th>shape</th><th>bodies</th><th>triangles</th><th>eq. diameter at scale "
+      "1</th>"
+      "<th>mesh check</th></tr></thead><tbody>\n";
+  for (std::size_t k = 0; k < scene.shapes.size(); ++k) {
+    const Shape& shape = scene.shapes[k];
+    std::string check = "not checked";
+    if (shape.kind == ShapeKind::sphere)
+      check = "analytic ball";
+    else if (shape.kind == ShapeKind::surface)
+      check = "wall surface";
+    else if (shape.verdict.is_object() && shape.verdict.contains("solid"))
+      check = shape.verdict.value("solid", false) ? "watertight, outward" : "not solid";
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+                        escaped(shape.name), count[k], shape.mesh.triangle_count(),
+                        shape.kind == ShapeKind::surface ? "&ndash;" : length_text(shape.equivalent_diameter()), check);
+  }
+  html += "</tbody></table>\n";
+
+  html +=
+      "<h3>Materials and contacts</h3>\n<table "
+      "class=\"grid-table\"><thead><tr><th>between</th><th>stiffness</th><th>restitution</th><th>friction</th>"
+      "</tr></thead><tbody>\n";
+  for (const MaterialPair& p : scene.pairs) {
+    html += fmt::format(
+        "<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
+        escaped(scene.materials[static_cast<std::size_t>(p.a)].name), escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
+        p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness) : "by the materials", p.restitution, p.friction);
+  }
+  html += "</tbody></table>\n";
+  if (!scene.walls.empty()) {
+    html += "<h3>Walls</h3>\n<table class=\"grid-table\"><thead><tr><th>id</th><th>name</th><th>motion</th></tr></thead><tbody>\n";
+    for (const Wall& wall : scene.walls) {
+      html += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", wall.id,
+                          escaped(wall.name.empty() ? "wall" : wall.name), motion_text(wall));
+    }
+    html += "</tbody></table>\n";
+  }
+  const std::string text = scene.provenance.is_object() ? scene.provenance.value("configuration", "") : "";
+  if (!text.empty()) html += "<details><summary>The case file as it was read</summary><pre>" + escaped(text) + "</pre></details>\n";
+  return html;
+}
+
+std::string provenance_section(const nlohmann::json& record, const std::vector<ChainFile>& files) {
+  if (!record.is_object()) return "<p class=\"missing\">No provenance record was found.</p>\n";
+  std::string html =
+      "<p>From the run down to the files it began with. Each hash is of the file as it was read.</p>\n<ol class=\"chain\">\n";
+  for (const ChainEntry& e : chain_of(record)) {
+    html += fmt::format("<li style=\"margin-left:{}em\"><strong>{}</strong>", 1.6 * e.depth, e.depth == 0 ? "this run" : escaped(e.file));
+    if (!e.sha256.empty()) html += fmt::format("<br/><span class=\"hash\">sha256 {}</span>", escaped(e.sha256));
+    for (const ChainFile& file : files) {
+      if (e.depth == 0 || file.file != e.file || file.sha256 != e.sha256) continue;
+      html += file.state == ChainFile::State::same
+                  ? " <span class=\"state\">&#10003; there, unchanged</span>"
+                  : (file.state == ChainFile::State::changed ? " <span class=\"state spoilt\">&#10007; there, but changed</span>"
+                                                             : " <span class=\"state lost\">not found</span>");
+    }
+    if (!e.tool.empty()) {
+      html += fmt::format("<br/>{} {} (git {}), {}", escaped(e.tool), escaped(e.version), escaped(e.git), escaped(e.utc));
+      if (!e.command.empty()) html += "<br/><code>" + escaped(e.command) + "</code>";
+    } else {
+      html += "<br/>an input from outside";
+    }
+    html += "</li>\n";
+  }
+  return html + "</ol>\n";
+}
+
+std::string repeat_section(const Run& run, const nlohmann::json& record) {
+  const std::vector<std::string> commands = commands_of(record);
+  if (commands.empty()) return "<p class=\"missing\">The provenance holds no commands.</p>\n";
+  std::string text;
+  for (const std::string& command : commands) text += command + "\n";
+  std::string html = "<pre>" + escaped(text) + "</pre>\n";
+  if (run.is_finished()) {
+    html += fmt::format(
+        "<p>Given in the folders where they were given first. The same program, ranks and threads end in the state hash "
+        "<code>{}</code>.</p>\n",
+        escaped(run.outcome.value("state_hash", "?")));
+  }
+  return html;
+}
+
+}  // namespace scree
