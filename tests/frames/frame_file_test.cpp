@@ -159,6 +159,29 @@ TEST(FrameFile, a_full_disk_is_a_system_error_on_every_rank_and_leaves_nothing) 
   }
 }
 
+template <class Table>
+void expect_on_page(const std::string& page) {
+  Table::visit([&](const auto& c) {
+    const bool is_listed =
+        page.find(fmt::format("`{}`", c.path)) != std::string::npos || page.find(fmt::format("`{}`", c.dataset())) != std::string::npos;
+    EXPECT_TRUE(is_listed) << c.path;
+  });
+}
+
+TEST(FrameFile, every_quantity_is_on_the_page_of_the_format) {
+  std::ifstream file(SCREE_RUN_FORMAT);
+  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  expect_on_page<FrameBodies>(page);
+  expect_on_page<FrameContacts>(page);
+  expect_on_page<FrameWalls>(page);
+  FrameScalars scalars;
+  FrameScalars::visit(scalars, [&](const char* name, const auto&) {
+    const bool is_listed =
+        page.find(fmt::format("`{}`", name)) != std::string::npos || page.find(fmt::format("`frame@{}`", name)) != std::string::npos;
+    EXPECT_TRUE(is_listed) << name;
+  });
+}
+
 // From here on serial: rank 0 spoils whole frames and reads them.
 
 std::string message_of_reading(const std::string& path) {
