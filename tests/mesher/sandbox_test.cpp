@@ -23,7 +23,7 @@ std::string message_of(const std::function<std::vector<char>()>& work, const Chi
 
 #define EXPECT_SAYS(text, words) EXPECT_NE((text).find(words), std::string::npos) << "looked for '" << (words) << "' in\n" << (text)
 
-TEST(ChildProcess, bytes_of_any_number_come_back) {
+TEST(Sandbox, bytes_of_any_number_come_back) {
   for (std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{70000}, std::size_t{5000000}}) {
     std::vector<char> sent(size);
     for (std::size_t i = 0; i < size; ++i) sent[i] = static_cast<char>(i * 7);
@@ -31,11 +31,11 @@ TEST(ChildProcess, bytes_of_any_number_come_back) {
   }
 }
 
-TEST(ChildProcess, an_error_in_the_child_arrives_with_its_own_words) {
+TEST(Sandbox, an_error_in_the_child_arrives_with_its_own_words) {
   EXPECT_EQ(message_of([]() -> std::vector<char> { throw InputError("rock.stl: no facets"); }), "rock.stl: no facets");
 }
 
-TEST(ChildProcess, a_crash_of_the_child_is_bad_input) {
+TEST(Sandbox, a_crash_of_the_child_is_bad_input) {
   const std::string message = message_of([]() -> std::vector<char> {
     std::raise(SIGKILL);
     return {};
@@ -43,7 +43,7 @@ TEST(ChildProcess, a_crash_of_the_child_is_bad_input) {
   EXPECT_SAYS(message, "reading rock.stl: the importer crashed with signal 9");
 }
 
-TEST(ChildProcess, a_child_that_hangs_is_ended) {
+TEST(Sandbox, a_child_that_hangs_is_ended) {
   const auto start = std::chrono::steady_clock::now();
   const std::string message = message_of(
       []() -> std::vector<char> {
@@ -55,7 +55,7 @@ TEST(ChildProcess, a_child_that_hangs_is_ended) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
-TEST(ChildProcess, a_child_that_computes_for_too_long_is_ended) {
+TEST(Sandbox, a_child_that_computes_for_too_long_is_ended) {
   const auto start = std::chrono::steady_clock::now();
   const std::string message = message_of(
       []() -> std::vector<char> {
@@ -67,7 +67,7 @@ TEST(ChildProcess, a_child_that_computes_for_too_long_is_ended) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
-TEST(ChildProcess, a_child_that_asks_for_too_much_memory_is_refused) {
+TEST(Sandbox, a_child_that_asks_for_too_much_memory_is_refused) {
   if (!child_memory_is_limited()) GTEST_SKIP() << "no memory limit under this sanitizer";
   const std::string message =
       message_of([] { return std::vector<char>(std::size_t{3} << 30, 'x'); }, {.memory_bytes = std::size_t{1} << 30, .seconds = 60});
