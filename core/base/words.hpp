@@ -1,7 +1,6 @@
 // Words for the values of an enum: one table beside the enum, which readers, writers, messages, schema and pages share.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -24,10 +23,11 @@ inline constexpr std::array<Word<E>, 0> kWordsOf{};
 
 template <class E>
 const char* word_of(E value) {
-  const auto& words = kWordsOf<E>;
-  const auto found = std::find_if(words.begin(), words.end(), [&](const Word<E>& w) { return w.value == value; });
-  SCREE_ASSERT(found != words.end(), "value {} has no word", static_cast<long long>(value));
-  return found->word;
+  for (const Word<E>& w : kWordsOf<E>) {
+    if (w.value == value) return w.word;
+  }
+  SCREE_ASSERT(false, "value {} has no word", static_cast<long long>(value));
+  return "?";
 }
 
 /// The value that a word stands for; none for an unknown word.

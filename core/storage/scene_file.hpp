@@ -8,6 +8,7 @@
 
 #include "core/storage/scene_words.hpp"
 #include "core/storage/shape_file.hpp"
+#include "core/storage/wall_motion.hpp"
 
 namespace scree {
 
@@ -77,29 +78,6 @@ struct BodyTable {
   /// Row i, without its owner.
   BodyRow row(std::size_t i) const;
 };
-
-/// A prescribed motion of a wall.
-struct WallMotion {
-  enum class Kind : std::int32_t { none = 0, rotate = 1, translate = 2, oscillate = 3, table = 4 };
-  Kind kind = Kind::none;
-  Vec3 axis{0, 0, 1};                ///< unit; rotate: axis; translate, oscillate: direction
-  Vec3 centre;                       ///< rotate: a point on the axis [m]
-  double rate = 0;                   ///< rotate [rad/s]; translate [m/s]
-  double amplitude = 0;              ///< oscillate [m]
-  double frequency = 0;              ///< oscillate [Hz]
-  double phase = 0;                  ///< oscillate [rad]
-  double start = 0;                  ///< [s]
-  double stop = 1e300;               ///< [s]
-  std::vector<double> table_time;    ///< table [s], ascending
-  std::vector<Vec3> table_position;  ///< table: displacement [m], linear in between
-};
-
-template <>
-inline constexpr auto kWordsOf<WallMotion::Kind> = std::to_array<Word<WallMotion::Kind>>({{WallMotion::Kind::none, "none"},
-                                                                                          {WallMotion::Kind::rotate, "rotate"},
-                                                                                          {WallMotion::Kind::translate, "translate"},
-                                                                                          {WallMotion::Kind::oscillate, "oscillate"},
-                                                                                          {WallMotion::Kind::table, "table"}});
 
 /// A wall: fixed or driven, with the same contact law as a body.
 struct Wall {

@@ -9,7 +9,7 @@ namespace scree {
 
 namespace {
 
-struct Range {
+struct Interval {
   double lower = 1e300, upper = -1e300;
   void add(double value) {
     lower = std::min(lower, value);
@@ -19,52 +19,24 @@ struct Range {
 
 /// Along one axis: what a wall takes up where it is placed, and how far it goes from there during a run [m].
 struct SweptWall {
-  Range place, shift;
+  Interval place, shift;
   bool turns = false;  ///< about another axis: `place` is that of full turns
 };
-
-Range shifts_along(const WallMotion& m, int axis, double duration) {
-  Range shift;
-  shift.add(0);
-  const auto elapsed = [&](double time) { return std::clamp(time, m.start, std::max(m.start, m.stop)) - m.start; };
-  const double first = elapsed(0), last = elapsed(duration);
-  switch (m.kind) {
-    case WallMotion::Kind::none:
-    case WallMotion::Kind::rotate:
-      break;
-    case WallMotion::Kind::translate:
-      shift.add(m.rate * first * m.axis[axis]);
-      shift.add(m.rate * last * m.axis[axis]);
-      break;
-    case WallMotion::Kind::oscillate:
-      if (last > 0 && m.frequency != 0) {
-        for (const double side : {-1.0, 1.0}) shift.add(m.amplitude * (side - std::sin(m.phase)) * m.axis[axis]);
-      }
-      break;
-    case WallMotion::Kind::table:
-      for (std::size_t i = 0; i < m.table_time.size(); ++i) {
-        shift.add(m.table_position[i][axis]);
-        if (m.table_time[i] >= last) break;
-      }
-      break;
-  }
-  return shift;
-}
 
 SweptWall sweep(const Wall& wall, const TriangleMesh& mesh, int axis, double duration) {
   constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
   SweptWall swept;
-  const WallMotion& m = wall.motion;
-  swept.turns =
-      m.kind == WallMotion::Kind::rotate && m.rate != 0 && duration > m.start && m.stop > m.start && 1 - std::abs(m.axis[axis]) > kAligned;
+  const std::optional<TurnAxis> turning = wall.motion.turn_axis();
+  swept.turns = turning && wall.motion.moves() && duration > wall.motion.start && 1 - std::abs(turning->direction[axis]) > kAligned;
   double farthest = 0;
   for (const Vec3& vertex : mesh.vertices) {
     const Vec3 x = wall.position + wall.scale * rotate(wall.orientation, vertex);
     swept.place.add(x[axis]);
-    farthest = std::max(farthest, length(x - m.centre));
+    if (swept.turns) farthest = std::max(farthest, length(x - turning->point));
   }
-  if (swept.turns) swept.place = {m.centre[axis] - farthest, m.centre[axis] + farthest};
-  swept.shift = shifts_along(m, axis, duration);
+  if (swept.turns) swept.place = {turning->point[axis] - farthest, turning->point[axis] + farthest};
+  swept.shift.add(0);
+  for (const Vec3& way : wall.motion.displacements(duration)) swept.shift.add(way[axis]);
   return swept;
 }
 

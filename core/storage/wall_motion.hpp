@@ -1,26 +1,159 @@
-// Where a wall is and how it moves, from the motion that the case prescribes. Who packs a scene and who runs it must agree on it.
+// The prescribed motions of walls. A kind of motion is one struct here and one line in MotionKind: the case, the scene file, the solver,
+// the choice of the margin, the checks at seams and reports take all that they need of it from the struct.
+//
+// A kind has
+//   kWord, kMeaning              its word in a case and a scene file, and what CASE.md says of it
+//   keys(KeyVisitor&)            its keys (keys.hpp)
+//   state(elapsed, pose)         where a frame is that was placed at `pose`, and how fast it moves
+//   fastest(points)              no point of a wall is faster [m/s]
+//   last_change()                how long after its start it moves for the last time [s]; 0: never, kForever: always
+//   displacements(first, last)   of the frame [m]: a box around these holds all of those between two times
+//   text()                       in a few words, for reports
+// and where they apply
+//   turn_axis()                  the axis about which the wall turns; it does not move otherwise
+//   move_origin(origin)          takes what is a place to a world whose origin lies there
+//   fault()                      what its values cannot be
 #pragma once
 
-#include "core/storage/scene_file.hpp"
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/geometry/vec3.hpp"
 
 namespace scree {
 
-/// Pose and motion of a wall at a time, from its prescribed motion.
-struct WallState {
-  Vec3 position;  ///< of the wall frame's origin [m]
-  Quat orientation;
-  Vec3 velocity, angular_velocity;                ///< [m/s] of the origin, [rad/s]
-  Vec3 velocity_before, angular_velocity_before;  ///< the same half a step before
-  /// A point of the wall and its velocity half a step before [m, m/s]: of a wall that turns on the axis, so that arms to it are those of
-  /// the motion wherever the wall's origin is; else the origin.
-  Vec3 pivot, pivot_velocity_before;
-};
-/// in   step   [s]; without one the velocities before are those at the time itself
-WallState wall_state(const Wall& wall, double time, double step = 0);
+class KeyVisitor;
 
-/// The wall as it stands when a run begins, without its motion. A `start` before 0 and the first rows of a table move it away from
-/// where the case draws it; a wall that is not moved is given back bit for bit.
-/// Fails: UsageError for a box_inside that is turned by then, since its faces lie along the axes.
-Wall wall_at_start(const Wall& wall);
+inline constexpr double kForever = std::numeric_limits<double>::infinity();
+
+struct Pose {
+  Vec3 position;
+  Quat orientation;
+};
+
+struct MotionState {
+  Pose pose;
+  Vec3 velocity, angular_velocity;  ///< [m/s] of the frame's origin, [rad/s]
+};
+
+struct TurnAxis {
+  Vec3 point, direction;  ///< [m], unit
+};
+
+/// A key of a motion and what is wrong with its value.
+struct KeyFault {
+  const char* key;
+  std::string text;
+};
+
+/// No motion.
+struct Still {
+  static constexpr const char* kWord = "none";
+  static constexpr const char* kMeaning = "";
+  void keys(KeyVisitor&) {}
+  MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
+  double fastest(std::span<const Vec3>) const { return 0; }
+  double last_change() const { return 0; }
+  std::vector<Vec3> displacements(double, double) const { return {}; }
+  std::string text() const { return "fixed"; }
+};
+
+struct Rotate {
+  static constexpr const char* kWord = "rotate";
+  static constexpr const char* kMeaning = "turns about an axis";
+  Vec3 axis{0, 0, 1};  ///< unit
+  Vec3 centre{};       ///< a point on the axis [m]
+  double rate = 0;     ///< [rad/s]
+  void keys(KeyVisitor& k);
+  MotionState state(double elapsed, const Pose& pose) const;
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const { return rate == 0 ? 0 : kForever; }
+  std::vector<Vec3> displacements(double, double) const { return {}; }
+  std::string text() const;
+  TurnAxis turn_axis() const { return {centre, axis}; }
+  void move_origin(const Vec3& origin) { centre -= origin; }
+};
+
+struct Translate {
+  static constexpr const char* kWord = "translate";
+  static constexpr const char* kMeaning = "moves at a constant velocity";
+  Vec3 axis{0, 0, 1};  ///< unit
+  double rate = 0;     ///< [m/s] along it
+  void keys(KeyVisitor& k);
+  MotionState state(double elapsed, const Pose& pose) const;
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const { return rate == 0 ? 0 : kForever; }
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const;
+};
+
+struct Oscillate {
+  static constexpr const char* kWord = "oscillate";
+  static constexpr const char* kMeaning = "moves to and fro, `amplitude (sin(2 pi frequency t + phase) - sin(phase))`";
+  Vec3 axis{0, 0, 1};    ///< unit
+  double amplitude = 0;  ///< [m]
+  double frequency = 0;  ///< [Hz]
+  double phase = 0;      ///< [rad]
+  void keys(KeyVisitor& k);
+  MotionState state(double elapsed, const Pose& pose) const;
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const { return amplitude == 0 || frequency == 0 ? 0 : kForever; }
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const;
+};
+
+struct FollowTable {
+  static constexpr const char* kWord = "table";
+  static constexpr const char* kMeaning = "is displaced as a table says, linear in between";
+  std::vector<double> time{};    ///< [s] from the start, ascending
+  std::vector<Vec3> position{};  ///< displacement [m]
+  void keys(KeyVisitor& k);
+  MotionState state(double elapsed, const Pose& pose) const;
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const;
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const { return "follows a table"; }
+  std::optional<KeyFault> fault() const;
+};
+
+using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable>;
+
+/// A prescribed motion of a wall: before `start` and after `stop` it stands still.
+struct WallMotion {
+  MotionKind kind;
+  double start = 0;     ///< [s]
+  double stop = 1e300;  ///< [s]
+
+  bool is_prescribed() const { return !std::holds_alternative<Still>(kind); }
+  /// It moves at some time.
+  bool moves() const;
+  /// When it moves for the last time [s]; 0 for a wall that never moves.
+  double end() const;
+  /// The word of its kind.
+  const char* word() const;
+  MotionState state(double time, const Pose& pose) const;
+  /// No point of the wall is ever faster [m/s].   in   points   whose hull holds the wall, where it is placed
+  double fastest(std::span<const Vec3> points) const;
+  /// Where the frame goes from its place between 0 s and `duration` [m]: all of it lies in the box around these and the origin.
+  std::vector<Vec3> displacements(double duration) const;
+  std::optional<TurnAxis> turn_axis() const;
+  void move_origin(const Vec3& origin);
+  std::string text() const;
+  std::optional<KeyFault> fault() const;
+
+ private:
+  double elapsed(double time) const;
+};
+
+/// Calls action(Kind{}) for each kind of motion, that without any left out.
+template <class Action>
+void for_each_motion(Action&& action) {
+  const auto call = [&]<class... Kinds>(const std::variant<Still, Kinds...>*) { (action(Kinds{}), ...); };
+  call(static_cast<const MotionKind*>(nullptr));
+}
 
 }  // namespace scree

@@ -9,7 +9,6 @@
 
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/storage/scene_file.hpp"
-#include "decomposer/case/case_reads.hpp"
 #include "decomposer/case/size_distribution.hpp"
 #include "decomposer/case/wall_forms.hpp"
 
@@ -122,8 +121,7 @@ struct Case {
 /// keys, types, units, ranges, names, features that are not built yet, material pairs that can meet and are missing.
 /// in   changes   keys set on the command line (case_settings.hpp)
 Case read_case(const std::string& path, const std::vector<std::string>& changes = {});
-/// The same from text; relative paths are taken from `folder`. `reads`, where not null, notes what was asked of the case.
-Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes = {},
-                CaseReads* reads = nullptr);
+/// The same from text; relative paths are taken from `folder`.
+Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes = {});
 
 }  // namespace scree

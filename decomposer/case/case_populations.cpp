@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "decomposer/case/case_sections.hpp"
 
@@ -11,205 +10,226 @@ namespace {
 // Shares typed with a few digits.
 constexpr double kShareTolerance = 1e-6;
 
-SizeDistribution read_size(const CaseTable& population) {
-  SizeDistribution d;
-  const auto fixed = [&](double diameter) { d.first = d.min = d.max = diameter; };
-  const std::vector<std::string> keys = {"distribution", "by",    "diameter", "mean", "median", "sigma",
-                                         "scale",        "shape", "exponent", "min",  "max",    "passing"};
-  if (!population.is_table("size")) {
-    fixed(population.number("size", Dimension::length, Range::positive));
-    return d;
+void check_sieve(const CaseTable& t, SizeDistribution& d) {
+  if (d.sieve.size() != d.passing.size() || d.sieve.size() < 2) {
+    throw t.error("passing",
+                  fmt::format("has {} values for {} diameters; expected as many, and at least two", d.passing.size(), d.sieve.size()));
   }
-  const CaseTable t = population.table("size", keys);
-  const std::string kind = t.text("distribution");
-  std::vector<std::string> used = {"distribution"};
-  const auto length_of = [&](const char* key) {
-    used.emplace_back(key);
-    return t.number(key, Dimension::length, Range::positive);
-  };
-  const auto plain = [&](const char* key, Range range) {
-    used.emplace_back(key);
-    return t.number(key, Dimension::none, range);
-  };
-  if (kind == "fixed") {
-    fixed(length_of("diameter"));
-  } else if (kind == "sieve") {
-    d.kind = SizeDistribution::Kind::sieve;
+  for (std::size_t i = 0; i < d.sieve.size(); ++i) {
+    if (!(d.sieve[i] > (i == 0 ? 0 : d.sieve[i - 1]))) throw t.error("diameter", "must be > 0 and ascend");
+    if (i > 0 && !(d.passing[i] >= d.passing[i - 1]))
+      throw t.error("passing", "must not descend: it is the share of the mass that is finer");
+  }
+  if (d.passing.front() != 0 || std::abs(d.passing.back() - 1) > kShareTolerance) {
+    throw t.error("passing", fmt::format("goes from {:g} to {:g}; expected 0 at the finest sieve and 1 at the coarsest", d.passing.front(),
+                                         d.passing.back()));
+  }
+  d.passing.back() = 1;
+  d.min = d.sieve.front();
+  d.max = d.sieve.back();
+}
+
+void size_section(CaseKeys& k, SizeDistribution& d) {
+  using Kind = SizeDistribution::Kind;
+  // each kind of distribution needs keys of its own
+  const auto needed = [](const char* name, const char* when) { return Key{name, when, "", {}, true}; };
+  const auto length_key = [&](const Key& key, double& value) { k.number(key, value, Dimension::length, Range::positive); };
+  k.word({"distribution", kRequired, ""}, d.kind);
+  const auto when = [&](Kind kind) { return k.when(d.kind == kind); };
+  if (when(Kind::fixed)) {
+    length_key(needed("diameter", "required for `fixed` and `sieve`"), d.first);
+    d.min = d.max = d.first;
+  }
+  if (when(Kind::sieve)) {
     d.by_mass = true;
-    used.insert(used.end(), {"diameter", "passing"});
-    d.sieve = t.numbers("diameter", Dimension::length);
-    d.passing = t.numbers("passing", Dimension::none);
-    if (d.sieve.size() != d.passing.size() || d.sieve.size() < 2) {
-      throw t.error("passing",
-                    fmt::format("has {} values for {} diameters; expected as many, and at least two", d.passing.size(), d.sieve.size()));
-    }
-    for (std::size_t i = 0; i < d.sieve.size(); ++i) {
-      if (!(d.sieve[i] > (i == 0 ? 0 : d.sieve[i - 1]))) throw t.error("diameter", "must be > 0 and ascend");
-      if (i > 0 && !(d.passing[i] >= d.passing[i - 1]))
-        throw t.error("passing", "must not descend: it is the share of the mass that is finer");
-    }
-    if (d.passing.front() != 0 || std::abs(d.passing.back() - 1) > kShareTolerance) {
-      throw t.error("passing", fmt::format("goes from {:g} to {:g}; expected 0 at the finest sieve and 1 at the coarsest",
-                                           d.passing.front(), d.passing.back()));
-    }
-    d.passing.back() = 1;
-    d.min = d.sieve.front();
-    d.max = d.sieve.back();
-  } else {
-    if (kind == "uniform") {
-      d.kind = SizeDistribution::Kind::uniform;
-    } else if (kind == "normal") {
-      d.kind = SizeDistribution::Kind::normal;
-      d.first = length_of("mean");
-      d.second = length_of("sigma");
-    } else if (kind == "lognormal") {
-      d.kind = SizeDistribution::Kind::lognormal;
-      d.first = length_of("median");
-      d.second = plain("sigma", Range::positive);
-    } else if (kind == "weibull") {
-      d.kind = SizeDistribution::Kind::weibull;
-      d.first = length_of("scale");
-      d.second = plain("shape", Range::positive);
-    } else if (kind == "power") {
-      d.kind = SizeDistribution::Kind::power;
-      d.first = plain("exponent", Range::any);
-    } else {
-      t.word_or("distribution", d.kind);
-      throw UsageError("{}: expected a distribution, for instance {{ distribution = \"uniform\", min = \"8 mm\", max = \"20 mm\" }}",
-                       t.where());
-    }
-    used.emplace_back("by");
-    d.by_mass = t.word_or("by", ShareOf::number) == ShareOf::mass;
+    k.numbers(needed("diameter", ""), d.sieve, Dimension::length);
+    k.numbers(needed("passing", "required for `sieve`"), d.passing, Dimension::none);
+    if (k.table() != nullptr) check_sieve(*k.table(), d);
+  }
+  if (when(Kind::normal)) {
+    length_key(needed("mean", "required for `normal`"), d.first);
+    length_key(needed("sigma", "required for `normal` and `lognormal`"), d.second);
+  }
+  if (when(Kind::lognormal)) {
+    length_key(needed("median", "required for `lognormal`"), d.first);
+    k.number(needed("sigma", ""), d.second, Dimension::none, Range::positive);
+  }
+  if (when(Kind::weibull)) {
+    length_key(needed("scale", "required for `weibull`"), d.first);
+    k.number(needed("shape", "required for `weibull`"), d.second, Dimension::none, Range::positive);
+  }
+  if (when(Kind::power)) k.number(needed("exponent", "required for `power`"), d.first, Dimension::none, Range::any);
+  const bool is_truncated = d.kind != Kind::fixed && d.kind != Kind::sieve;
+  if (k.when(is_truncated)) {
+    ShareOf by = ShareOf::number;
+    k.word({"by", "", "what the shares are of"}, by);
+    d.by_mass = by == ShareOf::mass;
     // without bounds a tail asks, sooner or later, for a body larger than the box
-    d.min = length_of("min");
-    d.max = length_of("max");
-    if (!(d.min <= d.max)) throw t.error("min", "must not be above max");
-    if (d.min < d.max && !std::isfinite(d.share(0.5 * (d.min + d.max)))) throw t.error("distribution", "has no sizes between min and max");
+    length_key(needed("min", "required, but for `fixed` and `sieve`"), d.min);
+    length_key(needed("max", "required, but for `fixed` and `sieve`"), d.max);
   }
-  for (const std::string& key : keys) {
-    if (t.has(key) && std::find(used.begin(), used.end(), key) == used.end()) {
-      throw t.error(key, fmt::format("is not part of a {} distribution", kind));
-    }
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  if (is_truncated && !(d.min <= d.max)) throw t->error("min", "must not be above max");
+  if (is_truncated && d.min < d.max && !std::isfinite(d.share(0.5 * (d.min + d.max)))) {
+    throw t->error("distribution", "has no sizes between min and max");
   }
-  return d;
+  for (const std::string& key : k.left_over()) {
+    throw t->error(key, fmt::format("is not part of a {} distribution", word_of(d.kind)));
+  }
+}
+
+void size_key(CaseKeys& k, std::optional<SizeDistribution>& size) {
+  const CaseTable* t = k.table();
+  const bool is_table = t != nullptr && t->is_table("size");
+  SizeDistribution d;
+  if (k.when(!is_table)) {
+    k.number({"size", "as in the file", "diameter of the sphere of equal volume"}, d.first, Dimension::length, Range::positive);
+    d.min = d.max = d.first;
+  }
+  if (k.when(is_table)) {
+    d.first = 0;
+    k.section({"size"}, [&](CaseKeys& below) { size_section(below, d); });
+  }
+  if (t != nullptr && t->has("size")) size = d;
 }
 
 /// Shares of a mixture: fractions that add up to 1, or a ratio of whole numbers.
-void read_shares(const CaseTable& t, const std::vector<std::string>& shapes, CasePopulation& p) {
-  p.shares_by_mass = t.word_or("shares_by", ShareOf::number) == ShareOf::mass;
-  if (t.only_one_of({"shapes", "shape"}) == "shape") {
-    if (t.has("shares_by")) throw t.error("shares_by", "is for a mixture: shapes = { a = 0.7, b = 0.3 }");
-    p.shares = {{t.reference("shape", shapes, "shape"), 1.0}};
+void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CasePopulation& p) {
+  ShareOf by = ShareOf::number;
+  std::int32_t shape = 0;
+  std::vector<std::pair<std::string, double>> shares;
+  k.word({"shares_by", "", "what the shares are of; met to one body"}, by);
+  const bool is_one = k.one_of({"shapes", "shape"}) == "shape";
+  k.named_numbers({"shapes", "or `shape`", "`{ NAME = share, ... }`: shares that add up to 1, or a ratio of whole numbers"}, shares,
+                  Range::positive);
+  k.reference({"shape", "or `shapes`"}, shape, shapes, "shape");
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  p.shares_by_mass = by == ShareOf::mass;
+  if (is_one) {
+    if (t->has("shares_by")) throw t->error("shares_by", "is for a mixture: shapes = { a = 0.7, b = 0.3 }");
+    p.shares = {{shape, 1.0}};
     return;
   }
   double sum = 0;
   bool whole = true;
-  for (const auto& [name, share] : t.named_numbers("shapes", Range::positive)) {
-    p.shares.emplace_back(t.find_name("shapes", name, shapes, "shape"), share);
+  for (const auto& [name, share] : shares) {
+    p.shares.emplace_back(t->find_name("shapes", name, shapes, "shape"), share);
     sum += share;
     whole = whole && share == std::floor(share);
   }
   if (!whole && std::abs(sum - 1) > kShareTolerance) {
-    throw t.error("shapes", fmt::format("the shares add up to {:g}; expected 1, or a ratio of whole numbers such as 2 to 1", sum));
+    throw t->error("shapes", fmt::format("the shares add up to {:g}; expected 1, or a ratio of whole numbers such as 2 to 1", sum));
   }
   for (auto& share : p.shares) share.second /= sum;
 }
 
-CaseOrientation read_population_orientation(const CaseTable& t) {
-  CaseOrientation o;
-  if (!t.has("orientation")) return o;
-  if (t.is_list("orientation")) {
-    o.kind = CaseOrientation::Kind::given;
-    o.given = read_orientation(t);
-    return o;
-  }
-  if (!t.is_table("orientation")) {
-    t.word("orientation", {"random"});
-    return o;
-  }
-  const CaseTable a = t.table("orientation", {"align", "axis", "scatter"});
+void alignment_section(CaseKeys& k, CaseOrientation& o) {
+  const CaseTable* t = k.table();
+  const bool is_list = t != nullptr && t->is_list("axis");
   o.kind = CaseOrientation::Kind::aligned;
-  o.direction = a.direction("align");
-  if (a.is_list("axis")) {
-    o.axis = CaseOrientation::Axis::given;
-    o.body_axis = a.direction("axis");
-  } else {
-    o.axis = a.word_or("axis", o.axis);
+  k.direction({"align", kRequired, "where an axis of the body points"}, o.direction);
+  if (k.when(!is_list)) k.word({"axis", "", "which axis, or `[x, y, z]` in mesh axes"}, o.axis);
+  if (k.when(is_list)) {
+    k.direction({"axis"}, o.body_axis);
+    if (is_list) o.axis = CaseOrientation::Axis::given;
   }
-  o.scatter = a.number_or("scatter", Dimension::angle, 0, Range::not_negative);
-  return o;
+  k.number({"scatter", "", "deviation of the tilt about each of the two directions across"}, o.scatter, Dimension::angle,
+           Range::not_negative);
 }
 
-void read_amount(const CaseTable& t, CasePopulation& p) {
-  const std::string amount = t.only_one_of({"count", "mass", "solid_fraction", "fill"});
-  if (amount == "count") p.value = static_cast<double>(t.integer("count", 1));
+void orientation_key(CaseKeys& k, CaseOrientation& o) {
+  const CaseTable* t = k.table();
+  const bool is_list = t != nullptr && t->is_list("orientation"), is_table = t != nullptr && t->is_table("orientation");
+  if (k.when(!is_list && !is_table)) {
+    k.only_word(
+        {"orientation", "`random`, uniform", "the same for all, or an axis in a direction; about that axis bodies are turned at random"},
+        "random");
+  }
+  if (k.when(is_list)) {
+    k.orientation({"orientation"}, o.given);
+    if (is_list) o.kind = CaseOrientation::Kind::given;
+  }
+  if (k.when(is_table)) k.section({"orientation"}, [&](CaseKeys& below) { alignment_section(below, o); });
+}
+
+void amount_keys(CaseKeys& k, CasePopulation& p) {
+  std::int64_t count = 0;
+  double mass = 0, solid_fraction = 0;
+  bool fill = false;
+  const std::string amount = k.one_of({"count", "mass", "solid_fraction", "fill"});
+  k.integer({"count", "one of `count`, `mass`, `solid_fraction`, `fill`", "how many, at least one of each shape"}, count, 1);
+  k.number({"mass", "see `count`", "of all"}, mass, Dimension::mass, Range::positive);
+  k.number({"solid_fraction", "see `count`", "share of the region's volume"}, solid_fraction, Dimension::none, Range::fraction);
+  k.boolean({"fill", "see `count`", "`true`, with `method = \"settle\"`: until no more fits"}, fill);
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  if (amount == "count") p.value = static_cast<double>(count);
   if (amount == "mass") {
     p.amount = CasePopulation::Amount::mass;
-    p.value = t.number("mass", Dimension::mass, Range::positive);
+    p.value = mass;
   }
   if (amount == "solid_fraction") {
     p.amount = CasePopulation::Amount::solid_fraction;
-    p.value = t.number("solid_fraction", Dimension::none, Range::fraction);
+    p.value = solid_fraction;
   }
   if (amount == "fill") {
-    if (!t.boolean_or("fill", false)) throw t.error("fill", "must be true; leave it out and give count, mass or solid_fraction");
-    if (p.method != PackingMethod::settle) throw t.error("fill", "is for method = \"settle\": it pours until no more fits");
+    if (!fill) throw t->error("fill", "must be true; leave it out and give count, mass or solid_fraction");
+    if (p.method != PackingMethod::settle) throw t->error("fill", "is for method = \"settle\": it pours until no more fits");
     p.amount = CasePopulation::Amount::fill;
     constexpr double kMoreThanFits = 0.85;  // of the region: no poured bed is as dense
     p.value = kMoreThanFits;
   }
 }
 
-CaseRegion read_region(const CaseTable& t, const std::string& folder, const Case& c) {
-  CaseRegion region;
-  const CaseTable r = t.table("region", {"box", "cylinder", "sphere", "inside", "inside_wall"});
-  const std::string kind = r.only_one_of({"box", "cylinder", "sphere", "inside", "inside_wall"});
-  if (kind == "inside") {
-    region.file = resolved(folder, r.text("inside"));
-  } else if (kind == "inside_wall") {
-    std::vector<std::string> names;
-    for (const CaseWall& w : c.walls) names.push_back(w.wall.name);
-    region.wall = r.reference("inside_wall", names, "wall named");
-    const CaseWall& w = c.walls[static_cast<std::size_t>(region.wall)];
-    if (w.wall.kind == WallKind::plane || (w.form && w.form->inside.triangles.empty())) {
-      throw r.error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper or drum");
-    }
-    if (!w.file.empty()) throw r.error("inside_wall", "this wall is a file, which need not be closed; give region = { inside = \"FILE\" }");
-  } else if (kind == "box") {
-    region.shape.emplace();
-    region.shape->kind = WallKind::box_inside;
-    std::tie(region.shape->lower, region.shape->upper) = r.corners("box");
-  } else if (kind == "cylinder") {
-    read_cylinder(r.table(kind, {"start", "end", "radius"}), region.shape.emplace());
-  } else {
-    read_sphere(r.table(kind, {"centre", "radius"}), region.shape.emplace());
+void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
+  std::vector<std::string> walls;
+  for (const CaseWall& w : c.walls) walls.push_back(w.wall.name);
+  Wall box;
+  box.kind = WallKind::box_inside;
+  const std::string kind = k.one_of({"box", "cylinder", "sphere", "inside", "inside_wall"});
+  k.corners({"box"}, box.lower, box.upper);
+  if (kind == "box") region.shape = box;
+  k.section({"cylinder"}, [&](CaseKeys& below) { cylinder_keys(below, region.shape.emplace()); });
+  k.section({"sphere"}, [&](CaseKeys& below) { sphere_keys(below, region.shape.emplace()); });
+  k.path({"inside", "", "a closed mesh"}, region.file);
+  k.reference({"inside_wall", "", "what a wall of that name holds, with its openings closed"}, region.wall, walls, "wall named");
+  const CaseTable* t = k.table();
+  if (t == nullptr || kind != "inside_wall") return;
+  const CaseWall& w = c.walls[static_cast<std::size_t>(region.wall)];
+  if (w.wall.kind == WallKind::plane || (w.form && w.form->inside.triangles.empty())) {
+    throw t->error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper or drum");
   }
-  return region;
+  if (!w.file.empty()) {
+    throw t->error("inside_wall", "this wall is a file, which need not be closed; give region = { inside = \"FILE\" }");
+  }
+}
+
+void population_section(CaseKeys& k, Case& c) {
+  CasePopulation p;
+  const CaseTable* t = k.table();
+  if (t != nullptr) p.where = t->where();
+  share_keys(k, names_of_shapes(c), p);
+  k.reference({"material", kRequired}, p.material, names_of_materials(c), "material");
+  k.word({"method", "", "see the table below"}, p.method);
+  if (t != nullptr && t->has("jitter") && p.method != PackingMethod::lattice) throw t->error("jitter", "is for method = \"lattice\"");
+  k.number({"jitter", "", "0 to 1, of `lattice`: share of the free room of a cell in which the body lies at random"}, p.jitter,
+           Dimension::none, Range::not_negative);
+  if (p.jitter > 1) throw t->error("jitter", "expected a value from 0 to 1");
+  amount_keys(k, p);
+  size_key(k, p.size);
+  k.section({"region", kRequired, "holds the bodies wholly"}, [&](CaseKeys& below) { region_section(below, c, p.region); });
+  orientation_key(k, p.orientation);
+  k.vector({"velocity", "", "of all"}, p.velocity, Dimension::velocity);
+  k.vector({"angular_velocity", "", "of all"}, p.angular_velocity, Dimension::angular_velocity);
+  if (t != nullptr) c.populations.push_back(p);
 }
 
 }  // namespace
 
-void read_populations(const CaseTable& top, const std::string& folder, const std::vector<std::string>& shapes,
-                      const std::vector<std::string>& materials, Case& c) {
-  for (const CaseTable& t :
-       top.tables("populations", {"shapes", "shape", "material", "count", "mass", "solid_fraction", "fill", "size", "region", "method",
-                                  "jitter", "shares_by", "orientation", "velocity", "angular_velocity"})) {
-    CasePopulation p;
-    p.where = t.where();
-    read_shares(t, shapes, p);
-    p.material = t.reference("material", materials, "material");
-    p.method = t.word_or("method", p.method);
-    if (t.has("jitter") && p.method != PackingMethod::lattice) throw t.error("jitter", "is for method = \"lattice\"");
-    p.jitter = t.number_or("jitter", Dimension::none, p.jitter, Range::not_negative);
-    if (p.jitter > 1) throw t.error("jitter", "expected a value from 0 to 1");
-    read_amount(t, p);
-    if (t.has("size")) p.size = read_size(t);
-    p.region = read_region(t, folder, c);
-    p.orientation = read_population_orientation(t);
-    p.velocity = t.vector_or("velocity", Dimension::velocity, {});
-    p.angular_velocity = t.vector_or("angular_velocity", Dimension::angular_velocity, {});
-    c.populations.push_back(p);
-  }
+void population_sections(CaseKeys& k, Case& c) {
+  k.sections({"populations"}, [&](CaseKeys& below) { population_section(below, c); });
 }
 
 }  // namespace scree

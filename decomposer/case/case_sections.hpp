@@ -1,27 +1,28 @@
-// The long sections of a case file, read one by one; read_case puts them together.
+// The sections of a case: what keys each has, and what they must fulfil together. case_keys visits them all, in the order in which
+// they are read.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "decomposer/case/case_file.hpp"
-#include "decomposer/case/case_table.hpp"
+#include "decomposer/case/case_keys.hpp"
 
 namespace scree {
 
-/// A path of a case as it can be opened: relative ones start from the folder of the case.
-std::string resolved(const std::string& folder, const std::string& file);
-/// `orientation` of a table, a unit quaternion [w, x, y, z]; none: no rotation.
-Quat read_orientation(const CaseTable& t);
+/// The whole case language.
+void case_keys(CaseKeys& k, Case& c);
+std::vector<KeyDescription> describe_case();
+
+/// title to [output]
+void settings_sections(CaseKeys& k, Case& c);
+/// [[walls]]
+void wall_sections(CaseKeys& k, Case& c);
+/// [[populations]]; after the walls, since a region may be the inside of one.
+void population_sections(CaseKeys& k, Case& c);
 
 /// { start, end, radius } and { centre, radius }, into the fields of a wall of that kind.
-void read_cylinder(const CaseTable& t, Wall& wall);
-void read_sphere(const CaseTable& t, Wall& wall);
+void cylinder_keys(CaseKeys& k, Wall& wall);
+void sphere_keys(CaseKeys& k, Wall& wall);
 
-/// [[walls]]
-void read_walls(const CaseTable& top, const std::string& folder, const std::vector<std::string>& materials, Case& c);
-/// [[populations]]; after the walls, since a region may be the inside of one.
-void read_populations(const CaseTable& top, const std::string& folder, const std::vector<std::string>& shapes,
-                      const std::vector<std::string>& materials, Case& c);
+std::vector<std::string> names_of_shapes(const Case& c);
+std::vector<std::string> names_of_materials(const Case& c);
 
 }  // namespace scree

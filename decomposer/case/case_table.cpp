@@ -66,13 +66,10 @@ std::string dimension_of(const std::string& text) {
 
 }  // namespace
 
-CaseTable::CaseTable(const toml::table& table, std::string file, std::string path, std::string pattern, std::vector<std::string> keys,
-                     CaseReads* reads)
-    : table_(&table), file_(std::move(file)), path_(std::move(path)), pattern_(std::move(pattern)), reads_(reads) {
-  if (keys.empty()) return;  // names of the user's choice
-  for (const std::string& key : keys) note(key, CaseRead::Kind::allowed);
-  for (const auto& [name, value] : table) {
-    const std::string key(name.str());
+CaseTable::CaseTable(const toml::table& table, std::string file, std::string path, const std::vector<std::string>& keys)
+    : table_(&table), file_(std::move(file)), path_(std::move(path)) {
+  if (keys.empty()) return;
+  for (const std::string& key : this->keys()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     const std::string near = nearest_name(key, keys);
     throw UsageError("{}: unknown key{}", where(key),
@@ -80,8 +77,10 @@ CaseTable::CaseTable(const toml::table& table, std::string file, std::string pat
   }
 }
 
-void CaseTable::note(const std::string& key, CaseRead::Kind kind, Dimension dimension, Range range, std::vector<std::string> words) const {
-  if (reads_ != nullptr) reads_->push_back({pattern_, key, kind, dimension, range, std::move(words)});
+std::vector<std::string> CaseTable::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [name, value] : *table_) keys.emplace_back(name.str());
+  return keys;
 }
 
 std::string CaseTable::where(const std::string& key) const {
@@ -141,21 +140,13 @@ double CaseTable::number_of(const toml::node& value, const std::string& key, Dim
 }
 
 double CaseTable::number(const std::string& key, Dimension dimension, Range range) const {
-  note(key, CaseRead::Kind::number, dimension, range);
   if (!has(key)) throw UsageError("{}: is missing; expected {}", where(key), dimension_name(dimension));
   const double value = number_of(node(key), key, dimension);
   check_range(key, value, range);
   return value;
 }
 
-double CaseTable::number_or(const std::string& key, Dimension dimension, double value, Range range) const {
-  if (has(key)) return number(key, dimension, range);
-  note(key, CaseRead::Kind::number, dimension, range);
-  return value;
-}
-
 std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) const {
-  note(key, CaseRead::Kind::integer, Dimension::none, smallest > 0 ? Range::positive : smallest == 0 ? Range::not_negative : Range::any);
   const toml::node& value = node(key);
   const auto number = value.is_integer() ? value.value<std::int64_t>() : std::optional<std::int64_t>{};
   if (!number) throw wrong_type(key, "a whole number");
@@ -163,15 +154,12 @@ std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) c
   return *number;
 }
 
-bool CaseTable::boolean_or(const std::string& key, bool value) const {
-  note(key, CaseRead::Kind::boolean);
-  if (!has(key)) return value;
+bool CaseTable::boolean(const std::string& key) const {
   if (!node(key).is_boolean()) throw wrong_type(key, "true or false");
   return *node(key).value<bool>();
 }
 
 std::string CaseTable::text(const std::string& key) const {
-  note(key, CaseRead::Kind::text);
   if (!node(key).is_string()) throw wrong_type(key, "a text in quotes");
   return *node(key).value<std::string>();
 }
@@ -188,16 +176,7 @@ Vec3 CaseTable::vector_of(const toml::node& value, const std::string& key, Dimen
   return {number_of(*list->get(0), key, dimension), number_of(*list->get(1), key, dimension), number_of(*list->get(2), key, dimension)};
 }
 
-Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const {
-  note(key, CaseRead::Kind::vector, dimension);
-  return vector_of(node(key), key, dimension);
-}
-
-Vec3 CaseTable::vector_or(const std::string& key, Dimension dimension, const Vec3& value) const {
-  if (has(key)) return vector(key, dimension);
-  note(key, CaseRead::Kind::vector, dimension);
-  return value;
-}
+Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const { return vector_of(node(key), key, dimension); }
 
 Vec3 CaseTable::direction(const std::string& key) const {
   const Vec3 v = vector(key, Dimension::none);
@@ -206,21 +185,18 @@ Vec3 CaseTable::direction(const std::string& key) const {
 }
 
 std::vector<double> CaseTable::numbers(const std::string& key, Dimension dimension) const {
-  note(key, CaseRead::Kind::numbers, dimension);
   std::vector<double> values;
   for (const toml::node& value : array(key, 0, "a list of numbers")) values.push_back(number_of(value, key, dimension));
   return values;
 }
 
 std::vector<Vec3> CaseTable::vectors(const std::string& key, Dimension dimension) const {
-  note(key, CaseRead::Kind::vectors, dimension);
   std::vector<Vec3> values;
   for (const toml::node& value : array(key, 0, "a list of vectors [x, y, z]")) values.push_back(vector_of(value, key, dimension));
   return values;
 }
 
 std::vector<std::string> CaseTable::texts(const std::string& key) const {
-  note(key, CaseRead::Kind::texts);
   std::vector<std::string> values;
   for (const toml::node& value : array(key, 0, "a list of texts")) {
     if (!value.is_string()) throw error(key, "expected a list of texts in quotes");
@@ -230,7 +206,6 @@ std::vector<std::string> CaseTable::texts(const std::string& key) const {
 }
 
 std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
-  note(key, CaseRead::Kind::corners, Dimension::length);
   const toml::array& list = array(key, 2, "two opposite corners [[x, y, z], [x, y, z]]");
   const Vec3 lower = vector_of(*list.get(0), key, Dimension::length), upper = vector_of(*list.get(1), key, Dimension::length);
   for (int k = 0; k < 3; ++k) {
@@ -239,9 +214,7 @@ std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
   return {lower, upper};
 }
 
-std::optional<std::size_t> CaseTable::word(const std::string& key, const std::vector<std::string>& words) const {
-  note(key, CaseRead::Kind::word, Dimension::none, Range::any, words);
-  if (!has(key)) return {};
+std::size_t CaseTable::word(const std::string& key, const std::vector<std::string>& words) const {
   const std::string found = text(key);
   const auto at = std::find(words.begin(), words.end(), found);
   if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
@@ -264,44 +237,40 @@ std::int32_t CaseTable::reference(const std::string& key, const std::vector<std:
   return find_name(key, text(key), names, kind);
 }
 
-CaseTable CaseTable::table(const std::string& key, std::vector<std::string> keys) const {
+CaseTable CaseTable::table(const std::string& key, const std::vector<std::string>& keys) const {
   const toml::table* found = node(key).as_table();
   if (found == nullptr) throw wrong_type(key, "a table, for instance { " + (keys.empty() ? "name" : keys.front()) + " = ... }");
-  note(key, CaseRead::Kind::table);
   const std::string dot = path_.empty() ? "" : ".";
-  return {*found, file_, path_ + dot + key, pattern_ + dot + key, std::move(keys), reads_};
+  return {*found, file_, path_ + dot + key, keys};
 }
 
 std::vector<CaseTable> CaseTable::tables(const std::string& key, const std::vector<std::string>& keys) const {
   std::vector<CaseTable> result;
-  note(key, CaseRead::Kind::tables);
   if (!has(key)) return result;
   const toml::array* list = node(key).as_array();
   if (list == nullptr) throw wrong_type(key, "[[" + key + "]] sections");
   for (std::size_t i = 0; i < list->size(); ++i) {
     const toml::table* found = list->get(i)->as_table();
     if (found == nullptr) throw wrong_type(key, "[[" + key + "]] sections");
-    result.push_back({*found, file_, fmt::format("{}[{}]", key, i), key + "[]", keys, reads_});
+    result.push_back({*found, file_, fmt::format("{}[{}]", key, i), keys});
   }
   return result;
 }
 
 std::vector<std::pair<std::string, CaseTable>> CaseTable::named_tables(const std::string& key, const std::vector<std::string>& keys) const {
   std::vector<std::pair<std::string, CaseTable>> result;
-  note(key, CaseRead::Kind::named_tables);
   if (!has(key)) return result;
   const CaseTable all = table(key, {});
   for (const auto& [name, value] : *all.table_) {
     const std::string word(name.str());
     const toml::table* found = value.as_table();
     if (found == nullptr) throw all.wrong_type(word, "a section [" + key + "." + word + "]");
-    result.emplace_back(word, CaseTable(*found, file_, key + "." + word, key + ".*", keys, reads_));
+    result.emplace_back(word, CaseTable(*found, file_, key + "." + word, keys));
   }
   return result;
 }
 
 std::vector<std::pair<std::string, double>> CaseTable::named_numbers(const std::string& key, Range range) const {
-  note(key, CaseRead::Kind::named_numbers, Dimension::none, range);
   const CaseTable all = table(key, {});
   std::vector<std::pair<std::string, double>> result;
   for (const auto& [name, value] : *all.table_) {
@@ -312,7 +281,7 @@ std::vector<std::pair<std::string, double>> CaseTable::named_numbers(const std::
   return result;
 }
 
-std::string CaseTable::only_one_of(std::initializer_list<const char*> keys) const {
+std::string CaseTable::only_one_of(const std::vector<const char*>& keys) const {
   std::string found, list;
   for (const char* key : keys) {
     list += (list.empty() ? "" : ", ") + std::string(key);

@@ -3,16 +3,13 @@
 #pragma once
 
 #include <toml++/toml.h>
-#include <initializer_list>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "core/base/words.hpp"
 #include "core/geometry/vec3.hpp"
-#include "decomposer/case/case_reads.hpp"
+#include "core/storage/keys.hpp"
 
 namespace scree {
 
@@ -20,12 +17,12 @@ namespace scree {
 class CaseTable {
  public:
   /// in   file   name of the case as given, for messages     in   path   "materials.rock"; "" for the whole file
-  /// in   keys   all keys that may occur.   Throws UsageError for any other, naming the nearest.
-  /// in/out  reads   where not null: everything that is asked of this table and those below it is noted there
-  CaseTable(const toml::table& table, std::string file, std::string path, std::vector<std::string> keys, CaseReads* reads = nullptr)
-      : CaseTable(table, std::move(file), path, path, std::move(keys), reads) {}
+  /// in   keys   all keys that may occur; none: names of the user's choice.   Throws UsageError for any other, naming the nearest.
+  CaseTable(const toml::table& table, std::string file, std::string path, const std::vector<std::string>& keys);
 
   bool has(const std::string& key) const { return table_->contains(key); }
+  /// Keys that the table holds, in alphabetical order.
+  std::vector<std::string> keys() const;
   bool is_table(const std::string& key) const { return has(key) && node(key).is_table(); }
   bool is_boolean(const std::string& key) const { return has(key) && node(key).is_boolean(); }
   bool is_text(const std::string& key) const { return has(key) && node(key).is_string(); }
@@ -36,12 +33,10 @@ class CaseTable {
   UsageError error(const std::string& key, const std::string& text) const;
 
   double number(const std::string& key, Dimension dimension, Range range = Range::any) const;
-  double number_or(const std::string& key, Dimension dimension, double value, Range range = Range::any) const;
   std::int64_t integer(const std::string& key, std::int64_t smallest) const;
-  bool boolean_or(const std::string& key, bool value) const;
+  bool boolean(const std::string& key) const;
   std::string text(const std::string& key) const;
   Vec3 vector(const std::string& key, Dimension dimension) const;
-  Vec3 vector_or(const std::string& key, Dimension dimension, const Vec3& value) const;
   /// Scaled to length 1; throws when it is zero.
   Vec3 direction(const std::string& key) const;
   std::vector<double> numbers(const std::string& key, Dimension dimension) const;
@@ -49,22 +44,14 @@ class CaseTable {
   std::vector<std::string> texts(const std::string& key) const;
   /// Opposite corners [[x, y, z], [x, y, z]], lower below upper in each coordinate.
   std::pair<Vec3, Vec3> corners(const std::string& key) const;
-  /// The value of an enum that a word stands for; `value` when the key is absent.
-  template <class E>
-  E word_or(const std::string& key, E value) const {
-    std::vector<std::string> words;
-    for (const Word<E>& w : kWordsOf<E>) words.emplace_back(w.word);
-    const std::optional<std::size_t> found = word(key, words);
-    return found ? kWordsOf<E>[*found].value : value;
-  }
-  /// Index of the word that is there, none when the key is absent.
-  std::optional<std::size_t> word(const std::string& key, const std::vector<std::string>& words) const;
+  /// Index of the word that is there.
+  std::size_t word(const std::string& key, const std::vector<std::string>& words) const;
   /// Index of a name in a list, for references to shapes and materials.
   std::int32_t reference(const std::string& key, const std::vector<std::string>& names, const std::string& kind) const;
   std::int32_t find_name(const std::string& key, const std::string& name, const std::vector<std::string>& names,
                          const std::string& kind) const;
 
-  CaseTable table(const std::string& key, std::vector<std::string> keys) const;
+  CaseTable table(const std::string& key, const std::vector<std::string>& keys) const;
   /// [[key]] tables, none when the key is absent.
   std::vector<CaseTable> tables(const std::string& key, const std::vector<std::string>& keys) const;
   /// [key.NAME] tables with their names, in alphabetical order.
@@ -72,13 +59,9 @@ class CaseTable {
   /// Keys that the table holds, in alphabetical order, with the values as numbers without unit: { fels = 0.7 }.
   std::vector<std::pair<std::string, double>> named_numbers(const std::string& key, Range range) const;
   /// The one of these keys that the table holds; throws when there is none or more than one.
-  std::string only_one_of(std::initializer_list<const char*> keys) const;
+  std::string only_one_of(const std::vector<const char*>& keys) const;
 
  private:
-  CaseTable(const toml::table& table, std::string file, std::string path, std::string pattern, std::vector<std::string> keys,
-            CaseReads* reads);
-  void note(const std::string& key, CaseRead::Kind kind, Dimension dimension = Dimension::none, Range range = Range::any,
-            std::vector<std::string> words = {}) const;
   const toml::node& node(const std::string& key) const;
   const toml::array& array(const std::string& key, std::size_t size, const std::string& expected) const;
   double number_of(const toml::node& value, const std::string& key, Dimension dimension) const;
@@ -88,8 +71,6 @@ class CaseTable {
 
   const toml::table* table_;
   std::string file_, path_;
-  std::string pattern_;  ///< path_ with [] for a number and * for a name of the user's choice
-  CaseReads* reads_;
 };
 
 }  // namespace scree

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
 #include "decomposer/case/case_sections.hpp"
 
@@ -9,223 +8,250 @@ namespace scree {
 
 namespace {
 
-WallMotion read_motion(const CaseTable& t) {
-  WallMotion m;
-  const std::string kind = t.only_one_of({"rotate", "translate", "oscillate", "table"});
-  if (kind == "rotate") {
-    const CaseTable r = t.table("rotate", {"axis", "centre", "rate"});
-    m.kind = WallMotion::Kind::rotate;
-    m.axis = r.direction("axis");
-    m.centre = r.vector_or("centre", Dimension::length, {});
-    m.rate = r.number("rate", Dimension::angular_velocity);
-  } else if (kind == "translate") {
-    const CaseTable r = t.table("translate", {"velocity"});
-    m.kind = WallMotion::Kind::translate;
-    const Vec3 velocity = r.vector("velocity", Dimension::velocity);
-    m.rate = length(velocity);
-    if (m.rate > 0) m.axis = normalised(velocity);
-  } else if (kind == "oscillate") {
-    const CaseTable r = t.table("oscillate", {"direction", "amplitude", "frequency", "phase"});
-    m.kind = WallMotion::Kind::oscillate;
-    m.axis = r.direction("direction");
-    m.amplitude = r.number("amplitude", Dimension::length, Range::not_negative);
-    m.frequency = r.number("frequency", Dimension::frequency, Range::not_negative);
-    m.phase = r.number_or("phase", Dimension::angle, 0);
-  } else {
-    const CaseTable r = t.table("table", {"time", "position"});
-    m.kind = WallMotion::Kind::table;
-    m.table_time = r.numbers("time", Dimension::time);
-    m.table_position = r.vectors("position", Dimension::length);
-    if (m.table_time.size() != m.table_position.size() || m.table_time.empty()) {
-      throw r.error("time", fmt::format("has {} rows and position {}; expected as many, and at least one", m.table_time.size(),
-                                        m.table_position.size()));
-    }
-    for (std::size_t i = 1; i < m.table_time.size(); ++i) {
-      if (!(m.table_time[i - 1] < m.table_time[i])) throw r.error("time", "must ascend");
-    }
-  }
-  m.start = t.number_or("start", Dimension::time, 0);
-  m.stop = t.number_or("stop", Dimension::time, m.stop);
-  if (!(m.start < m.stop)) throw t.error("stop", "must come after start");
-  return m;
+void motion_section(CaseKeys& k, WallMotion& m) {
+  std::vector<const char*> words;
+  for_each_motion([&](auto kind) { words.push_back(kind.kWord); });
+  k.one_of(words);
+  for_each_motion([&](auto kind) {
+    k.section({kind.kWord, "", kind.kMeaning}, [&](CaseKeys& below) {
+      kind.keys(below);
+      if (below.table() == nullptr) return;
+      m.kind = kind;
+      if (const auto fault = m.fault()) throw below.table()->error(fault->key, fault->text);
+    });
+  });
+  k.number({"start", "", "before, the wall stands still"}, m.start, Dimension::time, Range::any);
+  k.number({"stop", "never", "after, the wall stands still"}, m.stop, Dimension::time, Range::any);
+  if (k.table() != nullptr && !(m.start < m.stop)) throw k.table()->error("stop", "must come after start");
 }
 
-int read_segments(const CaseTable& t) {
-  if (!t.has("segments")) return kDefaultSegments;
+int segments_key(CaseKeys& k) {
   constexpr std::int64_t kMost = 4096;  // a rounding of 3e-7 of the radius
-  const std::int64_t segments = t.integer("segments", 3);
-  if (segments > kMost) throw t.error("segments", fmt::format("expected at most {}", kMost));
+  std::int64_t segments = kDefaultSegments;
+  k.integer({"segments"}, segments, 3);
+  if (segments > kMost) throw k.table()->error("segments", fmt::format("expected at most {}", kMost));
   return static_cast<int>(segments);
 }
 
 /// Which faces `open` leaves out, in the order of the words.
-std::vector<bool> read_open(const CaseTable& t, const std::vector<std::string>& faces) {
+std::vector<bool> open_key(CaseKeys& k, const std::vector<std::string>& faces, const char* meaning) {
   std::vector<bool> open(faces.size(), false);
-  if (!t.has("open")) return open;
-  for (const std::string& face : t.texts("open")) open[static_cast<std::size_t>(t.find_name("open", face, faces, "side"))] = true;
+  k.some_of({"open", "none", meaning}, open, faces, "side");
   return open;
 }
 
-std::pair<Vec3, Vec3> read_axis(const CaseTable& t) {
-  const Vec3 start = t.vector("start", Dimension::length), end = t.vector("end", Dimension::length);
-  if (start == end) throw t.error("end", "is the same as start; the axis needs a length");
-  return {start, end};
+void axis_keys(CaseKeys& k, Vec3& start, Vec3& end) {
+  k.vector({"start", kRequired}, start, Dimension::length);
+  k.vector({"end", kRequired}, end, Dimension::length);
+  if (k.table() != nullptr && start == end) throw k.table()->error("end", "is the same as start; the axis needs a length");
 }
 
-/// A diameter, or widths along x and y.
-bool read_opening(const CaseTable& t, const std::string& key, double (&size)[2]) {
-  if (!t.is_list(key)) {
-    size[0] = size[1] = t.number(key, Dimension::length, Range::positive);
-    return true;
-  }
-  const std::vector<double> widths = t.numbers(key, Dimension::length);
-  if (widths.size() != 2 || !(widths[0] > 0 && widths[1] > 0)) {
-    throw t.error(key, "expected a diameter, or two widths > 0 along x and y");
-  }
-  size[0] = widths[0];
-  size[1] = widths[1];
-  return false;
+void plate_section(CaseKeys& k, std::optional<WallForm>& form) {
+  Vec3 corner, a, b;
+  k.vector({"corner", kRequired}, corner, Dimension::length);
+  k.vector({"side_a", kRequired}, a, Dimension::length);
+  k.vector({"side_b", kRequired}, b, Dimension::length);
+  if (k.table() == nullptr) return;
+  if (!(length(cross(a, b)) > 0)) throw k.table()->error("side_b", "must not be zero or parallel to side_a");
+  form = plate_form(corner, a, b);
 }
 
-WallForm read_hopper(const CaseTable& t) {
+void disc_section(CaseKeys& k, std::optional<WallForm>& form) {
+  Vec3 centre, normal;
+  double radius = 0, hole = 0;
+  k.vector({"centre", kRequired}, centre, Dimension::length);
+  k.direction({"normal", kRequired}, normal);
+  k.number({"radius", kRequired}, radius, Dimension::length, Range::positive);
+  k.number({"hole", "", "radius of one in the middle"}, hole, Dimension::length, Range::positive);
+  const int segments = segments_key(k);
+  if (k.table() == nullptr) return;
+  if (!(hole < radius)) throw k.table()->error("hole", "is a radius and must be less than that of the disc");
+  form = disc_form(centre, normal, radius, hole, segments);
+}
+
+void box_section(CaseKeys& k, std::optional<WallForm>& form) {
+  Vec3 lower, upper;
+  k.corners({"corners", kRequired}, lower, upper);
+  const std::vector<bool> open = open_key(k, {"-x", "+x", "-y", "+y", "-z", "+z"}, "sides that are left out");
+  if (k.table() == nullptr) return;
+  std::array<bool, 6> sides{};
+  std::copy(open.begin(), open.end(), sides.begin());
+  if (std::find(open.begin(), open.end(), false) == open.end()) throw k.table()->error("open", "leaves no side of the box");
+  form = box_form(lower, upper, sides);
+}
+
+void cone_section(CaseKeys& k, std::optional<WallForm>& form) {
+  Vec3 start, end;
+  double first = 0, last = 0;
+  axis_keys(k, start, end);
+  k.number({"radius_start", kRequired}, first, Dimension::length, Range::not_negative);
+  k.number({"radius_end", kRequired}, last, Dimension::length, Range::not_negative);
+  const std::vector<bool> open = open_key(k, {"start", "end"}, "lids that are left out");
+  const int segments = segments_key(k);
+  if (k.table() == nullptr) return;
+  if (!(first > 0 || last > 0)) throw k.table()->error("radius_end", "one of the two radii must be > 0");
+  form = cone_form(start, end, first, last, open[0], open[1], segments);
+}
+
+/// A diameter, or widths along x and y. Returns whether it is a diameter.
+bool opening_key(CaseKeys& k, const Key& key, double (&size)[2]) {
+  const CaseTable* t = k.table();
+  const bool is_list = t != nullptr && t->is_list(key.name);
+  if (k.when(!is_list)) {
+    k.number(key, size[0], Dimension::length, Range::positive);
+    size[1] = size[0];
+  }
+  if (k.when(is_list)) {
+    std::vector<double> widths;
+    k.numbers(key, widths, Dimension::length);
+    if (t == nullptr) return true;
+    if (widths.size() != 2 || !(widths[0] > 0 && widths[1] > 0)) {
+      throw t->error(key.name, "expected a diameter, or two widths > 0 along x and y");
+    }
+    std::copy(widths.begin(), widths.end(), size);
+  }
+  return !is_list;
+}
+
+void hopper_section(CaseKeys& k, std::optional<WallForm>& form) {
   Hopper h;
-  h.round = read_opening(t, "outlet", h.outlet);
-  if (read_opening(t, "bin", h.bin) != h.round) throw t.error("bin", "outlet and bin must both be diameters, or both widths along x and y");
-  if (!(h.bin[0] >= h.outlet[0] && h.bin[1] >= h.outlet[1]) || (h.bin[0] == h.outlet[0] && h.bin[1] == h.outlet[1])) {
-    throw t.error("bin", "must be wider than the outlet");
+  double angle = 0;
+  const CaseTable* t = k.table();
+  h.round = opening_key(k, {"outlet", kRequired, "a diameter, or both `[width x, width y]`"}, h.outlet);
+  const bool round_bin = opening_key(k, {"bin", kRequired, "the same"}, h.bin);
+  if (t != nullptr) {
+    if (round_bin != h.round) throw t->error("bin", "outlet and bin must both be diameters, or both widths along x and y");
+    if (!(h.bin[0] >= h.outlet[0] && h.bin[1] >= h.outlet[1]) || (h.bin[0] == h.outlet[0] && h.bin[1] == h.outlet[1])) {
+      throw t->error("bin", "must be wider than the outlet");
+    }
   }
-  if (t.only_one_of({"half_angle", "funnel_height"}) == "half_angle") {
-    const double angle = t.number("half_angle", Dimension::angle, Range::positive);
+  const bool has_angle = k.one_of({"half_angle", "funnel_height"}) == "half_angle";
+  k.number({"half_angle", "or `funnel_height`", "of the funnel to the vertical; 90 deg is a flat floor"}, angle, Dimension::angle,
+           Range::positive);
+  k.number({"funnel_height", "or `half_angle`"}, h.funnel_height, Dimension::length, Range::not_negative);
+  k.number({"bin_height", kRequired}, h.bin_height, Dimension::length, Range::positive);
+  k.number({"stub", "", "length of a tube below the outlet"}, h.stub, Dimension::length, Range::positive);
+  const int segments = segments_key(k);
+  if (t == nullptr) return;
+  if (has_angle) {
     constexpr double kRightAngle = 0.5 * std::numbers::pi;
     if (angle > kRightAngle * (1 + 1e-12))
-      throw t.error("half_angle", "expected an angle between the funnel's wall and the vertical, at most 90 deg");
+      throw t->error("half_angle", "expected an angle between the funnel's wall and the vertical, at most 90 deg");
     // of a rectangular hopper, the wall that is further out has the angle
     h.funnel_height = 0.5 * std::max(h.bin[0] - h.outlet[0], h.bin[1] - h.outlet[1]) / std::tan(angle);
     if (angle >= kRightAngle * (1 - 1e-12)) h.funnel_height = 0;
-  } else {
-    h.funnel_height = t.number("funnel_height", Dimension::length, Range::not_negative);
   }
-  h.bin_height = t.number("bin_height", Dimension::length, Range::positive);
-  h.stub = t.number_or("stub", Dimension::length, 0, Range::positive);
-  return hopper_form(h, read_segments(t));
+  form = hopper_form(h, segments);
 }
 
-WallForm read_drum(const CaseTable& t) {
-  const auto [start, end] = read_axis(t);
-  const double radius = t.number("radius", Dimension::length, Range::positive);
-  const std::vector<bool> open = read_open(t, {"start", "end"});
-  const int segments = read_segments(t);
-  if (!t.has("lifters")) return cone_form(start, end, radius, radius, open[0], open[1], segments);
-  const CaseTable l = t.table("lifters", {"count", "height", "width", "top_width"});
-  Lifters lifters;
-  lifters.count = static_cast<int>(std::min<std::int64_t>(l.integer("count", 1), 1 << 20));
-  lifters.height = l.number("height", Dimension::length, Range::positive);
-  lifters.width = l.number("width", Dimension::length, Range::positive);
-  lifters.top_width = l.number_or("top_width", Dimension::length, lifters.width, Range::positive);
-  if (!(lifters.height < radius)) throw l.error("height", fmt::format("must be less than the radius of the drum ({:g} m)", radius));
+void lifters_section(CaseKeys& k, double radius, Lifters& lifters) {
+  std::int64_t count = 0;
+  k.integer({"count", kRequired}, count, 1);
+  k.number({"height", kRequired}, lifters.height, Dimension::length, Range::positive);
+  k.number({"width", kRequired}, lifters.width, Dimension::length, Range::positive);
+  lifters.top_width = lifters.width;
+  k.number({"top_width", "`width`"}, lifters.top_width, Dimension::length, Range::positive);
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  lifters.count = static_cast<int>(std::min<std::int64_t>(count, 1 << 20));
+  if (!(lifters.height < radius)) throw t->error("height", fmt::format("must be less than the radius of the drum ({:g} m)", radius));
   const double half_pitch = std::numbers::pi / lifters.count;
   const auto fits = [&](double width, double at) { return 0.5 * width < at * std::sin(std::min(half_pitch, 0.5 * std::numbers::pi)); };
   if (!fits(lifters.width, radius) || !fits(lifters.top_width, radius - lifters.height)) {
-    throw l.error("count", "these lifters leave no room between each other; fewer, lower or narrower ones do");
+    throw t->error("count", "these lifters leave no room between each other; fewer, lower or narrower ones do");
   }
-  return drum_form(start, end, radius, lifters, open[0], open[1], segments);
 }
 
-/// A wall that is made into a mesh. Kinds that are known, in the order of CASE.md.
-WallForm read_form(const std::string& kind, const CaseTable& shape) {
-  if (kind == "plate") {
-    const CaseTable s = shape.table(kind, {"corner", "side_a", "side_b"});
-    const Vec3 a = s.vector("side_a", Dimension::length), b = s.vector("side_b", Dimension::length);
-    if (!(length(cross(a, b)) > 0)) throw s.error("side_b", "must not be zero or parallel to side_a");
-    return plate_form(s.vector("corner", Dimension::length), a, b);
+/// in   may_have_lifters   a drum; else a cylinder
+void tube_section(CaseKeys& k, bool may_have_lifters, std::optional<WallForm>& form) {
+  Vec3 start, end;
+  double radius = 0;
+  Lifters lifters;
+  axis_keys(k, start, end);
+  k.number({"radius", kRequired}, radius, Dimension::length, Range::positive);
+  const std::vector<bool> open = open_key(k, {"start", "end"}, "lids that are left out; both make a tube");
+  const int segments = segments_key(k);
+  if (may_have_lifters) {
+    k.section({"lifters", "none", "bars along the wall, trapezoids towards the axis; the first stands on x for a drum along z"},
+              [&](CaseKeys& below) { lifters_section(below, radius, lifters); });
   }
-  if (kind == "disc") {
-    const CaseTable s = shape.table(kind, {"centre", "normal", "radius", "hole", "segments"});
-    const double radius = s.number("radius", Dimension::length, Range::positive);
-    const double hole = s.number_or("hole", Dimension::length, 0, Range::positive);
-    if (!(hole < radius)) throw s.error("hole", "is a radius and must be less than that of the disc");
-    return disc_form(s.vector("centre", Dimension::length), s.direction("normal"), radius, hole, read_segments(s));
+  if (k.table() == nullptr) return;
+  form = lifters.count > 0 ? drum_form(start, end, radius, lifters, open[0], open[1], segments)
+                           : cone_form(start, end, radius, radius, open[0], open[1], segments);
+}
+
+/// Shapes known by formula, then those that are made into a mesh.
+void wall_shape_section(CaseKeys& k, CaseWall& w) {
+  Wall& wall = w.wall;
+  k.section({"plane", "", "the normal points to the particles"}, [&](CaseKeys& below) {
+    wall.kind = WallKind::plane;
+    below.vector({"point", kRequired}, wall.point, Dimension::length);
+    below.direction({"normal", kRequired}, wall.normal);
+  });
+  k.corners({"box_inside"}, wall.lower, wall.upper);
+  k.section({"cylinder_inside", "", "closed by lids"}, [&](CaseKeys& below) { cylinder_keys(below, wall); });
+  k.section({"sphere_inside"}, [&](CaseKeys& below) { sphere_keys(below, wall); });
+  k.section({"plate", "", "a parallelogram"}, [&](CaseKeys& below) { plate_section(below, w.form); });
+  k.section({"disc"}, [&](CaseKeys& below) { disc_section(below, w.form); });
+  k.section({"box"}, [&](CaseKeys& below) { box_section(below, w.form); });
+  k.section({"cylinder"}, [&](CaseKeys& below) { tube_section(below, false, w.form); });
+  k.section({"cone", "", "a frustum; one radius may be 0"}, [&](CaseKeys& below) { cone_section(below, w.form); });
+  k.section({"hopper", "",
+             "open above and below. Middle of the outlet at the origin, up is z: move it with `position`, turn it with `orientation`. "
+             "Close the outlet with a plate or disc that moves"},
+            [&](CaseKeys& below) { hopper_section(below, w.form); });
+  k.section({"drum", "", "a cylinder with bars along the wall"}, [&](CaseKeys& below) { tube_section(below, true, w.form); });
+  k.path({"file", "", "a surface that may be open, or a solid; coordinates of its file"}, w.file);
+}
+
+void wall_section(CaseKeys& k, Case& c) {
+  CaseWall w;
+  std::string shape;
+  const CaseTable* t = k.table();
+  if (t != nullptr) w.where = t->where();
+  k.reference({"material", kRequired}, w.wall.material, names_of_materials(c), "material");
+  k.section({"shape", kRequired}, [&](CaseKeys& below) {
+    shape = below.one_of(
+        {"plane", "box_inside", "cylinder_inside", "sphere_inside", "plate", "disc", "box", "cylinder", "cone", "hopper", "drum", "file"});
+    wall_shape_section(below, w);
+  });
+  if (shape == "box_inside") w.wall.kind = WallKind::box_inside;
+  if (w.form || shape == "file") w.wall.kind = WallKind::mesh;
+  w.wall.name = fmt::format("{} {}", shape == "file" ? "mesh" : shape, c.walls.size());
+  k.text({"name", "kind and number", "for messages"}, w.wall.name);
+  if (k.when(w.wall.kind == WallKind::mesh)) {
+    k.vector({"position", "", "of a mesh: where the origin of its file or form is placed"}, w.wall.position, Dimension::length);
+    k.orientation({"orientation", "", "of a mesh"}, w.wall.orientation);
+    k.number({"scale", "", "of a mesh"}, w.wall.scale, Dimension::none, Range::positive);
+    k.number({"cell_size", "none",
+              "of a mesh: contacts of one body that are further apart than this do not share stiffness. For terrain that carries long "
+              "bodies; about half their length"},
+             w.wall.cell_size, Dimension::length, Range::positive);
+  } else {
+    for (const char* key : {"position", "orientation", "scale", "cell_size"}) {
+      if (t->has(key)) throw t->error(key, "is for walls that are meshes; a " + shape + " says itself where it is");
+    }
   }
-  if (kind == "box") {
-    const CaseTable s = shape.table(kind, {"corners", "open"});
-    const auto [lower, upper] = s.corners("corners");
-    const std::vector<bool> open = read_open(s, {"-x", "+x", "-y", "+y", "-z", "+z"});
-    std::array<bool, 6> sides{};
-    std::copy(open.begin(), open.end(), sides.begin());
-    if (std::find(open.begin(), open.end(), false) == open.end()) throw s.error("open", "leaves no side of the box");
-    return box_form(lower, upper, sides);
-  }
-  if (kind == "cone") {
-    const CaseTable s = shape.table(kind, {"start", "end", "radius_start", "radius_end", "open", "segments"});
-    const auto [start, end] = read_axis(s);
-    const double first = s.number("radius_start", Dimension::length, Range::not_negative);
-    const double last = s.number("radius_end", Dimension::length, Range::not_negative);
-    if (!(first > 0 || last > 0)) throw s.error("radius_end", "one of the two radii must be > 0");
-    const std::vector<bool> open = read_open(s, {"start", "end"});
-    return cone_form(start, end, first, last, open[0], open[1], read_segments(s));
-  }
-  if (kind == "cylinder") return read_drum(shape.table(kind, {"start", "end", "radius", "open", "segments"}));
-  if (kind == "hopper") {
-    return read_hopper(shape.table(kind, {"outlet", "bin", "half_angle", "funnel_height", "bin_height", "stub", "segments"}));
-  }
-  return read_drum(shape.table("drum", {"start", "end", "radius", "lifters", "open", "segments"}));
+  k.section({"motion", "none", "prescribed"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
+  if (t != nullptr) c.walls.push_back(w);
 }
 
 }  // namespace
 
-void read_cylinder(const CaseTable& t, Wall& wall) {
+void cylinder_keys(CaseKeys& k, Wall& wall) {
   wall.kind = WallKind::cylinder_inside;
-  std::tie(wall.axis_start, wall.axis_end) = read_axis(t);
-  wall.radius = t.number("radius", Dimension::length, Range::positive);
+  axis_keys(k, wall.axis_start, wall.axis_end);
+  k.number({"radius", kRequired}, wall.radius, Dimension::length, Range::positive);
 }
 
-void read_sphere(const CaseTable& t, Wall& wall) {
+void sphere_keys(CaseKeys& k, Wall& wall) {
   wall.kind = WallKind::sphere_inside;
-  wall.point = t.vector("centre", Dimension::length);
-  wall.radius = t.number("radius", Dimension::length, Range::positive);
+  k.vector({"centre", kRequired}, wall.point, Dimension::length);
+  k.number({"radius", kRequired}, wall.radius, Dimension::length, Range::positive);
 }
 
-void read_walls(const CaseTable& top, const std::string& folder, const std::vector<std::string>& materials, Case& c) {
-  for (const CaseTable& t : top.tables("walls", {"name", "shape", "material", "motion", "position", "orientation", "scale", "cell_size"})) {
-    CaseWall w;
-    w.where = t.where();
-    w.wall.material = t.reference("material", materials, "material");
-    const CaseTable shape = t.table("shape", {"plane", "box_inside", "cylinder_inside", "sphere_inside", "plate", "disc", "box", "cylinder",
-                                              "cone", "hopper", "drum", "file"});
-    const std::string kind = shape.only_one_of(
-        {"plane", "box_inside", "cylinder_inside", "sphere_inside", "plate", "disc", "box", "cylinder", "cone", "hopper", "drum", "file"});
-    w.wall.name = t.has("name") ? t.text("name") : fmt::format("{} {}", kind == "file" ? "mesh" : kind, c.walls.size());
-    if (kind == "plane") {
-      const CaseTable s = shape.table("plane", {"point", "normal"});
-      w.wall.kind = WallKind::plane;
-      w.wall.point = s.vector("point", Dimension::length);
-      w.wall.normal = s.direction("normal");
-    } else if (kind == "box_inside") {
-      w.wall.kind = WallKind::box_inside;
-      std::tie(w.wall.lower, w.wall.upper) = shape.corners("box_inside");
-    } else if (kind == "cylinder_inside") {
-      read_cylinder(shape.table(kind, {"start", "end", "radius"}), w.wall);
-    } else if (kind == "sphere_inside") {
-      read_sphere(shape.table(kind, {"centre", "radius"}), w.wall);
-    } else {
-      w.wall.kind = WallKind::mesh;
-      if (kind == "file") {
-        w.file = resolved(folder, shape.text("file"));
-      } else {
-        w.form = read_form(kind, shape);
-      }
-      w.wall.position = t.vector_or("position", Dimension::length, {});
-      w.wall.orientation = read_orientation(t);
-      w.wall.scale = t.number_or("scale", Dimension::none, 1, Range::positive);
-      w.wall.cell_size = t.number_or("cell_size", Dimension::length, 0, Range::positive);
-    }
-    for (const char* key : {"position", "orientation", "scale", "cell_size"}) {
-      if (w.wall.kind != WallKind::mesh && t.has(key))
-        throw t.error(key, "is for walls that are meshes; a " + kind + " says itself where it is");
-    }
-    if (t.has("motion")) w.wall.motion = read_motion(t.table("motion", {"rotate", "translate", "oscillate", "table", "start", "stop"}));
-    c.walls.push_back(w);
-  }
+void wall_sections(CaseKeys& k, Case& c) {
+  k.sections({"walls"}, [&](CaseKeys& below) { wall_section(below, c); });
 }
 
 }  // namespace scree

@@ -7,7 +7,7 @@
 #include "core/base/long_work.hpp"
 #include "core/geometry/features.hpp"
 #include "core/search/multilevel_grid.hpp"
-#include "core/storage/wall_motion.hpp"
+#include "core/storage/wall_state.hpp"
 #include "decomposer/packing/placed_body.hpp"
 
 namespace scree {

@@ -9,7 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "core/storage/wall_motion.hpp"
+#include "core/storage/wall_state.hpp"
 #include "decomposer/packing/compact.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"

@@ -100,7 +100,7 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
                                  s.duration / s.output_every, seconds(s.duration)));
   }
   for (const CaseWall& w : c.walls) {
-    if (w.wall.motion.kind == WallMotion::Kind::none || w.wall.motion.start < s.duration) continue;
+    if (!w.wall.motion.is_prescribed() || w.wall.motion.start < s.duration) continue;
     doubts.push_back(fmt::format("{}: wall '{}' starts to move at {}, and the run ends at {}", w.where, w.wall.name,
                                  seconds(w.wall.motion.start), seconds(s.duration)));
   }

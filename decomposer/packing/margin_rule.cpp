@@ -72,20 +72,7 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
   }
   double wall_speed = 0;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    const Wall& w = scene.walls[i];
-    const WallMotion& m = w.motion;
-    double fastest = 0;
-    if (m.kind == WallMotion::Kind::translate) fastest = std::abs(m.rate);
-    if (m.kind == WallMotion::Kind::oscillate) fastest = 2 * std::numbers::pi * std::abs(m.frequency * m.amplitude);
-    if (m.kind == WallMotion::Kind::rotate) {
-      double lever = 0;
-      for (const Vec3& p : wall_points(parts, i)) lever = std::max(lever, length(cross(m.axis, p - m.centre)));
-      fastest = std::abs(m.rate) * lever;
-    }
-    for (std::size_t r = 1; r < m.table_time.size(); ++r) {
-      fastest = std::max(fastest, length(m.table_position[r] - m.table_position[r - 1]) / (m.table_time[r] - m.table_time[r - 1]));
-    }
-    wall_speed = std::max(wall_speed, fastest);
+    wall_speed = std::max(wall_speed, scene.walls[i].motion.fastest(wall_points(parts, i)));
   }
   const double g = length(c.settings.gravity);
   double fall = 0;

@@ -1,6 +1,6 @@
 #include "decomposer/packing/placements.hpp"
 
-#include "core/storage/wall_motion.hpp"
+#include "core/storage/wall_state.hpp"
 
 namespace scree {
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The JSON Schema of the case language, from the program that reads it and the page that explains it.
+"""The JSON Schema of the case language and the tables of CASE.md, from the keys as the decomposer reads them.
 
-usage: make_schema.py PRINT_READS CASE.md CASE.toml... [-o SCHEMA | --check SCHEMA]
+usage: make_schema.py PRINT_KEYS --schema SCHEMA --page CASE.md [--check]
 
-Types, units, ranges and words come from what the reader asked of the cases, which hold every key once; meanings, defaults and
-what is required come from the tables of CASE.md. Ends with 1 when a key is read by no case, when the page and the reader do
-not name the same keys, or (--check) when the schema in the file is not the one that is made.
+PRINT_KEYS prints one record for each key (name, type, unit, range, words, default, meaning). In CASE.md, what lies between a line
+`<!-- keys TABLE -->` and the next `<!-- end -->` is replaced by the table of those keys. Ends with 1 when a table of the case has no
+place on the page, or (--check) when a file is not what would be written.
 """
 import argparse
 import json
@@ -15,147 +15,212 @@ import sys
 
 RANGES = {"any": {}, "positive": {"exclusiveMinimum": 0}, "not_negative": {"minimum": 0},
           "unit_interval": {"minimum": 0, "maximum": 1}, "fraction": {"exclusiveMinimum": 0, "exclusiveMaximum": 1}}
+RANGE_TEXTS = {"any": "", "positive": "> 0", "not_negative": ">= 0", "unit_interval": "0 to 1", "fraction": "between 0 and 1"}
 QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*[^\s].*$"   # a number and a unit
-VECTOR = {"type": "array", "minItems": 3, "maxItems": 3}
+SECTIONS = {"table": "", "tables": "[]", "named_tables": ".*"}
 
 
-def page_rows(path):
-    """(table, key) -> (default, meaning), of the sections of CASE.md that explain tables of the case; and, as (table, keys), the
-    keys of which one and only one must be there: "`a` or `b`" and "required"; and the tables that may be left out: "(absent: ...)"."""
-    rows, choices, left_out, tables, in_example = {}, [], set(), [], False
-    for line in open(path, encoding="utf-8"):
-        if line.startswith("```"):
-            in_example = not in_example
-        if in_example:
-            continue
-        if line.startswith("## "):
-            tables = [""] if line.startswith("## Top level") else [
-                re.sub(r"\.NAME$", ".*", name) for name in re.findall(r"`\[([a-z_.NAME]+)\]`", line)]
-            tables += [name + "[]" for name in re.findall(r"`\[\[([a-z_]+)\]\]`", line)]
-            if "(absent: " in line:
-                left_out.update(tables)
-            continue
-        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip().strip("|"))]
-        if not tables or len(cells) != 4 or not cells[0].startswith("`"):
-            continue
-        names = re.findall(r"`([a-z_.]+)`", cells[0])
-        either = " or " in cells[0] and cells[2] == "required"
-        if either:
-            choices.append((tables[0], names))
-        for name in names:
-            table, key = name.split(".") if "." in name else (tables[0], name)
-            rows[table, key] = ("" if either else cells[2].replace("`", ""), cells[3].replace("`", ""))
-    return rows, choices, left_out
+def array(items, count=None):
+    return {"type": "array", **({"minItems": count, "maxItems": count} if count else {}), "items": items}
 
 
-def number(read):
-    plain = {"type": "number", **RANGES[read["range"]]}
-    if not read["dimension"]:
+def is_default(text):
+    """Whether the text tells what holds when the key is absent, rather than when it may be."""
+    return text != "" and not text.startswith(("required", "or ", "see ", "one of "))
+
+
+def below(record):
+    """The table that a key opens."""
+    return (record["table"] + "." if record["table"] else "") + record["key"] + SECTIONS[record["type"]]
+
+
+# --- schema
+
+def number(record):
+    plain = {"type": "number", **RANGES[record["range"]]}
+    if not record["dimension"]:
         return plain
-    return {"anyOf": [plain, {"type": "string", "pattern": QUANTITY, "description": read["dimension"] + ", with its unit"}]}
+    return {"anyOf": [plain, {"type": "string", "pattern": QUANTITY, "description": record["dimension"] + ", with its unit"}]}
 
 
-def value_of(read, build_table):
-    """The schema of what one call of the reader accepts."""
-    kind, below = read["kind"], (read["table"] + "." if read["table"] else "") + read["key"]
+def value_of(record, build_table):
+    kind = record["type"]
     if kind == "number":
-        return number(read)
+        return number(record)
     if kind == "integer":
-        return {"type": "integer", **RANGES[read["range"]]}
+        return {"type": "integer", **RANGES[record["range"]]}
     if kind == "boolean":
         return {"type": "boolean"}
-    if kind == "text":
+    if kind in ("text", "path", "name"):
         return {"type": "string"}
     if kind == "word":
-        return {"enum": read["words"]}
-    if kind == "vector":
-        return {**VECTOR, "items": number(read)}
+        return {"enum": record["words"]}
+    if kind in ("vector", "direction"):
+        return array(number(record), 3)
+    if kind == "quaternion":
+        return array({"type": "number"}, 4)
     if kind == "corners":
-        return {"type": "array", "minItems": 2, "maxItems": 2, "items": {**VECTOR, "items": number(read)}}
+        return array(array(number(record), 3), 2)
     if kind == "numbers":
-        return {"type": "array", "items": number(read)}
+        return array(number(record))
     if kind == "vectors":
-        return {"type": "array", "items": {**VECTOR, "items": number(read)}}
+        return array(array(number(record), 3))
     if kind == "texts":
-        return {"type": "array", "items": {"type": "string"}}
+        return array({"enum": record["words"]} if record["words"] else {"type": "string"})
     if kind == "named_numbers":
-        return {"type": "object", "minProperties": 1, "additionalProperties": number(read)}
+        return {"type": "object", "minProperties": 1, "additionalProperties": number(record)}
+    table = build_table(below(record))
     if kind == "named_tables":
-        return {"type": "object", "additionalProperties": build_table(below + ".*")}
-    if kind == "tables":
-        return {"type": "array", "items": build_table(below + "[]")}
-    return build_table(below)   # table
+        return {"type": "object", "additionalProperties": table}
+    return array(table) if kind == "tables" else table
 
 
-# a call that knows more about the value makes these say nothing new
-IMPLIED = {"word": {"text"}, "named_numbers": {"table"}, "named_tables": {"table"}}
-
-
-def make_schema(reads, rows, exclusive, left_out):
-    asked = {}
-    for read in reads:
-        if read["kind"] != "allowed":
-            calls = asked.setdefault((read["table"], read["key"]), [])
-            if read not in calls:
-                calls.append(read)
-    maps = {(t + "." if t else "") + k for (t, k), calls in asked.items() for c in calls if c["kind"] == "named_numbers"}
-    asked = {place: calls for place, calls in asked.items() if place[0] not in maps}
-    allowed = sorted({(r["table"], r["key"]) for r in reads if r["kind"] == "allowed"})
-    faults = [f"'{t}.{k}' may stand in a case, and none of the cases given here makes the reader read it" for t, k in allowed if (t, k) not in asked]
-    explained = {table for table, _ in rows}
-    faults += [f"'{t}.{k}' is read, and CASE.md has no row for it" for t, k in allowed
-               if t in explained and (t, k) not in rows and not any(c["kind"] in ("table", "tables", "named_tables") for c in asked.get((t, k), []))]
-    faults += [f"CASE.md explains '{t}.{k}', which nothing reads" for t, k in rows if (t, k) not in allowed]
-
+def make_schema(records):
     def build_table(path):
-        properties, required = {}, []
-        for table, key in allowed:
-            if table != path:
-                continue
-            calls = asked.get((table, key), [])
-            kinds = {c["kind"] for c in calls}
-            hidden = set().union(*(IMPLIED.get(k, set()) for k in kinds))
-            choices = []
-            for call in calls:
-                choice = value_of(call, build_table)
-                if call["kind"] not in hidden and choice not in choices:
-                    choices.append(choice)
-            value = choices[0] if len(choices) == 1 else {"anyOf": choices}
-            below = f"{table}.{key}" if table else key
-            inside = below not in left_out and any("required" in choice and choice.get("type") == "object" for choice in choices)
-            default, meaning = rows.get((table, key), ("", ""))
-            if meaning:
-                value = {"description": meaning + (f" (default: {default})" if default not in ("", "required") else ""), **value}
-            if default == "required" or inside:
-                required.append(key)   # a table with a key that must be there must be there itself
-            properties[key] = value
-        one_of = [{"oneOf": [{"required": [key]} for key in keys]} for table, keys in exclusive if table == path]
-        return {"type": "object", "additionalProperties": False, "properties": properties, **({"required": required} if required else {}),
-                **({"allOf": one_of} if one_of else {})}
+        properties, required, one_of = {}, [], []
+        for record in (r for r in records if r["table"] == path):
+            key = record["key"]
+            if record["type"] == "one_of":
+                one_of.append({"oneOf": [{"required": [word]} for word in record["words"]]})
+            elif key not in properties:
+                same = [r for r in records if (r["table"], r["key"]) == (path, key)]
+                choices = []
+                for choice in (value_of(r, build_table) for r in same):
+                    if choice not in choices:
+                        choices.append(choice)
+                value = choices[0] if len(choices) == 1 else {"anyOf": choices}
+                default, meaning = record["default"].replace("`", ""), record["meaning"].replace("`", "")
+                if meaning:
+                    value = {"description": meaning + (f" (default: {default})" if is_default(default) else ""), **value}
+                if default == "required":
+                    required.append(key)
+                properties[key] = value
+        return {"type": "object", "additionalProperties": False, "properties": dict(sorted(properties.items())),
+                **({"required": sorted(required)} if required else {}), **({"allOf": one_of} if one_of else {})}
 
-    schema = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "Scree: a case of the discrete element method", **build_table("")}
-    return schema, faults
+    return {"$schema": "http://json-schema.org/draft-07/schema#", "title": "Scree: a case of the discrete element method", **build_table("")}
+
+
+# --- page
+
+def unit_of(record):
+    found = re.search(r"\[(.*)\]", record["dimension"])
+    return found.group(1) if found else ""
+
+
+def joined(*parts):
+    return ", ".join(part for part in parts if part)
+
+
+def type_text(record, records):
+    kind, unit, range_text = record["type"], unit_of(record), RANGE_TEXTS[record["range"]]
+    if kind in SECTIONS:
+        return table_text(below(record), records)
+    if kind == "word":
+        return ", ".join(f"`{word}`" for word in record["words"])
+    if kind == "texts":
+        return "list of " + (", ".join(f"`{word}`" for word in record["words"]) or "texts")
+    return {"number": joined(unit, range_text) or "number", "integer": joined("whole number", range_text), "boolean": "true, false",
+            "vector": joined("vector", unit), "direction": "direction", "quaternion": "`[w, x, y, z]`",
+            "corners": joined("`[corner, corner]`", unit), "numbers": joined("list", unit), "vectors": joined("list of vectors", unit),
+            "named_numbers": "`{ NAME = number, ... }`"}.get(kind, kind)
+
+
+def rows_of(table, records):
+    """(key, records of it), in their order."""
+    rows = {}
+    for record in records:
+        if record["table"] == table and record["type"] != "one_of":
+            rows.setdefault(record["key"], []).append(record)
+    return rows
+
+
+def table_text(table, records):
+    """`{ axis, centre = [0, 0, 0], this or that }`"""
+    keys, choices = [], [r["words"] for r in records if r["table"] == table and r["type"] == "one_of"]
+    for key, same in rows_of(table, records).items():
+        default = same[0]["default"].replace("`", "")
+        choice = next((words for words in choices if key in words), [key])
+        if key == choice[0]:
+            keys.append(" or ".join(choice) + (" = " + default if is_default(default) else ""))
+    return "`{ " + ", ".join(keys) + " }`"
+
+
+def inner_text(table, records):
+    """What the keys of a table in a table mean, behind its own meaning."""
+    texts = []
+    for key, same in rows_of(table, records).items():
+        record, shown = same[0], ""
+        if record["type"] in SECTIONS:
+            shown = " " + table_text(below(record), records)
+        elif unit_of(record) not in ("", "m"):
+            shown = f" [{unit_of(record)}]"
+        elif record["type"] == "texts" and record["words"]:
+            shown = " (" + ", ".join(f"`{word}`" for word in record["words"]) + ")"
+        if shown or record["meaning"]:
+            texts.append(f"`{key}`{shown}" + (": " + record["meaning"] if record["meaning"] else ""))
+    return "; ".join(texts)
+
+
+def page_table(table, records, on_page):
+    lines = ["| key | type, unit | default | meaning |", "|---|---|---|---|"]
+    for key, same in rows_of(table, records).items():
+        types, meanings = [], [same[0]["meaning"]]
+        for record in same:
+            is_section = record["type"] in SECTIONS
+            text = "see below" if is_section and below(record) in on_page else type_text(record, records)
+            if text not in types:
+                types.append(text)
+            if is_section and below(record) not in on_page:
+                meanings.append(inner_text(below(record), records))
+        meaning = ". ".join(m for m in meanings if m)
+        cells = [f"`{key}`", " or ".join(types), same[0]["default"], meaning]
+        lines.append("|" + "|".join(f" {cell} " if cell else " " for cell in cells) + "|")
+    return lines
+
+
+def make_page(text, records):
+    """Returns the page with its tables made anew, and what is wrong with it."""
+    lines, result, faults, table = text.split("\n"), [], [], None
+    on_page = re.findall(r"^<!-- keys (.*?) -->$", text, re.MULTILINE)
+    on_page = ["" if name == "(top level)" else name for name in on_page]
+    for line in lines:
+        begins = re.match(r"<!-- keys (.*?) -->$", line)
+        if begins:
+            table = "" if begins.group(1) == "(top level)" else begins.group(1)
+            rows = rows_of(table, records)
+            if not rows:
+                faults.append(f"CASE.md has a place for the keys of '{table}', which is no table of the case")
+            result += [line] + page_table(table, [r for r in records if table or r["type"] not in SECTIONS], on_page)
+        elif line == "<!-- end -->":
+            table = None
+        if table is None and not begins:
+            result.append(line)
+    for record in records:
+        if record["type"] in SECTIONS and record["table"] == "" and below(record) not in on_page:
+            faults.append(f"CASE.md has no place for the keys of '{below(record)}'; add the lines <!-- keys {below(record)} --> and <!-- end -->")
+    return "\n".join(result), faults
 
 
 def main():
-    parser = argparse.ArgumentParser(description="JSON Schema of the case language")
-    parser.add_argument("print_reads")
-    parser.add_argument("page")
-    parser.add_argument("cases", nargs="+")
-    parser.add_argument("-o", "--output")
-    parser.add_argument("--check")
+    parser = argparse.ArgumentParser(description="JSON Schema and page of the case language")
+    parser.add_argument("print_keys")
+    parser.add_argument("--schema", required=True)
+    parser.add_argument("--page", required=True)
+    parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
-    reads = json.loads(subprocess.run([arguments.print_reads, *arguments.cases], check=True, capture_output=True, text=True).stdout)
-    schema, faults = make_schema(reads, *page_rows(arguments.page))
-    text = json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
-    if arguments.check and open(arguments.check, encoding="utf-8").read() != text:
-        faults.append(f"{arguments.check} is not what the reader and CASE.md make now; make it anew with\n"
-                      f"  {' '.join(sys.argv[:3])} {' '.join(arguments.cases)} -o {arguments.check}")
+    records = json.loads(subprocess.run([arguments.print_keys], check=True, capture_output=True, text=True).stdout)
+    with open(arguments.page, encoding="utf-8") as file:
+        old_page = file.read()
+    page, faults = make_page(old_page, records)
+    for path, text in ((arguments.schema, json.dumps(make_schema(records), indent=1, ensure_ascii=False) + "\n"), (arguments.page, page)):
+        if not arguments.check:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+        elif open(path, encoding="utf-8").read() != text:
+            faults.append(f"{path} is not what the keys make now; make it anew with: ninja case-schema")
     for fault in faults:
         print(fault, file=sys.stderr)
-    if arguments.output:
-        with open(arguments.output, "w", encoding="utf-8") as file:
-            file.write(text)
     sys.exit(1 if faults else 0)
 
 

@@ -12,25 +12,7 @@
 
 namespace scree {
 
-namespace {
-
-std::string motion_text(const Wall& wall) {
-  switch (wall.motion.kind) {
-    case WallMotion::Kind::none:
-      return "fixed";
-    case WallMotion::Kind::rotate:
-      return fmt::format("rotates at {:.4g} rad/s", wall.motion.rate);
-    case WallMotion::Kind::translate:
-      return fmt::format("translates at {:.4g} m/s", wall.motion.rate);
-    case WallMotion::Kind::oscillate:
-      return fmt::format("oscillates by {:.4g} m at {:.4g} Hz", wall.motion.amplitude, wall.motion.frequency);
-    case WallMotion::Kind::table:
-      return "follows a table";
-  }
-  return "";
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::string verdict_section(const std::vector<Verdict>& verdicts) {
   static const std::map<Judgement, std::pair<const char*, const char*>> kSigns{{Judgement::good, {"good", "&#10003;"}},
@@ -64,7 +46,7 @@ std::string case_section(const Run& run) {
   }
   const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
   FactRows rows{{"Title", escaped(s.title)},
-            {"Bodies", fmt::format("{} ({:.4g} kg, {:.4g} m&sup3; of solid)", scene.bodies.size(), mass, volume)}};
+                {"Bodies", fmt::format("{} ({:.4g} kg, {:.4g} m&sup3; of solid)", scene.bodies.size(), mass, volume)}};
   if (scene.bodies.size() > 0)
     rows.emplace_back("Equivalent diameter", fmt::format("{} to {}", length_text(smallest), length_text(largest)));
   rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
@@ -116,7 +98,7 @@ std::string case_section(const Run& run) {
     html += "<h3>Walls</h3>\n<table class=\"grid-table\"><thead><tr><th>id</th><th>name</th><th>motion</th></tr></thead><tbody>\n";
     for (const Wall& wall : scene.walls) {
       html += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", wall.id,
-                          escaped(wall.name.empty() ? "wall" : wall.name), motion_text(wall));
+                          escaped(wall.name.empty() ? "wall" : wall.name), wall.motion.text());
     }
     html += "</tbody></table>\n";
   }

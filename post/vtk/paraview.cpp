@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 bool any_wall_moves(const Scene& scene) {
   for (const Wall& wall : scene.walls) {
-    if (wall.motion.kind != WallMotion::Kind::none) return true;
+    if (wall.motion.is_prescribed()) return true;
   }
   return false;
 }

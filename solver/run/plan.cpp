@@ -135,9 +135,11 @@ void Plan::add_fluid() {
 }
 
 void Plan::add_space() {
-  if (scene_.has_driven_walls())
-    in("driven walls", "positions from their motion at every step");
-  else
+  if (scene_.has_driven_walls()) {
+    for (const Wall& wall : source_.walls) {
+      if (wall.motion.is_prescribed()) in("driven walls", fmt::format("'{}' {}", wall.name, wall.motion.text()));
+    }
+  } else
     out("driven walls", "no wall moves");
   if (comm_.size() > 1)
     in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));

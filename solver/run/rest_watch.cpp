@@ -11,39 +11,11 @@
 
 namespace scree {
 
-namespace {
-
-/// When a wall moves for the last time [s].
-double end_of_motion(const WallMotion& m) {
-  double end = m.stop;
-  switch (m.kind) {
-    case WallMotion::Kind::none:
-      return 0;
-    case WallMotion::Kind::rotate:
-    case WallMotion::Kind::translate:
-      if (m.rate == 0) return 0;
-      break;
-    case WallMotion::Kind::oscillate:
-      if (m.amplitude == 0 || m.frequency == 0) return 0;
-      break;
-    case WallMotion::Kind::table: {
-      std::size_t last = m.table_time.size();
-      while (last > 1 && m.table_position[last - 1] == m.table_position[last - 2]) --last;
-      if (last < 2) return 0;
-      end = std::min(end, m.start + m.table_time[last - 1]);
-      break;
-    }
-  }
-  return end > m.start ? end : 0;
-}
-
-}  // namespace
-
 RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest) {
   if (!active_) return;
   const double g = length(scene.settings.gravity);
   if (!(g > 0)) throw UsageError("time.stop_at_rest: without gravity nothing falls, so rest cannot be told; leave it out");
-  for (const Wall& wall : scene.walls) walls_stop_ = std::max(walls_stop_, end_of_motion(wall.motion));
+  for (const Wall& wall : scene.walls) walls_stop_ = std::max(walls_stop_, wall.motion.end());
   std::optional<FluidForces> fluid;
   if (scene.settings.fluid) fluid.emplace(scene);
   constexpr double kWeightless = 1e-12;  // of the weight in a void: rounding of densities that agree

@@ -194,7 +194,7 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
   zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
   seam_gaps_ = check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, largest_radius_ + 2 * margin_, settings.duration);
-  for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.kind != WallMotion::Kind::none;
+  for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
 }
 
 PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {

@@ -11,7 +11,7 @@
 #include "core/geometry/periodic.hpp"
 #include "core/storage/scene_file.hpp"
 #include "core/storage/seam_meshes.hpp"
-#include "core/storage/wall_motion.hpp"
+#include "core/storage/wall_state.hpp"
 #include "core/storage/wall_zones.hpp"
 #include "solver/laws/laws.hpp"
 

@@ -29,7 +29,8 @@ void move_scene(Scene& scene, const Vec3& origin) {
   if (origin == Vec3{}) return;
   for (Vec3& x : scene.bodies.position) x -= origin;
   for (Wall& wall : scene.walls) {
-    for (Vec3* place : {&wall.point, &wall.lower, &wall.upper, &wall.axis_start, &wall.axis_end, &wall.motion.centre}) *place -= origin;
+    for (Vec3* place : {&wall.point, &wall.lower, &wall.upper, &wall.axis_start, &wall.axis_end}) *place -= origin;
+    wall.motion.move_origin(origin);
     if (wall.kind == WallKind::mesh) wall.position -= origin;
   }
   scene.settings.domain.lower -= origin;

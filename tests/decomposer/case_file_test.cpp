@@ -174,13 +174,14 @@ contacts = true
 checkpoint = "0.1 s"
 )");
   ASSERT_EQ(c.walls.size(), 5u);
-  const WallMotion& rotate = c.walls[1].wall.motion;
+  const Rotate rotate = std::get<Rotate>(c.walls[1].wall.motion.kind);
   EXPECT_EQ(rotate.axis, (Vec3{0, 0, 1}));
   EXPECT_NEAR(rotate.rate, std::numbers::pi, 1e-15);  // 30 rpm is half a turn a second
-  EXPECT_DOUBLE_EQ(rotate.start, 0.1);
-  EXPECT_DOUBLE_EQ(c.walls[3].wall.motion.rate, 5);
-  EXPECT_DOUBLE_EQ(c.walls[3].wall.motion.axis.y, 0.6);
-  EXPECT_EQ(c.walls[4].wall.motion.table_position[1], (Vec3{0, 0, 1}));
+  EXPECT_DOUBLE_EQ(c.walls[1].wall.motion.start, 0.1);
+  const Translate translate = std::get<Translate>(c.walls[3].wall.motion.kind);
+  EXPECT_DOUBLE_EQ(translate.rate, 5);
+  EXPECT_DOUBLE_EQ(translate.axis.y, 0.6);
+  EXPECT_EQ(std::get<FollowTable>(c.walls[4].wall.motion.kind).position[1], (Vec3{0, 0, 1}));
   EXPECT_DOUBLE_EQ(c.shapes[0].sphere_radius, 0.005);
   ASSERT_EQ(c.populations[0].shares.size(), 2u);
   EXPECT_DOUBLE_EQ(c.populations[0].shares[1].second, 0.7);

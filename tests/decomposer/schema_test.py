@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The schema of the case language: what the reader and CASE.md make today, and what a validator that is not ours says with it.
-usage: schema_test.py SOURCE PRINT_READS SCREE_DECOMPOSER"""
+"""The schema of the case language and the tables of CASE.md: made from the keys of today, and what a validator that is not ours says with it.
+usage: schema_test.py SOURCE PRINT_KEYS SCREE_DECOMPOSER"""
 import copy
 import glob
 import json
@@ -12,14 +12,14 @@ import tomllib
 
 import jsonschema
 
-SOURCE, PRINT_READS, DECOMPOSER = sys.argv[1:4]
+SOURCE, PRINT_KEYS, DECOMPOSER = sys.argv[1:4]
 FOLDER = os.path.join(SOURCE, "decomposer", "schema")
 ENV = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
 
 cases = sorted(glob.glob(os.path.join(FOLDER, "cases", "*.toml")))
 schema_file = os.path.join(FOLDER, "case.schema.json")
-subprocess.run([sys.executable, os.path.join(FOLDER, "make_schema.py"), PRINT_READS, os.path.join(SOURCE, "decomposer", "CASE.md"), *cases,
-                "--check", schema_file], check=True)
+subprocess.run([sys.executable, os.path.join(FOLDER, "make_schema.py"), PRINT_KEYS, "--schema", schema_file, "--page",
+                os.path.join(SOURCE, "decomposer", "CASE.md"), "--check"], check=True)
 with open(schema_file, encoding="utf-8") as file:
     schema = json.load(file)
 jsonschema.Draft7Validator.check_schema(schema)

@@ -171,6 +171,9 @@ def every_word_of_the_language_is_drawn(_):
 
 NOT_DRAWN = {
     "shapes.*.name",   # of several shapes in a file: the tester imports one mesh into each file
+    # openings that are others turned or mirrored, or through which bodies would only fall
+    ("walls.*.shape.box.open", "+x"), ("walls.*.shape.box.open", "-y"), ("walls.*.shape.box.open", "-z"),
+    ("walls.*.shape.cone.open", "start"),
 }
 
 

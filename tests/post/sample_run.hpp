@@ -14,6 +14,7 @@
 #include "core/storage/frame_file.hpp"
 #include "core/storage/h5.hpp"
 #include "core/storage/scene_file.hpp"
+#include "core/storage/wall_state.hpp"
 
 namespace scree::test {
 
@@ -68,9 +69,7 @@ inline Scene sample_scene(std::size_t bodies) {
   lid.name = "lid";
   lid.point = {0, 0, 0.4};
   lid.normal = {0, 0, -1};
-  lid.motion.kind = WallMotion::Kind::translate;
-  lid.motion.axis = {0, 0, -1};
-  lid.motion.rate = 0.1;
+  lid.motion.kind = Translate{.axis = {0, 0, -1}, .rate = 0.1};
   scene.walls = {box, lid};
   Provenance mesh, record;
   mesh.tool = "scree-mesher";
@@ -106,7 +105,7 @@ inline Frame sample_frame(const Scene& scene, std::int64_t number, double time) 
   }
   for (const Wall& wall : scene.walls) {
     frame.walls.id.push_back(wall.id);
-    frame.walls.position.push_back(wall.position + (time * wall.motion.rate) * wall.motion.axis);
+    frame.walls.position.push_back(wall_state(wall, time).position);
     frame.walls.orientation.push_back(wall.orientation);
     frame.walls.force.push_back({});
     frame.walls.torque.push_back({});

@@ -117,9 +117,7 @@ TEST(Approach, before_a_mesh_wall_is_seen_ahead) {
   scene.walls.push_back(wall);
   EXPECT_NEAR(speed_of(scene), 2, 1e-8);
   scene.bodies.velocity[0] = {0, 0, 0.25};
-  scene.walls[0].motion.kind = WallMotion::Kind::translate;
-  scene.walls[0].motion.axis = {0, 0, 1};
-  scene.walls[0].motion.rate = 1;
+  scene.walls[0].motion.kind = Translate{.axis = {0, 0, 1}, .rate = 1};
   EXPECT_NEAR(speed_of(scene), 0.75, 1e-8) << "the floor comes up";
 }
 

@@ -17,10 +17,7 @@ inline Scene tumbling_box(int n) {
   Scene scene = rock_scene();
   const double spacing = 0.108, lattice = 0.5 * n * spacing, half = lattice + 0.012;
   add_box_walls(scene, {-half, -half, -half}, {half, half, half});
-  WallMotion& motion = scene.walls[0].motion;
-  motion.kind = WallMotion::Kind::rotate;
-  motion.axis = normalised(Vec3{1, 1, 1});
-  motion.rate = 5;
+  scene.walls[0].motion.kind = Rotate{.axis = normalised(Vec3{1, 1, 1}), .rate = 5};
   fill_lattice(scene, n, n, n, {-lattice, -lattice, -lattice}, spacing, {});
   std::mt19937 generator(6);
   std::uniform_real_distribution<double> speed(-1.5, 1.5);

@@ -164,9 +164,7 @@ TEST(PeriodicAxes, take_a_mesh_wall_that_is_met_everywhere_and_refuse_or_name_ot
   };
   EXPECT_NE(refusal(0.5, 1.2, still).find("'plate'"), std::string::npos) << "beyond one end only";
   WallMotion slides;
-  slides.kind = WallMotion::Kind::translate;
-  slides.axis = {1, 0, 0};
-  slides.rate = 0.2;
+  slides.kind = Translate{.axis = {1, 0, 0}, .rate = 0.2};
   const std::string lost = refusal(-0.06, 1.06, slides);
   for (const char* word : {"'plate'", "periodic axis x", "-0.06 to 1.46 m"}) EXPECT_NE(lost.find(word), std::string::npos) << lost;
   EXPECT_EQ(refusal(-0.5, 1.06, slides), "") << "a belt that is long enough";
@@ -174,22 +172,16 @@ TEST(PeriodicAxes, take_a_mesh_wall_that_is_met_everywhere_and_refuse_or_name_ot
   slides.stop = -1;
   EXPECT_EQ(refusal(-0.06, 1.06, slides), "");
   slides.stop = 1e300;
-  slides.axis = {0, 1, 0};
+  slides.kind = Translate{.axis = {0, 1, 0}, .rate = 0.2};
   EXPECT_EQ(refusal(-0.06, 1.06, slides), "") << "across the axis";
   WallMotion turns;
-  turns.kind = WallMotion::Kind::rotate;
-  turns.rate = 3;
-  turns.centre = {0.5, 0.5, 0.5};
-  turns.axis = {1, 0, 0};
+  turns.kind = Rotate{.axis = {1, 0, 0}, .centre = {0.5, 0.5, 0.5}, .rate = 3};
   EXPECT_EQ(refusal(-0.06, 1.06, turns), "") << "about the axis";
-  turns.axis = {0, 0, 1};
+  turns.kind = Rotate{.axis = {0, 0, 1}, .centre = {0.5, 0.5, 0.5}, .rate = 3};
   EXPECT_NE(refusal(-0.06, 1.06, turns), "");
   EXPECT_EQ(refusal(0.4, 0.6, turns), "") << "a stirrer inside";
   WallMotion shakes;
-  shakes.kind = WallMotion::Kind::oscillate;
-  shakes.axis = {1, 0, 0};
-  shakes.amplitude = 0.05;
-  shakes.frequency = 1;
+  shakes.kind = Oscillate{.axis = {1, 0, 0}, .amplitude = 0.05, .frequency = 1};
   EXPECT_NE(refusal(-0.06, 1.06, shakes), "");
   EXPECT_EQ(refusal(-0.11, 1.11, shakes), "");
 }

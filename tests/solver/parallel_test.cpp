@@ -155,9 +155,7 @@ TEST(Migration, keeps_the_springs_of_blocks_that_friction_holds) {
   scene.settings.steps_per_contact = 30;
   scene.shapes = {make_solid("block", grid_box(1, {side, side, side})), make_solid("post", grid_box(1, {0.02, 0.02, 0.02}))};
   add_plane(scene, {0, 0, 0}, {0, 0, 1});
-  scene.walls[0].motion.kind = WallMotion::Kind::translate;
-  scene.walls[0].motion.axis = {1, 0, 0};
-  scene.walls[0].motion.rate = speed;
+  scene.walls[0].motion.kind = Translate{.axis = {1, 0, 0}, .rate = speed};
   scene.walls[0].motion.stop = 1e300;
   const double mass = 1000 * side * side * side, overlap = mass * 9 / (std::sqrt(2.0) * stiffness);
   constexpr int kBlocks = 3;

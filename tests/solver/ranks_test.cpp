@@ -79,9 +79,7 @@ TEST(Lists, hold_for_a_ball_in_a_fast_drum_with_a_quantised_step) {
   drum.axis_start = {0, -0.05, 0};
   drum.axis_end = {0, 0.05, 0};
   drum.radius = 0.1;
-  drum.motion.kind = WallMotion::Kind::rotate;
-  drum.motion.axis = {0, 1, 0};
-  drum.motion.rate = 31.4;
+  drum.motion.kind = Rotate{.axis = {0, 1, 0}, .rate = 31.4};
   scene.walls.push_back(drum);
   expect_same_outcome_on_all_ranks(scene, 100);
 }
@@ -94,9 +92,7 @@ TEST(Lists, hold_for_a_wall_that_starts_late_and_fast) {
   piston.id = 4;
   piston.name = "piston";
   piston.normal = {1, 0, 0};
-  piston.motion.kind = WallMotion::Kind::table;
-  piston.motion.table_time = {0, 0.0102, 0.0202};
-  piston.motion.table_position = {{}, {}, {0.01, 0, 0}};
+  piston.motion.kind = FollowTable{.time = {0, 0.0102, 0.0202}, .position = {{}, {}, {0.01, 0, 0}}};
   scene.walls.push_back(piston);
   scene.settings.step = 4e-4;
   expect_same_outcome_on_all_ranks(scene, 100);

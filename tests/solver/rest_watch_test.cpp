@@ -30,26 +30,22 @@ TEST(Rest, is_not_told_while_a_wall_moves_or_will_move) {
   Scene scene = balls_at_rest(3);
   EXPECT_TRUE(rests_at(scene, 0.1));
   WallMotion& m = scene.walls[0].motion;
-  m.kind = WallMotion::Kind::translate;  // a gate that opens at 2 s
-  m.rate = 0.1;
+  m.kind = Translate{.rate = 0.1};  // a gate that opens at 2 s
   m.start = 2;
   m.stop = 3;
   for (const double time : {0.1, 1.9, 2.5, 2.99, 3.01}) EXPECT_FALSE(rests_at(scene, time)) << time;
   EXPECT_TRUE(rests_at(scene, 3.1));
   m.start = 0;  // a plate that rises slowly, and for ever
   m.stop = 1e300;
-  m.rate = 1e-5;
+  m.kind = Translate{.rate = 1e-5};
   EXPECT_FALSE(rests_at(scene, 5));
-  m.rate = 0;
+  m.kind = Translate{.rate = 0};
   EXPECT_TRUE(rests_at(scene, 5)) << "a motion that moves nothing";
-  m.kind = WallMotion::Kind::oscillate;
-  m.amplitude = 1e-6;
-  m.frequency = 1;
+  m.kind = Oscillate{.amplitude = 1e-6, .frequency = 1};
   EXPECT_FALSE(rests_at(scene, 5));
-  m.kind = WallMotion::Kind::table;  // the last two places are the same
+  // the last two places are the same
+  m.kind = FollowTable{.time = {0, 1, 2, 3}, .position = {{}, {}, {0, 0, 1}, {0, 0, 1}}};
   m.start = 1;
-  m.table_time = {0, 1, 2, 3};
-  m.table_position = {{}, {}, {0, 0, 1}, {0, 0, 1}};
   EXPECT_FALSE(rests_at(scene, 0.5));
   EXPECT_FALSE(rests_at(scene, 2.9));
   EXPECT_TRUE(rests_at(scene, 3.1));

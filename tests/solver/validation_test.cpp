@@ -173,9 +173,7 @@ TEST(DrivenWall, carries_a_block_along_and_its_work_is_counted) {
   test::add_body(run.scene, 0, {0, 0, 0.05 + 0.004 - 4 * 9.81 / (std::sqrt(2.0) * 1e6)});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   WallMotion& motion = run.scene.walls[0].motion;
-  motion.kind = WallMotion::Kind::translate;
-  motion.axis = {1, 0, 0};
-  motion.rate = 1;
+  motion.kind = Translate{.axis = {1, 0, 0}, .rate = 1};
   motion.start = 0.1;
   run.start();
   const double before = run.simulation->energies().balance();
@@ -201,9 +199,7 @@ TEST(DrivenWall, a_turning_cylinder_takes_a_ball_with_it) {
   drum.axis_start = {0, 0, 0};
   drum.axis_end = {0, 0.2, 0};
   drum.radius = 0.2;
-  drum.motion.kind = WallMotion::Kind::rotate;
-  drum.motion.axis = {0, 1, 0};
-  drum.motion.rate = 10;
+  drum.motion.kind = Rotate{.axis = {0, 1, 0}, .rate = 10};
   run.scene.walls.push_back(drum);
   run.start();
   run.run_for(1.0);

@@ -11,21 +11,10 @@ using test::TestRun;
 
 std::vector<WallMotion> all_motions() {
   std::vector<WallMotion> motions(4);
-  motions[0].kind = WallMotion::Kind::rotate;
-  motions[0].axis = normalised(Vec3{1, 2, 3});
-  motions[0].centre = {0.1, -0.2, 0.3};
-  motions[0].rate = 5;
-  motions[1].kind = WallMotion::Kind::translate;
-  motions[1].axis = {0, 1, 0};
-  motions[1].rate = -2;
-  motions[2].kind = WallMotion::Kind::oscillate;
-  motions[2].axis = {1, 0, 0};
-  motions[2].amplitude = 0.02;
-  motions[2].frequency = 7;
-  motions[2].phase = 0.4;
-  motions[3].kind = WallMotion::Kind::table;
-  motions[3].table_time = {0, 0.3, 0.5, 0.9};
-  motions[3].table_position = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.2, 0}, {0, 0, -0.1}};
+  motions[0].kind = Rotate{.axis = normalised(Vec3{1, 2, 3}), .centre = {0.1, -0.2, 0.3}, .rate = 5};
+  motions[1].kind = Translate{.axis = {0, 1, 0}, .rate = -2};
+  motions[2].kind = Oscillate{.axis = {1, 0, 0}, .amplitude = 0.02, .frequency = 7, .phase = 0.4};
+  motions[3].kind = FollowTable{.time = {0, 0.3, 0.5, 0.9}, .position = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.2, 0}, {0, 0, -0.1}}};
   for (WallMotion& m : motions) {
     m.start = 0.2;
     m.stop = 0.9;
@@ -41,7 +30,7 @@ TEST(DrivenWall, moves_as_fast_as_its_pose_changes) {
     wall.position = {0.5, 0.1, 0};
     wall.orientation = quaternion_of(normalised(Vec3{0, 1, 1}), 0.3);
     wall.motion = motion;
-    const int kind = static_cast<int>(motion.kind);
+    const char* const kind = motion.word();
     for (const double time : {0.05, 0.21, 0.33, 0.47, 0.62, 0.85, 0.95, 3.0}) {
       const double h = 1e-6;
       const WallState before = wall_state(wall, time - h), now = wall_state(wall, time), after = wall_state(wall, time + h);
@@ -58,7 +47,7 @@ TEST(DrivenWall, moves_as_fast_as_its_pose_changes) {
   std::vector<WallMotion> motions = all_motions();
   Wall wall;
   wall.motion = motions[2];
-  wall.motion.phase = 0;
+  std::get<Oscillate>(wall.motion.kind).phase = 0;
   EXPECT_NEAR(wall_state(wall, 0.2 + 1 / 28.0).position.x, 0.02, 1e-15);
   wall.motion = motions[3];
   EXPECT_NEAR(wall_state(wall, 0.2 + 0.4).position.y, 0.1, 1e-15);
@@ -72,9 +61,7 @@ TEST(DrivenWall, that_lifts_a_block_gives_the_power_it_takes) {
   const double mass = 16, overlap = mass * 9.81 / (std::sqrt(2.0) * 1e6);
   test::add_body(run.scene, 0, {0, 0, 0.05 + 0.01 - overlap}, {}, {0, 0, 0.5});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
-  run.scene.walls[0].motion.kind = WallMotion::Kind::translate;
-  run.scene.walls[0].motion.axis = {0, 0, 1};
-  run.scene.walls[0].motion.rate = 0.5;
+  run.scene.walls[0].motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.5};
   run.start();
   const Energies start = run.simulation->energies();
   run.run_for(1.0);
@@ -97,9 +84,7 @@ TEST(DrivenWall, that_turns_carries_a_block_round_by_friction) {
   test::add_body(run.scene, 0, {r, 0, 0.02 + 0.01 - overlap}, {}, {0, r * omega, 0}, {0, 0, omega});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   WallMotion& m = run.scene.walls[0].motion;
-  m.kind = WallMotion::Kind::rotate;
-  m.axis = {0, 0, 1};
-  m.rate = omega;
+  m.kind = Rotate{.axis = {0, 0, 1}, .rate = omega};
   run.start();
   run.run_for(2.0);
   const Vec3 x = run.position(0);
@@ -123,10 +108,7 @@ TEST(DrivenWall, that_turns_about_an_axis_away_from_its_origin_carries_a_block_a
     test::add_body(run.scene, 0, {away + r, 0, 0.02 + 0.01 - overlap}, {}, {0, r * omega, 0}, {0, 0, omega});
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
     WallMotion& m = run.scene.walls[0].motion;
-    m.kind = WallMotion::Kind::rotate;
-    m.axis = {0, 0, 1};
-    m.centre = {away, 0, 0};
-    m.rate = omega;
+    m.kind = Rotate{.axis = {0, 0, 1}, .centre = {away, 0, 0}, .rate = omega};
     run.start();
     run.run_for(1.0);
     return run.position(0) - Vec3{away, 0, 0};
@@ -143,7 +125,7 @@ TEST(DrivenWall, has_half_a_step_before_the_velocity_of_the_way_gone) {
     wall.motion = motion;
     const double h = 1e-4, time = 0.47;
     const WallState now = wall_state(wall, time, h), before = wall_state(wall, time - h);
-    EXPECT_LE(length((1 / h) * (now.position - before.position) - now.velocity_before), 1e-5) << static_cast<int>(motion.kind);
+    EXPECT_LE(length((1 / h) * (now.position - before.position) - now.velocity_before), 1e-5) << motion.word();
     EXPECT_EQ(now.velocity, wall_state(wall, time).velocity);
   }
 }
@@ -157,17 +139,15 @@ TEST(DrivenWall, given_as_a_table_goes_to_the_motion_it_samples) {
     test::add_body(run.scene, 0, {0, 0, 0.06}, {}, {0, 0, -0.2});
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
     WallMotion& m = run.scene.walls[0].motion;
-    m.axis = {0, 0, 1};
     if (rows == 0) {
-      m.kind = WallMotion::Kind::oscillate;
-      m.amplitude = 0.002;
-      m.frequency = 10;
+      m.kind = Oscillate{.axis = {0, 0, 1}, .amplitude = 0.002, .frequency = 10};
     } else {
-      m.kind = WallMotion::Kind::table;
+      FollowTable table;
       for (int i = 0; i <= rows; ++i) {
-        m.table_time.push_back(0.1 * i / rows);
-        m.table_position.push_back({0, 0, 0.002 * std::sin(2 * M_PI * 10 * m.table_time.back())});
+        table.time.push_back(0.1 * i / rows);
+        table.position.push_back({0, 0, 0.002 * std::sin(2 * M_PI * 10 * table.time.back())});
       }
+      m.kind = table;
     }
     run.start();
     run.run_for(0.1);

@@ -45,10 +45,7 @@ Scene rich_scene() {
   plane.id = 2;
   plane.name = "plane";
   plane.normal = normalised(Vec3{1, 2, 3});
-  plane.motion.kind = WallMotion::Kind::oscillate;
-  plane.motion.axis = {0, 0, 1};
-  plane.motion.amplitude = 0.01;
-  plane.motion.frequency = 50;
+  plane.motion.kind = Oscillate{.axis = {0, 0, 1}, .amplitude = 0.01, .frequency = 50};
   Wall box;
   box.id = 3;
   box.kind = WallKind::box_inside;
@@ -70,9 +67,7 @@ Scene rich_scene() {
   mesh.shape = 2;
   mesh.scale = 0.1;
   mesh.orientation = quaternion_of({0, 1, 0}, 0.3);
-  mesh.motion.kind = WallMotion::Kind::table;
-  mesh.motion.table_time = {0, 0.1, 0.3};
-  mesh.motion.table_position = {{}, {0, 0, 0.1}, {1.0 / 7, 0, 0}};
+  mesh.motion.kind = FollowTable{.time = {0, 0.1, 0.3}, .position = {{}, {0, 0, 0.1}, {1.0 / 7, 0, 0}}};
   s.walls = {plane, box, cylinder, sphere, mesh};
   BodyTable& b = s.bodies;
   b.id = {0, std::int64_t{1} << 40};
@@ -124,7 +119,7 @@ TEST_F(SceneFile, what_is_written_is_read_back_bit_for_bit) {
   EXPECT_EQ(a.settings.fluid->viscosity, b.settings.fluid->viscosity);
   EXPECT_EQ(a.pairs[0].stiffness, b.pairs[0].stiffness);
   EXPECT_EQ(a.walls[0].normal, b.walls[0].normal);
-  EXPECT_EQ(a.walls[4].motion.table_position, b.walls[4].motion.table_position);
+  EXPECT_EQ(std::get<FollowTable>(a.walls[4].motion.kind).position, std::get<FollowTable>(b.walls[4].motion.kind).position);
   EXPECT_EQ(a.walls[4].orientation, b.walls[4].orientation);
   EXPECT_EQ(a.bodies.id, b.bodies.id);
   EXPECT_EQ(a.bodies.shape, b.bodies.shape);

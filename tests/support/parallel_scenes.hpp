@@ -92,9 +92,7 @@ inline Scene rotating_drum() {
   drum.axis_start = {0, 0, 0};
   drum.axis_end = {0, 0.25, 0};
   drum.radius = 0.25;
-  drum.motion.kind = WallMotion::Kind::rotate;
-  drum.motion.axis = {0, 1, 0};
-  drum.motion.rate = 5;
+  drum.motion.kind = Rotate{.axis = {0, 1, 0}, .rate = 5};
   drum.motion.stop = 1e300;
   fill_lattice(scene, 3, 2, 3, {-0.162, 0.01, -0.2}, 0.108, {0, 0, -1});
   return scene;

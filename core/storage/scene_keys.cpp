@@ -1,0 +1,147 @@
+#include "core/storage/scene_keys.hpp"
+
+namespace scree {
+
+namespace {
+
+constexpr InFile kAlways{nullptr, true};
+
+}  // namespace
+
+void run_keys(KeyVisitor& k, Settings& s) {
+  k.text({"title", "name of the file", "for plots and reports", kAlways}, s.title);
+  k.count({"seed", "", "of all random numbers", kAlways}, s.seed);
+  k.vector({"gravity", "`[0, 0, -9.81]`", "", kAlways}, s.gravity, Dimension::acceleration);
+}
+
+void time_keys(KeyVisitor& k, Settings& s) {
+  k.number({"duration", kRequired, "of the simulation", kAlways}, s.duration, Dimension::time, Range::not_negative);
+  k.number({"steps_per_contact", "", "the step is the stiffest contact's duration divided by it; low restitution takes more, 29 at most",
+            kAlways},
+           s.steps_per_contact, Dimension::none, Range::positive);
+  k.number({"step", "derived", "fixes the step; not together with `steps_per_contact`", kAlways}, s.step, Dimension::time, Range::positive);
+  k.boolean(
+      {"stop_at_rest", "",
+       "ends the run at the first output time at which all bodies rest and nothing is due to disturb them: no wall moves or has a motion "
+       "ahead of it; since the last wall stopped, and for as long as it takes a body to fall its own diameter, the kinetic energy of all "
+       "has stayed below 1e-6 of what they would gain by that fall; and no single body has 1e-2 of its own. In a fluid, by falling there, "
+       "and no more than they have at their terminal speed; where a body weighs nothing there, by falling in a void. Ends too when no body "
+       "is left. The log then has at least four rows in the time of such a fall. Needs gravity"},
+      s.stop_at_rest);
+  k.word({"step_control", "",
+          "`quantised`: the step is halved, again and again, while the speed of a body (its spin counts as far as it moves the surface "
+          "outwards) uses up a fifth of its margin in a step, its spin turns it by 0.1 rad, or the contacts that there are ask for it; "
+          "`steps.csv` tells every change. The energy is kept best with `fixed`"},
+         s.step_control);
+}
+
+void domain_keys(KeyVisitor& k, Domain& d) {
+  if (k.when(d.bounded)) {
+    k.vector({"min", "none", "a corner; both `min` and `max`, or none", kAlways, true}, d.lower, Dimension::length);
+    k.vector({"max", "none", "the opposite corner", kAlways, true}, d.upper, Dimension::length);
+  }
+  k.word({"outside", "",
+          "what happens when a body's centre leaves through a side that is not periodic: the run stops (exit 5); the body is taken out and "
+          "noted in `removed.csv`; or it flies on and is counted",
+          kAlways},
+         d.outside);
+  k.axes({"periodic", "none", "what leaves through one side comes in through the other; needs `min` and `max`", kAlways}, d.periodic);
+}
+
+void fluid_keys(KeyVisitor& k, Fluid& f) {
+  k.number({"density", kRequired, "each body is lighter by the fluid that it displaces", kAlways}, f.density, Dimension::density,
+           Range::positive);
+  k.number({"viscosity", kRequired, "dynamic; water has `\"1 mPa s\"`", kAlways}, f.viscosity, Dimension::viscosity, Range::positive);
+  k.vector({"velocity", "", "of the fluid, the same everywhere and at all times", kAlways}, f.velocity, Dimension::velocity);
+  k.word({"drag", "",
+          "drag by sphericity at any Reynolds number, and a moment on the spin (sources and limits in `solver/bodies/fluid.hpp`); or what "
+          "both tend to when all is slow",
+          kAlways},
+         f.drag);
+}
+
+void contact_keys(KeyVisitor& k, Settings& s) {
+  k.word({"law", "",
+          "force law: a linear spring or Hertz's; restitution independent of speed, or (`hunt-crossley`) a force without a jump at touch",
+          kAlways},
+         s.law);
+  k.number(
+      {"impact_speed", "derived from the case", "fastest impact expected: the margin follows from it, and the step of `hertz-mindlin`"},
+      s.impact_speed, Dimension::velocity, Range::positive);
+  k.word({"gather", "",
+          "how contacts become a force: one potential per pair of bodies; an elastic layer, pressure over the area where faces face each "
+          "other, for conforming faces (needs `margin` and `layer_modulus`; a corner carries little, `F ~ d^3`); or one spring per pair of "
+          "triangles (for comparison only: stiffness and damping grow with the mesh)",
+          kAlways},
+         s.gather);
+  k.number({"margin", "derived (README)",
+            "boundary layer of each body; 0 for analytic spheres only, the default where a case has no meshes, neither as bodies nor as "
+            "walls, and no `barrier`",
+            kAlways},
+           s.margin, Dimension::length, Range::not_negative);
+  k.number({"barrier", "",
+            "stiffness of a barrier over that of a contact: from a fifth of the margins on it pushes without end, so that surfaces never "
+            "meet, at steps that are `sqrt(1 + 24 barrier)` times shorter; 10 doubles the energy that a contact can take"},
+           s.barrier, Dimension::none, Range::not_negative);
+}
+
+void motion_keys(KeyVisitor& k, Settings& s) {
+  k.word({"integrator", "",
+          "the first is the one to use: no drift of energy, momentum kept to rounding; the others are kept to compare with "
+          "(`solver/README.md`)",
+          kAlways},
+         s.integrator);
+}
+
+void output_keys(KeyVisitor& k, Settings& s) {
+  k.number({"every", "duration / 100", "between frames", {"output_every", true}}, s.output_every, Dimension::time, Range::positive);
+  k.boolean({"contacts", "", "in the frames", {"output_contacts", true}}, s.output_contacts);
+  k.number({"checkpoint",
+            "every 30 min of run time",
+            "between checkpoints, in simulated time; 0: one at the end only",
+            {"checkpoint_every", true}},
+           s.checkpoint_every, Dimension::time, Range::not_negative);
+}
+
+void material_keys(KeyVisitor& k, Material& m) {
+  k.number({"density", kRequired, "", kAlways}, m.density, Dimension::density, Range::positive);
+  k.number({"young", "required for `hertz-mindlin`", "Young's modulus", kAlways}, m.young, Dimension::pressure, Range::positive);
+  k.number({"poisson", "", "Poisson's ratio, above -1 and at most 0.5; for `hertz-mindlin`", kAlways}, m.poisson, Dimension::none,
+           Range::any);
+}
+
+void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
+  // a Hertz contact and a layer have no stiffness of their own: it comes from the materials
+  const bool has_spring = s.law != ContactLaw::hertz_mindlin && s.gather != Gathering::area;
+  k.number({"stiffness", "required, but for `hertz-mindlin` and `area`", "of one contact", kAlways, has_spring}, p.stiffness,
+           Dimension::stiffness, Range::positive);
+  k.number({"restitution", kRequired, "ratio of normal speeds after and before an impact; less than 0.01 is computed as 0.01", kAlways},
+           p.restitution, Dimension::none, Range::unit_interval);
+  k.number({"restitution_speed", "required for `hunt-crossley` below 1", "approach speed at which `restitution` holds"},
+           p.restitution_speed, Dimension::velocity, Range::positive);
+  k.number({"friction", "", "static coefficient", kAlways}, p.friction, Dimension::none, Range::not_negative);
+  k.number({"friction_sliding", "as `friction`", "from 0 to `friction`", kAlways}, p.friction_sliding, Dimension::none, Range::any);
+  k.number({"tangential_ratio", "2/7; Mindlin's 3 (1 - poisson) / (2 - poisson)", "tangential stiffness over normal force per overlap"},
+           p.tangential_ratio, Dimension::none, Range::not_negative);
+  k.number({"tangential_damping", "", "factor on the damping of sliding that goes with `restitution`"}, p.tangential_damping,
+           Dimension::none, Range::not_negative);
+  k.number({"rolling_friction", "", "rolling moment at most this times R* times the normal force", kAlways}, p.rolling_friction,
+           Dimension::none, Range::not_negative);
+  k.number({"torsional_friction", "", "the same for the moment about the normal"}, p.torsional_friction, Dimension::none,
+           Range::not_negative);
+  k.word(
+      {"rolling_model", "", "a spring that yields (type C), or a constant moment (type A), which does not hold a body at rest on a slope"},
+      p.rolling_model);
+  k.number(
+      {"layer_modulus",
+       "needed with `gather = \"area\"`, in place of `stiffness`",
+       "pressure is this times the overlap over both margins: a flat contact of area A has the stiffness `layer_modulus A / (2 margin)`",
+       {},
+       s.gather == Gathering::area},
+      p.layer_modulus, Dimension::pressure, Range::positive);
+  k.number({"contact_radius", "of the bodies",
+            "R* of `hertz-mindlin` and of rolling: 1/R* = 1/R_a + 1/R_b of the spheres of equal volume, R_b infinite for a wall"},
+           p.contact_radius, Dimension::length, Range::positive);
+}
+
+}  // namespace scree

@@ -1,0 +1,50 @@
+#include "core/storage/wall_state.hpp"
+
+#include "core/base/error.hpp"
+
+namespace scree {
+
+WallState wall_state(const Wall& wall, double time, double step) {
+  const MotionState now = wall.motion.state(time, {wall.position, wall.orientation});
+  WallState state{now.pose.position, now.pose.orientation, now.velocity, now.angular_velocity, {}, {}, now.pose.position, {}};
+  if (!wall.motion.is_prescribed()) return state;
+  const MotionState before = step > 0 ? wall.motion.state(time - 0.5 * step, {wall.position, wall.orientation}) : now;
+  state.velocity_before = before.velocity;
+  state.angular_velocity_before = before.angular_velocity;
+  if (const std::optional<TurnAxis> axis = wall.motion.turn_axis())
+    state.pivot = axis->point;
+  else
+    state.pivot_velocity_before = before.velocity;
+  return state;
+}
+
+Wall wall_at_start(const Wall& wall) {
+  Wall placed = wall;
+  placed.motion = {};
+  const WallState state = wall_state(wall, 0);
+  if (state.position == wall.position && state.orientation == wall.orientation) return placed;
+  if (wall.kind == WallKind::mesh) {
+    placed.position = state.position;
+    placed.orientation = state.orientation;
+    return placed;
+  }
+  // an analytic wall has no place of its own: its points are moved
+  const auto moved = [&](const Vec3& p) { return state.position + rotate(state.orientation, p - wall.position); };
+  if (wall.kind == WallKind::box_inside && !(state.orientation == wall.orientation)) {
+    throw UsageError(
+        "wall {} ('{}'): its motion starts at {:g} s, so that the box_inside is turned when the run begins; nothing can be placed "
+        "in it then. Start at 0 s, or make the wall of shape = {{ box = ... }}",
+        wall.id, wall.name, wall.motion.start);
+  }
+  placed.point = moved(wall.point);
+  placed.normal = rotate(state.orientation, wall.normal);
+  placed.axis_start = moved(wall.axis_start);
+  placed.axis_end = moved(wall.axis_end);
+  if (wall.kind == WallKind::box_inside) {
+    placed.lower = moved(wall.lower);
+    placed.upper = moved(wall.upper);
+  }
+  return placed;
+}
+
+}  // namespace scree

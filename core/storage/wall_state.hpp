@@ -1,0 +1,26 @@
+// Where a wall is and how fast it moves, from its prescribed motion (wall_motion.hpp). Who packs a scene and who runs it must agree on it.
+#pragma once
+
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+/// Pose and motion of a wall at a time, from its prescribed motion.
+struct WallState {
+  Vec3 position;  ///< of the wall frame's origin [m]
+  Quat orientation;
+  Vec3 velocity, angular_velocity;                ///< [m/s] of the origin, [rad/s]
+  Vec3 velocity_before, angular_velocity_before;  ///< the same half a step before
+  /// A point of the wall and its velocity half a step before [m, m/s]: of a wall that turns on the axis, so that arms to it are those of
+  /// the motion wherever the wall's origin is; else the origin.
+  Vec3 pivot, pivot_velocity_before;
+};
+/// in   step   [s]; without one the velocities before are those at the time itself
+WallState wall_state(const Wall& wall, double time, double step = 0);
+
+/// The wall as it stands when a run begins, without its motion. A `start` before 0 and the first rows of a table move it away from
+/// where the case draws it; a wall that is not moved is given back bit for bit.
+/// Fails: UsageError for a box_inside that is turned by then, since its faces lie along the axes.
+Wall wall_at_start(const Wall& wall);
+
+}  // namespace scree

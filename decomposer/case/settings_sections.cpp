@@ -1,0 +1,90 @@
+// The sections of a case that hold its settings. Their keys are in core/storage/scene_keys.cpp, since scene files keep them.
+#include <filesystem>
+
+#include "core/storage/scene_keys.hpp"
+#include "decomposer/case/case_sections.hpp"
+
+namespace scree {
+
+namespace {
+
+void time_section(CaseKeys& k, Settings& s) {
+  time_keys(k, s);
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  if (s.stop_at_rest && !(length(s.gravity) > 0)) throw t->error("stop_at_rest", "needs gravity: without it rest cannot be told");
+  if (t->has("step") && t->has("steps_per_contact")) {
+    throw t->error("step", "the step is given twice; give either step or steps_per_contact");
+  }
+}
+
+void domain_section(CaseKeys& k, Domain& d) {
+  const CaseTable* t = k.table();
+  if (t != nullptr) {
+    d.bounded = t->has("min") || t->has("max");
+    if (t->has("periodic") && !t->has("min")) throw t->error("periodic", "a periodic axis needs min and max");
+  }
+  domain_keys(k, d);
+  for (int axis = 0; t != nullptr && d.bounded && axis < 3; ++axis) {
+    if (!(d.lower[axis] < d.upper[axis])) throw t->error("min", "must be below max in x, y and z");
+  }
+}
+
+void relax_key(CaseKeys& k, Relax& relax) {
+  const CaseTable* t = k.table();
+  const bool is_word = t != nullptr && t->is_text("relax");
+  if (t != nullptr && t->has("relax") && !is_word && !t->is_boolean("relax")) {
+    throw t->error("relax", "expected true, false or \"shallow\"");
+  }
+  if (k.when(is_word)) {
+    k.only_word(
+        {"relax", "",
+         "bodies of `[[bodies]]` that start within the margins of each other or of a wall store energy and would be thrown. `\"shallow\"`: "
+         "they are parted before the run starts, the shortest way, until all are two margins apart, where that moves none by more than two "
+         "margins; a note reports how far. Otherwise they are refused, with the energy that is stored and the speed that it is. `true`: "
+         "parted however far that is, also from overlaps. `false`: overlaps are refused, and the others start pressed as they are. Both of "
+         "a pair move in inverse proportion to their masses, fixed ones stay; in a crowd, gaps become up to a tenth wider than asked for. "
+         "Packings and what comes from a run are left as they are"},
+        "shallow");
+  }
+  if (k.when(!is_word)) {
+    bool all = false;
+    k.boolean({"relax"}, all);
+    if (t != nullptr && t->has("relax")) relax = all ? Relax::all : Relax::none;
+  }
+}
+
+void contact_section(CaseKeys& k, Case& c) {
+  Settings& s = c.settings;
+  contact_keys(k, s);
+  relax_key(k, c.relax);
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  c.margin_given = t->has("margin");
+  if (s.barrier > 0 && s.gather != Gathering::potential) throw t->error("barrier", "goes with gather = \"potential\" only");
+  if (s.gather == Gathering::area && s.law == ContactLaw::hertz_mindlin)
+    throw t->error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");
+  if (s.gather == Gathering::area && !c.margin_given)
+    throw t->error("gather", "\"area\" needs contact.margin, the thickness of the elastic layer");
+}
+
+}  // namespace
+
+void settings_sections(CaseKeys& k, Case& c) {
+  Settings& s = c.settings;
+  s.title = std::filesystem::path(c.path).stem().string();
+  s.gravity = {0, 0, -9.81};
+  run_keys(k, s);
+  k.section({"time", kRequired}, [&](CaseKeys& below) { time_section(below, s); });
+  k.section({"domain", "unbounded"}, [&](CaseKeys& below) { domain_section(below, s.domain); });
+  k.section({"fluid", "bodies move in a void, at no cost"}, [&](CaseKeys& below) { fluid_keys(below, s.fluid.emplace()); });
+  k.section({"contact"}, [&](CaseKeys& below) { contact_section(below, c); });
+  k.section({"motion"}, [&](CaseKeys& below) { motion_keys(below, s); });
+  s.output_every = s.duration / 100;
+  k.section({"output"}, [&](CaseKeys& below) {
+    output_keys(below, s);
+    if (below.table() != nullptr) s.checkpoint_by_clock = !below.table()->has("checkpoint");  // 0 asks for none but the last
+  });
+}
+
+}  // namespace scree

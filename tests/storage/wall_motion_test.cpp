@@ -1,0 +1,171 @@
+// Every kind of wall motion: velocities are derivatives of the pose, no point is faster than it says, and files bring it back.
+#include "core/storage/wall_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/storage/scene_settings.hpp"
+#include "core/storage/wall_state.hpp"
+
+namespace scree {
+namespace {
+
+/// One of each kind, from 0.2 to 0.9 s. A new kind that is missing here fails the test below.
+std::vector<WallMotion> one_of_each() {
+  std::vector<WallMotion> all;
+  for (const MotionKind& kind : std::initializer_list<MotionKind>{
+           Rotate{.axis = normalised(Vec3{1, 2, 3}), .centre = {0.1, -0.2, 1.0 / 3}, .rate = 5},
+           Translate{.axis = normalised(Vec3{0, 1, -2}), .rate = -2.0 / 3},
+           Oscillate{.axis = normalised(Vec3{1, 0, 1}), .amplitude = 0.02, .frequency = 7, .phase = 0.4},
+           FollowTable{.time = {0, 0.3, 0.5, 0.9}, .position = {{0, 0, 0}, {0.1, 0, 1.0 / 7}, {0.1, 0.2, 0}, {0, 0, -0.1}}}}) {
+    all.push_back({kind, 0.2, 0.9});
+  }
+  return all;
+}
+
+const std::vector<Vec3> kPoints{{0.3, 0, 0}, {-1, 0.5, 0.2}, {0, 0, 2}, {0.7, -0.7, -0.1}};
+
+TEST(WallMotion, is_tested_here_in_every_kind) {
+  std::vector<std::string> tested, known;
+  for (const WallMotion& m : one_of_each()) tested.emplace_back(m.word());
+  for_each_motion([&](auto kind) { known.emplace_back(kind.kWord); });
+  EXPECT_EQ(tested, known);
+}
+
+TEST(WallMotion, has_the_velocity_with_which_its_pose_changes) {
+  const Pose start{{0.5, 0.1, 0}, quaternion_of(normalised(Vec3{0, 1, 1}), 0.3)};
+  for (const WallMotion& m : one_of_each()) {
+    for (double time = 0.0137; time < 1.2; time += 0.0371) {
+      constexpr double h = 1e-6;
+      const MotionState before = m.state(time - h, start), now = m.state(time, start), after = m.state(time + h, start);
+      EXPECT_LE(length((1 / (2 * h)) * (after.pose.position - before.pose.position) - now.velocity), 1e-6) << m.word() << " at " << time;
+      const Quat turn = after.pose.orientation * conjugate(before.pose.orientation);
+      EXPECT_LE(length((1 / h) * Vec3{turn.x, turn.y, turn.z} - now.angular_velocity), 1e-6) << m.word() << " at " << time;
+    }
+    EXPECT_EQ(m.state(0, start).pose.position, m.state(0.2, start).pose.position) << m.word();
+    EXPECT_EQ(m.state(0.9, start).pose.position, m.state(7, start).pose.position) << m.word();
+  }
+}
+
+TEST(WallMotion, is_never_faster_than_it_says_and_reaches_that_speed) {
+  for (const WallMotion& m : one_of_each()) {
+    double fastest = 0;
+    for (double time = 0; time < 1; time += 1e-4) {
+      const MotionState now = m.state(time, {});
+      for (const Vec3& p : kPoints)
+        fastest = std::max(fastest, length(now.velocity + cross(now.angular_velocity, rotate(now.pose.orientation, p))));
+    }
+    const double said = m.fastest(kPoints);
+    EXPECT_LE(fastest, said * (1 + 1e-12)) << m.word();
+    EXPECT_GE(fastest, said * (1 - 1e-3)) << m.word();
+  }
+}
+
+TEST(WallMotion, stays_in_the_box_around_its_displacements) {
+  for (const WallMotion& m : one_of_each()) {
+    if (m.turn_axis()) continue;
+    Vec3 lower, upper;
+    for (const Vec3& d : m.displacements(1)) {
+      lower = component_min(lower, d);
+      upper = component_max(upper, d);
+    }
+    for (double time = 0; time <= 1; time += 1e-3) {
+      const Vec3 d = m.state(time, {}).pose.position;
+      for (int k = 0; k < 3; ++k) EXPECT_TRUE(d[k] >= lower[k] - 1e-15 && d[k] <= upper[k] + 1e-15) << m.word() << " at " << time;
+    }
+  }
+}
+
+TEST(WallMotion, ends_when_its_pose_changes_for_the_last_time) {
+  for (WallMotion m : one_of_each()) {
+    EXPECT_DOUBLE_EQ(m.end(), 0.9) << m.word();
+    m.stop = 1e300;
+    EXPECT_EQ(m.end(), std::holds_alternative<FollowTable>(m.kind) ? 0.2 + 0.9 : 1e300) << m.word();
+  }
+  EXPECT_EQ(WallMotion{}.end(), 0);
+  EXPECT_FALSE((WallMotion{Rotate{.rate = 0}, 0, 1e300}.moves()));
+  EXPECT_FALSE((WallMotion{Oscillate{.amplitude = 1}, 0, 1e300}.moves()));
+  EXPECT_FALSE((WallMotion{FollowTable{.time = {0, 1}, .position = {{1, 0, 0}, {1, 0, 0}}}, 0, 1e300}.moves()));
+}
+
+TEST(WallMotion, moves_with_the_origin_of_the_world) {
+  const Vec3 origin{3, -4, 5}, place{0.5, 0.1, 0};
+  for (const WallMotion& m : one_of_each()) {
+    WallMotion moved = m;
+    moved.move_origin(origin);
+    for (const double time : {0.1, 0.3, 0.6, 2.0}) {
+      const Vec3 there = m.state(time, {place, {}}).pose.position, here = moved.state(time, {place - origin, {}}).pose.position;
+      EXPECT_LE(length(there - here - origin), 1e-14) << m.word();
+    }
+  }
+}
+
+TEST(WallMotion, says_in_words_what_it_does) {
+  std::vector<std::string> texts{WallMotion{}.text()};
+  for (const WallMotion& m : one_of_each()) texts.push_back(m.text());
+  EXPECT_EQ(texts, (std::vector<std::string>{"fixed", "rotates at 5 rad/s", "translates at -0.6667 m/s", "oscillates by 0.02 m at 7 Hz",
+                                             "follows a table"}));
+}
+
+nlohmann::json scene_text(const WallMotion& m) {
+  Scene scene;
+  scene.materials.push_back({"steel", 7800, 0, 0});
+  Wall wall;
+  wall.motion = m;
+  scene.walls.push_back(wall);
+  return settings_json(scene);
+}
+
+WallMotion read_again(const nlohmann::json& text) {
+  Scene scene;
+  read_settings_json(text, "X", scene);
+  return scene.walls[0].motion;
+}
+
+TEST(WallMotion, comes_back_from_a_file_bit_for_bit) {
+  const Pose start{{0.5, 0.1, 0}, quaternion_of(normalised(Vec3{0, 1, 1}), 0.3)};
+  std::vector<WallMotion> all = one_of_each();
+  all.emplace_back();
+  for (const WallMotion& m : all) {
+    const WallMotion again = read_again(nlohmann::json::parse(scene_text(m).dump()));
+    EXPECT_STREQ(again.word(), m.word());
+    EXPECT_EQ(scene_text(again), scene_text(m)) << m.word();
+    for (const double time : {0.0, 0.31, 0.62, 5.0}) {
+      EXPECT_EQ(again.state(time, start).pose.position, m.state(time, start).pose.position) << m.word();
+      EXPECT_EQ(again.state(time, start).pose.orientation, m.state(time, start).pose.orientation) << m.word();
+    }
+  }
+}
+
+// Readers of older versions ask for the members of all kinds in every motion.
+TEST(WallMotion, is_written_as_older_readers_expect_it) {
+  const nlohmann::json text = scene_text({Translate{.axis = {1, 0, 0}, .rate = 2}, 0.5, 1e300})["walls"][0]["motion"];
+  EXPECT_EQ(text.dump(),
+            "{\"amplitude\":0.0,\"axis\":[1.0,0.0,0.0],\"centre\":[0.0,0.0,0.0],\"frequency\":0.0,\"kind\":\"translate\",\"phase\":0.0,"
+            "\"rate\":2.0,\"start\":0.5,\"stop\":1e+300,\"table_position\":[],\"table_time\":[]}");
+}
+
+TEST(WallMotion, that_cannot_be_is_refused_by_name) {
+  const auto message_for = [](nlohmann::json text, const char* place, const nlohmann::json& value) -> std::string {
+    text[nlohmann::json::json_pointer(std::string("/walls/0/motion") + place)] = value;
+    try {
+      read_again(text);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const nlohmann::json turns = scene_text(one_of_each()[0]), table = scene_text(one_of_each()[3]);
+  EXPECT_EQ(message_for(turns, "/kind", "magic"),
+            "X.walls[0].motion.kind: 'magic' found, expected one of none, rotate, translate, oscillate, table");
+  EXPECT_EQ(message_for(turns, "/axis", {0, 0, 2}), "X.walls[0].motion.axis: length 2 found, a unit vector expected");
+  EXPECT_EQ(message_for(table, "/table_time", {0, 1}),
+            "X.walls[0].motion: time has 2 rows and position 4; expected as many, and at least one");
+  EXPECT_EQ(message_for(table, "/table_time", {0, 1, 1, 2}), "X.walls[0].motion: time must ascend");
+}
+
+}  // namespace
+}  // namespace scree
