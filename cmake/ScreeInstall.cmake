@@ -14,7 +14,7 @@ function(scree_install_library target)
   install(TARGETS ${target} EXPORT ScreeTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
   file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/scree/${folder}"
-    FILES_MATCHING PATTERN "*.hpp" PATTERN "*-inl.hpp" EXCLUDE)
+    FILES_MATCHING PATTERN "*.hpp" PATTERN "*.inc" PATTERN "*-inl.hpp" EXCLUDE)
 endfunction()
 
 # scree_install_tool(scree-X): the program, with its manual page and completion, which it writes itself.

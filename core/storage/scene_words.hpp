@@ -26,12 +26,18 @@ template <>
 inline constexpr auto kWordsOf<Drag> = std::to_array<Word<Drag>>({{Drag::haider_levenspiel, "haider-levenspiel"},
                                                                   {Drag::stokes, "stokes"}});
 
-/// The law of a contact: normal force and damping (solver/laws/laws.hpp).
-enum class ContactLaw { linear, hunt_crossley, hertz_mindlin };
+/// The law of a contact: normal force and damping. The list is contact_laws.inc.
+#define SCREE_CONTACT_LAW(name, word, normal, damping) name,
+enum class ContactLaw {
+#include "core/storage/contact_laws.inc"
+};
+#undef SCREE_CONTACT_LAW
+#define SCREE_CONTACT_LAW(name, word, normal, damping) {ContactLaw::name, word},
 template <>
-inline constexpr auto kWordsOf<ContactLaw> = std::to_array<Word<ContactLaw>>({{ContactLaw::linear, "linear"},
-                                                                              {ContactLaw::hunt_crossley, "hunt-crossley"},
-                                                                              {ContactLaw::hertz_mindlin, "hertz-mindlin"}});
+inline constexpr auto kWordsOf<ContactLaw> = std::to_array<Word<ContactLaw>>({
+#include "core/storage/contact_laws.inc"
+});
+#undef SCREE_CONTACT_LAW
 
 /// How contacts become the force of a pair: one potential, an elastic layer over the facing area, or one spring per pair of triangles.
 enum class Gathering { potential, area, pairs };

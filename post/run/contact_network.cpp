@@ -1,6 +1,7 @@
 #include "post/run/contact_network.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace scree {
 
@@ -31,19 +32,21 @@ std::vector<NetworkLine> network_of(const Frame& frame, const Periodicity& perio
     // points are averaged about the first, on the same side of the domain
     const Vec3 origin = line.index_a >= 0 ? frame.bodies.position[static_cast<std::size_t>(line.index_a)] : c.point[i];
     Vec3 offset, tangential;
+    double size = 0;  // of the normal forces
     const bool with_wall = line.index_a < 0 || line.index_b < 0;
     for (; i < c.size() && c.body_a[i] == line.body_a && c.body_b[i] == line.body_b; ++i) {
       if (with_wall && line.points == 1) break;  // the next point of this pair is a line of its own
-      if (!(c.normal_force[i] > 0)) continue;
+      if (!carries(c.normal_force[i])) continue;
       ++line.points;
       line.normal_force += c.normal_force[i];
       tangential += c.tangential_force[i];
       line.force += c.normal_force[i] * c.normal[i] + c.tangential_force[i];
-      offset += c.normal_force[i] * period.nearest(c.point[i] - origin);
+      size += std::abs(c.normal_force[i]);
+      offset += std::abs(c.normal_force[i]) * period.nearest(c.point[i] - origin);
     }
     if (line.points == 0) continue;
     line.tangential_force = length(tangential);
-    const Vec3 point = origin + (1 / line.normal_force) * offset;
+    const Vec3 point = origin + (1 / size) * offset;
     line.from = line.index_a >= 0 ? origin : point;
     line.to = point;
     if (line.index_b >= 0) line.to = line.from + period.nearest(frame.bodies.position[static_cast<std::size_t>(line.index_b)] - line.from);

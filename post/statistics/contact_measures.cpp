@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "post/run/contact_network.hpp"
+
 namespace scree {
 
 namespace {
@@ -84,12 +86,12 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
   std::size_t points = 0, among = 0, ends = 0;
   double among_force = 0;
   for (std::size_t i = 0; i < c.size(); ++i) {
-    if (!(c.normal_force[i] > 0)) continue;
+    if (!carries(c.normal_force[i])) continue;
     const std::int32_t a = view.row_a[i], o = view.row_b[i];
-    // pairs stand together: count a neighbour at the first of its points that presses
+    // pairs stand together: count a neighbour at the first of its points that carries
     bool is_first = true;
     for (std::size_t k = i; is_first && k > 0 && c.body_a[k - 1] == c.body_a[i] && c.body_b[k - 1] == c.body_b[i]; --k)
-      is_first = !(c.normal_force[k - 1] > 0);
+      is_first = !carries(c.normal_force[k - 1]);
     for (const std::int32_t row : {a, o}) {
       if (row < 0 || member[static_cast<std::size_t>(row)] == 0) continue;
       if (is_first) ++neighbours[static_cast<std::size_t>(row)];
@@ -113,9 +115,9 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
     m.largest_normal_force = std::max(m.largest_normal_force, c.normal_force[i]);
     if (!view.particle(a) || !view.particle(o)) continue;
     ++among;
-    among_force += c.normal_force[i];
+    among_force += std::abs(c.normal_force[i]);
     add_dyad(m.fabric, c.normal[i], c.normal[i]);
-    add_dyad(m.force_fabric, c.normal_force[i] * c.normal[i], c.normal[i]);
+    add_dyad(m.force_fabric, std::abs(c.normal_force[i]) * c.normal[i], c.normal[i]);
   }
 
   m.normal_force = points > 0 ? m.normal_force / static_cast<double>(points) : kNaN;
@@ -150,7 +152,7 @@ ForceChains force_chains(const FrameView& view) {
   const FrameBodies& b = view.frame.bodies;
   std::vector<Mat3> moment(b.size());
   for (std::size_t i = 0; i < c.size(); ++i) {
-    if (!(c.normal_force[i] > 0)) continue;
+    if (!carries(c.normal_force[i])) continue;
     const Vec3 force = force_on_a(c, i);
     for (const auto& [row, sign] : {std::pair{view.row_a[i], 1.0}, std::pair{view.row_b[i], -1.0}}) {
       if (!view.particle(row)) continue;
@@ -195,7 +197,7 @@ ForceChains force_chains(const FrameView& view) {
   const double aligned = std::cos(std::acos(-1.0) / 4);
   const auto strong = [&](std::int32_t row) { return view.particle(row) && load[static_cast<std::size_t>(row)] > mean; };
   for (std::size_t i = 0; i < c.size(); ++i) {
-    if (!(c.normal_force[i] > 0) || !strong(view.row_a[i]) || !strong(view.row_b[i])) continue;
+    if (!carries(c.normal_force[i]) || !strong(view.row_a[i]) || !strong(view.row_b[i])) continue;
     const auto p = static_cast<std::size_t>(view.row_a[i]), q = static_cast<std::size_t>(view.row_b[i]);
     const Vec3 line = normalised(view.facts.period.nearest(b.position[p] - b.position[q]));
     if (std::abs(dot(line, direction[p])) < aligned || std::abs(dot(line, direction[q])) < aligned) continue;

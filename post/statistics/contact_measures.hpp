@@ -30,9 +30,10 @@ struct ContactMeasures {
 /// Measures of one group; what has no value in this frame is NaN.
 ///
 /// How, and from where:
-/// - Contact points with a normal force > 0 count. Neighbours of a particle are distinct bodies or walls. Coordination number
-///   and rattlers (fewer than two neighbours): C. Thornton, Geotechnique 50 (2000) 43, eq. 2, for the particles of the group.
-/// - Fabric: mean of n n over contact points among particles (M. Satake, 1982); force fabric: sum of f_n n n over sum of f_n.
+/// - Contact points that carry a normal force count, those that pull too. Neighbours of a particle are distinct bodies or walls.
+///   Coordination number and rattlers (fewer than two neighbours): C. Thornton, Geotechnique 50 (2000) 43, eq. 2, for the particles of
+///   the group.
+/// - Fabric: mean of n n over contact points among particles (M. Satake, 1982); force fabric: sum of |f_n| n n over sum of |f_n|.
 ///   Anisotropy of a tensor F: a = sqrt(3/2 A:A) with A = 15/2 dev(F), so that a distribution of normals
 ///   (1 + A : n n) / 4 pi gives A back (G. Rothenburg, R. Bathurst 1989; N. Guo, J. Zhao, Comput. Geotech. 47 (2013) 1).
 /// - Stress: sum of f_i (x_centre - x_contact)_j over the contacts of the particles, divided by `volume` (Love, Weber), the
@@ -53,7 +54,8 @@ struct ForceChains {
 /// Source: J. Peters, M. Muthuswamy, J. Wibowo, A. Tordesillas, Phys. Rev. E 72 (2005) 041307, without its walk along a chain.
 ForceChains force_chains(const FrameView& view);
 
-/// Densities of normal and tangential force over the mean normal force of the frame: bins of equal width from 0 to `largest`.
+/// Densities of normal and tangential force over the mean normal force of the frame, of the contact points that press: bins of equal width
+/// from 0 to `largest`.
 struct ForceDistribution {
   std::vector<double> normal, tangential;  ///< probability densities; NaN without contacts
 };

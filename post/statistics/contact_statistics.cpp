@@ -8,6 +8,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "post/run/contact_network.hpp"
+
 namespace scree {
 
 namespace {
@@ -77,7 +79,7 @@ ContactStatistics contact_statistics(const Frame& frame, const std::unordered_se
   std::size_t points_of_particles = 0, among_particles = 0;
   for (std::size_t i = 0; i < c.size(); ++i) {
     if (c.margin[i] > 0) s.max_overlap_ratio = std::max(s.max_overlap_ratio, c.overlap[i] / c.margin[i]);
-    if (!(c.normal_force[i] > 0)) continue;
+    if (!carries(c.normal_force[i])) continue;
     const bool a_moves = !boundary.contains(c.body_a[i]), b_moves = !boundary.contains(c.body_b[i]);
     ++s.contacts;
     s.contact_forces.push_back(c.normal_force[i]);

@@ -23,7 +23,7 @@ Distribution distribution_of(std::vector<double> sample);
 struct ContactStatistics {
   double time = 0;                     ///< [s]
   std::size_t particles = 0;           ///< bodies that are free to move
-  std::size_t contacts = 0;            ///< contact points that press (normal force > 0)
+  std::size_t contacts = 0;            ///< contact points that carry a normal force
   std::size_t pairs_of_particles = 0;  ///< pairs of particles with at least one contact point
   std::size_t pairs_with_walls = 0;    ///< particle and wall (or fixed body)
   std::size_t rattlers = 0;            ///< particles with fewer than two neighbours, walls included
@@ -41,7 +41,7 @@ struct ContactStatistics {
 
 /// Statistics of one frame.
 ///
-/// How: contact points with a normal force > 0 count. Coordination is (2 N_pp + N_pw) / N over distinct pairs;
+/// How: contact points that carry a normal force count. Coordination is (2 N_pp + N_pw) / N over distinct pairs;
 /// without rattlers it is (2 N_pp + N_pw - N_1) / (N - N_0 - N_1), where N_0 and N_1 particles have no and one
 /// neighbour. Fabric is the mean dyad of the unit normals.
 /// Source: C. Thornton, Numerical simulations of deviatoric shear deformation of granular media, Geotechnique 50

@@ -21,6 +21,7 @@
 #include <vtkTubeFilter.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.hpp"
 #include "core/picture/picture.hpp"
@@ -162,7 +163,7 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene) 
   const std::vector<NetworkLine> lines = network_of(frame, periodicity_of(scene));
   if (lines.empty()) return;
   double strongest = 0, size = 0;
-  for (const NetworkLine& line : lines) strongest = std::max(strongest, line.normal_force);
+  for (const NetworkLine& line : lines) strongest = std::max(strongest, std::abs(line.normal_force));
   for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
     size += frame.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(frame.bodies.shape[i])].equivalent_diameter() /
             static_cast<double>(frame.bodies.size());
@@ -177,7 +178,7 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene) 
     const vtkIdType ends[2] = {points->InsertNextPoint(&line.from.x), points->InsertNextPoint(&line.to.x)};
     cells->InsertNextCell(2, ends);
     for (int end = 0; end < 2; ++end) {
-      radius->InsertNextValue(size * std::max(kThinnest, kThickest * line.normal_force / strongest));
+      radius->InsertNextValue(size * std::max(kThinnest, kThickest * std::abs(line.normal_force) / strongest));
       force->InsertNextValue(line.normal_force);
     }
   }

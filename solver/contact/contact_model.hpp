@@ -6,7 +6,8 @@
 //   kDampsEachFeature   whether each feature is a dashpot of its own, by its own energy; else the pair has one damping
 //   NormalLaw<Law>      what a law of laws.hpp is under this model; void where they do not go together
 //   list                makes the candidates of a pair; returns false when its meshes intersect
-//   find_features       features within reach at the present pose, in ascending key order, and what they share
+//   find_features       features below the reach of a view at the present pose, in ascending key order, and what they share; overlaps
+//                       count from the reach
 //   potential<Law>      energy, force of each feature, and wrench
 //   linearise<Law>      stiffness and damping of the pair as it is now
 #pragma once
@@ -34,13 +35,13 @@ concept ContactModel = requires(const PairView& view, MeshDistanceScratch& scrat
 inline bool list_closed_form(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists) {
   switch (view.geometry) {
     case PairGeometry::two_spheres:
-      list_sphere_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, lists);
+      list_sphere_pair(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, lists);
       return true;
     case PairGeometry::body_zone:
-      list_zone_pair(view.a, view.b, *view.zone, view.margin, skin, view.radius_a, lists);
+      list_zone_pair(view.a, view.b, *view.zone, view.reach, skin, view.radius_a, lists);
       return true;
     case PairGeometry::sphere_mesh:
-      return list_sphere_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
+      return list_sphere_mesh_pair(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, scratch, lists);
     case PairGeometry::two_meshes:
       break;
   }
@@ -52,11 +53,11 @@ inline bool list_closed_form(const PairView& view, double skin, MeshDistanceScra
 inline void find_closed_form(const PairView& view, double moved, const CandidateLists& lists, std::vector<ContactFeature>& features) {
   switch (view.geometry) {
     case PairGeometry::two_spheres:
-      return sphere_pair_features(view.a, view.b, view.margin, features);
+      return sphere_pair_features(view.a, view.b, view.reach, features);
     case PairGeometry::body_zone:
-      return zone_pair_features(view.a, view.pose, *view.zone, view.margin, moved, lists, features);
+      return zone_pair_features(view.a, view.pose, *view.zone, view.reach, moved, lists, features);
     case PairGeometry::sphere_mesh:
-      if constexpr (built_with::kMeshes) sphere_mesh_features(view.a, view.b, view.margin, moved, lists, features);
+      if constexpr (built_with::kMeshes) sphere_mesh_features(view.a, view.b, view.reach, moved, lists, features);
       return;
     case PairGeometry::two_meshes:
       break;

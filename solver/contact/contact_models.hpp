@@ -1,7 +1,6 @@
 // The list of contact models, and the way from a scene's choice to the one that it takes.
 #pragma once
 
-#include <tuple>
 #include <type_traits>
 
 #include "solver/contact/area_model.hpp"
@@ -26,15 +25,10 @@ using ContactModels = ModelList<PotentialModel, AreaModel, PairsModel>;
 template <class Action>
 void for_chosen_law(const LawChoice& choice, Action&& action) {
   ContactModels::choose(choice.gathering, [&]<class Model>() {
-    int index = 0;
-    const auto look = [&]<class Entry>(const Entry&) {
+    for_law(choice.law, [&]<class Entry>() {
       using Normal = typename Model::template NormalLaw<typename Entry::Normal>;
-      if constexpr (!std::is_void_v<Normal>) {
-        if (index == choice.law) action.template operator()<Model, Entry, Normal>();
-      }
-      ++index;
-    };
-    std::apply([&](const auto&... entry) { (look(entry), ...); }, kLaws);
+      if constexpr (!std::is_void_v<Normal>) action.template operator()<Model, Entry, Normal>();
+    });
   });
 }
 

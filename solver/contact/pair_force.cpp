@@ -34,8 +34,8 @@ double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torqu
 ContactOutput output_of(const Vec3& n, double normal_force, const Vec3& from_weight, const Vec3& tangential) {
   if (!(squared_length(from_weight) > 0)) return {n, normal_force, tangential};
   const Vec3 force = normal_force * n + from_weight;
-  const double size = length(force);
-  return {size > 0 ? (1 / size) * force : n, size, tangential};
+  const double size = normal_force < 0 ? -length(force) : length(force);
+  return {size != 0 ? (1 / size) * force : n, size, tangential};
 }
 
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
@@ -43,7 +43,7 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
                  double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
                  const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(push_force);
-  if (!(size > 0)) return;
+  if (!(size > 0) || !(push > 0)) return;
   RollingState state;
   state.n = (1 / size) * push_force;
   state.relative_spin = m.w_a - m.w_b;
@@ -89,14 +89,14 @@ class PairDamping {
       // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
       pair_rate_ = 0;
       for (std::size_t j = 0; j < features.list.size(); ++j)
-        pair_rate_ += Damp::chi(pair_law, law.energy(features.list[j].overlap), reduced_) * forces.push[j] * reduced_ * dt;
+        if (forces.push[j] > 0) pair_rate_ += chi_of(features.list[j]) * forces.push[j] * reduced_ * dt;
     }
   }
   const Damping& of_pair() const { return of_pair_; }
   Damping of_feature(const ContactFeature& f, std::size_t j) const {
     if constexpr (Model::kDampsEachFeature) {
-      if (!Damp::acts(pair_law_)) return of_pair_;
-      const double chi = Damp::chi(pair_law_, law_.energy(f.overlap), reduced_);
+      if (!Damp::acts(pair_law_) || !(forces_.push[j] > 0)) return of_pair_;
+      const double chi = chi_of(f);
       return Damp::in_step(chi, chi * forces_.push[j] * reduced_ * dt_, pair_rate_);
     } else {
       return of_pair_;
@@ -104,6 +104,8 @@ class PairDamping {
   }
 
  private:
+  double chi_of(const ContactFeature& f) const { return Damp::chi(pair_law_, law_.energy(f.overlap), reduced_); }
+
   const PairLaw& pair_law_;
   const Law& law_;
   const FeatureForces& forces_;
@@ -135,18 +137,30 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt);
   Damping damping = dampings.of_pair();
   result.damping = damping.chi;
+  const Vec3 push_force = result.force;
+  if constexpr (PullingLaw<Law>) {
+    result.force += forces.pull_force;
+    result.torque += forces.pull_torque;
+  }
+  /// Of a feature, with its push damped.
+  const auto normal_force = [&](std::size_t j, double push_j) {
+    if constexpr (PullingLaw<Law>)
+      return push_j - forces.pull[j];
+    else
+      return push_j;
+  };
   const bool frictional = kFriction && law.friction > 0;
   const bool rolls = kRolling && (law.rolling_friction > 0 || law.torsional_friction > 0);
   if (damping.chi == 0 && !frictional && !rolls) {
     if (outputs != nullptr) {
-      for (std::size_t j = 0; j < count; ++j) (*outputs)[j] = output_of(features.list[j].n, forces.push[j], forces.from_weight[j], Vec3{});
+      for (std::size_t j = 0; j < count; ++j)
+        (*outputs)[j] = output_of(features.list[j].n, normal_force(j, forces.push[j]), forces.from_weight[j], Vec3{});
     }
     springs.clear();
     return result;
   }
 
   const double tangential_share = tangential_damping_share(law, tangent_over_secant(law_of_overlap, result.largest_overlap));
-  const Vec3 push_force = result.force;
   const MeanTurn turned(springs, motion.turn, friction_dt);
   std::vector<FrictionSpring>& next = work.springs;
   next.clear();
@@ -158,8 +172,11 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     const Vec3 velocity = motion.v_a + turning_a - motion.pivot_v_b - turning_b;
     const double vn = dot(velocity, f.n);
     if constexpr (Model::kDampsEachFeature) damping = dampings.of_feature(f, j);
-    const double weight = std::min(damping.most_onset, onset_weight(f.overlap, vn, dt));
-    const double damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
+    double damped = 0;
+    if (!PullingLaw<Law> || forces.push[j] > 0) {
+      const double weight = std::min(damping.most_onset, onset_weight(f.overlap, vn, dt));
+      damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
+    }
     Vec3 lossy = (damped - forces.push[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
@@ -174,7 +191,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     }
     result.dissipative_force += lossy;
     result.dissipative_torque += cross(f.x, lossy);
-    if (outputs != nullptr) (*outputs)[j] = output_of(f.n, damped, forces.from_weight[j], tangential);
+    if (outputs != nullptr) (*outputs)[j] = output_of(f.n, normal_force(j, damped), forces.from_weight[j], tangential);
   }
   if (rolls)
     add_rolling(law, motion, push_force, push.force, forces.push_per_overlap, tangential_share * damping.chi, dt, friction_dt, turned,
@@ -200,7 +217,7 @@ PairForceFunction without_the_unneeded(const LawChoice& choice) {
 PairForceFunction pair_force_function(const LawChoice& choice) {
   PairForceFunction function = nullptr;
   for_chosen_law(choice, [&]<class Model, class Entry, class Law>() { function = without_the_unneeded<Model, Entry, Law>(choice); });
-  SCREE_ASSERT(function != nullptr, "law {} of the list", choice.law);
+  SCREE_ASSERT(function != nullptr, "law {} does not go with this gathering", word_of(choice.law));
   return function;
 }
 

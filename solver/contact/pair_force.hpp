@@ -40,15 +40,18 @@ struct ContactOutput {
   Vec3 tangential_force;  ///< on A, A frame [N]
 };
 
-/// What each feature of a pair presses with: filled by the potential of a contact model.
+/// What each feature of a pair presses and pulls with: filled by the potential of a contact model.
 struct FeatureForces {
   std::vector<double> push;              ///< f_j >= 0 [N]: what damping and friction are in proportion to
   std::vector<double> push_per_overlap;  ///< over the effective overlap [N/m]: the tangential stiffness goes with it
   bool wants_from_weight = false;
   std::vector<Vec3> from_weight;  ///< where wanted, the force from a weight that changes with the pose [N]
+  // of a law that pulls
+  std::vector<double> pull;      ///< >= 0 [N]
+  Vec3 pull_force, pull_torque;  ///< on A, of all of them
 };
 
-/// Sums over the features of a pair.
+/// Of the push of all features of a pair.
 struct PushSum {
   double force = 0;   ///< [N]
   double energy = 0;  ///< [J]
@@ -68,7 +71,7 @@ inline double tangential_damping_share(const PairLaw& law, double exponent) {
   return law.tangential_damping * std::sqrt(law.tangential_ratio / exponent);
 }
 
-/// in   features     overlap > 0
+/// in   features     overlap > -PairLaw::reach
 /// in   dt           step of the run [s], for damping (laws/damping.hpp); 0: no correction for the step
 /// in   friction_dt  step of the friction update [s]: dt, or 0 to leave the springs as they are
 /// inout springs     sorted by key; replaced by those of the present features (left empty without friction and rolling)

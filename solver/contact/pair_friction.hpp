@@ -58,6 +58,7 @@ class PairFriction {
                                     double& elastic) {
     Vec3 spring = spring_of(f, vt, vn, kappa);
     const double limit = law_.friction * push, sliding = law_.friction_sliding * push;
+    // (of a law that pulls too, its push alone: a contact at rest under its own attraction still presses)
     // squares: the root is taken only where something slides
     const double stretched = squared_length(spring);
     const bool slides = stretched > limit * limit;
@@ -79,8 +80,8 @@ class PairFriction {
   [[gnu::always_inline]] Vec3 spring_of(const ContactFeature& f, const Vec3& vt, double vn, double& kappa) {
     while (old_ < springs_.size() && springs_[old_].key < f.key) ++old_;
     if (old_ == springs_.size() || springs_[old_].key != f.key) {
-      // a new feature has slid only since it touched
-      return (-kappa * (f.overlap < -vn * friction_dt_ ? f.overlap / -vn : friction_dt_)) * vt;
+      // a new feature has slid only since it touched; one that has not yet has no stiffness
+      return (-kappa * (f.overlap > 0 && f.overlap < -vn * friction_dt_ ? f.overlap / -vn : friction_dt_)) * vt;
     }
     // turn with the bodies' mean frame, back into the tangent plane at its own length
     Vec3 s = turned_(springs_[old_].force);

@@ -52,7 +52,7 @@ LineariseFunction linearise_function(const LawChoice& choice) {
   for_chosen_law(choice, [&]<class Model, class Entry, class Normal>() {
     function = [](const LinearContact& contact) { Model::linearise(contact, Normal(contact.law, contact.motion.radius)); };
   });
-  SCREE_ASSERT(function != nullptr, "law {} of the list", choice.law);
+  SCREE_ASSERT(function != nullptr, "law {} does not go with this gathering", word_of(choice.law));
   return function;
 }
 

@@ -52,6 +52,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i]};
   view.radius_a = p.radius[i];
   view.margin = 2 * scene.margin();
+  view.reach = 2 * scene.contact_range();
   if (b >= 0)
     view_body(scene, p, i, static_cast<std::size_t>(b), view);
   else

@@ -24,6 +24,7 @@ struct PairView {
   RelativePose pose;
   double radius_a = 0, radius_b = 0;  ///< bounding; of a wall at least twice that of its body, so that the wall is the frame [m]
   double margin = 0;                  ///< margin sum [m]
+  double reach = 0;                   ///< gap at which something may act: the margin sum, and what laws reach beyond it [m]
   const WallZone* zone = nullptr;     ///< null for two bodies
   double cell_size = 0;               ///< [m]; 0: none
   CellSide cells = CellSide::none;

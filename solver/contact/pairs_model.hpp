@@ -15,41 +15,60 @@ struct PairsModel {
 
   static bool list(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists) {
     if (view.geometry != PairGeometry::two_meshes) return list_closed_form(view, skin, scratch, lists);
-    return list_triangle_contacts(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
+    return list_triangle_contacts(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, scratch, lists);
   }
 
   static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
     if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
-      triangle_contact_features(view.a, view.b, view.margin, moved, lists, features.list);
+      triangle_contact_features(view.a, view.b, view.reach, moved, lists, features.list);
     else
       find_closed_form(view, moved, lists, features.list);
   }
 
   template <class Law>
-  static PushSum potential(const PairFeatures& features, const PairLaw&, const Law& law, FeatureForces& forces, PairForce& result) {
-    for (const ContactFeature& f : features.list) result.largest_overlap = std::max(result.largest_overlap, f.overlap);
-    double push = 0;
+  static PushSum potential(const PairFeatures& features, const PairLaw& pair_law, const Law& law, FeatureForces& forces,
+                           PairForce& result) {
+    double largest = 0;
+    for (const ContactFeature& f : features.list) largest = std::max(largest, depth_in_reach<Law>(pair_law, f));
+    result.largest_overlap = std::max(0.0, overlap_at<Law>(pair_law, largest));
+    if constexpr (PullingLaw<Law>) {
+      forces.pull.assign(features.list.size(), 0);
+      forces.pull_force = forces.pull_torque = {};
+    }
+    PushSum sum;
     for (std::size_t j = 0; j < features.list.size(); ++j) {
       const ContactFeature& f = features.list[j];
       // a potential of a single feature: through the same roots as that of many, to the same bits
-      const double r = f.overlap / result.largest_overlap;
-      const double D = result.largest_overlap * std::sqrt(std::sqrt(std::sqrt(power7(r) * r)));
-      if (!(D > 0)) continue;
-      result.elastic += law.energy(D);
-      const double force = law.force(D) * power7(f.overlap / D);
+      const double r = depth_in_reach<Law>(pair_law, f) / largest, depth = largest * std::sqrt(std::sqrt(std::sqrt(power7(r) * r)));
+      if (!(depth > 0)) continue;
+      const double D = overlap_at<Law>(pair_law, depth), share = power7(depth_in_reach<Law>(pair_law, f) / depth);
+      const PushAndPull at = PushAndPull::of(law, D);
+      sum.energy += at.push_energy;
+      const double force = at.push * share;
       forces.push[j] = force;
-      forces.push_per_overlap[j] = force / D;
-      push += force;
+      if (D > 0) forces.push_per_overlap[j] = force / D;
+      sum.force += force;
       result.force += force * f.n;
       result.torque += cross(f.x, force * f.n);
+      if constexpr (PullingLaw<Law>) {
+        result.elastic -= at.pull_energy;
+        forces.pull[j] = at.pull * share;
+        forces.pull_force -= forces.pull[j] * f.n;
+        forces.pull_torque -= cross(f.x, forces.pull[j] * f.n);
+      }
     }
-    return {push, result.elastic};
+    result.elastic += sum.energy;
+    return sum;
   }
 
   template <class Law>
   static void linearise(const LinearContact& contact, const Law& law) {
+    double energy = 0;
+    for (const ContactFeature& f : contact.features.list) energy += PushAndPull::of(law, f.overlap).push_energy;
     for (const ContactFeature& f : contact.features.list) {
-      const double share = law.energy(f.overlap) / contact.force.elastic;
+      if constexpr (PullingLaw<Law>) contact.result.add_mode(law.pull_stiffness(f.overlap), 0, mode_of(contact.motion, f.x, f.n));
+      if (!(f.overlap > 0)) continue;
+      const double share = law.energy(f.overlap) / energy;
       contact.add_point(f.x, f.n, law.stiffness(f.overlap), law.force(f.overlap), contact.force.damping / std::sqrt(share), f.overlap,
                         tangent_over_secant(law, f.overlap));
     }

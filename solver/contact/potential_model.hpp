@@ -16,6 +16,41 @@ inline double power7(double x) {
   return x4 * x2 * x;
 }
 
+/// The push and the pull of a law at an effective overlap.
+struct PushAndPull {
+  double push = 0, push_energy = 0;  ///< [N, J]
+  double pull = 0, pull_energy = 0;
+  template <class Law>
+  static PushAndPull of(const Law& law, double D) {
+    if constexpr (PullingLaw<Law>) {
+      const bool touches = D > 0;
+      return {touches ? law.force(D) : 0, touches ? law.energy(D) : 0, law.pull(D), law.pull_energy(D)};
+    } else {
+      return {law.force(D), law.energy(D)};
+    }
+  }
+};
+
+/// How far a feature is within what the law reaches: what features share an effective overlap by. Above 0 [m].
+template <class Law>
+double depth_in_reach(const PairLaw& pair_law, const ContactFeature& f) {
+  if constexpr (PullingLaw<Law>) {
+    return f.overlap + pair_law.reach;
+  } else {
+    return f.overlap;
+  }
+}
+
+/// The effective overlap that goes with an effective depth.
+template <class Law>
+double overlap_at(const PairLaw& pair_law, double depth) {
+  if constexpr (PullingLaw<Law>) {
+    return depth - pair_law.reach;
+  } else {
+    return depth;
+  }
+}
+
 struct PotentialModel {
   static constexpr Gathering kGathering = Gathering::potential;
   static constexpr bool kDampsEachFeature = false;
@@ -24,12 +59,12 @@ struct PotentialModel {
 
   static bool list(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists) {
     if (view.geometry != PairGeometry::two_meshes) return list_closed_form(view, skin, scratch, lists);
-    return list_mesh_pair(view.a, view.b, view.margin, skin, view.radius_a, view.radius_b, scratch, lists);
+    return list_mesh_pair(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, scratch, lists);
   }
 
   static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
     if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
-      mesh_pair_features(view.a, view.b, view.pose, view.margin, moved, lists, features.list);
+      mesh_pair_features(view.a, view.b, view.pose, view.reach, moved, lists, features.list);
     else
       find_closed_form(view, moved, lists, features.list);
     share_among_cells(view, features);
@@ -38,8 +73,13 @@ struct PotentialModel {
   template <class Law>
   static PushSum potential(const PairFeatures& features, const PairLaw& pair_law, const Law& law, FeatureForces& forces,
                            PairForce& result) {
-    PushSum sum =
-        features.has_cells ? add_cell_potentials(features, law, forces, result) : add_potential(features.list, law, forces, result);
+    PushSum sum;
+    if constexpr (PowerLaw<Law> && !PullingLaw<Law>) {
+      sum = features.has_cells ? add_cell_potentials(features, law, forces, result)
+                               : add_potential(features.list, pair_law, law, forces, result);
+    } else {  // a scene with cells is refused
+      sum = add_potential(features.list, pair_law, law, forces, result);
+    }
     if (pair_law.barrier > 0) add_barrier(features.list, pair_law, forces, sum, result);
     return sum;
   }
@@ -49,7 +89,9 @@ struct PotentialModel {
 
  private:
   template <class Law>
-  static PushSum add_potential(const std::vector<ContactFeature>& features, const Law& law, FeatureForces& forces, PairForce& result);
+  static PushSum add_potential(const std::vector<ContactFeature>& features, const PairLaw& pair_law, const Law& law, FeatureForces& forces,
+                               PairForce& result);
+  static void add_pull(const std::vector<ContactFeature>& features, double reach, double depth, double pull, FeatureForces& forces);
   template <class Law>
   static PushSum add_cell_potentials(const PairFeatures& features, const Law& law, FeatureForces& forces, PairForce& result);
   static void add_barrier(const std::vector<ContactFeature>& features, const PairLaw& law, FeatureForces& forces, PushSum& sum,
@@ -59,36 +101,43 @@ struct PotentialModel {
 
 /// One potential of all features.
 template <class Law>
-PushSum PotentialModel::add_potential(const std::vector<ContactFeature>& features, const Law& law, FeatureForces& forces,
-                                      PairForce& result) {
-  // scaled by the largest overlap so that nothing under- or overflows
-  for (const ContactFeature& f : features) result.largest_overlap = std::max(result.largest_overlap, f.overlap);
+PushSum PotentialModel::add_potential(const std::vector<ContactFeature>& features, const PairLaw& pair_law, const Law& law,
+                                      FeatureForces& forces, PairForce& result) {
+  // scaled by the largest depth so that nothing under- or overflows
+  double largest = 0;
+  for (const ContactFeature& f : features) largest = std::max(largest, depth_in_reach<Law>(pair_law, f));
+  result.largest_overlap = std::max(0.0, overlap_at<Law>(pair_law, largest));
   double sum = 0;
   for (const ContactFeature& f : features) {
-    const double r = f.overlap / result.largest_overlap;
+    const double r = depth_in_reach<Law>(pair_law, f) / largest;
     sum += f.weight * power7(r) * r;
   }
-  const double D = result.largest_overlap * std::sqrt(std::sqrt(std::sqrt(sum)));
-  result.elastic = law.energy(D);
-  const double dU = law.force(D);
+  const double depth = largest * std::sqrt(std::sqrt(std::sqrt(sum))), D = overlap_at<Law>(pair_law, depth);
+  const PushAndPull at = PushAndPull::of(law, D);
+  result.elastic = at.push_energy;
   double push = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
     const ContactFeature& f = features[j];
-    const double r = f.overlap / D, r7 = power7(r);
-    forces.push[j] = dU * f.weight * r7;
+    const double r = depth_in_reach<Law>(pair_law, f) / depth, r7 = power7(r);
+    forces.push[j] = at.push * f.weight * r7;
     forces.push_per_overlap[j] = forces.push[j] / D;
     push += forces.push[j];
     const Vec3 force = forces.push[j] * f.n;
     result.force += force;
     result.torque += cross(f.x, force);
     if (f.faded) {
-      const double c = dU * D / kNorm * r7 * r;  // dU/da_j
+      const double c = at.push * depth / kNorm * r7 * r;  // dU/da_j
       result.force -= c * f.weight_gradient.force;
       result.torque -= c * f.weight_gradient.couple;
       if (forces.wants_from_weight) forces.from_weight[j] -= c * f.weight_gradient.force;
     }
   }
-  return {push, result.elastic};
+  if constexpr (PullingLaw<Law>) {
+    result.elastic -= at.pull_energy;
+    if (!(D > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
+    add_pull(features, pair_law.reach, depth, at.pull, forces);
+  }
+  return {push, at.push_energy};
 }
 
 /// The same with one potential per cell (wall_cells.hpp), each with a part of the energy.
@@ -138,7 +187,6 @@ PushSum PotentialModel::add_cell_potentials(const PairFeatures& features, const 
 template <class Law>
 void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
   const std::vector<ContactFeature>& features = contact.features.list;
-  const double largest = contact.force.largest_overlap;
   // features that share a potential, each with its weight in it: all of them, or those of a cell
   struct Member {
     std::int64_t cell;
@@ -146,12 +194,13 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
     double weight;
   };
   std::vector<Member> members;
-  double part = 1;
+  double part = 1, largest = 0;
+  for (const ContactFeature& f : features) largest = std::max(largest, depth_in_reach<Law>(contact.law, f));
   if (contact.features.has_cells) {
     part = contact.features.cell_energy;
     for (const CellShare& s : contact.features.cells) {
       const auto j = static_cast<std::size_t>(s.feature);
-      members.push_back({s.cell, j, features[j].weight * std::pow(s.weight, kNorm / (1 + Law::kExponent))});
+      members.push_back({s.cell, j, features[j].weight * std::pow(s.weight, kNorm / (1 + tangent_over_secant(law, largest)))});
     }
   } else {
     for (std::size_t j = 0; j < features.size(); ++j) members.push_back({0, j, features[j].weight});
@@ -159,19 +208,27 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
   for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
     double sum = 0;
     for (end = begin; end < members.size() && members[end].cell == members[begin].cell; ++end) {
-      sum += members[end].weight * std::pow(features[members[end].feature].overlap / largest, kNorm);
+      sum += members[end].weight * std::pow(depth_in_reach<Law>(contact.law, features[members[end].feature]) / largest, kNorm);
     }
-    const double D = largest * std::pow(sum, 1.0 / kNorm);
-    if (!(D > 0)) continue;
-    const double slope = part * law.force(D) / D, tangent = part * law.stiffness(D);  // U' / D, U''
+    const double depth = largest * std::pow(sum, 1.0 / kNorm), D = overlap_at<Law>(contact.law, depth);
+    if (!(depth > 0)) continue;
+    double push = 0, tangent = 0;  // U', U'' at most: a pull that grows with the overlap softens, one that fades stiffens
+    if (D > 0) {
+      push = part * law.force(D);
+      tangent = part * law.stiffness(D);
+    }
+    if constexpr (PullingLaw<Law>) tangent += part * law.pull_stiffness(D);
+    const double slope = push / depth;
     std::array<double, 12> common{};
     for (std::size_t m = begin; m < end; ++m) {
       const ContactFeature& f = features[members[m].feature];
-      const double weight = members[m].weight, r = f.overlap / D, r6 = std::pow(r, kNorm - 2);
+      const double weight = members[m].weight, r = depth_in_reach<Law>(contact.law, f) / depth, r6 = std::pow(r, kNorm - 2);
       const auto along = mode_of(contact.motion, f.x, f.n);
       for (std::size_t i = 0; i < 12; ++i) common[i] += weight * r6 * r * along[i];
-      contact.add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, slope * D * weight * r6 * r, contact.force.damping, D,
-                        tangent_over_secant(law, D));
+      if (D > 0) {
+        contact.add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, push * weight * r6 * r, contact.force.damping, D,
+                          tangent_over_secant(law, D));
+      }
     }
     contact.result.add_mode(tangent - (kNorm - 1) * slope, 0, common);
   }

@@ -1,4 +1,5 @@
-// Damping laws: the factor 1 - chi v_n on a feature's elastic force, v_n its separation speed, never below 0.
+// Damping laws: the factor 1 - chi v_n on a feature's push, v_n its separation speed, never below 0. A damping law has prepare(input,
+// law), which fills what it reads of PairLaw, and throws UsageError for what the user must give.
 //
 // Damping and the step. A force that depends on velocity is evaluated with the velocity half a step before, and a contact
 // starts somewhere inside a step: with viscous damping both are errors of first order in the step, of 2.5e-2 and 5e-3 in the
@@ -19,7 +20,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/laws/law_input.hpp"
 #include "solver/laws/pair_law.hpp"
+#include "solver/laws/restitution.hpp"
 
 namespace scree {
 
@@ -36,8 +39,10 @@ inline double share_in_step(double beyond, double share, double slope) {
 
 /// Restitution independent of speed: chi = 2 zeta sqrt(m* / 2U), a linear oscillator in pseudo-time for every U.
 struct ViscousDamping {
+  static constexpr bool kLagCorrected = true;
+  static void prepare(const LawInput&, PairLaw& law) { law.damping_ratio = law.step_damping; }
   static bool acts(const PairLaw& law) { return law.damping_ratio > 0; }
-  /// in   elastic  U [J], > 0    in  mobility  1/m* [1/kg], > 0
+  /// in   elastic  U of the push [J], > 0    in  mobility  1/m* [1/kg], > 0
   static double chi(const PairLaw& law, double elastic, double mobility) {
     return 2 * law.damping_ratio / std::sqrt(2 * elastic * mobility);
   }
@@ -63,6 +68,17 @@ struct ViscousDamping {
 
 /// Force without a jump at touch: chi is a constant, restitution falls with speed and is as asked at the speed given for it.
 struct HuntCrossleyDamping {
+  static constexpr bool kLagCorrected = false;
+  static void prepare(const LawInput& in, PairLaw& law) {
+    if (!(in.pair.restitution < 1)) return;
+    if (!(in.pair.restitution_speed > 0)) {
+      throw UsageError(
+          "pairs: '{}' and '{}': restitution_speed is missing; with Hunt-Crossley damping restitution depends on the "
+          "speed of the impact, so give the speed at which it is {:g}",
+          in.a.name, in.b.name, in.pair.restitution);
+    }
+    law.damping_slope = hunt_crossley_number_of_restitution(in.pair.restitution) / in.pair.restitution_speed;
+  }
   static bool acts(const PairLaw& law) { return law.damping_slope > 0; }
   static double chi(const PairLaw& law, double, double) { return law.damping_slope; }
   static Damping in_step(double chi, double, double pair_rate) {

@@ -1,5 +1,5 @@
-// Every contact law of the solver, in one place. A law is a normal energy (normal.hpp) with a damping (damping.hpp); a new
-// one, cohesive ones among them, is a struct in a file beside this and one line here.
+// Every contact law of the solver. A law is a normal law (normal.hpp says what it has) with a damping (damping.hpp); the list of them is
+// core/storage/contact_laws.inc, from which cases and scene files have their words as well.
 #pragma once
 
 #include <tuple>
@@ -12,29 +12,37 @@
 
 namespace scree {
 
-/// A line of the list: law of the case language, normal law, damping, whether it needs the bodies' radii.
-template <class NormalLaw, class DampingLaw>
+template <ContactLaw kName, class NormalLaw, class DampingLaw>
 struct LawEntry {
+  static constexpr ContactLaw kLaw = kName;
   using Normal = NormalLaw;
   using Damp = DampingLaw;
-  ContactLaw law;
-  bool needs_radius = false;
 };
 
+#define SCREE_CONTACT_LAW(name, word, normal, damping) LawEntry<ContactLaw::name, normal, damping>{},
 inline constexpr std::tuple kLaws{
-    LawEntry<LinearLaw, ViscousDamping>{ContactLaw::linear},
-    LawEntry<LinearLaw, HuntCrossleyDamping>{ContactLaw::hunt_crossley},
-    LawEntry<HertzLaw, ViscousDamping>{ContactLaw::hertz_mindlin, true},
+#include "core/storage/contact_laws.inc"
 };
+#undef SCREE_CONTACT_LAW
+
+/// Calls action.operator()<Entry>() with the line of a law.
+template <class Action>
+void for_law(ContactLaw law, Action&& action) {
+  const auto look = [&]<class Entry>(const Entry&) {
+    if (Entry::kLaw == law) action.template operator()<Entry>();
+  };
+  std::apply([&](const auto&... entry) { (look(entry), ...); }, kLaws);
+}
 
 /// What a scene needs of the force loop; the choice is made once, outside of all loops.
 struct LawChoice {
-  int law = 0;  ///< index in kLaws
-  Gathering gathering = Gathering::potential;
-  double exponent = 1;        ///< of the effective overlap in the normal force
-  bool friction = false;      ///< some pair has friction
-  bool rolling = false;       ///< some pair has rolling or torsional resistance
-  bool needs_radius = false;  ///< R* of the bodies enters
+  ContactLaw law = ContactLaw::linear;
+  Gathering gathering = Gathering::potential;  ///< the models are those of contact/contact_models.hpp
+  double exponent = 1;                         ///< tangent over secant stiffness of the push, at least
+  bool lag_corrected = true;                   ///< damping is corrected for its lag (laws/damping.hpp)
+  bool friction = false;                       ///< some pair has friction
+  bool rolling = false;                        ///< some pair has rolling or torsional resistance
+  bool needs_radius = false;                   ///< R* of the bodies enters
 };
 
 }  // namespace scree

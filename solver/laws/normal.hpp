@@ -1,18 +1,38 @@
-// Normal laws. A normal law is an energy U(D) of a pair's effective overlap D [m], its slope and its curvature; the damping, the sharing
-// among features, the friction and the critical step follow from them, whatever the law (contact/pair_force.cpp).
+// Normal laws. Each is a structure in a file of its own or here, and a line of core/storage/contact_laws.inc; the damping, the sharing
+// among features, the friction, the critical step and the derived step follow from it, whatever the law. A law has
+//   kNeedsRadius         whether R* of the two bodies enters
+//   InLayer              what it is with gather = "area"; void: it does not go with that
+//   kExponent            of the overlap in the force, of a law that goes with one power of it: bodies with cells need one
+//   prepare(input, law)  fills what it reads of PairLaw, and step_stiffness. Throws UsageError for what the user must give
+//   Law(law, radius)     made for a pair in every step; radius is R* [m] where needed
+//   energy(D) force(D) stiffness(D)   of its push at the overlap D > 0: U [J], dU/dD [N], d2U/dD2 [N/m], all >= 0
+// A law that pulls as well begins to act at an overlap of -PairLaw::reach, which its prepare fills, and has
+//   pull(D) pull_energy(D) pull_stiffness(D)   for D > -reach: attraction [N] >= 0, its integral from -reach to D [J], and its largest
+//                        slope there [N/m]
+// Where several features share an effective overlap D, they share push and pull alike. Damping, friction and rolling resistance go with
+// the push alone.
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <numbers>
 
+#include "solver/laws/law_input.hpp"
 #include "solver/laws/pair_law.hpp"
 
 namespace scree {
 
 /// Elastic layer (gather = "area"): pressure kappa d; a smooth cap has F = kappa pi R* D^2, U = F D / 3. Meshes bring their own energy.
 struct LayerLaw {
+  static constexpr bool kNeedsRadius = true;
   static constexpr double kExponent = 2;
   double kappa, c;  ///< [N/m^3], and kappa pi R* [N/m^2]
+  static void prepare(const LawInput& in, PairLaw& law) {
+    if (!(in.pair.layer_modulus > 0)) {
+      throw UsageError("pairs: '{}' and '{}': layer_modulus is missing; contact.gather = \"area\" needs it", in.a.name, in.b.name);
+    }
+    law.stiffness = law.step_stiffness = in.pair.layer_modulus / in.margin;
+  }
   LayerLaw(const PairLaw& law, double radius) : kappa(law.stiffness), c(law.stiffness * std::numbers::pi * radius) {}
   double energy(double D) const { return c * D * D * D / 3; }
   double force(double D) const { return c * D * D; }
@@ -21,26 +41,51 @@ struct LayerLaw {
 
 /// U = k D^2 / 2.
 struct LinearLaw {
-  using InLayer = LayerLaw;               ///< what it is with gather = "area"
-  static constexpr double kExponent = 1;  ///< of D in the force, of a law that has one
-  double k;                               ///< [N/m]
+  static constexpr bool kNeedsRadius = false;
+  using InLayer = LayerLaw;
+  static constexpr double kExponent = 1;
+  double k;  ///< [N/m]
+  static void prepare(const LawInput& in, PairLaw& law) {
+    law.stiffness = in.pair.stiffness;
+    law.step_stiffness = LinearLaw(law, 0).stiffness(0);
+  }
   LinearLaw(const PairLaw& law, double /*radius*/) : k(law.stiffness) {}
   double energy(double D) const { return 0.5 * k * D * D; }
   double force(double D) const { return k * D; }
-  double stiffness(double /*D*/) const { return k; }  ///< dF/dD
+  double stiffness(double /*D*/) const { return k; }
 };
 
 /// Elastic spheres: F = 4/3 E* sqrt(R*) D^(3/2), U = 2/5 F D.   Source: Hertz; Johnson, Contact Mechanics (1985), section 4.2.
 struct HertzLaw {
-  using InLayer = void;  ///< does not go with it
+  static constexpr bool kNeedsRadius = true;
+  using InLayer = void;
   static constexpr double kExponent = 1.5;
-  double c;  ///< 4/3 E* sqrt(R*) [N/m^(3/2)]
-  /// in   radius   R* of the contact [m], > 0
-  HertzLaw(const PairLaw& law, double radius) : c(law.stiffness * std::sqrt(radius)) {}
+  double modulus, radius;  ///< E* [Pa], R* [m]
+  double c;                ///< 4/3 E* sqrt(R*) [N/m^(3/2)]
+  static void prepare(const LawInput& in, PairLaw& law);
+  HertzLaw(const PairLaw& law, double r) : modulus(law.stiffness), radius(r), c(4.0 / 3 * modulus * std::sqrt(radius)) {}
   double energy(double D) const { return 0.4 * c * D * D * std::sqrt(D); }
   double force(double D) const { return c * D * std::sqrt(D); }
-  double stiffness(double D) const { return 1.5 * c * std::sqrt(D); }
+  double stiffness(double D) const { return 2 * modulus * std::sqrt(radius * D); }
 };
+
+/// The step follows from the stiffest tangent: that at the overlap of the severest impact, and of the whole margin at most.
+inline void HertzLaw::prepare(const LawInput& in, PairLaw& law) {
+  if (!(in.a.young > 0 && in.b.young > 0)) {
+    throw UsageError("materials: '{}' and '{}' need young (Young's modulus) for contact.law = \"hertz-mindlin\"", in.a.name, in.b.name);
+  }
+  law.stiffness = effective_modulus(in.a, in.b);
+  if (in.pair.tangential_ratio < 0) law.tangential_ratio = 6 * effective_shear_modulus(in.a, in.b) / law.stiffness;
+  const LargestImpact impact = in.largest_impact();
+  double overlap = hertz_impact_overlap(law.stiffness, impact.radius, impact.mass, impact.speed);
+  if (in.margin > 0) overlap = impact.speed > 0 ? std::min(overlap, in.margin) : in.margin;
+  if (!(overlap > 0) && !in.step_given && impact.mass > 0) {
+    throw UsageError(
+        "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its overlap; "
+        "give the speed of the fastest impact, or time.step");
+  }
+  law.step_stiffness = HertzLaw(law, impact.radius).stiffness(overlap);
+}
 
 /// A force that goes with one power of the overlap.
 template <class Law>
@@ -48,13 +93,32 @@ concept PowerLaw = requires {
   Law::kExponent;
 };
 
-/// Tangent stiffness over secant stiffness, dF/dD over F/D: a tangential stiffness of rho F/D is rho over this of the tangent.
+/// A law with attraction.
+template <class Law>
+concept PullingLaw = requires(const Law& law) {
+  { law.pull(0.0) } -> std::same_as<double>;
+  { law.pull_energy(0.0) } -> std::same_as<double>;
+  { law.pull_stiffness(0.0) } -> std::same_as<double>;
+};
+
+/// Tangent stiffness of the push over its secant stiffness, dF/dD over F/D: a tangential stiffness of rho F/D is rho over this of the
+/// tangent.
 template <class Law>
 double tangent_over_secant(const Law& law, double D) {
   if constexpr (PowerLaw<Law>) {
     return Law::kExponent;
   } else {
-    return law.stiffness(D) * D / law.force(D);
+    return D > 0 ? law.stiffness(D) * D / law.force(D) : 1;
+  }
+}
+
+/// The least of it at any overlap, for the derived step: a push that stiffens has more than 1.
+template <class Law>
+constexpr double least_tangent_over_secant() {
+  if constexpr (PowerLaw<Law>) {
+    return Law::kExponent;
+  } else {
+    return 1;
   }
 }
 

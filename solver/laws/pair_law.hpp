@@ -7,7 +7,7 @@ namespace scree {
 inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
 
 struct PairLaw {
-  double stiffness = 0;                                 ///< linear: k of one contact [N/m]; Hertz: 4/3 E* [Pa]; layer: kappa [N/m^3]
+  double stiffness = 0;                                 ///< linear: k of one contact [N/m]; Hertz: E* [Pa]; layer: kappa [N/m^3]
   double damping_ratio = 0;                             ///< viscous: zeta from restitution by the exact map
   double damping_slope = 0;                             ///< Hunt-Crossley: chi [s/m], from restitution at the user's speed
   double friction = 0;                                  ///< mu, static
@@ -20,6 +20,7 @@ struct PairLaw {
   double radius = 0;                                    ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
   double barrier = 0;                                   ///< k_b of laws/barrier.hpp [N/m]; 0: none
   double margin = 0;                                    ///< margin sum [m]
+  double reach = 0;           ///< gap beyond the margins at which the law begins to act [m]; 0 but for one that pulls
   double step_stiffness = 0;  ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
   double step_damping = 0;    ///< damping ratio of restitution, of every law: the step is derived from it
 };

@@ -59,9 +59,9 @@ std::size_t memory_of(const BodyPair& pair) {
 
 void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
                        PhaseTimes& times) {
-  const double margin = scene.margin();
+  const double range = scene.contact_range();
   std::vector<double> reach(p.size());
-  for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + margin + 0.5 * skin;
+  for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + range + 0.5 * skin;
   grid_.build(p.x, reach, scene.periodicity().period());
 
   std::vector<FoundPair> found = find_pairs(scene, p, walls, skin);
@@ -131,7 +131,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
 
 std::vector<PairList::FoundPair> PairList::find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                                                       double skin) const {
-  const double margin = scene.margin();
+  const double range = scene.contact_range();
   const auto count = static_cast<std::int32_t>(p.size());
   std::vector<std::vector<FoundPair>> of_thread(static_cast<std::size_t>(omp_get_max_threads()));
 #pragma omp parallel
@@ -153,7 +153,7 @@ std::vector<PairList::FoundPair> PairList::find_pairs(const SolverScene& scene, 
       for (std::size_t z = 0; z < scene.zones().size(); ++z) {
         const WallZone& zone = scene.zones()[z];
         const WallState& state = walls[static_cast<std::size_t>(zone.wall)];
-        if (!near_zone(scene, zone, state, p.x[row], p.radius[row] + 2 * margin + skin)) continue;
+        if (!near_zone(scene, zone, state, p.x[row], p.radius[row] + 2 * range + skin)) continue;
         mine.push_back({{p.id[row], scene.source().walls[static_cast<std::size_t>(zone.wall)].id, static_cast<std::int32_t>(z)}, i, -1});
       }
     }

@@ -159,8 +159,8 @@ void Halo::make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_
   neighbours_.clear();
   if (comm_.size() == 1) return;
 
-  // the box of everything that this rank owns, bounding spheres and their share of margin and skin included
-  const double own_reach = scene.margin() + 0.5 * skin;
+  // the box of everything that this rank owns, bounding spheres and their share of margin, reach and skin included
+  const double own_reach = scene.contact_range() + 0.5 * skin;
   Box3 box;
   for (std::size_t i = 0; i < p.owned; ++i) {
     const double r = p.radius[i] + own_reach;

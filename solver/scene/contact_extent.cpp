@@ -1,10 +1,63 @@
 #include "solver/scene/contact_extent.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace scree {
+
+namespace {
+
+class AreaExtent : public ContactExtent {
+ public:
+  AreaExtent(const Scene& scene, const std::vector<SolverShape>& shapes) {
+    const double margin = scene.settings.margin;
+    if (!(margin > 0))
+      throw UsageError("contact.margin = 0: with contact.gather = \"area\" the margins are the elastic layer; give them a thickness");
+    for (const SolverShape& shape : shapes) area_.push_back(largest_contact_area(shape, 2 * margin));
+  }
+  double of_body(std::int32_t shape, double scale) const override { return area_[static_cast<std::size_t>(shape)] * scale * scale; }
+  double of_rough_pair() const override { return 1; }
+
+ private:
+  std::vector<double> area_;  ///< of each shape at scale 1 [m^2]
+};
+
+class PairsExtent : public ContactExtent {
+ public:
+  PairsExtent(const Scene& scene, const std::vector<SolverShape>& shapes) {
+    std::vector<double> smallest(shapes.size(), 0.0);  // scale of each shape
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      double& scale = smallest[static_cast<std::size_t>(scene.bodies.shape[b])];
+      scale = scale > 0 ? std::min(scale, scene.bodies.scale[b]) : scene.bodies.scale[b];
+    }
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+      if (smallest[s] > 0 && shapes[s].kind == ShapeKind::solid)
+        springs_ = std::max(springs_, 2 * triangles_on_plane(shapes[s].mesh, 2 * scene.settings.margin / smallest[s]));
+    }
+  }
+  double of_rough_pair() const override { return std::max(ContactExtent::of_rough_pair(), static_cast<double>(springs_)); }
+
+ private:
+  std::int64_t springs_ = 0;
+};
+
+}  // namespace
+
+double ContactExtent::of_body(std::int32_t, double) const { return 1; }
+double ContactExtent::of_rough_pair() const { return std::sqrt(std::sqrt(4.0)); }
+
+std::unique_ptr<const ContactExtent> make_contact_extent(const Scene& scene, const std::vector<SolverShape>& shapes) {
+  switch (scene.settings.gather) {
+    case Gathering::area:
+      return std::make_unique<AreaExtent>(scene, shapes);
+    case Gathering::pairs:
+      return std::make_unique<PairsExtent>(scene, shapes);
+    case Gathering::potential:
+      break;
+  }
+  return std::make_unique<ContactExtent>();
+}
 
 double largest_contact_area(const SolverShape& shape, double thickness) {
   std::vector<double> area(static_cast<std::size_t>(shape.features.region_count), 0.0);

@@ -2,10 +2,29 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
-#include "solver/scene/solver_scene.hpp"
+#include "core/storage/scene_file.hpp"
+#include "solver/scene/solver_shape.hpp"
 
 namespace scree {
+
+/// For the way in which a scene gathers contacts. This one is that of gather = "potential".
+class ContactExtent {
+ public:
+  virtual ~ContactExtent() = default;
+  /// Factor on the mobility of a body. gather = "area": the largest area that it can have in contact [m^2], stiffness being per area.
+  virtual double of_body(std::int32_t shape, double scale) const;
+  /// Factor on the stiffness of a contact of two bodies that are not both smooth.
+  /// gather = "potential": n^(2/q), q = 8, for a face on a face, with n = 4 corners
+  /// gather = "pairs": how many springs a contact of two bodies may have. Two faces, edges or corners that lie over each other make about
+  /// as many pairs as both have triangles there; more is rare
+  virtual double of_rough_pair() const;
+};
+
+/// Throws UsageError where the way of gathering needs margins and there are none.
+std::unique_ptr<const ContactExtent> make_contact_extent(const Scene& scene, const std::vector<SolverShape>& shapes);
 
 /// Largest area that a body may have in contact at scale 1 [m^2]: its largest flat region, or the cap that its bounding sphere
 /// presses into a layer of the given thickness.

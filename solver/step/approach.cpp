@@ -45,7 +45,7 @@ double closing_speed(const PairBody& large, const PairBody& small, const Vec3& v
 }
 
 double approach_of(const Mover& i, const Mover& j, const SolverScene& scene, MeshDistanceScratch& scratch) {
-  const double reach = i.radius + j.radius + 2 * scene.margin();
+  const double reach = i.radius + j.radius + 2 * scene.contact_range();
   const Vec3 offset = scene.periodicity().nearest(j.body.x - i.body.x), velocity = i.v - j.v;
   if (squared_length(offset) >= reach * reach) {
     const double along = dot(velocity, offset), speed = length(velocity);
@@ -95,7 +95,7 @@ double speed_towards(const SolverShape& wall, double scale, const Vec3& p, const
 double approach_of(const Mover& i, const WallZone& zone, const Wall& wall, const WallState& state, const SolverScene& scene, double least) {
   const Vec3 place = i.body.x - state.position;
   const Vec3 velocity = i.v - state.velocity - cross(state.angular_velocity, place);
-  const double spin = i.arm * length(i.w - state.angular_velocity), reach = i.radius + 2 * scene.margin();
+  const double spin = i.arm * length(i.w - state.angular_velocity), reach = i.radius + 2 * scene.contact_range();
   if (length(velocity) + spin <= least) return 0;
   const Vec3 p = rotate_inverse(state.orientation, place), u = rotate_inverse(state.orientation, velocity);
   double closing = 0;

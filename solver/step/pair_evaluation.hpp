@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <vector>
 
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
@@ -96,6 +97,7 @@ class PairEvaluation {
     if (moved < pair.lists.first_slack) return rest(view, moved, pair, idle);
     idle.way = kNeverIdle;
     Model::find_features(view, moved, pair.lists, features_);
+    if (view.reach > view.margin) count_from_margin(view, law_of(view, pair).reach);
     if (features_.list.empty()) {
       if (!pass_.only_looks()) pair.state.springs.clear();
       return;
@@ -130,6 +132,13 @@ class PairEvaluation {
     if (pass_.only_looks()) return;
     if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + (pair.lists.first_slack - moved);
     pair.state.springs.clear();
+  }
+
+  /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is
+  /// beyond the reach of this pair's law is none.
+  void count_from_margin(const PairView& view, double reach) {
+    for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
+    std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
   }
 
   const PairLaw& law_of(const PairView& view, const BodyPair& pair) const {

@@ -66,7 +66,7 @@ CriticalStep critical_step(RunState& s, ForceScratch& scratch) {
   const PairVisitor look = [&](const PairContact& pair) { bounds.add(linearise(pair, function)); };
   visit_pairs(s.scene, s.particles, s.walls, touching, s.clock.step, scratch, s.pairs, look);
   if (s.comm.size() > 1) fetch_bounds_of_ghosts(s, touching, bounds);
-  const CriticalStep mine = bounds.critical_step(s.scene.source().settings.law != ContactLaw::hunt_crossley);
+  const CriticalStep mine = bounds.critical_step(s.scene.law_choice().lag_corrected);
   return s.comm.size() > 1 ? smallest_of(s.comm, mine) : mine;
 }
 

@@ -32,18 +32,18 @@ struct Touchable {
 };
 
 /// Inverse mass of the easiest contact on a body [1/kg].
-/// Of a layer: times the largest area that the body can have in contact.
+/// Times the extent of the body's contacts: of a layer, the largest area that it can have in contact.
 double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i, double tangential_ratio) {
   const SolverShape& shape = scene.shape(p.shape[i]);
-  const double area = scene.law_choice().gathering == Gathering::area ? shape.contact_area * p.scale[i] * p.scale[i] : 1;
+  const double extent = scene.contact_extent().of_body(p.shape[i], p.scale[i]);
   if (shape.kind == ShapeKind::sphere) {
     // A ball's normal passes its centre; only friction, with its softer spring, turns it. The two do not add up.
     const double r = p.radius[i], turning = p.lock_rotation[i] ? 0.0 : r * r * p.inverse_inertia[i].x;
     const double tangential = tangential_ratio * (p.inverse_mass[i] + turning);
-    return area * std::max(p.inverse_mass[i], tangential);
+    return extent * std::max(p.inverse_mass[i], tangential);
   }
   const double s = p.scale[i], density = scene.source().materials[static_cast<std::size_t>(p.material[i])].density;
-  return area * (p.inverse_mass[i] + (p.lock_rotation[i] ? 0.0 : shape.rotational_mobility / (density * s * s * s)));
+  return extent * (p.inverse_mass[i] + (p.lock_rotation[i] ? 0.0 : shape.rotational_mobility / (density * s * s * s)));
 }
 
 /// Of every material, smooth then rough; the same on every rank.
@@ -57,7 +57,7 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
     if (!(law.friction > 0)) continue;
     for (const std::int32_t m : {pair.a, pair.b}) {
       double& ratio = tangential[static_cast<std::size_t>(m)];
-      ratio = std::max(ratio, law.tangential_ratio / scene.normal_exponent());
+      ratio = std::max(ratio, law.tangential_ratio / scene.law_choice().exponent);
     }
   }
   for (std::size_t i = 0; i < p.owned; ++i) {
@@ -98,9 +98,8 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     for (std::size_t roughness = 0; roughness < 4; ++roughness) {
       const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
       const Touchable &a = all[2 * static_cast<std::size_t>(pair.a) + rough_a], &b = all[2 * static_cast<std::size_t>(pair.b) + rough_b];
-      // n^(2/q), q = 8: a face on a face has n = 4 corners, a smooth body on a smooth one touches once
-      const double potential = rough_a + rough_b == 0 || scene.law_choice().gathering == Gathering::area ? 1.0 : std::sqrt(std::sqrt(4.0));
-      const double features = rough_a + rough_b == 0 ? potential : std::max(potential, static_cast<double>(scene.springs_per_pair()));
+      // a smooth body on a smooth one touches once
+      const double features = rough_a + rough_b == 0 ? 1.0 : scene.contact_extent().of_rough_pair();
       const auto consider = [&](double mobility, const std::string& name) {
         const PairLaw& law = scene.law(pair.a, pair.b);
         const double omega2 = law.step_stiffness * features * mobility, rate = std::sqrt(omega2) * (1 + law.step_damping);

@@ -202,7 +202,7 @@ TEST(CriticalStep, derived_for_one_spring_per_triangle_pair_is_not_above_the_one
                           << run.position(1).z;
     const double ratio = run.simulation->step_size().critical() / critical;
     std::printf("pairs, mesh %d: up to %lld springs, reckoned with %lld; derived over smallest critical step %.3f\n", mesh,
-                static_cast<long long>(springs), static_cast<long long>(run.prepared->springs_per_pair()), ratio);
+                static_cast<long long>(springs), std::llround(run.prepared->contact_extent().of_rough_pair()), ratio);
     EXPECT_LE(ratio, 1.01) << mesh;
     EXPECT_GE(ratio, 0.1) << mesh;  // rocks met by a corner: 6 springs of the 60 that two faces could have
   }

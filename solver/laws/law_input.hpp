@@ -1,0 +1,25 @@
+// What a contact law is made from: two materials of a scene as they meet.
+#pragma once
+
+#include <functional>
+
+#include "core/storage/scene_file.hpp"
+
+namespace scree {
+
+/// The severest impact to be expected between two materials.
+struct LargestImpact {
+  double radius = 0;  ///< R* of the contact [m]
+  double mass = 0;    ///< [kg]
+  double speed = 0;   ///< [m/s]; 0: not known
+};
+
+struct LawInput {
+  const MaterialPair& pair;
+  const Material &a, &b;
+  double margin;                                  ///< margin sum [m]
+  bool step_given;                                ///< the step is not derived
+  std::function<LargestImpact()> largest_impact;  ///< goes over all bodies
+};
+
+}  // namespace scree

@@ -1,0 +1,92 @@
+#include "solver/scene/solver_shape.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "solver/laws/pair_law.hpp"
+
+namespace scree {
+
+namespace {
+
+/// See SolverShape::turning_arm. At an edge or a corner the normal may point anywhere between those of its faces; |r x n| is
+/// largest at one of these unless it passes a right angle on the way: with a normal that points inwards the whole radius counts.
+double turning_arm_of(const TriangleMesh& mesh) {
+  double arm = 0;
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh.triangles.size()); ++t) {
+    const Vec3 doubled = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+    if (!(squared_length(doubled) > 0)) continue;
+    const Vec3 n = normalised(doubled);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& r = mesh.corner(t, k);
+      arm = std::max(arm, dot(r, n) > 0 ? length(cross(r, n)) : length(r));
+    }
+  }
+  return arm;
+}
+
+}  // namespace
+
+SolverShape make_solver_shape(const Shape& source) {
+  SolverShape shape;
+  shape.kind = source.kind;
+  shape.rounding = source.sphere_radius;
+  shape.cell_size = source.cell_size;
+  shape.mesh = source.mesh;  // a copy holds what it needs and no more
+  if (source.kind != ShapeKind::surface) {
+    shape.volume = source.mass.volume;
+    shape.inertia = source.mass.principal_moments;
+    shape.body_from_principal = source.mass.body_from_principal;
+    const Quat principal_from_body = conjugate(shape.body_from_principal);
+    if (!(shape.body_from_principal == Quat{})) {
+      for (Vec3& p : shape.mesh.vertices) p = rotate(principal_from_body, p);
+    }
+    // Moments equal to within the rounding of the mass integrals count as equal.
+    constexpr double kIsotropicTolerance = 1e-12;
+    const double low = std::min({shape.inertia.x, shape.inertia.y, shape.inertia.z});
+    const double high = std::max({shape.inertia.x, shape.inertia.y, shape.inertia.z});
+    Eigen::Vector3d inverse(1 / shape.inertia.x, 1 / shape.inertia.y, 1 / shape.inertia.z);
+    for (const Vec3& r : shape.mesh.vertices) {
+      Eigen::Matrix3d lever;
+      lever << 0, -r.z, r.y, r.z, 0, -r.x, -r.y, r.x, 0;
+      const Eigen::Matrix3d mobility = lever.transpose() * inverse.asDiagonal() * lever;
+      const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(mobility, Eigen::EigenvaluesOnly).eigenvalues()(2);
+      shape.rotational_mobility = std::max(shape.rotational_mobility, largest);
+    }
+    // A ball's normal passes its centre: only friction, with its softer spring, turns it.
+    shape.rotational_mobility += kTangentialStiffnessRatio * shape.rounding * shape.rounding * inverse(0);
+    shape.turning_arm = turning_arm_of(shape.mesh);
+    shape.isotropic = high - low <= kIsotropicTolerance * high;
+    shape.equivalent_radius = 0.5 * source.equivalent_diameter();
+  }
+  shape.features = find_features(shape.mesh);
+  // the other two vertices of every triangle at a corner, each once
+  std::vector<std::vector<std::int32_t>> spokes(shape.features.corners.size());
+  for (const Triangle& t : shape.mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t c = shape.features.corner_of[static_cast<std::size_t>(t[k])];
+      if (c < 0) continue;
+      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) spokes[static_cast<std::size_t>(c)].push_back(t[other]);
+    }
+  }
+  shape.spoke_start = {0};
+  for (auto& of_corner : spokes) {
+    std::sort(of_corner.begin(), of_corner.end());
+    of_corner.erase(std::unique(of_corner.begin(), of_corner.end()), of_corner.end());
+    shape.spoke_end.insert(shape.spoke_end.end(), of_corner.begin(), of_corner.end());
+    shape.spoke_start.push_back(static_cast<std::int32_t>(shape.spoke_end.size()));
+  }
+  shape.spoke_start.shrink_to_fit();
+  shape.spoke_end.shrink_to_fit();
+  shape.bvh = build_bvh(shape.mesh);
+  shape.radius = bounding_radius(shape.mesh) + shape.rounding;
+  return shape;
+}
+
+std::size_t SolverShape::memory() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(spoke_start) + bytes(spoke_end);
+}
+
+}  // namespace scree

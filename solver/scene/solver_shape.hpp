@@ -1,0 +1,61 @@
+// A shape as the time loop reads it: in its principal frame, with what its contacts need.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/bvh.hpp"
+#include "core/geometry/features.hpp"
+#include "core/storage/shape_file.hpp"
+
+namespace scree {
+
+/// A feature edge of a shape: from `start` along `along` (not unit).
+struct ShapeEdge {
+  Vec3 start, along;
+};
+
+/// A shape in its principal frame (origin at the centre of mass, inertia diagonal), scale 1.
+/// A wall's surface keeps its file frame.
+struct SolverShape {
+  ShapeKind kind = ShapeKind::solid;
+  double rounding = 0;  ///< radius of an analytic sphere about its only corner [m]
+  TriangleMesh mesh;
+  Bvh bvh;
+  FeatureTable features;
+  std::vector<std::int32_t> spoke_start;  ///< corners + 1: ranges in spoke_end
+  std::vector<std::int32_t> spoke_end;    ///< vertices to which mesh edges lead from each corner
+  double radius = 0;                      ///< bounding radius about the origin, rounding included [m]
+  double volume = 0;                      ///< [m^3]
+  double cell_size = 0;                   ///< of a very large body, scale 1 [m]; 0: none
+  double equivalent_radius = 0;           ///< of the ball of equal volume [m]; 0 for a surface
+  Vec3 inertia;                           ///< principal moments for density 1 [m^5]
+  Quat body_from_principal;
+  /// Largest [r]x^T I^-1 [r]x over all surface points r, density 1, scale 1 [1/m^3]: what rotation adds to the inverse
+  /// mass of a contact at worst. It is convex in r, so the corners decide. See derive_step_size.
+  double rotational_mobility = 0;
+  /// Largest |r x n| over the surface points r with their normals n [m]: how fast a spin of 1 rad/s moves the surface along its
+  /// normal at most. 0 for a ball.
+  double turning_arm = 0;
+  bool isotropic = false;  ///< all three moments equal: no gyroscopic splitting needed
+
+  /// A corner, and an edge, of `features`.
+  const Vec3& corner(std::int32_t c) const {
+    return mesh.vertices[static_cast<std::size_t>(features.corners[static_cast<std::size_t>(c)])];
+  }
+  ShapeEdge edge(std::int32_t e) const {
+    const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
+    const Vec3& start = mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
+    return {start, mesh.vertices[static_cast<std::size_t>(ends.vertex_b)] - start};
+  }
+  /// Across an edge into one of its two faces (see core/geometry/features.hpp).
+  Vec3 edge_conormal(std::int32_t e, int side) const { return conormal(mesh, features.edges[static_cast<std::size_t>(e)], side); }
+
+  /// Bytes held: at most 160 a triangle.
+  std::size_t memory() const;
+};
+
+/// What the solver keeps of a shape as read.
+SolverShape make_solver_shape(const Shape& source);
+
+}  // namespace scree
