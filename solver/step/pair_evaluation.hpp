@@ -99,7 +99,7 @@ class PairEvaluation {
     Model::find_features(view, moved, pair.lists, features_);
     if (view.reach > view.margin) count_from_margin(view, law_of(view, pair).reach);
     if (features_.list.empty()) {
-      if (!pass_.only_looks()) pair.state.springs.clear();
+      if (!pass_.only_looks()) pair.state.keep_lasting();
       return;
     }
     act(view, velocities, pair, result);
@@ -131,7 +131,7 @@ class PairEvaluation {
   void rest(const PairView& view, double moved, BodyPair& pair, IdlePair& idle) {
     if (pass_.only_looks()) return;
     if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + (pair.lists.first_slack - moved);
-    pair.state.springs.clear();
+    pair.state.keep_lasting();
   }
 
   /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is

@@ -5,7 +5,7 @@ Comments in the page, before a fenced block, say what becomes of the block:
   <!-- new file PATH -->                      the block is the file
   <!-- in PATH, after: TEXT -->               the block comes after the one line that holds TEXT
   <!-- in PATH, before: TEXT -->              the block comes before it
-  <!-- run -->                                the block is run in a folder of its own, with the tools of the scratch tree in PATH
+  <!-- run -->                                the block is run, all in one folder, with the tools of the scratch tree in PATH
 Without --build only the places are looked up, which takes no time; with it the scratch tree is built and the run blocks are run.
 """
 import os
@@ -72,10 +72,9 @@ def main():
     subprocess.run(["cmake", "-S", tree, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DSCREE_BENCHMARKS=OFF"], check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", build, "--target", *TARGETS], check=True)
     environment = dict(os.environ, PATH=os.path.join(build, "bin") + os.pathsep + os.environ["PATH"], ROOT=tree)
-    for number, script in enumerate(scripts):
-        folder = os.path.join(scratch, f"run{number}")
-        os.makedirs(folder)
-        subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, check=True)
+    os.makedirs(os.path.join(scratch, "runs"))
+    for script in scripts:
+        subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=os.path.join(scratch, "runs"), env=environment, check=True)
     print(f"{len(scripts)} runs did what the page says")
     shutil.rmtree(scratch)
 
