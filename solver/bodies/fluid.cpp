@@ -105,19 +105,19 @@ void FluidForces::kick_body(ParticleSet& p, std::size_t i, double h) const {
   p.w[i] = turns ? rotate(p.q[i], w_after) : w_after;
 }
 
-double FluidForces::reynolds_number(std::size_t body, double speed) const {
-  return fluid_.density * speed * diameter(scene_->bodies.shape[body], scene_->bodies.scale[body]) / fluid_.viscosity;
+double FluidForces::reynolds_number(const BodyKind& body, double speed) const {
+  return fluid_.density * speed * diameter(body.shape, body.scale) / fluid_.viscosity;
 }
 
-double FluidForces::weight(std::size_t body) const {
-  const double ratio = density_ratio_[static_cast<std::size_t>(scene_->bodies.material[body])];
-  return scene_->mass(body) * std::abs(1 - ratio) * length(scene_->settings.gravity);
+double FluidForces::weight(const BodyKind& body) const {
+  const double ratio = density_ratio_[static_cast<std::size_t>(body.material)];
+  return mass_of(*scene_, body.shape, body.material, body.scale) * std::abs(1 - ratio) * length(scene_->settings.gravity);
 }
 
-double FluidForces::terminal_speed(std::size_t body) const {
-  const double d = diameter(scene_->bodies.shape[body], scene_->bodies.scale[body]);
+double FluidForces::terminal_speed(const BodyKind& body) const {
+  const double d = diameter(body.shape, body.scale);
   const double pull = weight(body), slow = 3 * kPi * fluid_.viscosity * d;
-  const DragCoefficients& law = drag_[static_cast<std::size_t>(scene_->bodies.shape[body])];
+  const DragCoefficients& law = drag_[static_cast<std::size_t>(body.shape)];
   // no drag is below Stokes', so the speed is not above his; halving finds it to the last bit or two
   double low = 0, high = pull / slow;
   if (stokes_) return high;

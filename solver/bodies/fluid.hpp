@@ -36,6 +36,17 @@ DragCoefficients drag_of_ball();
 /// in   sphericity   surface of the ball of equal volume over surface, in (0, 1]
 DragCoefficients drag_of_sphericity(double sphericity);
 
+/// What mass and size of a body follow from.
+struct BodyKind {
+  std::int32_t shape, material;
+  double scale;
+  auto operator<=>(const BodyKind&) const = default;
+};
+inline BodyKind kind_of(const BodyTable& bodies, std::size_t body) {
+  return {bodies.shape[body], bodies.material[body], bodies.scale[body]};
+}
+inline BodyKind kind_of(const ParticleSet& p, std::size_t i) { return {p.shape[i], p.material[i], p.scale[i]}; }
+
 class FluidForces {
  public:
   /// The scene must have a fluid.
@@ -46,16 +57,19 @@ class FluidForces {
   /// The mass [kg] that body i seems to have when weighed; exactly 0 where densities agree.
   double weighed_mass(const ParticleSet& p, std::size_t i) const { return p.mass[i] - displaced_mass(p, i); }
 
+  /// That over the mass, for bodies of a material.
+  double weight_share(std::int32_t material) const { return 1 - density_ratio_[static_cast<std::size_t>(material)]; }
+
   /// v, L and w of all owned bodies after a time h under the present forces, torques and drag; adds to `dissipated`.
   /// Threads: parallel inside.
   void kick(ParticleSet& p, double h) const;
   void kick_body(ParticleSet& p, std::size_t i, double h) const;
 
-  /// Of a body of the scene: what pulls it down, or up [N].
-  double weight(std::size_t body) const;
-  /// A body of the scene, alone and endlessly falling: its speed against the fluid [m/s].
-  double terminal_speed(std::size_t body) const;
-  double reynolds_number(std::size_t body, double speed) const;
+  /// What pulls a body down, or up [N].
+  double weight(const BodyKind& body) const;
+  /// Of a body, alone and endlessly falling: its speed against the fluid [m/s].
+  double terminal_speed(const BodyKind& body) const;
+  double reynolds_number(const BodyKind& body, double speed) const;
 
  private:
   double displaced_mass(const ParticleSet& p, std::size_t i) const {

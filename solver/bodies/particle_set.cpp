@@ -64,23 +64,22 @@ void wrap_positions(const Periodicity& periodicity, ParticleSet& p) {
   }
 }
 
-ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
-  const BodyTable& bodies = scene.source().bodies;
+ParticleRecord make_record(const SolverScene& scene, const BodyAtStart& body) {
   ParticleRecord r{};
-  r.id = bodies.id[body];
-  r.shape = bodies.shape[body];
-  r.material = bodies.material[body];
-  r.fixed = bodies.fixed[body];
-  r.lock_rotation = bodies.lock_rotation[body];
-  r.scale = bodies.scale[body];
-  r.x = bodies.position[body];
+  r.id = body.id;
+  r.shape = body.shape;
+  r.material = body.material;
+  r.fixed = body.fixed ? 1 : 0;
+  r.lock_rotation = body.lock_rotation ? 1 : 0;
+  r.scale = body.scale;
+  r.x = body.position;
   const SolverShape& shape = scene.shape(r.shape);
-  r.q = normalised(bodies.orientation[body] * shape.body_from_principal);
+  r.q = normalised(body.orientation * shape.body_from_principal);
   r.q_remainder = {0, 0, 0, 0};
   if (!r.fixed) {
-    r.v = bodies.velocity[body];
+    r.v = body.velocity;
     if (!r.lock_rotation) {
-      r.w = bodies.angular_velocity[body];
+      r.w = body.angular_velocity;
       const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
       const double s5 = std::pow(r.scale, 5);
       const Vec3 w_body = rotate_inverse(r.q, r.w);
@@ -91,6 +90,12 @@ ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
   r.work = 1;
   scene.periodicity().wrap(r.x, r.image);
   return r;
+}
+
+ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
+  const BodyTable& b = scene.source().bodies;
+  return make_record(scene, {b.id[body], b.shape[body], b.material[body], b.fixed[body] != 0, b.lock_rotation[body] != 0, b.scale[body],
+                             b.position[body], b.orientation[body], b.velocity[body], b.angular_velocity[body]});
 }
 
 }  // namespace scree

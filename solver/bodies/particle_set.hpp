@@ -65,7 +65,19 @@ void append_record(ParticleSet& p, const ParticleRecord& record, const SolverSce
 /// Wraps the owned bodies into a periodic domain, the places of their lists with them.
 void wrap_positions(const Periodicity& periodicity, ParticleSet& p);
 
-/// The record of body b of a scene at the start: orientation moved to the principal frame, L from w.
+/// A body as a user knows it.
+struct BodyAtStart {
+  std::int64_t id;
+  std::int32_t shape, material;
+  bool fixed, lock_rotation;
+  double scale;
+  Vec3 position;
+  Quat orientation;  ///< mesh to world
+  Vec3 velocity, angular_velocity;
+};
+/// Its record: orientation moved to the principal frame, L from w, wrapped into periodic axes.
+ParticleRecord make_record(const SolverScene& scene, const BodyAtStart& body);
+/// The record of body b of a scene at the start.
 ParticleRecord initial_record(const SolverScene& scene, std::size_t body);
 
 /// Mesh orientation of a body (what the user knows) from its principal orientation.

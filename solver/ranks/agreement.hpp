@@ -2,7 +2,7 @@
 //
 // Everything travels in one reduction, which is started in one step and finished in the next: the forces of a whole step hide
 // it, and a rank that is late once holds up nobody else. What is learned is therefore one step old; whoever gives the report
-// looks one step ahead (see Simulation::look_at_lists).
+// looks one step ahead (see NeighbourLists::look).
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct StepReport {
   std::int64_t rebuild = 0;       ///< body lists must be rebuilt
   std::int64_t signal = 0;        ///< number of a signal that asks to stop
   std::int64_t failed = 0;        ///< a rank holds an error
-  std::int64_t checkpoint = 0;    ///< number of the checkpoint that rank 0 asks for, see Simulation::ask_for_checkpoint
+  std::int64_t checkpoint = 0;    ///< number of the checkpoint that rank 0 asks for, see Requests
   std::int64_t largest_work = 0;  ///< computing time since the last cut [ns]
   std::int64_t cut_cost = 0;      ///< of the last cut and what it moved [ns]
   double fastest = 0;             ///< speed of the fastest body [m/s]

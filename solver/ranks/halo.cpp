@@ -142,6 +142,14 @@ std::int64_t Halo::migrate(const SolverScene& scene, ParticleSet& p, PairList& l
   return left;
 }
 
+std::vector<ParticleRecord> Halo::deliver(const std::vector<ParticleRecord>& records) const {
+  std::vector<std::vector<ParticleRecord>> outgoing(static_cast<std::size_t>(comm_.size()));
+  for (const ParticleRecord& r : records) outgoing[comm_.size() == 1 ? 0 : static_cast<std::size_t>(owner_of(r.id, r.x))].push_back(r);
+  std::vector<ParticleRecord> mine;
+  for (const auto& block : comm_.exchange(outgoing)) mine.insert(mine.end(), block.begin(), block.end());
+  return mine;
+}
+
 std::vector<int> Halo::possible_neighbours(double reach) const {
   // A periodic domain joins its outer parts, which have no outer side: there every rank asks every other, as it does when the
   // parts are no boxes.

@@ -57,6 +57,9 @@ class Halo {
   /// Returns how many bodies left this rank.
   std::int64_t migrate(const SolverScene& scene, ParticleSet& p, PairList& list);
 
+  /// Sends each record to the rank whose part holds it; returns what came to this one. Collective.
+  std::vector<ParticleRecord> deliver(const std::vector<ParticleRecord>& records) const;
+
   /// Finds and fetches ghosts: bodies that can touch one of ours while none moves further than skin / 2. Every rank calls it.
   /// in   largest_radius   bounding, of the bodies of all ranks [m]
   void make_ghosts(const SolverScene& scene, ParticleSet& p, double largest_radius, double skin);

@@ -75,6 +75,7 @@ void for_each_number(Record& r, Action&& action) {
   action("dissipated", r.energies.dissipated);
   action("wall_work", r.energies.wall_work);
   action("removed", r.energies.removed);
+  action("arrived", r.energies.arrived);
   action("imbalance_sum", r.imbalance_sum);
   action("log_rows", r.log_rows);
   action("list_renewals", r.list_renewals);
@@ -135,12 +136,12 @@ std::size_t home_rank(std::int64_t id, int ranks) { return static_cast<std::size
 
 /// Own bodies, and the state of the pairs that count here: those listed, and those that wait while their bodies are apart.
 void collect_state(const Simulation& simulation, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
-  const ParticleSet& p = simulation.particles();
+  const ParticleSet& p = simulation.state().particles;
   for (std::size_t i = 0; i < p.owned; ++i) bodies.push_back(record_of(p, i));
-  for (const BodyPair& pair : simulation.pairs().pairs()) {
+  for (const BodyPair& pair : simulation.state().pairs.pairs()) {
     if (counts_here(pair, p) && !pair.state.empty()) states.push_back({pair.key, pair.state});
   }
-  const std::vector<WaitingState>& waiting = simulation.pairs().waiting();
+  const std::vector<WaitingState>& waiting = simulation.state().pairs.waiting();
   if (waiting.empty()) return;
   const std::unordered_set<std::int64_t> owned(p.id.begin(), p.id.begin() + static_cast<std::ptrdiff_t>(p.owned));
   for (const WaitingState& w : waiting) {
@@ -208,9 +209,16 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
   c.totals.max_overlap_ratio = root.read_double_attribute("interval_max_depth_ratio");
   c.state_hash = root.read_text_attribute("state_hash");
   c.scene_sha256 = root.read_text_attribute("scene_sha256");
-  const RunTotals sums = totals_from(root.read_array<std::int64_t>("totals", static_cast<std::int64_t>(ExactSum::kWords)));
-  c.totals.walls = sums.walls;
-  c.totals.departed = sums.departed;
+  constexpr auto kWords = static_cast<std::int64_t>(ExactSum::kWords);
+  constexpr std::int64_t kSumsWithoutWalls = 6, kSumsOfWall = 3;
+  const auto words = root.read_array<std::int64_t>("totals", kWords);
+  const std::int64_t sums = static_cast<std::int64_t>(words.size()) / kWords;
+  c.totals.walls = WallTotals(static_cast<std::size_t>(std::max<std::int64_t>(0, (sums - kSumsWithoutWalls) / kSumsOfWall)));
+  set_words(words, c.totals);
+  if (root.has_attribute("largest_id")) {
+    set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
+    c.totals.largest_id = root.read_integer_attribute("largest_id");
+  }
   bodies = read_columns<BodyTableColumns>(comm, root.open_group("bodies"), "id");
   for_each_kind(PairState{}, [&](const auto& kind) { read_states<typename std::decay_t<decltype(kind)>::value_type>(comm, root, states); });
 }
@@ -222,9 +230,9 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   std::vector<ParticleRecord> bodies;
   std::vector<WaitingState> states;
   collect_state(simulation, bodies, states);
-  const RunTotals totals = simulation.totals();
+  const RunTotals totals = overall_totals(simulation.state());
   const std::vector<std::int64_t> words = words_of(totals);
-  const std::string hash = simulation.state_hash();
+  const std::string hash = state_hash(simulation.state());
   // attributes are written by all ranks alike, and each has measured other times
   RunRecord run = so_far.record;
   static_assert(std::is_trivially_copyable_v<RunRecord>);
@@ -246,7 +254,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       root.write_attribute("format", kCheckpointFormat);
       root.write_attribute("format_version", kCheckpointFormatVersion);
       root.write_attribute("step", simulation.step());
-      root.write_attribute("step_size", simulation.step_size().step);
+      root.write_attribute("step_size", simulation.state().clock.size.step);
       root.write_attribute("step_level", totals.level);
       root.write_attribute("origin_x", origin.x);
       root.write_attribute("origin_y", origin.y);
@@ -260,6 +268,13 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       const auto sums = static_cast<std::int64_t>(words.size() / ExactSum::kWords);  // the same on every rank: rank 0 writes them
       file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
                  static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      if (totals.largest_id >= 0) {
+        const std::vector<std::int64_t> arrivals = words_of(totals.arrived);
+        const auto rows = static_cast<std::int64_t>(arrivals.size() / ExactSum::kWords);
+        root.write_attribute("largest_id", totals.largest_id);
+        file.write(root, "arrivals", arrivals.data(), comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows},
+                   static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      }
       write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
       for_each_kind(PairState{}, [&](const auto& kind) {
         using Row = typename std::decay_t<decltype(kind)>::value_type;
@@ -290,9 +305,9 @@ Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& pat
 Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simulation) {
   Checkpoint c;
   c.step = simulation.step();
-  c.step_size = simulation.step_size().step;
-  c.totals = simulation.totals();
-  c.state_hash = simulation.state_hash();
+  c.step_size = simulation.state().clock.size.step;
+  c.totals = overall_totals(simulation.state());
+  c.state_hash = state_hash(simulation.state());
   std::vector<ParticleRecord> bodies;
   std::vector<WaitingState> states;
   collect_state(simulation, bodies, states);
@@ -337,7 +352,7 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
     }
   });
   simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size, checkpoint.totals);
-  const std::string hash = simulation.state_hash();
+  const std::string hash = state_hash(simulation.state());
   mpi::on_root(comm, [&] {
     if (hash != checkpoint.state_hash) {
       throw InputError("{}: its contents do not match the hash of their state; use another checkpoint", checkpoint.path);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "solver/step/simulation.hpp"
+#include "solver/run/measures.hpp"
 
 namespace scree {
 

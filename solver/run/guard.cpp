@@ -19,7 +19,7 @@ constexpr double kEnergyRounding = 1e-12;  // of the potential energy, which can
 
 void Guard::begin(const Simulation& simulation, bool is_fresh) {
   // after a restart the forces of the last step are not known before the next one
-  if (record_.log_rows == 0) record_.energies = simulation.energies();
+  if (record_.log_rows == 0) record_.energies = energies_of(simulation.state());
   if (is_fresh) record_.energy_reference = record_.energies.balance();
 }
 
@@ -47,7 +47,7 @@ double Guard::energy_scale() const {
 }
 
 void Guard::check(const Simulation& simulation, double energy_error) const {
-  const double scale = energy_scale(), step = simulation.substep_size();
+  const double scale = energy_scale(), step = simulation.state().clock.dt;
   // a fluid that streams gives energy as well
   const auto& fluid = scene_.source().settings.fluid;
   const bool streams = fluid && squared_length(fluid->velocity) > 0;
@@ -61,9 +61,9 @@ void Guard::check(const Simulation& simulation, double energy_error) const {
     });
   const CriticalStep& stiffest = record_.stiffest;
   const bool unstable = step > stiffest.step && energy_error > kUnstableGain * scale;
-  const bool gains = energy_error - simulation.shadow_energy_gap() > kAnyGain * scale;
+  const bool gains = energy_error - shadow_energy_gap(simulation.state()) > kAnyGain * scale;
   if (!unstable && !gains) return;
-  const auto fastest = simulation.fastest_body();
+  const auto fastest = fastest_body(simulation.state());
   mpi::on_root(comm_, [&] {
     throw RunInvalid(
         "step {}: energy grew by {:.3g} J, {:.2g} of all that was in motion or stored, without a cause; body {} has the most, {:.3g} J. "

@@ -2,7 +2,7 @@
 
 #include "core/base/provenance.hpp"
 #include "core/storage/collective_file.hpp"
-#include "solver/step/origin.hpp"
+#include "solver/scene/origin.hpp"
 
 namespace scree {
 

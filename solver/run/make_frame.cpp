@@ -1,6 +1,6 @@
 #include "solver/run/make_frame.hpp"
 
-#include "solver/step/origin.hpp"
+#include "solver/scene/origin.hpp"
 
 namespace scree {
 
@@ -49,15 +49,15 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
   frame.potential = energies.potential;
   frame.elastic = energies.elastic + energies.tangential_elastic;
   frame.dissipated = energies.dissipated;
-  const ParticleSet& p = simulation.particles();
-  for (std::size_t i = 0; i < p.owned; ++i) add_frame_body(simulation.scene(), record_of(p, i), rank, origin, frame.bodies);
+  const ParticleSet& p = simulation.state().particles;
+  for (std::size_t i = 0; i < p.owned; ++i) add_frame_body(simulation.state().scene, record_of(p, i), rank, origin, frame.bodies);
   if (with_contacts) frame.contacts = simulation.contacts();
   for (Vec3& point : frame.contacts.point) point += origin;
-  std::vector<WallLoad> loads = simulation.wall_loads();
-  std::vector<WallState> walls = simulation.walls();
+  std::vector<WallLoad> loads = wall_loads_of(simulation.state());
+  std::vector<WallState> walls = simulation.state().walls;
   move_loads_to_world(loads, walls, origin);
   for (std::size_t w = 0; w < loads.size(); ++w) {
-    const ComputedOfWall computed{simulation.scene().source().walls[w], simulation.walls()[w], loads[w], origin};
+    const ComputedOfWall computed{simulation.state().scene.source().walls[w], simulation.state().walls[w], loads[w], origin};
 #define SCREE_FILL_COMPUTED(type, name, path, unit, csv, uses, what) frame.walls.name.push_back(computed.name());
     SCREE_FRAME_WALLS(SCREE_FILL_COMPUTED)
 #undef SCREE_FILL_COMPUTED

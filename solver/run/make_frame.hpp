@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/storage/frame_file.hpp"
-#include "solver/step/simulation.hpp"
+#include "solver/run/measures.hpp"
 
 namespace scree {
 

@@ -7,7 +7,6 @@
 #include "core/storage/checksum.hpp"
 #include "solver/bodies/motion.hpp"
 #include "solver/step/domain.hpp"
-#include "solver/step/simulation.hpp"
 
 namespace scree {
 
@@ -57,14 +56,14 @@ WallTotals wall_totals(const RunState& s) {
 
 }  // namespace
 
-Energies energies(const RunState& s) {
+Energies energies_of(const RunState& s) {
   enum { translational, rotational, potential, elastic, tangential, dissipated, count };
   std::vector<ExactSum> e(count);
   const ParticleSet& p = s.particles;
   for (std::size_t i = 0; i < p.owned; ++i) {
     e[translational].add(translational_energy(p, i));
     e[rotational].add(rotational_energy(p, i));
-    e[potential].add(potential_energy(s, i));
+    e[potential].add(potential_energy(s, p, i));
     e[dissipated].add(p.dissipated[i]);
   }
   for_each_contact(s, [&](const BodyPair&, const PairResult& r) {
@@ -84,6 +83,7 @@ Energies energies(const RunState& s) {
   all.dissipated = e[dissipated].value() + walls.dissipated.value() + departed.dissipated.value() - all.tangential_elastic;
   all.wall_work = walls.work.value();
   all.removed = departed.energy.value();
+  all.arrived = over_ranks(s.comm.get(), s.totals.arrived).energy.value();
   return all;
 }
 
@@ -118,7 +118,7 @@ std::pair<std::int64_t, double> fastest_body(const RunState& s) {
   return {lowest < kNone ? static_cast<std::int64_t>(lowest) : -1, overall};
 }
 
-std::vector<WallLoad> wall_loads(const RunState& s) {
+std::vector<WallLoad> wall_loads_of(const RunState& s) {
   const std::size_t walls = s.scene.source().walls.size();
   std::vector<ExactSum> now(6 * walls);
   for (const std::int32_t k : s.pairs.with_walls()) {
@@ -136,6 +136,12 @@ std::vector<WallLoad> wall_loads(const RunState& s) {
   std::vector<WallLoad> loads(walls);
   for (std::size_t w = 0; w < walls; ++w) loads[w] = {vector(&now[6 * w]), vector(&now[6 * w + 3]), vector(totals.impulse[w].data())};
   return loads;
+}
+
+void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin) {
+  if (origin == Vec3{}) return;
+  for (WallLoad& load : loads) load.torque += cross(origin, load.force);
+  for (WallState& wall : walls) wall.position += origin;
 }
 
 std::int64_t body_count(const RunState& s) { return s.comm.sum(static_cast<std::int64_t>(s.particles.owned)); }
@@ -158,14 +164,19 @@ std::int64_t bodies_outside(const RunState& s) {
   return s.comm.sum(count);
 }
 
-RemovedTotals removed(const RunState& s) {
+RemovedTotals removed_totals(const RunState& s) {
   const DepartureTotals departed = over_ranks(s.comm.get(), s.totals.departed);
   return {departed.count.value(), departed.mass.value()};
+}
+
+std::int64_t arrived_count(const RunState& s) {
+  return static_cast<std::int64_t>(over_ranks(s.comm.get(), s.totals.arrived).count.value());
 }
 
 RunTotals overall_totals(const RunState& s) {
   RunTotals totals = over_ranks(s.comm.get(), s.totals);
   totals.max_overlap_ratio = s.comm.max(s.totals.max_overlap_ratio);
+  totals.arrived = over_ranks(s.comm.get(), s.totals.arrived);
   totals.level = s.clock.level;
   return totals;
 }
@@ -206,17 +217,9 @@ std::string state_hash(const RunState& s) {
   return fmt::format("{:016x}{:016x}", sums[0], sums[1]);
 }
 
-// Of Simulation, until its callers use the functions above.
-Energies Simulation::energies() const { return scree::energies(state_); }
-RunTotals Simulation::totals() const { return overall_totals(state_); }
-std::vector<WallLoad> Simulation::wall_loads() const { return scree::wall_loads(state_); }
-std::int64_t Simulation::body_count() const { return scree::body_count(state_); }
-std::int64_t Simulation::contact_count() const { return scree::contact_count(state_); }
-std::int64_t Simulation::active_pair_count() const { return scree::active_pair_count(state_); }
-std::int64_t Simulation::bodies_outside() const { return scree::bodies_outside(state_); }
-double Simulation::shadow_energy_gap() const { return scree::shadow_energy_gap(state_); }
-std::pair<std::int64_t, double> Simulation::fastest_body() const { return scree::fastest_body(state_); }
-RemovedTotals Simulation::removed() const { return scree::removed(state_); }
-std::string Simulation::state_hash() const { return scree::state_hash(state_); }
+RankMeasures rank_measures(Simulation& simulation) {
+  const RunState& s = simulation.state();
+  return simulation.decomposition().measures(s.particles, s.pairs, s.times);
+}
 
 }  // namespace scree

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "solver/step/run_state.hpp"
+#include "solver/step/simulation.hpp"
 
 namespace scree {
 
@@ -16,11 +16,12 @@ struct Energies {
   double dissipated = 0;  ///< accumulated from the damping and friction forces, never the remainder
   double wall_work = 0;   ///< done by driven walls on the bodies
   double removed = 0;     ///< kinetic and potential, taken away by bodies that left the domain
+  double arrived = 0;     ///< kinetic and potential, brought by bodies that joined after the start
   double balance() const {
-    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed;
+    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed - arrived;
   }
 };
-Energies energies(const RunState& s);
+Energies energies_of(const RunState& s);
 /// What the energies of a leapfrog swing by at this step [J]: h^2 / 8 times the sum of squared forces over masses. The
 /// difference of both is kept exactly by linear contacts at any stable step.
 double shadow_energy_gap(const RunState& s);
@@ -37,7 +38,9 @@ struct WallLoad {
     return -dot(force, wall.velocity) - dot(torque - cross(wall.position, force), wall.angular_velocity);
   }
 };
-std::vector<WallLoad> wall_loads(const RunState& s);
+std::vector<WallLoad> wall_loads_of(const RunState& s);
+/// Loads and walls with places and torques about the world's origin again, see scene/origin.hpp.
+void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin);
 
 std::int64_t body_count(const RunState& s);
 std::int64_t contact_count(const RunState& s);
@@ -48,11 +51,16 @@ std::int64_t bodies_outside(const RunState& s);  ///< of the domain
 struct RemovedTotals {
   double count = 0, mass = 0;
 };
-RemovedTotals removed(const RunState& s);
+RemovedTotals removed_totals(const RunState& s);
+/// Number of all bodies that joined after the start.
+std::int64_t arrived_count(const RunState& s);
 /// What a checkpoint keeps of the totals.
 RunTotals overall_totals(const RunState& s);
 
 /// 128-bit hash over the bits of all bodies and the state of all pairs, the same for any distribution over ranks.
 std::string state_hash(const RunState& s);
+
+/// What this rank did and held; not collective.
+RankMeasures rank_measures(Simulation& simulation);
 
 }  // namespace scree

@@ -7,7 +7,7 @@
 
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
-#include "solver/step/origin.hpp"
+#include "solver/scene/origin.hpp"
 
 namespace scree {
 
@@ -55,11 +55,12 @@ void add_measures(nlohmann::json& run, const RunRecord& record) {
 }  // namespace
 
 void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const RunOptions& options, const LoadedScene& loaded,
-                   const Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance) {
-  const std::string hash = simulation.state_hash();
-  const RemovedTotals removed = simulation.removed();
-  const std::int64_t bodies = simulation.body_count(), outside = simulation.bodies_outside();
-  const std::vector<RankMeasures> ranks = gather_measures(comm, simulation.rank_measures());
+                   Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance) {
+  const std::string hash = state_hash(simulation.state());
+  const RemovedTotals removed = removed_totals(simulation.state());
+  const std::int64_t arrived = arrived_count(simulation.state());
+  const std::int64_t bodies = body_count(simulation.state()), outside = bodies_outside(simulation.state());
+  const std::vector<RankMeasures> ranks = gather_measures(comm, rank_measures(simulation));
   mpi::on_root(comm, [&] {
     nlohmann::json run;
     run["format"] = "scree-run";
@@ -68,8 +69,8 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["message"] = outcome.message;
     run["exit_code"] = outcome.exit_code;
     run["steps"] = simulation.step();
-    run["step_size"] = simulation.step_size().step;
-    run["step_limited_by"] = simulation.step_size().limited_by;
+    run["step_size"] = simulation.state().clock.size.step;
+    run["step_limited_by"] = simulation.state().clock.size.limited_by;
     run["critical_step"] = std::isfinite(record.stiffest.step) ? nlohmann::json(record.stiffest.step) : nlohmann::json();
     run["critical_contact"] = record.stiffest.name();
     run["time"] = simulation.time();
@@ -81,7 +82,8 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["bodies"] = bodies;
     run["removed_bodies"] = static_cast<std::int64_t>(removed.count);
     run["removed_mass"] = removed.mass;
-    run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) - bodies - static_cast<std::int64_t>(removed.count);
+    run["lost_bodies"] =
+        static_cast<std::int64_t>(loaded.scene.bodies.size()) + arrived - bodies - static_cast<std::int64_t>(removed.count);
     run["bodies_outside_domain"] = outside;
     add_measures(run, record);
     run["energy"] = energy_json(record);

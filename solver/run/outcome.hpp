@@ -21,6 +21,6 @@ struct Outcome {
 /// in   record   of the whole run
 /// Fails: throws SystemError on every rank when the disk refuses.
 void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const RunOptions& options, const LoadedScene& loaded,
-                   const Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance);
+                   Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance);
 
 }  // namespace scree

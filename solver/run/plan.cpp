@@ -121,7 +121,7 @@ void Plan::add_fluid() {
     double slowest = 1e300, fastest = 0;
     for (std::size_t b = 0; b < count_.bodies; ++b) {
       if (source_.bodies.fixed[b] != 0) continue;
-      const double reynolds = fluid.reynolds_number(b, fluid.terminal_speed(b));
+      const double reynolds = fluid.reynolds_number(kind_of(source_.bodies, b), fluid.terminal_speed(kind_of(source_.bodies, b)));
       slowest = std::min(slowest, reynolds);
       fastest = std::max(fastest, reynolds);
     }
@@ -171,11 +171,11 @@ void Plan::add_output() {
 }
 
 void Plan::add_numbers() {
-  const StepSize& step = simulation_.step_size();
-  const double contacts = 4.0 * static_cast<double>(simulation_.active_pair_count());
-  const std::size_t pairs = simulation_.pairs().pairs().size();
+  const StepSize& step = simulation_.state().clock.size;
+  const double contacts = 4.0 * static_cast<double>(active_pair_count(simulation_.state()));
+  const std::size_t pairs = simulation_.state().pairs.pairs().size();
   std::size_t candidate_bytes = 0;
-  for (const BodyPair& p : simulation_.pairs().pairs()) {
+  for (const BodyPair& p : simulation_.state().pairs.pairs()) {
     candidate_bytes +=
         (p.lists.corners_a.size() + p.lists.corners_b.size()) * sizeof(CornerCandidate) + p.lists.edges.size() * sizeof(EdgeCandidate);
   }
@@ -184,7 +184,7 @@ void Plan::add_numbers() {
                        format_quantity(step.step, Dimension::time), step.given ? "given" : "limited by " + step.limited_by,
                        format_quantity(step.contact_time, Dimension::time), step.contact_time / step.step);
   if (settings_.step_control == StepControl::quantised)
-    text_ += fmt::format("                quantised: now {}\n", format_quantity(simulation_.substep_size(), Dimension::time));
+    text_ += fmt::format("                quantised: now {}\n", format_quantity(simulation_.state().clock.dt, Dimension::time));
   text_ += fmt::format("                critical step of that contact {}\n", format_quantity(step.critical(), Dimension::time));
   text_ += fmt::format("  steps         {:.0f} for {}\n", steps, format_quantity(settings_.duration, Dimension::time));
   text_ += fmt::format("  memory        {} bytes per body, {} per body pair, shapes {:.1f} kB, candidates now {:.1f} kB in {} pairs\n",

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "solver/step/simulation.hpp"
+#include "solver/run/measures.hpp"
 
 namespace scree {
 

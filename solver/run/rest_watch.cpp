@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/base/error.hpp"
 #include "solver/bodies/fluid.hpp"
@@ -11,39 +10,45 @@
 
 namespace scree {
 
-RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest) {
+RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest), scene_(&scene) {
   if (!active_) return;
-  const double g = length(scene.settings.gravity);
-  if (!(g > 0)) throw UsageError("time.stop_at_rest: without gravity nothing falls, so rest cannot be told; leave it out");
+  gravity_ = length(scene.settings.gravity);
+  if (!(gravity_ > 0)) throw UsageError("time.stop_at_rest: without gravity nothing falls, so rest cannot be told; leave it out");
   for (const Wall& wall : scene.walls) walls_stop_ = std::max(walls_stop_, wall.motion.end());
-  std::optional<FluidForces> fluid;
-  if (scene.settings.fluid) fluid.emplace(scene);
-  constexpr double kWeightless = 1e-12;  // of the weight in a void: rounding of densities that agree
+  if (scene.settings.fluid) fluid_.emplace(scene);
   double energy = 0, longest = 0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies.fixed[i] != 0) continue;
-    const double diameter = scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].equivalent_diameter();
-    const double mass = scene.mass(i), weight = fluid ? fluid->weight(i) : mass * g;
-    const bool falls = weight > kWeightless * mass * g;
-    const double pull = falls ? weight : mass * g;
-    double gain = pull * diameter;
-    if (fluid && falls) {
-      const double speed = fluid->terminal_speed(i);
-      gain = std::min(gain, 0.5 * mass * speed * speed);
-    }
-    energy += gain;
-    longest = std::max(longest, diameter * mass / pull);
-    fall_.emplace(scene.bodies.id[i], gain);
+    const Fall fall = fall_of(kind_of(scene.bodies, i));
+    energy += fall.gain;
+    longest = std::max(longest, fall.time);
   }
   limit_ = kRestShare * energy;
   window_ = std::sqrt(2 * longest);
 }
 
+RestWatch::Fall RestWatch::fall_of(const BodyKind& body) const {
+  constexpr double kWeightless = 1e-12;  // of the weight in a void: rounding of densities that agree
+  const double diameter = body.scale * scene_->shapes[static_cast<std::size_t>(body.shape)].equivalent_diameter();
+  const double mass = mass_of(*scene_, body.shape, body.material, body.scale), weight = fluid_ ? fluid_->weight(body) : mass * gravity_;
+  const bool falls = weight > kWeightless * mass * gravity_;
+  const double pull = falls ? weight : mass * gravity_;
+  double gain = pull * diameter;
+  if (fluid_ && falls) {
+    const double speed = fluid_->terminal_speed(body);
+    gain = std::min(gain, 0.5 * mass * speed * speed);
+  }
+  return {gain, diameter * mass / pull};
+}
+
 double RestWatch::busiest(const ParticleSet& p) const {
   double most = 0;
-  for (std::size_t i = 0; i < p.owned; ++i) {
-    const auto fall = fall_.find(p.id[i]);
-    if (fall != fall_.end()) most = std::max(most, (translational_energy(p, i) + rotational_energy(p, i)) / fall->second);
+  for (std::size_t i = 0; i < p.owned && active_; ++i) {
+    if (p.fixed[i]) continue;
+    const BodyKind kind = kind_of(p, i);
+    auto known = gains_.find(kind);
+    if (known == gains_.end()) known = gains_.emplace(kind, fall_of(kind).gain).first;
+    most = std::max(most, (translational_energy(p, i) + rotational_energy(p, i)) / known->second);
   }
   return most;
 }

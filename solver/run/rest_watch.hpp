@@ -2,11 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <string>
-#include <unordered_map>
 
 #include "core/storage/scene_file.hpp"
-#include "solver/bodies/particle_set.hpp"
+#include "solver/bodies/fluid.hpp"
 
 namespace scree {
 
@@ -15,6 +16,7 @@ namespace scree {
 /// A body that nothing holds breaks the rule within that time: what rests for so long has forces that balance, to 2e-3 of the weight.
 /// In a fluid: of a fall there, and no body gains more than it has at its terminal speed; one that weighs nothing there is
 /// measured by a fall in a void.
+/// Limits: "all bodies" are those that the scene starts with.
 class RestWatch {
  public:
   static constexpr double kRestShare = 1e-6;
@@ -56,7 +58,15 @@ class RestWatch {
   double last_busy_ = 0;   // [s]
   double walls_stop_ = 0;  // [s]
   double busiest_ = 0;
-  std::unordered_map<std::int64_t, double> fall_;  // of each body that moves: what it would gain [J]
+  struct Fall {
+    double gain, time;  // [J], [s]
+  };
+  Fall fall_of(const BodyKind& body) const;
+
+  const Scene* scene_;
+  double gravity_ = 0;                        // [m/s^2]
+  std::optional<FluidForces> fluid_;          // of a scene that has one
+  mutable std::map<BodyKind, double> gains_;  // of kinds of bodies that were looked at [J]
 };
 
 }  // namespace scree

@@ -18,7 +18,7 @@
 #include "solver/run/start.hpp"
 #include "solver/run/watchdog.hpp"
 #include "solver/run/writers.hpp"
-#include "solver/step/origin.hpp"
+#include "solver/scene/origin.hpp"
 
 namespace scree {
 
@@ -145,7 +145,8 @@ Run::Run(const mpi::Communicator& comm, const RunOptions& options, const LoadedS
       is_restart_(!checkpoint_path.empty()),
       before_(before),
       rest_(make_rest_watch(comm, loaded.scene)),
-      schedule_(make_schedule(loaded.scene.settings, simulation.step_size().step, rest_.row_interval(), options.checkpoint_interval)),
+      schedule_(
+          make_schedule(loaded.scene.settings, simulation.state().clock.size.step, rest_.row_interval(), options.checkpoint_interval)),
       writers_(comm, loaded, options.run_folder, schedule_, make_provenance(comm, options, loaded, checkpoint_path), simulation,
                is_restart_),
       guard_(comm, *loaded.prepared, before),
@@ -162,7 +163,7 @@ Run::Run(const mpi::Communicator& comm, const RunOptions& options, const LoadedS
 }
 
 void Run::announce() const {
-  const StepSize& step = simulation_.step_size();
+  const StepSize& step = simulation_.state().clock.size;
   std::fprintf(stderr, "scree-solver: %zu bodies, %d ranks x %d threads, step %s (%s), %lld steps\n", loaded_.scene.bodies.size(),
                comm_.size(), omp_get_max_threads(), format_quantity(step.step, Dimension::time).c_str(),
                step.given ? "given" : ("limited by " + step.limited_by).c_str(), static_cast<long long>(schedule_.last));
@@ -194,8 +195,8 @@ int Run::advance_to_end() {
     if (schedule_.is_row_due(step)) timed_output([&] { write_row(); });
     // before the last checkpoint, after which only the outcome is missing
     if (schedule_.is_frame_due(step)) timed_output([&] { write_frame(); });
-    if (simulation_.pending_signal() != 0) return stop_by_signal();
-    if (schedule_.is_checkpoint_due(step) || simulation_.is_checkpoint_asked() || is_over()) timed_output([&] { save_state(); });
+    if (simulation_.requests().pending_signal() != 0) return stop_by_signal();
+    if (schedule_.is_checkpoint_due(step) || simulation_.requests().is_checkpoint_asked() || is_over()) timed_output([&] { save_state(); });
     show_progress();
   }
   return 0;
@@ -208,12 +209,12 @@ bool Run::is_over() const {
 
 /// Before the first step, and whenever the run may end.
 void Run::look_for_rest() {
-  if (rest_.is_active()) rest_.look(comm_.max(rest_.busiest(simulation_.particles())), simulation_.body_count());
+  if (rest_.is_active()) rest_.look(comm_.max(rest_.busiest(simulation_.state().particles)), body_count(simulation_.state()));
 }
 
 void Run::ask_for_checkpoint_by_clock() {
   if (schedule_.checkpoint_clock > 0 && is_root() && seconds_since(checkpoint_time_) >= schedule_.checkpoint_clock) {
-    simulation_.ask_for_checkpoint();
+    simulation_.requests().ask_for_checkpoint();
   }
 }
 
@@ -223,11 +224,11 @@ void Run::write_row() {
   writers_.write_events(simulation_);
   const LogRow row = take_row();
   writers_.write_row(row, before_, row.step == schedule_.last || rest_.at_rest(row.time));
-  if (is_root() && simulation_.substep_size() > row.critical.step) {
+  if (is_root() && simulation_.state().clock.dt > row.critical.step) {
     warn_once("scree-solver",
               fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
                           "log.csv; the run ends when their energy grows",
-                          simulation_.substep_size()));
+                          simulation_.state().clock.dt));
   }
   guard_.check(simulation_, row.energy_error);
 }
@@ -237,16 +238,16 @@ LogRow Run::take_row() {
   LogRow row;
   row.step = simulation_.step();
   row.time = simulation_.time();
-  row.energies = simulation_.energies();
+  row.energies = energies_of(simulation_.state());
   row.max_overlap_ratio = simulation_.take_max_overlap_ratio();
-  row.imbalance = simulation_.take_imbalance();
-  row.contacts = simulation_.contact_count();
-  row.loads = simulation_.wall_loads();
-  row.walls = simulation_.walls();
+  row.imbalance = simulation_.decomposition().take_imbalance();
+  row.contacts = contact_count(simulation_.state());
+  row.loads = wall_loads_of(simulation_.state());
+  row.walls = simulation_.state().walls;
   move_loads_to_world(row.loads, row.walls, loaded_.origin);
-  row.state_hash = simulation_.state_hash();
-  row.ranks = gather_measures(comm_, simulation_.rank_measures());
-  row.removed = simulation_.removed();
+  row.state_hash = state_hash(simulation_.state());
+  row.ranks = gather_measures(comm_, rank_measures(simulation_));
+  row.removed = removed_totals(simulation_.state());
   row.critical = simulation_.critical_step();
   row.energy_error = guard_.add_row(row.energies, row.max_overlap_ratio, row.imbalance, row.critical);
   rest_.add(row.time, kinetic_energy());
@@ -266,14 +267,14 @@ void Run::save_state() {
   simulation_.agree_on_failures();
   writers_.write_events(simulation_);
   writers_.write_checkpoint(simulation_, record_so_far());
-  simulation_.checkpoint_written();
+  simulation_.requests().checkpoint_written();
   checkpoint_time_ = Clock::now();
 }
 
 int Run::stop_by_signal() {
   save_state();
   guard_.add_overlap(simulation_.take_max_overlap_ratio());
-  const int signal = simulation_.pending_signal(), code = static_cast<int>(ExitCode::signal_base) + signal;
+  const int signal = simulation_.requests().pending_signal(), code = static_cast<int>(ExitCode::signal_base) + signal;
   write_outcome({"interrupted", fmt::format("signal {} at step {}; continue with --restart latest", signal, simulation_.step()), code});
   if (is_root()) progress_->finish(fmt::format("stopped by signal {} at step {}; a checkpoint was kept", signal, simulation_.step()));
   return code;
@@ -288,9 +289,9 @@ void Run::keep_invalid_state(const Error& error) {
 }
 
 int Run::finish() {
-  const std::string nobody = simulation_.body_count() > 0       ? ""
-                             : loaded_.scene.bodies.size() == 0 ? "the scene has no body"
-                                                                : "no body is left: all left the domain";
+  const std::string nobody = body_count(simulation_.state()) > 0 ? ""
+                             : loaded_.scene.bodies.size() == 0  ? "the scene has no body"
+                                                                 : "no body is left: all left the domain";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
@@ -305,10 +306,10 @@ int Run::finish() {
 /// Rows so far, and the sums of the parts before this one with those of this one.
 RunRecord Run::record_so_far() const {
   RunRecord run = guard_.record();
-  run.list_renewals += simulation_.list_rebuilds();
-  run.cuts += simulation_.cuts();
-  run.migrated += simulation_.migrated();
-  const RankMeasures mine = simulation_.rank_measures();
+  run.list_renewals += simulation_.lists().rebuilds();
+  run.cuts += simulation_.decomposition().cuts();
+  run.migrated += simulation_.decomposition().migrated();
+  const RankMeasures mine = rank_measures(simulation_);
   run.bytes_sent += comm_.sum(mine.bytes + mine.rebuild_bytes);
   run.peak_memory = std::max(run.peak_memory, comm_.sum(peak_memory()));
   run.wall_seconds += seconds_since(start_);
@@ -358,7 +359,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   } else {
     simulation.start_from_scene();
   }
-  check_step_size(comm, options, loaded.scene.settings, simulation.step_size());
+  check_step_size(comm, options, loaded.scene.settings, simulation.state().clock.size);
 
   // 3. the steps, and what is written of them
   return Run(comm, options, loaded, watchdog, simulation, checkpoint_path, before).go();

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "solver/ranks/rank_measures.hpp"
+#include "solver/run/measures.hpp"
 #include "solver/run/table.hpp"
-#include "solver/step/simulation.hpp"
 
 namespace scree {
 

@@ -93,7 +93,7 @@ void choose_records(const mpi::Communicator& comm, const VerifyOptions& options,
   const bool from_start = recorded.from == "start";
   mpi::on_root(comm, [&] {
     for (const FrameEntry& frame : list_frames(options.run_folder)) {
-      records[std::llround(frame.time / simulation.step_size().step)].frame = frame.path;
+      records[std::llround(frame.time / simulation.state().clock.size.step)].frame = frame.path;
     }
     std::erase_if(records, [&](const auto& entry) { return entry.first < first || (entry.first == first && !from_start); });
     std::int64_t last = first + options.steps;
@@ -139,6 +139,7 @@ std::string Verifier::difference_from_checkpoint(const Checkpoint& now, const st
   const std::string where = sum_up(comm_, compare_with_checkpoint(now, recorded));
   if (!where.empty()) return where;
   if (words_of(recorded.totals) != words_of(now.totals)) return "the accumulated work and impulse of walls differ";
+  if (words_of(recorded.totals.arrived) != words_of(now.totals.arrived)) return "what bodies brought that joined differs";
   return recorded.state_hash == now.state_hash ? "" : "the hash that the checkpoint gives differs";
 }
 

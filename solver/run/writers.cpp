@@ -36,7 +36,7 @@ Writers::Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::
   const std::int64_t keep_up_to_step = is_restart ? simulation.step() : -1;
   mpi::on_root(comm_, [&] {
     open_run_folder(folder_, loaded_.path);
-    frames_ = trim_run_folder(folder_, {schedule.frame, schedule.last, simulation.step_size().step}, keep_up_to_step);
+    frames_ = trim_run_folder(folder_, {schedule.frame, schedule.last, simulation.state().clock.size.step}, keep_up_to_step);
     start_tables(keep_up_to_step);
   });
 }
@@ -64,19 +64,19 @@ void Writers::write_row(const LogRow& row, const RunRecord& before, bool is_last
 
 void Writers::write_events(Simulation& simulation) {
   if (has_steps_) {
-    const std::vector<StepChange> changes = simulation.take_step_changes();
+    const std::vector<StepChange> changes = simulation.levels().take_changes();
     mpi::on_root(comm_, [&] { append_to_table(folder_ + "/steps.csv", rows_of(changes, step_columns)); });
   }
   if (!has_removed_) return;
-  std::vector<RemovedBody> bodies = simulation.take_removed();
+  std::vector<RemovedBody> bodies = simulation.domain().take_removed(simulation.state().comm);
   for (RemovedBody& b : bodies) b.x += loaded_.origin;
   mpi::on_root(comm_, [&] { append_to_table(folder_ + "/removed.csv", rows_of(bodies, removed_columns)); });
 }
 
 void Writers::write_frame(Simulation& simulation, std::int64_t number, bool with_contacts) {
   const std::string path = folder_ + "/" + frame_name(number);
-  Frame frame =
-      make_frame(simulation, simulation.energies(), comm_.rank(), with_contacts && loaded_.scene.settings.output_contacts, loaded_.origin);
+  Frame frame = make_frame(simulation, energies_of(simulation.state()), comm_.rank(),
+                           with_contacts && loaded_.scene.settings.output_contacts, loaded_.origin);
   frame.number = number;
   frame.provenance = provenance_;
   mpi::on_all(comm_, [&] { write_frame_file(comm_.get(), path, frame); });

@@ -17,7 +17,7 @@ class AreaExtent : public ContactExtent {
     for (const SolverShape& shape : shapes) area_.push_back(largest_contact_area(shape, 2 * margin));
   }
   double of_body(std::int32_t shape, double scale) const override { return area_[static_cast<std::size_t>(shape)] * scale * scale; }
-  double of_rough_pair() const override { return 1; }
+  double of_rough_pair(const std::vector<SolverShape>&, const BodyExtremes&) const override { return 1; }
 
  private:
   std::vector<double> area_;  ///< of each shape at scale 1 [m^2]
@@ -25,34 +25,31 @@ class AreaExtent : public ContactExtent {
 
 class PairsExtent : public ContactExtent {
  public:
-  PairsExtent(const Scene& scene, const std::vector<SolverShape>& shapes) {
-    std::vector<double> smallest(shapes.size(), 0.0);  // scale of each shape
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-      double& scale = smallest[static_cast<std::size_t>(scene.bodies.shape[b])];
-      scale = scale > 0 ? std::min(scale, scene.bodies.scale[b]) : scene.bodies.scale[b];
-    }
+  explicit PairsExtent(double margin) : margin_(margin) {}
+  double of_rough_pair(const std::vector<SolverShape>& shapes, const BodyExtremes& extremes) const override {
+    std::int64_t springs = 0;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
-      if (smallest[s] > 0 && shapes[s].kind == ShapeKind::solid)
-        springs_ = std::max(springs_, 2 * triangles_on_plane(shapes[s].mesh, 2 * scene.settings.margin / smallest[s]));
+      if (extremes.smallest_scale[s] == BodyExtremes::kNone || shapes[s].kind != ShapeKind::solid) continue;
+      springs = std::max(springs, 2 * triangles_on_plane(shapes[s].mesh, 2 * margin_ / extremes.smallest_scale[s]));
     }
+    return std::max(ContactExtent::of_rough_pair(shapes, extremes), static_cast<double>(springs));
   }
-  double of_rough_pair() const override { return std::max(ContactExtent::of_rough_pair(), static_cast<double>(springs_)); }
 
  private:
-  std::int64_t springs_ = 0;
+  double margin_;
 };
 
 }  // namespace
 
 double ContactExtent::of_body(std::int32_t, double) const { return 1; }
-double ContactExtent::of_rough_pair() const { return std::sqrt(std::sqrt(4.0)); }
+double ContactExtent::of_rough_pair(const std::vector<SolverShape>&, const BodyExtremes&) const { return std::sqrt(std::sqrt(4.0)); }
 
 std::unique_ptr<const ContactExtent> make_contact_extent(const Scene& scene, const std::vector<SolverShape>& shapes) {
   switch (scene.settings.gather) {
     case Gathering::area:
       return std::make_unique<AreaExtent>(scene, shapes);
     case Gathering::pairs:
-      return std::make_unique<PairsExtent>(scene, shapes);
+      return std::make_unique<PairsExtent>(scene.settings.margin);
     case Gathering::potential:
       break;
   }

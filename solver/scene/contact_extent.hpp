@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/storage/scene_file.hpp"
+#include "solver/scene/body_extremes.hpp"
 #include "solver/scene/solver_shape.hpp"
 
 namespace scree {
@@ -20,7 +21,7 @@ class ContactExtent {
   /// gather = "potential": n^(2/q), q = 8, for a face on a face, with n = 4 corners
   /// gather = "pairs": how many springs a contact of two bodies may have. Two faces, edges or corners that lie over each other make about
   /// as many pairs as both have triangles there; more is rare
-  virtual double of_rough_pair() const;
+  virtual double of_rough_pair(const std::vector<SolverShape>& shapes, const BodyExtremes& extremes) const;
 };
 
 /// Throws UsageError where the way of gathering needs margins and there are none.

@@ -31,9 +31,15 @@ void with_law(const Settings& settings, Action&& action) {
                    in_layer ? " with contact.gather = \"area\"" : "", others);
 }
 
+double step_curvature_of_barrier(const PairLaw& law) { return Barrier(law).curvature(kBarrierStepGap * kBarrierShare * law.margin); }
+
 }  // namespace
 
-SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(scene.materials.size()), margin_(scene.settings.margin) {
+SolverScene::SolverScene(const Scene& scene)
+    : scene_(&scene),
+      material_count_(scene.materials.size()),
+      margin_(scene.settings.margin),
+      extremes_(scene.materials.size(), scene.shapes.size()) {
   const Settings& settings = scene.settings;
   const auto& periodic = settings.domain.periodic;
   if (!settings.domain.bounded && (periodic[0] || periodic[1] || periodic[2])) {
@@ -43,34 +49,57 @@ SolverScene::SolverScene(const Scene& scene) : scene_(&scene), material_count_(s
   if (!(settings.duration >= 0)) throw InputError("time.duration = {:g} s; expected >= 0", settings.duration);
 
   for (const Shape& shape : scene.shapes) shapes_.push_back(make_solver_shape(shape));
-  check_bodies();
+  const BodyTable& bodies = scene.bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    check_solid(bodies.id[b], bodies.shape[b]);
+    include_body(bodies.shape[b], bodies.material[b], bodies.scale[b], bodies.fixed[b] != 0, length(bodies.velocity[b]), extremes_);
+  }
+  for (const Wall& wall : scene.walls) check_margin(wall.kind == WallKind::mesh);
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    check_period(periodicity_, scene.bodies.scale[b] * shape(scene.bodies.shape[b]).radius, contact_range(), scene.bodies.id[b]);
-  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) check_body(bodies.id[b], bodies.shape[b], bodies.scale[b]);
   zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
-  seam_gaps_ = check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, largest_radius_ + 2 * contact_range(), settings.duration);
+  seam_gaps_ =
+      check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, extremes_.bounding_radius + 2 * contact_range(), settings.duration);
   for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
 }
 
-void SolverScene::check_bodies() {
-  const BodyTable& bodies = scene_->bodies;
-  bool has_meshes = false;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const SolverShape& of_body = shape(bodies.shape[b]);
-    if (of_body.kind == ShapeKind::surface) {
-      throw InputError("body {}: shape '{}' is a surface without mass; import it without --surface", bodies.id[b],
-                       scene_->shapes[static_cast<std::size_t>(bodies.shape[b])].name);
-    }
-    largest_radius_ = std::max(largest_radius_, bodies.scale[b] * of_body.radius);
-    has_meshes = has_meshes || of_body.kind != ShapeKind::sphere;
-  }
-  for (const Wall& wall : scene_->walls) has_meshes = has_meshes || wall.kind == WallKind::mesh;
-  if (has_meshes && !(margin_ > 0)) {
+void SolverScene::check_margin(bool has_mesh) const {
+  if (has_mesh && !(margin_ > 0)) {
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }
+}
+
+void SolverScene::check_solid(std::int64_t id, std::int32_t of) const {
+  if (shape(of).kind == ShapeKind::surface) {
+    throw InputError("body {}: shape '{}' is a surface without mass; import it without --surface", id,
+                     scene_->shapes[static_cast<std::size_t>(of)].name);
+  }
+  check_margin(shape(of).kind != ShapeKind::sphere);
+}
+
+void SolverScene::check_body(std::int64_t id, std::int32_t of, double scale) const {
+  check_solid(id, of);
+  check_period(periodicity_, scale * shape(of).radius, contact_range(), id);
+}
+
+void SolverScene::check_seams(double radius) const {
+  const Settings& settings = scene_->settings;
+  for (const std::string& gap :
+       check_meshes_at_seams(scene_->walls, scene_->shapes, settings.domain, radius + 2 * contact_range(), settings.duration))
+    warn_once("scree-solver", gap);
+}
+
+void SolverScene::include_body(std::int32_t of, std::int32_t material, double scale, bool fixed, double speed,
+                               BodyExtremes& extremes) const {
+  const auto s = static_cast<std::size_t>(of), m = static_cast<std::size_t>(material);
+  const double mass = mass_of(*scene_, of, material, scale);
+  extremes.bounding_radius = std::max(extremes.bounding_radius, scale * shapes_[s].radius);
+  extremes.radius[m] = std::max(extremes.radius[m], scale * shapes_[s].equivalent_radius);
+  extremes.speed[m] = std::max(extremes.speed[m], speed);
+  if (!fixed) extremes.mass[m] = std::max(extremes.mass[m], mass);
+  extremes.smallest_scale[s] = std::min(extremes.smallest_scale[s], scale);
 }
 
 void SolverScene::prepare_laws() {
@@ -85,7 +114,7 @@ void SolverScene::prepare_laws() {
   });
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene_->pairs) {
-    const PairLaw law = make_pair_law(pair);
+    const PairLaw law = make_pair_law(pair, extremes_);
     law_choice_.friction = law_choice_.friction || law.friction > 0;
     law_choice_.rolling = law_choice_.rolling || law.rolling_friction > 0 || law.torsional_friction > 0;
     has_damping_ = has_damping_ || law.damping_ratio > 0 || law.damping_slope > 0;
@@ -114,11 +143,17 @@ void SolverScene::prepare_barrier() {
   for (PairLaw& law : laws_) {
     law.margin = 2 * margin_;
     law.barrier = settings.barrier * law.step_stiffness;
-    law.step_stiffness += Barrier(law).curvature(kBarrierStepGap * kBarrierShare * law.margin);
+    law.step_stiffness += step_curvature_of_barrier(law);
   }
 }
 
-PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
+double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const {
+  const PairLaw& as_made = law(pair.a, pair.b);
+  const double stiffness = make_pair_law(pair, extremes).step_stiffness;
+  return as_made.barrier > 0 ? stiffness + step_curvature_of_barrier(as_made) : stiffness;
+}
+
+PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const {
   PairLaw law;
   law.friction = pair.friction;
   law.friction_sliding = pair.friction_sliding < 0 ? pair.friction : pair.friction_sliding;
@@ -134,7 +169,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
                        scene_->materials[static_cast<std::size_t>(pair.b)],
                        2 * margin_,
                        scene_->settings.step > 0,
-                       [&] { return largest_impact(pair); }};
+                       [&] { return largest_impact(pair, extremes); }};
   with_law(scene_->settings, [&]<class Entry, class Normal>() {
     Normal::prepare(input, law);
     Entry::Damp::prepare(input, law);
@@ -143,18 +178,13 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair) const {
 }
 
 /// The fastest impact of the heaviest bodies.
-LargestImpact SolverScene::largest_impact(const MaterialPair& pair) const {
+LargestImpact SolverScene::largest_impact(const MaterialPair& pair, const BodyExtremes& extremes) const {
+  const auto either = [&](const std::vector<double>& of_material) {
+    return std::max(of_material[static_cast<std::size_t>(pair.a)], of_material[static_cast<std::size_t>(pair.b)]);
+  };
   const double given = scene_->settings.impact_speed;
-  LargestImpact impact{0, 0, given};
-  const BodyTable& bodies = scene_->bodies;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (bodies.material[i] != pair.a && bodies.material[i] != pair.b) continue;
-    impact.radius = std::max(impact.radius, bodies.scale[i] * shape(bodies.shape[i]).equivalent_radius);
-    if (bodies.fixed[i] == 0) impact.mass = std::max(impact.mass, scene_->mass(i));
-    if (given == 0) impact.speed = std::max(impact.speed, 2 * length(bodies.velocity[i]));
-  }
-  if (pair.contact_radius > 0) impact.radius = pair.contact_radius;
-  return impact;
+  return {pair.contact_radius > 0 ? pair.contact_radius : either(extremes.radius), either(extremes.mass),
+          given == 0 ? 2 * either(extremes.speed) : given};
 }
 
 }  // namespace scree

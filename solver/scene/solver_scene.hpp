@@ -13,10 +13,17 @@
 #include "core/storage/wall_state.hpp"
 #include "core/storage/wall_zones.hpp"
 #include "solver/laws/laws.hpp"
+#include "solver/scene/body_extremes.hpp"
 #include "solver/scene/contact_extent.hpp"
 #include "solver/scene/solver_shape.hpp"
 
 namespace scree {
+
+/// Mass of a body of a scene's shapes and materials [kg], in the scene's own arithmetic (Scene::mass).
+inline double mass_of(const Scene& scene, std::int32_t shape, std::int32_t material, double scale) {
+  return scene.materials[static_cast<std::size_t>(material)].density * scene.shapes[static_cast<std::size_t>(shape)].mass.volume * scale *
+         scale * scale;
+}
 
 class SolverScene {
  public:
@@ -34,7 +41,16 @@ class SolverScene {
   /// How far from its surface a body may act: its margin, and half of what the scene's law reaches beyond the margins [m].
   double contact_range() const { return margin_ + 0.5 * reach_; }
   const Periodicity& periodicity() const { return periodicity_; }
-  double largest_radius() const { return largest_radius_; }  ///< bounding, of all bodies [m]
+  /// Of the bodies that the scene starts with. What follows from all bodies is asked for the extremes of those that there are.
+  const BodyExtremes& extremes() const { return extremes_; }
+  /// Takes in a body of this scene's shapes and materials. in   speed   as it joins [m/s]
+  void include_body(std::int32_t shape, std::int32_t material, double scale, bool fixed, double speed, BodyExtremes& extremes) const;
+  /// Throws for a body that cannot join: UsageError or InputError naming it.
+  void check_body(std::int64_t id, std::int32_t shape, double scale) const;
+  /// Throws UsageError for a wall of triangles that bodies of this bounding radius could miss at a seam, see check_meshes_at_seams.
+  void check_seams(double radius) const;
+  /// Stiffest tangent expected of the contacts of two materials [N/m], of a layer per area [N/m^3]: the step is derived from it.
+  double step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const;
   /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
   const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
   /// Lines about mesh walls that end near a seam, see check_meshes_at_seams.
@@ -42,16 +58,18 @@ class SolverScene {
   const LawChoice& law_choice() const { return law_choice_; }
   /// How stiffness grows with what touches at once.
   const ContactExtent& contact_extent() const { return *contact_extent_; }
+  double extent_of_rough_pair(const BodyExtremes& extremes) const { return contact_extent_->of_rough_pair(shapes_, extremes); }
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }
 
  private:
-  void check_bodies();
   void prepare_laws();
   void prepare_barrier();
-  PairLaw make_pair_law(const MaterialPair& pair) const;
-  LargestImpact largest_impact(const MaterialPair& pair) const;
+  PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
+  void check_margin(bool has_mesh) const;
+  void check_solid(std::int64_t id, std::int32_t shape) const;
+  LargestImpact largest_impact(const MaterialPair& pair, const BodyExtremes& extremes) const;
 
   const Scene* scene_;
   std::vector<SolverShape> shapes_;
@@ -60,7 +78,8 @@ class SolverScene {
   std::vector<WallZone> zones_;
   std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
-  double margin_ = 0, reach_ = 0, largest_radius_ = 0;
+  double margin_ = 0, reach_ = 0;
+  BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
   bool has_damping_ = false, has_driven_walls_ = false;

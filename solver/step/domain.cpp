@@ -29,20 +29,6 @@ void check_domain(const RunState& s) {
   }
 }
 
-/// Removal falls between the two kicks of a step: the second is that of free flight.
-void kick_in_free_flight(RunState& s, std::size_t body) {
-  if (s.integrator == Integrator::euler) return;
-  ParticleSet& p = s.particles;
-  const Vec3 gravity = s.scene.source().settings.gravity;
-  if (!s.fluid) {
-    p.v[body] += (0.5 * s.clock.dt) * gravity;
-    return;
-  }
-  p.force[body] = s.fluid->weighed_mass(p, body) * gravity;
-  p.torque[body] = {};
-  s.fluid->kick_body(p, body, 0.5 * s.clock.dt);
-}
-
 }  // namespace
 
 bool is_outside(const SolverScene& scene, const Vec3& x) {
@@ -82,12 +68,13 @@ bool DomainGuard::remove(RunState& s) {
       ++kept;
       continue;
     }
-    kick_in_free_flight(s, i);
+    // Removal falls between the two kicks of a step: the second is that of free flight.
+    finish_in_free_flight(s, p, i);
     removed_.push_back({p.id[i], s.clock.step, s.clock.time(), p.mass[i], p.x[i], p.v[i]});
     DepartureTotals& departed = s.totals.departed;
     departed.count.add(1);
     departed.mass.add(p.mass[i]);
-    departed.energy.add(translational_energy(p, i) + rotational_energy(p, i) + potential_energy(s, i));
+    departed.energy.add(translational_energy(p, i) + rotational_energy(p, i) + potential_energy(s, p, i));
     departed.dissipated.add(p.dissipated[i]);
   }
   p.resize(kept);

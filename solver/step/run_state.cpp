@@ -12,18 +12,39 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
       scene(of),
       integrator(of.source().settings.integrator),
       fluid(of.source().settings.fluid ? std::optional<FluidForces>(of.source()) : std::nullopt),
-      totals(of.source().walls.size()) {}
+      totals(of.source().walls.size()) {
+  for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
+  for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
+}
 
 void RunState::set_walls() {
   walls.clear();
   for (const Wall& wall : scene.source().walls) walls.push_back(wall_state(wall, clock.time(), clock.dt));
 }
 
-double potential_energy(const RunState& s, std::size_t body) {
-  const ParticleSet& p = s.particles;
+double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body) {
   if (p.fixed[body]) return 0;
   const double mass = s.fluid ? s.fluid->weighed_mass(p, body) : p.mass[body];
   return -mass * dot(s.scene.source().settings.gravity, s.scene.periodicity().way_of(p.x[body], p.image[body]));
+}
+
+void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body) {
+  if (s.integrator == Integrator::euler || p.fixed[body]) return;
+  const Vec3 gravity = s.scene.source().settings.gravity;
+  if (!s.fluid) {
+    p.v[body] += (0.5 * s.clock.dt) * gravity;
+    return;
+  }
+  p.force[body] = s.fluid->weighed_mass(p, body) * gravity;
+  p.torque[body] = {};
+  s.fluid->kick_body(p, body, 0.5 * s.clock.dt);
+}
+
+void agree_on_bodies(RunState& s) {
+  s.facts = agree_on_facts(s.comm, s.particles);
+  const ContactLimit limit = limit_of_contacts(s.comm, s.scene, s.particles);
+  s.clock.size.contact_time = limit.time;
+  s.clock.size.slowest_contact_time = limit.slowest_time;
 }
 
 double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to) {

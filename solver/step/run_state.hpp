@@ -52,6 +52,7 @@ struct RunState {
   PairList pairs;
   std::vector<WallState> walls;
   BodyFacts facts;
+  std::int64_t largest_id = -1;  ///< that a body or a wall has or had, at any time
   StepClock clock;
   RunTotals totals;  ///< of this rank
   PhaseTimes times{};
@@ -61,8 +62,13 @@ struct RunState {
   void set_walls();
 };
 
-/// Of an owned body [J]: against gravity, buoyancy included, on the way that it has gone through periodic axes.
-double potential_energy(const RunState& s, std::size_t body);
+/// Of a body [J]: against gravity, buoyancy included, on the way that it has gone through periodic axes.
+double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body);
+/// The second kick of the present step for a body that touches nothing.
+void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body);
+
+/// Agrees what is known of all bodies, and of the contacts that they can have, after bodies came or went. The step stays. Collective.
+void agree_on_bodies(RunState& s);
 
 /// How far walls have moved between two states with respect to any owned body, at most [m].
 double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to);

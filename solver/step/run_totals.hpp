@@ -1,10 +1,12 @@
 // What a run has added up since its start besides its bodies and the state of their pairs; part of a checkpoint.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "solver/ranks/exact_sum.hpp"
 
 namespace scree {
@@ -25,16 +27,26 @@ struct DepartureTotals {
   ExactSum dissipated;  ///< what they had dissipated by then [J]
 };
 
+/// What bodies brought that joined after the start.
+struct ArrivalTotals {
+  ExactSum count;
+  ExactSum mass;    ///< [kg]
+  ExactSum energy;  ///< kinetic and potential [J]
+};
+
 /// Of one rank, or of all.
 struct RunTotals {
   RunTotals(std::size_t wall_count = 0) : walls(wall_count) {}
   WallTotals walls;
   DepartureTotals departed;
+  ArrivalTotals arrived;
+  std::int64_t largest_id = -1;  ///< of the bodies that joined, the same on every rank
   double max_overlap_ratio = 0;  ///< since it was last taken
   std::int64_t level = 0;        ///< of the step, see StepClock
 };
 
-/// Calls action(sum) for every sum; those of RunTotals in the order in which checkpoints hold them.
+/// Calls action(sum) for every sum, in the order in which checkpoints hold them; those of RunTotals without arrivals, which files hold by
+/// themselves.
 template <class Action>
 void for_each_impulse(WallTotals& t, Action&& action) {
   for (std::array<ExactSum, 3>& of_wall : t.impulse) {
@@ -49,6 +61,10 @@ void for_each_sum(WallTotals& t, Action&& action) {
 template <class Action>
 void for_each_sum(DepartureTotals& t, Action&& action) {
   for (ExactSum* sum : {&t.count, &t.mass, &t.energy, &t.dissipated}) action(*sum);
+}
+template <class Action>
+void for_each_sum(ArrivalTotals& t, Action&& action) {
+  for (ExactSum* sum : {&t.count, &t.mass, &t.energy}) action(*sum);
 }
 template <class Action>
 void for_each_sum(RunTotals& t, Action&& action) {
@@ -71,8 +87,27 @@ Totals over_ranks(MPI_Comm comm, Totals totals) {
 }
 
 /// The words of all sums, one sum after the other, as checkpoints hold them.
-std::vector<std::int64_t> words_of(RunTotals totals);
-/// Sums from such words; how many there are tells the number of walls. Throws InputError when they are not whole sums.
-RunTotals totals_from(const std::vector<std::int64_t>& words);
+template <class Totals>
+std::vector<std::int64_t> words_of(Totals totals) {
+  std::vector<std::int64_t> words;
+  for_each_sum(totals, [&](const ExactSum& sum) {
+    const ExactSum::Words w = sum.words();
+    words.insert(words.end(), w.begin(), w.end());
+  });
+  return words;
+}
+/// Sets all sums from such words. Throws InputError when they are not as many.
+template <class Totals>
+void set_words(const std::vector<std::int64_t>& words, Totals& totals) {
+  std::size_t next = 0;
+  for_each_sum(totals, [&](ExactSum& sum) {
+    ExactSum::Words w{};
+    if (next + w.size() <= words.size()) std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(next), w.size(), w.begin());
+    sum.set_words(w);
+    next += w.size();
+  });
+  if (next != words.size())
+    throw InputError("totals of {} numbers instead of {}; the file is damaged or of another scene", words.size(), next);
+}
 
 }  // namespace scree

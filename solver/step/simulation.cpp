@@ -11,23 +11,6 @@ namespace scree {
 
 namespace {
 
-/// A study build refuses what was left out of it.
-void check_built_with(const mpi::Communicator& comm, const SolverScene& scene) {
-  const auto need = [](bool built, bool needed, const char* what) {
-    if (!built && needed) throw UsageError("this build of the solver has no {}, which the scene needs; take scree-solver", what);
-  };
-  bool rotates = false, has_meshes = false;
-  for (std::size_t b = 0; b < scene.source().bodies.size(); ++b) {
-    rotates = rotates || !(scene.source().bodies.fixed[b] || scene.source().bodies.lock_rotation[b]);
-    has_meshes = has_meshes || scene.shape(scene.source().bodies.shape[b]).kind != ShapeKind::sphere;
-  }
-  for (const WallZone& zone : scene.zones()) has_meshes = has_meshes || zone.kind == WallZone::Kind::mesh;
-  need(built_with::kFriction, scene.law_choice().friction || scene.law_choice().rolling, "friction");
-  need(built_with::kRotation, rotates, "rotation");
-  need(built_with::kRanks, comm.size() > 1, "parallel ranks");
-  need(built_with::kMeshes, has_meshes, "meshes");
-}
-
 /// This rank's bodies of a scene. One that is cut for these ranks starts as it is cut; else bodies are dealt out in equal runs, to be
 /// cut at once.
 std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const SolverScene& scene) {
@@ -45,9 +28,7 @@ std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const Sol
 }  // namespace
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
-    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm) {
-  mpi::on_all(comm, [&] { check_built_with(comm, scene); });
-}
+    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm) {}
 
 void Simulation::start_from_scene() {
   begin(own_records(state_.comm, state_.scene), 0, 0, decomposition_.has_cut());
@@ -62,6 +43,8 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.pairs.waiting() = std::move(state);
   if (state_.comm.rank() == 0) state_.totals = totals;
   state_.totals.max_overlap_ratio = totals.max_overlap_ratio;
+  state_.totals.largest_id = totals.largest_id;
+  state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
 }
@@ -72,6 +55,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   for (const ParticleRecord& r : records) append_record(p, r, state_.scene);
   p.owned = p.size();
   std::fill(p.work.begin(), p.work.end(), 0.0);
+  mpi::on_all(state_.comm, [&] { check_built_with(state_.comm, state_.scene, p); });
   state_.facts = agree_on_facts(state_.comm, p);
   clock.step = step;
   mpi::on_all(state_.comm, [&] { clock.size = derive_step_size(state_.comm, state_.scene, p); });
@@ -96,7 +80,7 @@ void Simulation::advance() {
 void Simulation::advance_substep() {
   move_bodies();
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
-  const StepReport all = agree_on_step(level_changed || bodies_leave);
+  const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting());
   requests_.hear(all);
   if (all.failed != 0) agree_on_failures();
   if (all.rebuild != 0) rebuild_lists(all);
@@ -173,7 +157,8 @@ void Simulation::rebuild_lists(const StepReport& report) {
     if (!failure_.exists()) failure_.watch(step(), [&] { check_finite(state_); });
     agree_on_failures();
     decomposition_.distribute(p, state_.pairs, report);
-    if (domain_.remove(state_)) state_.facts = agree_on_facts(state_.comm, p);
+    const bool left = domain_.remove(state_), came = arrivals_.join(state_, decomposition_.halo());
+    if (left || came) agree_on_bodies(state_);
     lists_.set_skin(state_, report.fastest);
     if (built_with::kRanks) decomposition_.halo().make_ghosts(state_.scene, p, state_.facts.largest_radius, lists_.skin());
   }

@@ -11,7 +11,7 @@
 #include "solver/ranks/decomposition.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/requests.hpp"
-#include "solver/run/measures.hpp"  // until callers include it themselves
+#include "solver/step/arrivals.hpp"
 #include "solver/step/critical_step.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
@@ -33,6 +33,9 @@ class Simulation {
 
   /// One step. Collective.
   void advance();
+
+  /// Bodies that join in the next step, see Arrivals::add(). Collective.
+  void add_bodies(const std::vector<ParticleRecord>& mine) { arrivals_.add(state_, mine); }
 
   /// Throws on every rank what one of them met in the last step. Called before anything is written, so that no rank waits in
   /// a collective write for one that failed, and no failure of the last step is lost. Collective.
@@ -57,37 +60,6 @@ class Simulation {
   /// Collective.
   FrameContacts contacts();
 
-  // Until its callers use state() and the functions of run/measures.hpp.
-  double substep_size() const { return state_.clock.dt; }
-  const StepSize& step_size() const { return state_.clock.size; }
-  const ParticleSet& particles() const { return state_.particles; }
-  const PairList& pairs() const { return state_.pairs; }
-  const std::vector<WallState>& walls() const { return state_.walls; }
-  const SolverScene& scene() const { return state_.scene; }
-  int pending_signal() const { return requests_.pending_signal(); }
-  void ask_for_checkpoint() { requests_.ask_for_checkpoint(); }
-  bool is_checkpoint_asked() const { return requests_.is_checkpoint_asked(); }
-  void checkpoint_written() { requests_.checkpoint_written(); }
-  Energies energies() const;
-  RunTotals totals() const;
-  std::vector<WallLoad> wall_loads() const;
-  std::int64_t body_count() const;
-  std::int64_t contact_count() const;
-  std::int64_t active_pair_count() const;
-  double take_imbalance() { return decomposition_.take_imbalance(); }
-  std::int64_t bodies_outside() const;
-  double shadow_energy_gap() const;
-  std::pair<std::int64_t, double> fastest_body() const;
-  RemovedTotals removed() const;
-  std::vector<StepChange> take_step_changes() { return levels_.take_changes(); }
-  std::vector<RemovedBody> take_removed() { return domain_.take_removed(state_.comm); }
-  std::string state_hash() const;
-  void forget_candidates() { lists_.forget_candidates(); }
-  RankMeasures rank_measures() const { return decomposition_.measures(state_.particles, state_.pairs, state_.times); }
-  std::int64_t list_rebuilds() const { return lists_.rebuilds(); }
-  std::int64_t cuts() const { return decomposition_.cuts(); }
-  std::int64_t migrated() const { return decomposition_.migrated(); }
-
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
   void advance_substep();
@@ -102,6 +74,7 @@ class Simulation {
   NeighbourLists lists_;
   StepLevels levels_;
   DomainGuard domain_;
+  Arrivals arrivals_;
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace scree {
 
@@ -47,7 +48,8 @@ double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i
 }
 
 /// Of every material, smooth then rough; the same on every rank.
-std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
+std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& present,
+                                  const ParticleSet& joining) {
   const Scene& source = scene.source();
   std::vector<Touchable> mine(2 * source.materials.size());
   // of each material, the largest tangential over normal tangent stiffness of a pair with friction
@@ -60,7 +62,7 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
       ratio = std::max(ratio, law.tangential_ratio / scene.law_choice().exponent);
     }
   }
-  for (std::size_t i = 0; i < p.owned; ++i) {
+  const auto add = [&](const ParticleSet& p, std::size_t i) {
     Touchable& t = mine[2 * static_cast<std::size_t>(p.material[i]) + (scene.shape(p.shape[i]).kind == ShapeKind::sphere ? 0 : 1)];
     if (p.fixed[i])
       ++t.still;
@@ -69,7 +71,9 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
       t.add(mobility, p.id[i]);
       t.least = std::min(t.least, mobility);
     }
-  }
+  };
+  for (std::size_t i = 0; i < present.owned; ++i) add(present, i);
+  for (std::size_t i = 0; i < joining.size(); ++i) add(joining, i);
   const auto ranks = static_cast<std::size_t>(comm.size());
   std::vector<Touchable> all(mine.size());
   for (const auto& block : comm.exchange(std::vector<std::vector<Touchable>>(ranks, mine))) {
@@ -85,88 +89,107 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
   return all;
 }
 
-}  // namespace
+/// The extremes of the scene's bodies and of all that there are now or join, of all ranks. Collective.
+BodyExtremes present_extremes(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p,
+                              std::span<const ParticleRecord> joining) {
+  BodyExtremes mine = scene.extremes();
+  for (std::size_t i = 0; i < p.owned; ++i) scene.include_body(p.shape[i], p.material[i], p.scale[i], p.fixed[i] != 0, 0, mine);
+  for (const ParticleRecord& r : joining) scene.include_body(r.shape, r.material, r.scale, r.fixed != 0, length(r.v), mine);
+  // all numbers in a row, so that one exchange does
+  std::vector<double> row{mine.bounding_radius};
+  for (const auto* of_kind : {&mine.mass, &mine.radius, &mine.speed, &mine.smallest_scale})
+    row.insert(row.end(), of_kind->begin(), of_kind->end());
+  for (const auto& block : comm.exchange(std::vector<std::vector<double>>(static_cast<std::size_t>(comm.size()), row))) {
+    BodyExtremes other = mine;
+    auto next = block.begin();
+    other.bounding_radius = *next++;
+    for (auto* of_kind : {&other.mass, &other.radius, &other.speed, &other.smallest_scale}) {
+      for (double& value : *of_kind) value = *next++;
+    }
+    mine.include(other);
+  }
+  return mine;
+}
 
-StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
-  const Scene& source = scene.source();
-  const std::vector<Touchable> all = touchables(comm, scene, p);
-  StepSize result;
-  double stiffest = 0, softest = 1e300;  // omega^2 of contacts that can occur [1/s^2]
-  double fastest = 0;                    // omega (1 + zeta) of the pairs that are strongly damped [1/s]
-  std::string most_damped;
-  for (const MaterialPair& pair : source.pairs) {
-    for (std::size_t roughness = 0; roughness < 4; ++roughness) {
-      const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
-      const Touchable &a = all[2 * static_cast<std::size_t>(pair.a) + rough_a], &b = all[2 * static_cast<std::size_t>(pair.b) + rough_b];
-      // a smooth body on a smooth one touches once
-      const double features = rough_a + rough_b == 0 ? 1.0 : scene.contact_extent().of_rough_pair();
-      const auto consider = [&](double mobility, const std::string& name) {
-        const PairLaw& law = scene.law(pair.a, pair.b);
-        const double omega2 = law.step_stiffness * features * mobility, rate = std::sqrt(omega2) * (1 + law.step_damping);
-        if (law.step_damping > kStrongDamping && rate > fastest) {
-          fastest = rate;
-          most_damped = fmt::format("{} at restitution {:g}", name, std::max(pair.restitution, kLeastRestitution));
-        }
-        if (!(omega2 > stiffest)) return;
-        stiffest = omega2;
-        result.limited_by = name;
-      };
-      const auto body = [&](const Touchable& t, std::size_t i, std::int32_t material) {
-        return fmt::format("body {} ({})", t.body[i], source.materials[static_cast<std::size_t>(material)].name);
-      };
-      const auto still = [&](std::int32_t material) { return "fixed " + source.materials[static_cast<std::size_t>(material)].name; };
-      if (a.body[0] >= 0 && (b.body[0] >= 0 || b.still > 0)) {
-        softest = std::min(softest, scene.law(pair.a, pair.b).step_stiffness * features * a.least);
-      }
-      if (&a == &b) {
-        if (a.body[1] >= 0) consider(a.mobility[0] + a.mobility[1], body(a, 0, pair.a) + " on " + body(a, 1, pair.a));
-      } else if (a.body[0] >= 0 && b.body[0] >= 0) {
-        consider(a.mobility[0] + b.mobility[0], body(a, 0, pair.a) + " on " + body(b, 0, pair.b));
-      }
-      if (a.body[0] >= 0 && b.still > 0) consider(a.mobility[0], body(a, 0, pair.a) + " on " + still(pair.b));
-      if (b.body[0] >= 0 && a.still > 0) consider(b.mobility[0], body(b, 0, pair.b) + " on " + still(pair.a));
-    }
-  }
-  if (stiffest > 0) {
-    result.contact_time = std::numbers::pi / std::sqrt(stiffest);
-    result.slowest_contact_time = std::numbers::pi / std::sqrt(std::min(softest, stiffest));
-    if (!(result.contact_time > 0) || !std::isfinite(result.contact_time)) {
-      throw InputError(
-          "the stiffest contact that can occur, {}, would last {} s: stiffness and mass are too far apart for a step; check "
-          "density, stiffness and sizes",
-          result.limited_by, result.contact_time);
-    }
-  }
-  if (source.settings.step > 0) {
-    result.step = source.settings.step;
-    result.given = true;
-    if (stiffest > 0 && result.step > kMostCritical * result.critical()) {
-      throw UsageError(
-          "time.step = {:g} s is {:.3g} times the critical step {:.4g} s of {}; use at most {:.3g} s (20 steps a contact), "
-          "or leave it out",
-          result.step, result.step / result.critical(), result.critical(), result.limited_by, result.contact_time / 20);
-    }
-    if (result.step * fastest > std::numbers::pi / kStepsPerDamping) {
-      constexpr double kRoundDown = 0.99;  // three digits that are not above the limit
-      throw UsageError(
-          "time.step = {:g} s is too long for the damping of {}: they would rebound otherwise; use at most {:.3g} s, or leave it out",
-          result.step, most_damped, kRoundDown * std::numbers::pi / (kStepsPerDamping * fastest));
-    }
-    return result;
-  }
-  if (stiffest > 0) {
-    result.step = result.contact_time / source.settings.steps_per_contact;
-    if (result.step * fastest > std::numbers::pi / kStepsPerDamping) {
-      result.step = std::numbers::pi / (kStepsPerDamping * fastest);
-      result.limited_by = "the damping of " + most_damped;
-    }
-  } else {
-    result.step = source.settings.duration > 0 ? source.settings.duration / 1000 : 1;
-    result.limited_by = "no contact can occur: a thousandth of the duration";
-  }
-  if (source.settings.step_control == StepControl::quantised) return result;  // speed and spin choose the level
+/// The limits of the contacts of two materials, each smooth or rough.
+class ContactLimits {
+ public:
+  ContactLimits(const SolverScene& scene, const BodyExtremes& extremes, ContactLimit& limit)
+      : scene_(scene), extremes_(extremes), of_rough_pair_(scene.extent_of_rough_pair(extremes)), limit_(limit) {}
 
-  if (stiffest > 0 && scene.margin() > 0) {
+  void add(const MaterialPair& pair, const Touchable& a, bool rough_a, const Touchable& b, bool rough_b) {
+    const PairLaw& law = scene_.law(pair.a, pair.b);
+    // a smooth body on a smooth one touches once
+    const double stiffness = scene_.step_stiffness(pair, extremes_), features = rough_a || rough_b ? of_rough_pair_ : 1.0;
+    const auto consider = [&](double mobility, const std::string& name) {
+      const double omega2 = stiffness * features * mobility, rate = std::sqrt(omega2) * (1 + law.step_damping);
+      if (law.step_damping > kStrongDamping && rate > limit_.damped_rate) {
+        limit_.damped_rate = rate;
+        limit_.most_damped = fmt::format("{} at restitution {:g}", name, std::max(pair.restitution, kLeastRestitution));
+      }
+      if (!(omega2 > stiffest_)) return;
+      stiffest_ = omega2;
+      limit_.who = name;
+    };
+    const auto body = [&](const Touchable& t, std::size_t i, std::int32_t material) {
+      return fmt::format("body {} ({})", t.body[i], name_of(material));
+    };
+    const auto still = [&](std::int32_t material) { return "fixed " + name_of(material); };
+    if (a.body[0] >= 0 && (b.body[0] >= 0 || b.still > 0)) softest_ = std::min(softest_, stiffness * features * a.least);
+    if (&a == &b) {
+      if (a.body[1] >= 0) consider(a.mobility[0] + a.mobility[1], body(a, 0, pair.a) + " on " + body(a, 1, pair.a));
+    } else if (a.body[0] >= 0 && b.body[0] >= 0) {
+      consider(a.mobility[0] + b.mobility[0], body(a, 0, pair.a) + " on " + body(b, 0, pair.b));
+    }
+    if (a.body[0] >= 0 && b.still > 0) consider(a.mobility[0], body(a, 0, pair.a) + " on " + still(pair.b));
+    if (b.body[0] >= 0 && a.still > 0) consider(b.mobility[0], body(b, 0, pair.b) + " on " + still(pair.a));
+  }
+
+  /// Fills in the times.
+  void finish() {
+    if (!(stiffest_ > 0)) return;
+    limit_.time = std::numbers::pi / std::sqrt(stiffest_);
+    limit_.slowest_time = std::numbers::pi / std::sqrt(std::min(softest_, stiffest_));
+  }
+
+ private:
+  const std::string& name_of(std::int32_t material) const { return scene_.source().materials[static_cast<std::size_t>(material)].name; }
+
+  const SolverScene& scene_;
+  const BodyExtremes& extremes_;
+  double of_rough_pair_;
+  ContactLimit& limit_;
+  double stiffest_ = 0, softest_ = 1e300;  // omega^2 [1/s^2]
+};
+
+/// Longest step that follows the contacts, and why.
+double longest_step(const ContactLimit& limit, double steps_per_contact, std::string& why) {
+  const double step = limit.time / steps_per_contact;
+  why = limit.who;
+  if (!(step * limit.damped_rate > std::numbers::pi / kStepsPerDamping)) return step;
+  why = "the damping of " + limit.most_damped;
+  return std::numbers::pi / (kStepsPerDamping * limit.damped_rate);
+}
+
+/// Throws UsageError when a step that the case gives is too long.
+void check_given_step(const StepSize& given, const ContactLimit& limit) {
+  if (limit.time > 0 && given.step > kMostCritical * given.critical()) {
+    throw UsageError(
+        "time.step = {:g} s is {:.3g} times the critical step {:.4g} s of {}; use at most {:.3g} s (20 steps a contact), "
+        "or leave it out",
+        given.step, given.step / given.critical(), given.critical(), limit.who, limit.time / 20);
+  }
+  if (given.step * limit.damped_rate > std::numbers::pi / kStepsPerDamping) {
+    constexpr double kRoundDown = 0.99;  // three digits that are not above the limit
+    throw UsageError(
+        "time.step = {:g} s is too long for the damping of {}: they would rebound otherwise; use at most {:.3g} s, or leave it out",
+        given.step, limit.most_damped, kRoundDown * std::numbers::pi / (kStepsPerDamping * limit.damped_rate));
+  }
+}
+
+/// Shortens the step to what approaches and spins ask for as the scene starts.
+void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
+  if (result.contact_time > 0 && scene.margin() > 0) {
     const double way = kMarginPerStep * 2 * scene.margin();
     const Approach approach = fastest_approach(scene, way / result.step);
     if (approach.speed > 0) {
@@ -174,7 +197,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
       result.limited_by = "the approach of " + approach.who + " against their margins";
     }
   }
-  const BodyTable& bodies = source.bodies;
+  const BodyTable& bodies = scene.source().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const double spin = length(bodies.angular_velocity[b]);
     if (bodies.fixed[b] || bodies.lock_rotation[b] || scene.shape(bodies.shape[b]).isotropic || !(spin * result.step > kTurnPerStep))
@@ -182,7 +205,72 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.step = kTurnPerStep / spin;
     result.limited_by = fmt::format("the spin of body {}", bodies.id[b]);
   }
+}
+
+}  // namespace
+
+ContactLimit limit_of_contacts(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p,
+                               std::span<const ParticleRecord> joining) {
+  ParticleSet more;
+  for (const ParticleRecord& r : joining) append_record(more, r, scene);
+  const std::vector<Touchable> all = touchables(comm, scene, p, more);
+  const BodyExtremes extremes = present_extremes(comm, scene, p, joining);
+  ContactLimit limit;
+  ContactLimits limits(scene, extremes, limit);
+  for (const MaterialPair& pair : scene.source().pairs) {
+    for (std::size_t roughness = 0; roughness < 4; ++roughness) {
+      const std::size_t rough_a = roughness & 1, rough_b = roughness >> 1;
+      limits.add(pair, all[2 * static_cast<std::size_t>(pair.a) + rough_a], rough_a != 0,
+                 all[2 * static_cast<std::size_t>(pair.b) + rough_b], rough_b != 0);
+    }
+  }
+  limits.finish();
+  return limit;
+}
+
+StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
+  const Settings& settings = scene.source().settings;
+  const ContactLimit limit = limit_of_contacts(comm, scene, p);
+  const bool can_touch = !limit.who.empty();
+  StepSize result;
+  result.contact_time = limit.time;
+  result.slowest_contact_time = limit.slowest_time;
+  result.limited_by = limit.who;
+  if (can_touch && (!(limit.time > 0) || !std::isfinite(limit.time))) {
+    throw InputError(
+        "the stiffest contact that can occur, {}, would last {} s: stiffness and mass are too far apart for a step; check "
+        "density, stiffness and sizes",
+        limit.who, limit.time);
+  }
+  if (settings.step > 0) {
+    result.step = settings.step;
+    result.given = true;
+    check_given_step(result, limit);
+    return result;
+  }
+  if (can_touch) {
+    result.step = longest_step(limit, settings.steps_per_contact, result.limited_by);
+  } else {
+    result.step = settings.duration > 0 ? settings.duration / 1000 : 1;
+    result.limited_by = "no contact can occur: a thousandth of the duration";
+  }
+  if (settings.step_control != StepControl::quantised) follow_motion_at_start(scene, result);  // else speed and spin choose the level
   return result;
+}
+
+void check_step(const StepSize& run, const ContactLimit& with_them, const Settings& settings, std::int64_t step) {
+  if (!(with_them.time > 0)) return;
+  std::string why;
+  double longest = longest_step(with_them, settings.steps_per_contact, why);
+  if (run.given) {
+    constexpr double kCriticalPerContact = 2 / std::numbers::pi;
+    const double damped = with_them.damped_rate > 0 ? std::numbers::pi / (kStepsPerDamping * with_them.damped_rate) : 1e300;
+    longest = std::min(kMostCritical * kCriticalPerContact * with_them.time, damped);
+  }
+  constexpr double kRounding = 1 + 1e-9;
+  if (run.step <= kRounding * longest) return;
+  throw RunInvalid("step {}: with the bodies that join, {} requires a step of at most {:.3g} s, and the run has {:.4g} s; give time.step",
+                   step, why, longest, run.step);
 }
 
 }  // namespace scree

@@ -1,6 +1,7 @@
 // The step size, derived from the stiffest contact that can occur, from approach against margin, and from spin.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "solver/bodies/particle_set.hpp"
@@ -29,6 +30,22 @@ inline constexpr double kStepsPerDamping = 5;
 /// A given step is refused for pairs damped more than this (restitution below .25) when it is longer than that. Below, damping needs
 /// fewer than 8 steps, and what is wrong at a step so coarse is not the damping.
 inline constexpr double kStrongDamping = 0.6;
+
+/// What the contacts that can occur ask of a step.
+struct ContactLimit {
+  double time = 0;          ///< half period of the stiffest [s]; 0: none can occur
+  double slowest_time = 0;  ///< of the most sluggish body's [s]
+  std::string who;          ///< "body 17 (rock) on fixed steel"
+  double damped_rate = 0;   ///< omega (1 + zeta) of the pairs that are strongly damped [1/s]
+  std::string most_damped;  ///< the fastest of them
+};
+/// Of the bodies that there are now, and of those that join; the same on every rank. Collective.
+/// in   joining   by this rank: their speeds count as those of the scene's bodies do at the start
+ContactLimit limit_of_contacts(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p,
+                               std::span<const ParticleRecord> joining = {});
+/// Throws RunInvalid when the step of a run is too long for the contacts of bodies that are about to join.
+/// in   step   of the run, for the message
+void check_step(const StepSize& run, const ContactLimit& with_them, const Settings& settings, std::int64_t step);
 
 /// The smallest of
 ///   contact   pi / sqrt(k n^(2/q) W) / steps_per_contact over all materials that can meet; W sums over both bodies the

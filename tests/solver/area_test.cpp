@@ -132,7 +132,7 @@ TEST(AreaPressure, of_a_ball_is_that_of_a_paraboloid) {
   test::add_body(run.scene, 0, {0, 0, R + 2 * kMargin - overlap});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
-  EXPECT_NEAR(run.simulation->energies().elastic, expected * overlap / 3, 1e-12 * expected * overlap);
+  EXPECT_NEAR(energies_of(run.simulation->state()).elastic, expected * overlap / 3, 1e-12 * expected * overlap);
 }
 
 /// Force and torque on A against central differences of the energy over a small motion of A.
@@ -203,11 +203,11 @@ double rebound(const TriangleMesh& box, int floor_mesh, double restitution, doub
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   }
   run.start();
-  const Energies before = run.simulation->energies();
+  const Energies before = energies_of(run.simulation->state());
   const double steps_to_go = 4000;
   for (int n = 0; n < steps_to_go; ++n) run.simulation->advance();
   run.simulation->agree_on_failures();
-  const Energies after = run.simulation->energies();
+  const Energies after = energies_of(run.simulation->state());
   EXPECT_EQ(after.elastic, 0) << "still in touch";
   EXPECT_NEAR(after.balance(), before.balance(), 1e-3 * before.balance());
   return tilt > 0 ? after.balance() - after.dissipated : run.velocity(0).z;

@@ -32,7 +32,7 @@ Impact until_apart(TestRun& run, bool watch) {
   std::int64_t steps = 0;
   for (std::int64_t n = 0; n < 2000000; ++n) {
     run.simulation->advance();
-    const bool touches = run.simulation->contact_count() > 0;
+    const bool touches = contact_count(run.simulation->state()) > 0;
     if (touched && !touches) break;
     touched = touched || touches;
     if (!touches) continue;
@@ -41,7 +41,7 @@ Impact until_apart(TestRun& run, bool watch) {
     const FrameContacts contacts = run.simulation->contacts();
     for (std::size_t c = 0; c < contacts.overlap.size(); ++c) {
       result.overlap = std::max(result.overlap, contacts.overlap[c]);
-      if (contacts.normal_force[c] > 0) result.duration = static_cast<double>(steps) * run.simulation->step_size().step;
+      if (contacts.normal_force[c] > 0) result.duration = static_cast<double>(steps) * run.simulation->state().clock.size.step;
       result.force = std::max(result.force, contacts.normal_force[c]);
     }
   }
@@ -119,7 +119,7 @@ TestRun unit_drop(ContactLaw law, bool is_cube, double restitution, double steps
   test::add_plane(run.scene, {0, 0, -side / 2 - 3 * margin}, {0, 0, 1});
   run.start();
   // down to `phase` of a step above touch
-  const double to_touch = margin - phase * run.simulation->step_size().step;
+  const double to_touch = margin - phase * run.simulation->state().clock.size.step;
   test::TestRun moved(run.scene);
   moved.scene.bodies.position[0].z -= to_touch;
   moved.start();
@@ -141,10 +141,10 @@ TEST(Restitution, from_0_to_1_is_as_requested_in_steps_from_coarse_to_fine) {
             double highest = 0, returned = 0, taken = 0;
             for (std::int64_t n = 0; n < 20000; ++n) {
               run.simulation->advance();
-              const bool touches = run.simulation->contact_count() > 0;
+              const bool touches = contact_count(run.simulation->state()) > 0;
               if (touched && !touches) break;
               touched = touched || touches;
-              const Energies now = run.simulation->energies();
+              const Energies now = energies_of(run.simulation->state());
               highest = std::max(highest, now.translational + now.elastic);
               taken = std::max(taken, now.dissipated);
               returned = std::max(returned, taken - now.dissipated);
@@ -505,9 +505,9 @@ TEST(Rolling, work_of_the_resistance_closes_the_energy_balance) {
   TestRun run = resting_ball(.3, .02, .02, RollingModel::elastic_plastic, 0);
   run.scene.bodies.angular_velocity[0] = {0, 8, 10};
   run.start();
-  const Energies before = run.simulation->energies();
+  const Energies before = energies_of(run.simulation->state());
   run.run_for(2);
-  const Energies after = run.simulation->energies();
+  const Energies after = energies_of(run.simulation->state());
   EXPECT_NEAR(after.balance(), before.balance(), 1e-3 * before.rotational);
   EXPECT_GT(after.dissipated, .2 * before.rotational);
 }

@@ -145,7 +145,7 @@ TEST(CriticalStep, of_a_single_contact_is_the_true_one_when_told_and_when_derive
   TestRun run = swinging_ball(0.5);
   run.start();
   EXPECT_NEAR(run.simulation->critical_step().step, 2e-2, 1e-10);
-  EXPECT_NEAR(run.simulation->step_size().critical(), 2e-2, 1e-10);
+  EXPECT_NEAR(run.simulation->state().clock.size.critical(), 2e-2, 1e-10);
   // the energy stays bounded just below, and grows just above
   for (const double share : {0.99, 1.01}) {
     TestRun swing = swinging_ball(share);
@@ -174,7 +174,7 @@ TEST(CriticalStep, of_one_spring_per_triangle_pair_counts_them) {
   run.scene.bodies.lock_rotation[0] = 1;
   run.scene.bodies.fixed[1] = 1;
   run.start();
-  const double springs = static_cast<double>(run.simulation->contact_count());
+  const double springs = static_cast<double>(contact_count(run.simulation->state()));
   EXPECT_GE(springs, 8);
   EXPECT_NEAR(run.simulation->critical_step().step, 2 / std::sqrt(springs * 1e4), 1e-9);
 }
@@ -195,14 +195,14 @@ TEST(CriticalStep, derived_for_one_spring_per_triangle_pair_is_not_above_the_one
       run.simulation->advance();
       if (n % 10 != 0) continue;
       critical = std::min(critical, run.simulation->critical_step().step);
-      springs = std::max(springs, run.simulation->contact_count());
+      springs = std::max(springs, contact_count(run.simulation->state()));
     }
     run.simulation->agree_on_failures();
-    ASSERT_GT(springs, 0) << mesh << ", step " << run.simulation->step_size().step << ", z " << run.position(0).z << " and "
+    ASSERT_GT(springs, 0) << mesh << ", step " << run.simulation->state().clock.size.step << ", z " << run.position(0).z << " and "
                           << run.position(1).z;
-    const double ratio = run.simulation->step_size().critical() / critical;
+    const double ratio = run.simulation->state().clock.size.critical() / critical;
     std::printf("pairs, mesh %d: up to %lld springs, reckoned with %lld; derived over smallest critical step %.3f\n", mesh,
-                static_cast<long long>(springs), std::llround(run.prepared->contact_extent().of_rough_pair()), ratio);
+                static_cast<long long>(springs), std::llround(run.prepared->extent_of_rough_pair(run.prepared->extremes())), ratio);
     EXPECT_LE(ratio, 1.01) << mesh;
     EXPECT_GE(ratio, 0.1) << mesh;  // rocks met by a corner: 6 springs of the 60 that two faces could have
   }
@@ -231,7 +231,7 @@ TEST(CriticalStep, derived_for_hertz_and_mindlin_is_at_least_70_percent_of_the_t
         critical = std::min(critical, run.simulation->critical_step().step);
       }
       EXPECT_GT(run.velocity(0).z, 0.9) << "no rebound";
-      const double ratio = run.simulation->step_size().critical() / critical;
+      const double ratio = run.simulation->state().clock.size.critical() / critical;
       std::printf("%s, friction %.1f: derived over true critical step %.3f\n", two ? "two balls" : "ball on a wall", friction, ratio);
       EXPECT_LE(ratio, 1.01);
       EXPECT_GE(ratio, 0.7);
@@ -256,7 +256,7 @@ TEST(Guards, a_barrier_keeps_apart_what_is_too_fast_for_the_potential) {
     std::string said;
     double largest_overlap = 0;
     try {
-      for (double time = 0; time < 0.1; time += run.simulation->step_size().step) {
+      for (double time = 0; time < 0.1; time += run.simulation->state().clock.size.step) {
         run.simulation->advance();
         largest_overlap = std::max(largest_overlap, run.simulation->take_max_overlap_ratio());
       }
@@ -379,18 +379,19 @@ TEST(StepSize, follows_spin_and_approach_where_they_limit_it) {
   test::add_body(run.scene, 0, {0, 0, 0.5}, {}, {}, {0, 0, 1e4});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
-  EXPECT_LE(1e4 * run.simulation->step_size().step, 0.1);
-  EXPECT_NE(run.simulation->step_size().limited_by.find("body 1"), std::string::npos) << run.simulation->step_size().limited_by;
+  EXPECT_LE(1e4 * run.simulation->state().clock.size.step, 0.1);
+  EXPECT_NE(run.simulation->state().clock.size.limited_by.find("body 1"), std::string::npos)
+      << run.simulation->state().clock.size.limited_by;
   run.scene.bodies.angular_velocity[1] = {};
   run.start();
-  const double by_contact = run.simulation->step_size().step;
+  const double by_contact = run.simulation->state().clock.size.step;
   run.scene.bodies.velocity[0] = {0, 0, 100};
   run.start();
-  EXPECT_NEAR(100 * run.simulation->step_size().step, 0.2 * 0.002, 0.2 * 0.002 * 0.01) << "with what its own spin adds";
-  EXPECT_EQ(run.simulation->step_size().limited_by, "the approach of bodies 0 and 1 against their margins");
+  EXPECT_NEAR(100 * run.simulation->state().clock.size.step, 0.2 * 0.002, 0.2 * 0.002 * 0.01) << "with what its own spin adds";
+  EXPECT_EQ(run.simulation->state().clock.size.limited_by, "the approach of bodies 0 and 1 against their margins");
   run.scene.bodies.velocity[0] = {100, 0, 0};  // beside the other rod, along the plane
   run.start();
-  EXPECT_EQ(run.simulation->step_size().step, by_contact);
+  EXPECT_EQ(run.simulation->state().clock.size.step, by_contact);
 }
 
 // A cube spins on a floor until friction has slowed it: the level is chosen at the start, and the step grows again.
@@ -403,23 +404,23 @@ TEST(StepSize, quantised_is_halved_for_speed_and_grows_back_when_quiet) {
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.scene.settings.step = 1e-3;
   run.start();
-  const double base = run.simulation->step_size().step;
-  EXPECT_LE((120 * std::hypot(0.05, 0.05)) * run.simulation->substep_size(), 0.2 * 0.002);
-  const double start = run.simulation->energies().balance();
+  const double base = run.simulation->state().clock.size.step;
+  EXPECT_LE((120 * std::hypot(0.05, 0.05)) * run.simulation->state().clock.dt, 0.2 * 0.002);
+  const double start = energies_of(run.simulation->state()).balance();
   double kinetic = 0;
-  std::vector<StepChange> changes = run.simulation->take_step_changes();
+  std::vector<StepChange> changes = run.simulation->levels().take_changes();
   for (int n = 0; n < 3000; ++n) {
     run.simulation->advance();
     EXPECT_DOUBLE_EQ(run.simulation->time(), (n + 1) * base);
-    const Energies e = run.simulation->energies();
+    const Energies e = energies_of(run.simulation->state());
     kinetic = std::max(kinetic, e.translational + e.rotational);
     EXPECT_LE(std::abs(e.balance() - start), 0.02 * kinetic);
-    for (const StepChange& c : run.simulation->take_step_changes()) changes.push_back(c);
+    for (const StepChange& c : run.simulation->levels().take_changes()) changes.push_back(c);
   }
   ASSERT_GE(changes.size(), 2u);
   EXPECT_EQ(changes.front().reason, "speed of body 0");
   for (const StepChange& c : changes) EXPECT_EQ(std::exp2(std::round(std::log2(base / c.step_size))), base / c.step_size);
-  EXPECT_GT(run.simulation->substep_size(), changes.front().step_size) << "never grew back";
+  EXPECT_GT(run.simulation->state().clock.dt, changes.front().step_size) << "never grew back";
 }
 
 // X27: a step far too large is refused at the start, naming who cannot bear it.

@@ -86,17 +86,17 @@ inline void expect_contacts_of_one_rank(const Scene& scene, int steps, const std
       TestRun run(scene, comm);
       run.start();
       for (int n = 1; n <= steps; ++n) {
-        if (new_lists) run.simulation->forget_candidates();
+        if (new_lists) run.simulation->lists().forget_candidates();
         run.simulation->advance();
         const FrameContacts contacts = run.simulation->contacts();
         const ContactSet mine = contact_set(contacts);
         seen.sets.push_back({comm.sum(mine.count), comm.sum(mine.low), comm.sum(mine.high)});
-        if (n % 20 == 0) add_places(comm, run.simulation->particles(), contacts, seen.places);
+        if (n % 20 == 0) add_places(comm, run.simulation->state().particles, contacts, seen.places);
       }
       run.simulation->agree_on_failures();
       for (int k = 1; k <= ranks; ++k) seen.places[k] = comm.sum(seen.places[k]);
-      seen.hash = run.simulation->state_hash();
-      seen.migrated = comm.sum(run.simulation->migrated());
+      seen.hash = state_hash(run.simulation->state());
+      seen.migrated = comm.sum(run.simulation->decomposition().migrated());
     });
     return seen;
   };

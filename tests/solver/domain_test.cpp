@@ -36,7 +36,7 @@ TestRun meeting_rocks(const Vec3& place, std::array<bool, 3> axes) {
 TEST(PeriodicAxes, a_contact_through_the_seam_equals_the_same_contact_elsewhere) {
   TestRun inside = meeting_rocks({}, {false, false, false});
   inside.start();
-  const int steps = static_cast<int>(0.06 / inside.simulation->step_size().step);
+  const int steps = static_cast<int>(0.06 / inside.simulation->state().clock.size.step);
   for (const Vec3& place : {Vec3{0.5, 0, 0}, Vec3{0.499, 0.5, 0.1}, Vec3{-0.5, 0.5, 0.5}}) {
     TestRun seam = meeting_rocks(place, {true, true, true});
     seam.start();
@@ -48,8 +48,8 @@ TEST(PeriodicAxes, a_contact_through_the_seam_equals_the_same_contact_elsewhere)
     for (int n = 0; n < steps; ++n) {
       seam.simulation->advance();
       reference.simulation->advance();
-      touched += seam.simulation->contact_count();
-      springs = std::max(springs, seam.simulation->energies().tangential_elastic);
+      touched += contact_count(seam.simulation->state());
+      springs = std::max(springs, energies_of(seam.simulation->state()).tangential_elastic);
     }
     EXPECT_GT(touched, 10);
     EXPECT_GT(springs, 0) << "friction has no memory";
@@ -76,11 +76,11 @@ TEST(PeriodicAxes, keep_friction_and_energy_of_a_body_that_slides_around) {
   test::add_body(run.scene, 0, {0.1, 0, 0.02 + 0.01 - overlap}, {}, {2, 0, 0});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
-  const double start = run.simulation->energies().balance();
+  const double start = energies_of(run.simulation->state()).balance();
   run.run_for(1.2);
   const double expected = 0.1 + 1.019368;  // v^2 / (2 mu g) further
   EXPECT_NEAR(run.position(0).x, expected - 2 * 0.5, 0.001 * 1.019368);
-  EXPECT_NEAR(run.simulation->energies().balance(), start, 1e-3 * 0.5 * 0.4 * 4);
+  EXPECT_NEAR(energies_of(run.simulation->state()).balance(), start, 1e-3 * 0.5 * 0.4 * 4);
 }
 
 // A chute: gravity along a periodic axis. What a body gains in height it must not lose at the seam.
@@ -91,12 +91,12 @@ TEST(PeriodicAxes, keep_the_energy_of_a_body_that_falls_along_them) {
   run.scene.shapes = {make_solid("rock", test::scaled(test::rock(3, 1), 0.05))};
   test::add_body(run.scene, 0, {0, 0, 0});
   run.start();
-  const double start = run.simulation->energies().balance();
+  const double start = energies_of(run.simulation->state()).balance();
   run.run_for(1.0);
   const double fallen = 0.5 * 9.81 * run.simulation->time() * run.simulation->time();
   EXPECT_NEAR(run.position(0).z, -fallen + std::round(fallen), 1e-6);
-  const double mass = run.simulation->energies().translational / (0.5 * (9.81 * 9.81 + 9) * std::pow(run.simulation->time(), 2));
-  EXPECT_NEAR(run.simulation->energies().balance(), start, 1e-9 * mass * 9.81 * fallen);
+  const double mass = energies_of(run.simulation->state()).translational / (0.5 * (9.81 * 9.81 + 9) * std::pow(run.simulation->time(), 2));
+  EXPECT_NEAR(energies_of(run.simulation->state()).balance(), start, 1e-9 * mass * 9.81 * fallen);
 }
 
 TEST(PeriodicAxes, that_are_too_short_or_met_by_a_wall_are_refused) {
@@ -201,10 +201,10 @@ TEST(PeriodicAxes, keep_the_momentum_of_many_bodies) {
   constexpr int kSteps = 6000;
   for (int n = 0; n < kSteps; ++n) {
     run.simulation->advance();
-    if (n % 50 == 0) touched += run.simulation->contact_count();
+    if (n % 50 == 0) touched += contact_count(run.simulation->state());
   }
   EXPECT_GT(touched, 100);
-  EXPECT_EQ(run.simulation->body_count(), 64);
+  EXPECT_EQ(body_count(run.simulation->state()), 64);
   const double scale = 64 * 1000 * 4.19 * 2e-5;  // about the sum of m |v|
   EXPECT_LE(length(run.momentum() - before), 1e-13 * std::sqrt(kSteps) * scale);
 }
@@ -222,20 +222,20 @@ TestRun leaving_rocks(Outside outside) {
 TEST(Domain, removes_what_leaves_it_and_tells_what_that_was) {
   TestRun run = leaving_rocks(Outside::remove);
   run.start();
-  const Energies start = run.simulation->energies();
+  const Energies start = energies_of(run.simulation->state());
   std::vector<RemovedBody> all;
-  const double dt = run.simulation->step_size().step;
+  const double dt = run.simulation->state().clock.size.step;
   while (run.simulation->time() < 0.6) {
     run.simulation->advance();
     if (run.simulation->step() % 100 == 0) {
-      for (const RemovedBody& b : run.simulation->take_removed()) all.push_back(b);
+      for (const RemovedBody& b : run.simulation->domain().take_removed(run.simulation->state().comm)) all.push_back(b);
     }
   }
-  for (const RemovedBody& b : run.simulation->take_removed()) all.push_back(b);
-  const RemovedTotals totals = run.simulation->removed();
-  EXPECT_EQ(run.simulation->body_count() + static_cast<std::int64_t>(totals.count), 6);
+  for (const RemovedBody& b : run.simulation->domain().take_removed(run.simulation->state().comm)) all.push_back(b);
+  const RemovedTotals totals = removed_totals(run.simulation->state());
+  EXPECT_EQ(body_count(run.simulation->state()) + static_cast<std::int64_t>(totals.count), 6);
   EXPECT_GE(totals.count, 3);
-  EXPECT_NEAR(run.simulation->energies().balance(), start.balance(), 1e-10 * std::abs(start.translational + start.potential));
+  EXPECT_NEAR(energies_of(run.simulation->state()).balance(), start.balance(), 1e-10 * std::abs(start.translational + start.potential));
   if (test::g_comm->rank() != 0) return;
   ASSERT_EQ(static_cast<double>(all.size()), totals.count);
   double mass = 0;
@@ -266,8 +266,8 @@ TEST(Domain, stops_the_run_or_lets_bodies_go_as_asked) {
   TestRun keep = leaving_rocks(Outside::keep);
   keep.start();
   while (keep.simulation->time() < 0.5) keep.simulation->advance();
-  EXPECT_EQ(keep.simulation->body_count(), 6);
-  EXPECT_GE(keep.simulation->bodies_outside(), 3);
+  EXPECT_EQ(body_count(keep.simulation->state()), 6);
+  EXPECT_GE(bodies_outside(keep.simulation->state()), 3);
 }
 
 // X28: nothing, and a single body.
@@ -279,7 +279,7 @@ TEST(Domain, may_hold_no_body_or_one) {
     if (bodies > 0) test::add_body(run.scene, 0, {0, 0, 0});
     run.start();
     for (int n = 0; n < 100; ++n) run.simulation->advance();
-    EXPECT_EQ(run.simulation->body_count(), bodies);
+    EXPECT_EQ(body_count(run.simulation->state()), bodies);
     const double t = run.simulation->time();
     EXPECT_NEAR(run.position(0).z, -bodies * 5 * t * t, 1e-12 * t * t);
   }

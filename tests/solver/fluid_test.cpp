@@ -55,7 +55,7 @@ TEST(Fluid, lets_a_ball_fall_as_stokes_says) {
     run.scene.settings.gravity = {0, 0, -kGravity};
     run.scene.settings.integrator = integrator;
     run.start();
-    EXPECT_NEAR(FluidForces(run.scene).terminal_speed(0), terminal, kRounding * terminal);
+    EXPECT_NEAR(FluidForces(run.scene).terminal_speed(kind_of(run.scene.bodies, 0)), terminal, kRounding * terminal);
     advance(run, 5);
     EXPECT_NEAR(run.velocity(0).z, -terminal * (1 - std::exp(-rate * 1e-3)), kRounding * terminal) << word_of(integrator);
     advance(run, 1000);
@@ -150,7 +150,7 @@ TEST(Fluid, lets_a_ball_fall_in_water_as_published_in_second_order) {
   EXPECT_NEAR(acceleration(terminal), 0, 1e-9 * kGravity);
   TestRun run = ball_in(d, {rho, mu, {}, Drag::haider_levenspiel}, 1);
   run.scene.settings.gravity = {kGravity, 0, 0};
-  EXPECT_NEAR(FluidForces(run.scene).terminal_speed(0), terminal, 1e-9 * terminal);
+  EXPECT_NEAR(FluidForces(run.scene).terminal_speed(kind_of(run.scene.bodies, 0)), terminal, 1e-9 * terminal);
   EXPECT_NEAR(fall(1e6, 20), terminal, 1e-9 * terminal) << "no step is too large";
 }
 
@@ -161,7 +161,7 @@ TEST(Fluid, holds_a_body_of_its_own_density_still) {
   advance(run, 1000);
   EXPECT_EQ(run.position(0), Vec3{});
   EXPECT_EQ(run.velocity(0), Vec3{});
-  EXPECT_EQ(run.simulation->energies().balance(), 0);
+  EXPECT_EQ(energies_of(run.simulation->state()).balance(), 0);
 }
 
 TEST(Fluid, lets_what_is_lighter_rise) {
@@ -177,7 +177,7 @@ TEST(Fluid, does_not_take_slow_sinking_for_rest) {
   TestRun run = ball_in(0.01, {1000, 1e8, {}, Drag::haider_levenspiel}, 1);
   run.scene.settings.gravity = {0, 0, -kGravity};
   run.scene.settings.stop_at_rest = true;
-  const double mass = run.scene.mass(0), speed = FluidForces(run.scene).terminal_speed(0);
+  const double mass = run.scene.mass(0), speed = FluidForces(run.scene).terminal_speed(kind_of(run.scene.bodies, 0));
   EXPECT_LT(0.5 * mass * speed * speed, RestWatch::kRestShare * mass * kGravity * 0.01);
   RestWatch watch(run.scene);
   watch.add(100, 0.5 * mass * speed * speed);
@@ -201,10 +201,10 @@ TEST(Fluid, closes_the_balance_of_energy) {
     test::add_body(run.scene, 0, {0, 0, 0.04}, quaternion_of(normalised(Vec3{1, 2, 3}), 1), {}, {3, 10, -5});
     test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
     run.start();
-    const double start = run.simulation->energies().balance();
+    const double start = energies_of(run.simulation->state()).balance();
     run.run_for(0.25);
-    const Energies e = run.simulation->energies();
-    const bool removed = run.simulation->body_count() == 0;
+    const Energies e = energies_of(run.simulation->state());
+    const bool removed = body_count(run.simulation->state()) == 0;
     EXPECT_EQ(removed, outside == Outside::remove);
     EXPECT_NE(e.dissipated, 0);
     return std::abs(e.balance() - start) / std::abs(start);

@@ -15,7 +15,7 @@ using test::TestRun;
 
 std::size_t springs_of(const Simulation& simulation, bool with_room) {
   std::size_t springs = 0;
-  for (const BodyPair& pair : simulation.pairs().pairs()) {
+  for (const BodyPair& pair : simulation.state().pairs.pairs()) {
     const auto is_spring = [](const FrictionSpring& s) { return s.key != kTurnKey; };
     springs += with_room ? pair.state.springs.capacity()
                          : static_cast<std::size_t>(std::count_if(pair.state.springs.begin(), pair.state.springs.end(), is_spring));
@@ -32,7 +32,7 @@ TEST(LeaveOut, a_scene_without_friction_keeps_no_history_not_even_room_for_it) {
     std::size_t springs = 0;
     for (int n = 0; n < 900; ++n) {
       run->simulation->advance();
-      contacts += run->simulation->contact_count();
+      contacts += contact_count(run->simulation->state());
       springs += springs_of(*run->simulation, run == &without);
     }
     EXPECT_GT(contacts, 500);
@@ -62,9 +62,9 @@ TEST(LeaveOut, without_cohesion_a_contact_begins_where_the_margins_meet) {
   TestRun near = cube_above(3, 0.02 - kRounding, 0), far = cube_above(3, 0.02 + kRounding, 0);
   near.start();
   far.start();
-  EXPECT_EQ(near.simulation->contact_count(), 4);
-  EXPECT_EQ(far.simulation->contact_count(), 0);
-  EXPECT_EQ(far.simulation->energies().elastic, 0);
+  EXPECT_EQ(contact_count(near.simulation->state()), 4);
+  EXPECT_EQ(contact_count(far.simulation->state()), 0);
+  EXPECT_EQ(energies_of(far.simulation->state()).elastic, 0);
 }
 
 TEST(LeaveOut, history_is_kept_by_contact_and_not_by_pair_of_triangles) {
@@ -73,7 +73,7 @@ TEST(LeaveOut, history_is_kept_by_contact_and_not_by_pair_of_triangles) {
     TestRun run = cube_above(mesh, 0.018, 0.5);
     run.start();
     run.simulation->advance();
-    EXPECT_EQ(run.simulation->contact_count(), 4) << mesh;
+    EXPECT_EQ(contact_count(run.simulation->state()), 4) << mesh;
     EXPECT_EQ(springs_of(*run.simulation, false), 4u) << mesh;
   }
 }
@@ -89,11 +89,11 @@ TEST(LeaveOut, fixed_bodies_are_not_moved_and_make_no_pairs_among_themselves) {
   }
   test::add_body(run.scene, 0, {1.5, 0, 1.03});
   run.start();
-  const ParticleSet before = run.simulation->particles();
+  const ParticleSet before = run.simulation->state().particles;
   for (int n = 0; n < 2000; ++n) run.simulation->advance();
-  const ParticleSet& after = run.simulation->particles();
+  const ParticleSet& after = run.simulation->state().particles;
   std::size_t with_the_falling_one = 0;
-  for (const BodyPair& pair : run.simulation->pairs().pairs()) {
+  for (const BodyPair& pair : run.simulation->state().pairs.pairs()) {
     EXPECT_FALSE(after.fixed[static_cast<std::size_t>(pair.a)] && after.fixed[static_cast<std::size_t>(pair.b)]);
     ++with_the_falling_one;
   }
@@ -102,7 +102,7 @@ TEST(LeaveOut, fixed_bodies_are_not_moved_and_make_no_pairs_among_themselves) {
     if (!after.fixed[i]) continue;
     EXPECT_TRUE(after.x[i] == before.x[i] && after.q[i] == before.q[i]) << after.id[i];
   }
-  EXPECT_GT(run.simulation->contact_count(), 0);
+  EXPECT_GT(contact_count(run.simulation->state()), 0);
 }
 
 }  // namespace

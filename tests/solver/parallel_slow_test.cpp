@@ -48,20 +48,21 @@ TEST(Balance, is_kept_through_a_dam_break) {
       return run.total([](const ParticleSet& p, std::size_t i) { return p.x[i]; }).x / static_cast<double>(scene.bodies.size());
     };
     mean_x_start = centre();
-    run.simulation->take_imbalance();
+    run.simulation->decomposition().take_imbalance();
     for (int n = 1; n <= 24000; ++n) {
       run.simulation->advance();
       if (n % 1000 != 0) continue;
-      const double imbalance = run.simulation->take_imbalance(), x = centre();
+      const double imbalance = run.simulation->decomposition().take_imbalance(), x = centre();
       if (comm.rank() == 0)
-        std::printf("step %d: mean x %.3f, imbalance %.3f, cuts %lld\n", n, x, imbalance, static_cast<long long>(run.simulation->cuts()));
+        std::printf("step %d: mean x %.3f, imbalance %.3f, cuts %lld\n", n, x, imbalance,
+                    static_cast<long long>(run.simulation->decomposition().cuts()));
       sum += imbalance;
       ++intervals;
     }
     mean_x = centre();
     if (comm.rank() != 0) return;
     EXPECT_GT(mean_x, mean_x_start + 0.6);
-    EXPECT_GT(run.simulation->cuts(), 0);
+    EXPECT_GT(run.simulation->decomposition().cuts(), 0);
     EXPECT_LE(sum / intervals, 1.1);
   });
 }

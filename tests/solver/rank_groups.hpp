@@ -41,15 +41,15 @@ inline Outcome outcome_of(const Scene& scene, int ranks, int threads, int steps,
     for (int n = 1; n <= steps; ++n) {
       run.simulation->advance();
       if (n % 50 == 0) {
-        outcome.contacts += run.simulation->contact_count();
-        outcome.ghosts += comm.sum(static_cast<std::int64_t>(run.simulation->particles().ghost_count()));
+        outcome.contacts += contact_count(run.simulation->state());
+        outcome.ghosts += comm.sum(static_cast<std::int64_t>(run.simulation->state().particles.ghost_count()));
       }
     }
     run.simulation->agree_on_failures();
-    outcome.hash = run.simulation->state_hash();
-    outcome.migrated = comm.sum(run.simulation->migrated());
-    outcome.cuts = run.simulation->cuts();
-    outcome.owned_least = -static_cast<std::int64_t>(comm.max(-static_cast<double>(run.simulation->particles().owned)));
+    outcome.hash = state_hash(run.simulation->state());
+    outcome.migrated = comm.sum(run.simulation->decomposition().migrated());
+    outcome.cuts = run.simulation->decomposition().cuts();
+    outcome.owned_least = -static_cast<std::int64_t>(comm.max(-static_cast<double>(run.simulation->state().particles.owned)));
   });
   omp_set_num_threads(1);
   return outcome;

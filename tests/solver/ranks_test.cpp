@@ -55,7 +55,7 @@ TEST(Lists, hold_for_a_large_body_that_is_fast_for_the_smallest_one) {
     on_ranks(1, [&](const mpi::Communicator& comm) {
       TestRun run(scene, comm);
       run.start();
-      found = run.simulation->step_size().step;
+      found = run.simulation->state().clock.size.step;
     });
     return g_comm->max(found);
   }();

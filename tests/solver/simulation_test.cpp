@@ -41,7 +41,7 @@ TEST(Impact, of_a_mesh_on_a_wall_gives_the_wall_the_momentum_it_loses) {
   run.run_for(0.02);
   EXPECT_NEAR(run.velocity(0).z, 0.5, 0.005);
   const Vec3 lost = before - run.momentum();
-  EXPECT_LE(length(run.simulation->wall_loads()[0].impulse - lost), 1e-12 * length(lost));
+  EXPECT_LE(length(wall_loads_of(run.simulation->state())[0].impulse - lost), 1e-12 * length(lost));
 }
 
 TEST(Impact, of_two_tumbling_rocks_with_friction_conserves_linear_and_angular_momentum) {
@@ -54,7 +54,7 @@ TEST(Impact, of_two_tumbling_rocks_with_friction_conserves_linear_and_angular_mo
   std::int64_t touched = 0;
   for (int n = 0; n < 4000; ++n) {
     run.simulation->advance();
-    touched += run.simulation->contact_count();
+    touched += contact_count(run.simulation->state());
   }
   EXPECT_GT(touched, 0);
   const double scale = 2000 * 4.19 * 0.05 * 0.05 * 0.05;  // about the sum of masses times speed
@@ -70,17 +70,17 @@ TEST(Impact, dissipates_what_the_energies_lose) {
   test::add_body(run.scene, 0, {0, 0, 0.2}, {}, {0.5, 0, -1}, {10, 0, 3});
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
-  const double start = run.simulation->energies().balance();
+  const double start = energies_of(run.simulation->state()).balance();
   double peak = 0;
   for (int n = 0; n < 20000; ++n) {
     run.simulation->advance();
     if (n % 100 == 0) {
-      const Energies e = run.simulation->energies();
+      const Energies e = energies_of(run.simulation->state());
       peak = std::max(peak, e.translational + e.rotational);
       EXPECT_NEAR(e.balance(), start, 0.005 * peak) << "step " << n;
     }
   }
-  EXPECT_GT(run.simulation->energies().dissipated, 0.3 * peak);
+  EXPECT_GT(energies_of(run.simulation->state()).dissipated, 0.3 * peak);
 }
 
 // docs/reference/validation-plan.md F3: v0 = 2, mu = 0.2 stops after v0^2 / (2 mu g) = 1.019368 m.
@@ -131,12 +131,12 @@ TEST(Lists, made_anew_at_random_never_change_the_result) {
     std::int64_t touched = 0;
     std::mt19937 random(7);  // the same on every rank
     for (int n = 0; n < 5000; ++n) {
-      if (forget && random() % 7 == 0) run.simulation->forget_candidates();
+      if (forget && random() % 7 == 0) run.simulation->lists().forget_candidates();
       run.simulation->advance();
-      if (n % 100 == 0) touched += run.simulation->contact_count();
+      if (n % 100 == 0) touched += contact_count(run.simulation->state());
     }
     EXPECT_GT(touched, 20);
-    return run.simulation->state_hash();
+    return state_hash(run.simulation->state());
   };
   EXPECT_EQ(hash_after(false), hash_after(true));
 }

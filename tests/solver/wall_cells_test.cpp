@@ -139,13 +139,13 @@ TEST(WallCells, keep_the_energy_of_bouncing_rocks) {
       std::mt19937 g(seed);
       test::add_body(run.scene, 0, {.1, .05, .8}, test::random_quaternion(g), {.2, .1, -1}, {1, 2, 0});
       run.start();
-      const double before = run.simulation->energies().balance();
+      const double before = energies_of(run.simulation->state()).balance();
       scale = .5 * 1000 * run.scene.shapes[0].mass.volume;  // kinetic energy of the start, about
       for (int n = 0; n < 20000; ++n) {
         run.simulation->advance();
-        contacts += static_cast<int>(run.simulation->contact_count());
+        contacts += static_cast<int>(contact_count(run.simulation->state()));
       }
-      worst = std::max(worst, std::abs(run.simulation->energies().balance() - before) / scale);
+      worst = std::max(worst, std::abs(energies_of(run.simulation->state()).balance() - before) / scale);
     }
     std::printf("cells of %.2f m: energy of bouncing rocks off by %.1e, %d contacts\n", cell, worst, contacts);
     EXPECT_GT(contacts, 100);

@@ -63,12 +63,12 @@ TEST(DrivenWall, that_lifts_a_block_gives_the_power_it_takes) {
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.scene.walls[0].motion.kind = Translate{.axis = {0, 0, 1}, .rate = 0.5};
   run.start();
-  const Energies start = run.simulation->energies();
+  const Energies start = energies_of(run.simulation->state());
   run.run_for(1.0);
-  const WallLoad load = run.simulation->wall_loads()[0];
+  const WallLoad load = wall_loads_of(run.simulation->state())[0];
   EXPECT_NEAR(load.force.z, -mass * 9.81, 1e-6 * mass * 9.81);
-  EXPECT_NEAR(load.power(run.simulation->walls()[0]), mass * 9.81 * 0.5, 1e-6 * mass * 9.81);
-  const Energies end = run.simulation->energies();
+  EXPECT_NEAR(load.power(run.simulation->state().walls[0]), mass * 9.81 * 0.5, 1e-6 * mass * 9.81);
+  const Energies end = energies_of(run.simulation->state());
   const double height = 0.5 * run.simulation->time();
   EXPECT_NEAR(end.wall_work, mass * 9.81 * height, 1e-5 * mass * 9.81 * height);
   EXPECT_NEAR(end.balance(), start.balance(), 1e-5 * mass * 9.81 * height);
@@ -91,9 +91,9 @@ TEST(DrivenWall, that_turns_carries_a_block_round_by_friction) {
   const double angle = omega * run.simulation->time();
   EXPECT_NEAR(std::hypot(x.x, x.y), r, 1e-3 * r);
   EXPECT_NEAR(std::remainder(std::atan2(x.y, x.x) - angle, 2 * M_PI), 0, 2e-3);
-  const WallLoad load = run.simulation->wall_loads()[0];
+  const WallLoad load = wall_loads_of(run.simulation->state())[0];
   EXPECT_NEAR(std::hypot(load.force.x, load.force.y), mass * omega * omega * r, 2e-2 * mass * omega * omega * r);
-  EXPECT_LE(std::abs(load.power(run.simulation->walls()[0])), 2e-2 * mass * omega * omega * r * r * omega);
+  EXPECT_LE(std::abs(load.power(run.simulation->state().walls[0])), 2e-2 * mass * omega * omega * r * r * omega);
 }
 
 // Where the axis is makes no difference. With the axis 300 m from the wall's origin the block slid by h w^2 r / 2 = 60 mm/s, or, once that

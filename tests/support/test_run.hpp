@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "solver/step/simulation.hpp"
+#include "solver/run/measures.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace scree::test {
@@ -29,7 +29,7 @@ struct TestRun {
   }
   template <class Get>
   Vec3 total(Get&& get) const {
-    const ParticleSet& p = simulation->particles();
+    const ParticleSet& p = simulation->state().particles;
     Vec3 mine;
     for (std::size_t i = 0; i < p.owned; ++i) mine += get(p, i);
     return {comm.sum(mine.x), comm.sum(mine.y), comm.sum(mine.z)};
@@ -50,7 +50,7 @@ struct TestRun {
     return total([](const ParticleSet& p, std::size_t i) { return p.L[i] + cross(p.x[i], p.mass[i] * p.v[i]); });
   }
   void run_for(double duration) {
-    const auto steps = static_cast<std::int64_t>(duration / simulation->step_size().step);
+    const auto steps = static_cast<std::int64_t>(duration / simulation->state().clock.size.step);
     for (std::int64_t n = 0; n < steps; ++n) simulation->advance();
   }
 };

@@ -2,10 +2,8 @@
 // such a scene is computed about its own middle, and only what is written is moved back.
 #pragma once
 
-#include <vector>
-
 #include "core/storage/scene_file.hpp"
-#include "solver/step/simulation.hpp"
+#include "core/storage/wall_state.hpp"
 
 namespace scree {
 
@@ -18,8 +16,5 @@ void move_scene(Scene& scene, const Vec3& origin);
 
 /// Place of a wall's own frame in the world, for a wall of the moved scene.
 Vec3 wall_position_in_world(const Wall& wall, const WallState& state, const Vec3& origin);
-
-/// Loads and walls with places and torques about the world's origin again.
-void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin);
 
 }  // namespace scree

@@ -1,4 +1,4 @@
-#include "solver/step/origin.hpp"
+#include "solver/scene/origin.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,12 +44,6 @@ Vec3 wall_position_in_world(const Wall& wall, const WallState& state, const Vec3
   if (origin == Vec3{}) return state.position;
   // The points of an analytic wall were moved in its own frame, those of a mesh were not.
   return wall.kind == WallKind::mesh ? state.position + origin : state.position + origin - rotate(state.orientation, origin);
-}
-
-void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin) {
-  if (origin == Vec3{}) return;
-  for (WallLoad& load : loads) load.torque += cross(origin, load.force);
-  for (WallState& wall : walls) wall.position += origin;
 }
 
 }  // namespace scree

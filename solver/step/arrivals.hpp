@@ -1,0 +1,33 @@
+// Bodies that join a run after its start.
+#pragma once
+
+#include <vector>
+
+#include "solver/ranks/halo.hpp"
+#include "solver/step/run_state.hpp"
+
+namespace scree {
+
+/// A study build refuses what was left out of it.
+void check_built_with(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
+
+class Arrivals {
+ public:
+  /// Bodies that join in the next step, each given by one rank, with the place and velocities that they have at its end if they touch
+  /// nothing; in a fluid to first order in the step. Their ids are above all that bodies and walls have or had, and differ. Until that
+  /// step they are in no measure and no checkpoint. Collective.
+  /// Throws on every rank, and nobody joins: what SolverScene::check_body() does, InputError for an id that is taken, and RunInvalid when
+  /// the step of the run is too long for their contacts.
+  void add(RunState& s, const std::vector<ParticleRecord>& mine);
+  /// Whether any rank has bodies that wait: the same on all.
+  bool are_waiting() const { return waiting_; }
+  /// Lets them join on the ranks that own their places, between the two kicks of a step, after migration and before ghosts are made.
+  /// Returns whether any rank had some. Collective.
+  bool join(RunState& s, const Halo& halo);
+
+ private:
+  std::vector<ParticleRecord> mine_;
+  bool waiting_ = false;
+};
+
+}  // namespace scree
