@@ -25,7 +25,7 @@ class MeanTurn {
     w_ = std::sqrt(0.5 * (1 + by.w));
     u_ = (0.5 / w_) * Vec3{by.x, by.y, by.z};
   }
-  Vec3 operator()(const Vec3& s) const {
+  [[gnu::always_inline]] Vec3 operator()(const Vec3& s) const {
     const Vec3 t = cross(2 * u_, s);
     return s + w_ * t + cross(u_, t);
   }

@@ -20,6 +20,12 @@ MASS = DENSITY * 4 / 3 * math.pi * RADIUS**3
 APART = 0.1  # distance of pairs that have nothing to do with each other [m]
 
 
+def tool(name):
+    """The tool that was built beside the others with the law, or the one of a tree that has the law."""
+    with_law = os.path.join(BIN, f"{name}-with-a-law")
+    return with_law if os.path.exists(with_law) else os.path.join(BIN, name)
+
+
 def call(*words):
     done = subprocess.run([str(w) for w in words], env=ENV, capture_output=True, text=True)
     assert done.returncode == 0, f"{words} ends with {done.returncode}: {done.stderr[-2000:]}"
@@ -34,9 +40,9 @@ def pairs_of_balls(gaps, speeds):
     return bodies
 
 
-def solve(name, bodies, duration, step=None, every=None, restitution=1, friction=0, ranks=1, more="", gravity=0):
+def solve(name, bodies, duration, step=None, every=None, restitution=1, friction=0, ranks=1, more="", gravity=(0, 0, 0), body=""):
     text = f"""title = "a law that pulls"
-gravity = [0, 0, {-gravity!r}]
+gravity = {list(gravity)!r}
 time = {{ duration = {duration!r}{f', step = {step!r}' if step else ''} }}
 contact = {{ law = "constant-pull", relax = false, margin = 0 }}
 shapes.ball.sphere.radius = {RADIUS}
@@ -50,12 +56,12 @@ restitution = {restitution}
 friction = {friction}
 {more}"""
     for x, y, z, v in bodies:
-        text += f'[[bodies]]\nshape = "ball"\nmaterial = "stone"\nposition = {[x, y, z]}\nvelocity = [0, 0, {v!r}]\n'
+        text += f'[[bodies]]\nshape = "ball"\nmaterial = "stone"\nposition = {[x, y, z]}\nvelocity = [0, 0, {v!r}]\n{body}'
     with open(name + ".toml", "w") as file:
         file.write(text)
-    call(os.path.join(BIN, "scree-decomposer-with-a-law"), "pack", name + ".toml", "-o", name + ".scene.h5")
+    call(tool("scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5")
     start = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-    call(*start, os.path.join(BIN, "scree-solver-with-a-law"), name + ".scene.h5", "-o", name + ".run")
+    call(*start, tool("scree-solver"), name + ".scene.h5", "-o", name + ".run")
     with open(name + ".run/run.json") as file:
         run = json.load(file)
     with open(name + ".run/log.csv") as file:
@@ -128,18 +134,24 @@ def the_same_bits_on_two_ranks():
 
 
 def friction_goes_with_the_push():
-    """A ball that hangs under a ceiling by its attraction alone: at rest k D = F0 - m g pushes, and nothing is lost but by damping."""
-    weight = 0.5 * FORCE
+    """A ball that does not turn hangs under a ceiling by its attraction alone: k D = F0 - m g pushes, and holds or slides by mu times that."""
     ceiling = """[[walls]]
 name = "ceiling"
 material = "stone"
 shape = { plane = { point = [0, 0, 0], normal = [0, 0, -1] } }
 """
-    run, rows, frames = solve("hanging", [(0, 0, -RADIUS - 0.1 * REACH, 0)], duration=0.5, every=0.05, restitution=0.2, friction=0.5, gravity=weight / MASS, more=ceiling)
-    assert int(rows[-1]["contacts"]) == 1, "it hangs"
-    last = frames[-1]
-    force = last["contacts/normal_force"][0]
-    assert abs(abs(force) / weight - 1) < 1e-3 and force < 0, (force, weight)
+    weight, friction, duration = 0.3 * FORCE, 0.5, 0.5
+    limit = friction * (FORCE - weight)
+    for side in (0.7 * limit, 1.3 * limit):  # both are above friction times the net force
+        gravity = (side / MASS, 0, -weight / MASS)
+        _, rows, frames = solve(f"hanging{round(10 * side / limit)}", [(0, 0, -RADIUS - 0.1 * REACH, 0)], duration=duration, every=0.05, restitution=0.2,
+                                friction=friction, gravity=gravity, more=ceiling, body="lock_rotation = true\n")
+        assert int(rows[-1]["contacts"]) == 1, "it hangs"
+        force = frames[-1]["contacts/normal_force"][0]
+        assert abs(force / -weight - 1) < 1e-3, (force, weight)
+        speed = [v for k, v in frames[-1].items() if k.lower().endswith("/velocity") and len(v) == 1][0][0][0]
+        expected = max(0, side - limit) / MASS * duration
+        assert abs(speed - expected) < 0.03 * limit / MASS * duration, (side / limit, speed, expected)
 
 
 if __name__ == "__main__":
