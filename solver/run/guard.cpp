@@ -28,7 +28,8 @@ double Guard::add_row(const Energies& energies, double overlap_ratio, double imb
   r.energies = energies;
   r.kinetic_peak = std::max(r.kinetic_peak, energies.translational + energies.rotational);
   r.dissipated_peak = std::max(r.dissipated_peak, energies.dissipated);
-  r.elastic_peak = std::max(r.elastic_peak, energies.elastic + energies.tangential_elastic);
+  // of a law that pulls the energy is below 0 where bodies hold each other
+  r.elastic_peak = std::max(r.elastic_peak, std::abs(energies.elastic) + energies.tangential_elastic);
   const double error = energies.balance() - r.energy_reference;
   r.energy_error = std::max(r.energy_error, std::abs(error));
   add_overlap(overlap_ratio);
