@@ -13,8 +13,8 @@
 #include <memory>
 
 #include "core/base/error.hpp"
-#include "mesher/io/sandbox.hpp"
 #include "mesher/io/polygons.hpp"
+#include "mesher/io/sandbox.hpp"
 
 namespace scree {
 

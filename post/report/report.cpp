@@ -203,11 +203,11 @@ std::string contact_section(const Run& run) {
   const Distribution& p = last.pair_force;
   const auto force_text = [](double f) { return format_quantity(f, Dimension::force); };
   FactRows rows{{"Time", fmt::format("{:.6g} s", last.time)},
-            {"Particles", fmt::format("{}, of them {} rattlers (fewer than two neighbours)", last.particles, last.rattlers)},
-            {"Pairs in contact", fmt::format("{} among particles, {} with walls", last.pairs_of_particles, last.pairs_with_walls)},
-            {"Coordination number",
-             fmt::format("{:.3f} neighbours per particle; {:.3f} without rattlers", last.coordination, last.coordination_without_rattlers)},
-            {"Contact points", fmt::format("{}, {:.3f} per particle", last.contacts, last.contacts_per_particle)}};
+                {"Particles", fmt::format("{}, of them {} rattlers (fewer than two neighbours)", last.particles, last.rattlers)},
+                {"Pairs in contact", fmt::format("{} among particles, {} with walls", last.pairs_of_particles, last.pairs_with_walls)},
+                {"Coordination number", fmt::format("{:.3f} neighbours per particle; {:.3f} without rattlers", last.coordination,
+                                                    last.coordination_without_rattlers)},
+                {"Contact points", fmt::format("{}, {:.3f} per particle", last.contacts, last.contacts_per_particle)}};
   if (c.count > 0) {
     rows.emplace_back("Normal force per contact point",
                       fmt::format("mean {}, median {}, 5 % to 95 %: {} to {}, largest {}", force_text(c.mean), force_text(c.median),
@@ -257,7 +257,7 @@ std::string cost_section(const Run& run) {
   const nlohmann::json& o = run.outcome;
   const double wall = o.value("wall_seconds", 0.0), steps = o.value("steps", 0.0);
   FactRows rows{{"Wall time", fmt::format("{} for {:.0f} steps", format_duration(wall), steps)},
-            {"Ran on", fmt::format("{} ranks x {} threads", o.value("ranks", 1), o.value("threads", 1))}};
+                {"Ran on", fmt::format("{} ranks x {} threads", o.value("ranks", 1), o.value("threads", 1))}};
   if (wall > 0)
     rows.emplace_back("Rate", fmt::format("{:.3g} particle steps per second", static_cast<double>(run.scene.bodies.size()) * steps / wall));
   if (o.contains("mean_imbalance"))

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/doubts.hpp"
 
 namespace scree {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "core/geometry/features.hpp"
 #include "core/storage/shape_file.hpp"
-#include "mesher/io/sandbox.hpp"
 #include "mesher/io/mesh_file.hpp"
+#include "mesher/io/sandbox.hpp"
 #include "mesher/make/generate.hpp"
 #include "tests/mesher/tool_run.hpp"
 

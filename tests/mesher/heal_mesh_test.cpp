@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "mesher/check/mesh_check.hpp"
-#include "mesher/repair/remesh.hpp"
 #include "mesher/repair/heal_mesh.hpp"
+#include "mesher/repair/remesh.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
