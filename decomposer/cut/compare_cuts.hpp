@@ -27,7 +27,7 @@ struct CutMeasures {
 /// How: a body is a ghost of every other part whose box of bounding balls (margin and half a skin included) it reaches into. The
 /// small motion is 1 % of each body's radius, in a random direction.
 /// in   work       of each body, see predicted_work
-/// in   skin       of the body lists [m], see solver/step/list_rebuild.cpp
+/// in   skin       of the body lists [m], see solver/step/neighbour_lists.cpp
 /// Cost: O(bodies x parts) for boxes, O(bodies log parts) else, and for `body` the number of ghosts.   One process.
 CutMeasures measure_cut(const Scene& scene, const std::vector<double>& work, CutMethod method, int parts, double skin);
 

@@ -12,8 +12,6 @@
 
 namespace scree {
 
-namespace {}  // namespace
-
 std::string verdict_section(const std::vector<Verdict>& verdicts) {
   static const std::map<Judgement, std::pair<const char*, const char*>> kSigns{{Judgement::good, {"good", "&#10003;"}},
                                                                                {Judgement::doubtful, {"doubtful", "!"}},

@@ -5,6 +5,7 @@ Comments in the page, before a fenced block, say what becomes of the block:
   <!-- new file PATH -->                      the block is the file
   <!-- in PATH, after: TEXT -->               the block comes after the one line that holds TEXT
   <!-- in PATH, before: TEXT -->              the block comes before it
+  <!-- in PATH, replace: TEXT -->             the block takes its place
   <!-- run -->                                the block is run, all in one folder, with the tools of the scratch tree in PATH
 Without --build only the places are looked up, which takes no time; with it the scratch tree is built and the run blocks are run.
 """
@@ -38,7 +39,7 @@ def insert(scratch, words, block):
     assert len(places) == 1, f"{PAGE}: '{anchor}' is in {len(places)} lines of {path}, not in one"
     at = places[0] + (1 if side == "after" else 0)
     with open(full, "w", encoding="utf-8") as file:
-        file.writelines(lines[:at] + [block] + lines[at:])
+        file.writelines(lines[:at] + [block] + lines[at + (1 if side == "replace" else 0):])
 
 
 def main():
