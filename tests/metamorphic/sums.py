@@ -283,8 +283,9 @@ def no_rebound_above_arrival(trial):
     most = run.column("kinetic_translational").max() / run.column("kinetic_translational")[0]
     # a coarse step's energy goes up and down within a contact, by the square of the step
     require(most <= 1 + 1 / per_contact**2, f"kinetic energy rises to {most:.6g} of that of arrival; restitution {asked} at {per_contact} steps a contact")
-    require(numpy.diff(run.column("dissipated")).min() >= -kReturned * run.column("kinetic_translational")[0],
-            f"dissipated energy falls; restitution {asked} at {per_contact} steps a contact")
+    fall = -numpy.diff(run.column("dissipated")).min() / run.column("kinetic_translational")[0]
+    # damping of a coarse step acts with the velocity of half a step before: around the turning point some of what was taken is given back
+    require(fall <= kReturned + (1 - asked**2) / per_contact**2, f"dissipated energy falls by {fall:.3g} of that of arrival; restitution {asked} at {per_contact} steps a contact")
     error = abs(got - asked)
     require(error <= (1e-9 if trial.spoil else 0.02), f"restitution {asked} at {per_contact} steps a contact comes out as {got:.6g} ({case.value('contact', 'law', 'linear')})")
 
