@@ -17,7 +17,7 @@ import sys
 
 PAGE = "docs/extending.md"
 BLOCK = re.compile(r"^<!-- (new file|in|run)\s*([^\n]*?)\s*-->\n```\w*\n(.*?)^```$", flags=re.S | re.M)
-TARGETS = ["scree-solver", "scree-decomposer", "scree-mesher", "scree-post"]
+TARGETS = ["scree-solver", "scree-decomposer", "scree-post"]
 
 
 def copy_tree(root, scratch):
