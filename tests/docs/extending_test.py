@@ -21,11 +21,7 @@ TARGETS = ["scree-solver", "scree-decomposer", "scree-post"]
 
 
 def copy_tree(root, scratch):
-    names = subprocess.run(["git", "-C", root, "ls-files", "--cached", "--others", "--exclude-standard"], capture_output=True, text=True, check=True)
-    for name in names.stdout.split("\n"):
-        if name and os.path.isfile(os.path.join(root, name)):
-            os.makedirs(os.path.dirname(os.path.join(scratch, name)), exist_ok=True)
-            shutil.copy2(os.path.join(root, name), os.path.join(scratch, name))
+    shutil.copytree(root, scratch, ignore=shutil.ignore_patterns(".git", "build", "out", "__pycache__"))
 
 
 def insert(scratch, words, block):
