@@ -5,12 +5,12 @@ set(SCREE_MPI_ENVIRONMENT
   "OMPI_MCA_mpi_yield_when_idle=1;OMP_WAIT_POLICY=passive"
   "OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none;OMPI_MCA_btl=self,vader,tcp")
 
-# scree_unit_test(NAME name SOURCES ... LIBRARIES ... [LABEL fast|mpi|slow] [RANKS 1 2 4])
+# scree_unit_test(NAME name SOURCES ... LIBRARIES ... [LABEL fast|mpi|slow] [RANKS 1 2 4] [ENVIRONMENT name=value ...])
 #
 # A GoogleTest executable. Without RANKS its tests are registered one by one; with RANKS the whole
 # executable runs once for each number of ranks (its main must start MPI).
 function(scree_unit_test)
-  cmake_parse_arguments(arg "" "NAME;LABEL" "SOURCES;LIBRARIES;RANKS" ${ARGN})
+  cmake_parse_arguments(arg "" "NAME;LABEL" "SOURCES;LIBRARIES;RANKS;ENVIRONMENT" ${ARGN})
   if(NOT arg_LABEL)
     if(arg_RANKS)
       set(arg_LABEL mpi)
@@ -25,7 +25,7 @@ function(scree_unit_test)
       add_test(NAME ${arg_NAME}.ranks_${ranks}
         COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} $<TARGET_FILE:${arg_NAME}>)
       set_tests_properties(${arg_NAME}.ranks_${ranks} PROPERTIES
-        PROCESSORS ${ranks} TIMEOUT 300 LABELS ${arg_LABEL} ENVIRONMENT "${SCREE_MPI_ENVIRONMENT};OMP_NUM_THREADS=1")
+        PROCESSORS ${ranks} TIMEOUT 300 LABELS ${arg_LABEL} ENVIRONMENT "${SCREE_MPI_ENVIRONMENT};OMP_NUM_THREADS=1;${arg_ENVIRONMENT}")
     endforeach()
   else()
     target_link_libraries(${arg_NAME} PRIVATE GTest::gtest_main)
@@ -33,7 +33,7 @@ function(scree_unit_test)
     # gtest_discover_tests would take the list apart and keep its first word
     set(environment_file "${CMAKE_CURRENT_BINARY_DIR}/${arg_NAME}_environment.cmake")
     file(WRITE "${environment_file}" "if(${arg_NAME}_TESTS)
-  set_tests_properties(\${${arg_NAME}_TESTS} PROPERTIES ENVIRONMENT \"${SCREE_MPI_ENVIRONMENT}\")
+  set_tests_properties(\${${arg_NAME}_TESTS} PROPERTIES ENVIRONMENT \"${SCREE_MPI_ENVIRONMENT};${arg_ENVIRONMENT}\")
 endif()
 ")
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${environment_file}")

@@ -38,10 +38,11 @@ const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {
                    name(b), name(a), name(b));
 }
 
-double Scene::mass(std::size_t body) const {
-  const double scale = bodies.scale[body];
-  const auto shape = static_cast<std::size_t>(bodies.shape[body]), material = static_cast<std::size_t>(bodies.material[body]);
-  return materials[material].density * shapes[shape].mass.volume * scale * scale * scale;
+double Scene::mass(std::size_t body) const { return mass(bodies.shape[body], bodies.material[body], bodies.scale[body]); }
+
+double Scene::mass(std::int32_t shape, std::int32_t material, double scale) const {
+  return materials[static_cast<std::size_t>(material)].density * shapes[static_cast<std::size_t>(shape)].mass.volume * scale * scale *
+         scale;
 }
 
 double effective_modulus(const Material& a, const Material& b) {

@@ -158,6 +158,8 @@ struct Scene {
   const MaterialPair& pair(std::int32_t a, std::int32_t b) const;
   /// Mass of a body [kg]: density times scaled volume.
   double mass(std::size_t body) const;
+  /// The same of a body of one of the scene's shapes and materials, before it is one of the scene's bodies.
+  double mass(std::int32_t shape, std::int32_t material, double scale) const;
 };
 
 /// Writes whole or not at all.

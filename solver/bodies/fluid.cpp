@@ -111,7 +111,7 @@ double FluidForces::reynolds_number(const BodyKind& body, double speed) const {
 
 double FluidForces::weight(const BodyKind& body) const {
   const double ratio = density_ratio_[static_cast<std::size_t>(body.material)];
-  return mass_of(*scene_, body.shape, body.material, body.scale) * std::abs(1 - ratio) * length(scene_->settings.gravity);
+  return scene_->mass(body.shape, body.material, body.scale) * std::abs(1 - ratio) * length(scene_->settings.gravity);
 }
 
 double FluidForces::terminal_speed(const BodyKind& body) const {

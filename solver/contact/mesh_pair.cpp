@@ -84,27 +84,25 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
   // what the triangles own: see core/geometry/features.hpp
   const RelativePose pose(a, b);
   const double size = std::min(radius_a, radius_b);
+  /// Adds corner k of a triangle of `from`, if the triangle owns it, against a triangle of `to`.
+  const auto add_corner = [&](const SolverShape& from, std::int32_t triangle, std::size_t k, double from_scale, const SolverShape& to,
+                              std::int32_t other, double to_scale, const auto& to_frame, std::vector<CornerCandidate>& candidates) {
+    const auto t = static_cast<std::size_t>(triangle);
+    if (!from.features.owns_corner(t, k)) return;
+    const std::int32_t c = from.features.corner_of[static_cast<std::size_t>(from.mesh.triangles[t][k])];
+    const Vec3 p = (1 / to_scale) * to_frame(from_scale * from.corner(c));
+    const Vec3 nearest =
+        nearest_on_triangle(p, triangle_corner(to, other, 0), triangle_corner(to, other, 1), triangle_corner(to, other, 2)).point;
+    const double distance = to_scale * length(p - nearest);
+    if (distance < reach) candidates.push_back({c, other, slack_below(distance, margin, size)});
+  };
   for (const TrianglePair& pair : pairs) {
     const auto ta = static_cast<std::size_t>(pair.a), tb = static_cast<std::size_t>(pair.b);
     for (std::size_t k = 0; k < 3; ++k) {
-      if (shape_a.features.owns_corner(ta, k)) {
-        const std::int32_t c = shape_a.features.corner_of[static_cast<std::size_t>(shape_a.mesh.triangles[ta][k])];
-        const Vec3 p = (1 / b.scale) * pose.b_from_a(a.scale * shape_a.corner(c));
-        const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_b, pair.b, 0), triangle_corner(shape_b, pair.b, 1),
-                                                 triangle_corner(shape_b, pair.b, 2))
-                                 .point;
-        const double distance = b.scale * length(p - nearest);
-        if (distance < reach) lists.corners_a.push_back({c, pair.b, slack_below(distance, margin, size)});
-      }
-      if (shape_b.features.owns_corner(tb, k)) {
-        const std::int32_t c = shape_b.features.corner_of[static_cast<std::size_t>(shape_b.mesh.triangles[tb][k])];
-        const Vec3 p = (1 / a.scale) * pose.a_from_b(b.scale * shape_b.corner(c));
-        const Vec3 nearest = nearest_on_triangle(p, triangle_corner(shape_a, pair.a, 0), triangle_corner(shape_a, pair.a, 1),
-                                                 triangle_corner(shape_a, pair.a, 2))
-                                 .point;
-        const double distance = a.scale * length(p - nearest);
-        if (distance < reach) lists.corners_b.push_back({c, pair.a, slack_below(distance, margin, size)});
-      }
+      add_corner(
+          shape_a, pair.a, k, a.scale, shape_b, pair.b, b.scale, [&](const Vec3& p) { return pose.b_from_a(p); }, lists.corners_a);
+      add_corner(
+          shape_b, pair.b, k, b.scale, shape_a, pair.a, a.scale, [&](const Vec3& p) { return pose.a_from_b(p); }, lists.corners_b);
       const std::int32_t ea = shape_a.features.owned_edge(ta, k);
       if (ea < 0) continue;
       const ShapeEdge edge_a = shape_a.edge(ea);

@@ -177,7 +177,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       const double weight = std::min(damping.most_onset, onset_weight(f.overlap, vn, dt));
       damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
     }
-    Vec3 lossy = (damped - forces.push[j]) * f.n;
+    Vec3 dissipative = (damped - forces.push[j]) * f.n;
     Vec3 tangential;
     if (frictional) {
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
@@ -187,10 +187,10 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       const Vec3 vt = slip - dot(slip, f.n) * f.n;
       tangential = friction.force(f, vt, vn, damped, law.tangential_ratio * forces.push_per_overlap[j],
                                   tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
-      lossy += tangential;
+      dissipative += tangential;
     }
-    result.dissipative_force += lossy;
-    result.dissipative_torque += cross(f.x, lossy);
+    result.dissipative_force += dissipative;
+    result.dissipative_torque += cross(f.x, dissipative);
     if (outputs != nullptr) (*outputs)[j] = output_of(f.n, normal_force(j, damped), forces.from_weight[j], tangential);
   }
   if (rolls)

@@ -9,6 +9,10 @@
 // - onset: a feature at overlap d that closes at speed v has been in touch for d / v. When that is less than a step, the
 //   impulse of this force evaluation stands for d / v + dt / 2 instead of dt.
 // Hunt-Crossley damping starts at zero force and its lag cancels to second order by itself: it needs neither.
+// What stays is the step of the turning point: the velocity of half a step before still closes while the pair parts already, and
+// the damping force gives back up to m chi a dt (a dt)^2 / 16, third order in the step: of the energy of arrival 3e-4 at 12 steps a
+// contact, 6e-7 at 100 (Hunt-Crossley, e = .9). A velocity predicted from the pair's own force would cure it for two bodies, and
+// change the overlap of every contact at rest.
 //
 // What damping takes in a step. Damping alone changes a pair's speed by the share y = r dt, or r dt / (1 + r dt / 4) where the lag is
 // corrected. Beyond 1 it would turn the motion round, beyond 2 create energy. Both laws therefore let y go on to 1 and not past it

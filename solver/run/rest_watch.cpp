@@ -30,7 +30,7 @@ RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest),
 RestWatch::Fall RestWatch::fall_of(const BodyKind& body) const {
   constexpr double kWeightless = 1e-12;  // of the weight in a void: rounding of densities that agree
   const double diameter = body.scale * scene_->shapes[static_cast<std::size_t>(body.shape)].equivalent_diameter();
-  const double mass = mass_of(*scene_, body.shape, body.material, body.scale), weight = fluid_ ? fluid_->weight(body) : mass * gravity_;
+  const double mass = scene_->mass(body.shape, body.material, body.scale), weight = fluid_ ? fluid_->weight(body) : mass * gravity_;
   const bool falls = weight > kWeightless * mass * gravity_;
   const double pull = falls ? weight : mass * gravity_;
   double gain = pull * diameter;

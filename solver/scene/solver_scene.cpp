@@ -58,7 +58,8 @@ SolverScene::SolverScene(const Scene& scene)
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
-  for (std::size_t b = 0; b < bodies.size(); ++b) check_body(bodies.id[b], bodies.shape[b], bodies.scale[b]);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    check_period(periodicity_, bodies.scale[b] * shape(bodies.shape[b]).radius, contact_range(), bodies.id[b]);
   zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
   seam_gaps_ =
       check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, extremes_.bounding_radius + 2 * contact_range(), settings.duration);
@@ -94,7 +95,7 @@ void SolverScene::check_seams(double radius) const {
 void SolverScene::include_body(std::int32_t of, std::int32_t material, double scale, bool fixed, double speed,
                                BodyExtremes& extremes) const {
   const auto s = static_cast<std::size_t>(of), m = static_cast<std::size_t>(material);
-  const double mass = mass_of(*scene_, of, material, scale);
+  const double mass = scene_->mass(of, material, scale);
   extremes.bounding_radius = std::max(extremes.bounding_radius, scale * shapes_[s].radius);
   extremes.radius[m] = std::max(extremes.radius[m], scale * shapes_[s].equivalent_radius);
   extremes.speed[m] = std::max(extremes.speed[m], speed);

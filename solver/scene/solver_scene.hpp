@@ -19,12 +19,6 @@
 
 namespace scree {
 
-/// Mass of a body of a scene's shapes and materials [kg], in the scene's own arithmetic (Scene::mass).
-inline double mass_of(const Scene& scene, std::int32_t shape, std::int32_t material, double scale) {
-  return scene.materials[static_cast<std::size_t>(material)].density * scene.shapes[static_cast<std::size_t>(shape)].mass.volume * scale *
-         scale * scale;
-}
-
 class SolverScene {
  public:
   /// Throws UsageError for what this solver does not do yet, InputError for contradictions.
