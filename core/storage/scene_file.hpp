@@ -126,6 +126,7 @@ struct Settings {
   std::optional<Fluid> fluid;  ///< none: bodies move in a void
   ContactLaw law = ContactLaw::linear;
   Gathering gather = Gathering::potential;
+  VertexWeights weights = VertexWeights::density;
   double barrier = 0;       ///< [-] stiffness of the barrier over that of a contact; 0: none
   double impact_speed = 0;  ///< [m/s] of the fastest impact expected; 0 when not known
   double margin = 0;        ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only

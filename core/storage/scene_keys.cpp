@@ -74,6 +74,10 @@ void contact_keys(KeyVisitor& k, Settings& s) {
           "triangles (for comparison only: stiffness and damping grow with the mesh)",
           kAlways},
          s.gather);
+  k.word({"weights", "",
+          "of vertices in `gather = \"potential\"`: those that lie close together count as one (`density`), so that stiffness tends to a limit "
+          "as the mesh of a curved surface is refined; or each counts (`unit`), for comparison"},
+         s.weights);
   k.number({"margin", "derived (README)",
             "boundary layer of each body; 0 for analytic spheres only, the default where a case has no meshes, neither as bodies nor as "
             "walls, and no `barrier`",

@@ -74,6 +74,7 @@ json wall_json(const Wall& wall) {
 
 Settings read_settings(const JsonObject& o) {
   Settings s;
+  s.weights = VertexWeights::unit;  // of files that were written before there was a choice
   JsonKeyReader reader(o);
   run_keys(reader, s);
   time_keys(reader, s);

@@ -45,6 +45,12 @@ template <>
 inline constexpr auto kWordsOf<Gathering> =
     std::to_array<Word<Gathering>>({{Gathering::potential, "potential"}, {Gathering::area, "area"}, {Gathering::pairs, "pairs"}});
 
+/// Weights of vertices in gather = "potential": by how densely they lie, or all 1 (solver/scene/density_weights.hpp).
+enum class VertexWeights { density, unit };
+template <>
+inline constexpr auto kWordsOf<VertexWeights> = std::to_array<Word<VertexWeights>>({{VertexWeights::density, "density"},
+                                                                                    {VertexWeights::unit, "unit"}});
+
 /// How a step moves the bodies (solver/bodies/motion.hpp).
 enum class Integrator { kdk_dlm, rig, spiral, midpoint, euler };
 template <>

@@ -62,6 +62,7 @@ void contact_section(CaseKeys& k, Case& c) {
   if (t == nullptr) return;
   c.margin_given = t->has("margin");
   if (s.barrier > 0 && s.gather != Gathering::potential) throw t->error("barrier", "goes with gather = \"potential\" only");
+  if (t->has("weights") && s.gather != Gathering::potential) throw t->error("weights", "goes with gather = \"potential\" only");
   if (s.gather == Gathering::area && s.law == ContactLaw::hertz_mindlin)
     throw t->error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");
   if (s.gather == Gathering::area && !c.margin_given)

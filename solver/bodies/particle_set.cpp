@@ -50,6 +50,7 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   p.isotropic[i] = shape.isotropic ? 1 : 0;
   p.inverse_mass[i] = r.fixed ? 0.0 : 1 / p.mass[i];
   p.inverse_inertia[i] = r.fixed || r.lock_rotation ? Vec3{} : Vec3{1 / p.inertia[i].x, 1 / p.inertia[i].y, 1 / p.inertia[i].z};
+  p.weights[i] = scene.weights(r.shape, r.scale);
   p.dissipative_force[i] = {};
   p.dissipative_torque[i] = {};
   p.x_listed[i] = r.x;

@@ -136,6 +136,8 @@ void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pos
     f.n = e.n;
     f.overlap = margin - g;
     f.weight = 1;
+    if (a.weights != nullptr || b.weights != nullptr)
+      f.crowd = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
     const bool fades = e.leans || std::min({s, 1 - s, t, 1 - t}) < kFadeEnd || sine2 < kFadeParallel;
     if (fades && !fade(e, f)) continue;
     features.push_back(f);

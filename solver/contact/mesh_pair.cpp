@@ -26,9 +26,9 @@ const Vec3& triangle_corner(const SolverShape& shape, std::int32_t t, int k) { r
 
 /// Corner features of one side. `side` is +1 when the corners are A's; poses map corner frame to triangle frame.
 template <class ToTriangleFrame, class NormalToA>
-void corner_features(const SolverShape& corner_shape, double corner_scale, const SolverShape& surface, double surface_scale,
-                     std::int64_t kind, const std::vector<CornerCandidate>& candidates, double margin, double motion,
-                     ToTriangleFrame&& to_triangle_frame, NormalToA&& feature_frame, std::vector<ContactFeature>& features) {
+void corner_features(const PairBody& from, const SolverShape& surface, double surface_scale, std::int64_t kind,
+                     const std::vector<CornerCandidate>& candidates, double margin, double motion, ToTriangleFrame&& to_triangle_frame,
+                     NormalToA&& feature_frame, std::vector<ContactFeature>& features) {
   const double reach = margin / surface_scale;
   for (std::size_t i = 0; i < candidates.size();) {
     const std::int32_t corner = candidates[i].corner;
@@ -40,7 +40,7 @@ void corner_features(const SolverShape& corner_shape, double corner_scale, const
     for (; i < candidates.size() && candidates[i].corner == corner; ++i) {
       if (candidates[i].slack > motion) continue;
       if (!placed) {
-        p = (1 / surface_scale) * to_triangle_frame(corner_scale * corner_shape.corner(corner));
+        p = (1 / surface_scale) * to_triangle_frame(from.scale * from.shape->corner(corner));
         placed = true;
       }
       const std::int32_t t = candidates[i].triangle;
@@ -60,6 +60,7 @@ void corner_features(const SolverShape& corner_shape, double corner_scale, const
     f.key = make_key(kind, corner, 0);
     f.overlap = margin - gap;
     f.weight = 1;
+    f.crowd = from.crowd(corner);
     // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
     const Vec3 direction = distance > 0 ? (1 / distance) * (p - best_point) : Vec3{};
     feature_frame(surface_scale * (0.5 * (p + best_point)), direction, f);
@@ -139,14 +140,14 @@ void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose
                         const CandidateLists& lists, std::vector<ContactFeature>& features) {
   features.clear();
   corner_features(
-      *a.shape, a.scale, *b.shape, b.scale, kCornerOfA, lists.corners_a, margin, motion, [&](const Vec3& p) { return pose.b_from_a(p); },
+      a, *b.shape, b.scale, kCornerOfA, lists.corners_a, margin, motion, [&](const Vec3& p) { return pose.b_from_a(p); },
       [&](const Vec3& middle, const Vec3& direction, ContactFeature& f) {
         f.x = pose.a_from_b(middle);
         f.n = pose.rotation * direction;
       },
       features);
   corner_features(
-      *b.shape, b.scale, *a.shape, a.scale, kCornerOfB, lists.corners_b, margin, motion, [&](const Vec3& p) { return pose.a_from_b(p); },
+      b, *a.shape, a.scale, kCornerOfB, lists.corners_b, margin, motion, [&](const Vec3& p) { return pose.a_from_b(p); },
       [&](const Vec3& middle, const Vec3& direction, ContactFeature& f) {
         f.x = middle;
         f.n = -direction;

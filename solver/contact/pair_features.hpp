@@ -20,6 +20,17 @@ struct PairBody {
   double scale = 1;
   Vec3 x;
   Quat q;
+  const double* weights = nullptr;  ///< of the shape's corners; null: all 1 (solver/scene/density_weights.hpp)
+
+  double weight(std::int32_t corner) const { return weights == nullptr ? 1.0 : weights[corner]; }
+  double crowd(std::int32_t corner) const { return weights == nullptr ? 0.0 : 1 / weights[corner] - 1; }
+  /// Of both ends of an edge of the shape together.
+  double weight_of_ends(std::int32_t edge) const {
+    if (weights == nullptr) return 2;
+    const FeatureEdge& ends = shape->features.edges[static_cast<std::size_t>(edge)];
+    const auto of_vertex = [&](std::int32_t v) { return weight(shape->features.corner_of[static_cast<std::size_t>(v)]); };
+    return of_vertex(ends.vertex_a) + of_vertex(ends.vertex_b);
+  }
 };
 
 /// Pose of B in the frame of A: what every function on a pair needs, made once a pair and step.
@@ -65,7 +76,8 @@ struct ContactFeature {
   Vec3 x;                    ///< contact point, mid-gap, A frame [m]
   Vec3 n;                    ///< unit, from B to A, A frame
   double overlap;            ///< margin sum minus gap, > 0 [m]
-  double weight;             ///< a_j in (0, 1]
+  double weight;             ///< a_j in (0, 1]; without its crowd as found, with it once settle_crowds() has been
+  double crowd;              ///< how many others share the place of the feature, where D is the margin of one body (contact/crowds.hpp)
   bool faded;                ///< weight depends on the pose: weight_gradient is filled
   Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
 };

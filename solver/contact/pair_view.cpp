@@ -17,7 +17,7 @@ PairGeometry geometry_of(const PairView& view) {
 }
 
 void view_body(const SolverScene& scene, const ParticleSet& p, std::size_t i, std::size_t j, PairView& view) {
-  view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j]};
+  view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j], p.weights[j]};
   if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
   view.radius_b = p.radius[j];
   const double cells_a = view.a.scale * view.a.shape->cell_size, cells_b = view.b.scale * view.b.shape->cell_size;
@@ -39,6 +39,7 @@ void view_wall(const SolverScene& scene, const std::vector<WallState>& walls, st
   if (view.zone->kind == WallZone::Kind::mesh) {
     view.b.shape = &scene.shape(wall.shape);
     view.b.scale = wall.scale;
+    view.b.weights = scene.wall_weights(view.zone->wall);
     view.radius_b = std::max(view.radius_b, wall.scale * view.b.shape->radius);
   }
 }
@@ -49,7 +50,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
                  std::int32_t zone) {
   PairView view;
   const auto i = static_cast<std::size_t>(a);
-  view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i]};
+  view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i], p.weights[i]};
   view.radius_a = p.radius[i];
   view.margin = 2 * scene.margin();
   view.reach = 2 * scene.contact_range();
@@ -58,6 +59,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   else
     view_wall(scene, walls, zone, view);
   view.geometry = geometry_of(view);
+  view.crowds_follow = scene.crowds_follow() && view.cells == CellSide::none;
   view.pose = RelativePose(view.a, view.b);
   return view;
 }

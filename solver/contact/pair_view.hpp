@@ -29,6 +29,7 @@ struct PairView {
   double cell_size = 0;               ///< [m]; 0: none
   CellSide cells = CellSide::none;
   PairGeometry geometry = PairGeometry::two_spheres;
+  bool crowds_follow = true;  ///< the radius of crowds follows D
   bool has_mesh() const { return geometry == PairGeometry::sphere_mesh || geometry == PairGeometry::two_meshes; }
 };
 

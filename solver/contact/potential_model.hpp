@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solver/contact/contact_model.hpp"
+#include "solver/contact/crowds.hpp"
 
 namespace scree {
 
@@ -68,6 +69,8 @@ struct PotentialModel {
     else
       find_closed_form(view, moved, lists, features.list);
     share_among_cells(view, features);
+    features.crowd_share = 1;
+    if (view.a.weights != nullptr || view.b.weights != nullptr) settle_crowds(0.5 * view.margin, view.crowds_follow, features);
   }
 
   template <class Law>
@@ -75,10 +78,10 @@ struct PotentialModel {
                            PairForce& result) {
     PushSum sum;
     if constexpr (PowerLaw<Law> && !PullingLaw<Law>) {
-      sum = features.has_cells ? add_cell_potentials(features, law, forces, result)
-                               : add_potential(features.list, pair_law, law, forces, result);
+      sum =
+          features.has_cells ? add_cell_potentials(features, law, forces, result) : add_potential(features, pair_law, law, forces, result);
     } else {  // a scene with cells is refused
-      sum = add_potential(features.list, pair_law, law, forces, result);
+      sum = add_potential(features, pair_law, law, forces, result);
     }
     if (pair_law.barrier > 0) add_barrier(features.list, pair_law, forces, sum, result);
     return sum;
@@ -89,8 +92,7 @@ struct PotentialModel {
 
  private:
   template <class Law>
-  static PushSum add_potential(const std::vector<ContactFeature>& features, const PairLaw& pair_law, const Law& law, FeatureForces& forces,
-                               PairForce& result);
+  static PushSum add_potential(const PairFeatures& pair, const PairLaw& pair_law, const Law& law, FeatureForces& forces, PairForce& result);
   static void add_pull(const std::vector<ContactFeature>& features, double reach, double depth, double pull, FeatureForces& forces);
   template <class Law>
   static PushSum add_cell_potentials(const PairFeatures& features, const Law& law, FeatureForces& forces, PairForce& result);
@@ -101,8 +103,9 @@ struct PotentialModel {
 
 /// One potential of all features.
 template <class Law>
-PushSum PotentialModel::add_potential(const std::vector<ContactFeature>& features, const PairLaw& pair_law, const Law& law,
-                                      FeatureForces& forces, PairForce& result) {
+PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& pair_law, const Law& law, FeatureForces& forces,
+                                      PairForce& result) {
+  const std::vector<ContactFeature>& features = pair.list;
   // scaled by the largest depth so that nothing under- or overflows
   double largest = 0;
   for (const ContactFeature& f : features) largest = std::max(largest, depth_in_reach<Law>(pair_law, f));
@@ -115,18 +118,19 @@ PushSum PotentialModel::add_potential(const std::vector<ContactFeature>& feature
   const double depth = largest * std::sqrt(std::sqrt(std::sqrt(sum))), D = overlap_at<Law>(pair_law, depth);
   const PushAndPull at = PushAndPull::of(law, D);
   result.elastic = at.push_energy;
+  const double slope = pair.crowd_share * at.push;
   double push = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
     const ContactFeature& f = features[j];
     const double r = depth_in_reach<Law>(pair_law, f) / depth, r7 = power7(r);
-    forces.push[j] = at.push * f.weight * r7;
+    forces.push[j] = slope * f.weight * r7;
     forces.push_per_overlap[j] = forces.push[j] / D;
     push += forces.push[j];
     const Vec3 force = forces.push[j] * f.n;
     result.force += force;
     result.torque += cross(f.x, force);
     if (f.faded) {
-      const double c = at.push * depth / kNorm * r7 * r;  // dU/da_j
+      const double c = slope * depth / kNorm * r7 * r;  // dU/da_j
       result.force -= c * f.weight_gradient.force;
       result.torque -= c * f.weight_gradient.couple;
       if (forces.wants_from_weight) forces.from_weight[j] -= c * f.weight_gradient.force;

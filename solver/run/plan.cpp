@@ -80,6 +80,15 @@ void Plan::add_contact() {
     out("triangles", "all bodies are analytic spheres");
   in("normal contact", fmt::format("{} law, {} gathering, margin {} per body", word_of(settings_.law), word_of(settings_.gather),
                                    format_quantity(settings_.margin, Dimension::length)));
+  if (const DensityWeights* weights = scene_.density_weights()) {
+    const DensityWeights::Summary s = weights->summary();
+    if (s.tables > 0)
+      in("weights by density",
+         fmt::format("{} tables of vertices that lie closer than they can carry on their own, {:.1f} kB; smallest weight {:.3g}", s.tables,
+                     1e-3 * static_cast<double>(s.bytes), s.least));
+    else
+      out("weights by density", "no two vertices lie so close that they carry as one");
+  }
   if (scene_.has_damping())
     in("damping", "restitution below 1 for some pair");
   else

@@ -58,6 +58,7 @@ SolverScene::SolverScene(const Scene& scene)
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
+  prepare_weights();
   for (std::size_t b = 0; b < bodies.size(); ++b)
     check_period(periodicity_, bodies.scale[b] * shape(bodies.shape[b]).radius, contact_range(), bodies.id[b]);
   zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
@@ -132,6 +133,26 @@ void SolverScene::prepare_laws() {
   if (has_cells) {
     throw UsageError("cell_size: contact.law = \"{}\" has no force that goes with one power of the overlap, which cells need",
                      word_of(law_choice_.law));
+  }
+}
+
+const double* SolverScene::weights(std::int32_t of, double scale) const {
+  if (!weights_ || shape(of).kind != ShapeKind::solid) return nullptr;
+  return weights_->of_body(shape(of), of, scale);
+}
+
+void SolverScene::prepare_weights() {
+  const Settings& settings = scene_->settings;
+  wall_weights_.assign(scene_->walls.size(), nullptr);
+  if (settings.gather != Gathering::potential || settings.weights == VertexWeights::unit || !(margin_ > 0)) return;
+  weights_ = std::make_shared<DensityWeights>(margin_);
+  double radius = 0;
+  for (const double r : extremes_.radius) radius = std::max(radius, r);
+  if (!(radius > 0))
+    for (const SolverShape& s : shapes_) radius = std::max(radius, s.equivalent_radius);
+  for (std::size_t w = 0; w < scene_->walls.size(); ++w) {
+    const Wall& wall = scene_->walls[w];
+    if (wall.kind == WallKind::mesh) wall_weights_[w] = weights_->of_wall(shape(wall.shape), wall.shape, wall.scale, radius);
   }
 }
 

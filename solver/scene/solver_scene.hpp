@@ -15,6 +15,7 @@
 #include "solver/laws/laws.hpp"
 #include "solver/scene/body_extremes.hpp"
 #include "solver/scene/contact_extent.hpp"
+#include "solver/scene/density_weights.hpp"
 #include "solver/scene/solver_shape.hpp"
 
 namespace scree {
@@ -30,6 +31,13 @@ class SolverScene {
   const PairLaw& law(std::int32_t material_a, std::int32_t material_b) const {
     return laws_[static_cast<std::size_t>(material_a) * material_count_ + static_cast<std::size_t>(material_b)];
   }
+  /// Weights of the corners of a body's shape at a scale; null where all are 1. Made at the first call, which is that of a body's arrival.
+  const double* weights(std::int32_t shape, double scale) const;
+  const double* wall_weights(std::int32_t wall) const { return wall_weights_[static_cast<std::size_t>(wall)]; }
+  /// What there is of them so far; null where all are 1.
+  /// Whether the radius of crowds can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
+  bool crowds_follow() const { return !(scene_->settings.barrier > 0) && !(reach_ > 0); }
+  const DensityWeights* density_weights() const { return weights_.get(); }
   const std::vector<WallZone>& zones() const { return zones_; }
   double margin() const { return margin_; }  ///< of each body [m]
   /// How far from its surface a body may act: its margin, and half of what the scene's law reaches beyond the margins [m].
@@ -60,6 +68,7 @@ class SolverScene {
  private:
   void prepare_laws();
   void prepare_barrier();
+  void prepare_weights();
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
   void check_margin(bool has_mesh) const;
   void check_solid(std::int64_t id, std::int32_t shape) const;
@@ -76,6 +85,8 @@ class SolverScene {
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
+  std::shared_ptr<DensityWeights> weights_;  ///< null: all 1
+  std::vector<const double*> wall_weights_;
   bool has_damping_ = false, has_driven_walls_ = false;
 };
 

@@ -602,6 +602,8 @@ def contact(d):
         table["law"] = law
     if gather != "potential" or d.chance(0.1):
         table["gather"] = gather
+    if gather == "potential" and d.chance(0.2):
+        table["weights"] = d.pick({"unit": 2, "density": 1})
     only_balls = not d.meshed and not any(is_mesh_wall(wall) for wall in d.case.walls)
     given = d.chance(0.6) or gather == "area"
     if only_balls and gather != "area" and d.chance(0.3):

@@ -127,27 +127,39 @@ inline Statistics near_flat_impacts(bool free_base, double steps_per_contact, in
   return s;
 }
 
-/// Restitution of an icosphere of unit mass and radius 0.5 that may not turn, on a floor, and how long it touches [s].
-inline double locked_icosphere_restitution(int level, double speed, double steps_per_contact, double restitution = .5,
-                                           double* duration = nullptr) {
-  TwoBodies pair(scaled(icosphere(level), .5), grid_box(1, {4, 4, 1}), kStiffness, kMargin, restitution, 0);
-  pair.inverse_inertia[0] = {};
-  pair.fix(1);
-  pair.body[0].q = quaternion_of(normalised(Vec3{1, 2, 3}), .4);
-  pair.v[0] = {0, 0, -speed};
-  if (!pair.approach(1.03, 0)) return -1;
-  pair.body[0].x.z += .3 * kMargin;
-  pair.force(0);
-  const double dt = std::numbers::pi * std::sqrt(1 / kStiffness) / steps_per_contact;
-  int touching = 0;
-  for (int n = 0; n < 1000 * steps_per_contact; ++n) {
-    pair.step(dt);
-    if (touching > 0 && pair.features.empty()) break;
-    touching += pair.features.empty() ? 0 : 1;
+/// An icosphere of unit mass and radius 0.5 that may not turn falls on a floor.
+struct LockedIcosphere {
+  int level;
+  double speed, steps_per_contact, restitution = .5;
+  Quat orientation = quaternion_of(normalised(Vec3{1, 2, 3}), .4);
+  bool by_density = true;  ///< the weights of its vertices
+  struct Result {
+    double restitution = -1, duration = 0, largest_overlap = 0;  ///< [-, s, m]
+  };
+  Result run() const {
+    TwoBodies pair(scaled(icosphere(level), .5), grid_box(1, {4, 4, 1}), kStiffness, kMargin, restitution, 0);
+    if (!by_density) pair.body[0].weights = nullptr;
+    pair.inverse_inertia[0] = {};
+    pair.fix(1);
+    pair.body[0].q = orientation;
+    pair.v[0] = {0, 0, -speed};
+    Result r;
+    if (!pair.approach(1.03, 0)) return r;
+    pair.body[0].x.z += .3 * kMargin;
+    pair.force(0);
+    const double dt = std::numbers::pi * std::sqrt(1 / kStiffness) / steps_per_contact;
+    int touching = 0;
+    for (int n = 0; n < 1000 * steps_per_contact; ++n) {
+      pair.step(dt);
+      if (touching > 0 && pair.features.empty()) break;
+      touching += pair.features.empty() ? 0 : 1;
+      r.largest_overlap = std::max(r.largest_overlap, pair.last().largest_overlap);
+    }
+    r.duration = touching * dt;
+    r.restitution = pair.v[0].z / speed;
+    return r;
   }
-  if (duration != nullptr) *duration = touching * dt;
-  return pair.v[0].z / speed;
-}
+};
 
 /// Largest kinetic energy [J] of a rock between `from` and `until` seconds after it was let go above the bumpy bed; drag for
 /// the first 5 s.

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "solver/bodies/motion.hpp"
-#include "solver/contact/pair_force.hpp"
+#include "solver/contact/crowds.hpp"
 #include "solver/scene/solver_scene.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shapes.hpp"
@@ -24,6 +24,7 @@ class TwoBodies {
     prepared_ = std::make_unique<SolverScene>(scene_);
     for (int i = 0; i < 2; ++i) {
       body[i].shape = &prepared_->shape(i);
+      body[i].weights = prepared_->weights(i, 1);
       inverse_mass[i] = 1;
       inverse_inertia[i] = {10, 10 / 1.1, 10 / 0.9};
     }
@@ -53,6 +54,8 @@ class TwoBodies {
     m.b_to_a = matrix_of(m.turn);
     found_.list = features;
     found_.has_cells = cell_size > 0;
+    found_.crowd_share = 1;
+    settle_crowds(0.5 * margin_, !(cell_size > 0 || barrier > 0), found_);
     if (cell_size > 0) {
       find_cell_shares(body[0], body[1], cell_size, cells, features, found_.cells);
       found_.cell_energy = energy_share(cells);
