@@ -25,9 +25,6 @@ min_version("7.0")
 RANKS = int(config.get("ranks", 2))
 THREADS = int(config.get("threads", 1))  # of each rank
 
-# pictures are drawn without a screen
-SCREEN = shlex.quote(os.path.join(os.path.dirname(workflow.basedir), "with_screen"))
-
 STATISTICS = globals().get("STATISTICS", "")
 SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if part.strip()]
 REPLICAS = int(config.get("replicas", 1))
@@ -181,10 +178,10 @@ rule sweep:
 rule report:
     input: "{run}.run/run.json"
     output: "{run}.report.html"
-    shell: "{SCREEN} scree-post report {wildcards.run}.run -o {output}"
+    shell: "scree-post report {wildcards.run}.run -o {output}"
 
 
 rule picture:
     input: "{run}.run/run.json"
     output: "{run}.png"
-    shell: "{SCREEN} scree-post picture {wildcards.run}.run -o {output}"
+    shell: "scree-post picture {wildcards.run}.run -o {output}"

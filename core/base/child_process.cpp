@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -89,11 +92,52 @@ ChildProcess ChildProcess::start(std::vector<std::string> words, std::optional<s
   return {process, ends[0]};
 }
 
+ChildProcess ChildProcess::serve(std::vector<std::string> words, int says, const std::vector<int>& given) {
+  const std::vector<char*> arguments = pointers(words);
+  const pid_t parent = getpid();
+  return fork([&](int output) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) return;  // it has gone already, and will not be told of again
+    setpgid(0, 0);
+    // above all that are placed, so that placing one overwrites none that is still to be placed
+    constexpr int kAbove = 64;
+    std::vector<int> placed{open("/dev/null", O_RDONLY), says, says, output};
+    placed.insert(placed.end(), given.begin(), given.end());
+    for (int& descriptor : placed) descriptor = fcntl(descriptor, F_DUPFD_CLOEXEC, kAbove);
+    for (std::size_t i = 0; i < placed.size(); ++i) dup2(placed[i], static_cast<int>(i));
+    signal(SIGPIPE, SIG_DFL);
+    execvp(arguments[0], arguments.data());
+    _exit(127);
+  });
+}
+
+ChildProcess ChildProcess::start_fed(std::vector<std::string> words, int says) {
+  const std::vector<char*> arguments = pointers(words);
+  std::array<int, 2> ends{};  // a socket, since writing to a pipe that nobody reads would end this process by SIGPIPE
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw StartError("cannot make a pipe", std::strerror(errno));
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, says, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, says, STDERR_FILENO);
+  pid_t process = 0;
+  const int failed = posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  if (failed != 0) {
+    close(ends[0]);
+    throw StartError("cannot start " + words.front(), std::strerror(failed));
+  }
+  outputs().push_back(ends[0]);
+  return {process, -1, ends[0]};
+}
+
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : process_(std::exchange(other.process_, -1)), output_(std::exchange(other.output_, -1)) {}
+    : process_(std::exchange(other.process_, -1)), output_(std::exchange(other.output_, -1)), input_(std::exchange(other.input_, -1)) {}
 
 ChildProcess::~ChildProcess() {
   close_output();
+  end_feed();
   if (process_ < 0) return;
   kill();
   while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
@@ -130,18 +174,67 @@ bool ChildProcess::read_exactly(void* to, std::size_t size) {
   return true;
 }
 
+bool ChildProcess::feed(const void* data, std::size_t size) {
+  const char* at = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t n = send(input_, at, size, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+void ChildProcess::end_feed() {
+  if (input_ < 0) return;
+  std::erase(outputs(), input_);
+  close(std::exchange(input_, -1));
+}
+
+void ChildProcess::end(int patience) {
+  constexpr int kLook = 10;  // [ms] between two looks
+  close_output();
+  if (process_ < 0) return;
+  ::kill(process_, SIGTERM);
+  for (int waited = 0; waited < patience; waited += kLook) {
+    if (const pid_t ended = waitpid(process_, nullptr, WNOHANG); ended == process_ || (ended < 0 && errno != EINTR)) {
+      process_ = -1;
+      return;
+    }
+    poll(nullptr, 0, kLook);
+  }
+  kill();
+  wait();
+}
+
 void ChildProcess::kill() {
   if (process_ > 0) ::kill(process_, SIGKILL);  // one that has ended is still ours until it is waited for
 }
 
 ProcessEnd ChildProcess::wait() {
   close_output();
+  end_feed();
   const pid_t process = std::exchange(process_, -1);
   int status = 0;
   while (waitpid(process, &status, 0) < 0) {
     if (errno != EINTR) throw SystemError("lost sight of a child process: {}", std::strerror(errno));
   }
   return WIFSIGNALED(status) ? ProcessEnd{0, WTERMSIG(status)} : ProcessEnd{WEXITSTATUS(status), 0};
+}
+
+MemoryFile::MemoryFile() : descriptor_(memfd_create("scree", MFD_CLOEXEC)) {
+  if (descriptor_ < 0) throw SystemError("cannot make a file in memory: {}", std::strerror(errno));
+}
+
+MemoryFile::~MemoryFile() { close(descriptor_); }
+
+std::string MemoryFile::text() const {
+  std::string text;
+  char buffer[4096];
+  for (ssize_t n = 0; (n = pread(descriptor_, buffer, sizeof buffer, static_cast<off_t>(text.size()))) > 0;)
+    text.append(buffer, static_cast<std::size_t>(n));
+  return text;
 }
 
 bool write_exactly(int descriptor, const void* data, std::size_t size) {

@@ -45,6 +45,19 @@ class ChildProcess {
   /// Fails: throws StartError, also when there is no such program.
   static ChildProcess start(std::vector<std::string> words, std::optional<std::vector<std::string>> environment, bool is_read);
 
+  /// Another program that works for this one and ends with it: when this process ends, in whatever way, the system sends it SIGTERM.
+  /// Signals of the terminal do not reach it, it reads nothing, and what it writes into kServerOutput comes out of read() here.
+  /// in   says    a descriptor for its stdout and stderr
+  /// in   given   descriptors that it has as kServerOutput + 1 and so on
+  /// Fails: throws StartError when no process can be started; a program that does not exist ends with exit code 127.
+  static ChildProcess serve(std::vector<std::string> words, int says, const std::vector<int>& given);
+  static constexpr int kServerOutput = 3;
+
+  /// Another program that reads from its stdin what feed() is given here.
+  /// in   says   a descriptor for its stdout and stderr
+  /// Fails: throws StartError, also when there is no such program.
+  static ChildProcess start_fed(std::vector<std::string> words, int says);
+
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
   ChildProcess(const ChildProcess&) = delete;
@@ -57,16 +70,39 @@ class ChildProcess {
   /// Reads exactly so many bytes; false when the child ends before.
   bool read_exactly(void* to, std::size_t size);
 
+  /// Writes all bytes to the stdin of a child of start_fed; false when it reads no longer.
+  bool feed(const void* data, std::size_t size);
+  void end_feed();
+
   /// Ends it at once.
   void kill();
+  /// Asks it to end (SIGTERM), waits, and kills it when it has not ended after so long [ms].
+  void end(int patience);
   /// Waits until it has ended. Throws SystemError when the system no longer knows it.
   ProcessEnd wait();
 
  private:
-  ChildProcess(int process, int output) : process_(process), output_(output) {}
+  ChildProcess(int process, int output, int input = -1) : process_(process), output_(output), input_(input) {}
   void close_output();
 
-  int process_ = -1, output_ = -1;
+  int process_ = -1, output_ = -1, input_ = -1;
+};
+
+/// A file without a name, in memory: it goes with the last process that has it open, however that ends.
+class MemoryFile {
+ public:
+  /// Fails: throws SystemError.
+  MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile();
+
+  int descriptor() const { return descriptor_; }
+  /// What has been written into it so far, by whomever.
+  std::string text() const;
+
+ private:
+  int descriptor_;
 };
 
 /// Writes all bytes into a descriptor; false when the reader has gone.

@@ -1,6 +1,5 @@
 #include "core/picture/picture.hpp"
 
-#include <dlfcn.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
@@ -14,38 +13,13 @@
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
+#include <cstring>
 
 #include "core/base/error.hpp"
+#include "core/picture/display.hpp"
 #include "core/storage/h5.hpp"
 
 namespace scree {
-
-namespace {
-
-/// True when the X server that DISPLAY names answers. VTK itself would abort the program.
-bool display_answers() {
-  void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return false;
-  using Open = void* (*)(const char*);
-  using Close = int (*)(void*);
-  const auto open_display = reinterpret_cast<Open>(dlsym(library, "XOpenDisplay"));
-  const auto close_display = reinterpret_cast<Close>(dlsym(library, "XCloseDisplay"));
-  if (open_display == nullptr || close_display == nullptr) return false;
-  void* display = open_display(nullptr);
-  if (display != nullptr) close_display(display);
-  return display != nullptr;  // the library stays loaded: X11 does not like to be unloaded
-}
-
-}  // namespace
-
-std::string why_no_picture(const std::string& tool) {
-  const char* display = std::getenv("DISPLAY");
-  const std::string cure = "run it as: xvfb-run -a -s \"-screen 0 1280x1024x24 -noreset\" " + tool + " ...";
-  if (display == nullptr || *display == '\0') return "no X display (DISPLAY is not set); " + cure;
-  if (!display_answers()) return fmt::format("the X display {} does not answer; {}", display, cure);
-  return "";
-}
 
 vtkSmartPointer<vtkPolyData> vtk_triangles(const TriangleMesh& mesh) {
   vtkNew<vtkPoints> points;
@@ -89,7 +63,7 @@ void set_camera(vtkRenderer* renderer, const View& view, double zoom) {
   renderer->ResetCameraClippingRange();
 }
 
-void write_picture(const std::vector<vtkRenderer*>& renderers, int width, int height, const std::string& path) {
+Image draw_image(const std::vector<vtkRenderer*>& renderers, int width, int height) {
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);
   window->SetMultiSamples(0);
@@ -104,20 +78,34 @@ void write_picture(const std::vector<vtkRenderer*>& renderers, int width, int he
   grab->ReadFrontBufferOff();
   grab->Update();
   const vtkSmartPointer<vtkImageData> large = grab->GetOutput();
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(width, height, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  Image image{width, height, std::vector<unsigned char>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)};
   for (int y = 0; y < height; ++y) {
+    const int from_below = height - 1 - y;
     for (int x = 0; x < width; ++x) {
-      auto* pixel = static_cast<unsigned char*>(image->GetScalarPointer(x, y, 0));
+      unsigned char* pixel = &image.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))];
       for (int c = 0; c < 3; ++c) {
         int sum = 2;
         for (const auto& [dx, dy] : {std::array{0, 0}, std::array{1, 0}, std::array{0, 1}, std::array{1, 1}}) {
-          sum += static_cast<unsigned char*>(large->GetScalarPointer(2 * x + dx, 2 * y + dy, 0))[c];
+          sum += static_cast<unsigned char*>(large->GetScalarPointer(2 * x + dx, 2 * from_below + dy, 0))[c];
         }
         pixel[c] = static_cast<unsigned char>(sum / 4);
       }
     }
+  }
+  return image;
+}
+
+void write_picture(const std::vector<vtkRenderer*>& renderers, int width, int height, const std::string& path) {
+  write_png(draw_image(renderers, width, height), path);
+}
+
+void write_png(const Image& drawn, const std::string& path) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(drawn.width, drawn.height, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  const std::size_t row = 3 * static_cast<std::size_t>(drawn.width);
+  for (int y = 0; y < drawn.height; ++y) {
+    std::memcpy(image->GetScalarPointer(0, drawn.height - 1 - y, 0), &drawn.rgb[row * static_cast<std::size_t>(y)], row);
   }
   const std::string temporary = h5::temporary_name(path);
   vtkNew<vtkPNGWriter> writer;

@@ -13,10 +13,6 @@
 
 namespace scree {
 
-/// Why a picture cannot be drawn here and what to do, or "" when it can. Debian's VTK draws through X only.
-/// in   tool   for the advice: "scree-post"
-std::string why_no_picture(const std::string& tool);
-
 /// A mesh as VTK's; single precision.
 vtkSmartPointer<vtkPolyData> vtk_triangles(const TriangleMesh& mesh);
 
@@ -26,8 +22,20 @@ vtkSmartPointer<vtkRenderer> lit_renderer();
 /// Turns the renderer's camera so that the ball of the view just fills a picture of 4:3, or `zoom` times that.
 void set_camera(vtkRenderer* renderer, const View& view, double zoom = 1);
 
-/// Draws the renderers, each in its own viewport of one picture, into a PNG, with smooth edges.
-/// Fails: SystemError when the file cannot be written. Call why_no_picture first: VTK aborts without a display.
+/// A picture in memory.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<unsigned char> rgb;  ///< rows from the top, three bytes a pixel
+};
+
+/// Draws the renderers, each in its own viewport of one picture, with smooth edges.
+/// Call display_obstacle first: VTK aborts without a display.
+Image draw_image(const std::vector<vtkRenderer*>& renderers, int width, int height);
+
+/// Fails: SystemError when the file cannot be written.
+void write_png(const Image& image, const std::string& path);
+
+/// Draws them into a PNG. Fails: SystemError when the file cannot be written.
 void write_picture(const std::vector<vtkRenderer*>& renderers, int width, int height, const std::string& path);
 
 }  // namespace scree

@@ -80,10 +80,7 @@ EditSource read_edit_source(const EditOptions& options, CommandResult& result) {
   // known before the work is done
   if (!is_writable_format(options.output))
     expect_ending("-o", options.output, "a shape file or a mesh", {".shape.h5", ".stl", ".ply", ".obj", ".off"});
-  if (!options.picture.empty()) {
-    expect_ending("--picture", options.picture, "a picture", {".png"});
-    if (const std::string reason = picture_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
-  }
+  if (!options.picture.empty()) expect_ending("--picture", options.picture, "a picture", {".png"});
   EditSource source;
   if (options.file.ends_with(".shape.h5")) {
     if (!options.unit.empty() || options.scale != 1)
@@ -145,10 +142,6 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
     shapes.back().verdict["metres_per_file_unit"] = source.factor;
     shapes.back().verdict[what] = edited.record;
   }
-  if (!options.picture.empty()) {
-    draw_meshes({{"before", &source.meshes.front().mesh}, {results.front().name, &results.front().mesh}}, options.picture);
-    result.output += fmt::format("wrote {}\n", options.picture);
-  }
   if (extension_of(options.output) == ".stl") {
     const std::string loss = stl_loss(results.front().mesh);
     if (!loss.empty()) result.notices.push_back(fmt::format("{}: {}", options.output, loss));
@@ -164,6 +157,14 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
   }
   for (const Shape& shape : shapes) result.output += summary_of(shape, options.file);
   result.output += fmt::format("wrote {}\n", options.output);
+  if (options.picture.empty()) return;
+  // the mesh is there: where nothing can be drawn, only the picture is missing
+  if (const std::string reason = picture_obstacle(); !reason.empty()) {
+    result.notices.push_back(fmt::format("no {}: {}", options.picture, reason));
+    return;
+  }
+  draw_meshes({{"before", &source.meshes.front().mesh}, {results.front().name, &results.front().mesh}}, options.picture);
+  result.output += fmt::format("wrote {}\n", options.picture);
 }
 
 double report_change(const TriangleMesh& before, bool surface, EditedMesh& edited, double enclosed) {

@@ -11,6 +11,7 @@
 #include <vtkTextProperty.h>
 
 #include "core/base/error.hpp"
+#include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
 #include "mesher/check/half_edges.hpp"
 
@@ -56,7 +57,7 @@ void add(vtkRenderer* renderer, vtkPolyData* data, const Vec3& colour, double li
 
 }  // namespace
 
-std::string picture_obstacle() { return why_no_picture("scree-mesher"); }
+std::string picture_obstacle() { return display_obstacle(); }
 
 void draw_meshes(const std::vector<std::pair<std::string, const TriangleMesh*>>& meshes, const std::string& path) {
   if (const std::string reason = picture_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);

@@ -24,6 +24,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
@@ -240,7 +241,7 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 }  // namespace
 
 void draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
-  if (const std::string reason = why_no_picture("scree-post"); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
+  if (const std::string reason = display_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
   const Frame frame = load_frame(run, frame_index);
   const Box3 room = room_of(frame.bodies, run.scene);
   View view = view_of(room, run.scene.settings.gravity);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <vtkVersion.h>
 
+#include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
 #include "post/vtk/paraview.hpp"
 #include "post/vtk/picture.hpp"
@@ -10,7 +11,7 @@ namespace scree {
 
 std::string vtk_version() { return std::string("VTK ") + vtkVersion::GetVTKVersion(); }
 void require_vtk() {}
-std::string picture_obstacle() { return why_no_picture("scree-post"); }
+std::string picture_obstacle() { return display_obstacle(); }
 void make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
   draw_picture(run, frame_index, path, options);
 }

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <cstring>
+#include <fstream>
 
 namespace scree {
 namespace {
@@ -67,6 +68,68 @@ TEST(ChildProcess, notices_that_its_reader_has_gone_though_others_are_read) {
   });
   const ChildProcess second = ChildProcess::fork([](int) { pause(); });
   EXPECT_EQ(first.wait().code, 7);
+}
+
+TEST(ChildProcess, that_serves_has_its_descriptors_and_is_asked_to_end) {
+  MemoryFile says, given;
+  ASSERT_TRUE(write_exactly(given.descriptor(), "word", 4));
+  ChildProcess child =
+      ChildProcess::serve({"sh", "-c",
+                           "echo said; cat /proc/self/fd/4 >&3; cat; echo end >&3; exec 3>&-; trap 'echo asked; exit' TERM; "
+                           "while :; do sleep 0.01; done"},
+                          says.descriptor(), {given.descriptor()});
+  EXPECT_EQ(all_of(child), "wordend\n");  // and its stdin was empty
+  child.end(10'000);
+  EXPECT_EQ(says.text(), "said\nasked\n");
+}
+
+TEST(ChildProcess, that_serves_and_does_not_end_when_asked_is_killed) {
+  MemoryFile says;
+  ChildProcess child = ChildProcess::serve({"sh", "-c", "trap '' TERM; echo >&3; while :; do sleep 0.01; done"}, says.descriptor(), {});
+  char line = 0;
+  ASSERT_TRUE(child.read_exactly(&line, 1));
+  child.end(50);  // hangs when it is not
+}
+
+// What it serves is killed, so that nothing of it can end the server.
+TEST(ChildProcess, that_serves_ends_with_what_it_serves) {
+  ChildProcess served = ChildProcess::fork([](int output) {
+    MemoryFile says;
+    ChildProcess server = ChildProcess::serve({"sh", "-c", "echo $$ >&3; exec sleep 60"}, says.descriptor(), {});
+    std::vector<char> number;
+    while (number.empty() || number.back() != '\n') server.read(number, -1);
+    write_exactly(output, number.data(), number.size());
+    raise(SIGKILL);
+  });
+  const std::string number = all_of(served);
+  ASSERT_FALSE(number.empty());
+  const pid_t server = std::stoi(number);
+  const auto is_there = [server] {  // one that nobody waits for stays as a zombie where no init takes it
+    std::ifstream stat(fmt::format("/proc/{}/stat", server));
+    std::string id, name, state;
+    return static_cast<bool>(stat >> id >> name >> state) && state != "Z";
+  };
+  for (int i = 0; i < 500 && is_there(); ++i) usleep(10'000);
+  EXPECT_FALSE(is_there());
+}
+
+TEST(ChildProcess, that_serves_and_is_missing_ends_with_127) {
+  MemoryFile says;
+  EXPECT_EQ(ChildProcess::serve({"scree-no-such-program"}, says.descriptor(), {}).wait().code, 127);
+}
+
+TEST(ChildProcess, that_is_fed_reads_it_all_and_one_that_has_gone_is_noticed) {
+  MemoryFile says;
+  ChildProcess child = ChildProcess::start_fed({"wc", "-c"}, says.descriptor());
+  const std::vector<char> block(1 << 20);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(child.feed(block.data(), block.size()));
+  child.end_feed();
+  EXPECT_TRUE(child.wait().is_success());
+  EXPECT_EQ(std::stoi(says.text()), 3 << 20);
+  ChildProcess deaf = ChildProcess::start_fed({"true"}, says.descriptor());
+  while (deaf.feed(block.data(), block.size())) {
+  }
+  EXPECT_TRUE(deaf.wait().is_success());
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 # usage: paraview_test.sh SCREE_POST MAKE_SAMPLE_RUN FOLDER COMPARE_PICTURES.py    Exit 77: skipped.
 # ParaView's Python modules conflict with Debian's libvtk9-dev, so it is looked for on PATH and never installed by setup.
 set -eu
-screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/workflows/with_screen"
+screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/tests/support/with_screen"
 post=$1 make=$2 folder=$3 compare=$4
 for tool in pvbatch Xvfb; do
   command -v $tool >/dev/null || { echo "SKIPPED: $tool is not on PATH"; exit 77; }

@@ -10,8 +10,10 @@
 #include <vtkXMLPolyDataReader.h>
 
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 
+#include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/vtk/paraview.hpp"
@@ -130,23 +132,44 @@ TEST(ParaviewFiles, the_script_names_its_run_relative_to_itself) {
   EXPECT_TRUE(fs::exists(elsewhere / "shape_2.vtp"));
 }
 
+/// Sets or removes a variable of this process for as long as it lives.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* old = std::getenv(name)) kept_ = old;
+    set(value);
+  }
+  ~Variable() { set(kept_ ? kept_->c_str() : nullptr); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  void set(const char* value) {
+    if (value != nullptr)
+      setenv(name_, value, 1);
+    else
+      unsetenv(name_);
+  }
+  const char* name_;
+  std::optional<std::string> kept_;
+};
+
 TEST(Picture, says_what_to_do_without_a_display) {
-  const char* display = std::getenv("DISPLAY");
-  const std::string kept = display != nullptr ? display : "";
-  unsetenv("DISPLAY");
-  EXPECT_NE(why_no_picture("scree-post").find("xvfb-run"), std::string::npos);
-  setenv("DISPLAY", ":4095", 1);
-  EXPECT_NE(why_no_picture("scree-post").find("does not answer"), std::string::npos);
+  const Variable path("PATH", "/nowhere");
+  const Variable authority("XAUTHORITY", nullptr);
+  {
+    const Variable display("DISPLAY", nullptr);
+    EXPECT_NE(display_obstacle().find("DISPLAY is not set"), std::string::npos) << display_obstacle();
+    EXPECT_NE(display_obstacle().find("install the package xvfb"), std::string::npos) << display_obstacle();
+  }
+  const Variable display("DISPLAY", ":4095");
+  EXPECT_NE(display_obstacle().find("the X display :4095 does not answer"), std::string::npos) << display_obstacle();
   EXPECT_THROW(draw_picture(open_run(sample("no_display").string()), 0, "never.png", {}), SystemError);
-  if (display != nullptr)
-    setenv("DISPLAY", kept.c_str(), 1);
-  else
-    unsetenv("DISPLAY");
 }
 
-// A ball fills the part of the picture that perspective says. Run under xvfb-run (see CMakeLists.txt).
+// A ball fills the part of the picture that perspective says.
 TEST(Picture, a_ball_is_as_large_as_perspective_makes_it) {
-  if (const std::string reason = why_no_picture("scree-post"); !reason.empty()) GTEST_SKIP() << reason;
+  if (const std::string reason = display_obstacle(); !reason.empty()) GTEST_SKIP() << reason;
   const fs::path folder = fs::path(SCREE_TEST_FOLDER) / "ball" / "ball.run";
   fs::remove_all(folder);
   fs::create_directories(folder);

@@ -3,7 +3,7 @@
 # usage: paraview_test.sh RUNNER BIN SCRATCH    Exit 77: skipped. Pictures stay in SCRATCH/*.png, to be looked at.
 # ParaView's Python modules conflict with Debian's libvtk9-dev, so it is looked for on PATH and never installed by setup.
 set -euo pipefail
-screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/workflows/with_screen"
+screen="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/tests/support/with_screen"
 runner=$1; export SCREE_BIN=$2; scratch=$3
 for tool in pvbatch Xvfb; do
   command -v $tool >/dev/null || { echo "SKIPPED: $tool is not on PATH"; exit 77; }
