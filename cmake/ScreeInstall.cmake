@@ -61,6 +61,6 @@ threads and MPI ranks, scree-post makes ParaView files, tables, pictures and a r
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
   set(CPACK_DEBIAN_PACKAGE_DEPENDS openmpi-bin)
   set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-numpy, xvfb")
-  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "paraview, snakemake, python3-matplotlib, python3-pandas")
+  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg, paraview, snakemake, python3-matplotlib, python3-pandas")
   include(CPack)
 endfunction()

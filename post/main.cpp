@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
        {"scree-post paraview boulders.run", "then: paraview --script=boulders.run/paraview/open_in_paraview.py"},
        {"scree-post vtk boulders.run -o vtk --what network,walls --frames 10:20", "chosen files of chosen frames for any VTK reader"},
        {"scree-post picture boulders.run -o rocks.png --frame 20", "one picture"},
+       {"scree-post film drum.run -o drum.mp4 --colour velocity --turn 90", "a film; the camera goes a quarter round (needs ffmpeg)"},
        {"scree-post statistics drum.run -o drum.statistics --from 2 --profile z:20", "means with confidence intervals, tables, charts"},
        {"scree-post compare coarse.run fine.run -o comparison", "settings, statistics and trajectories side by side"},
        {"scree-post error-vs-time errors.csv -o fronts --at 1e-3", "which choice is fastest for an error of 1e-3"},

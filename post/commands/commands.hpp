@@ -33,8 +33,10 @@ struct RunOptions {
   Run open(std::vector<std::string>& notices) const;
 };
 
-/// Looking at a run: report, paraview, vtk, picture.
+/// Looking at a run: report, paraview, vtk, picture, film.
 std::vector<Command> add_view_commands(CLI::App& app);
+Command add_picture(CLI::App& app);
+Command add_film(CLI::App& app);
 Command add_statistics(CLI::App& app);
 /// Numbers: statistics, compare, error-vs-time, bodies, contacts, scaling.
 std::vector<Command> add_number_commands(CLI::App& app);

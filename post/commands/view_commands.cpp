@@ -120,60 +120,6 @@ Command add_vtk(CLI::App& app) {
           }};
 }
 
-Command add_picture(CLI::App& app) {
-  struct Options {
-    RunOptions run;
-    std::string output;
-    std::int64_t frame = -1;
-    PictureOptions picture;
-    std::vector<double> from, at, up;
-    std::vector<int> size;
-    bool no_walls = false;
-  };
-  const auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("picture", "Draw one frame with true shapes");
-  o->run.add_to(*command, nullptr);
-  command->add_option("-o,--output", o->output, "Picture to write (.png)")->required();
-  command->add_option("--frame", o->frame, "Number of the frame; -1 is the last (default)");
-  command->add_option("--colour", o->picture.colour, "Of bodies: shape, material, rank or velocity (default shape)")
-      ->check(CLI::IsMember({"shape", "material", "rank", "velocity"}));
-  command->add_flag("--network", o->picture.network, "Contact forces as tubes, bodies translucent");
-  command->add_flag("--time", o->picture.time, "Write the time into the corner");
-  command->add_flag("--no-walls", o->no_walls, "Bodies only");
-  command->add_option("--from", o->from, "Direction from what is seen to the camera: X Y Z")->expected(3);
-  add_quantities(*command, "--at", o->at, 3, Dimension::length, "Point the camera looks at: X Y Z (default: the middle of the bodies)");
-  command->add_option("--up", o->up, "Direction that is up in the picture: X Y Z (default: against gravity)")->expected(3);
-  command->add_option("--zoom", o->picture.zoom, "2 is twice as near (default 1: everything is seen)")->check(CLI::PositiveNumber);
-  command->add_option("--size", o->size, "WIDTH HEIGHT in pixels (default 1280 960)")->expected(2)->check(CLI::Range(16, 8192));
-  return {command, [o] {
-            expect_ending("-o", o->output, "a picture", {".png"});
-            require_vtk();
-            if (const std::string reason = picture_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
-            const auto vector_of = [](const std::vector<double>& v, const char* name) -> std::optional<Vec3> {
-              if (v.empty()) return std::nullopt;
-              const Vec3 vector{v[0], v[1], v[2]};
-              if (std::string(name) != "--at" && !(length(vector) > 0)) throw UsageError("{} 0 0 0: is no direction", name);
-              return vector;
-            };
-            o->picture.from = vector_of(o->from, "--from");
-            o->picture.at = vector_of(o->at, "--at");
-            o->picture.up = vector_of(o->up, "--up");
-            o->picture.walls = !o->no_walls;
-            if (!o->size.empty()) {
-              o->picture.width = o->size[0];
-              o->picture.height = o->size[1];
-            }
-            CommandResult result;
-            const Run run = o->run.open(result.notices);
-            if (o->picture.network && !run.scene.settings.output_contacts) {
-              throw UsageError("--network: {} kept no contacts; set contacts = true in [output] of the case and run it again", run.folder);
-            }
-            make_picture(run, find_frame(run, o->frame), o->output, o->picture);
-            result.notices.push_back("wrote " + o->output);
-            return result;
-          }};
-}
-
 }  // namespace
 
 void RunOptions::add_to(CLI::App& command, const char* what_frames) {
@@ -195,6 +141,8 @@ Run RunOptions::open(std::vector<std::string>& notices) const {
   return run;
 }
 
-std::vector<Command> add_view_commands(CLI::App& app) { return {add_report(app), add_paraview(app), add_vtk(app), add_picture(app)}; }
+std::vector<Command> add_view_commands(CLI::App& app) {
+  return {add_report(app), add_paraview(app), add_vtk(app), add_picture(app), add_film(app)};
+}
 
 }  // namespace scree

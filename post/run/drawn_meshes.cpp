@@ -171,6 +171,31 @@ std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene) {
   return places;
 }
 
+Box3 seen_room(const Frame& frame, const Scene& scene) {
+  constexpr double kWhole = 4;  // times the bodies' room: a wall up to so large is seen as a whole, and the bodies can still be told apart
+  const Box3 bodies = room_of(frame.bodies, scene);
+  const Vec3 extent = bodies.extent();
+  const double size = std::max({extent.x, extent.y, extent.z});
+  const std::vector<WallPlace> places = wall_places(frame, scene);
+  Box3 room = bodies;
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const Wall& wall = scene.walls[w];
+    if (wall.kind == WallKind::plane || wall.kind == WallKind::box_inside) continue;
+    Box3 box;
+    for (const Vec3& p : drawn_wall(wall, scene, bodies).vertices) box.add(places[w].position + rotate(places[w].orientation, p));
+    if (box.is_empty()) continue;
+    for (int k = 0; k < 3; ++k) {
+      const bool is_whole = box.upper[k] - box.lower[k] <= kWhole * size;
+      const double lower = is_whole ? box.lower[k] : std::max(box.lower[k], bodies.lower[k] - size);
+      const double upper = is_whole ? box.upper[k] : std::min(box.upper[k], bodies.upper[k] + size);
+      if (lower > upper) continue;
+      room.lower[k] = std::min(room.lower[k], lower);
+      room.upper[k] = std::max(room.upper[k], upper);
+    }
+  }
+  return room;
+}
+
 View view_of(const Box3& room, const Vec3& gravity) {
   View view;
   view.centre = room.centre();

@@ -38,6 +38,10 @@ struct WallPlace {
 };
 std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene);
 
+/// The same with the walls that a picture is to show: those that have an end and are not much larger than what the bodies fill, as drums,
+/// hoppers and bowls; of a larger one what lies near the bodies. Planes and boxes do not count: they are drawn to fit.
+Box3 seen_room(const Frame& frame, const Scene& scene);
+
 View view_of(const Box3& room, const Vec3& gravity);
 
 /// Colour of a shape, red green blue in 0..1: tones of stone that also differ in brightness.

@@ -1,7 +1,11 @@
 #include "post/vtk/picture.hpp"
 
 #include <vtkActor.h>
+#include <vtkActor2D.h>
+#include <vtkAppendPolyData.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkClipClosedSurface.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkDoubleArray.h>
 #include <vtkFeatureEdges.h>
@@ -10,10 +14,14 @@
 #include <vtkIntArray.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
+#include <vtkPlane.h>
+#include <vtkPlaneCollection.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
+#include <vtkPolyDataMapper2D.h>
 #include <vtkProperty.h>
+#include <vtkProperty2D.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
 #include <vtkTextActor.h>
@@ -26,6 +34,7 @@
 #include "core/base/error.hpp"
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
+#include "post/run/body_colours.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/vtk/vtk_mesh.hpp"
@@ -55,38 +64,140 @@ vtkSmartPointer<vtkColorTransferFunction> number_scale(double low, double high) 
   return scale;
 }
 
-void add_legend(vtkRenderer* renderer, vtkScalarsToColors* colours, const char* title) {
+/// Of letters, in a picture of a height [pixels]: readable in small ones, the same share of large ones.
+double text_scale(int height) { return std::max(0.6, height / 960.0); }
+
+void set_text(vtkTextProperty* text, int size, int height) {
+  text->SetColor(0.1, 0.1, 0.1);
+  text->SetFontSize(static_cast<int>(std::lround(size * text_scale(height))));
+  text->ItalicOff();
+  text->BoldOff();
+  text->ShadowOff();
+}
+
+void add_legend(vtkRenderer* renderer, vtkScalarsToColors* colours, const std::string& title, int height) {
   vtkNew<vtkScalarBarActor> bar;
   bar->SetLookupTable(colours);
-  bar->SetTitle(title);
+  bar->SetTitle(title.c_str());
   bar->SetNumberOfLabels(5);
   bar->SetLabelFormat("%.3g");
   bar->SetUnconstrainedFontSize(true);
   bar->SetPosition(0.90, 0.06);
   bar->SetWidth(0.06);
   bar->SetHeight(0.36);
-  for (vtkTextProperty* text : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
-    text->SetColor(0.1, 0.1, 0.1);
-    text->SetFontSize(28);
-    text->ItalicOff();
-    text->BoldOff();
-    text->ShadowOff();
-  }
+  for (vtkTextProperty* text : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) set_text(text, 28, height);
   bar->SetTextPositionToPrecedeScalarBar();
   bar->SetVerticalTitleSeparation(18);
   renderer->AddActor2D(bar);
 }
 
+/// Names of kinds beside squares of their colour, from the upper right corner down.
+void add_kinds(vtkRenderer* renderer, const std::map<int, std::string>& kinds, int width, int height) {
+  constexpr std::size_t kMost = 12;  // more would cover the picture, and colours repeat after eight
+  if (kinds.size() < 2 || kinds.size() > kMost) return;
+  const double unit = text_scale(height), side = 30 * unit, step = 44 * unit, right = 2 * width - 40 * unit;
+  double top = 2 * height - 44 * unit;
+  for (const auto& [kind, name] : kinds) {
+    vtkNew<vtkPoints> points;
+    for (const auto& [x, y] :
+         {std::array{right - side, top - side}, std::array{right, top - side}, std::array{right, top}, std::array{right - side, top}})
+      points->InsertNextPoint(x, y, 0);
+    vtkNew<vtkCellArray> cells;
+    const vtkIdType corners[4] = {0, 1, 2, 3};
+    cells->InsertNextCell(4, corners);
+    vtkNew<vtkPolyData> square;
+    square->SetPoints(points);
+    square->SetPolys(cells);
+    vtkNew<vtkPolyDataMapper2D> mapper;
+    mapper->SetInputData(square);
+    vtkNew<vtkActor2D> actor;
+    actor->SetMapper(mapper);
+    const Vec3 c = shape_colour(kind);
+    actor->GetProperty()->SetColor(c.x, c.y, c.z);
+    renderer->AddActor2D(actor);
+    vtkNew<vtkTextActor> text;
+    text->SetInput(name.c_str());
+    set_text(text->GetTextProperty(), 30, height);
+    text->GetTextProperty()->SetJustificationToRight();
+    text->GetTextProperty()->SetVerticalJustificationToCentered();
+    text->SetPosition(right - side - 14 * unit, top - 0.5 * side);
+    renderer->AddActor2D(text);
+    top -= step;
+  }
+}
+
 void add_time(vtkRenderer* renderer, double time, int height) {
   vtkNew<vtkTextActor> text;
   text->SetInput(fmt::format("t = {:.4g} s", time).c_str());
-  text->GetTextProperty()->SetColor(0.1, 0.1, 0.1);
-  text->GetTextProperty()->SetFontSize(44);
-  text->SetPosition(40, 2 * height - 80);
+  set_text(text->GetTextProperty(), 44, height);
+  text->SetPosition(40 * text_scale(height), 2 * height - 80 * text_scale(height));
   renderer->AddActor2D(text);
 }
 
-void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& scene, const PictureOptions& options) {
+/// Colours of bodies: of numbers a scale over `range`.
+vtkSmartPointer<vtkScalarsToColors> colour_scale(const BodyColours& colours, const std::pair<double, double>& range) {
+  if (!colours.are_kinds) return number_scale(range.first, range.second);
+  int most = 0;
+  for (const auto& [kind, name] : colours.kinds) most = std::max(most, kind);
+  auto table = vtkSmartPointer<vtkLookupTable>::New();
+  table->SetNumberOfTableValues(most + 1);
+  table->SetTableRange(-0.5, most + 0.5);
+  for (int k = 0; k <= most; ++k) {
+    const Vec3 c = shape_colour(k);
+    table->SetTableValue(k, c.x, c.y, c.z, 1);
+  }
+  return table;
+}
+
+void set_look(vtkProperty* look) {
+  look->SetAmbient(0.12);
+  look->SetDiffuse(0.88);
+  look->SetSpecular(0.05);
+}
+
+/// The bodies that a plane goes through, each cut and closed there.
+void add_cut_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& scene, const std::vector<std::size_t>& rows,
+                    const std::vector<double>& value, const Cut& cut, vtkScalarsToColors* colours) {
+  vtkNew<vtkPlane> plane;  // keeps the side that its normal points to
+  plane->SetOrigin(cut.point.x, cut.point.y, cut.point.z);
+  plane->SetNormal(-cut.normal.x, -cut.normal.y, -cut.normal.z);
+  vtkNew<vtkPlaneCollection> planes;
+  planes->AddItem(plane);
+  vtkNew<vtkAppendPolyData> all;
+  for (const std::size_t i : rows) {
+    TriangleMesh mesh = drawn_shape(scene.shapes[static_cast<std::size_t>(bodies.shape[i])]).mesh;
+    for (Vec3& p : mesh.vertices) p = bodies.position[i] + rotate(bodies.orientation[i], bodies.scale[i] * p);
+    vtkNew<vtkClipClosedSurface> clip;
+    clip->SetInputData(vtk_triangles(mesh));
+    clip->SetClippingPlanes(planes);
+    clip->SetScalarModeToNone();
+    clip->Update();
+    vtkNew<vtkPolyData> part;
+    part->ShallowCopy(clip->GetOutput());
+    vtkNew<vtkDoubleArray> colour;
+    colour->SetName("value");
+    colour->SetNumberOfTuples(part->GetNumberOfCells());
+    colour->Fill(value[i]);
+    part->GetCellData()->Initialize();
+    part->GetCellData()->AddArray(colour);
+    all->AddInputData(part);
+  }
+  if (rows.empty()) return;
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(all->GetOutputPort());
+  mapper->SetScalarModeToUseCellFieldData();
+  mapper->SelectColorArray("value");
+  mapper->SetLookupTable(colours);
+  mapper->UseLookupTableScalarRangeOn();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetInterpolationToFlat();
+  set_look(actor->GetProperty());
+  renderer->AddActor(actor);
+}
+
+void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& scene, const BodyColours& colours,
+                const std::pair<double, double>& range, const PictureOptions& options, const std::optional<Cut>& cut) {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   vtkNew<vtkDoubleArray> orientation, scale, value;
@@ -96,22 +207,25 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   scale->SetName("scale");
   shape->SetName("shape");
   value->SetName("value");
-  const bool by_speed = options.colour == "velocity";
-  double fastest = 0;
-  std::int32_t most = 0;
+  std::vector<double> radius;
+  for (const Shape& s : scene.shapes) radius.push_back(s.bounding_radius());
+  std::vector<std::size_t> crossing;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vec3& x = bodies.position[i];
+    if (cut) {
+      const double before = dot(x - cut->point, cut->normal), reach = bodies.scale[i] * radius[static_cast<std::size_t>(bodies.shape[i])];
+      if (before >= reach) continue;
+      if (before > -reach) {
+        crossing.push_back(i);
+        continue;
+      }
+    }
     const Quat& q = bodies.orientation[i];
     points->InsertNextPoint(x.x, x.y, x.z);
     orientation->InsertNextTuple4(q.w, q.x, q.y, q.z);
     scale->InsertNextValue(bodies.scale[i]);
     shape->InsertNextValue(bodies.shape[i]);
-    const std::int32_t kind =
-        options.colour == "rank" ? bodies.rank[i] : (options.colour == "material" ? bodies.material[i] : bodies.shape[i]);
-    const double speed = length(bodies.velocity[i]);
-    value->InsertNextValue(by_speed ? speed : kind);
-    fastest = std::max(fastest, speed);
-    most = std::max(most, kind);
+    value->InsertNextValue(colours.value[i]);
   }
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
@@ -121,19 +235,13 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   for (int k = 0; k < static_cast<int>(scene.shapes.size()); ++k) {
     mapper->SetSourceData(k, vtk_mesh(drawn_shape(scene.shapes[static_cast<std::size_t>(k)])));
   }
-  if (by_speed && bodies.size() > 0) {
-    const auto colours = number_scale(0, fastest);
-    mapper->SetLookupTable(colours);
-    if (!options.network) add_legend(renderer, colours, "speed [m/s]");
-  } else {
-    vtkNew<vtkLookupTable> colours;
-    colours->SetNumberOfTableValues(most + 1);
-    colours->SetTableRange(-0.5, most + 0.5);
-    for (std::int32_t k = 0; k <= most; ++k) {
-      const Vec3 c = shape_colour(k);
-      colours->SetTableValue(k, c.x, c.y, c.z, 1);
-    }
-    mapper->SetLookupTable(colours);
+  const auto colour = colour_scale(colours, range);
+  mapper->SetLookupTable(colour);
+  if (options.legend && !options.network) {
+    if (colours.are_kinds)
+      add_kinds(renderer, colours.kinds, options.width, options.height);
+    else
+      add_legend(renderer, colour, colours.title, options.height);
   }
   mapper->SetInputData(data);
   mapper->SourceIndexingOn();
@@ -148,23 +256,24 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   vtkProperty* look = actor->GetProperty();
-  look->SetAmbient(0.12);
-  look->SetDiffuse(0.88);
-  look->SetSpecular(0.05);
+  set_look(look);
   if (options.network) {  // ghosts around their forces
     mapper->ScalarVisibilityOff();
     look->SetColor(0.6, 0.62, 0.65);
     look->SetOpacity(0.10);
   }
   renderer->AddActor(actor);
+  if (cut && !options.network) add_cut_bodies(renderer, bodies, scene, crossing, colours.value, *cut, colour);
 }
 
 /// Tubes from centre to centre, radius and colour by normal force.
-void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene) {
+void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const PictureOptions& options,
+                 const std::optional<Cut>& cut) {
   const std::vector<NetworkLine> lines = network_of(frame, periodicity_of(scene));
   if (lines.empty()) return;
   double strongest = 0, size = 0;
   for (const NetworkLine& line : lines) strongest = std::max(strongest, std::abs(line.normal_force));
+  if (options.range) strongest = options.range->second;
   for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
     size += frame.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(frame.bodies.shape[i])].equivalent_diameter() /
             static_cast<double>(frame.bodies.size());
@@ -179,7 +288,7 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene) 
     const vtkIdType ends[2] = {points->InsertNextPoint(&line.from.x), points->InsertNextPoint(&line.to.x)};
     cells->InsertNextCell(2, ends);
     for (int end = 0; end < 2; ++end) {
-      radius->InsertNextValue(size * std::max(kThinnest, kThickest * std::abs(line.normal_force) / strongest));
+      radius->InsertNextValue(size * std::clamp(kThickest * std::abs(line.normal_force) / strongest, kThinnest, kThickest));
       force->InsertNextValue(line.normal_force);
     }
   }
@@ -200,11 +309,17 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene) 
   mapper->SelectColorArray("force");
   mapper->SetLookupTable(colours);
   mapper->UseLookupTableScalarRangeOn();
+  if (cut) {  // keeps the side that its normal points to
+    vtkNew<vtkPlane> plane;
+    plane->SetOrigin(cut->point.x, cut->point.y, cut->point.z);
+    plane->SetNormal(-cut->normal.x, -cut->normal.y, -cut->normal.z);
+    mapper->AddClippingPlane(plane);
+  }
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   actor->GetProperty()->SetAmbient(0.2);
   renderer->AddActor(actor);
-  add_legend(renderer, colours, "normal force [N]");
+  if (options.legend) add_legend(renderer, colours, "normal force [N]", options.height);
 }
 
 void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const Box3& room) {
@@ -240,29 +355,78 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 
 }  // namespace
 
-void draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
-  if (const std::string reason = display_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
-  const Frame frame = load_frame(run, frame_index);
-  const Box3 room = room_of(frame.bodies, run.scene);
-  View view = view_of(room, run.scene.settings.gravity);
+void Stage::add(const Run& run, const Frame& frame, const PictureOptions& options) {
+  const Box3 seen = seen_room(frame, run.scene);
+  room.add(seen.lower);
+  room.add(seen.upper);
+  if (options.network) {
+    for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene)))
+      range = {0, std::max(range ? range->second : 0, std::abs(line.normal_force))};
+    return;
+  }
+  const BodyColours colours = body_colours(run, frame, options.colour);
+  if (colours.are_kinds) return;
+  for (const double v : colours.value) {
+    if (!std::isfinite(v)) continue;
+    if (!range) range = {options.colour == "velocity" ? 0 : v, v};  // a speed is compared with rest
+    range = {std::min(range->first, v), std::max(range->second, v)};
+  }
+}
+
+View camera_of(const Stage& stage, const Vec3& gravity, const PictureOptions& options) {
+  View view = view_of(stage.room, gravity);
   if (options.at) view.centre = *options.at;
   if (options.from) view.from = normalised(*options.from);
   if (options.up) view.up = normalised(*options.up);
   if (length(cross(view.from, view.up)) < 1e-3) {  // looking along `up`: any other direction will do
     view.up = std::abs(view.from.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
   }
+  return view;
+}
 
+std::optional<Cut> cut_of(const View& view, const PictureOptions& options) {
+  if (!options.cut) return std::nullopt;
+  const auto [axis, place] = *options.cut;
+  Cut cut;
+  cut.point[axis] = place;
+  constexpr double kAlong = 0.02;  // cosine: within a degree of the plane the cut is not seen
+  if (std::abs(view.from[axis]) < kAlong)
+    throw UsageError("--cut {}={:g}: the camera looks along this plane; give another direction with --from", "xyz"[axis], place);
+  cut.normal[axis] = view.from[axis] > 0 ? 1 : -1;
+  return cut;
+}
+
+Image draw_frame(const Run& run, const Frame& frame, const PictureOptions& options, const Stage& stage, const View& view,
+                 const std::optional<Cut>& cut) {
+  PictureOptions look = options;
+  if (!look.range) look.range = stage.range;
   const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
-  add_bodies(renderer, frame.bodies, run.scene, options);
-  if (options.network) add_network(renderer, frame, run.scene);
-  if (options.walls) add_walls(renderer, frame, run.scene, room);
-  if (options.time) add_time(renderer, frame.time, options.height);
-  if (options.network) {  // ghosts need their true order in overlap
+  add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network ? "shape" : look.colour),
+             look.range.value_or(std::pair{0.0, 1.0}), look, cut);
+  if (look.network) add_network(renderer, frame, run.scene, look, cut);
+  if (look.walls) add_walls(renderer, frame, run.scene, room_of(frame.bodies, run.scene));
+  if (look.time) add_time(renderer, frame.time, look.height);
+  if (look.network) {  // ghosts need their true order in overlap
     renderer->SetUseDepthPeeling(1);
     renderer->SetMaximumNumberOfPeels(8);
   }
-  set_camera(renderer, view, options.zoom);
-  write_picture({renderer}, options.width, options.height, path);
+  set_camera(renderer, view, look.zoom);
+  return draw_image({renderer}, look.width, look.height);
+}
+
+void draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
+  if (const std::string reason = display_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
+  const Frame frame = load_frame(run, frame_index);
+  Stage stage;
+  stage.add(run, frame, options);
+  if (options.at) {
+    Stage whole;
+    for (const std::size_t f : {std::size_t{0}, run.frames.size() - 1})
+      whole.add(run, f == frame_index ? frame : load_frame(run, f), options);
+    stage.room = whole.room;
+  }
+  const View view = camera_of(stage, run.scene.settings.gravity, options);
+  write_png(draw_frame(run, frame, options, stage, view, cut_of(view, options)), path);
 }
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
+#include "post/vtk/film.hpp"
 #include "post/vtk/paraview.hpp"
 #include "post/vtk/picture.hpp"
 #include "post/vtk/vtk_or_not.hpp"
@@ -14,6 +15,10 @@ void require_vtk() {}
 std::string picture_obstacle() { return display_obstacle(); }
 void make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
   draw_picture(run, frame_index, path, options);
+}
+
+std::string make_film(const Run& run, const std::string& path, const FilmOptions& options, std::vector<std::string>& skipped) {
+  return write_film(run, path, options, skipped);
 }
 
 std::string make_paraview_files(const Run& run, const ParaviewOptions& options, std::vector<std::string>& skipped) {

@@ -167,42 +167,189 @@ TEST(Picture, says_what_to_do_without_a_display) {
   EXPECT_THROW(draw_picture(open_run(sample("no_display").string()), 0, "never.png", {}), SystemError);
 }
 
-// A ball fills the part of the picture that perspective says.
-TEST(Picture, a_ball_is_as_large_as_perspective_makes_it) {
-  if (const std::string reason = display_obstacle(); !reason.empty()) GTEST_SKIP() << reason;
-  const fs::path folder = fs::path(SCREE_TEST_FOLDER) / "ball" / "ball.run";
+// Balls of radius 3 cm at given places in each frame, without walls unless given.
+struct Balls {
+  std::vector<std::vector<Vec3>> frames;
+  std::vector<Wall> walls{};
+  std::vector<std::int32_t> materials{};  ///< one for each ball; empty: all the first
+};
+
+Run ball_run(const std::string& name, const Balls& balls) {
+  const fs::path folder = fs::path(SCREE_TEST_FOLDER) / name / "ball.run";
   fs::remove_all(folder);
   fs::create_directories(folder);
-  Scene scene = test::sample_scene(3);
-  scene.walls.clear();
-  const Frame three = test::sample_frame(scene, 0, 0);
-  Frame frame;
-  frame.bodies = three.bodies;
-  for (auto* list : {&frame.bodies.shape, &frame.bodies.material, &frame.bodies.rank}) list->erase(list->begin(), list->begin() + 2);
-  frame.bodies.id.erase(frame.bodies.id.begin(), frame.bodies.id.begin() + 2);
-  frame.bodies.scale = {2};
-  frame.bodies.position = {{5, -3, 2}};
-  frame.bodies.orientation = {Quat{}};
-  frame.bodies.velocity = frame.bodies.angular_velocity = {Vec3{}};
-  write_scene_file((folder / "scene.h5").string(), scene);
-  write_frame_file(MPI_COMM_SELF, (folder / "frame_000000.hdf").string(), frame);
-  write_frame_series(folder.string(), {{(folder / "frame_000000.hdf").string(), 0}});
-  const std::string png = (folder / "ball.png").string();
-  PictureOptions options;
-  options.width = options.height = 400;
-  draw_picture(open_run(folder.string()), 0, png, options);
+  const std::size_t count = balls.frames.front().size();
+  Scene scene = test::sample_scene(0);
+  scene.walls = balls.walls;
+  scene.materials.push_back({"chalk", 2000, 0, 0});
+  std::vector<FrameEntry> entries;
+  for (std::size_t f = 0; f < balls.frames.size(); ++f) {
+    BodyTable table;
+    for (std::size_t i = 0; i < count; ++i) {
+      BodyRow row;
+      row.id = static_cast<std::int64_t>(i);
+      row.shape = 2;
+      row.material = balls.materials.empty() ? 0 : balls.materials[i];
+      row.scale = 2;
+      row.position = balls.frames[f][i];
+      table.add(row);
+    }
+    scene.bodies = table;
+    if (f == 0) write_scene_file((folder / "scene.h5").string(), scene);
+    Frame frame = test::sample_frame(scene, static_cast<std::int64_t>(f), 0);
+    frame.time = 0.1 * static_cast<double>(f);
+    for (std::size_t i = 0; i < count; ++i) frame.bodies.material[i] = table.material[i];
+    entries.push_back({(folder / fmt::format("frame_{:06}.hdf", f)).string(), frame.time});
+    write_frame_file(MPI_COMM_SELF, entries.back().path, frame);
+  }
+  write_frame_series(folder.string(), entries);
+  return open_run(folder.string());
+}
 
+Image drawn(const Run& run, std::size_t frame, const PictureOptions& options) {
+  const std::string png = (fs::path(run.folder) / "drawn.png").string();
+  draw_picture(run, frame, png, options);
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName(png.c_str());
   reader->Update();
-  vtkDataArray* pixels = reader->GetOutput()->GetPointData()->GetScalars();
-  int covered = 0;
-  for (vtkIdType i = 0; i < pixels->GetNumberOfTuples(); ++i) covered += pixels->GetComponent(i, 0) < 250 ? 1 : 0;
-  // room: the cube about the ball; its half diagonal is r sqrt 3, and the camera stands 3.55 of those away
+  Image image{options.width, options.height, {}};
+  for (int y = options.height - 1; y >= 0; --y) {
+    for (int x = 0; x < options.width; ++x) {
+      const auto* pixel = static_cast<unsigned char*>(reader->GetOutput()->GetScalarPointer(x, y, 0));
+      image.rgb.insert(image.rgb.end(), pixel, pixel + 3);
+    }
+  }
+  return image;
+}
+
+const unsigned char* pixel_of(const Image& image, int x, int y) { return &image.rgb[3 * static_cast<std::size_t>(y * image.width + x)]; }
+bool is_ground(const Image& image, int x, int y) {
+  const unsigned char* p = pixel_of(image, x, y);
+  return p[0] >= 250 && p[1] >= 250 && p[2] >= 250;
+}
+int covered(const Image& image) {
+  int count = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) count += is_ground(image, x, y) ? 0 : 1;
+  }
+  return count;
+}
+/// Mean column of what is drawn left and right of the middle.
+std::array<double, 2> places_of_two(const Image& image) {
+  std::array<double, 2> sum{}, count{};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (is_ground(image, x, y)) continue;
+      const auto side = static_cast<std::size_t>(x >= image.width / 2);
+      sum[side] += x + 0.5;
+      count[side] += 1;
+    }
+  }
+  return {sum[0] / count[0], sum[1] / count[1]};
+}
+
+constexpr double kBall = 0.03;                                         // [m]
+const double kHalfAngle = std::tan(15 * std::numbers::pi / 180);       // of the camera
+double distance_of(double room_radius) { return 3.55 * room_radius; }  // of the camera from what it looks at
+// 320 triangles inscribed in the ball lose up to 3 % of its silhouette
+constexpr double kInscribed = 0.985, kInscribedError = 0.02;
+
+// A ball fills the part of the picture that perspective says.
+TEST(Picture, a_ball_is_as_large_as_perspective_makes_it) {
+  PictureOptions options;
+  options.width = options.height = 400;
+  const Image image = drawn(ball_run("ball", {{{{5, -3, 2}}}}), 0, options);
+  // room: the cube about the ball; its half diagonal is r sqrt 3
   const double sine = 1 / (3.55 * std::sqrt(3.0)), tangent = sine / std::sqrt(1 - sine * sine);
-  const double radius = 200 * tangent / std::tan(15 * std::numbers::pi / 180);
-  // 320 triangles inscribed in the ball lose up to 3 % of its silhouette
-  EXPECT_NEAR(covered / (std::numbers::pi * radius * radius), 0.985, 0.02);
+  const double radius = 200 * tangent / kHalfAngle;
+  EXPECT_NEAR(covered(image) / (std::numbers::pi * radius * radius), kInscribed, kInscribedError);
+}
+
+// A cut through a ball shows a disc: of what is behind the plane nothing is wider than the disc when the plane lies beyond the centre.
+TEST(Picture, a_cut_ball_shows_the_disc_of_the_plane) {
+  PictureOptions options;
+  options.width = options.height = 400;
+  options.from = Vec3{0, -1, 0};
+  options.cut = {1, 0.5 * kBall};
+  const Image image = drawn(ball_run("cut", {{{{0, 0, 0}}}}), 0, options);
+  const double distance = distance_of(kBall * std::sqrt(3.0)) + 0.5 * kBall, disc = kBall * std::sqrt(0.75);
+  const double radius = 200 * disc / distance / kHalfAngle;
+  EXPECT_NEAR(covered(image) / (std::numbers::pi * radius * radius), kInscribed, kInscribedError);
+  // the ball is closed: its middle has the one colour of a plane, here that of the first shape of three in full light
+  const unsigned char* middle = pixel_of(image, 200, 200);
+  for (const auto& [x, y] : {std::array{170, 200}, std::array{200, 230}, std::array{225, 175}}) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel_of(image, x, y)[c], middle[c], 1) << x << ' ' << y;
+  }
+  // from the other side the other part is left, with the centre: the whole ball is as wide as ever
+  options.from = Vec3{0, 1, 0};
+  const double sine = 1 / (3.55 * std::sqrt(3.0)), tangent = sine / std::sqrt(1 - sine * sine);
+  const double whole = 200 * tangent / kHalfAngle;
+  EXPECT_NEAR(covered(drawn(open_run((fs::path(SCREE_TEST_FOLDER) / "cut" / "ball.run").string()), 0, options)) /
+                  (std::numbers::pi * whole * whole),
+              kInscribed, kInscribedError);
+  options.from = Vec3{1, 0, 0};
+  EXPECT_THROW(drawn(open_run((fs::path(SCREE_TEST_FOLDER) / "cut" / "ball.run").string()), 0, options), UsageError);
+}
+
+// Balls at 0.2 m and at 0.6 m from the middle: what is three times as far apart looks three times as far apart.
+TEST(Picture, a_point_to_look_at_keeps_the_camera_of_a_series) {
+  const auto run = ball_run("series", {{{{-0.2, 0, 0}, {0.2, 0, 0}}, {{-0.6, 0, 0}, {0.6, 0, 0}}}});
+  PictureOptions options;
+  options.width = options.height = 400;
+  options.from = Vec3{0, -1, 0};
+  options.at = Vec3{0, 0, 0};
+  const auto near = places_of_two(drawn(run, 0, options)), far = places_of_two(drawn(run, 1, options));
+  EXPECT_NEAR((far[1] - far[0]) / (near[1] - near[0]), 3, 0.03);
+  const double radius = length(Vec3{0.6 + kBall, kBall, kBall});  // of the room of both frames
+  EXPECT_NEAR(near[1] - near[0], 400 * 0.2 / distance_of(radius) / kHalfAngle, 1);
+}
+
+TEST(Picture, a_drum_about_few_bodies_is_seen_as_a_whole) {
+  Wall drum;
+  drum.id = 1;
+  drum.kind = WallKind::cylinder_inside;
+  drum.axis_start = {0, -0.02, 0};
+  drum.axis_end = {0, 0.02, 0};
+  drum.radius = 0.11;
+  const auto run = ball_run("drum", {{{{0, 0, -0.08}}}, {drum}});
+  PictureOptions options;
+  options.width = 480;
+  options.height = 360;
+  options.from = Vec3{0, -1, 0};
+  const Image image = drawn(run, 0, options);
+  int highest = 360, widest = 480;
+  for (int y = 0; y < 360; ++y) {
+    for (int x = 0; x < 480; ++x) {
+      if (is_ground(image, x, y)) continue;
+      highest = std::min(highest, y);
+      widest = std::min(widest, x);
+    }
+  }
+  // its front rim, 2 cm nearer than the middle of a room of 22 cm x 6 cm x 22 cm (the ball is deeper than the drum)
+  const double rim = 360 * 0.11 / (distance_of(0.5 * length(Vec3{0.22, 0.06, 0.22})) - 0.02) / kHalfAngle;
+  EXPECT_NEAR(180 - highest, 0.5 * rim, 2);
+  EXPECT_NEAR(240 - widest, 0.5 * rim, 2);
+}
+
+TEST(Picture, kinds_are_named_beside_squares_of_their_colours) {
+  const auto run = ball_run("legend", {{{{0, 0, 0}, {0.1, 0, 0}}}, {}, {0, 1}});
+  PictureOptions options;
+  options.width = 640;
+  options.height = 480;
+  const auto corner = [&](int row) {  // middle of a square: at 0.6 of the usual size, half of that in the picture
+    const Image image = drawn(run, 0, options);
+    const unsigned char* p = pixel_of(image, 640 - static_cast<int>(0.3 * (40 + 15)), static_cast<int>(0.3 * (44 + 15 + 44 * row)));
+    return Vec3{p[0] / 255.0, p[1] / 255.0, p[2] / 255.0};
+  };
+  EXPECT_EQ(corner(0), (Vec3{1, 1, 1}));  // all are of one shape
+  options.colour = "material";
+  for (const int kind : {0, 1}) {
+    const Vec3 found = corner(kind), expected = shape_colour(kind);
+    EXPECT_LT(length(found - expected), 0.02) << kind << ": " << found.x << ' ' << found.y << ' ' << found.z;
+  }
+  EXPECT_EQ(corner(2), (Vec3{1, 1, 1}));
+  options.legend = false;
+  EXPECT_EQ(corner(0), (Vec3{1, 1, 1}));
 }
 
 }  // namespace

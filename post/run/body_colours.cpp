@@ -1,0 +1,172 @@
+#include "post/run/body_colours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <unordered_map>
+
+#include "core/base/error.hpp"
+#include "post/run/contact_network.hpp"
+
+namespace scree {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// Row in the scene of each body of a frame, -1: it came later.
+std::vector<std::int32_t> rows_in_scene(const Run& run, const FrameBodies& bodies) {
+  std::unordered_map<std::int64_t, std::int32_t> row;
+  for (std::size_t i = 0; i < run.scene.bodies.size(); ++i) row[run.scene.bodies.id[i]] = static_cast<std::int32_t>(i);
+  std::vector<std::int32_t> rows;
+  for (const std::int64_t id : bodies.id) {
+    const auto it = row.find(id);
+    rows.push_back(it != row.end() ? it->second : -1);
+  }
+  return rows;
+}
+
+/// Sums over the lines of the contact network, by row of the frame; a line counts for both of its bodies.
+std::vector<double> over_neighbours(const Run& run, const Frame& frame, const std::function<double(const NetworkLine&)>& what) {
+  std::vector<double> sum(frame.bodies.size(), 0.0);
+  std::set<std::pair<std::int32_t, std::int64_t>> walls;  // a wall has a line for each of its points
+  const auto add = [&](std::int32_t row, std::int64_t other, std::int32_t other_row, double value, bool counts) {
+    if (row < 0 || (counts && other_row < 0 && !walls.emplace(row, other).second)) return;
+    sum[static_cast<std::size_t>(row)] += value;
+  };
+  const bool counts = !what;
+  for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene))) {
+    const double value = counts ? 1 : what(line);
+    add(line.index_a, line.body_b, line.index_b, value, counts);
+    add(line.index_b, line.body_a, line.index_a, value, counts);
+  }
+  return sum;
+}
+
+struct Source {
+  const Run& run;
+  const Frame& frame;
+  std::vector<std::int32_t> row;
+  std::vector<double> diameter_of_shape;  ///< equivalent, at scale 1 [m]
+  double diameter(std::size_t i) const {
+    return frame.bodies.scale[i] * diameter_of_shape[static_cast<std::size_t>(frame.bodies.shape[i])];
+  }
+  double mass(std::size_t i) const {
+    return std::numbers::pi / 6 * std::pow(diameter(i), 3) *
+           run.scene.materials[static_cast<std::size_t>(frame.bodies.material[i])].density;
+  }
+  Vec3 start(std::size_t i) const {
+    return row[i] < 0 ? Vec3{kNone, kNone, kNone} : run.scene.bodies.position[static_cast<std::size_t>(row[i])];
+  }
+};
+
+using Number = double (*)(const Source&, std::size_t);
+struct Field {
+  const char* name;
+  const char* title;
+  Number number;  ///< null: a kind, or of contacts
+};
+
+double speed_of(const Source& s, std::size_t i) { return length(s.frame.bodies.velocity[i]); }
+
+const std::vector<Field>& fields() {
+  static const std::vector<Field> all{
+      {"shape", "", nullptr},
+      {"material", "", nullptr},
+      {"population", "", nullptr},
+      {"rank", "", nullptr},
+      {"velocity", "speed [m/s]", speed_of},
+      {"velocity-x", "velocity x [m/s]", [](const Source& s, std::size_t i) { return s.frame.bodies.velocity[i].x; }},
+      {"velocity-y", "velocity y [m/s]", [](const Source& s, std::size_t i) { return s.frame.bodies.velocity[i].y; }},
+      {"velocity-z", "velocity z [m/s]", [](const Source& s, std::size_t i) { return s.frame.bodies.velocity[i].z; }},
+      {"spin", "angular speed [rad/s]", [](const Source& s, std::size_t i) { return length(s.frame.bodies.angular_velocity[i]); }},
+      {"energy", "kinetic energy of translation [J]",
+       [](const Source& s, std::size_t i) { return 0.5 * s.mass(i) * squared_length(s.frame.bodies.velocity[i]); }},
+      {"size", "equivalent diameter [m]", [](const Source& s, std::size_t i) { return s.diameter(i); }},
+      {"mass", "mass [kg]", [](const Source& s, std::size_t i) { return s.mass(i); }},
+      {"x", "x [m]", [](const Source& s, std::size_t i) { return s.frame.bodies.position[i].x; }},
+      {"y", "y [m]", [](const Source& s, std::size_t i) { return s.frame.bodies.position[i].y; }},
+      {"z", "z [m]", [](const Source& s, std::size_t i) { return s.frame.bodies.position[i].z; }},
+      {"start-x", "x at the start [m]", [](const Source& s, std::size_t i) { return s.start(i).x; }},
+      {"start-y", "y at the start [m]", [](const Source& s, std::size_t i) { return s.start(i).y; }},
+      {"start-z", "z at the start [m]", [](const Source& s, std::size_t i) { return s.start(i).z; }},
+      {"neighbours", "neighbours", nullptr},
+      {"force", "sum of normal forces [N]", nullptr},
+      {"id", "id", [](const Source& s, std::size_t i) { return static_cast<double>(s.frame.bodies.id[i]); }}};
+  return all;
+}
+
+BodyColours kinds_of(const Run& run, const Source& source, const std::string& name) {
+  const FrameBodies& b = source.frame.bodies;
+  const BodyTable& first = run.scene.bodies;
+  BodyColours colours{name, true, {}, {}};
+  const auto name_of = [&](int kind) -> std::string {
+    if (name == "shape") return run.scene.shapes[static_cast<std::size_t>(kind)].name;
+    if (name == "material") return run.scene.materials[static_cast<std::size_t>(kind)].name;
+    return fmt::format("{} {}", name, kind);
+  };
+  if (name == "population") {
+    // those of [[bodies]] come after the populations
+    std::int32_t count = 0;
+    for (const std::int32_t p : first.population) count = std::max(count, p + 1);
+    const auto kind_of = [&](std::int32_t row) {
+      const std::int32_t p = row < 0 ? -1 : first.population[static_cast<std::size_t>(row)];
+      return p < 0 ? count : p;
+    };
+    for (const std::int32_t row : source.row) colours.value.push_back(kind_of(row));
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const int kind = kind_of(static_cast<std::int32_t>(i));
+      colours.kinds[kind] = kind == count ? "[[bodies]]" : name_of(kind);
+    }
+    return colours;
+  }
+  const std::vector<std::int32_t>& now = name == "shape" ? b.shape : (name == "material" ? b.material : b.rank);
+  colours.value.assign(now.begin(), now.end());
+  for (const std::int32_t kind : name == "shape" ? first.shape : (name == "material" ? first.material : b.rank))
+    colours.kinds.emplace(kind, name_of(kind));
+  for (const std::int32_t kind : now) colours.kinds.emplace(kind, name_of(kind));
+  return colours;
+}
+
+}  // namespace
+
+const std::vector<std::string>& body_colour_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Field& field : fields()) all.emplace_back(field.name);
+    return all;
+  }();
+  return names;
+}
+
+std::string body_colour_list() {
+  std::string list;
+  const std::vector<std::string>& names = body_colour_names();
+  for (std::size_t i = 0; i < names.size(); ++i) list += (i == 0 ? "" : (i + 1 < names.size() ? ", " : " or ")) + names[i];
+  return list;
+}
+
+BodyColours body_colours(const Run& run, const Frame& frame, const std::string& name) {
+  const auto field = std::find_if(fields().begin(), fields().end(), [&](const Field& f) { return name == f.name; });
+  if (field == fields().end()) throw UsageError("--colour {}: expected {}", name, body_colour_list());
+  Source source{run, frame, rows_in_scene(run, frame.bodies), {}};
+  for (const Shape& shape : run.scene.shapes) source.diameter_of_shape.push_back(shape.equivalent_diameter());
+  if (field->title[0] == '\0') return kinds_of(run, source, name);
+  BodyColours colours{field->title, false, {}, {}};
+  if (field->number == nullptr) {
+    if (!run.scene.settings.output_contacts)
+      throw UsageError("--colour {}: {} kept no contacts; set contacts = true in [output] of the case and run it again", name, run.folder);
+    if (name == "force")
+      colours.value = over_neighbours(run, frame, [](const NetworkLine& line) { return std::abs(line.normal_force); });
+    else
+      colours.value = over_neighbours(run, frame, nullptr);
+    return colours;
+  }
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) colours.value.push_back(field->number(source, i));
+  return colours;
+}
+
+}  // namespace scree
