@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "post/run/run_folder.hpp"
+#include "post/statistics/statistics.hpp"
 
 namespace scree {
 
@@ -31,6 +32,17 @@ struct RunOptions {
   void add_pool_to(CLI::App& command);                      ///< --jobs and --skip-damaged alone
   /// Opens the run; the notices are what the user must know of its state.
   Run open(std::vector<std::string>& notices) const;
+};
+
+/// What report and statistics count, and how.
+struct MeasureOptions {
+  std::vector<std::string> apparatus, without;
+  bool count_all = false;
+  std::string mixing = "auto", repose = "none", discharge;
+
+  void add_to(CLI::App& command);
+  /// Sets the run and the options accordingly. Returns what was set apart, for the user; empty: nothing.
+  std::string apply(Run& run, StatisticsOptions& options) const;
 };
 
 /// Looking at a run: report, paraview, vtk, picture, film.

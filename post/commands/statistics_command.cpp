@@ -11,13 +11,43 @@
 
 namespace scree {
 
+void MeasureOptions::add_to(CLI::App& command) {
+  CLI::Option* named = command
+                           .add_option("--apparatus", apparatus,
+                                       "Shape or material whose bodies count as walls: a lid, a stamp; repeat for more (default: bodies of "
+                                       "[[bodies]] five times as large as those of the populations)")
+                           ->take_all();
+  command.add_flag("--count-all", count_all, "Count every body that is free to move as a particle, lids too")->excludes(named);
+  command
+      .add_option("--without", without,
+                  "Leave bodies or walls out with all their contacts: a shape, a material, the name of a wall, or an id; repeat for more")
+      ->take_all();
+  command
+      .add_option("--mixing", mixing,
+                  "Kinds of the mixing index: material, shape, population, size (above the median or not), half-x, half-y, half-z, none "
+                  "(default: material, else halves along gravity)")
+      ->check(CLI::IsMember({"auto", "material", "shape", "population", "size", "half-x", "half-y", "half-z", "none"}));
+  command.add_option("--repose", repose, "Angle of the free surface: cone (a heap), slope (a drum, a slide), none (default)")
+      ->check(CLI::IsMember({"cone", "slope", "none"}));
+  command.add_option("--discharge", discharge,
+                     "Count the mass that has passed below a height: z=0.1 (default: what was removed at the sides of the domain)");
+}
+
+std::string MeasureOptions::apply(Run& run, StatisticsOptions& options) const {
+  options.without = ids_left_out(run, without);
+  options.mixing = mixing;
+  options.repose = repose;
+  options.discharge = discharge;
+  return count_all ? "" : set_apparatus_apart(run, apparatus);
+}
+
 Command add_statistics(CLI::App& app) {
   struct Options {
     RunOptions run;
     StatisticsOptions statistics;
     std::string output, container;
-    std::vector<std::string> regions, apparatus;
-    bool count_all = false;
+    MeasureOptions measures;
+    std::vector<std::string> regions;
     double from = -1e308, to = 1e308;
     bool no_charts = false;
   };
@@ -38,33 +68,18 @@ Command add_statistics(CLI::App& app) {
   command
       ->add_option("--profile", s.profiles, "Axis and number of layers: z:20, x:10, r:8 (rings); repeat for more (default: along gravity)")
       ->take_all();
-  command
-      ->add_option("--apparatus", o->apparatus,
-                   "Shape or material whose bodies count as walls: a lid, a stamp; repeat for more (default: bodies of [[bodies]] "
-                   "five times as large as those of the populations)")
-      ->take_all();
-  command->add_flag("--count-all", o->count_all, "Count every body that is free to move as a particle, lids too")->excludes("--apparatus");
   command->add_option("--container", o->container,
                       "Box or cylinder the bodies are in, as a region (default: the wall or the periodic sides)");
   command->add_option("--blocks", s.blocks, "Blocks of frames that the confidence intervals are made from (default 10)")
       ->check(CLI::Range(2, 1000));
-  command
-      ->add_option(
-          "--mixing", s.mixing,
-          "Kinds of the mixing index: material, shape, half-x, half-y, half-z, none (default: material, else halves along gravity)")
-      ->check(CLI::IsMember({"auto", "material", "shape", "half-x", "half-y", "half-z", "none"}));
-  command->add_option("--repose", s.repose, "Angle of the free surface: cone (a heap), slope (a drum, a slide), none (default)")
-      ->check(CLI::IsMember({"cone", "slope", "none"}));
-  command->add_option("--discharge", s.discharge, "Count the mass that has passed below a height: z=0.1");
+  o->measures.add_to(*command);
   command->add_flag("--no-charts", o->no_charts, "Tables and JSON only");
   return {command, [o] {
             CommandResult result;
             Run run = o->run.open(result.notices);
-            if (!o->count_all) {
-              const std::string apart = set_apparatus_apart(run, o->apparatus);
-              if (!apart.empty())
-                result.notices.push_back(fmt::format("note: {}{}", apart, o->apparatus.empty() ? "; --count-all counts them" : ""));
-            }
+            const std::string apart = o->measures.apply(run, o->statistics);
+            if (!apart.empty())
+              result.notices.push_back(fmt::format("note: {}{}", apart, o->measures.apparatus.empty() ? "; --count-all counts them" : ""));
             StatisticsOptions& options = o->statistics;
             for (const std::size_t f : choose_frames(run, o->run.frames)) {
               if (run.frames[f].time >= o->from && run.frames[f].time <= o->to) options.frames.push_back(f);

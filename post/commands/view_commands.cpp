@@ -18,6 +18,7 @@ namespace {
 Command add_report(CLI::App& app) {
   struct Options {
     RunOptions run;
+    MeasureOptions measures;
     std::string output, json;
     ReportOptions report;
   };
@@ -27,13 +28,14 @@ Command add_report(CLI::App& app) {
   command->add_option("-o,--output", o->output, "Page to write (.html)")->required();
   command->add_option("--json", o->json, "Write the same numbers to this file");
   command->add_option("--frame", o->report.frame, "Number of the frame of the pictures and the 3D view; -1 is the last (default)");
+  o->measures.add_to(*command);
   return {command, [o] {
             expect_ending("-o", o->output, "a page", {".html"});
             if (!o->json.empty()) expect_ending("--json", o->json, "its numbers", {".json"});
             CommandResult result;
             Run run = o->run.open(result.notices);
-            o->report.apparatus = set_apparatus_apart(run, {});
-            o->report.pool = {o->run.jobs, o->run.skip_damaged};
+            o->report.apparatus = o->measures.apply(run, o->report.statistics);
+            o->report.statistics.pool = {o->run.jobs, o->run.skip_damaged};
             const ReportResult report = write_report(run, o->output, o->report);
             if (!o->json.empty()) h5::write_text_file(o->json, json_text(report.numbers, 1) + "\n");
             for (const std::string& line : report.verdicts) result.output += line + "\n";

@@ -306,9 +306,8 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
 ReportResult write_report(const Run& run, const std::string& path, const ReportOptions& options) {
   ReportResult result;
   const std::size_t shown = find_frame(run, options.frame);
-  StatisticsOptions what;
+  StatisticsOptions what = options.statistics;
   what.frames = choose_frames(run, "all");
-  what.pool = options.pool;
   const Statistics statistics = run_statistics(run, what, "");
   for (const std::string& message : statistics.skipped) result.notes.push_back("left out: " + message);
   const std::vector<Verdict> verdicts = judge(run);

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "post/run/frame_pool.hpp"
 #include "post/run/run_folder.hpp"
+#include "post/statistics/statistics.hpp"
 
 namespace scree {
 
 struct ReportOptions {
-  std::int64_t frame = -1;  ///< of the picture and the 3D view: number as in the name of the file, -1 the last
-  FramePool pool{};
-  std::string apparatus;  ///< what set_apparatus_apart did, for the page
+  std::int64_t frame = -1;         ///< of the picture and the 3D view: number as in the name of the file, -1 the last
+  StatisticsOptions statistics{};  ///< of all frames
+  std::string apparatus;           ///< what set_apparatus_apart did, for the page
 };
 
 struct ReportResult {

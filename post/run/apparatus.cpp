@@ -65,4 +65,30 @@ std::string set_apparatus_apart(Run& run, const std::vector<std::string>& names)
                      count > 5 ? " and more" : "");
 }
 
+std::unordered_set<std::int64_t> ids_left_out(const Run& run, const std::vector<std::string>& names) {
+  const Scene& scene = run.scene;
+  std::unordered_set<std::int64_t> ids;
+  for (const std::string& name : names) {
+    std::vector<std::int64_t> found;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      if (scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].name == name ||
+          scene.materials[static_cast<std::size_t>(scene.bodies.material[i])].name == name || fmt::format("{}", scene.bodies.id[i]) == name)
+        found.push_back(scene.bodies.id[i]);
+    }
+    for (const Wall& wall : scene.walls) {
+      if (wall.name == name || fmt::format("{}", wall.id) == name) found.push_back(wall.id);
+    }
+    if (found.empty()) {
+      std::string list;
+      for (const Shape& shape : scene.shapes) list += (list.empty() ? "" : ", ") + shape.name;
+      for (const Material& material : scene.materials) list += ", " + material.name;
+      for (const Wall& wall : scene.walls) list += wall.name.empty() ? fmt::format(", {}", wall.id) : ", " + wall.name;
+      throw UsageError("--without {}: no body and no wall of the scene has this shape, material, name or id; it has: {}, and ids of bodies",
+                       name, list);
+    }
+    ids.insert(found.begin(), found.end());
+  }
+  return ids;
+}
+
 }  // namespace scree

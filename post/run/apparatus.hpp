@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "post/run/run_folder.hpp"
@@ -19,5 +20,9 @@ inline constexpr double kApparatusSize = 5;
 /// Returns what was set apart, one line; empty: nothing.
 /// Fails: UsageError where a name is neither a shape nor a material; those of the scene are listed.
 std::string set_apparatus_apart(Run& run, const std::vector<std::string>& names);
+
+/// Bodies and walls to leave out of statistics altogether, with all their contacts: by shape, material, name of a wall, or id.
+/// Fails: UsageError where a name is none of these; those of the scene are listed.
+std::unordered_set<std::int64_t> ids_left_out(const Run& run, const std::vector<std::string>& names);
 
 }  // namespace scree

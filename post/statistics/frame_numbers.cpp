@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <unordered_map>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
@@ -56,7 +58,7 @@ std::vector<Quantity> group_quantities() {
                      {"force_chain_length", "-", "mean number of particles in a chain"},
                      {"mixing_index", "-", "Lacey: 0 segregated, 1 mixed at random"},
                      {"angle_of_repose", "deg", "of the free surface"},
-                     {"discharged_mass", "kg", "passed through the level since the start"},
+                     {"discharged_mass", "kg", "passed through the level since the start, or removed at the sides of the domain"},
                      {"discharge_rate", "kg/s", "since the frame before"},
                      {"kinetic_energy", "J", "of the scene"},
                      {"potential_energy", "J", "of the scene"},
@@ -114,15 +116,46 @@ ProfileBins bins_of(const std::string& text, const Container& container, double 
   return bins;
 }
 
+/// 1 for the particles that are larger than the median particle, 0 for the others; where none is larger, 0 for those that are smaller and
+/// 1 for the others.
+std::vector<std::int32_t> sorts_by_size(const FrameView& view) {
+  constexpr double kSame = 1e-9;  // relative: sizes of one entry differ by rounding
+  std::vector<double> volumes;
+  for (std::size_t i = 0; i < view.volume.size(); ++i) {
+    if (view.is_particle[i] != 0) volumes.push_back(view.volume[i]);
+  }
+  std::vector<std::int32_t> sorts(view.volume.size(), 0);
+  if (volumes.empty()) return sorts;
+  const auto middle = volumes.begin() + static_cast<std::ptrdiff_t>(volumes.size() / 2);
+  std::nth_element(volumes.begin(), middle, volumes.end());
+  const double median = *middle;
+  const bool is_largest = *std::max_element(volumes.begin(), volumes.end()) <= (1 + kSame) * median;
+  for (std::size_t i = 0; i < sorts.size(); ++i) sorts[i] = view.volume[i] > (is_largest ? 1 - kSame : 1 + kSame) * median ? 1 : 0;
+  return sorts;
+}
+
+/// Population of each body of a frame; -1: of [[bodies]].
+std::vector<std::int32_t> populations_of(const Scene& scene, const Frame& frame) {
+  std::unordered_map<std::int64_t, std::int32_t> population;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) population[scene.bodies.id[i]] = scene.bodies.population[i];
+  std::vector<std::int32_t> sorts;
+  for (const std::int64_t id : frame.bodies.id) {
+    const auto it = population.find(id);
+    sorts.push_back(it != population.end() ? it->second : -1);
+  }
+  return sorts;
+}
+
 }  // namespace
 
 StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_options) : run(the_run), options(the_options) {
   const Scene& scene = run.scene;
-  const Frame first = load_frame(run, options.frames.front());
+  const Frame first = load(options.frames.front());
   facts = std::make_unique<SceneFacts>(run, options.container, first);
   quantities = group_quantities();
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    if (scene.bodies.fixed[i] == 0) scene_mass += scene.mass(i);
+    const std::int64_t id = scene.bodies.id[i];
+    if (!run.boundary_ids.contains(id) && !options.without.contains(id)) scene_mass += scene.mass(i);
   }
   add_groups();
   // profiles, from the lowest to the highest place of the bodies at the first and at the last frame
@@ -130,7 +163,7 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   double low = view.lowest, high = view.highest;
   double diameter = view.mean_diameter;
   {
-    const Frame last = load_frame(run, options.frames.back());
+    const Frame last = load(options.frames.back());
     const FrameView end(*facts, last);
     low = std::min(low, end.lowest);
     high = std::max(high, end.highest);
@@ -225,15 +258,34 @@ void StatisticsPlan::choose_kinds(const FrameView& view) {
       if (view.is_particle[i] != 0) places.push_back(first.bodies.position[i][axis]);
     }
     if (!places.empty()) std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2), places.end());
-    std::int32_t one = -1;
+    const std::vector<std::int32_t> sorts =
+        mixing == "size"
+            ? sorts_by_size(view)
+            : (mixing == "population" ? populations_of(scene, first) : (mixing == "shape" ? first.bodies.shape : first.bodies.material));
+    std::optional<std::int32_t> one;
     for (std::size_t i = 0; i < first.bodies.size(); ++i) {
       if (view.is_particle[i] == 0) continue;
-      const std::int32_t sort = mixing == "shape" ? first.bodies.shape[i] : first.bodies.material[i];
-      if (one < 0) one = sort;
-      const bool first_kind = halves ? first.bodies.position[i][axis] >= places[places.size() / 2] : sort == one;
+      if (!one) one = sorts[i];
+      const bool first_kind = halves ? first.bodies.position[i][axis] >= places[places.size() / 2] : sorts[i] == *one;
       kind[static_cast<std::size_t>(first.bodies.id[i])] = first_kind ? 1 : 0;
     }
   }
+}
+
+Frame StatisticsPlan::load(std::size_t index) const {
+  Frame frame = load_frame(run, index);
+  if (options.without.empty()) return frame;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+    if (!options.without.contains(frame.bodies.id[i])) rows.push_back(i);
+  }
+  take_rows(frame.bodies, rows);
+  rows.clear();
+  for (std::size_t i = 0; i < frame.contacts.size(); ++i) {
+    if (!options.without.contains(frame.contacts.body_a[i]) && !options.without.contains(frame.contacts.body_b[i])) rows.push_back(i);
+  }
+  take_rows(frame.contacts, rows);
+  return frame;
 }
 
 void StatisticsPlan::read_discharge(const std::string& text) {
@@ -334,7 +386,9 @@ void StatisticsPlan::add_whole(const FrameView& view, const ForceChains& chains,
   for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
     if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
   }
-  row.push_back(discharge_axis >= 0 ? scene_mass - above : kNaN);
+  const bool are_removed = discharge_axis < 0 && run.scene.settings.domain.outside == Outside::remove;
+  for (std::size_t i = 0; are_removed && i < frame.bodies.size(); ++i) above += view.is_particle[i] != 0 ? view.mass[i] : 0;
+  row.push_back(discharge_axis >= 0 || are_removed ? scene_mass - above : kNaN);
   row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
   row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
 }

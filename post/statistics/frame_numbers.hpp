@@ -31,6 +31,8 @@ struct StatisticsPlan {
   std::size_t table_begin(std::size_t table) const;  ///< then row by row: coordinate, column
   std::size_t wall_begin = 0;
 
+  /// A frame with what is counted in it.
+  Frame load(std::size_t frame) const;
   std::vector<double> numbers_of(const Frame& frame) const;
 
  private:

@@ -116,7 +116,7 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
   const std::size_t stride = (options.frames.size() + kSeriesLength - 1) / kSeriesLength;
   const std::size_t discharged = plan.index_of("discharged_mass"), rate = plan.index_of("discharge_rate");
   double last_mass = kNaN;
-  const auto task = [&](std::size_t f) { return bytes_of(plan.numbers_of(load_frame(run, f))); };
+  const auto task = [&](std::size_t f) { return bytes_of(plan.numbers_of(plan.load(f))); };
   const auto sink = [&](std::size_t f, const std::string& bytes) {
     std::vector<double> row = doubles_of(bytes);
     const double time = run.frames[f].time;
@@ -161,7 +161,7 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
       s.wall_averages[w].push_back(average.of(plan.wall_begin + w * s.wall_quantities.size() + q));
   }
   if (run.scene.settings.output_contacts && s.frames > 0) {
-    const Frame last = load_frame(run, options.frames.back());
+    const Frame last = plan.load(options.frames.back());
     s.chains = force_chains(FrameView(*plan.facts, last)).chains;
   }
   return s;
@@ -310,7 +310,22 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
   over_time("force_chains", "Particles in force chains", "share of the particles", "", {{"force_chain_share", "in chains"}}, true);
   over_time("mixing_index", "Mixing index (Lacey)", "0 apart, 1 at random", "", {{"mixing_index", "mixing index"}}, true);
   over_time("angle_of_repose", "Angle of the free surface", "angle [degrees]", "", {{"angle_of_repose", "angle"}}, false);
-  over_time("discharged_mass", "Mass passed through the level", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
+  over_time("discharged_mass", "Discharged mass", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
+  over_time("discharge_rate", "Discharge rate", "mass per time [kg/s]", "", {{"discharge_rate", "since the frame before"}}, true);
+  {
+    NamedChart c{"wall_power", "walls.csv", {}};
+    c.chart.title = "Power of the walls";
+    c.chart.x_label = "time";
+    c.chart.x_unit = "s";
+    c.chart.y_label = "power on the bodies";
+    c.chart.y_unit = "W";
+    for (std::size_t w = 0; w < s.walls.size(); ++w) {
+      const Series& power = s.wall_series[w].back();  // the last of wall_quantities
+      if (std::any_of(power.value.begin(), power.value.end(), [](double p) { return std::isfinite(p) && p != 0; }))
+        c.chart.lines.push_back({s.walls[w], power.time, power.value});
+    }
+    if (!c.chart.lines.empty()) charts.push_back(std::move(c));
+  }
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     NamedChart c{fmt::format("wall_{}_force", w), "walls.csv", {}};
     c.chart.title = "Force on wall " + s.walls[w];

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "core/chart/svg_chart.hpp"
@@ -21,10 +22,11 @@ struct StatisticsOptions {
   std::optional<Region> container;             ///< box or cylinder; else that of the scene (container_of)
   std::vector<std::string> profiles;           ///< "z:20", "x", "r:10": axis and number of bins; empty: the axis of gravity
   std::size_t blocks = 10;
-  std::string mixing =
-      "auto";  ///< material | shape | half-x | half-y | half-z | none; auto: material when there are two, else halves along gravity
+  std::string mixing = "auto";  ///< material | shape | population | size | half-x | half-y | half-z | none; auto: material when there are
+                                ///< two, else halves along gravity
   std::string repose = "none";  ///< cone | slope | none
-  std::string discharge;        ///< "z=0.1": mass that has gone below that height; empty: none
+  std::string discharge;        ///< "z=0.1": mass that has gone below that height; empty: what was removed at the sides of the domain
+  std::unordered_set<std::int64_t> without{};  ///< ids of bodies and walls that are left out with their contacts
   FramePool pool{};
 };
 

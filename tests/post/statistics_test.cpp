@@ -527,6 +527,108 @@ class StatisticsOfARun : public testing::Test {
   std::filesystem::path folder;
 };
 
+/// A run on disk of frames of a packing, a second apart.
+scree::Run written(const std::filesystem::path& folder, const Packing& p, std::vector<Frame> frames) {
+  std::filesystem::create_directories(folder);
+  write_scene_file((folder / "scene.h5").string(), p.run.scene);
+  std::vector<FrameEntry> entries;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    frames[f].number = static_cast<std::int64_t>(f);
+    frames[f].time = static_cast<double>(f);
+    entries.push_back({(folder / fmt::format("frame_{:06}.hdf", f)).string(), frames[f].time});
+    write_frame_file(MPI_COMM_SELF, entries.back().path, frames[f]);
+  }
+  write_frame_series(folder.string(), entries);
+  return open_run(folder.string());
+}
+
+TEST_F(StatisticsOfARun, kinds_of_the_mixing_index_are_sizes_or_populations) {
+  // 512 balls in a cube; the left half is a population, and every other one is smaller
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});
+  for (int i = 0; i < 512; ++i)
+    p.add(0.125 * Vec3{i % 8 + 0.5, i / 8 % 8 + 0.5, i / 64 + 0.5}, {}, 0, 0, (i % 8 + i / 8 % 8 + i / 64) % 2 == 0 ? 1 : 0.9);
+  for (int i = 0; i < 512; ++i) p.run.scene.bodies.population[static_cast<std::size_t>(i)] = i % 8 < 4 ? 0 : 1;
+  // the same with the three layers on the left smaller, one layer of cells: the median is one of the large ones
+  Packing layers = p;
+  for (int i = 0; i < 512; ++i) {
+    const double scale = i % 8 < 3 ? 0.9 : 1;
+    layers.frame.bodies.scale[static_cast<std::size_t>(i)] = layers.run.scene.bodies.scale[static_cast<std::size_t>(i)] = scale;
+  }
+  const scree::Run run = written(folder / "even.run", p, {p.frame}), other = written(folder / "layers.run", layers, {layers.frame});
+  const auto index = [](const scree::Run& of, const char* kinds) {
+    StatisticsOptions options;
+    options.frames = {0};
+    options.mixing = kinds;
+    return run_statistics(of, options, "").of("mixing_index").mean;
+  };
+  EXPECT_LT(index(run, "population"), 0.3) << "the middle layer of cells is cut";
+  EXPECT_GT(index(run, "size"), 0.8);
+  EXPECT_NEAR(index(run, "population"), index(run, "half-x"), 1e-12);
+  EXPECT_LT(index(other, "size"), 0.05);
+}
+
+TEST_F(StatisticsOfARun, what_is_left_out_counts_in_no_contact) {
+  constexpr int n = 4;
+  Packing p(0.5, {0, 0, 0}, {n, n, n}, {0, 0, -9.81});
+  p.fill_lattice(n, 1, {0, 0, 3});
+  p.run.scene.walls[0].name = "crate";
+  const scree::Run run = written(folder / "lattice.run", p, {p.frame});
+  const auto of = [&](const std::vector<std::string>& names, const char* quantity) {
+    StatisticsOptions options;
+    options.frames = {0};
+    options.without = ids_left_out(run, names);
+    return run_statistics(run, options, "").of(quantity).mean;
+  };
+  EXPECT_DOUBLE_EQ(of({}, "coordination_number"), 2);  // above and below
+  EXPECT_DOUBLE_EQ(of({"crate"}, "coordination_number"), 2 - 2.0 / n);
+  EXPECT_DOUBLE_EQ(of({"1000000"}, "coordination_number"), 2 - 2.0 / n);
+  EXPECT_EQ(of({"0", "5"}, "particle_count"), n * n * n - 2);
+  EXPECT_NEAR(of({"0"}, "coordination_number"), (2.0 * n * n * n - 3) / (n * n * n - 1), 1e-12) << "its two contacts, one of them shared";
+  EXPECT_EQ(of({"rock"}, "particle_count"), 0);
+  EXPECT_THROW(ids_left_out(run, {"lid"}), UsageError);
+}
+
+TEST_F(StatisticsOfARun, removed_mass_is_discharged_and_rates_and_powers_have_charts) {
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});
+  for (int i = 0; i < 10; ++i) p.add({0.1 * i, 0.5, 0.5});
+  p.run.scene.settings.domain.bounded = true;
+  p.run.scene.settings.domain.upper = {1, 1, 1};
+  p.run.scene.settings.domain.outside = Outside::remove;
+  std::vector<Frame> frames(3, p.frame);
+  take_rows(frames[1].bodies, {0, 1, 2, 3, 4, 5, 6});
+  take_rows(frames[2].bodies, {0, 1, 2, 3, 4, 5});
+  scree::Run run = written(folder / "leaves.run", p, frames);
+  run.log.names = {"time", "wall1000000_power"};
+  run.log.columns = {{0, 2}, {0, 8}};
+  StatisticsOptions options;
+  options.frames = {0, 1, 2};
+  const Statistics s = run_statistics(run, options, "");
+  const double ball = 2000 * 4.0 / 3 * kPi * 0.05 * 0.05 * 0.05;
+  const auto series = [&](const char* name) {
+    for (std::size_t q = 0; q < s.quantities.size(); ++q) {
+      if (s.quantities[q].name == name) return s.series[q].value;
+    }
+    return std::vector<double>{};
+  };
+  const std::vector<double> mass = series("discharged_mass"), rate = series("discharge_rate");
+  ASSERT_EQ(mass.size(), 3u);
+  EXPECT_NEAR(mass[0], 0, 1e-12);
+  EXPECT_NEAR(mass[2], 4 * ball, 1e-12);
+  EXPECT_NEAR(rate[1], 3 * ball, 1e-12);  // in a second
+  EXPECT_NEAR(rate[2], ball, 1e-12);
+  const std::vector<NamedChart> charts = charts_of(s);
+  const auto chart = [&](const char* name) {
+    return std::find_if(charts.begin(), charts.end(), [&](const NamedChart& c) { return c.name == name; });
+  };
+  ASSERT_NE(chart("discharge_rate"), charts.end());
+  ASSERT_NE(chart("wall_power"), charts.end());
+  EXPECT_EQ(chart("wall_power")->chart.lines.at(0).y, (std::vector<double>{0, 4, 8}));
+  // with a level it is what has passed it, and apparatus is none of it
+  run.boundary_ids.insert(9);
+  options.discharge = "x=0.45";
+  EXPECT_NEAR(run_statistics(run, options, "").of("discharged_mass").smallest, 5 * ball, 1e-12);
+}
+
 TEST_F(StatisticsOfARun, tables_and_json_have_the_same_numbers_and_any_number_of_processes_gives_them) {
   const scree::Run run = open_run((folder / "sample.run").string());
   std::string texts[2];

@@ -295,13 +295,14 @@ TEST(Picture, a_cut_ball_shows_the_disc_of_the_plane) {
 TEST(Picture, a_point_to_look_at_keeps_the_camera_of_a_series) {
   const auto run = ball_run("series", {{{{-0.2, 0, 0}, {0.2, 0, 0}}, {{-0.6, 0, 0}, {0.6, 0, 0}}}});
   PictureOptions options;
-  options.width = options.height = 400;
+  options.width = 640;
+  options.height = 480;
   options.from = Vec3{0, -1, 0};
   options.at = Vec3{0, 0, 0};
   const auto near = places_of_two(drawn(run, 0, options)), far = places_of_two(drawn(run, 1, options));
   EXPECT_NEAR((far[1] - far[0]) / (near[1] - near[0]), 3, 0.03);
   const double radius = length(Vec3{0.6 + kBall, kBall, kBall});  // of the room of both frames
-  EXPECT_NEAR(near[1] - near[0], 400 * 0.2 / distance_of(radius) / kHalfAngle, 1);
+  EXPECT_NEAR(near[1] - near[0], 480 * 0.2 / distance_of(radius) / kHalfAngle, 1);
 }
 
 TEST(Picture, a_drum_about_few_bodies_is_seen_as_a_whole) {
