@@ -94,6 +94,14 @@ struct CasePair {
   bool friction_given = false;
 };
 
+/// [start]
+struct CaseStart {
+  std::string where;
+  std::string run;                                             ///< folder, as it can be opened
+  std::int64_t checkpoint = -1, frame = -1;                    ///< step and number; both -1: the last checkpoint
+  std::vector<std::pair<std::string, std::string>> materials;  ///< of the run, and what they are called here
+};
+
 /// What becomes of bodies of [[bodies]] that start too close to each other or to a wall.
 enum class Relax {
   none,     ///< overlaps are refused, what is pressed starts as it is
@@ -108,6 +116,7 @@ struct Case {
   Settings settings;
   bool margin_given = false;
   Relax relax = Relax::shallow;
+  std::optional<CaseStart> start;
   std::vector<CaseShape> shapes;
   std::vector<Material> materials;
   std::vector<CasePair> pairs;

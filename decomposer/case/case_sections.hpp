@@ -17,6 +17,8 @@ void settings_sections(CaseKeys& k, Case& c);
 void wall_sections(CaseKeys& k, Case& c);
 /// [[populations]]; after the walls, since a region may be the inside of one.
 void population_sections(CaseKeys& k, Case& c);
+/// [start]
+void start_section(CaseKeys& k, Case& c);
 
 /// { start, end, radius } and { centre, radius }, into the fields of a wall of that kind.
 void cylinder_keys(CaseKeys& k, Wall& wall);

@@ -30,11 +30,13 @@ class Builder {
 
   PackedScene build() {
     out_.inputs.push_back({case_.path, case_.sha256, nullptr});
+    if (case_.start) take_bodies_of_run();
     scene().settings = case_.settings;
     scene().materials = case_.materials;
     for (const CasePair& p : case_.pairs) scene().pairs.push_back(p.pair);
     load_shapes();
     load_walls();
+    if (parts_.carried) parts_.carried->wall_partner = partners_of_walls(parts_.carried->from, parts_.walls, scene().shapes);
     load_regions();
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
@@ -42,6 +44,7 @@ class Builder {
     Case placed = case_;
     if (placed.relax != Relax::none) relax(placed);
     Packer packer(placed, parts_, scene(), report());
+    packer.place_carried_bodies();
     packer.place_given_bodies();
     Placements placements(parts_);
     check_feasible(placed, parts_, scene());
@@ -56,6 +59,7 @@ class Builder {
     }
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
+    if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
     report().doubts = doubts_about(case_, parts_, scene());
     return std::move(out_);
@@ -76,6 +80,50 @@ class Builder {
 
   Scene& scene() { return out_.scene; }
   PackingReport& report() { return out_.report; }
+
+  // ---- bodies of a run ----
+
+  void take_bodies_of_run() {
+    CarriedBodies& carried = parts_.carried.emplace();
+    carried.from = read_run(case_);
+    parts_.first_id = carried.from.first_free_id;
+    out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
+    // only now is known who can meet whom
+    const std::vector<MaterialUse> uses = uses_of(carried.from, case_);
+    check_pairs(case_, uses);
+    drop_pairs_that_cannot_meet(case_, uses);
+  }
+
+  /// A shape that the case has too, to the last bit, is one shape.
+  std::int32_t find_in_scene(const Shape& shape) const {
+    const std::vector<Shape>& all = out_.scene.shapes;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Shape& other = all[i];
+      if (other.name == shape.name && other.kind == shape.kind && other.sphere_radius == shape.sphere_radius &&
+          other.cell_size == shape.cell_size && other.mesh.vertices == shape.mesh.vertices && other.mesh.triangles == shape.mesh.triangles)
+        return static_cast<std::int32_t>(i);
+    }
+    return -1;
+  }
+
+  void load_carried_shapes() {
+    CarriedBodies& carried = *parts_.carried;
+    const std::vector<Shape>& shapes = carried.from.scene.shapes;
+    carried.shapes.resize(shapes.size());
+    carried.scene_shape.assign(shapes.size(), -1);
+    for (const BodyRow& row : carried.from.bodies) {
+      const auto k = static_cast<std::size_t>(row.shape);
+      if (carried.scene_shape[k] < 0) {
+        carried.shapes[k] = make_pack_shape(shapes[k]);
+        carried.scene_shape[k] = find_in_scene(shapes[k]);
+        if (carried.scene_shape[k] < 0) {
+          carried.scene_shape[k] = static_cast<std::int32_t>(scene().shapes.size());
+          scene().shapes.push_back(shapes[k]);
+        }
+      }
+      carried.placed.push_back({&carried.shapes[k], row.scale, row.position, row.orientation});
+    }
+  }
 
   // ---- files ----
 
@@ -129,6 +177,7 @@ class Builder {
       scene().shapes.push_back(parts_.shapes[i].shape);
       scene().shapes.back().cell_size = case_.shapes[i].cell_size;
     }
+    if (parts_.carried) load_carried_shapes();
   }
 
   /// A wall or region keeps the coordinates of its file, also when it was imported as a solid.
@@ -155,7 +204,7 @@ class Builder {
   }
 
   void load_walls() {
-    auto id = static_cast<std::int64_t>(case_.bodies.size());
+    auto id = parts_.first_id + static_cast<std::int64_t>(case_.bodies.size());
     parts_.wall_shapes.resize(case_.walls.size());
     parts_.wall_bodies.resize(case_.walls.size());
     parts_.wall_is_solid.assign(case_.walls.size(), false);
@@ -207,7 +256,7 @@ class Builder {
   // ---- what is to be placed ----
 
   void draw_particles() {
-    auto id = static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size());
+    auto id = parts_.first_id + static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size());
     for (std::size_t k = 0; k < case_.populations.size(); ++k) {
       const CasePopulation& p = case_.populations[k];
       const double density = scene().materials[static_cast<std::size_t>(p.material)].density;
@@ -318,7 +367,7 @@ class Builder {
     report().container_volume = container_volume(scene());
   }
 
-  const Case& case_;
+  Case case_;  // of whose pairs only those stay that can meet
   const ChildSolver& solver_;
   PackedScene out_;
   std::map<std::string, ShapeFile> files_;

@@ -41,7 +41,7 @@ BodyRow row_of(const Case& c, const SceneParts& parts, const Draw& d, const Plac
 }  // namespace
 
 void add_placed(const Case& c, const SceneParts& parts, const Placements& placements, Scene& scene) {
-  auto id = static_cast<std::int64_t>(c.bodies.size() + c.walls.size());
+  auto id = parts.first_id + static_cast<std::int64_t>(c.bodies.size() + c.walls.size());
   for (std::size_t i = 0; i < parts.draws.size(); ++i) {
     if (placements.is_placed[i] == 0) continue;
     BodyRow row = row_of(c, parts, parts.draws[i], placements.body[i]);

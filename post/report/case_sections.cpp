@@ -8,6 +8,7 @@
 #include "core/base/provenance.hpp"
 #include "core/base/units.hpp"
 #include "core/base/version.hpp"
+#include "core/storage/start_state.hpp"
 #include "post/report/html.hpp"
 
 namespace scree {
@@ -47,6 +48,10 @@ std::string case_section(const Run& run) {
                 {"Bodies", fmt::format("{} ({:.4g} kg, {:.4g} m&sup3; of solid)", scene.bodies.size(), mass, volume)}};
   if (scene.bodies.size() > 0)
     rows.emplace_back("Equivalent diameter", fmt::format("{} to {}", length_text(smallest), length_text(largest)));
+  if (const std::optional<StartState> start = read_start_state(run.folder + "/scene.h5", scene.bodies.size()))
+    rows.emplace_back("Started from",
+                      fmt::format("{} of {} at {}: {} bodies, {} contacts with their springs", escaped(start->file), escaped(start->run),
+                                  format_quantity(start->time, Dimension::time), start->bodies, start->pair_count()));
   rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
   rows.emplace_back("Duration", fmt::format("{}, a frame every {}", format_quantity(s.duration, Dimension::time),
                                             s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));

@@ -94,6 +94,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     Scene as_given = loaded.scene;
     move_scene(as_given, -loaded.origin);
     run["settings"] = settings_json(as_given);
+    if (loaded.start) run["start"] = start_json(*loaded.start);
     run["provenance"] = provenance;
     h5::write_text_file(options.run_folder + "/run.json", json_text(run, 1) + "\n");
   });

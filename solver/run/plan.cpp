@@ -39,12 +39,19 @@ Counts count(const SolverScene& scene) {
 /// The text, part by part.
 class Plan {
  public:
-  Plan(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation)
-      : comm_(comm), scene_(scene), source_(scene.source()), settings_(source_.settings), simulation_(simulation), count_(count(scene)) {}
+  Plan(const mpi::Communicator& comm, const SolverScene& scene, const std::optional<StartState>& start, const Simulation& simulation)
+      : comm_(comm),
+        scene_(scene),
+        start_(start),
+        source_(scene.source()),
+        settings_(source_.settings),
+        simulation_(simulation),
+        count_(count(scene)) {}
 
   std::string text() {
     text_ = fmt::format("Plan of \"{}\": {} bodies of {} shapes ({} triangles), {} walls, {} ranks x {} threads\n", settings_.title,
                         count_.bodies, source_.shapes.size(), count_.triangles, source_.walls.size(), comm_.size(), omp_get_max_threads());
+    add_start();
     add_contact();
     add_motion();
     add_fluid();
@@ -57,6 +64,7 @@ class Plan {
  private:
   void in(const std::string& what, const std::string& why) { text_ += fmt::format("  in   {:<26} {}\n", what, why); }
   void out(const std::string& what, const std::string& why) { text_ += fmt::format("  out  {:<26} {}\n", what, why); }
+  void add_start();
   void add_contact();
   void add_motion();
   void add_fluid();
@@ -66,6 +74,7 @@ class Plan {
 
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
+  const std::optional<StartState>& start_;
   const Scene& source_;
   const Settings& settings_;
   const Simulation& simulation_;
@@ -107,6 +116,16 @@ void Plan::add_contact() {
     in("rolling resistance", "one spring of moment per body pair");
   else
     out("rolling resistance", "no pair asks for it");
+}
+
+void Plan::add_start() {
+  if (!start_) return;
+  const StartState& start = *start_;
+  in("start from a run",
+     fmt::format("{} bodies of {}/{} at {}{}", start.bodies, start.run, start.file, format_quantity(start.time, Dimension::time),
+                 start.q_principal.empty() ? "; contacts start without springs"
+                                           : fmt::format("; {} contacts keep their springs", start.pair_count())));
+  if (start.left > 0) out("springs of that run", fmt::format("{} contacts: not the same wall, or another contact.gather", start.left));
 }
 
 void Plan::add_motion() {
@@ -206,8 +225,8 @@ void Plan::add_numbers() {
 
 }  // namespace
 
-std::string plan_text(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation) {
-  return Plan(comm, scene, simulation).text();
+std::string plan_text(const mpi::Communicator& comm, const LoadedScene& loaded, const Simulation& simulation) {
+  return Plan(comm, *loaded.prepared, loaded.start, simulation).text();
 }
 
 }  // namespace scree

@@ -357,7 +357,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
     before = start.checkpoint->record;
     start_from_checkpoint(comm, simulation, std::move(*start.checkpoint), loaded.origin);
   } else {
-    simulation.start_from_scene();
+    simulation.start_from_scene(loaded.start);
   }
   check_step_size(comm, options, loaded.scene.settings, simulation.state().clock.size);
 

@@ -75,7 +75,7 @@ Recorded find_records(const mpi::Communicator& comm, const VerifyOptions& option
 void start(const mpi::Communicator& comm, const VerifyOptions& options, const LoadedScene& loaded, const std::string& from,
            Simulation& simulation) {
   if (from == "start") {
-    simulation.start_from_scene();
+    simulation.start_from_scene(loaded.start);
     return;
   }
   Checkpoint checkpoint = read_checkpoint(comm, from);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/storage/start_state.hpp"
 #include "solver/ranks/agreement.hpp"
 #include "solver/ranks/decomposition.hpp"
 #include "solver/ranks/failure.hpp"
@@ -27,7 +28,8 @@ class Simulation {
 
   /// Starts from the scene, or from a checkpoint: every rank gives its own part of the bodies, in any way, and the state of
   /// their pairs. `step_size` is kept as it was. Totals are those of all ranks, the same on each. Collective.
-  void start_from_scene();
+  /// in   start   of a scene whose first bodies come from a run
+  void start_from_scene(const std::optional<StartState>& start = {});
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state, std::int64_t step, double step_size,
                           const RunTotals& totals);
 

@@ -47,7 +47,7 @@ DIMENSIONS = {
 
 # numbers that are the same in all units
 PLAIN = {
-    "seed", "time.steps_per_contact", "contact.barrier", "materials.*.poisson",
+    "seed", "start.checkpoint", "start.frame", "time.steps_per_contact", "contact.barrier", "materials.*.poisson",
     "pairs.*.restitution", "pairs.*.friction", "pairs.*.friction_sliding", "pairs.*.tangential_ratio", "pairs.*.tangential_damping",
     "pairs.*.rolling_friction", "pairs.*.torsional_friction",
     "bodies.*.orientation", "bodies.*.scale",
