@@ -404,7 +404,7 @@ Image draw_frame(const Run& run, const Frame& frame, const PictureOptions& optio
   add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network ? "shape" : look.colour),
              look.range.value_or(std::pair{0.0, 1.0}), look, cut);
   if (look.network) add_network(renderer, frame, run.scene, look, cut);
-  if (look.walls) add_walls(renderer, frame, run.scene, room_of(frame.bodies, run.scene));
+  if (look.walls) add_walls(renderer, frame, run.scene, stage.room);
   if (look.time) add_time(renderer, frame.time, look.height);
   if (look.network) {  // ghosts need their true order in overlap
     renderer->SetUseDepthPeeling(1);

@@ -10,7 +10,7 @@ namespace scree {
 
 /// What a series of pictures has in common.
 struct Stage {
-  Box3 room;                                         ///< that the camera shows
+  Box3 room;                                         ///< that the camera shows, and that walls without an end are drawn for
   std::optional<std::pair<double, double>> range{};  ///< of the scale of numbers
   /// Takes in another frame.
   void add(const Run& run, const Frame& frame, const PictureOptions& options);

@@ -305,6 +305,32 @@ TEST(Picture, a_point_to_look_at_keeps_the_camera_of_a_series) {
   EXPECT_NEAR(near[1] - near[0], 480 * 0.2 / distance_of(radius) / kHalfAngle, 1);
 }
 
+// A box that reaches far above is drawn to fit what is shown: in a series that of all frames, however low the bodies lie in one.
+TEST(Picture, walls_are_drawn_alike_in_a_series) {
+  Wall box;
+  box.id = 2;
+  box.kind = WallKind::box_inside;
+  box.lower = {-0.2, -0.2, 0};
+  box.upper = {0.2, 0.2, 50};
+  const auto run = ball_run("box", {{{{-0.1, 0, 0.4}, {0.1, 0, 0.4}}, {{-0.1, 0, 0.03}, {0.1, 0, 0.03}}}, {box}});
+  PictureOptions options;
+  options.width = 320;
+  options.height = 240;
+  options.from = Vec3{0, -1, 0};
+  options.at = Vec3{0, 0, 0.2};
+  const auto highest = [&](std::size_t frame) {
+    const Image image = drawn(run, frame, options);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        if (!is_ground(image, x, y)) return y;
+      }
+    }
+    return image.height;
+  };
+  EXPECT_EQ(highest(0), highest(1));
+  EXPECT_LT(highest(0), 60);
+}
+
 TEST(Picture, a_drum_about_few_bodies_is_seen_as_a_whole) {
   Wall drum;
   drum.id = 1;
