@@ -35,11 +35,11 @@ void check_output(const std::string& path) {
   expect_ending("-o", path, "a scene", {".scene.h5"});
 }
 
-nlohmann::json record(const std::vector<std::string>& command, const std::string& configuration, const std::vector<InputRecord>& inputs,
-                      std::uint64_t seed) {
+nlohmann::json record(bool has_start, const std::vector<std::string>& command, const std::string& configuration,
+                      const std::vector<InputRecord>& inputs, std::uint64_t seed) {
   Provenance p;
   p.format = kSceneFormat;
-  p.format_version = kSceneFormatVersion;
+  p.format_version = has_start ? kSceneFormatVersionWithStart : kSceneFormatVersion;
   p.tool = "scree-decomposer";
   p.command = command;
   p.configuration = configuration;
@@ -50,9 +50,16 @@ nlohmann::json record(const std::vector<std::string>& command, const std::string
 }
 
 std::string partition_line(const Scene& scene) {
-  if (scene.partition.ranks == 0) return "ranks              not divided: there are no bodies yet\n";
   return fmt::format("ranks              {}, predicted imbalance {:.3f} (largest over mean work)\n", scene.partition.ranks,
                      scene.partition.predicted_imbalance);
+}
+
+std::string start_line(const StartState& start) {
+  const std::string springs = start.q_principal.empty() ? "a frame holds no springs: all contacts start without"
+                                                        : fmt::format("{} contacts keep their springs{}", start.pair_count(),
+                                                                      start.left > 0 ? fmt::format(", {} do not", start.left) : "");
+  return fmt::format("start              {} bodies of {}, {} at {}; {}\n", start.bodies, start.run, start.file,
+                     format_quantity(start.time, Dimension::time), springs);
 }
 
 double solid_volume(const Scene& scene) {
@@ -123,8 +130,8 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   const PackingReport& report = packed.report;
   const PredictedWork work = options.ranks > 0 ? predicted_work(scene) : PredictedWork{};
   if (options.ranks > 0) partition_scene(scene, work, options.ranks, options.cut);
-  scene.provenance = record(command, c.text, packed.inputs, c.settings.seed);
-  write_scene_file(options.output, scene);
+  scene.provenance = record(packed.start.has_value(), command, c.text, packed.inputs, c.settings.seed);
+  write_scene_file(options.output, scene, packed.start);
 
   CommandResult result;
   result.notices = report.notices;
@@ -136,9 +143,10 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
     for (std::int32_t p : scene.bodies.population) count += p == static_cast<std::int32_t>(k) ? 1 : 0;
     result.output += fmt::format("population {:<7} {} bodies, solid fraction {:.4f} of its region\n", k, count, report.solid_fraction[k]);
   }
+  if (packed.start) result.output += start_line(*packed.start);
   result.output += solid_fraction_line(report.particle_volume, report.container_volume);
   result.output += fmt::format("margin             {} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
-                               format_quantity(scene.settings.margin, Dimension::length), c.margin_given ? "given" : "derived",
+                               format_quantity(scene.settings.margin, Dimension::length), report.margin_from,
                                format_quantity(report.fastest_impact, Dimension::velocity), report.overlap_share);
   result.output += sizes_text(c, scene);
   if (!options.sizes.empty()) {
@@ -155,13 +163,14 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   check_output(options.output);
   if (!options.preview.empty()) check_folder(options.preview);
   Scene scene = read_scene_file(options.scene_path);
+  const std::optional<StartState> start = read_start_state(options.scene_path, scene.bodies.size());
   const PredictedWork work = predicted_work(scene);
   partition_scene(scene, work, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
   const std::string configuration = scene.provenance.value("configuration", std::string{});
-  scene.provenance =
-      record(command, configuration, {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}}, scene.settings.seed);
-  write_scene_file(options.output, scene);
+  scene.provenance = record(start.has_value(), command, configuration,
+                            {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}}, scene.settings.seed);
+  write_scene_file(options.output, scene, start);
   CommandResult result;
   result.output = fmt::format("{}: {} bodies\n", options.output, scene.bodies.size());
   result.output += solid_fraction_line(solid_volume(scene), container_volume(scene));
@@ -200,7 +209,7 @@ CommandResult tile_command(const TileOptions& options, const std::vector<std::st
   }
   Scene tiled = tile_scene(scene, now, options.copies);
   if (options.duration >= 0) tiled.settings.duration = options.duration;
-  tiled.provenance = record(command, scene.provenance.value("configuration", std::string{}), inputs, scene.settings.seed);
+  tiled.provenance = record(false, command, scene.provenance.value("configuration", std::string{}), inputs, scene.settings.seed);
   write_scene_file(options.output, tiled);
   CommandResult result;
   result.output = fmt::format("{}: {} bodies, {} x {} x {} copies of {}\n", options.output, tiled.bodies.size(), options.copies[0],

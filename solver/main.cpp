@@ -128,8 +128,8 @@ int print_only(const mpi::Communicator& comm, const Command& c) {
     text = slurm_script({c.options.command[0], c.options.scene_path, c.options.run_folder, ranks, omp_get_max_threads()});
   } else {
     Simulation simulation(comm, *loaded.prepared, c.options.parallel);
-    simulation.start_from_scene();
-    text = plan_text(comm, *loaded.prepared, simulation);
+    simulation.start_from_scene(loaded.start);
+    text = plan_text(comm, loaded, simulation);
   }
   if (comm.rank() == 0) std::fputs(text.c_str(), stdout);
   return 0;

@@ -20,8 +20,7 @@ enum class Dimension {
   pressure,
   force,
   stress_per_length,
-  viscosity,
-  mass_rate
+  viscosity
 };
 
 /// "a length [m]", for messages.

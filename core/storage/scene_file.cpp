@@ -12,6 +12,7 @@
 #include "core/base/utf8.hpp"
 #include "core/storage/json_object.hpp"
 #include "core/storage/scene_settings.hpp"
+#include "core/storage/start_state.hpp"
 
 namespace scree {
 
@@ -105,11 +106,13 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
 
 }  // namespace
 
-void write_scene_file(const std::string& path, const Scene& scene) {
+void write_scene_file(const std::string& path, const Scene& scene) { write_scene_file(path, scene, {}); }
+
+void write_scene_file(const std::string& path, const Scene& scene, const std::optional<StartState>& start) {
   h5::NewFile file(path);
   const h5::Group& root = file.root();
   root.write_attribute("format", kSceneFormat);
-  root.write_attribute("format_version", kSceneFormatVersion);
+  root.write_attribute("format_version", start ? kSceneFormatVersionWithStart : kSceneFormatVersion);
   root.write_text("provenance", json_text(scene.provenance));
   root.write_text("settings", json_text(settings_json(scene), 1));
   write_shapes(root.create_group("shapes"), scene.shapes);
@@ -122,6 +125,7 @@ void write_scene_file(const std::string& path, const Scene& scene) {
     partition.write_array("upper", scene.partition.upper, "m");
   }
   write_bodies(root.create_group("bodies"), scene.bodies);
+  if (start) write_start_state(root.create_group("start"), *start);
   file.commit();
 }
 
@@ -129,7 +133,7 @@ namespace {
 Scene read_scene(const std::string& path) {
   const h5::File file(path);
   const h5::Group& root = file.root();
-  check_format(root, kSceneFormat, kSceneFormatVersion);
+  check_format(root, kSceneFormat, kSceneFormatVersionWithStart);
   Scene scene;
   scene.provenance = parse_text(root, "provenance");
   scene.shapes = read_shapes(root.open_group("shapes"));

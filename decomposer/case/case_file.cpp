@@ -2,12 +2,11 @@
 
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <set>
 #include <sstream>
 
 #include "core/base/provenance.hpp"
 #include "core/storage/scene_keys.hpp"
+#include "decomposer/case/case_pairs.hpp"
 #include "decomposer/case/case_sections.hpp"
 #include "decomposer/case/case_settings.hpp"
 
@@ -122,60 +121,6 @@ void body_section(CaseKeys& k, Case& c) {
   c.bodies.push_back(b);
 }
 
-/// Every pair of materials that can touch must be given; pairs that cannot are dropped.
-void check_pairs(Case& c) {
-  // what uses a material: movers may touch everything else, fixed things only movers
-  struct Users {
-    double movers = 0;
-    std::string mover, still;
-  };
-  std::map<std::int32_t, Users> users;
-  for (const CaseBody& b : c.bodies) {
-    Users& u = users[b.material];
-    (b.fixed ? u.still : u.mover) = b.where;
-    if (!b.fixed) u.movers += 1;
-  }
-  for (const CasePopulation& p : c.populations) {
-    users[p.material].mover = p.where;
-    users[p.material].movers += p.amount == CasePopulation::Amount::count ? p.value : 2;
-  }
-  for (const CaseInlet& i : c.inlets) {
-    users[i.material].mover = i.where;
-    users[i.material].movers += i.inlet.count == 1 ? 1 : 2;
-  }
-  for (const CaseWall& w : c.walls) users[w.wall.material].still = w.where;
-
-  std::set<std::pair<std::int32_t, std::int32_t>> needed;
-  for (const auto& [a, first] : users) {
-    for (const auto& [b, second] : users) {
-      if (b < a) continue;
-      std::string with;
-      if (a == b) {
-        if (first.movers >= 2) with = first.mover;
-        if (first.movers >= 1 && !first.still.empty()) with = first.still;
-      } else if (first.movers >= 1 && second.movers >= 1) {
-        with = second.mover;
-      } else if (first.movers >= 1) {
-        with = second.still;
-      } else if (second.movers >= 1) {
-        with = first.still;
-      }
-      if (with.empty()) continue;
-      needed.insert({a, b});
-      bool given = false;
-      for (const CasePair& p : c.pairs) given = given || (p.pair.a == a && p.pair.b == b);
-      if (given) continue;
-      const std::string &na = c.materials[static_cast<std::size_t>(a)].name, &nb = c.materials[static_cast<std::size_t>(b)].name;
-      const std::string mover = first.movers >= 1 ? first.mover : second.mover;
-      throw UsageError(
-          "{}: the materials \"{}\" and \"{}\" can touch ({} and {}), but no [[pairs]] says how; add one with "
-          "between = [\"{}\", \"{}\"]",
-          c.path, na, nb, mover, with, na, nb);
-    }
-  }
-  std::erase_if(c.pairs, [&](const CasePair& p) { return !needed.contains({p.pair.a, p.pair.b}); });
-}
-
 }  // namespace
 
 std::vector<std::string> names_of_shapes(const Case& c) {
@@ -208,7 +153,7 @@ void case_keys(CaseKeys& k, Case& c) {
   k.sections({"bodies"}, [&](CaseKeys& below) { body_section(below, c); });
   wall_sections(k, c);
   population_sections(k, c);
-  inlet_sections(k, c);
+  k.section({"start", "bodies of this case only"}, [&](CaseKeys& below) { start_section(below, c); });
 }
 
 std::vector<KeyDescription> describe_case() {
@@ -234,7 +179,8 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
   c.sha256 = sha256_of_bytes(text.data(), text.size());
   c.text = changes.empty() ? text : text_with_settings(file, path, changes);
   read_keys(file, path, folder, [&](CaseKeys& k) { case_keys(k, c); });
-  check_pairs(c);
+  check_pairs(c, {});
+  if (!c.start) drop_pairs_that_cannot_meet(c, {});
   return c;
 }
 

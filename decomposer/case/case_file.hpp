@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
-#include "core/storage/body_orientation.hpp"
 #include "core/storage/scene_file.hpp"
-#include "core/storage/size_distribution.hpp"
+#include "decomposer/case/size_distribution.hpp"
 #include "decomposer/case/wall_forms.hpp"
 
 namespace scree {
@@ -34,12 +33,28 @@ struct CaseBody {
   bool fixed = false, lock_rotation = false;
 };
 
-/// A part of space, such as where a population may lie: one of these.
+/// Where a population may lie: one of these.
 struct CaseRegion {
   std::optional<Wall> shape;  ///< inside of a box, cylinder or sphere
   std::string file;           ///< closed mesh
   std::int32_t wall = -1;     ///< inside of one of the walls
 };
+
+/// How the bodies of a population are turned.
+struct CaseOrientation {
+  enum class Kind { random, given, aligned };
+  enum class Axis { longest, shortest, given };
+  Kind kind = Kind::random;
+  Quat given;
+  Vec3 direction{0, 0, 1};  ///< aligned: where the axis of the body points, unit, world
+  Axis axis = Axis::longest;
+  Vec3 body_axis{0, 0, 1};  ///< aligned, when it is given: unit, mesh axes
+  double scatter = 0;       ///< aligned: deviation of the tilt about each of the two directions across [rad]
+};
+
+template <>
+inline constexpr auto kWordsOf<CaseOrientation::Axis> = std::to_array<Word<CaseOrientation::Axis>>(
+    {{CaseOrientation::Axis::longest, "longest"}, {CaseOrientation::Axis::shortest, "shortest"}});
 
 enum class PackingMethod { random, lattice, settle, compact };
 template <>
@@ -48,38 +63,21 @@ inline constexpr auto kWordsOf<PackingMethod> = std::to_array<Word<PackingMethod
                                                                                     {PackingMethod::settle, "settle"},
                                                                                     {PackingMethod::compact, "compact"}});
 
-/// Bodies that are drawn, of a population or of an inlet.
-struct CaseSource {
+/// [[populations]]
+struct CasePopulation {
+  enum class Amount { count, mass, solid_fraction, fill };
   std::string where;
   std::vector<std::pair<std::int32_t, double>> shares;  ///< shape and its share; shares sum to 1
   bool shares_by_mass = false;                          ///< else by number
   std::int32_t material = 0;
+  Amount amount = Amount::count;
+  double value = 0;                      ///< count [-], mass [kg] or solid fraction of the region [-]
   std::optional<SizeDistribution> size;  ///< of the equivalent sphere; none: shapes as they are
   CaseRegion region;
-  BodyOrientation orientation;
-  Vec3 velocity, angular_velocity;
-};
-
-/// [[populations]]
-struct CasePopulation : CaseSource {
-  enum class Amount { count, mass, solid_fraction, fill };
-  Amount amount = Amount::count;
-  double value = 0;  ///< count [-], mass [kg] or solid fraction of the region [-]
   PackingMethod method = PackingMethod::random;
   double jitter = 0.5;  ///< lattice: share of the free room of a cell that is used
-};
-
-/// [[inlets]]: what it draws, and an Inlet without its region, shares and size.
-struct CaseInlet : CaseSource {
-  std::string name;
-  Inlet inlet;
-};
-
-/// [[outlets]]
-struct CaseOutlet {
-  std::string where, name;
-  CaseRegion region;
-  std::int32_t to = -1;  ///< inlet through which bodies come in again
+  CaseOrientation orientation;
+  Vec3 velocity, angular_velocity;
 };
 
 /// [[walls]]: a Wall without its id and shape index, and where its mesh comes from.
@@ -96,6 +94,14 @@ struct CasePair {
   bool friction_given = false;
 };
 
+/// [start]
+struct CaseStart {
+  std::string where;
+  std::string run;                                             ///< folder, as it can be opened
+  std::int64_t checkpoint = -1, frame = -1;                    ///< step and number; both -1: the last checkpoint
+  std::vector<std::pair<std::string, std::string>> materials;  ///< of the run, and what they are called here
+};
+
 /// What becomes of bodies of [[bodies]] that start too close to each other or to a wall.
 enum class Relax {
   none,     ///< overlaps are refused, what is pressed starts as it is
@@ -110,14 +116,13 @@ struct Case {
   Settings settings;
   bool margin_given = false;
   Relax relax = Relax::shallow;
+  std::optional<CaseStart> start;
   std::vector<CaseShape> shapes;
   std::vector<Material> materials;
   std::vector<CasePair> pairs;
   std::vector<CaseBody> bodies;
   std::vector<CasePopulation> populations;
   std::vector<CaseWall> walls;
-  std::vector<CaseInlet> inlets;
-  std::vector<CaseOutlet> outlets;
 };
 
 /// Reads and checks a case; opens no other file.

@@ -58,6 +58,7 @@ class Describer : public CaseKeys {
   void named_numbers(const Key& key, std::vector<std::pair<std::string, double>>&, Range range) override {
     add(key, "named_numbers", "", Dimension::none, range);
   }
+  void named_texts(const Key& key, std::vector<std::pair<std::string, std::string>>&) override { add(key, "named_texts", ""); }
   void section(const Key& key, const Section& keys) override { descend(key, "table", "", keys); }
   void sections(const Key& key, const Section& keys) override { descend(key, "tables", "[]", keys); }
   void named_sections(const Key& key, const std::function<void(CaseKeys&, const std::string&)>& keys) override {
@@ -185,6 +186,9 @@ class Reader : public CaseKeys {
   }
   void named_numbers(const Key& key, std::vector<std::pair<std::string, double>>& values, Range range) override {
     if (visit(key)) values = t_.named_numbers(key.name, range);
+  }
+  void named_texts(const Key& key, std::vector<std::pair<std::string, std::string>>& values) override {
+    if (visit(key)) values = t_.named_texts(key.name);
   }
   void section(const Key& key, const Section& keys) override {
     if (!visit(key)) return;

@@ -45,6 +45,8 @@ class CaseKeys : public KeyVisitor {
   virtual void corners(const Key& key, Vec3& lower, Vec3& upper) = 0;
   /// { NAME = number, ... }, at least one
   virtual void named_numbers(const Key& key, std::vector<std::pair<std::string, double>>& values, Range range) = 0;
+  /// { NAME = "TEXT", ... }, at least one
+  virtual void named_texts(const Key& key, std::vector<std::pair<std::string, std::string>>& values) = 0;
 
   /// [key], visited when it is there.
   virtual void section(const Key& key, const Section& keys) = 0;

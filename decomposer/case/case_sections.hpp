@@ -17,15 +17,8 @@ void settings_sections(CaseKeys& k, Case& c);
 void wall_sections(CaseKeys& k, Case& c);
 /// [[populations]]; after the walls, since a region may be the inside of one.
 void population_sections(CaseKeys& k, Case& c);
-
-/// [[inlets]] and [[outlets]]; after the walls as well
-void inlet_sections(CaseKeys& k, Case& c);
-
-// What populations and inlets have in common.
-void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CaseSource& source);
-void size_key(CaseKeys& k, std::optional<SizeDistribution>& size);
-void orientation_key(CaseKeys& k, BodyOrientation& orientation);
-void region_section(CaseKeys& k, const Case& c, CaseRegion& region);
+/// [start]
+void start_section(CaseKeys& k, Case& c);
 
 /// { start, end, radius } and { centre, radius }, into the fields of a wall of that kind.
 void cylinder_keys(CaseKeys& k, Wall& wall);

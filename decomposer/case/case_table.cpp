@@ -281,6 +281,14 @@ std::vector<std::pair<std::string, double>> CaseTable::named_numbers(const std::
   return result;
 }
 
+std::vector<std::pair<std::string, std::string>> CaseTable::named_texts(const std::string& key) const {
+  const CaseTable all = table(key, {});
+  std::vector<std::pair<std::string, std::string>> result;
+  for (const std::string& name : all.keys()) result.emplace_back(name, all.text(name));
+  if (result.empty()) throw error(key, "is empty");
+  return result;
+}
+
 std::string CaseTable::only_one_of(const std::vector<const char*>& keys) const {
   std::string found, list;
   for (const char* key : keys) {

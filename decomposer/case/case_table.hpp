@@ -58,6 +58,8 @@ class CaseTable {
   std::vector<std::pair<std::string, CaseTable>> named_tables(const std::string& key, const std::vector<std::string>& keys) const;
   /// Keys that the table holds, in alphabetical order, with the values as numbers without unit: { fels = 0.7 }.
   std::vector<std::pair<std::string, double>> named_numbers(const std::string& key, Range range) const;
+  /// The same with texts: { stone = "wet stone" }.
+  std::vector<std::pair<std::string, std::string>> named_texts(const std::string& key) const;
   /// The one of these keys that the table holds; throws when there is none or more than one.
   std::string only_one_of(const std::vector<const char*>& keys) const;
 

@@ -9,14 +9,13 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "core/placing/random_numbers.hpp"
 #include "core/storage/wall_state.hpp"
 #include "decomposer/packing/compact.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"
-#include "decomposer/packing/inlets.hpp"
 #include "decomposer/packing/margin_rule.hpp"
 #include "decomposer/packing/packer.hpp"
+#include "decomposer/packing/random_numbers.hpp"
 #include "decomposer/packing/relax.hpp"
 #include "decomposer/packing/settle.hpp"
 #include "decomposer/packing/start_checks.hpp"
@@ -31,19 +30,21 @@ class Builder {
 
   PackedScene build() {
     out_.inputs.push_back({case_.path, case_.sha256, nullptr});
+    if (case_.start) take_bodies_of_run();
     scene().settings = case_.settings;
     scene().materials = case_.materials;
     for (const CasePair& p : case_.pairs) scene().pairs.push_back(p.pair);
     load_shapes();
     load_walls();
+    if (parts_.carried) parts_.carried->wall_partner = partners_of_walls(parts_.carried->from, parts_.walls, scene().shapes);
     load_regions();
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
     check_start(case_, parts_, scene(), report().notices);
-    check_inlets(case_, parts_, scene(), report().notices);
     Case placed = case_;
     if (placed.relax != Relax::none) relax(placed);
     Packer packer(placed, parts_, scene(), report());
+    packer.place_carried_bodies();
     packer.place_given_bodies();
     Placements placements(parts_);
     check_feasible(placed, parts_, scene());
@@ -58,7 +59,7 @@ class Builder {
     }
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
-    look_into_outlets();
+    if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
     report().doubts = doubts_about(case_, parts_, scene());
     return std::move(out_);
@@ -79,6 +80,50 @@ class Builder {
 
   Scene& scene() { return out_.scene; }
   PackingReport& report() { return out_.report; }
+
+  // ---- bodies of a run ----
+
+  void take_bodies_of_run() {
+    CarriedBodies& carried = parts_.carried.emplace();
+    carried.from = read_run(case_);
+    parts_.first_id = carried.from.first_free_id;
+    out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
+    // only now is known who can meet whom
+    const std::vector<MaterialUse> uses = uses_of(carried.from, case_);
+    check_pairs(case_, uses);
+    drop_pairs_that_cannot_meet(case_, uses);
+  }
+
+  /// A shape that the case has too, to the last bit, is one shape.
+  std::int32_t find_in_scene(const Shape& shape) const {
+    const std::vector<Shape>& all = out_.scene.shapes;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Shape& other = all[i];
+      if (other.name == shape.name && other.kind == shape.kind && other.sphere_radius == shape.sphere_radius &&
+          other.cell_size == shape.cell_size && other.mesh.vertices == shape.mesh.vertices && other.mesh.triangles == shape.mesh.triangles)
+        return static_cast<std::int32_t>(i);
+    }
+    return -1;
+  }
+
+  void load_carried_shapes() {
+    CarriedBodies& carried = *parts_.carried;
+    const std::vector<Shape>& shapes = carried.from.scene.shapes;
+    carried.shapes.resize(shapes.size());
+    carried.scene_shape.assign(shapes.size(), -1);
+    for (const BodyRow& row : carried.from.bodies) {
+      const auto k = static_cast<std::size_t>(row.shape);
+      if (carried.scene_shape[k] < 0) {
+        carried.shapes[k] = make_pack_shape(shapes[k]);
+        carried.scene_shape[k] = find_in_scene(shapes[k]);
+        if (carried.scene_shape[k] < 0) {
+          carried.scene_shape[k] = static_cast<std::int32_t>(scene().shapes.size());
+          scene().shapes.push_back(shapes[k]);
+        }
+      }
+      carried.placed.push_back({&carried.shapes[k], row.scale, row.position, row.orientation});
+    }
+  }
 
   // ---- files ----
 
@@ -120,9 +165,6 @@ class Builder {
     for (const CasePopulation& p : case_.populations) {
       for (const auto& share : p.shares) used[static_cast<std::size_t>(share.first)] = true;
     }
-    for (const CaseInlet& i : case_.inlets) {
-      for (const auto& share : i.shares) used[static_cast<std::size_t>(share.first)] = true;
-    }
     parts_.shapes.resize(case_.shapes.size());
     parts_.scene_shape.assign(case_.shapes.size(), -1);
     for (std::size_t i = 0; i < case_.shapes.size(); ++i) {
@@ -135,6 +177,7 @@ class Builder {
       scene().shapes.push_back(parts_.shapes[i].shape);
       scene().shapes.back().cell_size = case_.shapes[i].cell_size;
     }
+    if (parts_.carried) load_carried_shapes();
   }
 
   /// A wall or region keeps the coordinates of its file, also when it was imported as a solid.
@@ -161,7 +204,7 @@ class Builder {
   }
 
   void load_walls() {
-    auto id = static_cast<std::int64_t>(case_.bodies.size());
+    auto id = parts_.first_id + static_cast<std::int64_t>(case_.bodies.size());
     parts_.wall_shapes.resize(case_.walls.size());
     parts_.wall_bodies.resize(case_.walls.size());
     parts_.wall_is_solid.assign(case_.walls.size(), false);
@@ -182,41 +225,25 @@ class Builder {
   }
 
   void load_regions() {
-    for (const CasePopulation& p : case_.populations) parts_.regions.push_back(load_region(p.region, p.where));
-    for (const CaseInlet& i : case_.inlets) {
-      parts_.inlets.push_back(load_region(i.region, i.where));
-      scene().inlets.push_back(make_inlet(i, parts_, keep_region(parts_.inlets.back(), i.name)));
+    for (const CasePopulation& p : case_.populations) {
+      if (p.region.shape) {
+        parts_.regions.push_back(region_of(*p.region.shape));
+      } else if (p.region.wall >= 0) {
+        parts_.regions.push_back(
+            inside_of(case_.walls[static_cast<std::size_t>(p.region.wall)], parts_.walls[static_cast<std::size_t>(p.region.wall)]));
+      } else {
+        const ShapeFile& file = open_shapes(p.region.file, p.where);
+        const Shape& source = file.shapes.front();
+        if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
+          throw InputError("{}: {} cannot be a region; expected one closed mesh", p.where, p.region.file);
+        }
+        try {
+          parts_.regions.push_back(region_of(mesh_of_file(source)));
+        } catch (const InputError& e) {
+          throw InputError("{}: {} {}", p.where, p.region.file, e.what());
+        }
+      }
     }
-    for (const CaseOutlet& o : case_.outlets) {
-      parts_.outlets.push_back(load_region(o.region, o.where));
-      scene().outlets.push_back({o.name, keep_region(parts_.outlets.back(), o.name), o.to});
-    }
-  }
-
-  Region load_region(const CaseRegion& asked, const std::string& where) {
-    if (asked.shape) return region_of(*asked.shape);
-    if (asked.wall >= 0)
-      return inside_of(case_.walls[static_cast<std::size_t>(asked.wall)], parts_.walls[static_cast<std::size_t>(asked.wall)]);
-    const ShapeFile& file = open_shapes(asked.file, where);
-    const Shape& source = file.shapes.front();
-    if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
-      throw InputError("{}: {} cannot be a region; expected one closed mesh", where, asked.file);
-    }
-    try {
-      return region_of(mesh_of_file(source));
-    } catch (const InputError& e) {
-      throw InputError("{}: {} {}", where, asked.file, e.what());
-    }
-  }
-
-  /// A region as the scene keeps it; a mesh becomes one of its shapes.
-  RegionShape keep_region(const Region& region, const std::string& name) {
-    RegionShape kept = region.shape;
-    kept.motion = {};
-    if (!region.is_mesh()) return kept;
-    kept.shape = static_cast<std::int32_t>(scene().shapes.size());
-    scene().shapes.push_back(make_surface(name, region.mesh.shape.mesh));
-    return kept;
   }
 
   static Region inside_of(const CaseWall& wall, const Wall& placed) {
@@ -229,7 +256,7 @@ class Builder {
   // ---- what is to be placed ----
 
   void draw_particles() {
-    auto id = static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size());
+    auto id = parts_.first_id + static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size());
     for (std::size_t k = 0; k < case_.populations.size(); ++k) {
       const CasePopulation& p = case_.populations[k];
       const double density = scene().materials[static_cast<std::size_t>(p.material)].density;
@@ -315,20 +342,6 @@ class Builder {
     }
   }
 
-  /// Bodies that would leave with the first steps.
-  void look_into_outlets() {
-    const BodyTable& bodies = scene().bodies;
-    for (std::size_t k = 0; k < case_.outlets.size(); ++k) {
-      std::size_t inside = 0;
-      for (std::size_t i = 0; i < bodies.size(); ++i)
-        inside += bodies.fixed[i] == 0 && parts_.outlets[k].contains(bodies.position[i]) ? 1 : 0;
-      if (inside == 0) continue;
-      report().notices.push_back(
-          fmt::format("{}: {} of the bodies that the scene starts with lie in the outlet '{}' and are taken out at once",
-                      case_.outlets[k].where, inside, case_.outlets[k].name));
-    }
-  }
-
   void check_none_is_empty(const Placements& placements) const {
     for (std::size_t k = 0; k < case_.populations.size(); ++k) {
       if (placements.count_placed(parts_, k) > 0) continue;
@@ -354,7 +367,7 @@ class Builder {
     report().container_volume = container_volume(scene());
   }
 
-  const Case& case_;
+  Case case_;  // of whose pairs only those stay that can meet
   const ChildSolver& solver_;
   PackedScene out_;
   std::map<std::string, ShapeFile> files_;

@@ -5,10 +5,12 @@
 // squeezed in.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/provenance.hpp"
+#include "core/storage/start_state.hpp"
 #include "decomposer/case/case_file.hpp"
 #include "decomposer/packing/child_solver.hpp"
 
@@ -29,13 +31,15 @@ struct PackingReport {
   double container_volume = 0;         ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
   std::uint64_t attempts = 0;
   double fastest_impact = 0;  ///< estimate [m/s]
-  double overlap_share = 0;   ///< share of the margins that it uses up; above 1 the run will stop
+  const char* margin_from = "derived";
+  double overlap_share = 0;  ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;
   std::vector<std::string> doubts;  ///< doubts.hpp
 };
 
 struct PackedScene {
   Scene scene;                      ///< without provenance and partition
+  std::optional<StartState> start;  ///< of bodies that come from a run
   std::vector<InputRecord> inputs;  ///< the case and every shape file, with its own history
   PackingReport report;
 };

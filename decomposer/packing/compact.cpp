@@ -117,7 +117,7 @@ class Compactor {
     for (std::size_t i = 0; i < placements_.body.size(); ++i) {
       if (placements_.is_placed[i] != 0) packer.keep(placements_.body[i]);
     }
-    for (const CaseBody& b : case_.bodies) packer.keep({&parts_.shape(b.shape), b.scale, b.position, b.orientation});
+    packer.keep_standing();
     for (std::size_t i = 0; i < small.draws.size(); ++i) {
       if (moves_[i] == 0) continue;
       PlacedBody& body = placements_.body[i];
@@ -216,7 +216,7 @@ class Compactor {
     const Region& region = parts_.regions[population_];
     Wall wall = region.shape;
     wall.name = "region";
-    wall.id = static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size() + parts_.draws.size());
+    wall.id = parts_.first_id + static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size() + parts_.draws.size());
     wall.motion = {};
     wall.material = case_.populations[population_].material;
     if (region.is_mesh()) {

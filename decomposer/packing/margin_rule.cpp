@@ -6,7 +6,6 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "decomposer/packing/inlets.hpp"
 
 namespace scree {
 
@@ -71,17 +70,14 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     const double lever = d.scale * parts.shape(d.shape).radius;
     speed = std::max(speed, length(p.velocity) + lever * length(p.angular_velocity));
   }
-  for (const CaseInlet& i : c.inlets) {
-    for (const auto& share : i.shares) {
-      const Shape& shape = parts.shape(share.first).shape;
-      const double lever = scale_at(i, shape, true) * parts.shape(share.first).radius;
-      speed = std::max(speed, length(i.velocity) + lever * length(i.angular_velocity));
-    }
-    movers += 2;
-  }
   double wall_speed = 0;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     wall_speed = std::max(wall_speed, scene.walls[i].motion.fastest(wall_points(parts, i)));
+  }
+  for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) {
+    const BodyRow& row = parts.carried->from.bodies[i];
+    speed = std::max(speed, length(row.velocity) + parts.carried->placed[i].radius() * length(row.angular_velocity));
+    movers += row.fixed ? 0 : 1;
   }
   const double g = length(c.settings.gravity);
   double fall = 0;
@@ -93,11 +89,8 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
       bottom = std::min(bottom, dot(up, p));
     };
     for (const CaseBody& b : c.bodies) add(b.position, true);
-    std::vector<const Region*> starts;
-    for (const Region& r : parts.regions) starts.push_back(&r);
-    for (const Region& r : parts.inlets) starts.push_back(&r);
-    for (const Region* region : starts) {
-      const Region& r = *region;
+    for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) add(parts.carried->placed[i].position, true);
+    for (const Region& r : parts.regions) {
       for (int corner = 0; corner < 8; ++corner) {
         add({(corner & 1 ? r.box.upper : r.box.lower).x, (corner & 2 ? r.box.upper : r.box.lower).y,
              (corner & 4 ? r.box.upper : r.box.lower).z},
@@ -125,19 +118,17 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
 void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
   double heaviest = 0, smallest = 1e300;
   bool has_meshes = false;
-  const auto add = [&](std::int32_t shape, std::int32_t material, double scale, bool moves) {
-    const Shape& s = parts.shape(shape).shape;
+  const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
     has_meshes = has_meshes || s.kind != ShapeKind::sphere;
     if (!moves) return;
     heaviest = std::max(heaviest, scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale);
     smallest = std::min(smallest, scale * s.equivalent_diameter());
   };
-  for (const CaseBody& b : c.bodies) add(b.shape, b.material, b.scale, !b.fixed);
-  for (const Draw& d : parts.draws) add(d.shape, c.populations[d.population].material, d.scale, true);
-  for (const CaseInlet& i : c.inlets) {
-    for (const auto& share : i.shares) {
-      for (const bool largest : {false, true}) add(share.first, i.material, scale_at(i, parts.shape(share.first).shape, largest), true);
-    }
+  for (const CaseBody& b : c.bodies) add(parts.shape(b.shape).shape, b.material, b.scale, !b.fixed);
+  for (const Draw& d : parts.draws) add(parts.shape(d.shape).shape, c.populations[d.population].material, d.scale, true);
+  if (parts.carried) {
+    for (const BodyRow& row : parts.carried->from.bodies)
+      add(parts.carried->shapes[static_cast<std::size_t>(row.shape)].shape, row.material, row.scale, !row.fixed);
   }
   report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
   scene.settings.impact_speed = report.fastest_impact;
@@ -164,7 +155,12 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
 
   double& margin = scene.settings.margin;
-  if (!c.margin_given && heaviest > 0) {
+  const double margin_before = parts.carried ? parts.carried->from.scene.settings.margin : 0;
+  // bodies that rest on each other do so at the margins of their run
+  const bool keeps_margin = !c.margin_given && parts.carried && (margin_before > 0 || from_touch);
+  report.margin_from = c.margin_given ? "given" : keeps_margin ? "that of the run" : "derived";
+  if (keeps_margin) margin = margin_before;
+  if (!c.margin_given && heaviest > 0 && !(margin > 0)) {
     constexpr double kSmallestShare = 0.01, kNoticeShare = 0.05, kLargestShare = 0.2;  // of the smallest body's diameter
     const double derived = std::max(0.5 * depth / kOverlapShare, kSmallestShare * smallest);
     const double needed = heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2);

@@ -5,9 +5,9 @@
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
-#include "core/placing/orientation.hpp"
-#include "core/placing/random_numbers.hpp"
 #include "core/storage/contact_limits.hpp"
+#include "decomposer/packing/orientation.hpp"
+#include "decomposer/packing/random_numbers.hpp"
 
 namespace scree {
 
@@ -113,18 +113,17 @@ void Packer::place_given_bodies() {
     std::sort(near_.begin(), near_.end());  // reported in the order of the case
     for (const std::int32_t n : near_) {
       const auto j = static_cast<std::size_t>(n);
-      const CaseBody& other = case_.bodies[static_cast<std::size_t>(given_[j])];
-      if (b.fixed && other.fixed) continue;
+      if (b.fixed && is_fixed(j)) continue;
       const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
       if (!(found > deepest)) {
-        throw InputError("{}: overlaps {}, or touches it to more than {} of the margins; move one of them, or set contact.relax = true",
-                         b.where, other.where, kStopOverlapRatio);
+        throw InputError("{}: overlaps {}, or touches it to more than {} of the margins; {}", b.where, name_of(j), kStopOverlapRatio,
+                         is_carried(j) ? "move it away" : "move one of them, or set contact.relax = true");
       }
-      if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, other.where));
+      if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, name_of(j)));
     }
     keep(body, static_cast<std::int32_t>(i));
     BodyRow row;
-    row.id = static_cast<std::int64_t>(i);
+    row.id = parts_.first_id + static_cast<std::int64_t>(i);
     row.shape = parts_.scene_shape[static_cast<std::size_t>(b.shape)];
     row.material = b.material;
     row.scale = b.scale;
@@ -191,7 +190,7 @@ VacancyMap& Packer::vacancy(std::size_t population) {
 
 bool Packer::try_place(const Draw& d, PlacedBody& body, std::uint64_t attempts, std::uint64_t first) {
   const Region& region = parts_.regions[d.population];
-  const BodyOrientation& turned = case_.populations[d.population].orientation;
+  const CaseOrientation& turned = case_.populations[d.population].orientation;
   fits_ = false;
   for (std::uint64_t attempt = first + 1; attempt <= first + attempts; ++attempt) {
     ++report_.attempts;

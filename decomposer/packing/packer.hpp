@@ -8,6 +8,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "core/geometry/periodic.hpp"
 #include "decomposer/packing/build_scene.hpp"
@@ -21,6 +22,10 @@ class Packer {
   /// Borrows all; scene.settings.margin is known by now.
   Packer(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report);
 
+  /// Adds the bodies that come from a run, as they are. Throws InputError when a wall that was not in that run, or a wider margin, presses
+  /// one too far, or when one lies outside the domain.
+  void place_carried_bodies();
+
   /// Adds the bodies given one by one. Throws InputError when one overlaps another, a wall, or lies outside.
   void place_given_bodies();
 
@@ -32,10 +37,20 @@ class Packer {
 
   /// Notes a placed body and its images through periodic axes. `given`: its number among [[bodies]], or -1.
   void keep(const PlacedBody& body, std::int32_t given = -1);
+  /// Notes what does not move while others are packed: bodies of a run, and those given one by one.
+  void keep_standing();
 
  private:
   double gap() const { return 2 * scene_.settings.margin; }  // contact starts at the sum of two margins
   double inner_ball(const PlacedBody& body) const { return body.scale * body.shape->inner_radius; }
+  static constexpr std::int32_t kDrawn = -1, kFirstCarried = -2;  // carried body n: kFirstCarried - n
+  std::size_t carried_number(std::size_t placed) const { return static_cast<std::size_t>(kFirstCarried - given_[placed]); }
+  bool is_carried(std::size_t placed) const { return given_[placed] <= kFirstCarried; }
+  bool is_fixed(std::size_t placed) const;
+  std::string name_of(std::size_t placed) const;
+  std::string advice_on_margin() const;
+  void check_carried_at_walls(std::size_t body, bool is_wider, std::vector<std::size_t>& touching);
+  void check_carried_pairs(std::size_t body);
   void keep_one(const PlacedBody& body, std::int32_t given);
   bool domain_holds(const Vec3& p) const;
   bool walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing = nullptr);
@@ -54,7 +69,7 @@ class Packer {
   PackingReport& report_;
   Periodicity periodicity_;
   std::vector<PlacedBody> placed_;   // and images
-  std::vector<std::int32_t> given_;  // of each placed one, see keep
+  std::vector<std::int32_t> given_;  // of each placed one, see keep; below -1: of a run
   PlacedGrid grid_;
   std::vector<double> smallest_ball_;                 // inner ball of the smallest body of each population [m]
   std::vector<std::optional<VacancyMap>> vacancies_;  // one per population, made when it is needed

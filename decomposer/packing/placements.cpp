@@ -41,7 +41,7 @@ BodyRow row_of(const Case& c, const SceneParts& parts, const Draw& d, const Plac
 }  // namespace
 
 void add_placed(const Case& c, const SceneParts& parts, const Placements& placements, Scene& scene) {
-  auto id = static_cast<std::int64_t>(c.bodies.size() + c.walls.size());
+  auto id = parts.first_id + static_cast<std::int64_t>(c.bodies.size() + c.walls.size());
   for (std::size_t i = 0; i < parts.draws.size(); ++i) {
     if (placements.is_placed[i] == 0) continue;
     BodyRow row = row_of(c, parts, parts.draws[i], placements.body[i]);
@@ -71,8 +71,6 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
     b.add(row);
     draw_of_body.push_back(static_cast<std::int64_t>(i));
   }
-  scene.inlets.clear();
-  scene.outlets.clear();
   scene.settings.fluid.reset();  // packings are made in a void
   // only what the stage ends with is looked at
   scene.settings.output_contacts = false;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "core/placing/region.hpp"
 #include "decomposer/case/case_file.hpp"
+#include "decomposer/packing/from_run.hpp"
+#include "decomposer/packing/region.hpp"
 
 namespace scree {
 
@@ -17,6 +19,15 @@ struct Draw {
   double scale = 1, volume = 0;
 };
 
+/// Bodies that come from a run: they are where they are, and all else is placed around them.
+struct CarriedBodies {
+  FromRun from;
+  std::vector<PackShape> shapes;           ///< of the run; empty where not used
+  std::vector<std::int32_t> scene_shape;   ///< index into Scene::shapes, -1 when unused
+  std::vector<PlacedBody> placed;          ///< one for each of from.bodies
+  std::vector<std::int32_t> wall_partner;  ///< of each wall of the case, see partners_of_walls()
+};
+
 struct SceneParts {
   std::vector<PackShape> shapes;          ///< one per shape of the case; empty where it is not used
   std::vector<std::int32_t> scene_shape;  ///< index into Scene::shapes, -1 when unused
@@ -25,8 +36,9 @@ struct SceneParts {
   std::vector<PlacedBody> wall_bodies;    ///< of mesh walls
   std::vector<bool> wall_is_solid;
   std::vector<Region> regions;  ///< one per population
-  std::vector<Region> inlets, outlets;
   std::vector<Draw> draws;
+  std::optional<CarriedBodies> carried;
+  std::int64_t first_id = 0;  ///< of what this case adds: [[bodies]], then walls, then populations
 
   const PackShape& shape(std::int32_t index) const { return shapes[static_cast<std::size_t>(index)]; }
 };

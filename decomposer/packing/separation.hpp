@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/placing/placed_body.hpp"
+#include "decomposer/packing/placed_body.hpp"
 
 namespace scree {
 

@@ -17,8 +17,6 @@ namespace {
 constexpr std::uint64_t kPourAttempts = 200;
 constexpr int kFailuresInARow = 40;
 constexpr double kLongestRest = 60;  // falls through the region that the bed gets to come to rest
-// Of its size, by which a body without margins may reach out of its region: it is pressed into the walls that it rests on.
-constexpr double kPressedOut = 0.02;
 
 class Settler {
  public:
@@ -82,7 +80,7 @@ class Settler {
     for (std::size_t i = 0; i < placements_.body.size(); ++i) {
       if (placements_.is_placed[i] != 0) packer.keep(placements_.body[i]);
     }
-    for (const CaseBody& b : case_.bodies) packer.keep({&parts_.shape(b.shape), b.scale, b.position, b.orientation});
+    packer.keep_standing();
     int failures = 0;
     std::vector<std::size_t> left;
     std::size_t added = 0;
@@ -176,7 +174,7 @@ class Settler {
       if (moves_[i] == 0) continue;
       const Region& region = parts_.regions[parts_.draws[i].population];
       PlacedBody body = placements_.body[i];
-      if (scene_.settings.margin == 0) body.scale *= 1 - kPressedOut;
+      if (scene_.settings.margin == 0) body.scale *= 1 - kPressedIn;
       if (holds_around(region, body, *scratch)) continue;
       placements_.is_placed[i] = 0;
       ++trimmed;

@@ -69,6 +69,8 @@ def value_of(record, build_table):
         return array({"enum": record["words"]} if record["words"] else {"type": "string"})
     if kind == "named_numbers":
         return {"type": "object", "minProperties": 1, "additionalProperties": number(record)}
+    if kind == "named_texts":
+        return {"type": "object", "minProperties": 1, "additionalProperties": {"type": "string"}}
     table = build_table(below(record))
     if kind == "named_tables":
         return {"type": "object", "additionalProperties": table}
@@ -123,7 +125,7 @@ def type_text(record, records):
     return {"number": joined(unit, range_text) or "number", "integer": joined("whole number", range_text), "boolean": "true, false",
             "vector": joined("vector", unit), "direction": "direction", "quaternion": "`[w, x, y, z]`",
             "corners": joined("`[corner, corner]`", unit), "numbers": joined("list", unit), "vectors": joined("list of vectors", unit),
-            "named_numbers": "`{ NAME = number, ... }`"}.get(kind, kind)
+            "named_numbers": "`{ NAME = number, ... }`", "named_texts": "`{ NAME = \"TEXT\", ... }`"}.get(kind, kind)
 
 
 def rows_of(table, records):

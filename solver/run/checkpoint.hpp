@@ -7,12 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/run_files.hpp"
 #include "solver/run/measures.hpp"
 
 namespace scree {
-
-inline constexpr const char* kCheckpointFormat = "scree-checkpoint";
-inline constexpr std::int64_t kCheckpointFormatVersion = 4;  // 3 is still read
 
 /// What a run has in its record (run.json, log.csv) besides its state: worst values, last values and sums since its start, over
 /// all of its parts. What a killed part did after its last checkpoint is made again and counts once. Plain data.

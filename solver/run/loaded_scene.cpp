@@ -11,6 +11,7 @@ LoadedScene load_scene(const mpi::Communicator& comm, const std::string& path) {
   loaded.path = path;
   const auto read = [&] {
     loaded.scene = read_scene_file(path);
+    loaded.start = read_start_state(path, loaded.scene.bodies.size());
     loaded.sha256 = sha256_of_file(path);
     loaded.origin = choose_origin(loaded.scene);
     move_scene(loaded.scene, loaded.origin);

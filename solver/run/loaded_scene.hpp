@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "core/storage/start_state.hpp"
 #include "solver/ranks/mpi_session.hpp"
 #include "solver/scene/solver_scene.hpp"
 
@@ -11,6 +13,7 @@ namespace scree {
 
 struct LoadedScene {
   Scene scene;
+  std::optional<StartState> start;  ///< of bodies that come from a run
   std::string path, sha256;
   std::unique_ptr<SolverScene> prepared;
   Vec3 origin;  ///< of the scene as it is computed, in the world [m], see origin.hpp

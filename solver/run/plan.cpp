@@ -3,7 +3,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
@@ -40,12 +39,19 @@ Counts count(const SolverScene& scene) {
 /// The text, part by part.
 class Plan {
  public:
-  Plan(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation)
-      : comm_(comm), scene_(scene), source_(scene.source()), settings_(source_.settings), simulation_(simulation), count_(count(scene)) {}
+  Plan(const mpi::Communicator& comm, const SolverScene& scene, const std::optional<StartState>& start, const Simulation& simulation)
+      : comm_(comm),
+        scene_(scene),
+        start_(start),
+        source_(scene.source()),
+        settings_(source_.settings),
+        simulation_(simulation),
+        count_(count(scene)) {}
 
   std::string text() {
     text_ = fmt::format("Plan of \"{}\": {} bodies of {} shapes ({} triangles), {} walls, {} ranks x {} threads\n", settings_.title,
                         count_.bodies, source_.shapes.size(), count_.triangles, source_.walls.size(), comm_.size(), omp_get_max_threads());
+    add_start();
     add_contact();
     add_motion();
     add_fluid();
@@ -58,18 +64,17 @@ class Plan {
  private:
   void in(const std::string& what, const std::string& why) { text_ += fmt::format("  in   {:<26} {}\n", what, why); }
   void out(const std::string& what, const std::string& why) { text_ += fmt::format("  out  {:<26} {}\n", what, why); }
+  void add_start();
   void add_contact();
   void add_motion();
   void add_fluid();
   void add_space();
-  double mean_mass(const Inlet& inlet) const;
-  double bodies_to_come(const Inlet& inlet) const;
-  std::string text_of(const Inlet& inlet) const;
   void add_output();
   void add_numbers();
 
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
+  const std::optional<StartState>& start_;
   const Scene& source_;
   const Settings& settings_;
   const Simulation& simulation_;
@@ -113,6 +118,16 @@ void Plan::add_contact() {
     out("rolling resistance", "no pair asks for it");
 }
 
+void Plan::add_start() {
+  if (!start_) return;
+  const StartState& start = *start_;
+  in("start from a run",
+     fmt::format("{} bodies of {}/{} at {}{}", start.bodies, start.run, start.file, format_quantity(start.time, Dimension::time),
+                 start.q_principal.empty() ? "; contacts start without springs"
+                                           : fmt::format("; {} contacts keep their springs", start.pair_count())));
+  if (start.left > 0) out("springs of that run", fmt::format("{} contacts: not the same wall, or another contact.gather", start.left));
+}
+
 void Plan::add_motion() {
   if (count_.bodies > count_.fixed)
     in("motion", fmt::format("{}, {} moving bodies", word_of(settings_.integrator), count_.bodies - count_.fixed));
@@ -147,40 +162,6 @@ void Plan::add_fluid() {
   }
 }
 
-/// Mass of the mean body of an inlet [kg].
-double Plan::mean_mass(const Inlet& inlet) const {
-  double mass = 0, shares = 0;
-  for (const Inlet::Share& share : inlet.shares) {
-    const Shape& shape = source_.shapes[static_cast<std::size_t>(share.shape)];
-    double volume = 1;
-    if (inlet.size) {
-      constexpr int kSamples = 1000;
-      const SizeSampler sizes(*inlet.size);
-      volume = 0;
-      for (int n = 0; n < kSamples; ++n)
-        volume += std::pow(sizes.diameter((n + 0.5) / kSamples) / shape.equivalent_diameter(), 3) / kSamples;
-    }
-    mass += share.share * volume * source_.mass(share.shape, inlet.material, 1);
-    shares += share.share;
-  }
-  return mass / shares;
-}
-
-/// Bodies that an inlet is to let in during the run, about.
-double Plan::bodies_to_come(const Inlet& inlet) const {
-  const double owed = inlet.owed(settings_.duration), mean = mean_mass(inlet), number = inlet.rate.by_number ? owed : owed / mean;
-  return std::min({number, inlet.limit / mean, inlet.count >= 0 ? static_cast<double>(inlet.count) : 1e300});
-}
-
-std::string Plan::text_of(const Inlet& inlet) const {
-  const double number = bodies_to_come(inlet);
-  return fmt::format("'{}': about {:.0f} bodies, {} in all, at most {} at a time; looked at every {} steps; when full: {}", inlet.name,
-                     number, format_quantity(number * mean_mass(inlet), Dimension::mass),
-                     inlet.rate.by_number ? format_quantity(inlet.rate.largest(), Dimension::frequency)
-                                          : format_quantity(inlet.rate.largest(), Dimension::mass) + "/s",
-                     kExchangeSteps, word_of(inlet.when_full));
-}
-
 void Plan::add_space() {
   if (scene_.has_driven_walls()) {
     for (const Wall& wall : source_.walls) {
@@ -198,12 +179,6 @@ void Plan::add_space() {
     out("periodic axes", "no axis is periodic: no images");
   for (const std::string& zone : scene_.dropped_zones()) out("wall face", zone + ": the seam takes its place");
   for (const std::string& gap : scene_.seam_gaps()) out("wall at a seam", gap);
-  for (const Inlet& inlet : source_.inlets) in("inlet", text_of(inlet));
-  for (const Outlet& outlet : source_.outlets) {
-    in("outlet",
-       fmt::format("'{}': bodies with their centre inside are taken out, every {} steps{}", outlet.name, kExchangeSteps,
-                   outlet.to < 0 ? "" : "; they come in again through '" + source_.inlets[static_cast<std::size_t>(outlet.to)].name + "'"));
-  }
   if (!settings_.domain.bounded)
     out("domain checks", "the domain is unbounded");
   else
@@ -243,22 +218,15 @@ void Plan::add_numbers() {
   text_ += fmt::format("  memory        {} bytes per body, {} per body pair, shapes {:.1f} kB, candidates now {:.1f} kB in {} pairs\n",
                        sizeof(ParticleRecord) + 8 * sizeof(Vec3), sizeof(BodyPair) + sizeof(PairResult),
                        static_cast<double>(count_.shape_bytes) / 1e3, static_cast<double>(candidate_bytes) / 1e3, pairs);
-  double most = static_cast<double>(count_.bodies);
-  for (const Inlet& inlet : source_.inlets) most += bodies_to_come(inlet);
-  if (!source_.inlets.empty()) {
-    text_ += fmt::format("                about {:.1f} MB for {:.0f} bodies at the end, pairs not counted{}\n",
-                         most * static_cast<double>(sizeof(ParticleRecord) + 8 * sizeof(Vec3)) / 1e6, most,
-                         source_.outlets.empty() ? "" : ", if none leaves");
-  }
   const double frames = settings_.output_every > 0 ? settings_.duration / settings_.output_every : 100;
   text_ += fmt::format("  disk          about {:.1f} MB in {:.0f} frames\n",
-                       frames * (0.5 * (static_cast<double>(count_.bodies) + most) * 160 + contacts * 120) / 1e6, frames);
+                       frames * (static_cast<double>(count_.bodies) * 160 + contacts * 120) / 1e6, frames);
 }
 
 }  // namespace
 
-std::string plan_text(const mpi::Communicator& comm, const SolverScene& scene, const Simulation& simulation) {
-  return Plan(comm, scene, simulation).text();
+std::string plan_text(const mpi::Communicator& comm, const LoadedScene& loaded, const Simulation& simulation) {
+  return Plan(comm, *loaded.prepared, loaded.start, simulation).text();
 }
 
 }  // namespace scree

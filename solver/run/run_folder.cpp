@@ -8,12 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "core/base/provenance.hpp"
@@ -28,17 +26,6 @@ namespace fs = std::filesystem;
 constexpr const char* kLockName = ".lock";
 // What the solver writes besides frames and checkpoints.
 constexpr std::array kSingleFiles{"scene.h5", "log.csv", "ranks.csv", "steps.csv", "removed.csv", "run.json", "frames.hdf.series"};
-
-/// The number between the two ends of a name, when `name_of` gives the same name for it.
-std::optional<std::int64_t> number_in(const std::string& name, std::string_view front, std::string_view back,
-                                      std::string (*name_of)(std::int64_t)) {
-  if (name.size() <= front.size() + back.size() || !name.starts_with(front) || !name.ends_with(back)) return {};
-  const char *first = name.data() + front.size(), *last = name.data() + name.size() - back.size();
-  std::int64_t number = -1;
-  const auto [end, error] = std::from_chars(first, last, number);
-  if (error != std::errc() || end != last || number < 0 || name_of(number) != name) return {};
-  return number;
-}
 
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -60,11 +47,6 @@ std::string owner_text() {
 
 }  // namespace
 
-std::string frame_name(std::int64_t number) { return fmt::format("frame_{:06}.hdf", number); }
-std::string checkpoint_name(std::int64_t step) { return fmt::format("checkpoint_{:012}.h5", step); }
-std::optional<std::int64_t> frame_number_of(const std::string& name) { return number_in(name, "frame_", ".hdf", frame_name); }
-std::optional<std::int64_t> checkpoint_step_of(const std::string& name) { return number_in(name, "checkpoint_", ".h5", checkpoint_name); }
-
 bool is_left_over(const std::string& name) {
   constexpr std::string_view kEnding = ".tmp";
   if (!name.starts_with(".") || !name.ends_with(kEnding)) return false;
@@ -75,17 +57,6 @@ bool is_left_over(const std::string& name) {
   const std::string target = inner.substr(0, dot);
   return frame_number_of(target) || checkpoint_step_of(target) ||
          std::find(kSingleFiles.begin(), kSingleFiles.end(), target) != kSingleFiles.end();
-}
-
-std::vector<std::string> list_checkpoints(const std::string& folder) {
-  std::vector<std::pair<std::int64_t, std::string>> found;
-  for (const fs::path& file : files_in(folder)) {
-    if (const auto step = checkpoint_step_of(file.filename().string())) found.emplace_back(*step, file.string());
-  }
-  std::sort(found.begin(), found.end());
-  std::vector<std::string> paths;
-  for (auto& [step, path] : found) paths.push_back(std::move(path));
-  return paths;
 }
 
 std::optional<std::int64_t> completed_at(const std::string& folder) {

@@ -10,19 +10,12 @@
 #include <vector>
 
 #include "core/storage/frame_file.hpp"
+#include "core/storage/run_files.hpp"
 
 namespace scree {
 
-std::string frame_name(std::int64_t number);     ///< frame_000123.hdf
-std::string checkpoint_name(std::int64_t step);  ///< checkpoint_000000123456.h5
-/// The number in a name that these functions give; nothing for any other name, such as checkpoint_backup.h5.
-std::optional<std::int64_t> frame_number_of(const std::string& name);
-std::optional<std::int64_t> checkpoint_step_of(const std::string& name);
 /// Whether a file is what a killed solver left of a file of its own, "." NAME "." PROCESS ".tmp".
 bool is_left_over(const std::string& name);
-
-/// Paths of the checkpoints of a run folder, by ascending step.
-std::vector<std::string> list_checkpoints(const std::string& folder);
 
 /// The step at which a run ended, when its run.json says that it is complete.
 std::optional<std::int64_t> completed_at(const std::string& folder);

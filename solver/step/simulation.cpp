@@ -6,6 +6,7 @@
 
 #include "solver/built_with.hpp"
 #include "solver/step/stability.hpp"
+#include "solver/step/start_from_run.hpp"
 
 namespace scree {
 
@@ -13,14 +14,14 @@ namespace {
 
 /// This rank's bodies of a scene. One that is cut for these ranks starts as it is cut; else bodies are dealt out in equal runs, to be
 /// cut at once.
-std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const SolverScene& scene) {
+std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const SolverScene& scene, const std::optional<StartState>& start) {
   const BodyTable& bodies = scene.source().bodies;
   const bool is_cut = scene.source().partition.ranks == comm.size();
   const auto ranks = static_cast<std::size_t>(comm.size()), me = static_cast<std::size_t>(comm.rank());
   std::vector<ParticleRecord> mine;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const std::size_t owner = is_cut ? static_cast<std::size_t>(bodies.owner[b]) : b * ranks / bodies.size();
-    if (owner == me) mine.push_back(initial_record(scene, b));
+    if (owner == me) mine.push_back(start ? starting_record(scene, *start, b) : initial_record(scene, b));
   }
   return mine;
 }
@@ -28,12 +29,15 @@ std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const Sol
 }  // namespace
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
-    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm), inlets_(scene) {}
+    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm) {}
 
-void Simulation::start_from_scene() {
-  begin(own_records(state_.comm, state_.scene), 0, 0, decomposition_.has_cut());
+void Simulation::start_from_scene(const std::optional<StartState>& start) {
+  const std::vector<ParticleRecord> records = own_records(state_.comm, state_.scene, start);
+  if (start) mpi::on_all(state_.comm, [&] { state_.pairs.waiting() = starting_pairs(state_.scene, *start, records); });
+  begin(records, 0, 0, decomposition_.has_cut());
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   forces_.compute(state_, decomposition_, failure_, 0, false);
+  if (start) book_starting_springs(state_);
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);  // the first kick is by half a step
   agree_on_failures();
 }
@@ -44,7 +48,6 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   if (state_.comm.rank() == 0) state_.totals = totals;
   state_.totals.max_overlap_ratio = totals.max_overlap_ratio;
   state_.totals.largest_id = totals.largest_id;
-  state_.totals.inlets = totals.inlets;
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
@@ -81,7 +84,6 @@ void Simulation::advance() {
 void Simulation::advance_substep() {
   move_bodies();
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
-  inlets_.feed(state_, arrivals_);
   const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting());
   requests_.hear(all);
   if (all.failed != 0) agree_on_failures();

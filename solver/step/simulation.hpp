@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/storage/start_state.hpp"
 #include "solver/ranks/agreement.hpp"
 #include "solver/ranks/decomposition.hpp"
 #include "solver/ranks/failure.hpp"
@@ -15,7 +16,6 @@
 #include "solver/step/critical_step.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
-#include "solver/step/inlets.hpp"
 #include "solver/step/neighbour_lists.hpp"
 #include "solver/step/run_state.hpp"
 #include "solver/step/step_levels.hpp"
@@ -28,7 +28,8 @@ class Simulation {
 
   /// Starts from the scene, or from a checkpoint: every rank gives its own part of the bodies, in any way, and the state of
   /// their pairs. `step_size` is kept as it was. Totals are those of all ranks, the same on each. Collective.
-  void start_from_scene();
+  /// in   start   of a scene whose first bodies come from a run
+  void start_from_scene(const std::optional<StartState>& start = {});
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state, std::int64_t step, double step_size,
                           const RunTotals& totals);
 
@@ -49,7 +50,6 @@ class Simulation {
   Requests& requests() { return requests_; }
   StepLevels& levels() { return levels_; }
   DomainGuard& domain() { return domain_; }
-  Inlets& inlets() { return inlets_; }
   NeighbourLists& lists() { return lists_; }
   Decomposition& decomposition() { return decomposition_; }
   PhaseTimes& times() { return state_.times; }
@@ -77,7 +77,6 @@ class Simulation {
   StepLevels levels_;
   DomainGuard domain_;
   Arrivals arrivals_;
-  Inlets inlets_;
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;

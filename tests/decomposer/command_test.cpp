@@ -14,6 +14,7 @@
 
 #include "core/base/provenance.hpp"
 #include "core/storage/scene_file.hpp"
+#include "core/storage/start_state.hpp"
 
 namespace scree {
 namespace {
@@ -233,10 +234,10 @@ TEST_F(Command, a_newer_scene_exits_with_3) {
   {
     h5::NewFile file((folder_ / "new.scene.h5").string());
     file.root().write_attribute("format", kSceneFormat);
-    file.root().write_attribute("format_version", kSceneFormatVersion + 1);
+    file.root().write_attribute("format_version", kSceneFormatVersionWithStart + 1);
     file.commit();
   }
-  expect("partition new.scene.h5 --ranks 2 -o b.scene.h5", 3, {"version 2", "newer Scree"});
+  expect("partition new.scene.h5 --ranks 2 -o b.scene.h5", 3, {"version 3", "newer Scree"});
 }
 
 TEST_F(Command, files_that_are_missing_and_folders_that_do_not_exist_are_told_apart) {

@@ -16,6 +16,7 @@ import mesh_formats  # noqa: F401
 import near  # noqa: F401
 import packings  # noqa: F401
 import post_says  # noqa: F401
+import starts  # noqa: F401
 import sums  # noqa: F401
 from dimensions import DIMENSIONS, PLAIN, in_other_units
 from generator import generate
@@ -58,11 +59,9 @@ def scenes():
     del less_than_one["count"]
     on_a_sheet = scene(falling, [sheet])
     on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
-    feed = {"shape": "ball", "material": "m", "number_rate": 100.0, "region": {"box": [[-0.05, -0.05, 0.03], [0.05, 0.05, 0.06]]}, "velocity": [0, 0, -1]}
-    end = {"region": {"box": [[-0.1, -0.1, -0.2], [0.1, 0.1, 0.0]]}}
     return [scene(falling, [floor]), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
             scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
-            on_a_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
+            on_a_sheet, scene([], [floor], populations=[less_than_one])]
 
 
 def every_relation_can_fail(tools):
@@ -134,9 +133,9 @@ def schema_leaves(node, path=""):
 def leaves_of(words, path=""):
     if isinstance(words, dict):
         for name, entry in words.items():
-            named = path in ("shapes", "materials", "populations.*.shapes", "inlets.*.shapes")
+            named = path in ("shapes", "materials", "populations.*.shapes")
             yield from leaves_of(entry, f"{path}.*" if named else f"{path}.{name}" if path else name)
-    elif isinstance(words, list) and path in ("bodies", "walls", "populations", "pairs", "inlets", "outlets"):
+    elif isinstance(words, list) and path in ("bodies", "walls", "populations", "pairs"):
         for entry in words:
             yield from leaves_of(entry, path + ".*")
     else:
@@ -172,6 +171,8 @@ def every_word_of_the_language_is_drawn(_):
 
 
 NOT_DRAWN = {
+    # a case that starts from a run needs one: the relation started_from_its_run draws these
+    "start.run", "start.checkpoint", "start.frame", "start.materials.*",
     "shapes.*.name",   # of several shapes in a file: the tester imports one mesh into each file
     # openings that are others turned or mirrored, or through which bodies would only fall
     ("walls.*.shape.box.open", "+x"), ("walls.*.shape.box.open", "-y"), ("walls.*.shape.box.open", "-z"),

@@ -9,6 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/scene_settings.hpp"
+#include "core/storage/start_state.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -199,10 +200,10 @@ TEST_F(SceneFile, a_scene_of_a_newer_version_is_refused_with_what_to_do) {
   {
     h5::NewFile file(path("new.scene.h5"));
     file.root().write_attribute("format", kSceneFormat);
-    file.root().write_attribute("format_version", kSceneFormatVersion + 1);
+    file.root().write_attribute("format_version", kSceneFormatVersionWithStart + 1);
     file.commit();
   }
-  expect_says(message_of([&] { read_scene_file(path("new.scene.h5")); }), {"new.scene.h5", "version 2", "newer Scree"});
+  expect_says(message_of([&] { read_scene_file(path("new.scene.h5")); }), {"new.scene.h5", "version 3", "newer Scree"});
 }
 
 TEST_F(SceneFile, a_file_of_another_kind_is_refused) {

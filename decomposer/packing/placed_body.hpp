@@ -18,6 +18,9 @@ inline constexpr double kJustAbove = 1 + 1e-9;
 /// Of a body's radius: closer counts as touching.
 inline constexpr double kTouch = 1e-9;
 
+/// Of its size, by which a body without margins may stand in what it rests on: it has no margin that tells how far contact may press it.
+inline constexpr double kPressedIn = 0.02;
+
 /// A shape with its tree, shared by all bodies of that shape.
 struct PackShape {
   Shape shape;

@@ -1,0 +1,89 @@
+#include "decomposer/case/case_pairs.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "core/base/error.hpp"
+
+namespace scree {
+
+namespace {
+
+/// What uses a material: movers may touch everything else, fixed things only movers.
+struct Users {
+  double movers = 0;
+  std::string mover, still;
+};
+
+std::map<std::int32_t, Users> users_of_materials(const Case& c, const std::vector<MaterialUse>& others) {
+  std::map<std::int32_t, Users> users;
+  for (const CaseBody& b : c.bodies) {
+    Users& u = users[b.material];
+    (b.fixed ? u.still : u.mover) = b.where;
+    if (!b.fixed) u.movers += 1;
+  }
+  for (const CasePopulation& p : c.populations) {
+    users[p.material].mover = p.where;
+    users[p.material].movers += p.amount == CasePopulation::Amount::count ? p.value : 2;
+  }
+  for (const CaseWall& w : c.walls) users[w.wall.material].still = w.where;
+  for (const MaterialUse& other : others) {
+    Users& u = users[other.material];
+    if (other.has_fixed) u.still = other.where;
+    if (other.movers > 0) u.mover = other.where;
+    u.movers += other.movers;
+  }
+  return users;
+}
+
+/// Two materials that can touch, and what of them does.
+struct Meeting {
+  std::int32_t a, b;
+  std::string mover, with;
+};
+
+std::vector<Meeting> meetings(const Case& c, const std::vector<MaterialUse>& others) {
+  const std::map<std::int32_t, Users> users = users_of_materials(c, others);
+  std::vector<Meeting> all;
+  for (const auto& [a, first] : users) {
+    for (const auto& [b, second] : users) {
+      if (b < a) continue;
+      std::string with;
+      if (a == b) {
+        if (first.movers >= 2) with = first.mover;
+        if (first.movers >= 1 && !first.still.empty()) with = first.still;
+      } else if (first.movers >= 1 && second.movers >= 1) {
+        with = second.mover;
+      } else if (first.movers >= 1) {
+        with = second.still;
+      } else if (second.movers >= 1) {
+        with = first.still;
+      }
+      if (!with.empty()) all.push_back({a, b, first.movers >= 1 ? first.mover : second.mover, with});
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+void check_pairs(const Case& c, const std::vector<MaterialUse>& others) {
+  for (const Meeting& m : meetings(c, others)) {
+    const bool given = std::any_of(c.pairs.begin(), c.pairs.end(), [&](const CasePair& p) { return p.pair.a == m.a && p.pair.b == m.b; });
+    if (given) continue;
+    const std::string &na = c.materials[static_cast<std::size_t>(m.a)].name, &nb = c.materials[static_cast<std::size_t>(m.b)].name;
+    throw UsageError(
+        "{}: the materials \"{}\" and \"{}\" can touch ({} and {}), but no [[pairs]] says how; add one with "
+        "between = [\"{}\", \"{}\"]",
+        c.path, na, nb, m.mover, m.with, na, nb);
+  }
+}
+
+void drop_pairs_that_cannot_meet(Case& c, const std::vector<MaterialUse>& others) {
+  const std::vector<Meeting> needed = meetings(c, others);
+  std::erase_if(c.pairs, [&](const CasePair& p) {
+    return std::none_of(needed.begin(), needed.end(), [&](const Meeting& m) { return p.pair.a == m.a && p.pair.b == m.b; });
+  });
+}
+
+}  // namespace scree

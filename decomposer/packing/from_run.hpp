@@ -1,0 +1,44 @@
+// Bodies that a case takes over from a run ([start]): read from a checkpoint or a frame of its folder.
+//
+// What of the state of their pairs is taken over: that of two bodies, if contacts are gathered as in the run; that of a body and a wall, if
+// moreover this case has that wall where it stood in the run. See docs/decisions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/provenance.hpp"
+#include "core/storage/start_state.hpp"
+#include "decomposer/case/case_pairs.hpp"
+
+namespace scree {
+
+struct FromRun {
+  Scene scene;                      ///< of the run
+  std::vector<BodyRow> bodies;      ///< by ascending id; shape: of the run's scene, material: of the case
+  StartState start;                 ///< with the state of all pairs, as it is in the run
+  std::vector<InputRecord> inputs;  ///< the scene of the run and its checkpoint or frame
+  std::int64_t first_free_id = 0;   ///< above all that bodies and walls had in that run, and in those before it
+
+  /// "body 17 of settle.run"
+  std::string name_of(std::int64_t id) const;
+};
+
+/// in   c   with a start
+/// Throws InputError when there is no such run, checkpoint or frame, or it is damaged; UsageError for materials that the case does not
+/// have.
+FromRun read_run(const Case& c);
+
+/// What these bodies use of the materials of the case.
+std::vector<MaterialUse> uses_of(const FromRun& from, const Case& c);
+
+/// Whether this case has a wall, as it stands at its start, at that place in the run; one flag for each wall of the case.
+///
+/// in   walls    of the case, at its start     in   shapes   of its scene
+/// out  partner  index of that wall in the run, -1: none
+std::vector<std::int32_t> partners_of_walls(const FromRun& from, const std::vector<Wall>& walls, const std::vector<Shape>& shapes);
+
+/// What the scene of the case begins with.
+StartState start_of(const FromRun& from, const Scene& scene, const std::vector<std::int32_t>& partner);
+
+}  // namespace scree

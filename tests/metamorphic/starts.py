@@ -1,0 +1,87 @@
+"""A case that starts from the run of a case: what it begins with is what the run ended with, whoever computes it."""
+import numpy
+
+from bits import another_last_digit, same
+from relations import NotApplicable, Refused, relation, require
+
+kRounding = 1e-13       # of places, velocities and turns: one conversion of units and frames
+kForceRounding = 1e-7   # of the largest force and of what is in motion: rounding of a place over the overlap that it makes
+
+
+def next_case(trial):
+    """The case without its bodies, started from its own run; and whether from a frame."""
+    run, case = trial.completed(), trial.case.copy()
+    for key in ("bodies", "populations"):
+        case.words.pop(key, None)
+    start = case.words["start"] = {"run": run.folder}
+    from_frame = trial.random.random() < 0.25
+    if from_frame:
+        start["frame"] = run.frames[-1].number
+    elif trial.random.random() < 0.3:
+        start["checkpoint"] = run.record["steps"]
+    if trial.random.random() < 0.4:
+        names = {name: f"of {name}" for name in case.words["materials"]}
+        start["materials"] = names
+        case.words["materials"] = {names[name]: entry for name, entry in case.words["materials"].items()}
+        for pair in case.words.get("pairs", []):
+            pair["between"] = [names[name] for name in pair["between"]]
+        for wall in case.walls:
+            wall["material"] = names[wall["material"]]
+    return case, from_frame
+
+
+def contact_forces(frame, walls, tangential):
+    """Forces by pair and feature; walls by their place in the case."""
+    number = {wall["id"]: -1 - i for i, wall in enumerate(walls)}
+    c = frame.contacts
+    if not c:
+        return {}
+    forces = {}
+    for a, b, feature, normal, friction in zip(c["body_a"], c["body_b"], c["feature"], c["normal_force"], c["tangential_force"]):
+        a, b = number.get(int(a), int(a)), number.get(int(b), int(b))
+        if a < 0:   # of the two, the one with the smaller id comes first
+            a, b, friction = b, a, -friction
+        forces[a, b, int(feature)] = numpy.array([normal, *(friction if tangential else ())])
+    return forces
+
+
+@relation("bits", another_last_digit)
+def started_from_its_run(trial):
+    """[start]: bodies, contact forces and energies are those of the end of the run; the same bits on any ranks."""
+    run = trial.completed()
+    if any("motion" in wall for wall in trial.case.walls):
+        raise NotApplicable("walls would stand where they began")
+    end = run.frames[-1]
+    if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
+        raise NotApplicable("the run ends without bodies, or between frames")
+    case, from_frame = next_case(trial)
+    try:
+        scene = trial.tools.pack(case)
+    except Refused as reason:
+        if "outside the domain" in str(reason) and trial.case.value("domain", "outside") == "keep":
+            raise NotApplicable("bodies outside the domain") from None
+        raise
+    first = trial.tools.solve(scene)
+    require(first.frames, f"no first frame: {first.text[-300:]}")
+    begin = first.frames[0]
+    require(numpy.array_equal(begin.ids, end.ids), f"ids {begin.ids.tolist()} in place of {end.ids.tolist()}")
+    for name in ("position", "velocity", "angular_velocity", "quat"):
+        here, there = begin.bodies[name], end.bodies[name]
+        lack = numpy.abs(here - there).max()
+        require(lack <= kRounding * max(numpy.abs(there).max(), 1e-300), f"{name} begins {lack} away")
+    masses = scene.masses()
+    speed = max(numpy.linalg.norm(end.velocity, axis=1).max(), numpy.linalg.norm(end.spin, axis=1).max() * scene.radii().max())
+    moving = masses.sum() * (numpy.linalg.norm(scene.general["gravity"]) + speed**2 / scene.size())
+    here = contact_forces(begin, scene.walls, not from_frame)
+    there = contact_forces(end, run.scene.walls, not from_frame)
+    scale = moving + max((float(numpy.abs(v).max()) for v in there.values()), default=0.0)
+    zero = numpy.zeros(1 if from_frame else 4)
+    for key in here.keys() | there.keys():
+        lack = numpy.abs(here.get(key, zero) - there.get(key, zero)).max()
+        require(lack <= kForceRounding * scale, f"contact {key} begins with {here.get(key)} and ended with {there.get(key)}")
+    energy = moving * scene.size() + sum(abs(float(run.log[name][-1])) for name in ("elastic", "elastic_tangential"))
+    for name in ("kinetic_translational", "kinetic_rotational", "elastic") + (() if from_frame else ("elastic_tangential",)):
+        lack = abs(float(first.log[name][0]) - float(run.log[name][-1]))
+        require(lack <= kForceRounding * energy, f"{name} begins at {first.log[name][0]} J and ended at {run.log[name][-1]} J")
+    how = trial.parallel()
+    same(first, trial.solve(scene, **how), f"started from a run, {how}")
