@@ -28,6 +28,10 @@ void time_keys(KeyVisitor& k, Settings& s) {
        "and no more than they have at their terminal speed; where a body weighs nothing there, by falling in a void. Ends too when no body "
        "is left. The log then has at least four rows in the time of such a fall. Needs gravity"},
       s.stop_at_rest);
+  k.boolean({"stop_when_empty", "",
+             "ends the run at the first output time at which no body is left that is free to move: when a silo has emptied, for instance. "
+             "Bodies leave through the sides of a domain with `outside = \"remove\"`, which it needs"},
+            s.stop_when_empty);
   k.word({"step_control", "",
           "`quantised`: the step is halved, again and again, while the speed of a body (its spin counts as far as it moves the surface "
           "outwards) uses up a fifth of its margin in a step, its spin turns it by 0.1 rad, or the contacts that there are ask for it; "
@@ -75,7 +79,8 @@ void contact_keys(KeyVisitor& k, Settings& s) {
           kAlways},
          s.gather);
   k.word({"weights", "",
-          "of vertices in `gather = \"potential\"`: those that lie close together count as one (`density`), so that stiffness tends to a limit "
+          "of vertices in `gather = \"potential\"`: those that lie close together count as one (`density`), so that stiffness tends to a "
+          "limit "
           "as the mesh of a curved surface is refined; or each counts (`unit`), for comparison"},
          s.weights);
   k.number({"margin", "derived (README)",

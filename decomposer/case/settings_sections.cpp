@@ -1,5 +1,6 @@
 // The sections of a case that hold its settings. Their keys are in core/storage/scene_keys.cpp, since scene files keep them.
 #include <filesystem>
+#include <optional>
 
 #include "core/storage/scene_keys.hpp"
 #include "decomposer/case/case_sections.hpp"
@@ -76,8 +77,16 @@ void settings_sections(CaseKeys& k, Case& c) {
   s.title = std::filesystem::path(c.path).stem().string();
   s.gravity = {0, 0, -9.81};
   run_keys(k, s);
-  k.section({"time", kRequired}, [&](CaseKeys& below) { time_section(below, s); });
+  std::optional<UsageError> cannot_empty;  // known after the domain
+  k.section({"time", kRequired}, [&](CaseKeys& below) {
+    time_section(below, s);
+    if (s.stop_when_empty && below.table() != nullptr) {
+      cannot_empty = below.table()->error(
+          "stop_when_empty", "no body can leave; give [domain] with min, max and outside = \"remove\", or leave stop_when_empty out");
+    }
+  });
   k.section({"domain", "unbounded"}, [&](CaseKeys& below) { domain_section(below, s.domain); });
+  if (cannot_empty && !(s.domain.bounded && s.domain.outside == Outside::remove)) throw *cannot_empty;
   k.section({"fluid", "bodies move in a void, at no cost"}, [&](CaseKeys& below) { fluid_keys(below, s.fluid.emplace()); });
   k.section({"contact"}, [&](CaseKeys& below) { contact_section(below, c); });
   k.section({"motion"}, [&](CaseKeys& below) { motion_keys(below, s); });

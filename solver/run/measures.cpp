@@ -146,6 +146,12 @@ void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& w
 
 std::int64_t body_count(const RunState& s) { return s.comm.sum(static_cast<std::int64_t>(s.particles.owned)); }
 
+std::int64_t free_body_count(const RunState& s) {
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < s.particles.owned; ++i) count += s.particles.fixed[i] ? 0 : 1;
+  return s.comm.sum(count);
+}
+
 std::int64_t contact_count(const RunState& s) {
   std::int64_t count = 0;
   for_each_contact(s, [&](const BodyPair&, const PairResult& r) { count += r.contact_count; });

@@ -43,6 +43,7 @@ std::vector<WallLoad> wall_loads_of(const RunState& s);
 void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin);
 
 std::int64_t body_count(const RunState& s);
+std::int64_t free_body_count(const RunState& s);  ///< of those that are free to move
 std::int64_t contact_count(const RunState& s);
 std::int64_t active_pair_count(const RunState& s);
 std::int64_t bodies_outside(const RunState& s);  ///< of the domain

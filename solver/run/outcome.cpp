@@ -60,6 +60,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
   const RemovedTotals removed = removed_totals(simulation.state());
   const std::int64_t arrived = arrived_count(simulation.state());
   const std::int64_t bodies = body_count(simulation.state()), outside = bodies_outside(simulation.state());
+  const std::int64_t free = free_body_count(simulation.state());
   const std::vector<RankMeasures> ranks = gather_measures(comm, rank_measures(simulation));
   mpi::on_root(comm, [&] {
     nlohmann::json run;
@@ -75,7 +76,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["critical_contact"] = record.stiffest.name();
     run["time"] = simulation.time();
     if (loaded.scene.settings.stop_at_rest) run["came_to_rest"] = rest.at_rest(simulation.time());
-    if (bodies == 0) run["no_body_left"] = true;
+    if (bodies == 0 || (loaded.scene.settings.stop_when_empty && free == 0)) run["no_body_left"] = true;
     run["state_hash"] = hash;
     run["ranks"] = comm.size();
     run["threads"] = omp_get_max_threads();

@@ -101,7 +101,7 @@ class Run {
   void announce() const;
   int advance_to_end();
   bool is_over() const;
-  void look_for_rest();
+  void look_for_end();
   void ask_for_checkpoint_by_clock();
   void write_row();
   LogRow take_row();
@@ -127,6 +127,7 @@ class Run {
   bool is_restart_;
   RunRecord before_;
   RestWatch rest_;
+  bool is_empty_ = false;  // only where the run ends then: no body is left that is free to move
   Schedule schedule_;
   Writers writers_;
   Guard guard_;
@@ -185,13 +186,13 @@ int Run::go() {
 }
 
 int Run::advance_to_end() {
-  look_for_rest();
+  look_for_end();
   while (!is_over()) {
     ask_for_checkpoint_by_clock();
     simulation_.advance();
     watchdog_.progress(simulation_.step());
     const std::int64_t step = simulation_.step();
-    if (schedule_.is_frame_due(step)) look_for_rest();
+    if (schedule_.is_frame_due(step)) look_for_end();
     if (schedule_.is_row_due(step)) timed_output([&] { write_row(); });
     // before the last checkpoint, after which only the outcome is missing
     if (schedule_.is_frame_due(step)) timed_output([&] { write_frame(); });
@@ -204,12 +205,15 @@ int Run::advance_to_end() {
 
 bool Run::is_over() const {
   if (simulation_.step() >= schedule_.last) return true;
-  return simulation_.step() % schedule_.frame == 0 && (rest_.at_rest(simulation_.time()) || (rest_.is_active() && rest_.is_empty()));
+  if (simulation_.step() % schedule_.frame != 0) return false;
+  return is_empty_ || rest_.at_rest(simulation_.time()) || (rest_.is_active() && rest_.is_empty());
 }
 
 /// Before the first step, and whenever the run may end.
-void Run::look_for_rest() {
-  if (rest_.is_active()) rest_.look(comm_.max(rest_.busiest(simulation_.state().particles)), body_count(simulation_.state()));
+void Run::look_for_end() {
+  const RunState& s = simulation_.state();
+  if (rest_.is_active()) rest_.look(comm_.max(rest_.busiest(s.particles)), body_count(s));
+  if (loaded_.scene.settings.stop_when_empty) is_empty_ = free_body_count(s) == 0;
 }
 
 void Run::ask_for_checkpoint_by_clock() {
@@ -223,7 +227,7 @@ void Run::write_row() {
   simulation_.agree_on_failures();
   writers_.write_events(simulation_);
   const LogRow row = take_row();
-  writers_.write_row(row, before_, row.step == schedule_.last || rest_.at_rest(row.time));
+  writers_.write_row(row, before_, row.step == schedule_.last || is_empty_ || rest_.at_rest(row.time));
   if (is_root() && simulation_.state().clock.dt > row.critical.step) {
     warn_once("scree-solver",
               fmt::format("the step {:.4g} s is above the critical step of the contacts that there are; see critical_step in "
@@ -289,9 +293,10 @@ void Run::keep_invalid_state(const Error& error) {
 }
 
 int Run::finish() {
-  const std::string nobody = body_count(simulation_.state()) > 0 ? ""
-                             : loaded_.scene.bodies.size() == 0  ? "the scene has no body"
-                                                                 : "no body is left: all left the domain";
+  const std::string nobody = is_empty_ && body_count(simulation_.state()) > 0 ? "no body is left that is free to move"
+                             : body_count(simulation_.state()) > 0            ? ""
+                             : loaded_.scene.bodies.size() == 0               ? "the scene has no body"
+                                                                              : "no body is left: all left the domain";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());

@@ -308,6 +308,10 @@ TEST(CaseFile, populations_say_how_they_are_mixed_sized_and_turned) {
   expect_refusal(sieve("0.001, 0.002", "0, 0.5, 1"), {"3 values for 2 diameters"});
   expect_refusal(replaced("duration = \"0.5 s\"", "duration = 1\nstop_at_rest = true").insert(0, "gravity = [0, 0, 0]\n"),
                  {"needs gravity"});
+  const std::string empty = "duration = 1\nstop_when_empty = true", domain = "\n[domain]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n";
+  expect_refusal(replaced("duration = \"0.5 s\"", empty), {"stop_when_empty", "no body can leave", "outside = \"remove\""});
+  expect_refusal(replaced("duration = \"0.5 s\"", empty + domain), {"no body can leave"});
+  EXPECT_TRUE(parse(replaced("duration = \"0.5 s\"", empty + domain + "outside = \"remove\"\n")).settings.stop_when_empty);
 }
 
 TEST(CaseFile, a_fluid_is_what_it_says_and_nothing_without_viscosity) {

@@ -341,7 +341,7 @@ def far_away_things(trial):
 def other_output(trial):
     """What is written, and how often, is no physics."""
     run = trial.completed()
-    if trial.case.value("time", "stop_at_rest"):
+    if trial.case.value("time", "stop_at_rest") or trial.case.value("time", "stop_when_empty"):
         raise NotApplicable("the run ends at an output time")
     case = trial.case.copy()
     table = case.table("output")
@@ -411,7 +411,7 @@ def plan_tells_what_runs(trial):
         trial.spoil(rows)
     if "steps" not in rows:
         raise Violation(f"--plan names no number of steps:\n{out}")
-    if not trial.case.value("time", "stop_at_rest"):
+    if not trial.case.value("time", "stop_at_rest") and not trial.case.value("time", "stop_when_empty"):
         require(abs(int(rows["steps"][0]) - run.record["steps"]) <= 1, f"--plan promises {rows['steps'][0]} steps, the run takes {run.record['steps']}")
 
 

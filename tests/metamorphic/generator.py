@@ -757,6 +757,8 @@ def duration(d):
         d.duration = time["duration"] = 8 * d.duration
     if d.settles and d.chance(0.8) or d.g > 0 and d.chance(0.05):
         time["stop_at_rest"] = True
+    if d.words.get("domain", {}).get("outside") == "remove" and d.chance(0.15):
+        time["stop_when_empty"] = True
     d.words["time"] = time
     for wall in d.case.walls:
         motion = wall.get("motion", {})

@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
     box.lower = {0, 0, 0};
     box.upper = {2 * rim + spacing * side, 2 * rim + spacing * side, 100};
     scene.walls.push_back(box);
-    scene.settings.domain.bounded = kind == "periodic" || kind == "drain" || kind == "emptied";
+    scene.settings.domain.bounded = kind == "periodic" || kind == "drain" || kind == "emptied" || kind == "leaves";
     if (kind == "quantised") scene.settings.step_control = StepControl::quantised;
     scene.settings.domain.lower = {0, 0, 0};
     scene.settings.domain.upper = {box.upper.x, box.upper.y, 100};
@@ -62,6 +62,15 @@ int main(int argc, char** argv) {
       scene.settings.domain.lower.z = 0.09;
       scene.settings.domain.outside = Outside::remove;
       scene.settings.stop_at_rest = true;
+    }
+    if (kind == "leaves") {  // a column that falls out; one body that is fixed stays above it
+      scene.settings.domain.lower.z = 0.09;
+      scene.settings.domain.outside = Outside::remove;
+      scene.settings.stop_when_empty = true;
+      test::add_body(scene, 0, {0.07, 0.07, 50}, {}, {}, {}, 1);
+      scene.bodies.fixed.back() = 1;
+      scene.walls.back().id = count + 2;
+      scene.settings.output_every = scene.settings.checkpoint_every = 0.03;
     }
     if (kind == "far") {  // from the origin of the world: computed about its own middle
       const Vec3 away{1e4, -2e4, 3e4};

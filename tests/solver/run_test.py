@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """End-to-end tests of scree-solver as a user runs it. usage: run_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import math
 import os
 import shutil
 import signal
@@ -264,6 +265,30 @@ def a_run_that_loses_all_bodies_says_so():
     assert len(hashes) == 1 and hashes != {"0" * 32}, hashes
 
 
+def a_run_that_stops_when_empty_stops_then_on_any_ranks_and_after_a_restart():
+    """Four rocks fall one above the other, with 0.5 m/s from the start, through the end of the domain at 0.09 m; a fixed one stays."""
+    subprocess.run([PILE, "4", "3", "leaves.scene.h5", "1", "3e5", "leaves"], check=True)
+    import h5py
+    with h5py.File("leaves.scene.h5") as file:
+        highest = sorted(file["bodies/position"][:, 2])[-2]
+    last = (-0.5 + (0.25 + 2 * 9.81 * (highest - 0.09)) ** 0.5) / 9.81
+    end = 0.03 * math.ceil(last / 0.03)
+    assert 0.002 < end - last < 0.028, (last, end)
+    told = []
+    for ranks in (1, 2):
+        result = run(ranks, "leaves.scene.h5", "-o", f"leaves{ranks}.run")
+        assert "no body is left that is free to move" in result.stderr, result.stderr
+        told.append(outcome(f"leaves{ranks}.run"))
+        assert abs(told[-1]["time"] - end) < 1e-3, (told[-1]["time"], end)
+        assert told[-1]["bodies"] == 1 and told[-1]["removed_bodies"] == 4 and told[-1]["no_body_left"] is True, told[-1]
+    shutil.copytree("leaves1.run", "leaves3.run")
+    make_killed("leaves3.run")
+    run(3, "leaves.scene.h5", "-o", "leaves3.run", "--restart", "latest")
+    told.append(outcome("leaves3.run"))
+    for name in ("steps", "time", "state_hash", "message"):
+        assert len({str(t[name]) for t in told}) == 1, [t[name] for t in told]
+
+
 def the_plan_says_what_is_in_and_out():
     subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
     text = run(1, "pile.scene.h5", "--plan").stdout
@@ -280,6 +305,7 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          a_run_that_becomes_invalid_stops_all_ranks_and_names_the_contact,
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
          a_run_that_stops_at_rest_stops_there_after_a_restart_too, a_run_that_loses_all_bodies_says_so,
+         a_run_that_stops_when_empty_stops_then_on_any_ranks_and_after_a_restart,
          the_plan_says_what_is_in_and_out]
 
 main(TESTS)
