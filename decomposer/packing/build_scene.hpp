@@ -31,6 +31,7 @@ struct PackingReport {
   double container_volume = 0;         ///< of the first box, cylinder or sphere wall [m^3]; 0 when there is none
   std::uint64_t attempts = 0;
   double fastest_impact = 0;  ///< estimate [m/s]
+  double impact_overlap = 0;  ///< that it makes of the heaviest body and the softest pair [m]
   const char* margin_from = "derived";
   double overlap_share = 0;  ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;

@@ -154,6 +154,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   }
   const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
 
+  report.impact_overlap = depth;
   double& margin = scene.settings.margin;
   const double margin_before = parts.carried ? parts.carried->from.scene.settings.margin : 0;
   // bodies that rest on each other do so at the margins of their run

@@ -7,6 +7,7 @@
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "decomposer/packing/packer.hpp"
+#include "decomposer/packing/softness.hpp"
 
 namespace scree {
 
@@ -17,6 +18,10 @@ namespace {
 constexpr std::uint64_t kPourAttempts = 200;
 constexpr int kFailuresInARow = 40;
 constexpr double kLongestRest = 60;  // falls through the region that the bed gets to come to rest
+// From a softer bed to the stiffness of the case by this factor at a time: what was pressed by the softer law expands, and all at once
+// would throw the bed up. The softest stage takes so many falls through the largest body, a stiffer one less by the root of its stiffness,
+// as its waves are faster: about as many steps.
+constexpr double kStiffer = 2, kExpanding = 0.5;
 
 class Settler {
  public:
@@ -43,6 +48,7 @@ class Settler {
       largest_ = std::max(largest_, parts.draws[i].scale * parts.shape(parts.draws[i].shape).shape.equivalent_diameter());
     }
     wanted_ = waiting_.size();
+    softness_ = softness_of_pouring(c, parts, scene, report);
     if (g > 0) {
       fall_ = std::sqrt(2 * height / g);
       own_fall_ = std::sqrt(2 * largest_ / g);
@@ -67,6 +73,10 @@ class Settler {
     }
     if (!rests) refuse_what_does_not_fit();
     come_to_rest();
+    if (softness_ < 1) {
+      grow_stiff();
+      come_to_rest();
+    }
     trim();
   }
 
@@ -116,6 +126,19 @@ class Settler {
     });
   }
 
+  /// From a soft bed at rest to one that has the contacts of the case, near rest.
+  void grow_stiff() {
+    LongWork work("settle", 0);
+    const double softest = softness_;
+    while (softness_ < 1) {
+      softness_ = std::min(1.0, kStiffer * softness_);
+      work.update(0, fmt::format("contacts at {:.2g} of their stiffness", softness_));
+      expands_ = true;
+      move(kExpanding * own_fall_ * std::sqrt(softest / softness_), false, {});
+    }
+    expands_ = false;
+  }
+
   /// Lets all poured bodies move for a time, or until they rest.
   void move(double time, bool until_rest, const std::function<void(double)>& progress) {
     std::vector<std::int64_t> draw_of_body;
@@ -123,13 +146,7 @@ class Settler {
     stage.settings.duration = time;
     stage.settings.output_every = until_rest ? std::max(own_fall_, fall_ / 10) : time;
     stage.settings.stop_at_rest = until_rest;
-    Frame frame;
-    try {
-      frame = run_solver(solver_, stage, progress);
-    } catch (const RunInvalid& e) {
-      throw InputError("{}: settling failed after {} of {} bodies were poured: {}", case_.populations[population()].where,
-                       wanted_ - waiting_.size(), wanted_, e.what());
-    }
+    const Frame frame = run_stage(stage, progress);
     if (frame.bodies.size() != stage.bodies.size()) {
       throw InputError("{}: {} bodies left the domain while settling; close the container or widen the domain",
                        case_.populations[population()].where, stage.bodies.size() - frame.bodies.size());
@@ -148,6 +165,24 @@ class Settler {
     if (frame.time >= time * (1 - 1e-6)) {
       report_.notices.push_back(fmt::format("settle: not at rest after {}; kinetic energy {:.3g} J",
                                             format_quantity(frame.time, Dimension::time), frame.kinetic));
+    }
+  }
+
+  /// A bed that turns out to be too soft is made stiffer.
+  Frame run_stage(const Scene& stage, const std::function<void(double)>& progress) {
+    while (true) {
+      Scene softer = stage;
+      if (softness_ < 1) soften(softer, softness_);
+      if (expands_) damp(softer);
+      try {
+        return run_solver(solver_, softer, progress);
+      } catch (const RunInvalid& e) {
+        if (softness_ == 1 || expands_) {
+          throw InputError("{}: settling failed after {} of {} bodies were poured: {}", case_.populations[population()].where,
+                           wanted_ - waiting_.size(), wanted_, e.what());
+        }
+      }
+      softness_ = std::min(1.0, kStiffer * kStiffer * softness_);
     }
   }
 
@@ -217,6 +252,8 @@ class Settler {
   std::size_t wanted_ = 0;
   std::uint64_t stage_ = 0;
   double largest_ = 0, fall_ = 0, own_fall_ = 0;
+  double softness_ = 1;   // of contacts now, see softness.hpp
+  bool expands_ = false;  // while it becomes stiffer
 };
 
 }  // namespace

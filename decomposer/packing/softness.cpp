@@ -1,0 +1,89 @@
+#include "decomposer/packing/softness.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+// Of the smallest diameter, how far balls without margins may overlap: half of what margins would be made for (margin_rule.cpp). Bodies
+// with margins may use up kOverlapShare of them.
+constexpr double kOverlapOfDiameter = 0.02;
+// The largest force in a bed over that of its mean pressure on the area of a body: forces are distributed exponentially.
+constexpr double kLargestForce = 5;
+// A softer bed takes steps that are longer by the root of this and then has to be made stiff: below, it is not worth it.
+constexpr double kWorth = 16;
+constexpr double kSoftest = 1e-4;
+constexpr double kRestitution = 0.1;
+
+bool is_known(ContactLaw law) { return law == ContactLaw::linear || law == ContactLaw::hunt_crossley || law == ContactLaw::hertz_mindlin; }
+
+/// Force [N] of the softest pair at an overlap, of bodies of the smallest size.
+double softest_force(const Case& c, const Scene& scene, double smallest, double overlap) {
+  double softest = 1e300;
+  for (const CasePair& p : c.pairs) {
+    if (c.settings.law != ContactLaw::hertz_mindlin) {
+      softest = std::min(softest, p.pair.stiffness * overlap);
+      continue;
+    }
+    const double modulus =
+        effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
+    const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.25 * smallest;
+    softest = std::min(softest, 4.0 / 3 * modulus * std::sqrt(radius) * std::pow(overlap, 1.5));
+  }
+  return softest;
+}
+
+/// What the poured bodies of a region weigh on the area of the largest of them, at most [N].
+double load_of_bed(const Case& c, const SceneParts& parts, const Scene& scene, double largest) {
+  const double g = length(c.settings.gravity);
+  if (!(g > 0)) return 0;
+  const Vec3 down = (1 / g) * c.settings.gravity;
+  double area = 1e300, weight = 0;
+  for (const Draw& d : parts.draws) {
+    const CasePopulation& p = c.populations[d.population];
+    if (p.method != PackingMethod::settle) continue;
+    const Region& region = parts.regions[d.population];
+    const Vec3 e = region.box.extent();
+    area = std::min(area, region.volume / (std::abs(down.x) * e.x + std::abs(down.y) * e.y + std::abs(down.z) * e.z));
+    weight += scene.materials[static_cast<std::size_t>(p.material)].density * d.volume * g;
+  }
+  return weight / area * largest * largest;
+}
+
+}  // namespace
+
+double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report) {
+  if (!is_known(c.settings.law) || c.settings.gather == Gathering::area || c.settings.barrier > 0) return 1;
+  double smallest = 1e300, largest = 0;
+  for (const Draw& d : parts.draws) {
+    if (c.populations[d.population].method != PackingMethod::settle) continue;
+    const double diameter = d.scale * parts.shape(d.shape).shape.equivalent_diameter();
+    smallest = std::min(smallest, diameter);
+    largest = std::max(largest, diameter);
+  }
+  if (!(largest > 0) || c.pairs.empty()) return 1;
+  const double margins = 2 * scene.settings.margin, allowed = margins > 0 ? kOverlapShare * margins : kOverlapOfDiameter * smallest;
+  // overlaps of impacts go with a power of the stiffness, that of the law
+  const double power = c.settings.law == ContactLaw::hertz_mindlin ? 2.5 : 2;
+  const double for_impacts = std::pow(report.impact_overlap / allowed, power);
+  const double for_weight = kLargestForce * load_of_bed(c, parts, scene, largest) / softest_force(c, scene, smallest, allowed);
+  const double share = std::max({for_impacts, for_weight, kSoftest});
+  return share * kWorth <= 1 ? share : 1;
+}
+
+void soften(Scene& scene, double share) {
+  for (Material& m : scene.materials) m.young *= share;
+  for (MaterialPair& p : scene.pairs) p.stiffness *= share;
+  scene.settings.step = 0;
+}
+
+void damp(Scene& scene) {
+  for (MaterialPair& p : scene.pairs) {
+    const bool can_be_given = scene.settings.law != ContactLaw::hunt_crossley || p.restitution_speed > 0;
+    if (can_be_given) p.restitution = std::min(p.restitution, kRestitution);
+  }
+}
+
+}  // namespace scree

@@ -1,0 +1,20 @@
+// How much softer than the case a bed may be poured. Steps grow with the root of the softness, and nothing of the way into the bed stays:
+// contacts are made as stiff as the case has them before the bed comes to its last rest (settle.cpp).
+#pragma once
+
+#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/scene_parts.hpp"
+
+namespace scree {
+
+/// Share of the stiffness of the case, <= 1, with which what is poured neither overlaps too far by an impact nor by the weight of the bed.
+/// 1 where little would be won, and where contacts are more than springs (a barrier, an elastic layer, a law that is not known here).
+double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report);
+
+/// Contacts of a share of their stiffness, and a step that follows from them.
+void soften(Scene& scene, double share);
+
+/// Contacts that lose most of what they store.
+void damp(Scene& scene);
+
+}  // namespace scree
