@@ -50,6 +50,7 @@ nlohmann::json record(bool has_start, const std::vector<std::string>& command, c
 }
 
 std::string partition_line(const Scene& scene) {
+  if (scene.partition.ranks == 0) return "ranks              not divided: there are no bodies yet\n";
   return fmt::format("ranks              {}, predicted imbalance {:.3f} (largest over mean work)\n", scene.partition.ranks,
                      scene.partition.predicted_imbalance);
 }

@@ -15,6 +15,10 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
   if (frame.size() != 0 && frame.size() != scene.bodies.size()) {
     throw UsageError("tile: the frame has {} bodies, the scene {}; give a frame of a run of this scene", frame.size(), scene.bodies.size());
   }
+  if (!scene.inlets.empty() || !scene.outlets.empty()) {
+    throw UsageError("tile: the scene has {} inlets and {} outlets, which belong to one place; tile a scene without", scene.inlets.size(),
+                     scene.outlets.size());
+  }
   Scene result = scene;
   result.partition = {};
   Wall& box = result.walls[0];

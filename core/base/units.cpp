@@ -89,6 +89,7 @@ constexpr std::array kDimensions{
     DimensionFacts{Dimension::force, "a force", "N", "10 N", {1, 1, -2, 0}},
     DimensionFacts{Dimension::stress_per_length, "a stress per length", "Pa/m", "1 GPa/m", {1, -2, -2, 0}},
     DimensionFacts{Dimension::viscosity, "a dynamic viscosity", "Pa s", "1 mPa s", {1, -1, -1, 0}},
+    DimensionFacts{Dimension::mass_rate, "a mass per time", "kg/s", "2 kg/s", {1, 0, -1, 0}},
 };
 
 const DimensionFacts& facts_of(Dimension dimension) {

@@ -20,7 +20,8 @@ enum class Dimension {
   pressure,
   force,
   stress_per_length,
-  viscosity
+  viscosity,
+  mass_rate
 };
 
 /// "a length [m]", for messages.

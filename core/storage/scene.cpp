@@ -6,6 +6,12 @@
 
 namespace scree {
 
+double Inlet::owed(double time) const {
+  const double amount = rate.amount(std::min(time, stop) - start);
+  if (rate.by_number) return count >= 0 ? std::min(amount, static_cast<double>(count)) : amount;
+  return std::min(amount, limit);
+}
+
 void BodyTable::add(const BodyRow& r) {
   SCREE_ASSERT(owner.empty(), "{} owners", owner.size());
   id.push_back(r.id);

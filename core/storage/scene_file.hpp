@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/body_orientation.hpp"
+#include "core/storage/feed_rate.hpp"
 #include "core/storage/scene_words.hpp"
 #include "core/storage/shape_file.hpp"
+#include "core/storage/size_distribution.hpp"
 #include "core/storage/wall_motion.hpp"
 
 namespace scree {
@@ -97,6 +100,40 @@ struct Wall {
   WallMotion motion;
 };
 
+/// A part of space: what a wall of that kind would hold (box_inside, cylinder_inside, sphere_inside), or the inside of a closed mesh. Only
+/// what gives the wall its place is used; it does not move.
+using RegionShape = Wall;
+
+/// Takes bodies out of the run: those whose centres are in its region.
+struct Outlet {
+  std::string name;
+  RegionShape region;
+  std::int32_t to = -1;  ///< index of the inlet through which they come in again; -1: none
+};
+
+/// Lets bodies into the run, at the places in its region where they find room (solver/step/inlets.hpp).
+struct Inlet {
+  struct Share {
+    std::int32_t shape = 0;
+    double share = 1;  ///< of the number of bodies
+  };
+  std::string name;
+  RegionShape region;         ///< holds each body wholly as it comes in
+  std::vector<Share> shares;  ///< sum to 1
+  std::int32_t material = 0;
+  std::optional<SizeDistribution> size;  ///< diameter of the sphere of equal volume; none: shapes as they are
+  BodyOrientation orientation;
+  Vec3 velocity, angular_velocity;  ///< with which they come in [m/s], [rad/s]
+  FeedRate rate;
+  double start = 0, stop = 1e300;  ///< [s]
+  double limit = 1e300;            ///< of the mass [kg]
+  std::int64_t count = -1;         ///< of the bodies; -1: no limit
+  WhenFull when_full = WhenFull::wait;
+
+  /// What it should have let in by a time: [kg], or a number of bodies; the limits included.
+  double owed(double time) const;
+};
+
 struct Domain {
   bool bounded = false;
   Vec3 lower, upper;  ///< [m], when bounded
@@ -152,6 +189,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<MaterialPair> pairs;
   std::vector<Wall> walls;
+  std::vector<Inlet> inlets;
+  std::vector<Outlet> outlets;
   BodyTable bodies;
   Partition partition;
   nlohmann::json provenance;

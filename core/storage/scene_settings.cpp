@@ -36,12 +36,9 @@ json motion_json(WallMotion motion) {
   return j;
 }
 
-json wall_json(const Wall& wall) {
-  json j;
-  j["id"] = wall.id;
-  j["name"] = wall.name;
+/// What gives a wall, or a region, its place.
+void write_place(const Wall& wall, json& j) {
   j["kind"] = word_of(wall.kind);
-  j["material"] = wall.material;
   switch (wall.kind) {
     case WallKind::plane:
       j["point"] = to_json(wall.point);
@@ -68,7 +65,61 @@ json wall_json(const Wall& wall) {
       j["orientation"] = to_json(wall.orientation);
       break;
   }
+}
+
+json wall_json(const Wall& wall) {
+  json j;
+  j["id"] = wall.id;
+  j["name"] = wall.name;
+  j["material"] = wall.material;
+  write_place(wall, j);
   j["motion"] = motion_json(wall.motion);
+  return j;
+}
+
+json region_json(const RegionShape& region) {
+  json j;
+  write_place(region, j);
+  return j;
+}
+
+json inlet_json(const Inlet& inlet) {
+  json j;
+  j["name"] = inlet.name;
+  j["region"] = region_json(inlet.region);
+  for (const Inlet::Share& s : inlet.shares) j["shares"].push_back({{"shape", s.shape}, {"share", s.share}});
+  j["material"] = inlet.material;
+  if (inlet.size) {
+    const SizeDistribution& d = *inlet.size;
+    j["size"] = {{"distribution", word_of(d.kind)},
+                 {"first", d.first},
+                 {"second", d.second},
+                 {"min", d.min},
+                 {"max", d.max},
+                 {"by_mass", d.by_mass},
+                 {"sieve", d.sieve},
+                 {"passing", d.passing}};
+  }
+  const BodyOrientation& o = inlet.orientation;
+  json& turned = j["orientation"];
+  turned["kind"] = o.kind == BodyOrientation::Kind::random ? "random" : o.kind == BodyOrientation::Kind::given ? "given" : "aligned";
+  if (o.kind == BodyOrientation::Kind::given) turned["given"] = to_json(o.given);
+  if (o.kind == BodyOrientation::Kind::aligned) {
+    turned["align"] = to_json(o.direction);
+    turned["scatter"] = o.scatter;
+    if (o.axis == BodyOrientation::Axis::given)
+      turned["body_axis"] = to_json(o.body_axis);
+    else
+      turned["axis"] = word_of(o.axis);
+  }
+  j["velocity"] = to_json(inlet.velocity);
+  j["angular_velocity"] = to_json(inlet.angular_velocity);
+  j["rate"] = {{"of", inlet.rate.by_number ? "number" : "mass"}, {"time", inlet.rate.time}, {"rate", inlet.rate.rate}};
+  j["start"] = inlet.start;
+  j["stop"] = inlet.stop;
+  j["limit"] = inlet.limit;
+  j["count"] = inlet.count;
+  j["when_full"] = word_of(inlet.when_full);
   return j;
 }
 
@@ -118,11 +169,7 @@ WallMotion read_motion(const JsonObject& o) {
   return motion;
 }
 
-Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vector<Shape>& shapes) {
-  Wall wall;
-  wall.id = o.integer("id");
-  wall.name = o.text("name");
-  wall.material = o.index("material", material_count, "materials");
+void read_place(const JsonObject& o, const std::vector<Shape>& shapes, Wall& wall) {
   wall.kind = o.word<WallKind>("kind");
   switch (wall.kind) {
     case WallKind::plane:
@@ -154,8 +201,91 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
       wall.orientation = o.quaternion("orientation");
       break;
   }
+}
+
+Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vector<Shape>& shapes) {
+  Wall wall;
+  wall.id = o.integer("id");
+  wall.name = o.text("name");
+  wall.material = o.index("material", material_count, "materials");
+  read_place(o, shapes, wall);
   wall.motion = read_motion(o.object("motion"));
   return wall;
+}
+
+RegionShape read_region(const JsonObject& o, const std::vector<Shape>& shapes) {
+  RegionShape region;
+  read_place(o, shapes, region);
+  if (region.kind == WallKind::plane) throw InputError("{}: a plane holds nothing; the file is damaged", o.where());
+  if (region.kind == WallKind::mesh && shapes[static_cast<std::size_t>(region.shape)].kind == ShapeKind::sphere) {
+    throw InputError("{}: shape {} is no mesh; the file is damaged", o.where(), region.shape);
+  }
+  return region;
+}
+
+BodyOrientation read_orientation(const JsonObject& o) {
+  BodyOrientation turned;
+  const std::string kind = o.text("kind");
+  if (kind == "given") {
+    turned.kind = BodyOrientation::Kind::given;
+    turned.given = o.quaternion("given");
+  } else if (kind == "aligned") {
+    turned.kind = BodyOrientation::Kind::aligned;
+    turned.direction = o.unit_vector("align");
+    turned.scatter = o.at_least("scatter", 0);
+    if (o.has("body_axis")) {
+      turned.axis = BodyOrientation::Axis::given;
+      turned.body_axis = o.unit_vector("body_axis");
+    } else {
+      turned.axis = o.word<BodyOrientation::Axis>("axis");
+    }
+  } else if (kind != "random") {
+    throw InputError("{}.kind: '{}' found, expected one of random, given, aligned", o.where(), kind);
+  }
+  return turned;
+}
+
+SizeDistribution read_size(const JsonObject& o) {
+  SizeDistribution d;
+  d.kind = o.word<SizeDistribution::Kind>("distribution");
+  d.first = o.number("first");
+  d.second = o.number("second");
+  d.min = o.positive("min");
+  d.max = o.at_least("max", d.min);
+  d.by_mass = o.boolean("by_mass");
+  d.sieve = o.numbers("sieve");
+  d.passing = o.numbers("passing");
+  if (d.sieve.size() != d.passing.size() || (d.kind == SizeDistribution::Kind::sieve && d.sieve.size() < 2)) {
+    throw InputError("{}: {} sieves and {} shares; the file is damaged", o.where(), d.sieve.size(), d.passing.size());
+  }
+  return d;
+}
+
+Inlet read_inlet(const JsonObject& o, const Scene& scene) {
+  Inlet inlet;
+  inlet.name = o.text("name");
+  inlet.region = read_region(o.object("region"), scene.shapes);
+  for (const JsonObject& s : o.objects("shares")) {
+    inlet.shares.push_back({s.index("shape", scene.shapes.size(), "shapes"), s.positive("share")});
+    if (scene.shapes[static_cast<std::size_t>(inlet.shares.back().shape)].kind == ShapeKind::surface) {
+      throw InputError("{}: shape {} is a wall surface without mass", s.where(), inlet.shares.back().shape);
+    }
+  }
+  if (inlet.shares.empty()) throw InputError("{}.shares: empty; the file is damaged", o.where());
+  inlet.material = o.index("material", scene.materials.size(), "materials");
+  if (o.has("size")) inlet.size = read_size(o.object("size"));
+  inlet.orientation = read_orientation(o.object("orientation"));
+  inlet.velocity = o.vector("velocity");
+  inlet.angular_velocity = o.vector("angular_velocity");
+  const JsonObject rate = o.object("rate");
+  inlet.rate = {rate.text("of") == "number", rate.numbers("time"), rate.numbers("rate")};
+  if (const auto fault = inlet.rate.fault()) throw InputError("{}: {}", rate.where(), *fault);
+  inlet.start = o.number("start");
+  inlet.stop = o.number("stop");
+  inlet.limit = o.positive("limit");
+  inlet.count = o.integer("count");
+  inlet.when_full = o.word<WhenFull>("when_full");
+  return inlet;
 }
 
 }  // namespace
@@ -197,6 +327,13 @@ json settings_json(const Scene& scene) {
   }
   j["walls"] = json::array();
   for (const Wall& wall : scene.walls) j["walls"].push_back(wall_json(wall));
+  for (const Inlet& inlet : scene.inlets) j["inlets"].push_back(inlet_json(inlet));
+  for (const Outlet& outlet : scene.outlets) {
+    json& o = j["outlets"].emplace_back();
+    o["name"] = outlet.name;
+    o["region"] = region_json(outlet.region);
+    if (outlet.to >= 0) o["to"] = outlet.to;
+  }
   return j;
 }
 
@@ -218,6 +355,15 @@ void read_settings_json(const json& text, const std::string& where, Scene& scene
     pair_keys(reader, p, scene.settings);
   }
   for (const JsonObject& o : all.objects("walls")) scene.walls.push_back(read_wall(o, material_count, scene.shapes));
+  if (all.has("inlets")) {
+    for (const JsonObject& o : all.objects("inlets")) scene.inlets.push_back(read_inlet(o, scene));
+  }
+  if (!all.has("outlets")) return;
+  for (const JsonObject& o : all.objects("outlets")) {
+    Outlet outlet{o.text("name"), read_region(o.object("region"), scene.shapes)};
+    if (o.has("to")) outlet.to = o.index("to", scene.inlets.size(), "inlets");
+    scene.outlets.push_back(std::move(outlet));
+  }
 }
 
 }  // namespace scree

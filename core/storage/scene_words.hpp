@@ -20,6 +20,11 @@ template <>
 inline constexpr auto kWordsOf<Outside> =
     std::to_array<Word<Outside>>({{Outside::stop, "stop"}, {Outside::remove, "remove"}, {Outside::keep, "keep"}});
 
+/// What an inlet does when its next body finds no room: it waits until there is, or the run stops.
+enum class WhenFull { wait, stop };
+template <>
+inline constexpr auto kWordsOf<WhenFull> = std::to_array<Word<WhenFull>>({{WhenFull::wait, "wait"}, {WhenFull::stop, "stop"}});
+
 /// Drag of a fluid on a body (solver/bodies/fluid.hpp).
 enum class Drag { haider_levenspiel, stokes };
 template <>

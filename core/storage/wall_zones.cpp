@@ -84,16 +84,16 @@ std::vector<WallZone> wall_zones(const std::vector<Wall>& walls, const Periodici
   return zones;
 }
 
-void check_period(const Periodicity& periodicity, double radius, double margin, std::int64_t id) {
+void check_period(const Periodicity& periodicity, double radius, double margin, const std::string& who) {
   // a quarter of a period must hold the body's reach and the smallest skin of the body lists, which is 1 % of a radius a side
   constexpr double kRoomForSkin = 1.01;
   const double needed = 4 * (kRoomForSkin * radius + margin);
   for (int axis = 0; axis < 3; ++axis) {
     if (!periodicity.is_periodic(axis) || periodicity.period()[axis] >= needed) continue;
     throw UsageError(
-        "domain: the periodic axis {} is {:g} m long, but body {} with a bounding radius of {:g} m needs {:g} m, two of its "
+        "domain: the periodic axis {} is {:g} m long, but {} with a bounding radius of {:g} m needs {:g} m, two of its "
         "diameters and margins; widen the domain",
-        "xyz"[axis], periodicity.period()[axis], id, radius, needed);
+        "xyz"[axis], periodicity.period()[axis], who, radius, needed);
   }
 }
 

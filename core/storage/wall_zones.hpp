@@ -29,7 +29,7 @@ struct WallZone {
 std::vector<WallZone> wall_zones(const std::vector<Wall>& walls, const Periodicity& periodicity, std::vector<std::string>& dropped);
 
 /// Refuses, with UsageError, a body of which two images could be in reach of another body at once.
-/// in   radius   bounding, of the body [m]     in   margin   of each body [m]     in   id   for the message
-void check_period(const Periodicity& periodicity, double radius, double margin, std::int64_t id);
+/// in   radius   bounding, of the body [m]     in   margin   of each body [m]     in   who   "body 3"
+void check_period(const Periodicity& periodicity, double radius, double margin, const std::string& who);
 
 }  // namespace scree

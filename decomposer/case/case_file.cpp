@@ -154,6 +154,7 @@ void case_keys(CaseKeys& k, Case& c) {
   wall_sections(k, c);
   population_sections(k, c);
   k.section({"start", "bodies of this case only"}, [&](CaseKeys& below) { start_section(below, c); });
+  inlet_sections(k, c);
 }
 
 std::vector<KeyDescription> describe_case() {

@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
+#include "core/storage/body_orientation.hpp"
 #include "core/storage/scene_file.hpp"
-#include "decomposer/case/size_distribution.hpp"
+#include "core/storage/size_distribution.hpp"
 #include "decomposer/case/wall_forms.hpp"
 
 namespace scree {
@@ -33,28 +34,12 @@ struct CaseBody {
   bool fixed = false, lock_rotation = false;
 };
 
-/// Where a population may lie: one of these.
+/// A part of space, such as where a population may lie: one of these.
 struct CaseRegion {
   std::optional<Wall> shape;  ///< inside of a box, cylinder or sphere
   std::string file;           ///< closed mesh
   std::int32_t wall = -1;     ///< inside of one of the walls
 };
-
-/// How the bodies of a population are turned.
-struct CaseOrientation {
-  enum class Kind { random, given, aligned };
-  enum class Axis { longest, shortest, given };
-  Kind kind = Kind::random;
-  Quat given;
-  Vec3 direction{0, 0, 1};  ///< aligned: where the axis of the body points, unit, world
-  Axis axis = Axis::longest;
-  Vec3 body_axis{0, 0, 1};  ///< aligned, when it is given: unit, mesh axes
-  double scatter = 0;       ///< aligned: deviation of the tilt about each of the two directions across [rad]
-};
-
-template <>
-inline constexpr auto kWordsOf<CaseOrientation::Axis> = std::to_array<Word<CaseOrientation::Axis>>(
-    {{CaseOrientation::Axis::longest, "longest"}, {CaseOrientation::Axis::shortest, "shortest"}});
 
 enum class PackingMethod { random, lattice, settle, compact };
 template <>
@@ -63,21 +48,38 @@ inline constexpr auto kWordsOf<PackingMethod> = std::to_array<Word<PackingMethod
                                                                                     {PackingMethod::settle, "settle"},
                                                                                     {PackingMethod::compact, "compact"}});
 
-/// [[populations]]
-struct CasePopulation {
-  enum class Amount { count, mass, solid_fraction, fill };
+/// Bodies that are drawn, of a population or of an inlet.
+struct CaseSource {
   std::string where;
   std::vector<std::pair<std::int32_t, double>> shares;  ///< shape and its share; shares sum to 1
   bool shares_by_mass = false;                          ///< else by number
   std::int32_t material = 0;
-  Amount amount = Amount::count;
-  double value = 0;                      ///< count [-], mass [kg] or solid fraction of the region [-]
   std::optional<SizeDistribution> size;  ///< of the equivalent sphere; none: shapes as they are
   CaseRegion region;
+  BodyOrientation orientation;
+  Vec3 velocity, angular_velocity;
+};
+
+/// [[populations]]
+struct CasePopulation : CaseSource {
+  enum class Amount { count, mass, solid_fraction, fill };
+  Amount amount = Amount::count;
+  double value = 0;  ///< count [-], mass [kg] or solid fraction of the region [-]
   PackingMethod method = PackingMethod::random;
   double jitter = 0.5;  ///< lattice: share of the free room of a cell that is used
-  CaseOrientation orientation;
-  Vec3 velocity, angular_velocity;
+};
+
+/// [[inlets]]: what it draws, and an Inlet without its region, shares and size.
+struct CaseInlet : CaseSource {
+  std::string name;
+  Inlet inlet;
+};
+
+/// [[outlets]]
+struct CaseOutlet {
+  std::string where, name;
+  CaseRegion region;
+  std::int32_t to = -1;  ///< inlet through which bodies come in again
 };
 
 /// [[walls]]: a Wall without its id and shape index, and where its mesh comes from.
@@ -123,6 +125,8 @@ struct Case {
   std::vector<CaseBody> bodies;
   std::vector<CasePopulation> populations;
   std::vector<CaseWall> walls;
+  std::vector<CaseInlet> inlets;
+  std::vector<CaseOutlet> outlets;
 };
 
 /// Reads and checks a case; opens no other file.

@@ -26,6 +26,10 @@ std::map<std::int32_t, Users> users_of_materials(const Case& c, const std::vecto
     users[p.material].mover = p.where;
     users[p.material].movers += p.amount == CasePopulation::Amount::count ? p.value : 2;
   }
+  for (const CaseInlet& i : c.inlets) {
+    users[i.material].mover = i.where;
+    users[i.material].movers += i.inlet.count == 1 ? 1 : 2;
+  }
   for (const CaseWall& w : c.walls) users[w.wall.material].still = w.where;
   for (const MaterialUse& other : others) {
     Users& u = users[other.material];

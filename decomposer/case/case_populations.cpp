@@ -79,6 +79,22 @@ void size_section(CaseKeys& k, SizeDistribution& d) {
   }
 }
 
+void alignment_section(CaseKeys& k, BodyOrientation& o) {
+  const CaseTable* t = k.table();
+  const bool is_list = t != nullptr && t->is_list("axis");
+  o.kind = BodyOrientation::Kind::aligned;
+  k.direction({"align", kRequired, "where an axis of the body points"}, o.direction);
+  if (k.when(!is_list)) k.word({"axis", "", "which axis, or `[x, y, z]` in mesh axes"}, o.axis);
+  if (k.when(is_list)) {
+    k.direction({"axis"}, o.body_axis);
+    if (is_list) o.axis = BodyOrientation::Axis::given;
+  }
+  k.number({"scatter", "", "deviation of the tilt about each of the two directions across"}, o.scatter, Dimension::angle,
+           Range::not_negative);
+}
+
+}  // namespace
+
 void size_key(CaseKeys& k, std::optional<SizeDistribution>& size) {
   const CaseTable* t = k.table();
   const bool is_table = t != nullptr && t->is_table("size");
@@ -95,7 +111,7 @@ void size_key(CaseKeys& k, std::optional<SizeDistribution>& size) {
 }
 
 /// Shares of a mixture: fractions that add up to 1, or a ratio of whole numbers.
-void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CasePopulation& p) {
+void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CaseSource& p) {
   ShareOf by = ShareOf::number;
   std::int32_t shape = 0;
   std::vector<std::pair<std::string, double>> shares;
@@ -125,21 +141,7 @@ void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CasePopulat
   for (auto& share : p.shares) share.second /= sum;
 }
 
-void alignment_section(CaseKeys& k, CaseOrientation& o) {
-  const CaseTable* t = k.table();
-  const bool is_list = t != nullptr && t->is_list("axis");
-  o.kind = CaseOrientation::Kind::aligned;
-  k.direction({"align", kRequired, "where an axis of the body points"}, o.direction);
-  if (k.when(!is_list)) k.word({"axis", "", "which axis, or `[x, y, z]` in mesh axes"}, o.axis);
-  if (k.when(is_list)) {
-    k.direction({"axis"}, o.body_axis);
-    if (is_list) o.axis = CaseOrientation::Axis::given;
-  }
-  k.number({"scatter", "", "deviation of the tilt about each of the two directions across"}, o.scatter, Dimension::angle,
-           Range::not_negative);
-}
-
-void orientation_key(CaseKeys& k, CaseOrientation& o) {
+void orientation_key(CaseKeys& k, BodyOrientation& o) {
   const CaseTable* t = k.table();
   const bool is_list = t != nullptr && t->is_list("orientation"), is_table = t != nullptr && t->is_table("orientation");
   if (k.when(!is_list && !is_table)) {
@@ -149,10 +151,35 @@ void orientation_key(CaseKeys& k, CaseOrientation& o) {
   }
   if (k.when(is_list)) {
     k.orientation({"orientation"}, o.given);
-    if (is_list) o.kind = CaseOrientation::Kind::given;
+    if (is_list) o.kind = BodyOrientation::Kind::given;
   }
   if (k.when(is_table)) k.section({"orientation"}, [&](CaseKeys& below) { alignment_section(below, o); });
 }
+
+void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
+  std::vector<std::string> walls;
+  for (const CaseWall& w : c.walls) walls.push_back(w.wall.name);
+  Wall box;
+  box.kind = WallKind::box_inside;
+  const std::string kind = k.one_of({"box", "cylinder", "sphere", "inside", "inside_wall"});
+  k.corners({"box"}, box.lower, box.upper);
+  if (kind == "box") region.shape = box;
+  k.section({"cylinder"}, [&](CaseKeys& below) { cylinder_keys(below, region.shape.emplace()); });
+  k.section({"sphere"}, [&](CaseKeys& below) { sphere_keys(below, region.shape.emplace()); });
+  k.path({"inside", "", "a closed mesh"}, region.file);
+  k.reference({"inside_wall", "", "what a wall of that name holds, with its openings closed"}, region.wall, walls, "wall named");
+  const CaseTable* t = k.table();
+  if (t == nullptr || kind != "inside_wall") return;
+  const CaseWall& w = c.walls[static_cast<std::size_t>(region.wall)];
+  if (w.wall.kind == WallKind::plane || (w.form && w.form->inside.triangles.empty())) {
+    throw t->error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper or drum");
+  }
+  if (!w.file.empty()) {
+    throw t->error("inside_wall", "this wall is a file, which need not be closed; give region = { inside = \"FILE\" }");
+  }
+}
+
+namespace {
 
 void amount_keys(CaseKeys& k, CasePopulation& p) {
   std::int64_t count = 0;
@@ -180,29 +207,6 @@ void amount_keys(CaseKeys& k, CasePopulation& p) {
     p.amount = CasePopulation::Amount::fill;
     constexpr double kMoreThanFits = 0.85;  // of the region: no poured bed is as dense
     p.value = kMoreThanFits;
-  }
-}
-
-void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
-  std::vector<std::string> walls;
-  for (const CaseWall& w : c.walls) walls.push_back(w.wall.name);
-  Wall box;
-  box.kind = WallKind::box_inside;
-  const std::string kind = k.one_of({"box", "cylinder", "sphere", "inside", "inside_wall"});
-  k.corners({"box"}, box.lower, box.upper);
-  if (kind == "box") region.shape = box;
-  k.section({"cylinder"}, [&](CaseKeys& below) { cylinder_keys(below, region.shape.emplace()); });
-  k.section({"sphere"}, [&](CaseKeys& below) { sphere_keys(below, region.shape.emplace()); });
-  k.path({"inside", "", "a closed mesh"}, region.file);
-  k.reference({"inside_wall", "", "what a wall of that name holds, with its openings closed"}, region.wall, walls, "wall named");
-  const CaseTable* t = k.table();
-  if (t == nullptr || kind != "inside_wall") return;
-  const CaseWall& w = c.walls[static_cast<std::size_t>(region.wall)];
-  if (w.wall.kind == WallKind::plane || (w.form && w.form->inside.triangles.empty())) {
-    throw t->error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper or drum");
-  }
-  if (!w.file.empty()) {
-    throw t->error("inside_wall", "this wall is a file, which need not be closed; give region = { inside = \"FILE\" }");
   }
 }
 

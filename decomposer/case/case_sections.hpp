@@ -20,6 +20,15 @@ void population_sections(CaseKeys& k, Case& c);
 /// [start]
 void start_section(CaseKeys& k, Case& c);
 
+/// [[inlets]] and [[outlets]]; after the walls as well
+void inlet_sections(CaseKeys& k, Case& c);
+
+// What populations and inlets have in common.
+void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CaseSource& source);
+void size_key(CaseKeys& k, std::optional<SizeDistribution>& size);
+void orientation_key(CaseKeys& k, BodyOrientation& orientation);
+void region_section(CaseKeys& k, const Case& c, CaseRegion& region);
+
 /// { start, end, radius } and { centre, radius }, into the fields of a wall of that kind.
 void cylinder_keys(CaseKeys& k, Wall& wall);
 void sphere_keys(CaseKeys& k, Wall& wall);

@@ -6,7 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/geometry/triangle_mesh.hpp"
-#include "decomposer/packing/random_numbers.hpp"
+#include "core/placing/random_numbers.hpp"
 
 namespace scree {
 

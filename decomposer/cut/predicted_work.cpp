@@ -6,9 +6,9 @@
 
 #include "core/base/long_work.hpp"
 #include "core/geometry/features.hpp"
+#include "core/placing/placed_body.hpp"
 #include "core/search/multilevel_grid.hpp"
 #include "core/storage/wall_state.hpp"
-#include "decomposer/packing/placed_body.hpp"
 
 namespace scree {
 
@@ -133,6 +133,10 @@ PredictedWork predicted_work(const Scene& scene) {
 }
 
 void partition_scene(Scene& scene, const PredictedWork& work, int ranks, CutMethod method) {
+  if (scene.bodies.size() == 0) {  // all come in later: the solver cuts when they are there
+    scene.partition = {};
+    return;
+  }
   Partitioner partitioner(MPI_COMM_SELF, ranks, method);
   const CutBoxes boxes = partitioner.cut(scene.bodies.id, scene.bodies.position, work.of_body);
   std::vector<double> per_rank(static_cast<std::size_t>(ranks), 0.0);

@@ -9,13 +9,14 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/placing/random_numbers.hpp"
 #include "core/storage/wall_state.hpp"
 #include "decomposer/packing/compact.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"
+#include "decomposer/packing/inlets.hpp"
 #include "decomposer/packing/margin_rule.hpp"
 #include "decomposer/packing/packer.hpp"
-#include "decomposer/packing/random_numbers.hpp"
 #include "decomposer/packing/relax.hpp"
 #include "decomposer/packing/settle.hpp"
 #include "decomposer/packing/start_checks.hpp"
@@ -41,6 +42,7 @@ class Builder {
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
     check_start(case_, parts_, scene(), report().notices);
+    check_inlets(case_, parts_, scene(), report().notices);
     Case placed = case_;
     if (placed.relax != Relax::none) relax(placed);
     Packer packer(placed, parts_, scene(), report());
@@ -59,6 +61,7 @@ class Builder {
     }
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
+    look_into_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
     report().doubts = doubts_about(case_, parts_, scene());
@@ -165,6 +168,9 @@ class Builder {
     for (const CasePopulation& p : case_.populations) {
       for (const auto& share : p.shares) used[static_cast<std::size_t>(share.first)] = true;
     }
+    for (const CaseInlet& i : case_.inlets) {
+      for (const auto& share : i.shares) used[static_cast<std::size_t>(share.first)] = true;
+    }
     parts_.shapes.resize(case_.shapes.size());
     parts_.scene_shape.assign(case_.shapes.size(), -1);
     for (std::size_t i = 0; i < case_.shapes.size(); ++i) {
@@ -225,25 +231,41 @@ class Builder {
   }
 
   void load_regions() {
-    for (const CasePopulation& p : case_.populations) {
-      if (p.region.shape) {
-        parts_.regions.push_back(region_of(*p.region.shape));
-      } else if (p.region.wall >= 0) {
-        parts_.regions.push_back(
-            inside_of(case_.walls[static_cast<std::size_t>(p.region.wall)], parts_.walls[static_cast<std::size_t>(p.region.wall)]));
-      } else {
-        const ShapeFile& file = open_shapes(p.region.file, p.where);
-        const Shape& source = file.shapes.front();
-        if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
-          throw InputError("{}: {} cannot be a region; expected one closed mesh", p.where, p.region.file);
-        }
-        try {
-          parts_.regions.push_back(region_of(mesh_of_file(source)));
-        } catch (const InputError& e) {
-          throw InputError("{}: {} {}", p.where, p.region.file, e.what());
-        }
-      }
+    for (const CasePopulation& p : case_.populations) parts_.regions.push_back(load_region(p.region, p.where));
+    for (const CaseInlet& i : case_.inlets) {
+      parts_.inlets.push_back(load_region(i.region, i.where));
+      scene().inlets.push_back(make_inlet(i, parts_, keep_region(parts_.inlets.back(), i.name)));
     }
+    for (const CaseOutlet& o : case_.outlets) {
+      parts_.outlets.push_back(load_region(o.region, o.where));
+      scene().outlets.push_back({o.name, keep_region(parts_.outlets.back(), o.name), o.to});
+    }
+  }
+
+  Region load_region(const CaseRegion& asked, const std::string& where) {
+    if (asked.shape) return region_of(*asked.shape);
+    if (asked.wall >= 0)
+      return inside_of(case_.walls[static_cast<std::size_t>(asked.wall)], parts_.walls[static_cast<std::size_t>(asked.wall)]);
+    const ShapeFile& file = open_shapes(asked.file, where);
+    const Shape& source = file.shapes.front();
+    if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
+      throw InputError("{}: {} cannot be a region; expected one closed mesh", where, asked.file);
+    }
+    try {
+      return region_of(mesh_of_file(source));
+    } catch (const InputError& e) {
+      throw InputError("{}: {} {}", where, asked.file, e.what());
+    }
+  }
+
+  /// A region as the scene keeps it; a mesh becomes one of its shapes.
+  RegionShape keep_region(const Region& region, const std::string& name) {
+    RegionShape kept = region.shape;
+    kept.motion = {};
+    if (!region.is_mesh()) return kept;
+    kept.shape = static_cast<std::int32_t>(scene().shapes.size());
+    scene().shapes.push_back(make_surface(name, region.mesh.shape.mesh));
+    return kept;
   }
 
   static Region inside_of(const CaseWall& wall, const Wall& placed) {
@@ -339,6 +361,20 @@ class Builder {
       throw InputError(
           "{}: the share {:g} of '{}' gives not one of {} bodies; request more bodies, give it a larger share, or leave it out", p.where,
           p.shares[s].second, case_.shapes[static_cast<std::size_t>(p.shares[s].first)].name, all);
+    }
+  }
+
+  /// Bodies that would leave with the first steps.
+  void look_into_outlets() {
+    const BodyTable& bodies = scene().bodies;
+    for (std::size_t k = 0; k < case_.outlets.size(); ++k) {
+      std::size_t inside = 0;
+      for (std::size_t i = 0; i < bodies.size(); ++i)
+        inside += bodies.fixed[i] == 0 && parts_.outlets[k].contains(bodies.position[i]) ? 1 : 0;
+      if (inside == 0) continue;
+      report().notices.push_back(
+          fmt::format("{}: {} of the bodies that the scene starts with lie in the outlet '{}' and are taken out at once",
+                      case_.outlets[k].where, inside, case_.outlets[k].name));
     }
   }
 

@@ -36,6 +36,7 @@ void doubt_materials(const Case& c, std::vector<std::string>& doubts) {
     if (!b.fixed) of_movers.insert(b.material);
   }
   for (const CasePopulation& p : c.populations) of_movers.insert(p.material);
+  for (const CaseInlet& i : c.inlets) of_movers.insert(i.material);
   for (const std::int32_t index : of_movers) {
     const Material& m = c.materials[static_cast<std::size_t>(index)];
     if (m.density < kLightest) {
@@ -79,9 +80,9 @@ void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
         "fluid.density = {:g} kg/m^3 is that of a gas, and fluid.viscosity = {:g} Pa s that of a liquid; was \"{:g} g/cm^3\" meant?",
         s.fluid->density, s.fluid->viscosity, s.fluid->density));
   }
-  const bool moves =
-      c.start || !c.populations.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
-  if (!moves) doubts.push_back("nothing moves: the case has no population and no body that is not fixed");
+  const bool moves = c.start || !c.populations.empty() || !c.inlets.empty() ||
+                     std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
+  if (!moves) doubts.push_back("nothing moves: the case has no population, no inlet and no body that is not fixed");
   const bool is_held =
       c.start || !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
   if (moves && g > 0 && !is_held && !s.fluid) {

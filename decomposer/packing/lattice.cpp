@@ -5,7 +5,7 @@
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
-#include "decomposer/packing/orientation.hpp"
+#include "core/placing/orientation.hpp"
 #include "decomposer/packing/packer.hpp"
 
 namespace scree {

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "decomposer/packing/inlets.hpp"
 
 namespace scree {
 
@@ -70,6 +71,14 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     const double lever = d.scale * parts.shape(d.shape).radius;
     speed = std::max(speed, length(p.velocity) + lever * length(p.angular_velocity));
   }
+  for (const CaseInlet& i : c.inlets) {
+    for (const auto& share : i.shares) {
+      const Shape& shape = parts.shape(share.first).shape;
+      const double lever = scale_at(i, shape, true) * parts.shape(share.first).radius;
+      speed = std::max(speed, length(i.velocity) + lever * length(i.angular_velocity));
+    }
+    movers += 2;
+  }
   double wall_speed = 0;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     wall_speed = std::max(wall_speed, scene.walls[i].motion.fastest(wall_points(parts, i)));
@@ -90,7 +99,11 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     };
     for (const CaseBody& b : c.bodies) add(b.position, true);
     for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) add(parts.carried->placed[i].position, true);
-    for (const Region& r : parts.regions) {
+    std::vector<const Region*> starts;
+    for (const Region& r : parts.regions) starts.push_back(&r);
+    for (const Region& r : parts.inlets) starts.push_back(&r);
+    for (const Region* region : starts) {
+      const Region& r = *region;
       for (int corner = 0; corner < 8; ++corner) {
         add({(corner & 1 ? r.box.upper : r.box.lower).x, (corner & 2 ? r.box.upper : r.box.lower).y,
              (corner & 4 ? r.box.upper : r.box.lower).z},
@@ -129,6 +142,12 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   if (parts.carried) {
     for (const BodyRow& row : parts.carried->from.bodies)
       add(parts.carried->shapes[static_cast<std::size_t>(row.shape)].shape, row.material, row.scale, !row.fixed);
+  }
+  for (const CaseInlet& i : c.inlets) {
+    for (const auto& share : i.shares) {
+      for (const bool largest : {false, true})
+        add(parts.shape(share.first).shape, i.material, scale_at(i, parts.shape(share.first).shape, largest), true);
+    }
   }
   report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
   scene.settings.impact_speed = report.fastest_impact;

@@ -5,9 +5,9 @@
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
+#include "core/placing/orientation.hpp"
+#include "core/placing/random_numbers.hpp"
 #include "core/storage/contact_limits.hpp"
-#include "decomposer/packing/orientation.hpp"
-#include "decomposer/packing/random_numbers.hpp"
 
 namespace scree {
 
@@ -190,7 +190,7 @@ VacancyMap& Packer::vacancy(std::size_t population) {
 
 bool Packer::try_place(const Draw& d, PlacedBody& body, std::uint64_t attempts, std::uint64_t first) {
   const Region& region = parts_.regions[d.population];
-  const CaseOrientation& turned = case_.populations[d.population].orientation;
+  const BodyOrientation& turned = case_.populations[d.population].orientation;
   fits_ = false;
   for (std::uint64_t attempt = first + 1; attempt <= first + attempts; ++attempt) {
     ++report_.attempts;

@@ -71,6 +71,8 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
     b.add(row);
     draw_of_body.push_back(static_cast<std::int64_t>(i));
   }
+  scene.inlets.clear();
+  scene.outlets.clear();
   scene.settings.fluid.reset();  // packings are made in a void
   // only what the stage ends with is looked at
   scene.settings.output_contacts = false;

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/placing/region.hpp"
 #include "decomposer/case/case_file.hpp"
 #include "decomposer/packing/from_run.hpp"
-#include "decomposer/packing/region.hpp"
 
 namespace scree {
 
@@ -36,6 +36,7 @@ struct SceneParts {
   std::vector<PlacedBody> wall_bodies;    ///< of mesh walls
   std::vector<bool> wall_is_solid;
   std::vector<Region> regions;  ///< one per population
+  std::vector<Region> inlets, outlets;
   std::vector<Draw> draws;
   std::optional<CarriedBodies> carried;
   std::int64_t first_id = 0;  ///< of what this case adds: [[bodies]], then walls, then populations

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "decomposer/packing/placed_body.hpp"
+#include "core/placing/placed_body.hpp"
 
 namespace scree {
 

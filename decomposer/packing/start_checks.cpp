@@ -16,7 +16,7 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
   if (!periodicity.any()) return;
   double largest = 0;
   const auto check = [&](double radius, std::int64_t id) {
-    check_period(periodicity, radius, scene.settings.margin, id);
+    check_period(periodicity, radius, scene.settings.margin, fmt::format("body {}", id));
     largest = std::max(largest, radius);
   };
   for (std::size_t i = 0; i < c.bodies.size(); ++i)
@@ -24,6 +24,14 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
   for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i)
     check(parts.carried->placed[i].radius(), parts.carried->from.bodies[i].id);
   for (const Draw& d : parts.draws) check(d.scale * parts.shape(d.shape).radius, d.id);
+  for (const Inlet& inlet : scene.inlets) {
+    for (const Inlet::Share& share : inlet.shares) {
+      const Shape& shape = scene.shapes[static_cast<std::size_t>(share.shape)];
+      const double radius = (inlet.size ? inlet.size->max / shape.equivalent_diameter() : 1) * shape.bounding_radius();
+      check_period(periodicity, radius, scene.settings.margin, fmt::format("a body of the inlet '{}'", inlet.name));
+      largest = std::max(largest, radius);
+    }
+  }
   std::vector<std::string> dropped;
   wall_zones(scene.walls, periodicity, dropped);
   for (std::string& gap :
@@ -53,8 +61,8 @@ void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std
   check_periodic_axes(c, parts, scene, notices);
   check_needs_of_margin(c, scene.settings);
   const Settings& s = scene.settings;
-  const bool moves =
-      parts.carried || !parts.draws.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
+  const bool moves = parts.carried || !parts.draws.empty() || !c.inlets.empty() ||
+                     std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
   if (s.law == ContactLaw::hertz_mindlin && moves && !scene.pairs.empty() && !(s.margin > 0) && !(s.impact_speed > 0) && !(s.step > 0)) {
     throw UsageError(
         "{}: contact.impact_speed is missing, and the case has no speed, no fall and no moving wall to derive it from: the step follows "

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.hpp"
-#include "decomposer/packing/random_numbers.hpp"
+#include "core/placing/random_numbers.hpp"
 
 namespace scree {
 

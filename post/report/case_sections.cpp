@@ -52,6 +52,27 @@ std::string case_section(const Run& run) {
     rows.emplace_back("Started from",
                       fmt::format("{} of {} at {}: {} bodies, {} contacts with their springs", escaped(start->file), escaped(start->run),
                                   format_quantity(start->time, Dimension::time), start->bodies, start->pair_count()));
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
+    const Inlet& inlet = scene.inlets[k];
+    const nlohmann::json at_end = run.outcome.contains("inlets") ? run.outcome["inlets"][k] : nlohmann::json::object();
+    std::string text = inlet.rate.by_number ? fmt::format("up to {:.4g} bodies/s", inlet.rate.largest())
+                                            : fmt::format("up to {:.4g} kg/s", inlet.rate.largest());
+    if (!at_end.empty()) {
+      text += fmt::format("; {:.0f} bodies, {:.4g} kg came in", at_end.value("bodies", 0.0), at_end.value("mass", 0.0));
+      if (const double missing = at_end.value("shortfall", 0.0); missing > 0)
+        text += fmt::format("; {:.4g} {} found no room", missing, inlet.rate.by_number ? "bodies" : "kg");
+    }
+    rows.emplace_back(escaped("Inlet " + inlet.name), text);
+  }
+  for (std::size_t k = 0; k < scene.outlets.size(); ++k) {
+    const nlohmann::json at_end = run.outcome.contains("outlets") ? run.outcome["outlets"][k] : nlohmann::json::object();
+    const std::int32_t to = scene.outlets[k].to;
+    std::string text = at_end.empty()
+                           ? "takes bodies out"
+                           : fmt::format("{:.0f} bodies, {:.4g} kg went out", at_end.value("bodies", 0.0), at_end.value("mass", 0.0));
+    if (to >= 0) text += "; they come in again through " + escaped(scene.inlets[static_cast<std::size_t>(to)].name);
+    rows.emplace_back(escaped("Outlet " + scene.outlets[k].name), text);
+  }
   rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
   rows.emplace_back("Duration", fmt::format("{}, a frame every {}", format_quantity(s.duration, Dimension::time),
                                             s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));

@@ -225,6 +225,19 @@ std::string contact_section(const Run& run) {
   return html + "<h3>At the last frame</h3>\n" + table_of(rows);
 }
 
+/// Over the rows of the log: bodies may come and go.
+double mean_bodies(const Run& run) {
+  const LogTable& log = run.log;
+  const auto start = static_cast<double>(run.scene.bodies.size());
+  if (run.scene.inlets.empty() && run.scene.outlets.empty()) return start;
+  double sum = 0;
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    const auto at = [&](const char* name) { return log.has(name) ? log.column(name)[i] : 0.0; };
+    sum += start + at("inserted_bodies") - at("removed_bodies");
+  }
+  return log.rows() > 0 ? sum / static_cast<double>(log.rows()) : start;
+}
+
 std::string cost_section(const Run& run) {
   BarChart bars{"Time by phase (mean over ranks)", "", {}, {}, {}, false, ""};
   double total = 0;
@@ -258,8 +271,7 @@ std::string cost_section(const Run& run) {
   const double wall = o.value("wall_seconds", 0.0), steps = o.value("steps", 0.0);
   FactRows rows{{"Wall time", fmt::format("{} for {:.0f} steps", format_duration(wall), steps)},
                 {"Ran on", fmt::format("{} ranks x {} threads", o.value("ranks", 1), o.value("threads", 1))}};
-  if (wall > 0)
-    rows.emplace_back("Rate", fmt::format("{:.3g} particle steps per second", static_cast<double>(run.scene.bodies.size()) * steps / wall));
+  if (wall > 0) rows.emplace_back("Rate", fmt::format("{:.3g} particle steps per second", mean_bodies(run) * steps / wall));
   if (o.contains("mean_imbalance"))
     rows.emplace_back("Mean imbalance", fmt::format("{:.3f} (largest over mean work of the ranks)", o.value("mean_imbalance", 1.0)));
   if (o.contains("peak_rss_bytes"))
@@ -288,7 +300,7 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
   numbers["statistics"] = json_of(run, statistics);
   numbers["cost"] = nlohmann::json::object();
   for (const char* key : {"wall_seconds", "steps", "step_size", "critical_step", "ranks", "threads", "phases", "mean_imbalance",
-                          "peak_rss_bytes", "memory", "energy", "max_depth_ratio", "lost_bodies", "state_hash"}) {
+                          "peak_rss_bytes", "memory", "energy", "max_depth_ratio", "lost_bodies", "state_hash", "inlets", "outlets"}) {
     if (run.outcome.contains(key)) numbers["cost"][key] = run.outcome[key];
   }
   numbers["provenance"] = record;
@@ -322,9 +334,11 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
       "content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n",
       escaped(title + " - Scree"), kReportStyle);
   html += fmt::format(
-      "<header><p class=\"kicker\">Scree run <code>{}</code></p><h1>{}</h1><p class=\"lead\">{} bodies, {} frames, {:.4g} s simulated. "
+      "<header><p class=\"kicker\">Scree run <code>{}</code></p><h1>{}</h1><p class=\"lead\">{} bodies{}, {} frames, {:.4g} s simulated. "
       "Report of {} by scree-post {}.</p></header>\n",
-      escaped(run.name), escaped(title), run.scene.bodies.size(), run.frames.size(), run.frames.back().time, utc_now(), kVersion);
+      escaped(run.name), escaped(title), run.scene.bodies.size(),
+      run.scene.inlets.empty() ? "" : fmt::format(" at the start and {:.0f} that came in", run.outcome.value("inserted_bodies", 0.0)),
+      run.frames.size(), run.frames.back().time, utc_now(), kVersion);
   const std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
                                                          {"case", "What was run", case_section(run)},
                                                          {"picture", "Pictures", picture_section(run, shown, result.notes)},

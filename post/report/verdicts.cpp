@@ -170,15 +170,18 @@ Verdict judge_bodies(const Run& run) {
   const double lost = number_in(run.outcome, "lost_bodies", 0), outside = number_in(run.outcome, "bodies_outside_domain", 0);
   const double removed = number_in(run.outcome, "removed_bodies", 0);
   v.answer = lost == 0 && outside == 0 ? "none" : fmt::format("{:.0f} lost, {:.0f} outside the domain", lost, outside);
-  v.evidence = fmt::format("{} bodies in the scene, {:.0f} at the end.", run.scene.bodies.size(),
+  const double inserted = number_in(run.outcome, "inserted_bodies", 0), all = static_cast<double>(run.scene.bodies.size()) + inserted;
+  v.evidence = fmt::format("{} bodies in the scene, {}{:.0f} at the end.", run.scene.bodies.size(),
+                           inserted > 0 ? fmt::format("{:.0f} came in, ", inserted) : "",
                            number_in(run.outcome, "bodies", static_cast<double>(run.scene.bodies.size()) - lost));
   if (removed > 0) {
-    v.answer += fmt::format(", {:.0f} of {} removed", removed, run.scene.bodies.size());
-    v.evidence += fmt::format(" {:.0f} were removed as the case requires, because they left the domain.", removed);
+    v.answer += fmt::format(", {:.0f} of {:.0f} removed", removed, all);
+    v.evidence += run.scene.outlets.empty()
+                      ? fmt::format(" {:.0f} were removed as the case requires, because they left the domain.", removed)
+                      : fmt::format(" {:.0f} were removed as the case requires, by outlets or because they left the domain.", removed);
   }
   if (below > 0) {
-    v.answer = (v.answer == "none" ? std::string() : v.answer + ", ") +
-               fmt::format("{} of {} fall below all walls", below, run.scene.bodies.size());
+    v.answer = (v.answer == "none" ? std::string() : v.answer + ", ") + fmt::format("{} of {:.0f} fall below all walls", below, all);
     v.judgement = Judgement::doubtful;
     v.evidence +=
         " Bodies below all walls have no further contacts: check the walls for openings, or give a domain with outside = \"remove\" "
@@ -267,6 +270,9 @@ Verdict judge_frames(const Run& run) {
 Verdict judge_meshes(const Run& run) {
   Verdict v{"Mesh certificates", Judgement::good, "", ""};
   std::set<std::int32_t> used(run.scene.bodies.shape.begin(), run.scene.bodies.shape.end());
+  for (const Inlet& inlet : run.scene.inlets) {
+    for (const Inlet::Share& share : inlet.shares) used.insert(share.shape);
+  }
   std::size_t solid = 0, analytic = 0;
   std::string unchecked, refused;
   for (std::int32_t k : used) {

@@ -245,6 +245,8 @@ void StatisticsPlan::choose_kinds(const FrameView& view) {
   if (mixing == "auto") {
     bool several = false;
     for (std::size_t i = 1; i < scene.bodies.size(); ++i) several = several || scene.bodies.material[i] != scene.bodies.material[0];
+    for (const Inlet& inlet : scene.inlets)
+      several = several || inlet.material != (scene.bodies.size() > 0 ? scene.bodies.material[0] : scene.inlets.front().material);
     mixing = several ? "material" : std::string("half-") + static_cast<char>('x' + facts->container.vertical);
   }
   std::int64_t largest_id = -1;
@@ -386,9 +388,11 @@ void StatisticsPlan::add_whole(const FrameView& view, const ForceChains& chains,
   for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
     if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
   }
-  const bool are_removed = discharge_axis < 0 && run.scene.settings.domain.outside == Outside::remove;
+  const bool are_removed = discharge_axis < 0 && (run.scene.settings.domain.outside == Outside::remove || !run.scene.outlets.empty());
   for (std::size_t i = 0; are_removed && i < frame.bodies.size(); ++i) above += view.is_particle[i] != 0 ? view.mass[i] : 0;
-  row.push_back(discharge_axis >= 0 || are_removed ? scene_mass - above : kNaN);
+  // what came in by now counts as what was there from the start
+  const double came_in = run.scene.inlets.empty() ? 0 : log_value(run.log, "inserted_mass", frame.time);
+  row.push_back(discharge_axis >= 0 || are_removed ? scene_mass + came_in - above : kNaN);
   row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
   row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
 }

@@ -38,6 +38,11 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   for (const std::int32_t shape : run.scene.bodies.shape) {
     result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
   }
+  if (!run.scene.inlets.empty()) {
+    result.triangles_per_frame = 0;
+    for (const std::int32_t shape : load_frame(run, run.frames.size() - 1).bodies.shape)
+      result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
+  }
   const bool moving = any_wall_moves(run.scene);
   if (!run.scene.walls.empty() && !moving) {
     const Frame first = load_frame(run, 0);

@@ -216,13 +216,16 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
   }
   for (std::size_t k = 0; k < run.scene.materials.size(); ++k) materials += (k > 0 ? ", " : "") + quoted(run.scene.materials[k].name);
   for (std::int32_t k = 0; k < kShapeColours; ++k) colours += (k > 0 ? ", " : "") + list(shape_colour(k));
-  double size = 0;
-  for (std::size_t i = 0; i < run.scene.bodies.size(); ++i) {
-    const Shape& shape = run.scene.shapes[static_cast<std::size_t>(run.scene.bodies.shape[i])];
-    size += run.scene.bodies.scale[i] * shape.equivalent_diameter() / static_cast<double>(run.scene.bodies.size());
-  }
   // Everything that is drawn at the first and at the last frame is in view.
   const Frame last = load_frame(run, run.frames.size() - 1);
+  double size = 0;
+  const auto add_sizes = [&](const std::vector<std::int32_t>& shape, const std::vector<double>& scale) {
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      size += scale[i] * run.scene.shapes[static_cast<std::size_t>(shape[i])].equivalent_diameter() / static_cast<double>(shape.size());
+    }
+  };
+  add_sizes(run.scene.bodies.shape, run.scene.bodies.scale);
+  if (run.scene.bodies.size() == 0) add_sizes(last.bodies.shape, last.bodies.scale);  // all came in later
   Box3 room = room_of(load_frame(run, 0).bodies, run.scene);
   room.add(room_of(last.bodies, run.scene));
   std::int32_t rank_count = 1;

@@ -20,6 +20,7 @@ enum BodyUse : unsigned {
   kGhost = 1,     ///< sent to the ranks that hold a ghost of the body, in every step
   kHashed = 2,    ///< part of state_hash, in the order of the table
   kMeasured = 4,  ///< a time or a count of work: verify does not compare it
+  kLater = 8,     ///< checkpoints of earlier versions lack it: it is 0 then
 };
 
 }  // namespace scree
@@ -45,7 +46,8 @@ enum BodyUse : unsigned {
   column(Vec3, torque, "torque", "N m", kPlain, "about the centre, world")                                                                    \
   column(double, dissipated, "dissipated", "J", kPlain, "energy taken from this body by damping and friction")                                \
   column(double, work, "work", "", kMeasured, "measured work since the last cut, arbitrary unit")                                             \
-  column(Vec3, image, "image", "", kPlain, "periods gone along periodic axes, see Periodicity::wrap")
+  column(Vec3, image, "image", "", kPlain, "periods gone along periodic axes, see Periodicity::wrap")                                     \
+  column(double, entered, "entered", "s", kLater, "when it came into the run; 0 for those that the scene starts with")
 
 /// What follows from the state, the scene and the step: made anew where the body arrives.
 #define SCREE_BODY_DERIVED(column)                                                                           \

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <unordered_set>
@@ -9,50 +10,12 @@
 #include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
+#include "solver/run/checkpoint_tables.hpp"
 #include "solver/run/run_folder.hpp"
 
 namespace scree {
 
 namespace {
-
-/// A row of the state of a pair, as it lies in the file.
-template <class Row>
-struct PairRow {
-  std::int64_t a, b, zone;
-  Row row;
-  PairKey key() const { return {a, b, static_cast<std::int32_t>(zone)}; }
-};
-
-// The columns of a table as visit(action), action(dataset, unit, value_of), for writer, reader and the estimate of space alike.
-// value_of(row) refers to the value, of a constant row or of one that is read. The tables themselves are body_columns.hpp and
-// pair_state.hpp.
-struct BodyTableColumns {
-  using Item = ParticleRecord;
-  template <class Action>
-  static void visit(Action&& action) {
-    for_each_body_column([&](const auto& c) {
-      action(
-          c.dataset, c.unit, [field = c.field](auto& row) -> auto& { return row.*field; });
-    });
-  }
-};
-template <class Row>
-struct PairTableColumns {
-  using Item = PairRow<Row>;
-  template <class Action>
-  static void visit(Action&& action) {
-    action(
-        "a", "", [](auto& row) -> auto& { return row.a; });
-    action(
-        "b", "", [](auto& row) -> auto& { return row.b; });
-    action(
-        "zone", "", [](auto& row) -> auto& { return row.zone; });
-    PairKind<Row>::visit([&](const char* name, const char* unit, auto field) {
-      action(
-          name, unit, [field](auto& row) -> auto& { return row.row.*field; });
-    });
-  }
-};
 
 /// The numbers of a record with their names, for writer and reader alike.
 template <class Record, class Action>
@@ -97,38 +60,6 @@ void read_record(const h5::Group& group, RunRecord& record) {
     else
       value = static_cast<Value>(group.read_integer_attribute(name));
   });
-}
-
-template <class Columns>
-std::int64_t bytes_per_row() {
-  std::size_t bytes = 0;
-  const typename Columns::Item row{};
-  Columns::visit([&](const char*, const char*, auto value_of) { bytes += sizeof(value_of(row)); });
-  return static_cast<std::int64_t>(bytes);
-}
-
-template <class Columns>
-void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<typename Columns::Item>& mine, Rows rows) {
-  Columns::visit([&](const char* name, const char* unit, auto value_of) {
-    std::vector<std::decay_t<decltype(value_of(mine[0]))>> values;
-    values.reserve(mine.size());
-    for (const auto& row : mine) values.push_back(value_of(row));
-    file.write(group, name, values, rows, unit);
-  });
-}
-
-/// This rank's part of the rows, as they lie in the file.
-template <class Columns>
-std::vector<typename Columns::Item> read_columns(const mpi::Communicator& comm, const h5::Group& group, const char* first_column) {
-  const std::int64_t total = group.row_count(first_column);
-  const std::int64_t first = total * comm.rank() / comm.size(), last = total * (comm.rank() + 1) / comm.size();
-  std::vector<typename Columns::Item> rows(static_cast<std::size_t>(last - first), typename Columns::Item{});
-  Columns::visit([&](const char* name, const char*, auto value_of) {
-    using Value = std::decay_t<decltype(value_of(rows[0]))>;
-    const std::vector<Value> values = group.read_rows<Value>(name, first, last - first);
-    for (std::size_t i = 0; i < rows.size(); ++i) value_of(rows[i]) = values[i];
-  });
-  return rows;
 }
 
 /// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
@@ -215,6 +146,12 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
   const std::int64_t sums = static_cast<std::int64_t>(words.size()) / kWords;
   c.totals.walls = WallTotals(static_cast<std::size_t>(std::max<std::int64_t>(0, (sums - kSumsWithoutWalls) / kSumsOfWall)));
   set_words(words, c.totals);
+  if (root.has("outlets")) {
+    const auto outlets = root.read_array<std::int64_t>("outlets", kWords);
+    c.totals.outlets.resize(outlets.size() / (2 * ExactSum::kWords));
+    set_words(outlets, c.totals.outlets);
+  }
+  if (root.has("inlets")) c.totals.inlets = read_inlets(root);
   if (root.has_attribute("largest_id")) {
     set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
     c.totals.largest_id = root.read_integer_attribute("largest_id");
@@ -265,15 +202,18 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       const h5::Group group = root.create_group("record");
       for_each_number(run, [&](const std::string& name, const auto& value) { group.write_attribute(name, value); });
       file.write_text(root, "provenance", record);
-      const auto sums = static_cast<std::int64_t>(words.size() / ExactSum::kWords);  // the same on every rank: rank 0 writes them
-      file.write(root, "totals", words.data(), comm.rank() == 0 ? Rows{sums, 0, sums} : Rows{0, sums, sums},
-                 static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
-      if (totals.largest_id >= 0) {
-        const std::vector<std::int64_t> arrivals = words_of(totals.arrived);
-        const auto rows = static_cast<std::int64_t>(arrivals.size() / ExactSum::kWords);
-        root.write_attribute("largest_id", totals.largest_id);
-        file.write(root, "arrivals", arrivals.data(), comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows},
+      // the same on every rank: rank 0 writes them
+      const auto write_sums = [&](const char* name, const std::vector<std::int64_t>& sums) {
+        const auto rows = static_cast<std::int64_t>(sums.size() / ExactSum::kWords);
+        file.write(root, name, sums.data(), comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows},
                    static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      };
+      write_sums("totals", words);
+      if (!totals.outlets.empty()) write_sums("outlets", words_of(totals.outlets));
+      if (!totals.inlets.empty()) write_inlets(comm, file, root, totals.inlets);
+      if (totals.largest_id >= 0) {
+        root.write_attribute("largest_id", totals.largest_id);
+        write_sums("arrivals", words_of(totals.arrived));
       }
       write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
       for_each_kind(PairState{}, [&](const auto& kind) {

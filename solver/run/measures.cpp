@@ -38,6 +38,15 @@ struct ItemHash {
   }
 };
 
+ItemHash hash_of(const InletState& inlet) {
+  ItemHash h;
+  h.add(inlet.count);
+  h.add(inlet.mass);
+  h.add(inlet.returned);
+  for (const TransitBody& body : inlet.queue) h.add(body.id);
+  return h;
+}
+
 /// Calls action(pair, result) for the pairs in contact that this rank counts.
 template <class Action>
 void for_each_contact(const RunState& s, Action&& action) {
@@ -175,14 +184,25 @@ RemovedTotals removed_totals(const RunState& s) {
   return {departed.count.value(), departed.mass.value()};
 }
 
-std::int64_t arrived_count(const RunState& s) {
-  return static_cast<std::int64_t>(over_ranks(s.comm.get(), s.totals.arrived).count.value());
+std::vector<RemovedTotals> outlet_totals(const RunState& s) {
+  std::vector<RemovedTotals> totals;
+  for (const OutletTotals& outlet : over_ranks(s.comm.get(), s.totals.outlets))
+    totals.push_back({outlet.count.value(), outlet.mass.value()});
+  return totals;
 }
+
+RemovedTotals arrived_totals(const RunState& s) {
+  const ArrivalTotals arrived = over_ranks(s.comm.get(), s.totals.arrived);
+  return {arrived.count.value(), arrived.mass.value()};
+}
+
+std::int64_t arrived_count(const RunState& s) { return static_cast<std::int64_t>(arrived_totals(s).count); }
 
 RunTotals overall_totals(const RunState& s) {
   RunTotals totals = over_ranks(s.comm.get(), s.totals);
   totals.max_overlap_ratio = s.comm.max(s.totals.max_overlap_ratio);
   totals.arrived = over_ranks(s.comm.get(), s.totals.arrived);
+  totals.outlets = over_ranks(s.comm.get(), s.totals.outlets);
   totals.level = s.clock.level;
   return totals;
 }
@@ -213,6 +233,9 @@ std::string state_hash(const RunState& s) {
         add(h);
       }
     });
+  }
+  if (s.comm.rank() == 0) {
+    for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_UINT64_T, MPI_SUM, s.comm.get());
   if (sums[2] == 0) {  // no body is a state too, and no hash of it would look like one that was never made

@@ -53,6 +53,10 @@ struct RemovedTotals {
   double count = 0, mass = 0;
 };
 RemovedTotals removed_totals(const RunState& s);
+/// The same of those that each outlet took out.
+std::vector<RemovedTotals> outlet_totals(const RunState& s);
+/// The same of all bodies that joined after the start; those that came in again count again.
+RemovedTotals arrived_totals(const RunState& s);
 /// Number of all bodies that joined after the start.
 std::int64_t arrived_count(const RunState& s);
 /// What a checkpoint keeps of the totals.

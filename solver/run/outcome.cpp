@@ -40,6 +40,22 @@ nlohmann::json memory_json(const std::vector<RankMeasures>& ranks) {
   return {{"bytes_per_body", bodies > 0 ? body_bytes / bodies : 0.0}, {"bytes_per_ghost", ghosts > 0 ? ghost_bytes / ghosts : 0.0}};
 }
 
+nlohmann::json inlet_json(const Inlet& inlet, const InletState& state, double time) {
+  const double owed = inlet.owed(time), had = inlet.rate.by_number ? static_cast<double>(state.count) : state.mass;
+  nlohmann::json j;
+  j["name"] = inlet.name;
+  j["bodies"] = state.count;
+  j["mass"] = state.mass;
+  j["owed"] = owed;
+  // to one body the rate is met: only what found no room is missing
+  j["shortfall"] = state.is_blocked != 0 ? std::max(0.0, owed - had) : 0.0;
+  j["came_in_again"] = state.returned;
+  j["in_transit"] = state.queue.size();
+  j["times_blocked"] = state.blocked_looks;
+  j["first_blocked"] = state.first_blocked < 0 ? nlohmann::json() : nlohmann::json(state.first_blocked);
+  return j;
+}
+
 /// What was measured while it ran.
 void add_measures(nlohmann::json& run, const RunRecord& record) {
   run["wall_seconds"] = record.wall_seconds;
@@ -58,7 +74,8 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
                    Simulation& simulation, const RunRecord& record, const RestWatch& rest, const nlohmann::json& provenance) {
   const std::string hash = state_hash(simulation.state());
   const RemovedTotals removed = removed_totals(simulation.state());
-  const std::int64_t arrived = arrived_count(simulation.state());
+  const std::vector<RemovedTotals> by_outlet = outlet_totals(simulation.state());
+  const RemovedTotals arrived = arrived_totals(simulation.state());
   const std::int64_t bodies = body_count(simulation.state()), outside = bodies_outside(simulation.state());
   const std::int64_t free = free_body_count(simulation.state());
   const std::vector<RankMeasures> ranks = gather_measures(comm, rank_measures(simulation));
@@ -83,8 +100,18 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["bodies"] = bodies;
     run["removed_bodies"] = static_cast<std::int64_t>(removed.count);
     run["removed_mass"] = removed.mass;
-    run["lost_bodies"] =
-        static_cast<std::int64_t>(loaded.scene.bodies.size()) + arrived - bodies - static_cast<std::int64_t>(removed.count);
+    for (std::size_t k = 0; k < by_outlet.size(); ++k) {
+      run["outlets"].push_back(
+          {{"name", loaded.scene.outlets[k].name}, {"bodies", static_cast<std::int64_t>(by_outlet[k].count)}, {"mass", by_outlet[k].mass}});
+    }
+    if (!loaded.scene.inlets.empty()) {
+      run["inserted_bodies"] = static_cast<std::int64_t>(arrived.count);
+      run["inserted_mass"] = arrived.mass;
+    }
+    for (std::size_t k = 0; k < loaded.scene.inlets.size(); ++k)
+      run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
+    run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) + static_cast<std::int64_t>(arrived.count) - bodies -
+                         static_cast<std::int64_t>(removed.count);
     run["bodies_outside_domain"] = outside;
     add_measures(run, record);
     run["energy"] = energy_json(record);

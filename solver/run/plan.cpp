@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
@@ -69,6 +70,9 @@ class Plan {
   void add_motion();
   void add_fluid();
   void add_space();
+  double mean_mass(const Inlet& inlet) const;
+  double bodies_to_come(const Inlet& inlet) const;
+  std::string text_of(const Inlet& inlet) const;
   void add_output();
   void add_numbers();
 
@@ -162,6 +166,40 @@ void Plan::add_fluid() {
   }
 }
 
+/// Mass of the mean body of an inlet [kg].
+double Plan::mean_mass(const Inlet& inlet) const {
+  double mass = 0, shares = 0;
+  for (const Inlet::Share& share : inlet.shares) {
+    const Shape& shape = source_.shapes[static_cast<std::size_t>(share.shape)];
+    double volume = 1;
+    if (inlet.size) {
+      constexpr int kSamples = 1000;
+      const SizeSampler sizes(*inlet.size);
+      volume = 0;
+      for (int n = 0; n < kSamples; ++n)
+        volume += std::pow(sizes.diameter((n + 0.5) / kSamples) / shape.equivalent_diameter(), 3) / kSamples;
+    }
+    mass += share.share * volume * source_.mass(share.shape, inlet.material, 1);
+    shares += share.share;
+  }
+  return mass / shares;
+}
+
+/// Bodies that an inlet is to let in during the run, about.
+double Plan::bodies_to_come(const Inlet& inlet) const {
+  const double owed = inlet.owed(settings_.duration), mean = mean_mass(inlet), number = inlet.rate.by_number ? owed : owed / mean;
+  return std::min({number, inlet.limit / mean, inlet.count >= 0 ? static_cast<double>(inlet.count) : 1e300});
+}
+
+std::string Plan::text_of(const Inlet& inlet) const {
+  const double number = bodies_to_come(inlet);
+  return fmt::format("'{}': about {:.0f} bodies, {} in all, at most {} at a time; looked at every {} steps; when full: {}", inlet.name,
+                     number, format_quantity(number * mean_mass(inlet), Dimension::mass),
+                     inlet.rate.by_number ? format_quantity(inlet.rate.largest(), Dimension::frequency)
+                                          : format_quantity(inlet.rate.largest(), Dimension::mass) + "/s",
+                     kExchangeSteps, word_of(inlet.when_full));
+}
+
 void Plan::add_space() {
   if (scene_.has_driven_walls()) {
     for (const Wall& wall : source_.walls) {
@@ -179,6 +217,12 @@ void Plan::add_space() {
     out("periodic axes", "no axis is periodic: no images");
   for (const std::string& zone : scene_.dropped_zones()) out("wall face", zone + ": the seam takes its place");
   for (const std::string& gap : scene_.seam_gaps()) out("wall at a seam", gap);
+  for (const Inlet& inlet : source_.inlets) in("inlet", text_of(inlet));
+  for (const Outlet& outlet : source_.outlets) {
+    in("outlet",
+       fmt::format("'{}': bodies with their centre inside are taken out, every {} steps{}", outlet.name, kExchangeSteps,
+                   outlet.to < 0 ? "" : "; they come in again through '" + source_.inlets[static_cast<std::size_t>(outlet.to)].name + "'"));
+  }
   if (!settings_.domain.bounded)
     out("domain checks", "the domain is unbounded");
   else
@@ -218,9 +262,16 @@ void Plan::add_numbers() {
   text_ += fmt::format("  memory        {} bytes per body, {} per body pair, shapes {:.1f} kB, candidates now {:.1f} kB in {} pairs\n",
                        sizeof(ParticleRecord) + 8 * sizeof(Vec3), sizeof(BodyPair) + sizeof(PairResult),
                        static_cast<double>(count_.shape_bytes) / 1e3, static_cast<double>(candidate_bytes) / 1e3, pairs);
+  double most = static_cast<double>(count_.bodies);
+  for (const Inlet& inlet : source_.inlets) most += bodies_to_come(inlet);
+  if (!source_.inlets.empty()) {
+    text_ += fmt::format("                about {:.1f} MB for {:.0f} bodies at the end, pairs not counted{}\n",
+                         most * static_cast<double>(sizeof(ParticleRecord) + 8 * sizeof(Vec3)) / 1e6, most,
+                         source_.outlets.empty() ? "" : ", if none leaves");
+  }
   const double frames = settings_.output_every > 0 ? settings_.duration / settings_.output_every : 100;
   text_ += fmt::format("  disk          about {:.1f} MB in {:.0f} frames\n",
-                       frames * (static_cast<double>(count_.bodies) * 160 + contacts * 120) / 1e6, frames);
+                       frames * (0.5 * (static_cast<double>(count_.bodies) + most) * 160 + contacts * 120) / 1e6, frames);
 }
 
 }  // namespace

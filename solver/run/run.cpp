@@ -131,7 +131,8 @@ class Run {
   Schedule schedule_;
   Writers writers_;
   Guard guard_;
-  std::int64_t first_step_, row_step_;  // of this part of the run; of the last row
+  std::int64_t row_step_;  // of the last row
+  double body_steps_ = 0;  // of this part of the run: bodies may come and go
   Clock::time_point start_, row_time_, checkpoint_time_;
   std::unique_ptr<Progress> progress_;  // rank 0
 };
@@ -151,7 +152,6 @@ Run::Run(const mpi::Communicator& comm, const RunOptions& options, const LoadedS
       writers_(comm, loaded, options.run_folder, schedule_, make_provenance(comm, options, loaded, checkpoint_path), simulation,
                is_restart_),
       guard_(comm, *loaded.prepared, before),
-      first_step_(simulation.step()),
       row_step_(simulation.step()) {
   if (is_restart_) {
     mpi::on_root(comm_, [&] { rest_.read_log(writers_.log_path()); });
@@ -190,6 +190,7 @@ int Run::advance_to_end() {
   while (!is_over()) {
     ask_for_checkpoint_by_clock();
     simulation_.advance();
+    body_steps_ += static_cast<double>(simulation_.state().facts.count);
     watchdog_.progress(simulation_.step());
     const std::int64_t step = simulation_.step();
     if (schedule_.is_frame_due(step)) look_for_end();
@@ -252,6 +253,7 @@ LogRow Run::take_row() {
   row.state_hash = state_hash(simulation_.state());
   row.ranks = gather_measures(comm_, rank_measures(simulation_));
   row.removed = removed_totals(simulation_.state());
+  row.inserted = arrived_totals(simulation_.state());
   row.critical = simulation_.critical_step();
   row.energy_error = guard_.add_row(row.energies, row.max_overlap_ratio, row.imbalance, row.critical);
   rest_.add(row.time, kinetic_energy());
@@ -293,17 +295,17 @@ void Run::keep_invalid_state(const Error& error) {
 }
 
 int Run::finish() {
-  const std::string nobody = is_empty_ && body_count(simulation_.state()) > 0 ? "no body is left that is free to move"
-                             : body_count(simulation_.state()) > 0            ? ""
-                             : loaded_.scene.bodies.size() == 0               ? "the scene has no body"
-                                                                              : "no body is left: all left the domain";
+  const std::string nobody = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
+                             : body_count(simulation_.state()) > 0                              ? ""
+                             : loaded_.scene.bodies.size() == 0 && loaded_.scene.inlets.empty() ? "the scene has no body"
+                             : loaded_.scene.outlets.empty()                                    ? "no body is left: all left the domain"
+                                                                                                : "no body is left: all left the run";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
   const RunRecord& record = guard_.record();
-  const double body_steps = static_cast<double>(loaded_.scene.bodies.size()) * static_cast<double>(simulation_.step() - first_step_);
   progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}",
-                                simulation_.step(), body_steps / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,
+                                simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,
                                 record.energy_error / std::max({record.kinetic_peak, record.energies.dissipated, 1e-300})));
   return 0;
 }

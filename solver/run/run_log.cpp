@@ -21,6 +21,11 @@ double mean_time(const std::vector<RankMeasures>& ranks, std::size_t phase) {
 
 }  // namespace
 
+bool can_remove(const Scene& scene) {
+  const Domain& domain = scene.settings.domain;
+  return (domain.bounded && domain.outside == Outside::remove) || !scene.outlets.empty();
+}
+
 std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
   const Energies& e = row.energies;
   double longest_wait = 0;
@@ -52,6 +57,12 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
   columns.push_back({"steps_per_second", "1/s", fmt::format("{:.6g}", row.steps_per_second)});
   columns.push_back({"removed_bodies", "-", fmt::format("{:.0f}", row.removed.count)});
   columns.push_back({"removed_mass", "kg", exact(row.removed.mass)});
+  if (can_remove(scene)) columns.push_back({"removed", "J", exact(e.removed)});
+  if (!scene.inlets.empty()) {
+    columns.push_back({"inserted_bodies", "-", fmt::format("{:.0f}", row.inserted.count)});
+    columns.push_back({"inserted_mass", "kg", exact(row.inserted.mass)});
+    columns.push_back({"inserted", "J", exact(e.arrived)});
+  }
   columns.push_back({"critical_step", "s", fmt::format("{:.6g}", row.critical.step)});
   columns.push_back({"state_hash", "-", row.state_hash});
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
@@ -73,13 +84,28 @@ std::vector<Column> step_columns(const StepChange& change) {
           {"reason", "-", change.reason}};
 }
 
-std::vector<Column> removed_columns(const RemovedBody& body) {
+std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body) {
   std::vector<Column> columns{{"step", "-", fmt::format("{}", body.step)},
                               {"time", "s", exact(body.time)},
                               {"id", "-", fmt::format("{}", body.id)},
                               {"mass", "kg", exact(body.mass)}};
   for (int k = 0; k < 3; ++k) columns.push_back({std::string(1, "xyz"[k]), "m", exact(body.x[k])});
   add_vector(columns, "velocity", "m/s", body.v);
+  columns.push_back({"residence_time", "s", exact(body.time - body.entered)});
+  columns.push_back({"outlet", "-", body.outlet < 0 ? "" : scene.outlets[static_cast<std::size_t>(body.outlet)].name});
+  return columns;
+}
+
+std::vector<Column> inserted_columns(const Scene& scene, const InsertedBody& body) {
+  std::vector<Column> columns{{"step", "-", fmt::format("{}", body.step)},
+                              {"time", "s", exact(body.time)},
+                              {"id", "-", fmt::format("{}", body.id)},
+                              {"mass", "kg", exact(body.mass)},
+                              {"diameter", "m", exact(body.diameter)}};
+  for (int k = 0; k < 3; ++k) columns.push_back({std::string(1, "xyz"[k]), "m", exact(body.x[k])});
+  const bool is_known = body.inlet >= 0;
+  columns.push_back({"shape", "-", is_known ? scene.shapes[static_cast<std::size_t>(body.shape)].name : ""});
+  columns.push_back({"inlet", "-", is_known ? scene.inlets[static_cast<std::size_t>(body.inlet)].name : ""});
   return columns;
 }
 

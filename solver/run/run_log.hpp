@@ -1,4 +1,4 @@
-// log.csv, steps.csv and removed.csv. The page of the formats is core/storage/RUN_FORMAT.md.
+// log.csv, steps.csv, removed.csv and inserted.csv. The page of the formats is core/storage/RUN_FORMAT.md.
 #pragma once
 
 #include <string>
@@ -20,16 +20,20 @@ struct LogRow {
   double max_overlap_ratio = 0, imbalance = 0;  ///< since the row before
   std::vector<RankMeasures> ranks;              ///< since the start of the run; the row has the mean of their times
   double steps_per_second = 0;
-  RemovedTotals removed;
+  RemovedTotals removed, inserted;
   CriticalStep critical;
   std::vector<WallLoad> loads;   ///< in the world
   std::vector<WallState> walls;  ///< in the world
   std::string state_hash;
 };
 
+/// Whether bodies can be taken out: the run then has a removed.csv.
+bool can_remove(const Scene& scene);
+
 // The columns of the tables, each declared once. A header is that of a row without values.
 std::vector<Column> log_columns(const Scene& scene, const LogRow& row);
-std::vector<Column> step_columns(const StepChange& change);    ///< steps.csv: every change of a quantised step
-std::vector<Column> removed_columns(const RemovedBody& body);  ///< removed.csv: the bodies that left the domain and were taken out
+std::vector<Column> step_columns(const StepChange& change);                          ///< steps.csv: every change of a quantised step
+std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body);    ///< removed.csv: the bodies that were taken out
+std::vector<Column> inserted_columns(const Scene& scene, const InsertedBody& body);  ///< inserted.csv: the bodies that came in
 
 }  // namespace scree

@@ -32,7 +32,8 @@ Writers::Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::
     : comm_(comm), loaded_(loaded), folder_(std::move(folder)), provenance_(std::move(provenance)), rank_log_(comm.size()) {
   const Settings& settings = loaded.scene.settings;
   has_steps_ = settings.step_control == StepControl::quantised;
-  has_removed_ = settings.domain.bounded && settings.domain.outside == Outside::remove;
+  has_removed_ = can_remove(loaded.scene);
+  has_inserted_ = !loaded.scene.inlets.empty();
   const std::int64_t keep_up_to_step = is_restart ? simulation.step() : -1;
   mpi::on_root(comm_, [&] {
     open_run_folder(folder_, loaded_.path);
@@ -49,7 +50,11 @@ void Writers::start_tables(std::int64_t keep_up_to_step) {
   start(log_path(), log_columns(loaded_.scene, {}));
   start(folder_ + "/ranks.csv", rank_columns(0, 0, {}));
   if (has_steps_) start(folder_ + "/steps.csv", step_columns({}));
-  if (has_removed_) start(folder_ + "/removed.csv", removed_columns({}));
+  InsertedBody nobody_came{};
+  RemovedBody nobody_left{};
+  nobody_came.inlet = nobody_left.outlet = -1;
+  if (has_inserted_) start(folder_ + "/inserted.csv", inserted_columns(loaded_.scene, nobody_came));
+  if (has_removed_) start(folder_ + "/removed.csv", removed_columns(loaded_.scene, nobody_left));
 }
 
 void Writers::write_row(const LogRow& row, const RunRecord& before, bool is_last) {
@@ -67,10 +72,20 @@ void Writers::write_events(Simulation& simulation) {
     const std::vector<StepChange> changes = simulation.levels().take_changes();
     mpi::on_root(comm_, [&] { append_to_table(folder_ + "/steps.csv", rows_of(changes, step_columns)); });
   }
+  if (has_inserted_) {
+    std::vector<InsertedBody> bodies = simulation.inlets().take_inserted();
+    for (InsertedBody& b : bodies) b.x += loaded_.origin;
+    mpi::on_root(comm_, [&] {
+      append_to_table(folder_ + "/inserted.csv",
+                      rows_of(bodies, [&](const InsertedBody& b) { return inserted_columns(loaded_.scene, b); }));
+    });
+  }
   if (!has_removed_) return;
   std::vector<RemovedBody> bodies = simulation.domain().take_removed(simulation.state().comm);
   for (RemovedBody& b : bodies) b.x += loaded_.origin;
-  mpi::on_root(comm_, [&] { append_to_table(folder_ + "/removed.csv", rows_of(bodies, removed_columns)); });
+  mpi::on_root(comm_, [&] {
+    append_to_table(folder_ + "/removed.csv", rows_of(bodies, [&](const RemovedBody& b) { return removed_columns(loaded_.scene, b); }));
+  });
 }
 
 void Writers::write_frame(Simulation& simulation, std::int64_t number, bool with_contacts) {

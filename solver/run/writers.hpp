@@ -24,7 +24,7 @@ class Writers {
   /// A row of log.csv, and of ranks.csv when it is due or `is_last`.
   /// in   before   of the parts of this run before this one: log.csv counts from the start of the run, ranks.csv from the last restart
   void write_row(const LogRow& row, const RunRecord& before, bool is_last);
-  /// What happened since the last call: changes of the step, bodies removed.
+  /// What happened since the last call: changes of the step, bodies that came in or were taken out.
   void write_events(Simulation& simulation);
   /// in   number      in the name of the frame
   /// in   with_contacts   whether it has them, where the case asks for them
@@ -41,7 +41,7 @@ class Writers {
   const LoadedScene& loaded_;
   std::string folder_;
   nlohmann::json provenance_;
-  bool has_steps_, has_removed_;
+  bool has_steps_, has_removed_, has_inserted_;
   std::vector<std::string> tables_;  // paths; rank 0
   RankLog rank_log_;
   std::vector<FrameEntry> frames_;  // rank 0

@@ -25,14 +25,24 @@ Vec3 choose_origin(const Scene& scene) {
   return {unit * std::round(centre.x / unit), unit * std::round(centre.y / unit), unit * std::round(centre.z / unit)};
 }
 
+namespace {
+
+void move_place(Wall& wall, const Vec3& origin) {
+  for (Vec3* place : {&wall.point, &wall.lower, &wall.upper, &wall.axis_start, &wall.axis_end}) *place -= origin;
+  if (wall.kind == WallKind::mesh) wall.position -= origin;
+}
+
+}  // namespace
+
 void move_scene(Scene& scene, const Vec3& origin) {
   if (origin == Vec3{}) return;
   for (Vec3& x : scene.bodies.position) x -= origin;
   for (Wall& wall : scene.walls) {
-    for (Vec3* place : {&wall.point, &wall.lower, &wall.upper, &wall.axis_start, &wall.axis_end}) *place -= origin;
+    move_place(wall, origin);
     wall.motion.move_origin(origin);
-    if (wall.kind == WallKind::mesh) wall.position -= origin;
   }
+  for (Inlet& inlet : scene.inlets) move_place(inlet.region, origin);
+  for (Outlet& outlet : scene.outlets) move_place(outlet.region, origin);
   scene.settings.domain.lower -= origin;
   scene.settings.domain.upper -= origin;
   for (std::vector<Vec3>* sides : {&scene.partition.lower, &scene.partition.upper}) {

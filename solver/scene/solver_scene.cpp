@@ -54,17 +54,48 @@ SolverScene::SolverScene(const Scene& scene)
     check_solid(bodies.id[b], bodies.shape[b]);
     include_body(bodies.shape[b], bodies.material[b], bodies.scale[b], bodies.fixed[b] != 0, length(bodies.velocity[b]), extremes_);
   }
+  include_inlets();
   for (const Wall& wall : scene.walls) check_margin(wall.kind == WallKind::mesh);
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
   prepare_weights();
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    check_period(periodicity_, bodies.scale[b] * shape(bodies.shape[b]).radius, contact_range(), bodies.id[b]);
+    check_period(periodicity_, bodies.scale[b] * shape(bodies.shape[b]).radius, contact_range(), fmt::format("body {}", bodies.id[b]));
+  for (const Inlet& inlet : scene.inlets) {
+    for (const Inlet::Share& share : inlet.shares)
+      check_period(periodicity_, largest_scale(inlet, share.shape) * shape(share.shape).radius, contact_range(),
+                   fmt::format("a body of the inlet '{}'", inlet.name));
+  }
   zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
   seam_gaps_ =
       check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, extremes_.bounding_radius + 2 * contact_range(), settings.duration);
+  for (const Outlet& outlet : scene.outlets) {
+    try {
+      outlets_.push_back(region_of(outlet.region, scene.shapes));
+    } catch (const InputError& e) {
+      throw InputError("outlet '{}': {}", outlet.name, e.what());
+    }
+  }
   for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
+}
+
+double SolverScene::largest_scale(const Inlet& inlet, std::int32_t of) const {
+  return inlet.size ? inlet.size->max / scene_->shapes[static_cast<std::size_t>(of)].equivalent_diameter() : 1;
+}
+
+/// Bodies to come count from the start on: the step is derived from all that there will be.
+void SolverScene::include_inlets() {
+  for (const Inlet& inlet : scene_->inlets) {
+    for (const Inlet::Share& share : inlet.shares) {
+      const Shape& of = scene_->shapes[static_cast<std::size_t>(share.shape)];
+      if (of.kind == ShapeKind::surface) throw InputError("inlet '{}': shape '{}' is a surface without mass", inlet.name, of.name);
+      check_margin(of.kind != ShapeKind::sphere);
+      const double largest = largest_scale(inlet, share.shape), smallest = inlet.size ? largest * inlet.size->min / inlet.size->max : 1;
+      for (const double scale : {smallest, largest})
+        include_body(share.shape, inlet.material, scale, false, length(inlet.velocity), extremes_);
+    }
+  }
 }
 
 void SolverScene::check_margin(bool has_mesh) const {
@@ -83,7 +114,7 @@ void SolverScene::check_solid(std::int64_t id, std::int32_t of) const {
 
 void SolverScene::check_body(std::int64_t id, std::int32_t of, double scale) const {
   check_solid(id, of);
-  check_period(periodicity_, scale * shape(of).radius, contact_range(), id);
+  check_period(periodicity_, scale * shape(of).radius, contact_range(), fmt::format("body {}", id));
 }
 
 void SolverScene::check_seams(double radius) const {

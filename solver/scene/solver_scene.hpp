@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/periodic.hpp"
+#include "core/placing/region.hpp"
 #include "core/storage/scene_file.hpp"
 #include "core/storage/seam_meshes.hpp"
 #include "core/storage/wall_state.hpp"
@@ -39,11 +40,14 @@ class SolverScene {
   bool crowds_follow() const { return !(scene_->settings.barrier > 0) && !(reach_ > 0); }
   const DensityWeights* density_weights() const { return weights_.get(); }
   const std::vector<WallZone>& zones() const { return zones_; }
+  /// Of the scene's outlets, one for each.
+  const std::vector<Region>& outlets() const { return outlets_; }
   double margin() const { return margin_; }  ///< of each body [m]
   /// How far from its surface a body may act: its margin, and half of what the scene's law reaches beyond the margins [m].
   double contact_range() const { return margin_ + 0.5 * reach_; }
   const Periodicity& periodicity() const { return periodicity_; }
-  /// Of the bodies that the scene starts with. What follows from all bodies is asked for the extremes of those that there are.
+  /// Of the bodies that the scene starts with and that its inlets can bring. What follows from all bodies is asked for the extremes of
+  /// those that there are.
   const BodyExtremes& extremes() const { return extremes_; }
   /// Takes in a body of this scene's shapes and materials. in   speed   as it joins [m/s]
   void include_body(std::int32_t shape, std::int32_t material, double scale, bool fixed, double speed, BodyExtremes& extremes) const;
@@ -66,6 +70,8 @@ class SolverScene {
   bool has_driven_walls() const { return has_driven_walls_; }
 
  private:
+  double largest_scale(const Inlet& inlet, std::int32_t shape) const;
+  void include_inlets();
   void prepare_laws();
   void prepare_barrier();
   void prepare_weights();
@@ -79,6 +85,7 @@ class SolverScene {
   std::vector<PairLaw> laws_;
   std::size_t material_count_ = 0;
   std::vector<WallZone> zones_;
+  std::vector<Region> outlets_;
   std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
   double margin_ = 0, reach_ = 0;

@@ -75,8 +75,12 @@ void Arrivals::add(RunState& s, const std::vector<ParticleRecord>& mine) {
   mpi::on_all(s.comm, [&] {
     check_step(s.clock.size, limit_of_contacts(s.comm, s.scene, s.particles, waiting), s.scene.source().settings, s.clock.step);
   });
+  add_known(s, mine, largest_id);
+}
+
+void Arrivals::add_known(RunState& s, const std::vector<ParticleRecord>& mine, std::int64_t largest_id) {
   s.largest_id = s.totals.largest_id = largest_id;
-  mine_ = std::move(waiting);
+  mine_.insert(mine_.end(), mine.begin(), mine.end());
   waiting_ = true;
 }
 
@@ -87,6 +91,7 @@ bool Arrivals::join(RunState& s, const Halo& halo) {
   std::sort(joined.begin(), joined.end(), [](const ParticleRecord& l, const ParticleRecord& r) { return l.id < r.id; });
   for (ParticleRecord& r : joined) {
     r.work = 0;
+    r.entered = s.clock.time();
     if (s.integrator != Integrator::euler && !r.fixed) {
       // half a step before, in free flight; drag is left out
       const double share = s.fluid ? s.fluid->weight_share(r.material) : 1;

@@ -9,13 +9,37 @@ namespace scree {
 
 namespace {
 
-bool any_left_domain(const RunState& s) {
-  const ParticleSet& p = s.particles;
-  for (std::size_t i = 0; i < p.owned; ++i) {
-    if (!p.fixed[i] && is_outside(s.scene, p.x[i])) return true;
+bool is_exchange_step(const RunState& s) { return s.clock.step % kExchangeSteps == 0 && !s.scene.outlets().empty(); }
+
+/// Where a body leaves the run.
+enum Exit : std::int32_t { kStays = -2, kDomain = -1 };  // others: the index of an outlet
+
+/// What is due in this step: the same question for review() and remove(), between which no body moves.
+class Exits {
+ public:
+  explicit Exits(const RunState& s)
+      : s_(s), of_domain_(s.scene.source().settings.domain.outside == Outside::remove), of_outlets_(is_exchange_step(s)) {}
+  bool are_open() const { return (of_domain_ && s_.scene.source().settings.domain.bounded) || of_outlets_; }
+  std::int32_t of(std::size_t i) const {
+    const ParticleSet& p = s_.particles;
+    if (p.fixed[i]) return kStays;
+    const std::vector<Region>& outlets = s_.scene.outlets();
+    for (std::size_t k = 0; of_outlets_ && k < outlets.size(); ++k) {
+      if (outlets[k].contains(p.x[i])) return static_cast<std::int32_t>(k);
+    }
+    return of_domain_ && is_outside(s_.scene, p.x[i]) ? kDomain : kStays;
   }
-  return false;
-}
+  bool any() const {
+    for (std::size_t i = 0; i < s_.particles.owned; ++i) {
+      if (of(i) != kStays) return true;
+    }
+    return false;
+  }
+
+ private:
+  const RunState& s_;
+  bool of_domain_, of_outlets_;
+};
 
 /// Throws for the first body outside.
 void check_domain(const RunState& s) {
@@ -51,35 +75,57 @@ void check_finite(const RunState& s) {
 
 bool DomainGuard::review(const RunState& s, FirstFailure& failure) {
   const Domain& domain = s.scene.source().settings.domain;
-  if (s.clock.substep != 0 || s.clock.step % kReviewSteps != 0 || !domain.bounded) return false;
-  if (domain.outside == Outside::stop) failure.watch(s.clock.step, [&] { check_domain(s); });
-  if (domain.outside != Outside::remove) return false;
-  removal_due_ = s.comm.max(any_left_domain(s) ? 1.0 : 0.0) > 0;
+  if (s.clock.substep != 0 || s.clock.step % kReviewSteps != 0) return false;
+  if (domain.bounded && domain.outside == Outside::stop) failure.watch(s.clock.step, [&] { check_domain(s); });
+  const Exits exits(s);
+  if (!exits.are_open()) return false;
+  removal_due_ = s.comm.max(exits.any() ? 1.0 : 0.0) > 0;
   return removal_due_;
 }
 
 bool DomainGuard::remove(RunState& s) {
   if (!std::exchange(removal_due_, false)) return false;
   ParticleSet& p = s.particles;
+  const Exits exits(s);
+  std::vector<Returning> returning;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < p.owned; ++i) {
-    if (p.fixed[i] || !is_outside(s.scene, p.x[i])) {
+    const std::int32_t exit = exits.of(i);
+    if (exit == kStays) {
       if (kept != i) p.copy_row(i, kept);
       ++kept;
       continue;
     }
     // Removal falls between the two kicks of a step: the second is that of free flight.
     finish_in_free_flight(s, p, i);
-    removed_.push_back({p.id[i], s.clock.step, s.clock.time(), p.mass[i], p.x[i], p.v[i]});
+    removed_.push_back({p.id[i], s.clock.step, s.clock.time(), p.mass[i], p.x[i], p.v[i], p.entered[i], exit});
     DepartureTotals& departed = s.totals.departed;
     departed.count.add(1);
     departed.mass.add(p.mass[i]);
     departed.energy.add(translational_energy(p, i) + rotational_energy(p, i) + potential_energy(s, p, i));
     departed.dissipated.add(p.dissipated[i]);
+    if (exit == kDomain) continue;
+    OutletTotals& outlet = s.totals.outlets[static_cast<std::size_t>(exit)];
+    outlet.count.add(1);
+    outlet.mass.add(p.mass[i]);
+    const std::int32_t to = s.scene.source().outlets[static_cast<std::size_t>(exit)].to;
+    if (to >= 0) returning.push_back({to, {p.id[i], p.shape[i], p.material[i], p.scale[i], p.lock_rotation[i]}});
   }
   p.resize(kept);
   p.owned = kept;
+  queue_for_return(s, returning);
   return true;
+}
+
+/// Bodies of all ranks join the queues of their inlets in the order of their ids. Collective.
+void DomainGuard::queue_for_return(RunState& s, const std::vector<Returning>& mine) const {
+  const std::vector<Outlet>& outlets = s.scene.source().outlets;
+  if (std::none_of(outlets.begin(), outlets.end(), [](const Outlet& o) { return o.to >= 0; })) return;
+  std::vector<Returning> all;
+  for (const auto& block : s.comm.exchange(std::vector<std::vector<Returning>>(static_cast<std::size_t>(s.comm.size()), mine)))
+    all.insert(all.end(), block.begin(), block.end());
+  std::sort(all.begin(), all.end(), [](const Returning& l, const Returning& r) { return l.body.id < r.body.id; });
+  for (const Returning& r : all) s.totals.inlets[static_cast<std::size_t>(r.inlet)].queue.push_back(r.body);
 }
 
 std::vector<RemovedBody> DomainGuard::take_removed(const mpi::Communicator& comm) {

@@ -1,4 +1,4 @@
-// What becomes of bodies that leave the domain, and of states that are not finite.
+// Who leaves a run: bodies in outlets and outside the domain. And what becomes of states that are not finite.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,13 @@
 
 namespace scree {
 
-/// A body that left the domain and was taken out.
+/// A body that was taken out.
 struct RemovedBody {
   std::int64_t id, step;
   double time, mass;
   Vec3 x, v;
+  double entered;       ///< when it came into the run [s]
+  std::int32_t outlet;  ///< that it was in; -1: it left the domain
 };
 
 /// Whether a place is outside a bounded domain; never across a periodic axis.
@@ -22,10 +24,11 @@ bool is_outside(const SolverScene& scene, const Vec3& x);
 /// Throws RunInvalid naming the first owned body whose state is not finite.
 void check_finite(const RunState& s);
 
-/// Watches the domain of a scene, and takes bodies out where the case asks for that.
+/// Watches the domain of a scene and its outlets, and takes bodies out where the case asks for that.
 class DomainGuard {
  public:
-  /// Looks at the bodies every kReviewSteps: a body outside is a failure, or is to be removed. Collective.
+  /// Looks at the bodies every kReviewSteps: a body outside is a failure, or is to be removed. Every kExchangeSteps, what is in an outlet
+  /// is to be removed. Collective.
   /// Returns whether bodies of any rank are to be removed: at the rebuild of lists in this step, by remove().
   bool review(const RunState& s, FirstFailure& failure);
   /// Takes out what review() found, before ghosts are made. Between the two kicks of a step.
@@ -35,6 +38,12 @@ class DomainGuard {
   std::vector<RemovedBody> take_removed(const mpi::Communicator& comm);
 
  private:
+  struct Returning {
+    std::int32_t inlet;
+    TransitBody body;
+  };
+  void queue_for_return(RunState& s, const std::vector<Returning>& mine) const;
+
   std::vector<RemovedBody> removed_;  // by this rank
   bool removal_due_ = false;
 };

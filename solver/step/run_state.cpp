@@ -12,7 +12,7 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
       scene(of),
       integrator(of.source().settings.integrator),
       fluid(of.source().settings.fluid ? std::optional<FluidForces>(of.source()) : std::nullopt),
-      totals(of.source().walls.size()) {
+      totals(of.source().walls.size(), of.source().outlets.size(), of.source().inlets.size()) {
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
 }

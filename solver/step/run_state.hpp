@@ -40,6 +40,8 @@ struct StepClock {
 /// What changes a result and costs too much for every step is done in these: never when lists are rebuilt, which differs between numbers
 /// of ranks and after a restart. Bodies may be so many steps outside the domain before they are removed.
 inline constexpr std::int64_t kReviewSteps = 16;
+/// Outlets take bodies out in these steps. A multiple of kReviewSteps, so that lists are rebuilt once for both.
+inline constexpr std::int64_t kExchangeSteps = 2 * kReviewSteps;
 
 struct RunState {
   RunState(const mpi::Communicator& on, const SolverScene& of);

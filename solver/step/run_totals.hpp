@@ -8,6 +8,7 @@
 
 #include "core/base/error.hpp"
 #include "solver/ranks/exact_sum.hpp"
+#include "solver/step/inlet_state.hpp"
 
 namespace scree {
 
@@ -19,12 +20,18 @@ struct WallTotals {
   std::vector<std::array<ExactSum, 3>> impulse;  ///< on each wall [N s]
 };
 
-/// What bodies took with them that were removed from the domain.
+/// What bodies took with them that were taken out: by outlets, or as they left the domain.
 struct DepartureTotals {
   ExactSum count;
   ExactSum mass;        ///< [kg]
   ExactSum energy;      ///< kinetic and potential [J]
   ExactSum dissipated;  ///< what they had dissipated by then [J]
+};
+
+/// What was taken out by one outlet.
+struct OutletTotals {
+  ExactSum count;
+  ExactSum mass;  ///< [kg]
 };
 
 /// What bodies brought that joined after the start.
@@ -36,17 +43,20 @@ struct ArrivalTotals {
 
 /// Of one rank, or of all.
 struct RunTotals {
-  RunTotals(std::size_t wall_count = 0) : walls(wall_count) {}
+  RunTotals(std::size_t wall_count = 0, std::size_t outlet_count = 0, std::size_t inlet_count = 0)
+      : walls(wall_count), outlets(outlet_count), inlets(inlet_count) {}
   WallTotals walls;
   DepartureTotals departed;
   ArrivalTotals arrived;
-  std::int64_t largest_id = -1;  ///< of the bodies that joined, the same on every rank
-  double max_overlap_ratio = 0;  ///< since it was last taken
-  std::int64_t level = 0;        ///< of the step, see StepClock
+  std::vector<OutletTotals> outlets;
+  std::vector<InletState> inlets;  ///< the same on every rank
+  std::int64_t largest_id = -1;    ///< of the bodies that joined, the same on every rank
+  double max_overlap_ratio = 0;    ///< since it was last taken
+  std::int64_t level = 0;          ///< of the step, see StepClock
 };
 
-/// Calls action(sum) for every sum, in the order in which checkpoints hold them; those of RunTotals without arrivals, which files hold by
-/// themselves.
+/// Calls action(sum) for every sum, in the order in which checkpoints hold them; those of RunTotals without arrivals and outlets, which
+/// files hold by themselves.
 template <class Action>
 void for_each_impulse(WallTotals& t, Action&& action) {
   for (std::array<ExactSum, 3>& of_wall : t.impulse) {
@@ -65,6 +75,12 @@ void for_each_sum(DepartureTotals& t, Action&& action) {
 template <class Action>
 void for_each_sum(ArrivalTotals& t, Action&& action) {
   for (ExactSum* sum : {&t.count, &t.mass, &t.energy}) action(*sum);
+}
+template <class Action>
+void for_each_sum(std::vector<OutletTotals>& t, Action&& action) {
+  for (OutletTotals& outlet : t) {
+    for (ExactSum* sum : {&outlet.count, &outlet.mass}) action(*sum);
+  }
 }
 template <class Action>
 void for_each_sum(RunTotals& t, Action&& action) {

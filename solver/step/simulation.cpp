@@ -29,7 +29,7 @@ std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const Sol
 }  // namespace
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
-    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm) {}
+    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm), inlets_(scene) {}
 
 void Simulation::start_from_scene(const std::optional<StartState>& start) {
   const std::vector<ParticleRecord> records = own_records(state_.comm, state_.scene, start);
@@ -48,6 +48,7 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   if (state_.comm.rank() == 0) state_.totals = totals;
   state_.totals.max_overlap_ratio = totals.max_overlap_ratio;
   state_.totals.largest_id = totals.largest_id;
+  state_.totals.inlets = totals.inlets;
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
@@ -84,6 +85,7 @@ void Simulation::advance() {
 void Simulation::advance_substep() {
   move_bodies();
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
+  inlets_.feed(state_, arrivals_);
   const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting());
   requests_.hear(all);
   if (all.failed != 0) agree_on_failures();

@@ -16,6 +16,7 @@
 #include "solver/step/critical_step.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
+#include "solver/step/inlets.hpp"
 #include "solver/step/neighbour_lists.hpp"
 #include "solver/step/run_state.hpp"
 #include "solver/step/step_levels.hpp"
@@ -50,6 +51,7 @@ class Simulation {
   Requests& requests() { return requests_; }
   StepLevels& levels() { return levels_; }
   DomainGuard& domain() { return domain_; }
+  Inlets& inlets() { return inlets_; }
   NeighbourLists& lists() { return lists_; }
   Decomposition& decomposition() { return decomposition_; }
   PhaseTimes& times() { return state_.times; }
@@ -77,6 +79,7 @@ class Simulation {
   StepLevels levels_;
   DomainGuard domain_;
   Arrivals arrivals_;
+  Inlets inlets_;
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;

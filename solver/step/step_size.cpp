@@ -2,6 +2,7 @@
 
 #include "solver/laws/restitution.hpp"
 #include "solver/step/approach.hpp"
+#include "solver/step/inlets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -132,6 +133,7 @@ class ContactLimits {
       limit_.who = name;
     };
     const auto body = [&](const Touchable& t, std::size_t i, std::int32_t material) {
+      if (t.body[i] >= kIdToCome) return fmt::format("a body to come ({})", name_of(material));
       return fmt::format("body {} ({})", t.body[i], name_of(material));
     };
     const auto still = [&](std::int32_t material) { return "fixed " + name_of(material); };
@@ -207,6 +209,19 @@ void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
   }
 }
 
+/// The same for a body that comes in later: what it meets is taken to stand still.
+void follow_motion_of(const SolverScene& scene, const ParticleRecord& r, StepSize& result) {
+  const double way = kMarginPerStep * 2 * scene.margin(), speed = length(r.v), spin = length(r.w);
+  if (result.contact_time > 0 && way > 0 && speed * result.step > way) {
+    result.step = way / speed;
+    result.limited_by = "the velocity of bodies to come against their margins";
+  }
+  if (!scene.shape(r.shape).isotropic && spin * result.step > kTurnPerStep) {
+    result.step = kTurnPerStep / spin;
+    result.limited_by = "the spin of bodies to come";
+  }
+}
+
 }  // namespace
 
 ContactLimit limit_of_contacts(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p,
@@ -230,7 +245,8 @@ ContactLimit limit_of_contacts(const mpi::Communicator& comm, const SolverScene&
 
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p) {
   const Settings& settings = scene.source().settings;
-  const ContactLimit limit = limit_of_contacts(comm, scene, p);
+  const std::vector<ParticleRecord> to_come = bodies_to_come(scene);
+  const ContactLimit limit = limit_of_contacts(comm, scene, p, to_come);
   const bool can_touch = !limit.who.empty();
   StepSize result;
   result.contact_time = limit.time;
@@ -254,7 +270,10 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.step = settings.duration > 0 ? settings.duration / 1000 : 1;
     result.limited_by = "no contact can occur: a thousandth of the duration";
   }
-  if (settings.step_control != StepControl::quantised) follow_motion_at_start(scene, result);  // else speed and spin choose the level
+  if (settings.step_control != StepControl::quantised) {  // else speed and spin choose the level
+    follow_motion_at_start(scene, result);
+    for (const ParticleRecord& r : to_come) follow_motion_of(scene, r, result);
+  }
   return result;
 }
 

@@ -284,12 +284,12 @@ TEST(CaseFile, populations_say_how_they_are_mixed_sized_and_turned) {
   const auto population = [&](const std::string& text) { return parse(replaced(size, text)).populations[0]; };
   EXPECT_EQ(population("method = \"settle\"").method, PackingMethod::settle);
   EXPECT_TRUE(population("size = { distribution = \"uniform\", by = \"mass\", min = 1, max = 2 }").size->by_mass);
-  const CaseOrientation aligned = population("orientation = { align = [0, 0, 2], axis = \"shortest\", scatter = \"90 deg\" }").orientation;
-  EXPECT_EQ(aligned.kind, CaseOrientation::Kind::aligned);
+  const BodyOrientation aligned = population("orientation = { align = [0, 0, 2], axis = \"shortest\", scatter = \"90 deg\" }").orientation;
+  EXPECT_EQ(aligned.kind, BodyOrientation::Kind::aligned);
   EXPECT_EQ(aligned.direction, (Vec3{0, 0, 1}));
   EXPECT_DOUBLE_EQ(aligned.scatter, std::numbers::pi / 2);
   EXPECT_EQ(population("orientation = [0, 1, 0, 0]").orientation.given, (Quat{0, 1, 0, 0}));
-  EXPECT_EQ(population("orientation = \"random\"").orientation.kind, CaseOrientation::Kind::random);
+  EXPECT_EQ(population("orientation = \"random\"").orientation.kind, BodyOrientation::Kind::random);
 
   expect_refusal(replaced(size, "jitter = 0.5"), {"jitter", "lattice"});
   expect_refusal(replaced(size, "method = \"lattice\"\njitter = 1.5"), {"from 0 to 1"});

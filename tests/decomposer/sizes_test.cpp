@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "decomposer/case/size_distribution.hpp"
-#include "decomposer/packing/random_numbers.hpp"
+#include "core/placing/random_numbers.hpp"
+#include "core/storage/size_distribution.hpp"
 
 namespace scree {
 namespace {

@@ -16,7 +16,7 @@ from tools import Run, Scene, end_all, read_json
 MEASURED = ("imbalance", "ghosts", "bytes_sent", "steps_per_second")   # columns of log.csv that are no physics; times too
 # of run.json: what the physics is, whoever computed it
 OUTCOME = ("outcome", "message", "exit_code", "steps", "step_size", "step_limited_by", "critical_step", "critical_contact", "time", "came_to_rest",
-           "state_hash", "bodies", "removed_bodies", "removed_mass", "lost_bodies", "bodies_outside_domain", "max_depth_ratio", "energy", "settings")
+           "state_hash", "bodies", "removed_bodies", "removed_mass", "inserted_bodies", "inserted_mass", "inlets", "outlets", "lost_bodies", "bodies_outside_domain", "max_depth_ratio", "energy", "settings")
 
 
 def physics_columns(log):
@@ -321,7 +321,7 @@ def far_away_things(trial):
     """A fixed body and a wall that nothing reaches, of materials and shapes that are there already."""
     run = trial.completed()
     case = trial.case.copy()
-    if case.populations or "domain" in case.words or case.value("contact", "law", "linear") == "hertz-mindlin" or "margin" not in case.table("contact"):
+    if case.populations or case.words.get("inlets") or "domain" in case.words or case.value("contact", "law", "linear") == "hertz-mindlin" or "margin" not in case.table("contact"):
         raise NotApplicable("more than the far things would change")
     if not case.bodies or not any(b.get("fixed") for b in case.bodies) or not case.walls:
         raise NotApplicable("a first fixed body or wall may change the step")

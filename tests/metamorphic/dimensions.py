@@ -22,6 +22,16 @@ DIMENSIONS = {
     "populations.*.region.box": (1, 0, 0), "populations.*.region.cylinder.start": (1, 0, 0), "populations.*.region.cylinder.end": (1, 0, 0),
     "populations.*.region.cylinder.radius": (1, 0, 0), "populations.*.region.sphere.centre": (1, 0, 0),
     "populations.*.region.sphere.radius": (1, 0, 0),
+    "inlets.*.size": (1, 0, 0), "inlets.*.size.diameter": (1, 0, 0), "inlets.*.size.mean": (1, 0, 0),
+    "inlets.*.size.median": (1, 0, 0), "inlets.*.size.scale": (1, 0, 0), "inlets.*.size.min": (1, 0, 0),
+    "inlets.*.size.max": (1, 0, 0), "inlets.*.region.box": (1, 0, 0), "inlets.*.region.cylinder.start": (1, 0, 0),
+    "inlets.*.region.cylinder.end": (1, 0, 0), "inlets.*.region.cylinder.radius": (1, 0, 0), "inlets.*.region.sphere.centre": (1, 0, 0),
+    "inlets.*.region.sphere.radius": (1, 0, 0), "outlets.*.region.box": (1, 0, 0), "outlets.*.region.cylinder.start": (1, 0, 0),
+    "outlets.*.region.cylinder.end": (1, 0, 0), "outlets.*.region.cylinder.radius": (1, 0, 0), "outlets.*.region.sphere.centre": (1, 0, 0),
+    "outlets.*.region.sphere.radius": (1, 0, 0), "inlets.*.velocity": (1, 0, -1), "inlets.*.angular_velocity": (0, 0, -1),
+    "inlets.*.rate": (0, 1, -1), "inlets.*.rate.time": (0, 0, 1), "inlets.*.rate.rate": (0, 1, -1),
+    "inlets.*.number_rate": (0, 0, -1), "inlets.*.number_rate.time": (0, 0, 1), "inlets.*.number_rate.rate": (0, 0, -1),
+    "inlets.*.start": (0, 0, 1), "inlets.*.stop": (0, 0, 1), "inlets.*.limit": (0, 1, 0),
     "walls.*.cell_size": (1, 0, 0), "walls.*.position": (1, 0, 0),
     "walls.*.motion.oscillate.amplitude": (1, 0, 0), "walls.*.motion.oscillate.frequency": (0, 0, -1),
     "walls.*.motion.rotate.centre": (1, 0, 0), "walls.*.motion.rotate.rate": (0, 0, -1),
@@ -55,6 +65,8 @@ PLAIN = {
     "populations.*.orientation.align", "populations.*.orientation.axis", "populations.*.orientation.scatter",
     "populations.*.size.exponent", "populations.*.size.passing", "populations.*.size.shape", "populations.*.shapes.*",
     "populations.*.size.sigma",   # of a normal distribution a length: see units_of
+    "inlets.*.count", "inlets.*.orientation", "inlets.*.orientation.align", "inlets.*.orientation.axis", "inlets.*.orientation.scatter",
+    "inlets.*.size.exponent", "inlets.*.size.passing", "inlets.*.size.shape", "inlets.*.shapes.*", "inlets.*.size.sigma",
     "walls.*.orientation", "walls.*.scale", "walls.*.motion.oscillate.direction", "walls.*.motion.oscillate.phase", "walls.*.motion.rotate.axis",
     "walls.*.shape.plane.normal", "walls.*.shape.disc.normal", "walls.*.shape.hopper.half_angle",
     "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
@@ -69,13 +81,13 @@ def in_other_units(words, length, mass, time):
 
 def converted(value, key, units):
     if isinstance(value, dict):
-        named = key in ("shapes", "materials", "populations.*.shapes")
+        named = key in ("shapes", "materials", "populations.*.shapes", "inlets.*.shapes")
         result = {name: converted(entry, f"{key}.*" if named else f"{key}.{name}" if key else name, units) for name, entry in value.items()}
-        if key == "populations.*.size" and value.get("distribution") == "normal":
+        if key in ("populations.*.size", "inlets.*.size") and value.get("distribution") == "normal":
             result["sigma"] = value["sigma"] * units[0]
         return result
     if isinstance(value, list):
-        tables = key in ("bodies", "walls", "populations", "pairs")
+        tables = key in ("bodies", "walls", "populations", "pairs", "inlets", "outlets")
         return [converted(entry, f"{key}.*" if tables else key, units) for entry in value]
     if isinstance(value, (str, bool)) or key in PLAIN:
         return value

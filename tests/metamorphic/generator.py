@@ -785,9 +785,68 @@ def output(d):
 
 
 @feature
+def inlets_and_outlets(d):
+    """Bodies that come in somewhere in the room, and places where they leave. Draws of its own: what other features draw stays."""
+    own = random_numbers.Random(f"openings {d.case.note}")
+    if own.random() >= 0.25 or d.words["time"].get("stop_at_rest") or d.words["time"].get("stop_when_empty"):
+        return
+    kept, d.random = d.random, own
+    names = [f"feed{i}" for i in range(d.pick({0: 1, 1: 4, 2: 1}))]
+    if names:
+        d.words["inlets"] = [inlet_of(d, name) for name in names]
+    outlets = []
+    for i in range(d.pick({0: 1, 1: 3, 2: 1}) if names else 1):
+        # below everything, or anywhere when bodies come in again
+        again = bool(names) and d.chance(0.5)
+        low, high = d.room[0].copy(), d.room[1].copy()
+        if not again:
+            low, high = low - 30 * d.radius, high + 30 * d.radius
+            high[2] = d.room[0][2] - 0.6 * d.gap
+        outlet = {} if d.chance(0.3) else {"name": d.random.choice(["end", "left, right", "o"]) + str(i)}
+        outlet |= region_of(d, numpy.array([low, high]), "random") if again else {"region": {"box": [low.tolist(), high.tolist()]}}
+        outlets.append(outlet | ({"to": d.random.choice(names)} if again else {}))
+    if outlets:
+        d.words["outlets"] = outlets
+    d.random = kept
+
+
+def inlet_of(d, name):
+    inlet = {"name": name, "material": d.random.choice(d.materials)}
+    shapes = d.random.sample(d.shapes, d.random.randint(1, len(d.shapes)))
+    if len(shapes) == 1 and d.chance(0.7):
+        inlet["shape"] = shapes[0]
+    else:
+        inlet["shapes"] = {shape: d.random.randint(1, 3) for shape in shapes}
+        if d.chance(0.4):
+            inlet["shares_by"] = d.random.choice(["mass", "number"])
+    inlet |= region_of(d, d.room, "random") | sizes_of(d, shapes) | orientation_of(d)
+    if d.chance(0.7):
+        inlet["velocity"] = (0.5 * d.speed * d.direction()).tolist()
+    if d.chance(0.3):
+        inlet["angular_velocity"] = (0.3 * d.speed / d.radius * d.direction()).tolist()
+    number = d.between(1, 10) / d.duration
+    mass = number * math.pi / 6 * (0.8 * min(equivalent_diameters(d, shapes))) ** 3 * d.words["materials"][inlet["material"]]["density"]
+    key, rate = ("rate", mass) if d.chance(0.5) else ("number_rate", number)
+    inlet[key] = rate
+    if d.chance(0.3):
+        inlet[key] = {"time": [d.duration * d.between(0, 0.2), d.duration * d.between(0.3, 0.6), d.duration], "rate": [0, rate, rate * d.between(0, 2)]}
+    if d.chance(0.3):
+        inlet["start"] = d.duration * d.between(-0.1, 0.4)
+    if d.chance(0.3):
+        inlet["stop"] = d.duration * d.between(0.5, 1.1)
+    if d.chance(0.2):
+        inlet["limit"] = mass * d.duration * d.between(0.3, 1)
+    if d.chance(0.2):
+        inlet["count"] = d.random.randint(1, 5)
+    if d.chance(0.2):
+        inlet["when_full"] = d.random.choice(["wait", "stop"])
+    return inlet
+
+
+@feature
 def anywhere(d):
     """The whole scene turned and moved: nothing may depend on axes, but boxes stay along them."""
-    if d.case.populations:
+    if d.case.populations or d.words.get("inlets") or d.words.get("outlets"):
         return
     bound = "domain" in d.words or any("box_inside" in wall["shape"] for wall in d.case.walls)
     turn, shift = numpy.eye(3), numpy.zeros(3)

@@ -23,6 +23,8 @@ kRounding = 1e-14    # a step, of the largest place over the size of a body
 
 def base(trial):
     """The case with its bodies placed one by one."""
+    if trial.case.words.get("inlets") or trial.case.words.get("outlets"):
+        raise NotApplicable("bodies come in and leave at places of their own")
     if not hasattr(trial, "frozen"):
         trial.frozen = frozen(trial.case, trial.scene)
         try:

@@ -78,6 +78,8 @@ def post_regions(trial):
     run = trial.completed()
     frame = run.frames[trial.random.randrange(len(run.frames))]
     scene = run.scene
+    if run.record.get("inserted_bodies"):
+        raise NotApplicable("bodies came in that are not in the scene")
     here = {int(i): k for k, i in enumerate(scene.body("id"))}
     rows = numpy.array([here[int(i)] for i in frame.ids], int)
     moving = scene.moving()[rows]
@@ -172,6 +174,8 @@ def post_layers(trial):
     if len(frame.ids) == 0 or not scene.moving().any():
         raise NotApplicable("no particles")
     vertical = int(numpy.argmax(numpy.abs(gravity)))
+    if run.record.get("inserted_bodies"):
+        raise NotApplicable("bodies came in that are not in the scene")
     here = {int(i): k for k, i in enumerate(scene.body("id"))}
     rows = numpy.array([here[int(i)] for i in frame.ids], int)
     moving = scene.moving()[rows]
@@ -229,5 +233,6 @@ def report_trusts_its_files(trial):
     require(verdicts["Files behind the run"]["judgement"] == "good", f"report: files {verdicts['Files behind the run']}")
     lost, removed = run.record["lost_bodies"] + run.record["bodies_outside_domain"], run.record["removed_bodies"]
     require(lost == 0 or verdicts["Lost bodies"]["judgement"] != "good", f"report: {lost} bodies left, and {verdicts['Lost bodies']}")
-    taken = f"{removed} of {len(run.frames[0].bodies['position'])} removed"  # as the case requires: good, but reported
+    all_bodies = len(run.frames[0].bodies["position"]) + run.record.get("inserted_bodies", 0)
+    taken = f"{removed} of {all_bodies} removed"  # as the case requires: good, but reported
     require(removed == 0 or taken in verdicts["Lost bodies"]["answer"], f"report: {removed} bodies were taken out, and {verdicts['Lost bodies']}")

@@ -59,9 +59,11 @@ def scenes():
     del less_than_one["count"]
     on_a_sheet = scene(falling, [sheet])
     on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
+    feed = {"shape": "ball", "material": "m", "number_rate": 100.0, "region": {"box": [[-0.05, -0.05, 0.03], [0.05, 0.05, 0.06]]}, "velocity": [0, 0, -1]}
+    end = {"region": {"box": [[-0.1, -0.1, -0.2], [0.1, 0.1, 0.0]]}}
     return [scene(falling, [floor]), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
             scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
-            on_a_sheet, scene([], [floor], populations=[less_than_one])]
+            on_a_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
 
 
 def every_relation_can_fail(tools):
@@ -133,9 +135,9 @@ def schema_leaves(node, path=""):
 def leaves_of(words, path=""):
     if isinstance(words, dict):
         for name, entry in words.items():
-            named = path in ("shapes", "materials", "populations.*.shapes")
+            named = path in ("shapes", "materials", "populations.*.shapes", "inlets.*.shapes")
             yield from leaves_of(entry, f"{path}.*" if named else f"{path}.{name}" if path else name)
-    elif isinstance(words, list) and path in ("bodies", "walls", "populations", "pairs"):
+    elif isinstance(words, list) and path in ("bodies", "walls", "populations", "pairs", "inlets", "outlets"):
         for entry in words:
             yield from leaves_of(entry, path + ".*")
     else:

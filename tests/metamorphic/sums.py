@@ -25,8 +25,8 @@ def rows_at_frames(run):
 
 
 def no_removal(run):
-    if run.record["removed_bodies"] or run.record["lost_bodies"]:
-        raise NotApplicable("bodies were taken out")
+    if run.record["removed_bodies"] or run.record["lost_bodies"] or run.record.get("inserted_bodies"):
+        raise NotApplicable("bodies came or went")
 
 
 def inertia_in_world(scene, i, quat):
@@ -146,10 +146,11 @@ def energy_balance(trial):
     kt, kr, potential, elastic, tangential, dissipated, work, error = (run.column(name) for name in names)
     scale = max((kt + kr).max(), numpy.abs(dissipated).max(), numpy.abs(work).max(), (elastic + tangential).max())
     rounding = 1e-8 * scale + 1e-12 * numpy.abs(potential).max()
-    if not run.record["removed_bodies"]:
-        balance = kt + kr + potential + elastic + tangential + dissipated - work
-        off = numpy.abs(balance - balance[0] - error).max()
-        require(off <= rounding, f"the energy columns leave {off:.3g} J that energy_error does not have ({scale:.3g} J in motion)")
+    took, brought = (run.column(name) if name in run.log else 0 * kt for name in ("removed", "inserted"))
+    balance = kt + kr + potential + elastic + tangential + dissipated - work + took - brought
+    off = numpy.abs(balance - balance[0] - error).max()
+    rounding += 1e-12 * (numpy.abs(took).max() + numpy.abs(brought).max())
+    require(off <= rounding, f"the energy columns leave {off:.3g} J that energy_error does not have ({scale:.3g} J in motion)")
     if not numpy.any(run.scene.general.get("fluid", {}).get("velocity", [0, 0, 0])):   # a stream drives bodies
         fall = -numpy.diff(dissipated).min(initial=0)
         require(fall <= rounding + kReturned * scale, f"dissipated energy falls by {fall:.3g} J, {fall / scale:.3g} of what is in motion, at row {numpy.argmin(numpy.diff(dissipated))}")
@@ -163,6 +164,40 @@ def energy_balance(trial):
 
 def pressed(run):
     run.log["elastic"][0] = "1.0"
+
+
+def another_came(run):
+    run.record["inserted_bodies"] = run.record.get("inserted_bodies", 0) + 1
+
+
+@relation("sums", another_came)
+def bodies_in_and_out(trial):
+    """In - out = there: number and mass, in run.json, the tables and the last frame; no id came twice unless it had left; rates are kept."""
+    run, case = trial.completed(), trial.case
+    if not case.words.get("inlets") and not case.words.get("outlets"):
+        raise NotApplicable("no inlets and no outlets")
+    trial.seen(run)
+    inserted, removed = (run.events(name) for name in ("inserted.csv", "removed.csv"))
+    record, scene = run.record, run.scene
+    require(record.get("inserted_bodies", 0) == len(inserted), f"{record.get('inserted_bodies')} came in by run.json, {len(inserted)} by the table")
+    require(record["removed_bodies"] == len(removed), f"{record['removed_bodies']} left by run.json, {len(removed)} by the table")
+    require(record["bodies"] == scene.count + len(inserted) - len(removed) and record["lost_bodies"] == 0,
+            f"{scene.count} + {len(inserted)} - {len(removed)} bodies are not {record['bodies']}")
+    there = {int(i) for i in scene.body("id")}
+    for step, comes, row in sorted([(int(r["step"]), 1, r) for r in inserted] + [(int(r["step"]), 0, r) for r in removed],
+                                   key=lambda e: (e[0], e[1], int(e[2]["id"]))):
+        i = int(row["id"])
+        require((i in there) != bool(comes), f"body {i} {'comes in' if comes else 'leaves'} at step {step} and {'is' if i in there else 'is not'} there")
+        there ^= {i}
+    require(there == {int(i) for i in run.frames[-1].ids}, f"the last frame has other bodies than came in and stayed: {there ^ {int(i) for i in run.frames[-1].ids}}")
+    for k, inlet in enumerate(record.get("inlets", [])):
+        new = [float(r["mass"]) for r in inserted if r["inlet"] == inlet["name"]]
+        require(len(new) == inlet["bodies"] + inlet["came_in_again"], f"inlet {k}: {len(new)} in the table, {inlet}")
+        if inlet["shortfall"] == 0 and "limit" not in case.words["inlets"][k] and "count" not in case.words["inlets"][k]:
+            by_number = "number_rate" in case.words["inlets"][k]
+            had, one = (inlet["bodies"], 1) if by_number else (inlet["mass"], max(new, default=inlet["owed"] * 2))
+            late = 32 * record["step_size"] / max(run.frames[-1].time, 1e-300) * inlet["owed"] * 4   # what is owed since the last look
+            require(abs(had - inlet["owed"]) <= 0.5 * one * (1 + 1e-9) + late, f"inlet {k} let in {had}, and owed {inlet['owed']}")
 
 
 @relation("sums", pressed)

@@ -226,7 +226,15 @@ class Run:
         self.frames = [Frame(os.path.join(folder, name)) for name in self.names]
         series = read_json(os.path.join(folder, "frames.hdf.series")) or {"files": []}
         self.series = [(entry["name"], entry["time"]) for entry in series["files"]]
-        self.tables = {name: read_lines(os.path.join(folder, name)) for name in ("steps.csv", "removed.csv")}
+        self.tables = {name: read_lines(os.path.join(folder, name)) for name in ("steps.csv", "removed.csv", "inserted.csv")}
+
+    def events(self, name):
+        """The rows of removed.csv or inserted.csv, by the names of their columns; none without the table."""
+        path = os.path.join(self.folder, name)
+        if not os.path.exists(path):
+            return []
+        with open(path, encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
     def column(self, name):
         return numpy.array([float(value) for value in self.log[name]])

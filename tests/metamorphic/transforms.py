@@ -115,6 +115,8 @@ def placed(case, how):
     """The whole case elsewhere."""
     if case.populations:
         raise NotApplicable("populations are placed anew elsewhere")
+    if case.words.get("inlets") or case.words.get("outlets"):
+        raise NotApplicable("bodies come in and leave at places of their own")
     result = case.copy()
     words = result.words
     words["gravity"] = how.vector(case.gravity)

@@ -116,7 +116,7 @@ class Case:
         if domain is not None:
             self.tables["domain"] = domain
         self.shapes, self.solids, self.surfaces, self.files = {}, {}, {}, {}
-        self.materials, self.pairs, self.bodies, self.walls, self.populations = {}, {}, [], [], []
+        self.materials, self.pairs, self.bodies, self.walls, self.populations, self.inlets, self.outlets = {}, {}, [], [], [], [], []
 
     # shapes: each gives its name, so that a call can stand where a body is made
     def sphere(self, name, radius):
@@ -154,6 +154,12 @@ class Case:
         """Bodies that the decomposer places; `count` and `region` as in the case language."""
         self.populations.append(words)
 
+    def inlet(self, **words):
+        self.inlets.append(words)
+
+    def outlet(self, **words):
+        self.outlets.append(words)
+
     def wall(self, shape, material, **more):
         self.walls.append({"shape": shape, "material": material, **more})
         return len(self.walls) - 1
@@ -188,6 +194,9 @@ class Case:
             if table["shape"].get("file") in self.surfaces:
                 table["shape"] = {"file": surface_of(table["shape"]["file"])}
             lines += ["[[walls]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
+        for name, tables in (("inlets", self.inlets), ("outlets", self.outlets)):
+            for table in tables:
+                lines += [f"[[{name}]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
         return "\n".join(lines) + "\n"
 
     def write(self, tools):
@@ -260,7 +269,9 @@ class Run:
                     self.wall_position.append(file["walls/position"][:])
                     self.wall_orientation.append(file["walls/orientation"][:])
         self.times = numpy.array(self.times)
-        self.x, self.v, self.w, self.q = (numpy.array(columns[name]) for name in ("x", "v", "w", "q"))
+        if len({len(x) for x in columns["x"]}) == 1:  # else bodies come and go: only the tables tell them
+            self.x, self.v, self.w, self.q = (numpy.array(columns[name]) for name in ("x", "v", "w", "q"))
+        self.inserted, self.removed = (read_events(os.path.join(folder, name)) for name in ("inserted.csv", "removed.csv"))
         self.steps, self.step = self.record["steps"], self.record["step_size"]
         self.wall_seconds = self.record["wall_seconds"]
         self.max_depth_ratio = self.record["max_depth_ratio"]
@@ -298,6 +309,14 @@ def read_log(path):
         if name != "state_hash":
             columns[name] = numpy.array([float(row[i]) for row in rows[1:]])
     return columns
+
+
+def read_events(path):
+    """Rows of inserted.csv or removed.csv; none without the table."""
+    if not os.path.exists(path):
+        return []
+    with open(path, newline="") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def rotated(q, v):

@@ -202,7 +202,7 @@ class Bodies(Rows):
         """Row of a body by its id. Raises UnknownName when it is not in the frame (a wall, or it was removed)."""
         found = np.flatnonzero(self.id == body_id)
         if not len(found):
-            raise UnknownName(f"body {body_id}: not among these {len(self)} bodies; it may be a wall, or it has left the domain")
+            raise UnknownName(f"body {body_id}: not among these {len(self)} bodies; it may be a wall, it has left, or it has not come in yet")
         return int(found[0])
 
     def in_region(self, part: Region | str) -> Bodies:

@@ -123,8 +123,13 @@ class Run:
 
     @cached_property
     def removed(self) -> Table:
-        """removed.csv: bodies that left the domain, of a run with `outside = "remove"`. Raises InputError for others."""
+        """removed.csv: bodies that were taken out, of a run with outlets or `outside = "remove"`. Raises InputError for others."""
         return self._table("removed.csv")
+
+    @cached_property
+    def inserted(self) -> Table:
+        """inserted.csv: bodies that came in, of a run with inlets. Raises InputError for others."""
+        return self._table("inserted.csv")
 
     @cached_property
     def statistics(self) -> Statistics:

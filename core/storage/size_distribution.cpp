@@ -1,4 +1,4 @@
-#include "decomposer/case/size_distribution.hpp"
+#include "core/storage/size_distribution.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "decomposer/packing/orientation.hpp"
+#include "core/placing/orientation.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -21,14 +21,14 @@ Quat rotation_between(const Vec3& from, const Vec3& to) {
 
 }  // namespace
 
-Quat draw_orientation(const CaseOrientation& asked, const Shape& shape, const RandomNumbers& random, std::uint64_t which) {
-  if (asked.kind == CaseOrientation::Kind::random) return random.orientation(which);
-  if (asked.kind == CaseOrientation::Kind::given) return asked.given;
+Quat draw_orientation(const BodyOrientation& asked, const Shape& shape, const RandomNumbers& random, std::uint64_t which) {
+  if (asked.kind == BodyOrientation::Kind::random) return random.orientation(which);
+  if (asked.kind == BodyOrientation::Kind::given) return asked.given;
   constexpr double kTwoPi = 2 * std::numbers::pi;
   Vec3 axis = asked.body_axis;
   // principal moments ascend: the first is about the longest axis
-  if (asked.axis == CaseOrientation::Axis::longest) axis = rotate(shape.mass.body_from_principal, {1, 0, 0});
-  if (asked.axis == CaseOrientation::Axis::shortest) axis = rotate(shape.mass.body_from_principal, {0, 0, 1});
+  if (asked.axis == BodyOrientation::Axis::longest) axis = rotate(shape.mass.body_from_principal, {1, 0, 0});
+  if (asked.axis == BodyOrientation::Axis::shortest) axis = rotate(shape.mass.body_from_principal, {0, 0, 1});
   const double tilt = asked.scatter * std::sqrt(-2 * std::log1p(-random.uniform(which)));
   const Vec3 any = std::abs(asked.direction.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 across = normalised(cross(asked.direction, any));

@@ -1,4 +1,4 @@
-#include "decomposer/packing/region.hpp"
+#include "core/placing/region.hpp"
 
 #include <algorithm>
 #include <numbers>
@@ -15,6 +15,25 @@ bool Region::holds(const PlacedBody& body, const std::vector<Vec3>& vertices, do
   constexpr double kApart = 1e-6;  // of the body's radius
   const double least = std::max(gap, kApart * body.radius());
   return gap_between(hull, body, least * kJustAbove, scratch) >= least;
+}
+
+bool Region::contains(const Vec3& p) const {
+  for (int k = 0; k < 3; ++k) {
+    if (!(p[k] >= box.lower[k] && p[k] <= box.upper[k])) return false;
+  }
+  if (is_box()) return true;
+  if (is_mesh()) return is_inside(mesh.shape.mesh, p);
+  if (shape.kind == WallKind::sphere_inside) return length(p - shape.point) <= shape.radius;
+  const Vec3 axis = normalised(shape.axis_end - shape.axis_start);
+  const double z = dot(axis, p - shape.axis_start);
+  return z >= 0 && z <= length(shape.axis_end - shape.axis_start) && length(p - shape.axis_start - z * axis) <= shape.radius;
+}
+
+Region region_of(const RegionShape& region, const std::vector<Shape>& shapes) {
+  if (region.kind != WallKind::mesh) return region_of(region);
+  TriangleMesh mesh = shapes[static_cast<std::size_t>(region.shape)].mesh;
+  for (Vec3& p : mesh.vertices) p = region.position + region.scale * rotate(region.orientation, p);
+  return region_of(std::move(mesh));
 }
 
 Region region_of(const Wall& wall) {

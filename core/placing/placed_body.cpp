@@ -1,4 +1,4 @@
-#include "decomposer/packing/placed_body.hpp"
+#include "core/placing/placed_body.hpp"
 
 #include <algorithm>
 #include <cmath>
