@@ -90,6 +90,8 @@ constexpr std::array kDimensions{
     DimensionFacts{Dimension::stress_per_length, "a stress per length", "Pa/m", "1 GPa/m", {1, -2, -2, 0}},
     DimensionFacts{Dimension::viscosity, "a dynamic viscosity", "Pa s", "1 mPa s", {1, -1, -1, 0}},
     DimensionFacts{Dimension::mass_rate, "a mass per time", "kg/s", "2 kg/s", {1, 0, -1, 0}},
+    DimensionFacts{Dimension::energy, "an energy", "J", "0.5 uJ", {1, 2, -2, 0}},
+    DimensionFacts{Dimension::surface_energy, "an energy per area", "J/m^2", "50 mJ/m^2", {1, 0, -2, 0}},
 };
 
 const DimensionFacts& facts_of(Dimension dimension) {

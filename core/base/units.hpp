@@ -21,7 +21,9 @@ enum class Dimension {
   force,
   stress_per_length,
   viscosity,
-  mass_rate
+  mass_rate,
+  energy,
+  surface_energy
 };
 
 /// "a length [m]", for messages.

@@ -40,6 +40,11 @@ struct MaterialPair {
   double restitution_speed = 0;   ///< [m/s] approach speed at which restitution holds (hunt-crossley), 0 when not given
   double layer_modulus = 0;       ///< [Pa] of the elastic layer that the margins are (gather = "area")
   double contact_radius = 0;      ///< [m] R* of the contact (hertz-mindlin, rolling), 0: from the bodies' equivalent spheres
+  double pull_off = 0;            ///< [N] what parts a contact (attraction.hpp); 0: `adhesion` says it, or there is no attraction
+  double adhesion = 0;            ///< [J/m^2] work of adhesion w
+  AdhesionModel adhesion_model = AdhesionModel::jkr;
+  double adhesion_range = 0;     ///< [m] over which the attraction acts; 0: from separation_energy
+  double separation_energy = 0;  ///< [J] that parts a contact at rest; 0: from adhesion_range
 };
 
 /// E* [Pa] of two materials: 1/E* = sum of (1 - poisson^2) / young.

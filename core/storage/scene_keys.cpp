@@ -148,9 +148,25 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
        {},
        s.gather == Gathering::area},
       p.layer_modulus, Dimension::pressure, Range::positive);
-  k.number({"contact_radius", "of the bodies",
-            "R* of `hertz-mindlin` and of rolling: 1/R* = 1/R_a + 1/R_b of the spheres of equal volume, R_b infinite for a wall"},
-           p.contact_radius, Dimension::length, Range::positive);
+  k.number(
+      {"contact_radius", "of the bodies",
+       "R* of `hertz-mindlin`, of rolling and of `adhesion`: 1/R* = 1/R_a + 1/R_b of the spheres of equal volume, R_b infinite for a wall"},
+      p.contact_radius, Dimension::length, Range::positive);
+  k.number({"pull_off", "none", "attraction: the force that parts one contact; with `gather = \"potential\"` and any `law`"}, p.pull_off,
+           Dimension::force, Range::positive);
+  k.number({"adhesion", "none", "or the work of adhesion w, from which that force follows, with R* of `contact_radius`"}, p.adhesion,
+           Dimension::surface_energy, Range::positive);
+  k.word({"adhesion_model", "required with `adhesion`",
+          "the force is 3/2 pi w R* (`jkr`, soft large bodies) or 2 pi w R* (`dmt`, hard small ones)"},
+         p.adhesion_model);
+  k.number(
+      {"adhesion_range", "required with attraction, or `separation_energy`",
+       "gap beyond touch over which the attraction grows to its full force; the lists of neighbours are as much wider, and a derived step "
+       "takes ten steps through it at `impact_speed`"},
+      p.adhesion_range, Dimension::length, Range::positive);
+  k.number({"separation_energy", "from `adhesion_range`",
+            "work that parts a contact at rest; the range follows from it, whatever the stiffness"},
+           p.separation_energy, Dimension::energy, Range::positive);
 }
 
 }  // namespace scree

@@ -71,6 +71,12 @@ template <>
 inline constexpr auto kWordsOf<RollingModel> = std::to_array<Word<RollingModel>>({{RollingModel::elastic_plastic, "elastic-plastic"},
                                                                                   {RollingModel::constant, "constant"}});
 
+/// How the pull-off force of a contact follows from the work of adhesion: 3/2 pi w R* or 2 pi w R*.
+enum class AdhesionModel { jkr, dmt };
+template <>
+inline constexpr auto kWordsOf<AdhesionModel> = std::to_array<Word<AdhesionModel>>({{AdhesionModel::jkr, "jkr"},
+                                                                                    {AdhesionModel::dmt, "dmt"}});
+
 enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };
 template <>
 inline constexpr auto kWordsOf<WallKind> = std::to_array<Word<WallKind>>({{WallKind::plane, "plane"},

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/base/provenance.hpp"
+#include "core/storage/attraction.hpp"
 #include "core/storage/scene_keys.hpp"
 #include "decomposer/case/case_pairs.hpp"
 #include "decomposer/case/case_sections.hpp"
@@ -68,6 +69,9 @@ void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
                   "depends on the speed of the impact with contact.law = \"hunt-crossley\"; add restitution_speed, the speed "
                   "at which it holds");
   }
+  if (t.has("adhesion_model") && !t.has("adhesion")) throw t.error("adhesion_model", "goes with adhesion, the work of adhesion");
+  if (t.has("adhesion") && !t.has("adhesion_model"))
+    throw t.error("adhesion", "needs adhesion_model: \"jkr\" for a pull-off force of 3/2 pi w R*, \"dmt\" for 2 pi w R*");
   for (const std::int32_t m : {p.a, p.b}) {
     const Material& material = c.materials[static_cast<std::size_t>(m)];
     if (hertz && !(material.young > 0)) {
@@ -75,6 +79,9 @@ void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
                     fmt::format("the material \"{}\" needs young (Young's modulus) for contact.law = \"hertz-mindlin\"", material.name));
     }
   }
+  const AttractionFault fault =
+      attraction_fault(c.settings, p, c.materials[static_cast<std::size_t>(p.a)], c.materials[static_cast<std::size_t>(p.b)]);
+  if (fault.key[0] != 0) throw t.error(fault.key, fault.text);
 }
 
 void pair_section(CaseKeys& k, Case& c) {

@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/storage/attraction.hpp"
 
 namespace scree {
 
@@ -228,6 +229,27 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
   }
 }
 
+/// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
+void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+  for (const CasePair& p : c.pairs) {
+    if (!attracts(p.pair)) continue;
+    double radius = p.pair.contact_radius;
+    for (const std::int32_t m : {p.pair.a, p.pair.b}) {
+      if (!(p.pair.contact_radius > 0)) radius = std::max(radius, 0.5 * movers.of_material[static_cast<std::size_t>(m)].diameter);
+    }
+    if (!(radius > 0)) continue;
+    const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
+    const double range = attraction_range(scene.settings.law, p.pair, a, b, radius), work = 0.5 * pull_off_force(p.pair, radius) * range;
+    const RestingContact rest = resting_contact(scene.settings.law, p.pair, a, b, radius);
+    if (!(rest.energy > work)) continue;
+    doubts.push_back(fmt::format(
+        "{}: to part a contact at rest takes {} to undo its overlap of {}, and {} against the attraction over its range: it sticks the "
+        "more the "
+        "softer it is; a stiffer pair, a wider adhesion_range, or separation_energy in its place is needed",
+        p.where, format_quantity(rest.energy, Dimension::energy), metres(rest.overlap), format_quantity(work, Dimension::energy)));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_about(const Case& c) {
@@ -245,6 +267,7 @@ std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, co
   doubt_extents(c, parts, movers, doubts);
   doubt_steps(c, movers, doubts);
   doubt_stiffness(c, scene, movers, doubts);
+  doubt_attraction(c, scene, movers, doubts);
   if (scene.settings.impact_speed > kFastest) {
     doubts.push_back(
         fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",

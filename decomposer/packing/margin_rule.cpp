@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/storage/attraction.hpp"
 #include "decomposer/packing/inlets.hpp"
 
 namespace scree {
@@ -129,13 +130,14 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
 }  // namespace
 
 void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
-  double heaviest = 0, smallest = 1e300;
+  double heaviest = 0, smallest = 1e300, widest = 0;
   bool has_meshes = false;
   const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
     has_meshes = has_meshes || s.kind != ShapeKind::sphere;
     if (!moves) return;
     heaviest = std::max(heaviest, scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale);
     smallest = std::min(smallest, scale * s.equivalent_diameter());
+    widest = std::max(widest, scale * s.equivalent_diameter());
   };
   for (const CaseBody& b : c.bodies) add(parts.shape(b.shape).shape, b.material, b.scale, !b.fixed);
   for (const Draw& d : parts.draws) add(parts.shape(d.shape).shape, c.populations[d.population].material, d.scale, true);
@@ -171,7 +173,22 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
       for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
     }
   }
-  const double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
+  double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
+  // what attracts is pressed deeper, and not by its speed alone
+  std::string pulled;
+  for (const CasePair& p : c.pairs) {
+    if (!attracts(p.pair) || !(heaviest > 0)) continue;
+    const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * widest;  // R* of the largest body on a wall
+    const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
+    const double pressed = impact_overlap(c.settings.law, p.pair, a, b, radius, heaviest, report.fastest_impact);
+    if (pressed <= depth) continue;
+    constexpr double kWorthTelling = 1.01;
+    const bool tells = pressed > kWorthTelling * depth;
+    depth = pressed;
+    if (!tells) continue;
+    pulled = fmt::format(", and the attraction of {} of '{}' and '{}'", format_quantity(pull_off_force(p.pair, radius), Dimension::force),
+                         a.name, b.name);
+  }
 
   report.impact_overlap = depth;
   double& margin = scene.settings.margin;
@@ -185,8 +202,8 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     const double derived = std::max(0.5 * depth / kOverlapShare, kSmallestShare * smallest);
     const double needed = heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2);
     const std::string from = fmt::format(
-        "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({})", format_quantity(heaviest, Dimension::mass),
-        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness));
+        "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest, Dimension::mass),
+        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness), pulled);
     const std::string cure = fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
     // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
     // Hertz contacts: what is soft there is so by its material, not by choice.

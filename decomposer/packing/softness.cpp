@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/storage/attraction.hpp"
+
 namespace scree {
 
 namespace {
@@ -56,6 +58,8 @@ double load_of_bed(const Case& c, const SceneParts& parts, const Scene& scene, d
 
 double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report) {
   if (!is_known(c.settings.law) || c.settings.gather == Gathering::area || c.settings.barrier > 0) return 1;
+  // a softer contact is pressed deeper by its own attraction, and sticks the more
+  if (std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return attracts(p.pair); })) return 1;
   double smallest = 1e300, largest = 0;
   for (const Draw& d : parts.draws) {
     if (c.populations[d.population].method != PackingMethod::settle) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "core/storage/attraction.hpp"
 #include "core/storage/seam_meshes.hpp"
 #include "core/storage/wall_zones.hpp"
 
@@ -10,13 +11,62 @@ namespace scree {
 
 namespace {
 
+/// How far bodies reach beyond their margins: the widest range of an attraction [m].
+double widest_range(const Scene& scene) {
+  double range = 0;
+  for (const MaterialPair& p : scene.pairs) {
+    if (!attracts(p)) continue;
+    const Material &a = scene.materials[static_cast<std::size_t>(p.a)], &b = scene.materials[static_cast<std::size_t>(p.b)];
+    range = std::max(range, attraction_range(scene.settings.law, p, a, b, p.contact_radius));
+  }
+  return range;
+}
+
+void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene) {
+  if (!std::any_of(scene.pairs.begin(), scene.pairs.end(), attracts)) return;
+  const Settings& s = scene.settings;
+  for (const CaseShape& shape : c.shapes) {
+    if (shape.cell_size > 0)
+      throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off or adhesion)", shape.where);
+  }
+  for (const CaseWall& w : c.walls) {
+    if (w.wall.cell_size > 0) throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off or adhesion)", w.where);
+  }
+  const double reach = 2 * s.margin + widest_range(scene);
+  std::vector<double> radius(scene.materials.size(), 0.0);
+  const auto add = [&](std::int32_t shape, std::int32_t material, double scale, std::int64_t id) {
+    const Shape& of = parts.shape(shape).shape;
+    double& largest = radius[static_cast<std::size_t>(material)];
+    largest = std::max(largest, 0.5 * scale * of.equivalent_diameter());
+    check_thickness(of, scale, fmt::format("body {}", id), reach);
+  };
+  for (std::size_t i = 0; i < c.bodies.size(); ++i)
+    add(c.bodies[i].shape, c.bodies[i].material, c.bodies[i].scale, parts.first_id + static_cast<std::int64_t>(i));
+  for (const Draw& d : parts.draws) add(d.shape, c.populations[d.population].material, d.scale, d.id);
+  for (const Inlet& inlet : scene.inlets) {
+    for (const Inlet::Share& share : inlet.shares) {
+      const Shape& of = scene.shapes[static_cast<std::size_t>(share.shape)];
+      const double own = of.equivalent_diameter(), smallest = inlet.size ? inlet.size->min / own : 1;
+      double& largest = radius[static_cast<std::size_t>(inlet.material)];
+      largest = std::max(largest, 0.5 * (inlet.size ? inlet.size->max : own));
+      check_thickness(of, smallest, fmt::format("a body of the inlet '{}'", inlet.name), reach);
+    }
+  }
+  for (const CasePair& p : c.pairs) {
+    const auto a = static_cast<std::size_t>(p.pair.a), b = static_cast<std::size_t>(p.pair.b);
+    check_pressing(s, p.pair, scene.materials[a], scene.materials[b],
+                   p.pair.contact_radius > 0 ? p.pair.contact_radius : std::max(radius[a], radius[b]), 2 * s.margin);
+  }
+}
+
 void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
   const Domain& domain = c.settings.domain;
   const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
   if (!periodicity.any()) return;
+  const double range = scene.settings.margin + 0.5 * widest_range(scene);
   double largest = 0;
   const auto check = [&](double radius, std::int64_t id) {
-    check_period(periodicity, radius, scene.settings.margin, fmt::format("body {}", id));
+    check_period(periodicity, radius, range, fmt::format("body {}", id));
     largest = std::max(largest, radius);
   };
   for (std::size_t i = 0; i < c.bodies.size(); ++i)
@@ -28,14 +78,13 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
     for (const Inlet::Share& share : inlet.shares) {
       const Shape& shape = scene.shapes[static_cast<std::size_t>(share.shape)];
       const double radius = (inlet.size ? inlet.size->max / shape.equivalent_diameter() : 1) * shape.bounding_radius();
-      check_period(periodicity, radius, scene.settings.margin, fmt::format("a body of the inlet '{}'", inlet.name));
+      check_period(periodicity, radius, range, fmt::format("a body of the inlet '{}'", inlet.name));
       largest = std::max(largest, radius);
     }
   }
   std::vector<std::string> dropped;
   wall_zones(scene.walls, periodicity, dropped);
-  for (std::string& gap :
-       check_meshes_at_seams(scene.walls, scene.shapes, domain, largest + 2 * scene.settings.margin, scene.settings.duration)) {
+  for (std::string& gap : check_meshes_at_seams(scene.walls, scene.shapes, domain, largest + 2 * range, scene.settings.duration)) {
     notices.push_back(std::move(gap));
   }
 }
@@ -60,6 +109,7 @@ void check_needs_of_margin(const Case& c, const Settings& s) {
 void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& notices) {
   check_periodic_axes(c, parts, scene, notices);
   check_needs_of_margin(c, scene.settings);
+  check_attraction(c, parts, scene);
   const Settings& s = scene.settings;
   const bool moves = parts.carried || !parts.draws.empty() || !c.inlets.empty() ||
                      std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });

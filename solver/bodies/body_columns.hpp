@@ -58,6 +58,7 @@ enum BodyUse : unsigned {
   column(Vec3, inverse_inertia, "0 for fixed or locked bodies")                                              \
   column(std::uint8_t, isotropic, "all three principal moments equal")                                       \
   column(const double*, weights, "of the shape's corners at this scale, SolverScene::weights()")              \
+  column(const double*, pull_weights, "the same of an attraction, SolverScene::pull_weights()")               \
   column(Vec3, dissipative_force, "the part of force from damping and friction [N]")                               \
   column(Vec3, dissipative_torque, "the same of torque [N m]")                                                     \
   column(Vec3, x_listed, "centre when the body lists were made [m]")

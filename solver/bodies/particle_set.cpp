@@ -51,6 +51,7 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   p.inverse_mass[i] = r.fixed ? 0.0 : 1 / p.mass[i];
   p.inverse_inertia[i] = r.fixed || r.lock_rotation ? Vec3{} : Vec3{1 / p.inertia[i].x, 1 / p.inertia[i].y, 1 / p.inertia[i].z};
   p.weights[i] = scene.weights(r.shape, r.scale);
+  p.pull_weights[i] = scene.pull_weights(r.shape, r.scale);
   p.dissipative_force[i] = {};
   p.dissipative_torque[i] = {};
   p.x_listed[i] = r.x;

@@ -13,6 +13,7 @@ struct AreaModel {
   using NormalLaw = typename Law::InLayer;
 
   static bool list(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists);
+  static void weigh(const PairView&, const PullView&, PairFeatures&) {}
   static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features);
 
   static PushSum potential(const PairFeatures& features, const PairLaw& pair_law, const LayerLaw& law, FeatureForces& forces,

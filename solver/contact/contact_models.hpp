@@ -20,14 +20,21 @@ struct ModelList {
 
 using ContactModels = ModelList<PotentialModel, AreaModel, PairsModel>;
 
+/// Whether a law may have attraction beside it (laws/attraction.hpp) under a model.
+template <class Model, class Normal>
+inline constexpr bool kMayAttract = std::is_same_v<Model, PotentialModel> && !PullingLaw<Normal>;
+
 /// Calls action.operator()<Model, Entry, Normal>() with the model of a scene, the line of its law, and what its normal law is under the
-/// model.
+/// model, with its attraction.
 template <class Action>
 void for_chosen_law(const LawChoice& choice, Action&& action) {
   ContactModels::choose(choice.gathering, [&]<class Model>() {
     for_law(choice.law, [&]<class Entry>() {
       using Normal = typename Model::template NormalLaw<typename Entry::Normal>;
-      if constexpr (!std::is_void_v<Normal>) action.template operator()<Model, Entry, Normal>();
+      if constexpr (!std::is_void_v<Normal>) {
+        if (!choice.attraction) return action.template operator()<Model, Entry, Normal>();
+        if constexpr (kMayAttract<Model, Normal>) action.template operator()<Model, Entry, WithAttraction<Normal>>();
+      }
     });
   });
 }

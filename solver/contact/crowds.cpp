@@ -12,18 +12,71 @@ double power8(double x) {
   return x4 * x4;
 }
 
+/// How deep a feature is, and what crowd it lies in.
+struct InPush {
+  double depth(const ContactFeature& f, std::size_t) const { return f.overlap; }
+  double crowd(const ContactFeature& f, std::size_t) const { return f.crowd; }
+};
+struct InPushIfTouching {
+  double depth(const ContactFeature& f, std::size_t) const { return std::max(0.0, f.overlap); }
+  double crowd(const ContactFeature& f, std::size_t) const { return f.crowd; }
+};
+struct InPull {
+  double range;
+  const std::vector<double>& crowds;
+  double depth(const ContactFeature& f, std::size_t) const { return f.overlap + range; }
+  double crowd(const ContactFeature&, std::size_t j) const { return crowds[j]; }
+};
+
 /// sum a_j(x) r_j^8 with r_j = d_j / largest, x = D / largest, and how much of its logarithm a change of that of x takes away.
 struct CrowdSum {
   double sum = 0, fall = 0;
-  CrowdSum(const std::vector<ContactFeature>& features, double largest, double eps, double x) {
-    for (const ContactFeature& f : features) {
-      const double crowded = f.crowd * (largest / eps) * x, term = f.weight * power8(f.overlap / largest) / (1 + crowded);
+  template <class Place>
+  CrowdSum(const std::vector<ContactFeature>& features, const Place& place, double largest, double eps, double x) {
+    for (std::size_t j = 0; j < features.size(); ++j) {
+      const ContactFeature& f = features[j];
+      const double crowded = place.crowd(f, j) * (largest / eps) * x, term = f.weight * power8(place.depth(f, j) / largest) / (1 + crowded);
       sum += term;
       fall += term * (crowded / (1 + crowded));
     }
     fall /= sum;
   }
 };
+
+/// D as crowds follow it, and the share of its derivatives.
+struct Settled {
+  double D, share;
+};
+
+template <class Place>
+Settled settle(const std::vector<ContactFeature>& features, const Place& place, double largest, double eps) {
+  // Newton's method for ln D, whose slope is 8 to 9: an error of e becomes e^2 / 20. The start is right to a tenth, since D is an eighth
+  // root.
+  constexpr int kIterations = 4;
+  double x = 1;
+  for (int n = 0; n < kIterations; ++n) {
+    const CrowdSum at(features, place, largest, eps, x);
+    const double root = std::sqrt(std::sqrt(std::sqrt(at.sum)));
+    x *= 1 + (root / x - 1) * (kNorm / (kNorm + at.fall));
+  }
+  const CrowdSum at(features, place, largest, eps, x);
+  return {largest * x, 1 / (1 + at.fall / kNorm)};
+}
+
+void weigh(ContactFeature& f, double share) {
+  f.weight *= share;
+  f.weight_gradient.force *= share;
+  f.weight_gradient.couple *= share;
+}
+
+/// Of a feature in an attraction, from its key.
+double crowd_in_pull(const PullView& pull, const ContactFeature& f) {
+  constexpr std::int64_t kIndex = (std::int64_t{1} << 30) - 1;
+  const auto first = static_cast<std::int32_t>((f.key >> 30) & kIndex), second = static_cast<std::int32_t>(f.key & kIndex);
+  if (f.key >> 60 == kCornerOfA) return pull.a.crowd(first);
+  if (f.key >> 60 == kCornerOfB) return pull.b.crowd(first);
+  return 4 / (pull.a.weight_of_ends(first) + pull.b.weight_of_ends(second)) - 1;
+}
 
 }  // namespace
 
@@ -36,24 +89,32 @@ void settle_crowds(double eps, bool follow, PairFeatures& features) {
   if (!(most > 0)) return;
   double D = eps;
   if (follow) {
-    // Newton's method for ln D, whose slope is 8 to 9: an error of e becomes e^2 / 20. The start is right to a tenth, since D is an eighth
-    // root.
-    constexpr int kIterations = 4;
-    double x = 1;
-    for (int n = 0; n < kIterations; ++n) {
-      const CrowdSum at(features.list, largest, eps, x);
-      const double root = std::sqrt(std::sqrt(std::sqrt(at.sum)));
-      x *= 1 + (root / x - 1) * (kNorm / (kNorm + at.fall));
-    }
-    const CrowdSum at(features.list, largest, eps, x);
-    features.crowd_share = 1 / (1 + at.fall / kNorm);
-    D = largest * x;
+    const Settled settled = settle(features.list, InPush{}, largest, eps);
+    D = settled.D;
+    features.crowd_share = settled.share;
   }
-  for (ContactFeature& f : features.list) {
-    const double share = 1 / (1 + f.crowd * (D / eps));
-    f.weight *= share;
-    f.weight_gradient.force *= share;
-    f.weight_gradient.couple *= share;
+  for (ContactFeature& f : features.list) weigh(f, 1 / (1 + f.crowd * (D / eps)));
+}
+
+void settle_crowds_apart(double eps, bool follow, const PullView& pull, PairFeatures& features) {
+  features.pull_weight.clear();
+  bool crowded = pull.a.weights != nullptr || pull.b.weights != nullptr;
+  for (const ContactFeature& f : features.list) crowded = crowded || f.crowd > 0;
+  if (!crowded || features.list.empty()) return;
+  double largest = -pull.range;
+  for (const ContactFeature& f : features.list) largest = std::max(largest, f.overlap);
+  features.pull_weight.resize(features.list.size());
+  for (std::size_t j = 0; j < features.list.size(); ++j) features.pull_weight[j] = crowd_in_pull(pull, features.list[j]);
+  const Settled pulled = settle(features.list, InPull{pull.range, features.pull_weight}, largest + pull.range, pull.at);
+  features.pull_share = pulled.share;
+  Settled push{follow ? 0 : eps, 1};  // where nothing touches, weights of the push stand for nothing
+  if (follow && largest > 0) push = settle(features.list, InPushIfTouching{}, largest, eps);
+  features.crowd_share = push.share;
+  for (std::size_t j = 0; j < features.list.size(); ++j) {
+    ContactFeature& f = features.list[j];
+    const double share = 1 / (1 + f.crowd * (push.D / eps));
+    features.pull_weight[j] = 1 / (1 + features.pull_weight[j] * (pulled.D / pull.at)) / share;
+    weigh(f, share);
   }
 }
 

@@ -27,4 +27,9 @@ namespace scree {
 /// Cost: 5 passes over the features; nothing where no feature has a crowd.   Fails: never.
 void settle_crowds(double eps, bool follow, PairFeatures& features);
 
+/// The same where the bodies attract each other: the attraction has crowds of its own, of tables made for its range, with a radius that
+/// follows its own D, of how far features are within the range. Features beyond touch have no part in the push.
+/// out      features  pull_weight and pull_share too; pull_weight is empty where no feature has a crowd
+void settle_crowds_apart(double eps, bool follow, const PullView& pull, PairFeatures& features);
+
 }  // namespace scree

@@ -138,13 +138,14 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   Damping damping = dampings.of_pair();
   result.damping = damping.chi;
   const Vec3 push_force = result.force;
-  if constexpr (PullingLaw<Law>) {
+  constexpr bool kPulls = PullingLaw<Law> || AttractingLaw<Law>;
+  if constexpr (kPulls) {
     result.force += forces.pull_force;
     result.torque += forces.pull_torque;
   }
   /// Of a feature, with its push damped.
   const auto normal_force = [&](std::size_t j, double push_j) {
-    if constexpr (PullingLaw<Law>)
+    if constexpr (kPulls)
       return push_j - forces.pull[j];
     else
       return push_j;
@@ -167,6 +168,12 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   PairFriction friction(law, motion, friction_dt, springs, turned, next);
   for (std::size_t j = 0; j < count; ++j) {
     const ContactFeature& f = features.list[j];
+    if constexpr (AttractingLaw<Law>) {
+      if (!(forces.push[j] > 0)) {  // beyond touch: it has neither damping nor friction, and keeps nothing
+        if (outputs != nullptr) (*outputs)[j] = output_of(f.n, normal_force(j, 0), forces.from_weight[j], Vec3{});
+        continue;
+      }
+    }
     const Vec3 arm_b = f.x - motion.pivot_b;
     const Vec3 turning_a = cross(motion.w_a, f.x), turning_b = cross(motion.w_b, arm_b);
     const Vec3 velocity = motion.v_a + turning_a - motion.pivot_v_b - turning_b;

@@ -64,6 +64,15 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   return view;
 }
 
+PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, double range) {
+  PullView pull{range, scene.pull_table_depth(), view.a, view.b};
+  pull.a.weights = pull.b.weights = nullptr;
+  if (view.geometry == PairGeometry::sphere_mesh) return pull;  // one contact for each minimum of the distance: they are no crowd
+  pull.a.weights = p.pull_weights[static_cast<std::size_t>(a)];
+  pull.b.weights = b >= 0 ? p.pull_weights[static_cast<std::size_t>(b)] : scene.wall_pull_weights(view.zone->wall);
+  return pull;
+}
+
 PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,
                      const Mat3& a_to_world) {
   PairMotion m;

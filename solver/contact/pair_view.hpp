@@ -37,6 +37,14 @@ struct PairView {
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,
                  std::int32_t zone);
 
+/// What an attraction needs of both sides to weigh features beside their weights in the push.
+struct PullView {
+  double range = 0;  ///< of the attraction of the two materials [m]; 0: none
+  double at = 0;     ///< the D that the tables of weights were made for [m]
+  PairBody a, b;     ///< with the weights of their corners in an attraction
+};
+PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, double range);
+
 /// Velocities of both sides, world axes.
 struct PairVelocities {
   Vec3 v_a, w_a, v_b, w_b;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "solver/contact/contact_model.hpp"
@@ -32,11 +33,14 @@ struct PushAndPull {
   }
 };
 
-/// How far a feature is within what the law reaches: what features share an effective overlap by. Above 0 [m].
+/// How far a feature is within what the law reaches: what features share an effective overlap by. Above 0 [m], but where attraction finds
+/// features beyond touch, which have no part in the law.
 template <class Law>
 double depth_in_reach(const PairLaw& pair_law, const ContactFeature& f) {
   if constexpr (PullingLaw<Law>) {
     return f.overlap + pair_law.reach;
+  } else if constexpr (AttractingLaw<Law>) {
+    return std::max(0.0, f.overlap);
   } else {
     return f.overlap;
   }
@@ -69,8 +73,14 @@ struct PotentialModel {
     else
       find_closed_form(view, moved, lists, features.list);
     share_among_cells(view, features);
+  }
+
+  static void weigh(const PairView& view, const PullView& pull, PairFeatures& features) {
     features.crowd_share = 1;
-    if (view.a.weights != nullptr || view.b.weights != nullptr) settle_crowds(0.5 * view.margin, view.crowds_follow, features);
+    if (pull.range > 0)
+      settle_crowds_apart(0.5 * view.margin, view.crowds_follow, pull, features);
+    else if (view.a.weights != nullptr || view.b.weights != nullptr)
+      settle_crowds(0.5 * view.margin, view.crowds_follow, features);
   }
 
   template <class Law>
@@ -84,6 +94,7 @@ struct PotentialModel {
       sum = add_potential(features, pair_law, law, forces, result);
     }
     if (pair_law.barrier > 0) add_barrier(features.list, pair_law, forces, sum, result);
+    if constexpr (AttractingLaw<Law>) add_attraction(features, law.attraction, forces, result);
     return sum;
   }
 
@@ -93,12 +104,16 @@ struct PotentialModel {
  private:
   template <class Law>
   static PushSum add_potential(const PairFeatures& pair, const PairLaw& pair_law, const Law& law, FeatureForces& forces, PairForce& result);
-  static void add_pull(const std::vector<ContactFeature>& features, double reach, double depth, double pull, FeatureForces& forces);
+  static void add_pull(const std::vector<ContactFeature>& features, std::span<const double> weights, double reach, double depth,
+                       double pull, FeatureForces& forces);
+  static double depth_of_all(const PairFeatures& features, double reach);
+  static void add_attraction(const PairFeatures& features, const Attraction& attraction, FeatureForces& forces, PairForce& result);
   template <class Law>
   static PushSum add_cell_potentials(const PairFeatures& features, const Law& law, FeatureForces& forces, PairForce& result);
   static void add_barrier(const std::vector<ContactFeature>& features, const PairLaw& law, FeatureForces& forces, PushSum& sum,
                           PairForce& result);
   static void linearise_barrier(const LinearContact& contact, double exponent);
+  static void linearise_attraction(const LinearContact& contact, const Attraction& attraction, double tangent);
 };
 
 /// One potential of all features.
@@ -110,6 +125,9 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
   double largest = 0;
   for (const ContactFeature& f : features) largest = std::max(largest, depth_in_reach<Law>(pair_law, f));
   result.largest_overlap = std::max(0.0, overlap_at<Law>(pair_law, largest));
+  if constexpr (AttractingLaw<Law>) {
+    if (!(largest > 0)) return {};  // within the range of the attraction alone
+  }
   double sum = 0;
   for (const ContactFeature& f : features) {
     const double r = depth_in_reach<Law>(pair_law, f) / largest;
@@ -139,7 +157,7 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
   if constexpr (PullingLaw<Law>) {
     result.elastic -= at.pull_energy;
     if (!(D > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
-    add_pull(features, pair_law.reach, depth, at.pull, forces);
+    add_pull(features, {}, pair_law.reach, depth, at.pull, forces);
   }
   return {push, at.push_energy};
 }
@@ -200,6 +218,10 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
   std::vector<Member> members;
   double part = 1, largest = 0;
   for (const ContactFeature& f : features) largest = std::max(largest, depth_in_reach<Law>(contact.law, f));
+  if constexpr (AttractingLaw<Law>) {
+    linearise_attraction(contact, law.attraction, largest > 0 ? law.stiffness(largest) : 0);
+    if (!(largest > 0)) return;
+  }
   if (contact.features.has_cells) {
     part = contact.features.cell_energy;
     for (const CellShare& s : contact.features.cells) {
@@ -226,6 +248,7 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
     std::array<double, 12> common{};
     for (std::size_t m = begin; m < end; ++m) {
       const ContactFeature& f = features[members[m].feature];
+      if (!(depth_in_reach<Law>(contact.law, f) > 0)) continue;
       const double weight = members[m].weight, r = depth_in_reach<Law>(contact.law, f) / depth, r6 = std::pow(r, kNorm - 2);
       const auto along = mode_of(contact.motion, f.x, f.n);
       for (std::size_t i = 0; i < 12; ++i) common[i] += weight * r6 * r * along[i];

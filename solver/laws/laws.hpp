@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/storage/scene_words.hpp"
+#include "solver/laws/attraction.hpp"
 #include "solver/laws/barrier.hpp"
 #include "solver/laws/damping.hpp"
 #include "solver/laws/normal.hpp"
@@ -42,6 +43,7 @@ struct LawChoice {
   bool lag_corrected = true;                   ///< damping is corrected for its lag (laws/damping.hpp)
   bool friction = false;                       ///< some pair has friction
   bool rolling = false;                        ///< some pair has rolling or torsional resistance
+  bool attraction = false;                     ///< some materials attract each other
   bool needs_radius = false;                   ///< R* of the bodies enters
 };
 

@@ -20,9 +20,11 @@ struct PairLaw {
   double radius = 0;                                    ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
   double barrier = 0;                                   ///< k_b of laws/barrier.hpp [N/m]; 0: none
   double margin = 0;                                    ///< margin sum [m]
-  double reach = 0;           ///< gap beyond the margins at which the law begins to act [m]; 0 but for one that pulls
-  double step_stiffness = 0;  ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
-  double step_damping = 0;    ///< damping ratio of restitution, of every law: the step is derived from it
+  double reach = 0;                ///< gap beyond the margins at which the law or an attraction begins to act [m]; 0 where nothing pulls
+  double pull_off = 0;             ///< F_c of laws/attraction.hpp [N] ...
+  double pull_off_per_radius = 0;  ///< ... and what goes with R* of it [N/m]
+  double step_stiffness = 0;       ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
+  double step_damping = 0;         ///< damping ratio of restitution, of every law: the step is derived from it
 };
 
 }  // namespace scree

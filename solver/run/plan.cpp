@@ -7,6 +7,7 @@
 
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
+#include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/run/run.hpp"
 
@@ -67,6 +68,7 @@ class Plan {
   void out(const std::string& what, const std::string& why) { text_ += fmt::format("  out  {:<26} {}\n", what, why); }
   void add_start();
   void add_contact();
+  void add_attraction();
   void add_motion();
   void add_fluid();
   void add_space();
@@ -112,6 +114,10 @@ void Plan::add_contact() {
        fmt::format("{} between {} and {} is computed as {}", pair.restitution, source_.materials[static_cast<std::size_t>(pair.a)].name,
                    source_.materials[static_cast<std::size_t>(pair.b)].name, kLeastRestitution));
   }
+  if (scene_.law_choice().attraction)
+    add_attraction();
+  else
+    out("attraction", "no pair has pull_off or adhesion: contacts begin at touch");
   if (scene_.has_friction())
     in("friction springs", fmt::format("{0} bytes per contact, and {0} per pair in contact", sizeof(FrictionSpring)));
   else
@@ -130,6 +136,26 @@ void Plan::add_start() {
                  start.q_principal.empty() ? "; contacts start without springs"
                                            : fmt::format("; {} contacts keep their springs", start.pair_count())));
   if (start.left > 0) out("springs of that run", fmt::format("{} contacts: not the same wall, or another contact.gather", start.left));
+}
+
+void Plan::add_attraction() {
+  for (const MaterialPair& pair : source_.pairs) {
+    if (!attracts(pair)) continue;
+    const Material &a = source_.materials[static_cast<std::size_t>(pair.a)], &b = source_.materials[static_cast<std::size_t>(pair.b)];
+    const LargestImpact impact = scene_.largest_impact(pair, scene_.extremes());
+    const double force = scene_.largest_pull_off(pair, scene_.extremes()), range = scene_.law(pair.a, pair.b).reach;
+    const double pressed = impact.radius > 0 ? resting_contact(settings_.law, pair, a, b, impact.radius).energy : 0;
+    in("attraction", fmt::format("'{}' and '{}': {}{} over {}; parting takes {} from touch, {} from rest", a.name, b.name,
+                                 pair.adhesion > 0 ? "at most " : "", format_quantity(force, Dimension::force),
+                                 format_quantity(range, Dimension::length), format_quantity(0.5 * force * range, Dimension::energy),
+                                 format_quantity(0.5 * force * range + pressed, Dimension::energy)));
+    const double step = simulation_.state().clock.size.step;
+    if (impact.speed > 0)
+      in("range crossed", fmt::format("in {:.3g} steps at {}, the fastest impact expected", range / (impact.speed * step),
+                                      format_quantity(impact.speed, Dimension::velocity)));
+    else
+      out("steps in the range", "no speed is known; give contact.impact_speed");
+  }
 }
 
 void Plan::add_motion() {

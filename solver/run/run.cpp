@@ -63,6 +63,12 @@ void check_step_size(const mpi::Communicator& comm, const RunOptions& options, c
       throw InputError("{}: {:g} s in steps of {:.3g} s ({}) are more steps than can be counted; check density, stiffness and sizes",
                        options.scene_path, settings.duration, step.step, step.limited_by);
     }
+    if (step.given && step.crossing > 0 && step.step > step.crossing) {
+      warn_once("scree-solver",
+                fmt::format("time.step = {:g} s: the range of an attraction is crossed in {:.2g} steps at the fastest impact expected, and "
+                            "takes {:.0f} to be followed; use at most {:.3g} s, or leave it out",
+                            step.step, step.crossing / (kRangePerStep * step.step), 1 / kRangePerStep, step.crossing));
+    }
     const double unevenness = step.slowest_contact_time / std::max(step.contact_time, step.step);
     if (unevenness > kUnevenContacts) {
       warn_once("scree-solver",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "core/storage/attraction.hpp"
+
 namespace scree {
 
 namespace {
@@ -60,8 +62,12 @@ SolverScene::SolverScene(const Scene& scene)
   prepare_laws();
   prepare_barrier();
   prepare_weights();
-  for (std::size_t b = 0; b < bodies.size(); ++b)
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
     check_period(periodicity_, bodies.scale[b] * shape(bodies.shape[b]).radius, contact_range(), fmt::format("body {}", bodies.id[b]));
+    if (law_choice_.attraction)
+      check_thickness(scene.shapes[static_cast<std::size_t>(bodies.shape[b])], bodies.scale[b], fmt::format("body {}", bodies.id[b]),
+                      2 * contact_range());
+  }
   for (const Inlet& inlet : scene.inlets) {
     for (const Inlet::Share& share : inlet.shares)
       check_period(periodicity_, largest_scale(inlet, share.shape) * shape(share.shape).radius, contact_range(),
@@ -115,6 +121,8 @@ void SolverScene::check_solid(std::int64_t id, std::int32_t of) const {
 void SolverScene::check_body(std::int64_t id, std::int32_t of, double scale) const {
   check_solid(id, of);
   check_period(periodicity_, scale * shape(of).radius, contact_range(), fmt::format("body {}", id));
+  if (law_choice_.attraction)
+    check_thickness(scene_->shapes[static_cast<std::size_t>(of)], scale, fmt::format("body {}", id), 2 * contact_range());
 }
 
 void SolverScene::check_seams(double radius) const {
@@ -144,14 +152,20 @@ void SolverScene::prepare_laws() {
     law_choice_.lag_corrected = Entry::Damp::kLagCorrected;
     law_choice_.needs_radius = Normal::kNeedsRadius;
     shares_cells = PowerLaw<Normal> && !PullingLaw<Normal>;
+    law_choice_.attraction = std::any_of(scene_->pairs.begin(), scene_->pairs.end(), attracts);
+    if (law_choice_.attraction && PullingLaw<Normal>)
+      throw UsageError("pairs: contact.law = \"{}\" attracts by itself and does not go with pull_off or adhesion", word_of(Entry::kLaw));
   });
+  shares_cells = shares_cells && !law_choice_.attraction;
   laws_.resize(material_count_ * material_count_);
   for (const MaterialPair& pair : scene_->pairs) {
     const PairLaw law = make_pair_law(pair, extremes_);
     law_choice_.friction = law_choice_.friction || law.friction > 0;
+    law_choice_.needs_radius = law_choice_.needs_radius || law.pull_off_per_radius > 0;
     law_choice_.rolling = law_choice_.rolling || law.rolling_friction > 0 || law.torsional_friction > 0;
     has_damping_ = has_damping_ || law.damping_ratio > 0 || law.damping_slope > 0;
     reach_ = std::max(reach_, law.reach);
+    if (attracts(pair)) shortest_range_ = shortest_range_ > 0 ? std::min(shortest_range_, law.reach) : law.reach;
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     laws_[a * material_count_ + b] = law;
     laws_[b * material_count_ + a] = law;
@@ -161,6 +175,7 @@ void SolverScene::prepare_laws() {
   bool has_cells = false;
   for (const Wall& wall : scene_->walls) has_cells = has_cells || wall.cell_size > 0;
   for (const SolverShape& s : shapes_) has_cells = has_cells || s.cell_size > 0;
+  if (has_cells && law_choice_.attraction) throw UsageError("cell_size: does not go with attraction (pull_off or adhesion of a pair)");
   if (has_cells) {
     throw UsageError("cell_size: contact.law = \"{}\" has no force that goes with one power of the overlap, which cells need",
                      word_of(law_choice_.law));
@@ -172,18 +187,27 @@ const double* SolverScene::weights(std::int32_t of, double scale) const {
   return weights_->of_body(shape(of), of, scale);
 }
 
+const double* SolverScene::pull_weights(std::int32_t of, double scale) const {
+  if (!pull_weights_ || shape(of).kind != ShapeKind::solid) return nullptr;
+  return pull_weights_->of_body(shape(of), of, scale);
+}
+
 void SolverScene::prepare_weights() {
   const Settings& settings = scene_->settings;
   wall_weights_.assign(scene_->walls.size(), nullptr);
-  if (settings.gather != Gathering::potential || settings.weights == VertexWeights::unit || !(margin_ > 0)) return;
-  weights_ = std::make_shared<DensityWeights>(margin_);
+  wall_pull_weights_ = wall_weights_;
+  if (settings.gather != Gathering::potential || settings.weights == VertexWeights::unit) return;
+  if (margin_ > 0) weights_ = std::make_shared<DensityWeights>(margin_);
+  if (widest_range() > 0) pull_weights_ = std::make_shared<DensityWeights>(pull_table_depth());
   double radius = 0;
   for (const double r : extremes_.radius) radius = std::max(radius, r);
   if (!(radius > 0))
     for (const SolverShape& s : shapes_) radius = std::max(radius, s.equivalent_radius);
   for (std::size_t w = 0; w < scene_->walls.size(); ++w) {
     const Wall& wall = scene_->walls[w];
-    if (wall.kind == WallKind::mesh) wall_weights_[w] = weights_->of_wall(shape(wall.shape), wall.shape, wall.scale, radius);
+    if (wall.kind != WallKind::mesh) continue;
+    if (weights_) wall_weights_[w] = weights_->of_wall(shape(wall.shape), wall.shape, wall.scale, radius);
+    if (pull_weights_) wall_pull_weights_[w] = pull_weights_->of_wall(shape(wall.shape), wall.shape, wall.scale, radius);
   }
 }
 
@@ -202,8 +226,13 @@ void SolverScene::prepare_barrier() {
 
 double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const {
   const PairLaw& as_made = law(pair.a, pair.b);
-  const double stiffness = make_pair_law(pair, extremes).step_stiffness;
-  return as_made.barrier > 0 ? stiffness + step_curvature_of_barrier(as_made) : stiffness;
+  double stiffness = make_pair_law(pair, extremes).step_stiffness;
+  if (as_made.barrier > 0) stiffness += step_curvature_of_barrier(as_made);
+  return attracts(pair) ? std::max(stiffness, largest_pull_off(pair, extremes) / as_made.reach) : stiffness;
+}
+
+double SolverScene::largest_pull_off(const MaterialPair& pair, const BodyExtremes& extremes) const {
+  return attracts(pair) ? pull_off_force(pair, largest_impact(pair, extremes).radius) : 0;
 }
 
 PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const {
@@ -227,7 +256,22 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes&
     Normal::prepare(input, law);
     Entry::Damp::prepare(input, law);
   });
+  if (attracts(pair)) add_attraction(pair, extremes, law);
   return law;
+}
+
+void SolverScene::add_attraction(const MaterialPair& pair, const BodyExtremes& extremes, PairLaw& law) const {
+  const Material &a = scene_->materials[static_cast<std::size_t>(pair.a)], &b = scene_->materials[static_cast<std::size_t>(pair.b)];
+  const Settings& settings = scene_->settings;
+  if (const AttractionFault fault = attraction_fault(settings, pair, a, b); fault.key[0] != 0)
+    throw UsageError("pairs: '{}' and '{}': {} {}", a.name, b.name, fault.key, fault.text);
+  const double radius = largest_impact(pair, extremes).radius;
+  if (pair.adhesion > 0)
+    law.pull_off_per_radius = pull_off_force(pair, 1);
+  else
+    law.pull_off = pair.pull_off;
+  law.reach = attraction_range(settings.law, pair, a, b, radius);
+  check_pressing(settings, pair, a, b, radius, 2 * margin_);
 }
 
 /// The fastest impact of the heaviest bodies.

@@ -21,6 +21,11 @@
 
 namespace scree {
 
+/// D over the range that the weights of an attraction are tabulated for: at touch D is the range, and a table of a radius 1.5 times that of
+/// the crowd there knows a crowd also where the mesh is so coarse that few vertices lie within it. Pull-off of icospheres of any level is
+/// then 1.00 to 1.07 F_c; with a table of the radius itself up to 1.14 F_c.
+inline constexpr double kPullTableDepth = 2.2;
+
 class SolverScene {
  public:
   /// Throws UsageError for what this solver does not do yet, InputError for contradictions.
@@ -35,16 +40,23 @@ class SolverScene {
   /// Weights of the corners of a body's shape at a scale; null where all are 1. Made at the first call, which is that of a body's arrival.
   const double* weights(std::int32_t shape, double scale) const;
   const double* wall_weights(std::int32_t wall) const { return wall_weights_[static_cast<std::size_t>(wall)]; }
+  /// The same for an attraction, of crowds that lie within its widest range.
+  const double* pull_weights(std::int32_t shape, double scale) const;
+  const double* wall_pull_weights(std::int32_t wall) const { return wall_pull_weights_[static_cast<std::size_t>(wall)]; }
+  double widest_range() const { return law_choice_.attraction ? reach_ : 0; }  ///< of the attraction of any two materials [m]; 0: none
+  /// The D of an attraction that its tables are made for [m].
+  double pull_table_depth() const { return kPullTableDepth * widest_range(); }
   /// What there is of them so far; null where all are 1.
   /// Whether the radius of crowds can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
-  bool crowds_follow() const { return !(scene_->settings.barrier > 0) && !(reach_ > 0); }
+  bool crowds_follow() const { return !(scene_->settings.barrier > 0) && (law_choice_.attraction || !(reach_ > 0)); }
   const DensityWeights* density_weights() const { return weights_.get(); }
   const std::vector<WallZone>& zones() const { return zones_; }
   /// Of the scene's outlets, one for each.
   const std::vector<Region>& outlets() const { return outlets_; }
   double margin() const { return margin_; }  ///< of each body [m]
-  /// How far from its surface a body may act: its margin, and half of what the scene's law reaches beyond the margins [m].
+  /// How far from its surface a body may act: its margin, and half of what the scene's law or attraction reaches beyond the margins [m].
   double contact_range() const { return margin_ + 0.5 * reach_; }
+  double shortest_range() const { return shortest_range_; }  ///< of the attraction of any two materials [m]; 0: none attract each other
   const Periodicity& periodicity() const { return periodicity_; }
   /// Of the bodies that the scene starts with and that its inlets can bring. What follows from all bodies is asked for the extremes of
   /// those that there are.
@@ -57,6 +69,10 @@ class SolverScene {
   void check_seams(double radius) const;
   /// Stiffest tangent expected of the contacts of two materials [N/m], of a layer per area [N/m^3]: the step is derived from it.
   double step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const;
+  /// The severest impact to be expected between two materials.
+  LargestImpact largest_impact(const MaterialPair& pair, const BodyExtremes& extremes) const;
+  /// The largest F_c of their contacts [N] (laws/attraction.hpp); 0 where they do not attract each other.
+  double largest_pull_off(const MaterialPair& pair, const BodyExtremes& extremes) const;
   /// Names of planes of boxes and cylinders that lie across a periodic axis and were left out.
   const std::vector<std::string>& dropped_zones() const { return dropped_zones_; }
   /// Lines about mesh walls that end near a seam, see check_meshes_at_seams.
@@ -78,7 +94,7 @@ class SolverScene {
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
   void check_margin(bool has_mesh) const;
   void check_solid(std::int64_t id, std::int32_t shape) const;
-  LargestImpact largest_impact(const MaterialPair& pair, const BodyExtremes& extremes) const;
+  void add_attraction(const MaterialPair& pair, const BodyExtremes& extremes, PairLaw& law) const;
 
   const Scene* scene_;
   std::vector<SolverShape> shapes_;
@@ -88,12 +104,14 @@ class SolverScene {
   std::vector<Region> outlets_;
   std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
-  double margin_ = 0, reach_ = 0;
+  double margin_ = 0, reach_ = 0, shortest_range_ = 0;
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
   std::shared_ptr<DensityWeights> weights_;  ///< null: all 1
   std::vector<const double*> wall_weights_;
+  std::shared_ptr<DensityWeights> pull_weights_;
+  std::vector<const double*> wall_pull_weights_;
   bool has_damping_ = false, has_driven_walls_ = false;
 };
 

@@ -97,7 +97,10 @@ class PairEvaluation {
     if (moved < pair.lists.first_slack) return rest(view, moved, pair, idle);
     idle.way = kNeverIdle;
     Model::find_features(view, moved, pair.lists, features_);
-    if (view.reach > view.margin) count_from_margin(view, law_of(view, pair).reach);
+    if (view.reach > view.margin)
+      weigh_beyond_margin(view, pair);
+    else
+      Model::weigh(view, kNoPull, features_);
     if (features_.list.empty()) {
       if (!pass_.only_looks()) pair.state.keep_lasting();
       return;
@@ -136,9 +139,14 @@ class PairEvaluation {
 
   /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is
   /// beyond the reach of this pair's law is none.
-  void count_from_margin(const PairView& view, double reach) {
+  void weigh_beyond_margin(const PairView& view, const BodyPair& pair) {
+    const double reach = law_of(view, pair).reach;
     for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
     std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
+    if (pass_.scene.law_choice().attraction)
+      Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), features_);
+    else
+      Model::weigh(view, kNoPull, features_);
   }
 
   const PairLaw& law_of(const PairView& view, const BodyPair& pair) const {
@@ -176,6 +184,8 @@ class PairEvaluation {
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
     if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
   }
+
+  static inline const PullView kNoPull;
 
   PairPass& pass_;
   MeshDistanceScratch& distance_;

@@ -44,7 +44,9 @@ struct Demand {
 Demand demand_of_motion(const RunState& s) {
   Demand demand;
   const ParticleSet& p = s.particles;
-  const double way = kMarginPerStep * s.scene.margin();
+  double way = kMarginPerStep * s.scene.margin();
+  if (const double range = s.scene.shortest_range(); range > 0)
+    way = way > 0 ? std::min(way, 0.5 * kRangePerStep * range) : 0.5 * kRangePerStep * range;
   const bool can_touch = s.clock.size.contact_time > 0 && way > 0;
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (p.fixed[i]) continue;

@@ -1,5 +1,7 @@
 #include "solver/step/step_size.hpp"
 
+#include "core/base/units.hpp"
+#include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/step/approach.hpp"
 #include "solver/step/inlets.hpp"
@@ -189,6 +191,23 @@ void check_given_step(const StepSize& given, const ContactLimit& limit) {
   }
 }
 
+/// Shortens the step to what attraction asks for: its range is crossed in a number of steps at the fastest impact expected.
+void follow_ranges(const SolverScene& scene, StepSize& result) {
+  const Scene& source = scene.source();
+  for (const MaterialPair& pair : source.pairs) {
+    const double speed = attracts(pair) ? scene.largest_impact(pair, scene.extremes()).speed : 0;
+    if (!(speed > 0)) continue;
+    const double range = scene.law(pair.a, pair.b).reach, longest = kRangePerStep * range / speed;
+    if (!(result.crossing > 0) || longest < result.crossing) result.crossing = longest;
+    if (result.given || !(longest < result.step)) continue;
+    result.step = longest;
+    result.limited_by =
+        fmt::format("the range of the attraction of '{}' and '{}', {} crossed at {}",
+                    source.materials[static_cast<std::size_t>(pair.a)].name, source.materials[static_cast<std::size_t>(pair.b)].name,
+                    format_quantity(range, Dimension::length), format_quantity(speed, Dimension::velocity));
+  }
+}
+
 /// Shortens the step to what approaches and spins ask for as the scene starts.
 void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
   if (result.contact_time > 0 && scene.margin() > 0) {
@@ -262,6 +281,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.step = settings.step;
     result.given = true;
     check_given_step(result, limit);
+    follow_ranges(scene, result);
     return result;
   }
   if (can_touch) {
@@ -271,6 +291,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.limited_by = "no contact can occur: a thousandth of the duration";
   }
   if (settings.step_control != StepControl::quantised) {  // else speed and spin choose the level
+    if (can_touch) follow_ranges(scene, result);
     follow_motion_at_start(scene, result);
     for (const ParticleRecord& r : to_come) follow_motion_of(scene, r, result);
   }

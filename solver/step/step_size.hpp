@@ -15,12 +15,15 @@ struct StepSize {
   double slowest_contact_time = 0;  ///< half period of the most sluggish body's contact [s]; 0: no contact can occur
   std::string limited_by;           ///< "body 17 (rock) on fixed steel", for the user
   bool given = false;               ///< taken from the case
+  double crossing = 0;              ///< longest that follows the attraction of all pairs through its range [s]; 0: none attract
   /// Step above which the limiting contact is unstable, damping left out [s]: 2 / omega.
   double critical() const { return contact_time * 2 / 3.14159265358979323846; }
 };
 
 /// Share of the sum of their margins by which two surfaces may come nearer in a step.
 inline constexpr double kMarginPerStep = 0.2;
+/// Share of the range of an attraction by which two surfaces may come nearer in a step.
+inline constexpr double kRangePerStep = 0.1;
 /// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
 inline constexpr double kTurnPerStep = 0.1;
 
@@ -55,6 +58,7 @@ void check_step(const StepSize& run, const ContactLimit& with_them, const Settin
 ///   damping   the same over kStepsPerDamping (1 + zeta), where a pair's restitution is so low that this is more than steps_per_contact
 ///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
 ///             fast without approaching anything is watched in every step instead (pass_through.hpp)
+///   crossing  kRangePerStep of the range of an attraction over the fastest impact expected of its materials
 ///   spin      kTurnPerStep / |w|, of the bodies as they start
 /// Source: docs/reference/contact-law.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
 /// reach (a factor 2.6 for an elongated asteroid); docs/reference/validation-plan.md section 4.3. Collective.

@@ -63,7 +63,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Row{"70 GPa", Dimension::pressure, 70e9}, Row{"3 bar", Dimension::pressure, 3e5},
                     Row{"5 N/mm^2", Dimension::pressure, 5e6}, Row{"10 N", Dimension::force, 10.0}, Row{"2 kN", Dimension::force, 2000.0},
                     Row{"1 GPa/m", Dimension::stress_per_length, 1e9}, Row{"1 mPa s", Dimension::viscosity, 1e-3},
-                    Row{"1 g/m/s", Dimension::viscosity, 1e-3}));
+                    Row{"1 g/m/s", Dimension::viscosity, 1e-3}, Row{"0.5 uJ", Dimension::energy, 5e-7},
+                    Row{"50 mJ/m^2", Dimension::surface_energy, 0.05}, Row{"72 mN/m", Dimension::surface_energy, 0.072}));
 
 class EveryDimension : public testing::TestWithParam<Dimension> {};
 
@@ -86,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(units, EveryDimension,
                          testing::Values(Dimension::none, Dimension::length, Dimension::time, Dimension::mass, Dimension::velocity,
                                          Dimension::acceleration, Dimension::angular_velocity, Dimension::angle, Dimension::frequency,
                                          Dimension::density, Dimension::stiffness, Dimension::pressure, Dimension::force,
-                                         Dimension::stress_per_length, Dimension::viscosity));
+                                         Dimension::stress_per_length, Dimension::viscosity, Dimension::energy, Dimension::surface_energy));
 
 TEST(units, a_wrong_dimension_is_refused_naming_place_found_expected_and_example) {
   const std::string text = complaint("0.5 m", Dimension::density);
@@ -108,7 +109,7 @@ TEST(units, a_frequency_is_no_angular_velocity) {
 }
 
 TEST(units, a_dimension_without_a_name_is_spelt_out) {
-  EXPECT_NE(complaint("3 J", Dimension::force).find("kg m^2 s^-2"), std::string::npos);
+  EXPECT_NE(complaint("3 W", Dimension::force).find("kg m^2 s^-3"), std::string::npos);
 }
 
 TEST(units, an_unknown_unit_is_refused_naming_the_nearest) {

@@ -189,5 +189,56 @@ TEST(Refusals, given_bodies_that_touch_deeper_than_a_run_may_are_refused) {
   expect_says(failure(two(1, floor(-0.000115)), ExitCode::bad_data), {"bodies[0]", "walls[0]", "0.97 of the margins"});
 }
 
+// Attraction of a pair: what does not go together, and what a run could not hold.
+std::string sticky(const std::string& keys, const std::string& more = "", const std::string& head = kHead) {
+  return head + keys + "\n" + more + "[[bodies]]\nshape = \"ball\"\nmaterial = \"stone\"\nposition = [0, 0, 2]\n" +
+         "[[bodies]]\nshape = \"pea\"\nmaterial = \"stone\"\nposition = [0, 0, 4]\n";
+}
+
+TEST(Refusals, attraction_that_is_not_told_in_full_is_refused_with_the_key_that_lacks) {
+  const auto says = [](const std::string& keys, const std::vector<std::string>& parts) {
+    expect_says(failure(sticky(keys), ExitCode::usage), parts);
+  };
+  says("pull_off = 1", {"pairs[0].pull_off = 1", "needs adhesion_range", "separation_energy"});
+  says("adhesion = 0.05\nadhesion_model = \"jkr\"", {"pairs[0].adhesion", "needs adhesion_range"});
+  says("adhesion = 0.05\nadhesion_range = 1e-4", {"pairs[0].adhesion", "adhesion_model", "jkr", "dmt"});
+  says("pull_off = 1\nadhesion = 0.05\nadhesion_model = \"jkr\"\nadhesion_range = 1e-4", {"pairs[0].pull_off", "keep one"});
+  says("adhesion_range = 1e-4", {"pairs[0].adhesion_range", "pull_off or adhesion"});
+  says("separation_energy = 1e-4", {"pairs[0].separation_energy", "pull_off or adhesion"});
+  says("pull_off = 1\nadhesion_range = 1e-4\nseparation_energy = 1", {"pairs[0].separation_energy", "keep one"});
+  says("pull_off = 1\nadhesion_range = 0", {"pairs[0].adhesion_range = 0", "expected a value > 0"});
+  says("pull_off = 1\nadhesion_range = \"1 s\"", {"a time", "expected a length"});
+  says("pull_off = -1\nadhesion_range = 1e-4", {"pairs[0].pull_off = -1", "expected a value > 0"});
+  says("adhesion = \"1 N\"\nadhesion_model = \"jkr\"\nadhesion_range = 1e-4", {"a force", "an energy per area"});
+  says("pull_off = 1\nadhesion_model = \"jkr\"\nadhesion_range = 1e-4", {"pairs[0].adhesion_model", "goes with adhesion"});
+  says("adhesion = 0.05\nadhesion_model = \"jkr\"\nseparation_energy = 1", {"pairs[0].separation_energy", "contact_radius"});
+  // F_c^2 / (2 k) = 5e-8 J
+  says("pull_off = 1\nseparation_energy = 4e-8", {"pairs[0].separation_energy", "is not above 50 nJ"});
+  EXPECT_NO_THROW(pack(sticky("pull_off = 1\nseparation_energy = 6e-8")));
+  EXPECT_NO_THROW(pack(sticky("adhesion = 0.05\nadhesion_model = \"dmt\"\nadhesion_range = 1e-4")));
+}
+
+TEST(Refusals, attraction_goes_with_one_potential_and_without_cells) {
+  const std::string keys = "pull_off = 1\nadhesion_range = 1e-4";
+  expect_says(failure(sticky(keys, "[contact]\ngather = \"pairs\"\nmargin = 0.01\n"), ExitCode::usage),
+              {"pull_off", "gather = \"potential\""});
+  const std::string wall =
+      "[[walls]]\nshape = { plate = { corner = [-1, -1, 0], side_a = [2, 0, 0], side_b = [0, 2, 0] } }\nmaterial = \"stone\"\ncell_size = "
+      "0.5\n";
+  expect_says(failure(sticky(keys, "[contact]\nmargin = 0.01\n" + wall), ExitCode::usage),
+              {"walls[0].cell_size", "does not go with the attraction"});
+}
+
+TEST(Refusals, attraction_through_a_body_or_its_margins_is_refused) {
+  // the pea is 0.8 m thick
+  expect_says(failure(sticky("pull_off = 1\nadhesion_range = 0.81"), ExitCode::usage),
+              {"810 mm", "body 1 ('pea')", "800 mm", "adhesion_range"});
+  EXPECT_NO_THROW(pack(sticky("pull_off = 1\nadhesion_range = 0.79")));
+  // F_c / k = 5 mm, margins of 4 mm
+  expect_says(failure(sticky("pull_off = 50e3\nadhesion_range = 1e-2", kMargin), ExitCode::usage),
+              {"'stone' and 'stone'", "50 kN", "5 mm deep", "margins of 4 mm", "raise the stiffness"});
+  EXPECT_NO_THROW(pack(sticky("pull_off = 30e3\nadhesion_range = 1e-2", kMargin)));
+}
+
 }  // namespace
 }  // namespace scree

@@ -861,6 +861,48 @@ def anywhere(d):
     d.words = d.case.words
 
 
+def thickness(d):
+    """Of the thinnest shape at scale 1: twice volume over area of a mesh, diameter of a ball."""
+    thinnest = 2 * d.radius
+    for name, shape in d.words["shapes"].items():
+        if "sphere" in shape:
+            thinnest = min(thinnest, 2 * shape["sphere"]["radius"])
+        elif name in d.case.meshes:
+            vertices, triangles = (numpy.asarray(part) for part in (d.case.meshes[name].vertices, d.case.meshes[name].triangles))
+            p, q, r = (vertices[triangles[:, k]] for k in range(3))
+            area = numpy.linalg.norm(numpy.cross(q - p, r - p), axis=1).sum() / 2
+            thinnest = min(thinnest, 2 * abs(numpy.einsum("ij,ij->i", p, numpy.cross(q, r)).sum() / 6) / area)
+    return thinnest
+
+
+@feature
+def attraction(d):
+    """Some pairs attract each other: at most a third of what the fastest impact presses with, over a part of its overlap. After all else, so
+    that the rest of a case does not depend on it."""
+    if d.gather != "potential" or "cell_size" in d.case.text() or not d.words["pairs"] or not d.chance(0.25):
+        return
+    depth = math.sqrt(d.heaviest / d.stiffness) * 0.6 * fastest(d)
+    widest = 0.5 * thickness(d) - 3 * d.margin   # bodies may be smaller, and a derived margin wider
+    if widest < 0.2 * depth:
+        return
+    for pair in d.words["pairs"]:
+        if not d.chance(0.7):
+            continue
+        # of the pair's own stiffness; a Hertz contact of the same impact presses no deeper than 3/2 of this at the same force
+        force = d.log_between(0.003, 0.15) * pair.get("stiffness", 0.3 * d.stiffness) * depth
+        if d.chance(0.5):
+            pair["adhesion_model"] = d.random.choice(["jkr", "dmt"])
+            factor = (1.5 if pair["adhesion_model"] == "jkr" else 2) * math.pi
+            pair["adhesion"] = force / (factor * pair.get("contact_radius", d.radius))
+        else:
+            pair["pull_off"] = force
+        reach = min(widest, depth * d.between(0.3, 1))
+        if d.law != "hertz-mindlin" and ("pull_off" in pair or "contact_radius" in pair) and d.chance(0.4):
+            pair["separation_energy"] = 0.5 * force * reach + force**2 / (2 * pair["stiffness"])
+        else:
+            pair["adhesion_range"] = reach
+
+
 def rotation(q):
     w, x, y, z = q
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

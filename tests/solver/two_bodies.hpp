@@ -18,8 +18,12 @@ namespace scree::test {
 /// Two free meshes of unit mass, and the law between them: no grid, no ranks.
 class TwoBodies {
  public:
-  TwoBodies(const TriangleMesh& a, const TriangleMesh& b, double stiffness, double margin, double restitution, double friction)
-      : scene_(test::empty_scene(stiffness, restitution, friction, 0.5 * margin)), margin_(margin) {
+  /// in   pull_off, range   of the attraction [N, m]; 0: none
+  TwoBodies(const TriangleMesh& a, const TriangleMesh& b, double stiffness, double margin, double restitution, double friction,
+            double pull_off = 0, double range = 0)
+      : scene_(test::empty_scene(stiffness, restitution, friction, 0.5 * margin)), margin_(margin), reach_(margin + range) {
+    scene_.pairs[0].pull_off = pull_off;
+    scene_.pairs[0].adhesion_range = range;
     scene_.shapes = {make_solid("a", a), make_solid("b", b)};
     prepared_ = std::make_unique<SolverScene>(scene_);
     for (int i = 0; i < 2; ++i) {
@@ -34,10 +38,13 @@ class TwoBodies {
     const double motion = lists_.skin < 0 ? 1e300 : motion_since_listed(lists_, pose, radius(0), radius(1));
     double used = motion;
     if (motion > lists_.skin) {
-      EXPECT_TRUE(list_mesh_pair(body[0], body[1], margin_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
+      EXPECT_TRUE(list_mesh_pair(body[0], body[1], reach_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
       used = 0;
     }
-    mesh_pair_features(body[0], body[1], pose, margin_, used, lists_, features);
+    mesh_pair_features(body[0], body[1], pose, reach_, used, lists_, features);
+    if (reach_ > margin_) {
+      for (ContactFeature& f : features) f.overlap -= reach_ - margin_;
+    }
     PairMotion m;
     const Quat to_a = conjugate(body[0].q);
     m.v_a = rotate(to_a, v[0]);
@@ -55,7 +62,14 @@ class TwoBodies {
     found_.list = features;
     found_.has_cells = cell_size > 0;
     found_.crowd_share = 1;
-    settle_crowds(0.5 * margin_, !(cell_size > 0 || barrier > 0), found_);
+    if (reach_ > margin_) {
+      PullView pull{reach_ - margin_, prepared_->pull_table_depth(), body[0], body[1]};
+      pull.a.weights = prepared_->pull_weights(0, 1);
+      pull.b.weights = prepared_->pull_weights(1, 1);
+      settle_crowds_apart(0.5 * margin_, !(barrier > 0), pull, found_);
+    } else {
+      settle_crowds(0.5 * margin_, !(cell_size > 0 || barrier > 0), found_);
+    }
     if (cell_size > 0) {
       find_cell_shares(body[0], body[1], cell_size, cells, features, found_.cells);
       found_.cell_energy = energy_share(cells);
@@ -90,6 +104,8 @@ class TwoBodies {
     if (inverse_mass[i] == 0) return 0;
     return 0.5 * (squared_length(v[i]) / inverse_mass[i] + dot(L[i], spin(i)));
   }
+  /// Takes the lists of candidates for used up: after a body was put elsewhere.
+  void forget_lists() { lists_ = {}; }
   const PairForce& last() const { return last_; }
   /// Force on A as of the last evaluation, world.
   Vec3 force_on_a() const { return rotate(body[0].q, last_.force); }
@@ -142,7 +158,7 @@ class TwoBodies {
  private:
   Scene scene_;
   std::unique_ptr<SolverScene> prepared_;
-  double margin_;
+  double margin_, reach_;
   CandidateLists lists_;
   std::vector<FrictionSpring> springs_;
   PairFeatures found_;

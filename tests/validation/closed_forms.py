@@ -220,3 +220,39 @@ def ladder_angle(length, thickness, margin, mu):
         wall = mu / (1 + mu * mu)  # normal load of the wall over the weight when both slide
         return -foot[0] * 1.0 - wall * (head[1] - foot[1]) - mu * wall * (head[0] - foot[0])
     return brentq(surplus, math.radians(5), math.radians(85))
+
+
+def sticky_rebound(speed, e, mass, stiffness, pull_off, reach, steps=4000):
+    """Speed at which a body leaves a surface that attracts it (force rising linearly to pull_off over `reach` beyond touch, constant in
+    contact), 0 where it stays. The contact is a linear spring with the dashpot of restitution e, which cannot pull.
+
+    Beyond touch the energy decides; in contact the equation of motion is integrated (classical Runge-Kutta), up to three contact times."""
+    omega, work = math.sqrt(stiffness / mass), pull_off * reach / mass
+    damping = 2 * damping_ratio(e) * omega
+
+    def rate(d, v):   # of the overlap d and its rate v
+        return v, pull_off / mass - max(0.0, omega**2 * d + damping * v)
+
+    d, v, h = 0.0, math.sqrt(speed**2 + work), math.pi / omega / steps
+    for _ in range(3 * steps):
+        before, v_before = d, v
+        k1 = rate(d, v)
+        k2 = rate(d + .5 * h * k1[0], v + .5 * h * k1[1])
+        k3 = rate(d + .5 * h * k2[0], v + .5 * h * k2[1])
+        k4 = rate(d + h * k3[0], v + h * k3[1])
+        d += h / 6 * (k1[0] + 2 * k2[0] + 2 * k3[0] + k4[0])
+        v += h / 6 * (k1[1] + 2 * k2[1] + 2 * k3[1] + k4[1])
+        if d < 0:   # to the moment of touch
+            share = before / (before - d)
+            left = (v_before + share * (v - v_before))**2 - work
+            return math.sqrt(left) if left > 0 else 0.0
+    return 0.0
+
+
+def sticking_speed(e, mass, stiffness, pull_off, reach):
+    """Below it a body stays with the surface that attracts it: see sticky_rebound()."""
+    low, high = 0.0, 100 * math.sqrt(pull_off * reach / mass)
+    for _ in range(40):
+        middle = .5 * (low + high)
+        low, high = (middle, high) if sticky_rebound(middle, e, mass, stiffness, pull_off, reach) == 0 else (low, middle)
+    return high
