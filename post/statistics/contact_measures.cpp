@@ -83,8 +83,8 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
   };
 
   std::vector<std::int32_t> neighbours(b.size());
-  std::size_t points = 0, among = 0, ends = 0;
-  double among_force = 0;
+  std::size_t points = 0, among = 0, ends = 0, pulling = 0;
+  double among_force = 0, tension = 0;
   for (std::size_t i = 0; i < c.size(); ++i) {
     if (!carries(c.normal_force[i])) continue;
     const std::int32_t a = view.row_a[i], o = view.row_b[i];
@@ -102,17 +102,23 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
       const Vec3& x = b.position[static_cast<std::size_t>(a)];
       const Vec3 branch = view.facts.period.nearest(x - c.point[i]);
       add_dyad(m.stress, branch_part(x, branch) * force, branch);
+      if (c.normal_force[i] < 0) tension -= branch_part(x, branch) * dot(force, branch);
     }
     if (stresses(o)) {
       const Vec3& x = b.position[static_cast<std::size_t>(o)];
       const Vec3 branch = view.facts.period.nearest(x - c.point[i]);
       add_dyad(m.stress, -branch_part(x, branch) * force, branch);
+      if (c.normal_force[i] < 0) tension += branch_part(x, branch) * dot(force, branch);
     }
     if (!group.holds_contact(view, i)) continue;
     ++points;
     m.normal_force += c.normal_force[i];
     m.tangential_force += length(c.tangential_force[i]);
     m.largest_normal_force = std::max(m.largest_normal_force, c.normal_force[i]);
+    if (c.normal_force[i] < 0) {
+      ++pulling;
+      m.tensile_force -= c.normal_force[i];
+    }
     if (!view.particle(a) || !view.particle(o)) continue;
     ++among;
     among_force += std::abs(c.normal_force[i]);
@@ -122,6 +128,9 @@ ContactMeasures contact_measures(const FrameView& view, const Group& group, doub
 
   m.normal_force = points > 0 ? m.normal_force / static_cast<double>(points) : kNaN;
   m.tangential_force = points > 0 ? m.tangential_force / static_cast<double>(points) : kNaN;
+  m.tensile = points > 0 ? static_cast<double>(pulling) / static_cast<double>(points) : kNaN;
+  m.tensile_force = pulling > 0 ? m.tensile_force / static_cast<double>(pulling) : kNaN;
+  m.cohesive_pressure = volume > 0 ? tension / 3 / volume : kNaN;
   m.fabric = among > 0 ? scaled(m.fabric, 1 / static_cast<double>(among)) : not_defined();
   m.force_fabric = among > 0 ? scaled(m.force_fabric, 1 / among_force) : not_defined();
   m.fabric_anisotropy = anisotropy(m.fabric);

@@ -21,10 +21,12 @@ struct ContactMeasures {
   double coordination = 0, coordination_without_rattlers = 0, rattlers = 0;  ///< neighbours per particle; share of particles
   double points_per_particle = 0;                                            ///< contact points per particle
   double normal_force = 0, largest_normal_force = 0, tangential_force = 0;   ///< mean and largest over contact points [N]
-  Mat3 fabric, force_fabric;                                                 ///< trace 1, NaN without contacts among particles
+  double tensile = 0, tensile_force = 0;  ///< share of contact points that pull, and how hard on average [N]
+  Mat3 fabric, force_fabric;              ///< trace 1, NaN without contacts among particles
   double fabric_anisotropy = 0, force_fabric_anisotropy = 0;
   Mat3 stress;                                 ///< [Pa], compression positive
   double pressure = 0, deviatoric_stress = 0;  ///< trace / 3; sqrt(3/2 s:s) of the deviator [Pa]
+  double cohesive_pressure = 0;                ///< the part of `pressure` of contacts that pull, as tension: >= 0 [Pa]
 };
 
 /// Measures of one group; what has no value in this frame is NaN.

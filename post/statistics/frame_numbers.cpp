@@ -30,7 +30,9 @@ std::vector<Quantity> group_quantities() {
                           {"contact_points_per_particle", "-", "several per neighbour for meshes"},
                           {"mean_normal_force", "N", "per contact point"},
                           {"max_normal_force", "N", "per contact point"},
-                          {"mean_tangential_force", "N", "per contact point"}};
+                          {"mean_tangential_force", "N", "per contact point"},
+                          {"tensile_fraction", "-", "share of contact points that pull"},
+                          {"mean_tensile_force", "N", "of the contact points that pull"}};
   const auto tensor = [&q](const std::string& name, const std::string& unit, const std::string& meaning) {
     for (const char* ij : {"xx", "yy", "zz", "xy", "xz", "yz"}) q.push_back({name + "_" + ij, unit, meaning});
   };
@@ -41,6 +43,7 @@ std::vector<Quantity> group_quantities() {
   tensor("stress", "Pa", "contact stress, compression positive");
   q.insert(q.end(), {{"pressure", "Pa", "a third of the trace of the stress"},
                      {"deviatoric_stress", "Pa", "sqrt(3/2 s:s) of the deviator"},
+                     {"cohesive_pressure", "Pa", "tension that contacts which pull carry, in the pressure with the opposite sign"},
                      {"kinetic_pressure", "Pa", "of the velocity fluctuations: density times granular temperature"},
                      {"solid_fraction", "-", "of the inner 80 % of the bed, under its own surface; of a region: of its volume"},
                      {"solid_fraction_of_container", "-", "of the container from the lowest to the highest point of the particles"},
@@ -333,13 +336,13 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     }
     const std::size_t begin = row.size();
     row.insert(row.end(), {motion.particles, motion.mass, c.coordination, c.coordination_without_rattlers, c.rattlers,
-                           c.points_per_particle, c.normal_force, c.largest_normal_force, c.tangential_force});
+                           c.points_per_particle, c.normal_force, c.largest_normal_force, c.tangential_force, c.tensile, c.tensile_force});
     add_tensor(c.fabric);
     row.push_back(c.fabric_anisotropy);
     add_tensor(c.force_fabric);
     row.push_back(c.force_fabric_anisotropy);
     add_tensor(c.stress);
-    row.insert(row.end(), {c.pressure, c.deviatoric_stress});
+    row.insert(row.end(), {c.pressure, c.deviatoric_stress, c.cohesive_pressure});
     if (!has_contacts) std::fill(row.begin() + static_cast<std::ptrdiff_t>(begin) + 2, row.end(), kNaN);
     row.push_back(room > 0 ? motion.mass / room * motion.granular_temperature : kNaN);
     double solid = kNaN, of_container = kNaN;

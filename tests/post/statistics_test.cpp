@@ -150,6 +150,25 @@ TEST(ContactMeasures, two_bodies_have_the_stress_of_force_times_branch) {
   EXPECT_NEAR(m.deviatoric_stress, std::sqrt(1.5 * 2.0), 1e-12);
 }
 
+TEST(ContactMeasures, contacts_that_pull_are_counted_and_take_from_the_pressure) {
+  Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, 0});
+  p.add({1, 1, 1});
+  p.add({2, 1, 1});
+  p.add({3, 1, 1});
+  p.contact(0, 1, {1.5, 1, 1}, {-1, 0, 0}, 3);
+  p.contact(1, 2, {2.5, 1, 1}, {-1, 0, 0}, -1.2);
+  const SceneFacts facts(p.run, std::nullopt, p.frame);
+  const FrameView view(facts, p.frame);
+  const ContactMeasures m = contact_measures(view, {}, 2);
+  EXPECT_DOUBLE_EQ(m.tensile, 0.5);
+  EXPECT_DOUBLE_EQ(m.tensile_force, 1.2);
+  EXPECT_DOUBLE_EQ(m.normal_force, 0.9);
+  EXPECT_DOUBLE_EQ(m.stress[0].x, 0.9);  // (3 - 1.2) / 2
+  EXPECT_DOUBLE_EQ(m.pressure, 0.3);
+  EXPECT_DOUBLE_EQ(m.cohesive_pressure, 0.2);  // 1.2 / 2 / 3
+  EXPECT_DOUBLE_EQ(m.coordination, 4.0 / 3);
+}
+
 TEST(ContactMeasures, the_stress_passes_through_a_periodic_side) {
   Packing p(0.5, {0, 0, 0}, {4, 4, 4}, {0, 0, 0});
   Domain& domain = p.run.scene.settings.domain;

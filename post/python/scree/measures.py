@@ -43,11 +43,12 @@ def _motion(frame: Frame, member: np.ndarray) -> dict[str, float]:
 
 def _contacts(frame: Frame, particle: np.ndarray, member: np.ndarray, part: Region | None) -> dict[str, float]:
     names = ["coordination_number", "coordination_number_without_rattlers", "rattler_fraction", "contact_points_per_particle",
-             "mean_normal_force", "max_normal_force", "mean_tangential_force", *(f"fabric_{ij}" for ij, _, _ in _TENSOR)]
+             "mean_normal_force", "max_normal_force", "mean_tangential_force", "tensile_fraction", "mean_tensile_force",
+             *(f"fabric_{ij}" for ij, _, _ in _TENSOR)]
     if not frame.scene.settings.get("output_contacts", True):
         return dict.fromkeys(names, float("nan"))
     c = frame.contacts
-    c = c[c.normal_force > 0]
+    c = c[c.normal_force != 0]
     ids, count = frame.bodies.id, int(member.sum())
     row_a, row_b = _rows_of(ids, c.body_a), _rows_of(ids, c.body_b)
     first = np.ones(len(c), dtype=bool)  # of each pair: a neighbour counts once, however many points press
@@ -66,7 +67,8 @@ def _contacts(frame: Frame, particle: np.ndarray, member: np.ndarray, part: Regi
     tangential = np.linalg.norm(c.tangential_force[held], axis=1)
     values = [_ratio(neighbours.sum(), count), _ratio(neighbours.sum() - (neighbours == 1).sum(), count - few.sum()), _ratio(few.sum(), count),
               _ratio(ends, count), _ratio(normal_force.sum(), len(normal_force)), float(normal_force.max(initial=0)),
-              _ratio(tangential.sum(), len(tangential)), *(float(fabric[i, j]) for _, i, j in _TENSOR)]
+              _ratio(tangential.sum(), len(tangential)), _ratio((normal_force < 0).sum(), len(normal_force)),
+              _ratio(-normal_force[normal_force < 0].sum(), (normal_force < 0).sum()), *(float(fabric[i, j]) for _, i, j in _TENSOR)]
     return dict(zip(names, values))
 
 
