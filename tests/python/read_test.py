@@ -192,6 +192,8 @@ class ReadTest(InFolder):
             self.run_.steps
         with self.assertRaisesRegex(scree.InputError, "removed.csv"):
             self.run_.removed
+        with self.assertRaisesRegex(scree.InputError, "inserted.csv"):
+            self.run_.inserted
 
     def test_a_log_that_is_being_written_is_read_to_its_last_complete_row(self):
         table = scree.Table.read(os.path.join(self.run_.folder, "log.csv"))
