@@ -29,11 +29,30 @@ bool Region::contains(const Vec3& p) const {
   return z >= 0 && z <= length(shape.axis_end - shape.axis_start) && length(p - shape.axis_start - z * axis) <= shape.radius;
 }
 
-Region region_of(const RegionShape& region, const std::vector<Shape>& shapes) {
+Region region_of(const RegionShape& region, const std::vector<Shape>& shapes, const std::string& whose) {
   if (region.kind != WallKind::mesh) return region_of(region);
   TriangleMesh mesh = shapes[static_cast<std::size_t>(region.shape)].mesh;
   for (Vec3& p : mesh.vertices) p = region.position + region.scale * rotate(region.orientation, p);
-  return region_of(std::move(mesh));
+  try {
+    return region_of(std::move(mesh));
+  } catch (const InputError& e) {
+    throw InputError("{}: {}", whose, e.what());
+  }
+}
+
+bool draw_place(const Region& region, const BodyOrientation& asked, const RandomNumbers& random, PlacedBody& body) {
+  constexpr std::uint64_t kOrientation = 0, kPlace = 3;  // which of the random numbers is what
+  body.orientation = draw_orientation(asked, body.shape->shape, random, kOrientation);
+  body.position = {};
+  const Box3 extent = body.world_box();
+  Vec3 place;
+  for (int k = 0; k < 3; ++k) {
+    const double low = region.box.lower[k] - extent.lower[k], high = region.box.upper[k] - extent.upper[k];
+    if (low > high) return false;
+    place[k] = low + random.uniform(kPlace + static_cast<std::uint64_t>(k)) * (high - low);
+  }
+  body.position = place;
+  return true;
 }
 
 Region region_of(const Wall& wall) {

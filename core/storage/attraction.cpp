@@ -43,6 +43,16 @@ double attraction_range(ContactLaw law, const MaterialPair& pair, const Material
   return std::max(0.0, 2 * (pair.separation_energy - resting_contact(law, pair, a, b, radius).energy) / pull_off_force(pair, radius));
 }
 
+double widest_range(const Scene& scene) {
+  double range = 0;
+  for (const MaterialPair& p : scene.pairs) {
+    if (!attracts(p)) continue;
+    const Material &a = scene.materials[static_cast<std::size_t>(p.a)], &b = scene.materials[static_cast<std::size_t>(p.b)];
+    range = std::max(range, attraction_range(scene.settings.law, p, a, b, p.contact_radius));
+  }
+  return range;
+}
+
 AttractionFault attraction_fault(const Settings& settings, const MaterialPair& pair, const Material& a, const Material& b) {
   if (!attracts(pair)) {
     if (pair.adhesion_range > 0)
@@ -106,15 +116,14 @@ void check_pressing(const Settings& settings, const MaterialPair& pair, const Ma
       format_quantity(margin, Dimension::length));
 }
 
-void check_thickness(const Shape& shape, double scale, const std::string& body, double reach) {
+void check_thickness(const Shape& shape, double scale, const std::function<std::string()>& body, double reach) {
   const bool is_ball = shape.kind == ShapeKind::sphere;
   const double thickness = scale * (is_ball ? 2 * shape.sphere_radius : 2 * shape.mass.volume / shape.area);
   if (reach <= thickness) return;
   throw UsageError(
-      "pairs: margins and the range of the attraction reach {} together, further than {} ('{}') is thick ({}, {}): what lies behind "
-      "it "
-      "would be attracted through it; reduce adhesion_range or the margins",
-      format_quantity(reach, Dimension::length), body, shape.name, format_quantity(thickness, Dimension::length),
+      "pairs: margins and the range of the attraction reach {} together, further than {} ('{}') is thick ({}, {}): what lies "
+      "behind it would be attracted through it; reduce adhesion_range or the margins",
+      format_quantity(reach, Dimension::length), body(), shape.name, format_quantity(thickness, Dimension::length),
       is_ball ? "its diameter" : "twice its volume over its area");
 }
 

@@ -5,6 +5,8 @@
 // together.
 #pragma once
 
+#include <functional>
+
 #include "core/storage/scene_file.hpp"
 
 namespace scree {
@@ -28,6 +30,9 @@ RestingContact resting_contact(ContactLaw law, const MaterialPair& pair, const M
 /// 0 where separation_energy is less than that alone.
 double attraction_range(ContactLaw law, const MaterialPair& pair, const Material& a, const Material& b, double radius);
 
+/// The widest range of the attractions of a scene [m]; 0: none. With those of bodies whose R* is not given as they are told by the pair.
+double widest_range(const Scene& scene);
+
 /// What a pair gives that does not go together: the key and what is wrong with it. A key of "" says that all is well. Follows from the pair
 /// and the settings alone.
 struct AttractionFault {
@@ -47,7 +52,7 @@ void check_pressing(const Settings& settings, const MaterialPair& pair, const Ma
 
 /// Throws UsageError where margins and attraction reach further than a body is thick: what lies behind it would act through it. The
 /// thickness is twice volume over area, that of a plate, and no more than the largest ball inside a body that is convex; a ball's diameter.
-/// in   body    how a message names it     in  reach  margins of both bodies and the range [m]
-void check_thickness(const Shape& shape, double scale, const std::string& body, double reach);
+/// in   body    how a message names it, asked only for a message     in  reach  margins of both bodies and the range [m]
+void check_thickness(const Shape& shape, double scale, const std::function<std::string()>& body, double reach);
 
 }  // namespace scree

@@ -139,6 +139,19 @@ struct Inlet {
   double owed(double time) const;
 };
 
+/// Scale at which a shape has a diameter of a distribution; 1 where there is none, and shapes are as they are.
+inline double scale_of(const std::optional<SizeDistribution>& size, const Shape& shape, double diameter) {
+  return size ? diameter / shape.equivalent_diameter() : 1;
+}
+
+/// The scales between which those of a shape lie.
+struct ScaleRange {
+  double smallest, largest;
+};
+inline ScaleRange scales_of(const std::optional<SizeDistribution>& size, const Shape& shape) {
+  return {scale_of(size, shape, size ? size->min : 0), scale_of(size, shape, size ? size->max : 0)};
+}
+
 struct Domain {
   bool bounded = false;
   Vec3 lower, upper;  ///< [m], when bounded

@@ -84,7 +84,7 @@ std::vector<WallZone> wall_zones(const std::vector<Wall>& walls, const Periodici
   return zones;
 }
 
-void check_period(const Periodicity& periodicity, double radius, double margin, const std::string& who) {
+void check_period(const Periodicity& periodicity, double radius, double margin, const std::function<std::string()>& who) {
   // a quarter of a period must hold the body's reach and the smallest skin of the body lists, which is 1 % of a radius a side
   constexpr double kRoomForSkin = 1.01;
   const double needed = 4 * (kRoomForSkin * radius + margin);
@@ -93,7 +93,7 @@ void check_period(const Periodicity& periodicity, double radius, double margin, 
     throw UsageError(
         "domain: the periodic axis {} is {:g} m long, but {} with a bounding radius of {:g} m needs {:g} m, two of its "
         "diameters and margins; widen the domain",
-        "xyz"[axis], periodicity.period()[axis], who, radius, needed);
+        "xyz"[axis], periodicity.period()[axis], who(), radius, needed);
   }
 }
 

@@ -2,6 +2,7 @@
 // same walls and the same periods.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,8 @@ struct WallZone {
 std::vector<WallZone> wall_zones(const std::vector<Wall>& walls, const Periodicity& periodicity, std::vector<std::string>& dropped);
 
 /// Refuses, with UsageError, a body of which two images could be in reach of another body at once.
-/// in   radius   bounding, of the body [m]     in   margin   of each body [m]     in   who   "body 3"
-void check_period(const Periodicity& periodicity, double radius, double margin, const std::string& who);
+/// in   radius   bounding, of the body [m]     in   margin   of each body [m]     in   who   "body 3", asked
+/// only for a message
+void check_period(const Periodicity& periodicity, double radius, double margin, const std::function<std::string()>& who);
 
 }  // namespace scree

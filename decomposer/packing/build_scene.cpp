@@ -333,7 +333,7 @@ class Builder {
     double least = 1e300;
     for (const auto& [index, share] : p.shares) {
       const Shape& shape = parts_.shape(index).shape;
-      const double scale = p.size ? p.size->min / shape.equivalent_diameter() : 1;
+      const double scale = scales_of(p.size, shape).smallest;
       least = std::min(least, shape.mass.volume * scale * scale * scale);
     }
     return least;

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/base/units.hpp"
-#include "core/placing/orientation.hpp"
 #include "core/placing/random_numbers.hpp"
+#include "core/storage/attraction.hpp"
 
 namespace scree {
 
@@ -23,12 +23,12 @@ class Trial {
         parts_(parts),
         asked_(c.inlets[inlet]),
         region_(parts.inlets[inlet]),
-        gap_(2 * scene.settings.margin),
+        gap_(2 * scene.settings.margin + widest_range(scene)),
         scratch_(make_mesh_distance_scratch()) {}
 
   void run(std::int32_t of) {
     const PackShape& shape = parts_.shape(of);
-    PlacedBody body{&shape, scale_at(asked_, shape.shape, true), {}, {}};
+    PlacedBody body{&shape, scales_of(asked_.size, shape.shape).largest, {}, {}};
     bool fits = false, is_free = false;
     std::size_t wall = 0;
     for (std::uint64_t attempt = 0; attempt < kTries && !is_free; ++attempt) {
@@ -48,24 +48,15 @@ class Trial {
     }
     if (!is_free) {
       throw InputError(
-          "{}.region: lies in the wall '{}' or within its reach: none of {} places for {} is free of the walls and two margins away; move "
-          "or enlarge it",
-          asked_.where, case_.walls[wall].wall.name, kTries, what);
+          "{}.region: lies in the wall '{}' or within its reach: none of {} places for {} is {} away from the walls, which is where "
+          "contact begins; move or enlarge it",
+          asked_.where, case_.walls[wall].wall.name, kTries, what, metres(gap_));
     }
   }
 
  private:
   bool place(const RandomNumbers& random, PlacedBody& body) {
-    body.orientation = draw_orientation(asked_.orientation, body.shape->shape, random, 0);
-    body.position = {};
-    const Box3 extent = body.world_box();
-    Vec3 place;
-    for (int k = 0; k < 3; ++k) {
-      const double low = region_.box.lower[k] - extent.lower[k], high = region_.box.upper[k] - extent.upper[k];
-      if (low > high) return false;
-      place[k] = low + random.uniform(3 + static_cast<std::uint64_t>(k)) * (high - low);
-    }
-    body.position = place;
+    if (!draw_place(region_, asked_.orientation, random, body)) return false;
     body.world_vertices(vertices_);
     return region_.is_box() || region_.holds(body, vertices_, 0, *scratch_);
   }
@@ -101,10 +92,6 @@ class Trial {
 };
 
 }  // namespace
-
-double scale_at(const CaseInlet& inlet, const Shape& shape, bool largest) {
-  return inlet.size ? (largest ? inlet.size->max : inlet.size->min) / shape.equivalent_diameter() : 1;
-}
 
 Inlet make_inlet(const CaseInlet& asked, const SceneParts& parts, const RegionShape& region) {
   Inlet inlet = asked.inlet;

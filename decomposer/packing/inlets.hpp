@@ -11,9 +11,6 @@ namespace scree {
 /// An inlet as the solver takes it. Shares of the mass become shares of the number.
 Inlet make_inlet(const CaseInlet& asked, const SceneParts& parts, const RegionShape& region);
 
-/// Equivalent diameter over that of the shape, at the smallest and the largest of an inlet's sizes.
-double scale_at(const CaseInlet& inlet, const Shape& shape, bool largest);
-
 /// Tries places for the largest body of each shape, with the walls as they stand at the start, and looks where they are.
 /// out  notices   an inlet that will find its region full sooner or later
 /// Fails: InputError where a body is larger than the region or no place is free of the walls, UsageError where an outlet would take bodies

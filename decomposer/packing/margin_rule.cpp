@@ -7,7 +7,6 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
-#include "decomposer/packing/inlets.hpp"
 
 namespace scree {
 
@@ -74,8 +73,8 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
   }
   for (const CaseInlet& i : c.inlets) {
     for (const auto& share : i.shares) {
-      const Shape& shape = parts.shape(share.first).shape;
-      const double lever = scale_at(i, shape, true) * parts.shape(share.first).radius;
+      const PackShape& shape = parts.shape(share.first);
+      const double lever = scales_of(i.size, shape.shape).largest * shape.radius;
       speed = std::max(speed, length(i.velocity) + lever * length(i.angular_velocity));
     }
     movers += 2;
@@ -147,8 +146,9 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   }
   for (const CaseInlet& i : c.inlets) {
     for (const auto& share : i.shares) {
-      for (const bool largest : {false, true})
-        add(parts.shape(share.first).shape, i.material, scale_at(i, parts.shape(share.first).shape, largest), true);
+      const Shape& shape = parts.shape(share.first).shape;
+      const auto [smallest, largest] = scales_of(i.size, shape);
+      for (const double scale : {smallest, largest}) add(shape, i.material, scale, true);
     }
   }
   report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);

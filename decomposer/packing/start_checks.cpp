@@ -11,17 +11,6 @@ namespace scree {
 
 namespace {
 
-/// How far bodies reach beyond their margins: the widest range of an attraction [m].
-double widest_range(const Scene& scene) {
-  double range = 0;
-  for (const MaterialPair& p : scene.pairs) {
-    if (!attracts(p)) continue;
-    const Material &a = scene.materials[static_cast<std::size_t>(p.a)], &b = scene.materials[static_cast<std::size_t>(p.b)];
-    range = std::max(range, attraction_range(scene.settings.law, p, a, b, p.contact_radius));
-  }
-  return range;
-}
-
 void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene) {
   if (!std::any_of(scene.pairs.begin(), scene.pairs.end(), attracts)) return;
   const Settings& s = scene.settings;
@@ -38,7 +27,8 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
     const Shape& of = parts.shape(shape).shape;
     double& largest = radius[static_cast<std::size_t>(material)];
     largest = std::max(largest, 0.5 * scale * of.equivalent_diameter());
-    check_thickness(of, scale, fmt::format("body {}", id), reach);
+    check_thickness(
+        of, scale, [&] { return fmt::format("body {}", id); }, reach);
   };
   for (std::size_t i = 0; i < c.bodies.size(); ++i)
     add(c.bodies[i].shape, c.bodies[i].material, c.bodies[i].scale, parts.first_id + static_cast<std::int64_t>(i));
@@ -46,10 +36,10 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
   for (const Inlet& inlet : scene.inlets) {
     for (const Inlet::Share& share : inlet.shares) {
       const Shape& of = scene.shapes[static_cast<std::size_t>(share.shape)];
-      const double own = of.equivalent_diameter(), smallest = inlet.size ? inlet.size->min / own : 1;
       double& largest = radius[static_cast<std::size_t>(inlet.material)];
-      largest = std::max(largest, 0.5 * (inlet.size ? inlet.size->max : own));
-      check_thickness(of, smallest, fmt::format("a body of the inlet '{}'", inlet.name), reach);
+      largest = std::max(largest, 0.5 * (inlet.size ? inlet.size->max : of.equivalent_diameter()));
+      check_thickness(
+          of, scales_of(inlet.size, of).smallest, [&] { return fmt::format("a body of the inlet '{}'", inlet.name); }, reach);
     }
   }
   for (const CasePair& p : c.pairs) {
@@ -66,7 +56,7 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
   const double range = scene.settings.margin + 0.5 * widest_range(scene);
   double largest = 0;
   const auto check = [&](double radius, std::int64_t id) {
-    check_period(periodicity, radius, range, fmt::format("body {}", id));
+    check_period(periodicity, radius, range, [&] { return fmt::format("body {}", id); });
     largest = std::max(largest, radius);
   };
   for (std::size_t i = 0; i < c.bodies.size(); ++i)
@@ -77,8 +67,8 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
   for (const Inlet& inlet : scene.inlets) {
     for (const Inlet::Share& share : inlet.shares) {
       const Shape& shape = scene.shapes[static_cast<std::size_t>(share.shape)];
-      const double radius = (inlet.size ? inlet.size->max / shape.equivalent_diameter() : 1) * shape.bounding_radius();
-      check_period(periodicity, radius, range, fmt::format("a body of the inlet '{}'", inlet.name));
+      const double radius = scales_of(inlet.size, shape).largest * shape.bounding_radius();
+      check_period(periodicity, radius, range, [&] { return fmt::format("a body of the inlet '{}'", inlet.name); });
       largest = std::max(largest, radius);
     }
   }

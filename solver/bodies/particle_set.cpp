@@ -37,6 +37,10 @@ ParticleRecord record_of(const ParticleSet& p, std::size_t i) {
   return r;
 }
 
+double body_mass(const SolverScene& scene, std::int32_t shape, std::int32_t material, double scale) {
+  return scene.source().materials[static_cast<std::size_t>(material)].density * (scale * scale * scale) * scene.shape(shape).volume;
+}
+
 void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& scene) {
   const std::size_t i = p.size();
   p.resize(i + 1);
@@ -45,7 +49,7 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
   const double s3 = r.scale * r.scale * r.scale;
   p.radius[i] = r.scale * shape.radius;
-  p.mass[i] = density * s3 * shape.volume;
+  p.mass[i] = body_mass(scene, r.shape, r.material, r.scale);
   p.inertia[i] = (density * s3 * r.scale * r.scale) * shape.inertia;
   p.isotropic[i] = shape.isotropic ? 1 : 0;
   p.inverse_mass[i] = r.fixed ? 0.0 : 1 / p.mass[i];

@@ -59,6 +59,8 @@ constexpr void for_each_body_column(Action&& action) {
 }
 
 ParticleRecord record_of(const ParticleSet& p, std::size_t i);
+/// Mass of a body as its row has it, to the bit [kg].
+double body_mass(const SolverScene& scene, std::int32_t shape, std::int32_t material, double scale);
 /// Appends a row; mass, inertia and radius follow from shape, scale and material.
 void append_record(ParticleSet& p, const ParticleRecord& record, const SolverScene& scene);
 

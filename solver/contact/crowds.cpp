@@ -71,10 +71,9 @@ void weigh(ContactFeature& f, double share) {
 
 /// Of a feature in an attraction, from its key.
 double crowd_in_pull(const PullView& pull, const ContactFeature& f) {
-  constexpr std::int64_t kIndex = (std::int64_t{1} << 30) - 1;
-  const auto first = static_cast<std::int32_t>((f.key >> 30) & kIndex), second = static_cast<std::int32_t>(f.key & kIndex);
-  if (f.key >> 60 == kCornerOfA) return pull.a.crowd(first);
-  if (f.key >> 60 == kCornerOfB) return pull.b.crowd(first);
+  const auto [kind, first, second] = indices_of_key(f.key);
+  if (kind == kCornerOfA) return pull.a.crowd(first);
+  if (kind == kCornerOfB) return pull.b.crowd(first);
   return 4 / (pull.a.weight_of_ends(first) + pull.b.weight_of_ends(second)) - 1;
 }
 

@@ -14,6 +14,8 @@
 //
 // and D is the root of D^8 = sum a_j(D) d_j^8. An isolated vertex has b = 0. The root is an exact function of the poses; its derivatives
 // are those at fixed weights times `crowd_share` = 1 / (1 + m / 8), m the mean of b D / (eps + b D) over the sum.
+// What the critical step is found from (linearise of the models) takes the settled weights as fixed: its slopes of D are too large by at
+// most an eighth, on the safe side.
 #pragma once
 
 #include "solver/contact/pair_force.hpp"

@@ -89,6 +89,14 @@ float slack_below(double distance, double margin, double size);
 /// Kinds of features in bits 60 and 61 of their keys.
 inline constexpr std::int64_t kCornerOfA = 0, kCornerOfB = 1, kEdgeEdge = 2;
 inline std::int64_t make_key(std::int64_t kind, std::int64_t i, std::int64_t j) { return (kind << 60) | (i << 30) | j; }
+struct FeatureIndices {
+  std::int64_t kind;
+  std::int32_t first, second;
+};
+inline FeatureIndices indices_of_key(std::int64_t key) {
+  constexpr std::int64_t kIndex = (std::int64_t{1} << 30) - 1;
+  return {key >> 60, static_cast<std::int32_t>((key >> 30) & kIndex), static_cast<std::int32_t>(key & kIndex)};
+}
 
 /// Motion that a pair has made since its lists were made: no point of the smaller body has moved further against
 /// the larger one [m].

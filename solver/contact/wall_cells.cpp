@@ -40,9 +40,8 @@ Anchor anchor_of(const PairBody& a, const PairBody& b, bool cells_on_a, const Co
     return Anchor{place, cells_on_a ? place : p, true};
   };
   if (moving.shape != nullptr && moving.shape->kind == ShapeKind::sphere) return from_moving({});
-  constexpr std::int64_t kMask = (std::int64_t{1} << 30) - 1;
-  const auto i = static_cast<std::int32_t>((f.key >> 30) & kMask), j = static_cast<std::int32_t>(f.key & kMask);
-  const std::int64_t kind = f.key >> 60, corner_of_moving = cells_on_a ? 1 : 0;
+  const auto [kind, i, j] = indices_of_key(f.key);
+  const std::int64_t corner_of_moving = cells_on_a ? kCornerOfB : kCornerOfA;
   if (kind == corner_of_moving) return from_moving(moving.scale * moving.shape->corner(i));
   if (kind == 1 - corner_of_moving) return {held.scale * held.shape->corner(i), {}, false};
   const ShapeEdge edge = held.shape->edge(cells_on_a ? i : j);

@@ -52,7 +52,7 @@ class PointGrid {
 
 std::vector<double> density_weights(const SolverShape& shape, double radius) {
   const auto count = static_cast<std::int32_t>(shape.features.corners.size());
-  // what is not much larger than the radius is a crowd as a whole, and a radius that indices of cells cannot resolve is none
+  // cells of a millionth of a body still have indices of 32 bits
   if (!(radius > 1e-6 * shape.radius) || count < 2) return {};
   std::vector<Vec3> points;
   for (std::int32_t c = 0; c < count; ++c) points.push_back(shape.corner(c));
@@ -92,11 +92,11 @@ const double* DensityWeights::find(const SolverShape& shape, std::int32_t index,
 }
 
 const double* DensityWeights::of_body(const SolverShape& shape, std::int32_t index, double scale) {
-  return find(shape, index, kDensityRadius * std::sqrt(shape.equivalent_radius * margin_ / half_octave(scale)));
+  return find(shape, index, kDensityRadius * std::sqrt(shape.equivalent_radius * depth_ / half_octave(scale)));
 }
 
 const double* DensityWeights::of_wall(const SolverShape& shape, std::int32_t index, double scale, double body_radius) {
-  return find(shape, index, kDensityRadius * std::sqrt(body_radius * margin_) / scale);
+  return find(shape, index, kDensityRadius * std::sqrt(body_radius * depth_) / scale);
 }
 
 DensityWeights::Summary DensityWeights::summary() const {

@@ -33,7 +33,8 @@ std::vector<double> density_weights(const SolverShape& shape, double radius);
 /// so that its energy is exact.
 class DensityWeights {
  public:
-  explicit DensityWeights(double margin) : margin_(margin) {}
+  /// in   depth   the D that the tables hold weights for [m]: the margin of one body, or what stands for it in an attraction
+  explicit DensityWeights(double depth) : depth_(depth) {}
   /// null where all are 1.   Threads: safe.   The pointer holds as long as this object.
   const double* of_body(const SolverShape& shape, std::int32_t index, double scale);
   /// Of a wall, whose surface has no radius of its own: R is that of the largest body.
@@ -47,7 +48,7 @@ class DensityWeights {
  private:
   const double* find(const SolverShape& shape, std::int32_t index, double radius);
 
-  double margin_;
+  double depth_;
   mutable std::mutex mutex_;
   std::map<std::pair<std::int32_t, double>, std::vector<double>> tables_;  ///< by shape and radius in its frame [m]
 };

@@ -62,32 +62,21 @@ SolverScene::SolverScene(const Scene& scene)
   prepare_laws();
   prepare_barrier();
   prepare_weights();
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    check_period(periodicity_, bodies.scale[b] * shape(bodies.shape[b]).radius, contact_range(), fmt::format("body {}", bodies.id[b]));
-    if (law_choice_.attraction)
-      check_thickness(scene.shapes[static_cast<std::size_t>(bodies.shape[b])], bodies.scale[b], fmt::format("body {}", bodies.id[b]),
-                      2 * contact_range());
-  }
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    check_fits(bodies.shape[b], bodies.scale[b], [&] { return fmt::format("body {}", bodies.id[b]); });
   for (const Inlet& inlet : scene.inlets) {
-    for (const Inlet::Share& share : inlet.shares)
-      check_period(periodicity_, largest_scale(inlet, share.shape) * shape(share.shape).radius, contact_range(),
-                   fmt::format("a body of the inlet '{}'", inlet.name));
+    for (const Inlet::Share& share : inlet.shares) {
+      const auto [smallest, largest] = scales_of(inlet.size, scene.shapes[static_cast<std::size_t>(share.shape)]);
+      for (const double scale : {smallest, largest})
+        check_fits(share.shape, scale, [&] { return fmt::format("a body of the inlet '{}'", inlet.name); });
+    }
   }
   zones_ = wall_zones(scene.walls, periodicity_, dropped_zones_);
   seam_gaps_ =
       check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, extremes_.bounding_radius + 2 * contact_range(), settings.duration);
-  for (const Outlet& outlet : scene.outlets) {
-    try {
-      outlets_.push_back(region_of(outlet.region, scene.shapes));
-    } catch (const InputError& e) {
-      throw InputError("outlet '{}': {}", outlet.name, e.what());
-    }
-  }
+  for (const Outlet& outlet : scene.outlets)
+    outlets_.push_back(region_of(outlet.region, scene.shapes, fmt::format("outlet '{}'", outlet.name)));
   for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
-}
-
-double SolverScene::largest_scale(const Inlet& inlet, std::int32_t of) const {
-  return inlet.size ? inlet.size->max / scene_->shapes[static_cast<std::size_t>(of)].equivalent_diameter() : 1;
 }
 
 /// Bodies to come count from the start on: the step is derived from all that there will be.
@@ -97,7 +86,7 @@ void SolverScene::include_inlets() {
       const Shape& of = scene_->shapes[static_cast<std::size_t>(share.shape)];
       if (of.kind == ShapeKind::surface) throw InputError("inlet '{}': shape '{}' is a surface without mass", inlet.name, of.name);
       check_margin(of.kind != ShapeKind::sphere);
-      const double largest = largest_scale(inlet, share.shape), smallest = inlet.size ? largest * inlet.size->min / inlet.size->max : 1;
+      const auto [smallest, largest] = scales_of(inlet.size, of);
       for (const double scale : {smallest, largest})
         include_body(share.shape, inlet.material, scale, false, length(inlet.velocity), extremes_);
     }
@@ -120,9 +109,12 @@ void SolverScene::check_solid(std::int64_t id, std::int32_t of) const {
 
 void SolverScene::check_body(std::int64_t id, std::int32_t of, double scale) const {
   check_solid(id, of);
-  check_period(periodicity_, scale * shape(of).radius, contact_range(), fmt::format("body {}", id));
-  if (law_choice_.attraction)
-    check_thickness(scene_->shapes[static_cast<std::size_t>(of)], scale, fmt::format("body {}", id), 2 * contact_range());
+  check_fits(of, scale, [&] { return fmt::format("body {}", id); });
+}
+
+void SolverScene::check_fits(std::int32_t of, double scale, const std::function<std::string()>& who) const {
+  check_period(periodicity_, scale * shape(of).radius, contact_range(), who);
+  if (law_choice_.attraction) check_thickness(scene_->shapes[static_cast<std::size_t>(of)], scale, who, 2 * contact_range());
 }
 
 void SolverScene::check_seams(double radius) const {

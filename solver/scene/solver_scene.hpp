@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,9 +47,9 @@ class SolverScene {
   double widest_range() const { return law_choice_.attraction ? reach_ : 0; }  ///< of the attraction of any two materials [m]; 0: none
   /// The D of an attraction that its tables are made for [m].
   double pull_table_depth() const { return kPullTableDepth * widest_range(); }
-  /// What there is of them so far; null where all are 1.
   /// Whether the radius of crowds can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
   bool crowds_follow() const { return !(scene_->settings.barrier > 0) && (law_choice_.attraction || !(reach_ > 0)); }
+  /// What there is of weights so far; null where all are 1.
   const DensityWeights* density_weights() const { return weights_.get(); }
   const std::vector<WallZone>& zones() const { return zones_; }
   /// Of the scene's outlets, one for each.
@@ -86,7 +87,6 @@ class SolverScene {
   bool has_driven_walls() const { return has_driven_walls_; }
 
  private:
-  double largest_scale(const Inlet& inlet, std::int32_t shape) const;
   void include_inlets();
   void prepare_laws();
   void prepare_barrier();
@@ -94,6 +94,8 @@ class SolverScene {
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
   void check_margin(bool has_mesh) const;
   void check_solid(std::int64_t id, std::int32_t shape) const;
+  /// Whether a body's reach fits into the periods and through nothing thinner than itself. in   who   its name, asked only for a message
+  void check_fits(std::int32_t shape, double scale, const std::function<std::string()>& who) const;
   void add_attraction(const MaterialPair& pair, const BodyExtremes& extremes, PairLaw& law) const;
 
   const Scene* scene_;

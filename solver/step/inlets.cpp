@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/base/units.hpp"
-#include "core/placing/orientation.hpp"
 #include "solver/contact/pair_features.hpp"
 #include "solver/step/domain.hpp"
 
@@ -18,12 +17,6 @@ namespace {
 constexpr std::size_t kBatch = 32, kTrials = 16;
 // Draws of a place that the region and the domain hold, for one trial.
 constexpr std::uint64_t kDraws = 16;
-
-// Which of a body's random numbers is what.
-constexpr std::uint64_t kOrientation = 0, kPlace = 3;
-
-/// Of a body's radius: closer counts as touching, where there are no margins.
-constexpr double kApart = 1e-9;
 
 /// Numbers of an inlet have a seed of their own, so that those of its n-th body are no other body's.
 std::uint64_t seed_of(const SolverScene& scene, std::size_t inlet) {
@@ -38,21 +31,6 @@ double even_number(const RandomNumbers& shift, std::uint64_t which, std::uint64_
   return static_cast<double>((start + n * kStep[which]) >> 11) * 0x1p-53;
 }
 
-Region placed_region(const Inlet& inlet, const Scene& scene) {
-  try {
-    return region_of(inlet.region, scene.shapes);
-  } catch (const InputError& e) {
-    throw InputError("inlet '{}': {}", inlet.name, e.what());
-  }
-}
-
-/// As the body will have it, to the bit (append_record): what comes in minus what goes out is what is there.
-double mass_of(const SolverScene& scene, std::int32_t shape, std::int32_t material, double scale) {
-  return scene.source().materials[static_cast<std::size_t>(material)].density * (scale * scale * scale) * scene.shape(shape).volume;
-}
-
-double scale_of(const Inlet& inlet, const Shape& shape, double diameter) { return inlet.size ? diameter / shape.equivalent_diameter() : 1; }
-
 }  // namespace
 
 std::vector<ParticleRecord> bodies_to_come(const SolverScene& scene) {
@@ -60,8 +38,8 @@ std::vector<ParticleRecord> bodies_to_come(const SolverScene& scene) {
   for (const Inlet& inlet : scene.source().inlets) {
     for (const Inlet::Share& share : inlet.shares) {
       const Shape& shape = scene.source().shapes[static_cast<std::size_t>(share.shape)];
-      for (const bool smallest : {true, false}) {
-        const double scale = scale_of(inlet, shape, inlet.size ? (smallest ? inlet.size->min : inlet.size->max) : 0);
+      const auto [smallest, largest] = scales_of(inlet.size, shape);
+      for (const double scale : {smallest, largest}) {
         // two of each: they may touch each other
         for (int twice = 0; twice < 2; ++twice) {
           records.push_back(make_record(scene, {kIdToCome + static_cast<std::int64_t>(records.size()),
@@ -113,12 +91,12 @@ class Inlets::Feeder {
   Wanted new_body(std::int64_t number) const;
   std::vector<Wanted> due();
   std::vector<Candidate> candidates(const std::vector<Wanted>& wanted);
-  bool draw_place(const Wanted& w, std::uint64_t attempt, PlacedBody& body);
+  bool find_place(const Wanted& w, std::uint64_t attempt, PlacedBody& body);
   std::vector<std::uint8_t> blocked(const std::vector<Candidate>& all);
   std::vector<PlacedBody> bodies_about(const Box3& box) const;
   bool walls_allow(const PlacedBody& body);
   bool are_apart(const PlacedBody& body, const PlacedBody& other);
-  double gap(const PlacedBody& body) const { return std::max(least_gap_, kApart * body.radius()); }
+  double gap(const PlacedBody& body) const { return std::max(least_gap_, kTouch * body.radius()); }
   void let_in(const Wanted& w, const PlacedBody& body);
   void find_no_room(const Wanted& w);
 
@@ -145,8 +123,8 @@ Inlets::Wanted Inlets::Feeder::new_body(std::int64_t number) const {
   w.shape = inlet().shares[k].shape;
   w.material = inlet().material;
   const Shape& shape = scene_.source().shapes[static_cast<std::size_t>(w.shape)];
-  w.scale = scale_of(inlet(), shape, source.sizes ? source.sizes->diameter(even_number(shift, 1, n)) : 0);
-  w.mass = mass_of(scene_, w.shape, w.material, w.scale);
+  w.scale = scale_of(inlet().size, shape, source.sizes ? source.sizes->diameter(even_number(shift, 1, n)) : 0);
+  w.mass = body_mass(scene_, w.shape, w.material, w.scale);
   return w;
 }
 
@@ -155,7 +133,7 @@ std::vector<Inlets::Wanted> Inlets::Feeder::due() {
   std::vector<Wanted> wanted;
   for (const TransitBody& b : state().queue) {
     if (wanted.size() == kBatch) return wanted;
-    wanted.push_back({true, b.id, b.shape, b.material, b.scale, mass_of(scene_, b.shape, b.material, b.scale), b.lock_rotation});
+    wanted.push_back({true, b.id, b.shape, b.material, b.scale, body_mass(scene_, b.shape, b.material, b.scale), b.lock_rotation});
   }
   const double owed = inlet().owed(s_.clock.time());
   double mass = state().mass;
@@ -171,25 +149,14 @@ std::vector<Inlets::Wanted> Inlets::Feeder::due() {
 }
 
 /// A place that the region and the domain hold; whether there is one among the draws of an attempt.
-bool Inlets::Feeder::draw_place(const Wanted& w, std::uint64_t attempt, PlacedBody& body) {
+bool Inlets::Feeder::find_place(const Wanted& w, std::uint64_t attempt, PlacedBody& body) {
   const Region& region = inlets_.sources_[inlet_].region;
   body = {&inlets_.shapes_[static_cast<std::size_t>(w.shape)], w.scale, {}, {}};
   // bodies that come again have numbers of their own
   const std::int64_t key = w.returns ? -2 - w.number : w.number;
   for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
     const RandomNumbers random(seed_of(scene_, inlet_), key, attempt * kDraws + draw);
-    body.orientation = draw_orientation(inlet().orientation, body.shape->shape, random, kOrientation);
-    body.position = {};
-    const Box3 extent = body.world_box();
-    bool fits = true;
-    Vec3 place;
-    for (int k = 0; k < 3; ++k) {
-      const double low = region.box.lower[k] - extent.lower[k], high = region.box.upper[k] - extent.upper[k];
-      fits = fits && low <= high;
-      place[k] = low + random.uniform(kPlace + static_cast<std::uint64_t>(k)) * (high - low);
-    }
-    if (!fits || is_outside(scene_, place)) continue;
-    body.position = place;
+    if (!draw_place(region, inlet().orientation, random, body) || is_outside(scene_, body.position)) continue;
     body.world_vertices(vertices_);
     if (!region.is_box() && !region.holds(body, vertices_, 0, *inlets_.scratch_)) continue;
     Vec3 image;
@@ -205,7 +172,7 @@ std::vector<Inlets::Candidate> Inlets::Feeder::candidates(const std::vector<Want
   for (std::size_t n = 0; n < wanted.size(); ++n) {
     for (std::size_t t = 0; t < kTrials; ++t) {
       Candidate c{n, {}};
-      if (draw_place(wanted[n], look * kTrials + t, c.body)) all.push_back(c);
+      if (find_place(wanted[n], look * kTrials + t, c.body)) all.push_back(c);
     }
   }
   return all;
@@ -217,7 +184,7 @@ std::vector<PlacedBody> Inlets::Feeder::bodies_about(const Box3& box) const {
   std::vector<PlacedBody> near;
   const Vec3 centre = box.centre(), half = 0.5 * box.extent();
   for (std::size_t i = 0; i < p.owned; ++i) {
-    const double reach = p.radius[i] + std::max(least_gap_, kApart * length(half));
+    const double reach = p.radius[i] + std::max(least_gap_, kTouch * length(half));
     const Vec3 way = scene_.periodicity().nearest(p.x[i] - centre);
     // along a periodic axis a long region reaches around: all that lie there count
     bool far = false;
@@ -343,13 +310,14 @@ void Inlets::Feeder::feed(std::size_t inlet) {
   }
 }
 
-Inlets::Inlets(const SolverScene& scene) : scene_(scene), scratch_(make_mesh_distance_scratch()) {
+Inlets::Inlets(const SolverScene& scene) : scene_(scene) {
   const Scene& source = scene.source();
   if (source.inlets.empty()) return;
+  scratch_ = make_mesh_distance_scratch();
   for (const Shape& shape : source.shapes) shapes_.push_back(make_pack_shape(shape));
   for (const Inlet& inlet : source.inlets) {
     Source& s = sources_.emplace_back();
-    s.region = placed_region(inlet, source);
+    s.region = region_of(inlet.region, source.shapes, fmt::format("inlet '{}'", inlet.name));
     double sum = 0;
     for (const Inlet::Share& share : inlet.shares) s.up_to.push_back(sum += share.share);
     for (double& share : s.up_to) share /= sum;
