@@ -147,8 +147,8 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   for (const CaseInlet& i : c.inlets) {
     for (const auto& share : i.shares) {
       const Shape& shape = parts.shape(share.first).shape;
-      const auto [smallest, largest] = scales_of(i.size, shape);
-      for (const double scale : {smallest, largest}) add(shape, i.material, scale, true);
+      const ScaleRange scales = scales_of(i.size, shape);
+      for (const double scale : {scales.smallest, scales.largest}) add(shape, i.material, scale, true);
     }
   }
   report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
