@@ -8,6 +8,7 @@
 #
 #   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"
 #   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
+#   PACK_INPUTS further files that the cases are made of
 #
 # Its rule all asks for everything(), or for the files of single runs, result("drum"). Settings: --config ranks=2 threads=1
 # minutes=1440 (of the solver's job in a queue), and for sweeps over any keys of the case, as a grid, with replicas by seed:
@@ -26,6 +27,7 @@ RANKS = int(config.get("ranks", 2))
 THREADS = int(config.get("threads", 1))  # of each rank
 
 STATISTICS = globals().get("STATISTICS", "")
+PACK_INPUTS = globals().get("PACK_INPUTS", [])
 SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if part.strip()]
 REPLICAS = int(config.get("replicas", 1))
 
@@ -86,7 +88,12 @@ rule shape:
     shell: "scree-mesher {params.words} -o {output} {params.name}"
 
 
-# The case names its shapes relative to itself, so it moves to where they are.
+# The case names its shapes relative to itself, so it moves to where they are. One with an absolute path is read where it is.
+def case_of(wildcards):
+    case = RUNS[wildcards.run][0]
+    return case if os.path.isabs(case) else f"{wildcards.run}.toml"
+
+
 rule case:
     input: lambda wildcards: os.path.join(workflow.basedir, RUNS[wildcards.run][0])
     output: "{run}.toml"
@@ -95,11 +102,12 @@ rule case:
 
 rule pack:
     input:
-        case="{run}.toml",
+        case=case_of,
+        others=PACK_INPUTS,
         shapes=expand("{shape}.shape.h5", shape=SHAPES),
     output: "{run}.scene.h5"
     params: words=lambda wildcards: RUNS[wildcards.run][1], ranks=RANKS
-    shell: "scree-decomposer pack {input.case} -o {output} --ranks {params.ranks} {params.words}"
+    shell: "scree-decomposer pack {input.case:q} -o {output} --ranks {params.ranks} {params.words}"
 
 
 # The output is a file in the folder, never the folder, which Snakemake would remove with the checkpoints in it.

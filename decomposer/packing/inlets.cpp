@@ -48,9 +48,10 @@ class Trial {
     }
     if (!is_free) {
       throw InputError(
-          "{}.region: lies in the wall '{}' or within its reach: none of {} places for {} is {} away from the walls, which is where "
-          "contact begins; move or enlarge it",
-          asked_.where, case_.walls[wall].wall.name, kTries, what, metres(gap_));
+          "{}.region: lies in the wall '{}' or within its reach: none of {} places for {} is clear of the walls{}; move or enlarge "
+          "it",
+          asked_.where, case_.walls[wall].wall.name, kTries, what,
+          gap_ > 0 ? fmt::format(" by the {} at which contact begins", metres(gap_)) : "");
     }
   }
 

@@ -75,7 +75,7 @@ TEST(ChildProcess, that_serves_has_its_descriptors_and_is_asked_to_end) {
   ASSERT_TRUE(write_exactly(given.descriptor(), "word", 4));
   ChildProcess child =
       ChildProcess::serve({"sh", "-c",
-                           "echo said; cat /proc/self/fd/4 >&3; cat; echo end >&3; exec 3>&-; trap 'echo asked; exit' TERM; "
+                           "echo said; cat /proc/self/fd/4 >&3; cat; echo end >&3; trap 'echo asked; exit' TERM; exec 3>&-; "
                            "while :; do sleep 0.01; done"},
                           says.descriptor(), {given.descriptor()});
   EXPECT_EQ(all_of(child), "wordend\n");  // and its stdin was empty

@@ -468,7 +468,7 @@ def mistakes_are_told_with_their_line():
          + '[domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 2]\noutside = "remove"\n', 2, ["stop_when_empty"]),
         ("too small", base.replace("[0.2, 0.2, 1]", "[0.2, 0.2, 0.915]"), 3, ["holds no 'ball' of diameter 20 mm", "enlarge"]),
         ("in a wall", base + '[[walls]]\nname = "roof"\nshape = { plane = { point = [0, 0, 0.95], normal = [0, 0, -1] } }\nmaterial = "m"\n'
-         .replace("0.95", "0.5"), 3, ["roof", "none of", "two margins"]),
+         .replace("0.95", "0.5"), 3, ["roof", "none of", "clear of the walls"]),
         ("outlet", base.replace("[0.5, 0.5, 0]", "[0.5, 0.5, 1]"), 2, ["outlet 'end'", "inlet 'feed'", 'to = "feed"']),
         ("no pair", base.replace("[materials.m]", "[materials.n]\ndensity = 1\n[materials.m]").replace('small = 1 }\nmaterial = "m"',
                                                                                                   'small = 1 }\nmaterial = "n"'), 2, ["n"]),

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""A user's own case through `workflows/run PATH/case.toml`: what is made of the meshes beside it, what is refused, and the whole chain.
+
+own_case_test.py RUNNER BIN SCRATCH
+"""
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+RUNNER, BIN, SCRATCH = sys.argv[1:4]
+ENVIRONMENT = dict(os.environ, SCREE_BIN=BIN)
+FOLDER = os.path.join(SCRATCH, "a user's folder")
+CASE = """
+[time]
+duration = "20 ms"
+[shapes.stone]
+file = "stone.shape.h5"
+[shapes.cube]
+file = "forms/cube.shape.h5"
+[materials.rock]
+density = 2600
+[[pairs]]
+between = ["rock", "rock"]
+stiffness = "100 kN/m"
+friction = 0.5
+restitution = 0.3
+[[populations]]
+shapes = { stone = 0.5, cube = 0.5 }
+material = "rock"
+count = 6
+size = "3 cm"
+region = { box = [["-9 cm", "-9 cm", "1 cm"], ["9 cm", "9 cm", "12 cm"]] }
+[[walls]]
+name = "floor"
+shape = { file = "floor.shape.h5" }
+material = "rock"
+"""
+TETRAHEDRON = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+FLOOR = "OFF\n4 2 0\n-200 -200 0\n200 -200 0\n200 200 0\n-200 200 0\n3 0 1 2\n3 0 2 3\n"
+
+
+def write(name, text):
+    path = os.path.join(FOLDER, name)
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w") as file:
+        file.write(text)
+
+
+def run(*words, case="case.toml", expect=0, cwd=FOLDER):
+    result = subprocess.run([RUNNER, case, *words], capture_output=True, text=True, env=ENVIRONMENT, cwd=cwd)
+    text = result.stdout + result.stderr
+    assert (result.returncode == 0) == (expect == 0) and (expect != 2 or result.returncode == 2), (words, result.returncode, text)
+    return text
+
+
+def refused(said, *words, **how):
+    text = run(*words, expect=1, **how)
+    assert said in text, (said, text)
+
+
+def made(text):
+    return [line for line in text.splitlines() if line.startswith("scree-mesher")]
+
+
+def main():
+    shutil.rmtree(SCRATCH, ignore_errors=True)
+    write("case.toml", CASE)
+
+    # what is missing is told with what would help
+    refused("no case file 'nope.toml'", case="nope.toml")
+    refused("shapes.stone.file: stone.shape.h5 is not there, and no mesh to make it from", "--dry-run")
+    write("stone.off", TETRAHEDRON)
+    write("stone.ply", TETRAHEDRON)
+    refused("could be made from stone.off or stone.ply", "--dry-run")
+    os.remove(os.path.join(FOLDER, "stone.ply"))
+    write("floor.off", FLOOR)
+    refused("shapes.cube.file: forms/cube.shape.h5 is not there", "--dry-run")
+    write("meshes.toml", "floor = 'import floor.off --surface --unit mm'\ncube = 3\n")
+    refused("meshes.toml: cube: expected the words for scree-mesher", "--dry-run")
+    write("meshes.toml", "floor = 'import floor.off --surface --unit mm'\nrock = 'import stone.off'\n"
+                         "cube = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
+    refused("the case names no rock.shape.h5", "--dry-run")
+    write("meshes.toml", "floor = 'import floor.off --surface --unit mm'\ncube = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
+    write("case.toml", CASE + "[[")
+    refused("case.toml: ", "--dry-run")
+    write("case.toml", CASE)
+
+    # a dry run names the steps and leaves nothing
+    before = sorted(os.listdir(FOLDER))
+    steps = made(run("--dry-run"))
+    assert sorted(os.listdir(FOLDER)) == before, os.listdir(FOLDER)
+    assert any("floor.off' --surface --unit mm" in step for step in steps) and any("stone.off'" in step for step in steps), steps
+    assert any("generate box --size '1 cm, 1 cm, 1 cm'" in step for step in steps), steps
+
+    # from meshes to the report, from another folder, by a relative path; a second time there is nothing to do
+    relative = os.path.join(os.path.basename(FOLDER), "case.toml")
+    run("--config", "ranks=1", "statistics=--from 0.01", case=relative, cwd=SCRATCH)
+    results = os.path.join(FOLDER, "case.out")
+    for name in ("case.report.html", "case.png", "case.run/paraview/case.pvd", "case.bodies.csv"):
+        assert os.path.getsize(os.path.join(results, name)) > 0, name
+    with open(os.path.join(results, "case.run/run.json")) as file:
+        record = json.load(file)
+    assert record["outcome"] == "completed" and record["bodies"] == 6, record
+    with open(os.path.join(results, "case.bodies.csv"), newline="") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    assert len({row["id"] for row in rows}) == 6, rows[:3]
+    assert sorted(os.listdir(FOLDER)) == sorted(before + ["case.out"])
+    words = ["--config", "ranks=1", "statistics=--from 0.01"]
+    assert "Nothing to be done" in run(*words)
+
+    # a mesh that changes is imported again, and a file that is there is used as it is
+    write("stone.off", TETRAHEDRON.replace("0 0 1\n", "0 0 2\n", 1))
+    steps = run(*words, "--dry-run")
+    assert len(made(steps)) == 1 and "scree-decomposer pack" in steps and "scree-post report" in steps, steps
+    shutil.copy(os.path.join(results, "stone.shape.h5"), os.path.join(FOLDER, "stone.shape.h5"))
+    steps = run("--dry-run", "--out", os.path.join(SCRATCH, "other"))
+    assert not any("stone" in step for step in made(steps)) and "shapes.stone.file" not in steps, steps
+
+    # sweeps as of any case
+    steps = run("--dry-run", "--config", "sweep=pairs.*.friction=0.2|0.6", "replicas=2")
+    assert steps.count("scree-decomposer pack") == 4 and "friction=0.6" in steps, steps
+    shutil.rmtree(SCRATCH)
+
+
+if __name__ == "__main__":
+    main()
+    print("all as expected")
