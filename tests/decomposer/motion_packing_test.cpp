@@ -100,7 +100,9 @@ TEST(MotionPacking, the_same_seed_pours_the_same_bed_on_any_number_of_ranks_and_
   for (const char* variable : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe"}) {
     setenv(variable, "1", 0);
   }
+  setenv("OMP_NUM_THREADS", "2", 1);
   const Scene one = pack(kHead + kPoured).scene;
+  setenv("OMP_NUM_THREADS", "1", 1);
   const Scene two = pack(kHead + kPoured, {{SCREE_MPIEXEC, "-n", "2", SCREE_SOLVER}}).scene;
   ASSERT_EQ(one.bodies.size(), two.bodies.size());
   EXPECT_EQ(one.bodies.position, two.bodies.position);
