@@ -119,9 +119,9 @@ def known_cases():
     return jobs
 
 
-def start_worker(arguments):
+def start_worker(arguments, many_ranks=None):
     global TOOLS
-    TOOLS = Tools(arguments.bin, arguments.mpiexec, arguments.cache)
+    TOOLS = Tools(arguments.bin, arguments.mpiexec, arguments.cache, many_ranks)
 
 
 def main():
@@ -175,7 +175,7 @@ def main():
                 if arguments.verbose or job["case"]:
                     print(f"{label}: refused: {why}", flush=True)
 
-    pool = multiprocessing.Pool(arguments.jobs, start_worker, (arguments,)) if arguments.jobs > 1 and len(jobs) > 1 else None
+    pool = multiprocessing.Pool(arguments.jobs, start_worker, (arguments, multiprocessing.Lock())) if arguments.jobs > 1 and len(jobs) > 1 else None
     done = 0
     if pool is None:
         start_worker(arguments)

@@ -25,8 +25,8 @@ def next_case(trial):
         case.words["materials"] = {names[name]: entry for name, entry in case.words["materials"].items()}
         for pair in case.words.get("pairs", []):
             pair["between"] = [names[name] for name in pair["between"]]
-        for wall in case.walls:
-            wall["material"] = names[wall["material"]]
+        for user in [*case.walls, *case.words.get("inlets", [])]:
+            user["material"] = names[user["material"]]
     return case, from_frame
 
 

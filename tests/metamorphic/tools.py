@@ -1,4 +1,5 @@
 """The four tools as a user runs them, and what a run left behind, read into memory."""
+import contextlib
 import csv
 import hashlib
 import json
@@ -33,7 +34,9 @@ class NotApplicable(Exception):
 class Tools:
     """Where the executables are, and a folder of this process for what they write. Imported meshes are shared by all cases."""
 
-    def __init__(self, bin_folder, mpiexec="mpirun", cache=None):
+    def __init__(self, bin_folder, mpiexec="mpirun", cache=None, many_ranks=None):
+        # ranks that wait take turns with whatever else runs: two runs on several ranks at once cost more than one after the other
+        self.many_ranks = many_ranks or contextlib.nullcontext()
         self.bin, self.mpiexec = os.path.abspath(bin_folder), mpiexec
         memory = "/dev/shm"
         roomy = os.path.isdir(memory) and os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 2**30
@@ -62,6 +65,10 @@ class Tools:
     def call(self, tool, *arguments, ranks=1, threads=1, environment=None, cwd=None):
         """Gives (exit code, stdout, stderr). A crash or a hang of any tool is a violation, whatever was asked."""
         words = ([self.mpiexec, "-n", str(ranks)] if ranks > 1 else []) + [os.path.join(self.bin, tool), *map(str, arguments)]
+        with self.many_ranks if ranks > 1 else contextlib.nullcontext():
+            return self.outcome_of(words, f"{tool} {' '.join(map(str, arguments))} on {ranks} ranks, {threads} threads", threads, environment, cwd)
+
+    def outcome_of(self, words, what, threads, environment, cwd):
         child = subprocess.Popen(words, env=dict(os.environ, **self.environment, OMP_NUM_THREADS=str(threads), **(environment or {})),
                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace", cwd=cwd, start_new_session=True)
         try:
@@ -69,9 +76,9 @@ class Tools:
         except subprocess.TimeoutExpired:
             end_all(child)
             child.communicate()
-            raise Violation(f"hangs: {tool} {' '.join(map(str, arguments))} on {ranks} ranks, {threads} threads: no end after {LIMIT} s") from None
+            raise Violation(f"hangs: {what}: no end after {LIMIT} s") from None
         if child.returncode < 0 or child.returncode in (1, 134, 136, 139) or "internal error" in err:
-            raise Violation(f"crashes: {tool} {' '.join(map(str, arguments))} on {ranks} ranks: exit {child.returncode}\n{err[-2000:]}")
+            raise Violation(f"crashes: {what}: exit {child.returncode}\n{err[-2000:]}")
         return child.returncode, out, err
 
     def mesh_file(self, mesh, surface=None):
