@@ -10,6 +10,7 @@
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/run/output_file.hpp"
+#include "post/statistics/flow_output.hpp"
 #include "post/statistics/frame_numbers.hpp"
 
 namespace scree {
@@ -160,6 +161,7 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
     for (std::size_t q = 0; q < s.wall_quantities.size(); ++q)
       s.wall_averages[w].push_back(average.of(plan.wall_begin + w * s.wall_quantities.size() + q));
   }
+  s.flow = read_flow(run, s.first_time, s.last_time, options.blocks);
   if (run.scene.settings.output_contacts && s.frames > 0) {
     const Frame last = plan.load(options.frames.back());
     s.chains = force_chains(FrameView(*plan.facts, last)).chains;
@@ -197,20 +199,22 @@ nlohmann::json json_of(const Run& run, const Statistics& s) {
   }
   nlohmann::json meanings = nlohmann::json::object();
   for (const Quantity& q : s.quantities) meanings[q.name] = q.meaning;
-  return {{"format", "scree-statistics"},
-          {"format_version", 1},
-          {"run", run.name},
-          {"frames", s.frames},
-          {"first_time", s.first_time},
-          {"last_time", s.last_time},
-          {"blocks", s.blocks},
-          {"confidence", 0.95},
-          {"skipped", s.skipped},
-          {"groups", groups},
-          {"tables", tables},
-          {"walls", walls},
-          {"force_chains_last_frame", s.chains.size()},
-          {"meanings", meanings}};
+  nlohmann::json all = {{"format", "scree-statistics"},
+                        {"format_version", 1},
+                        {"run", run.name},
+                        {"frames", s.frames},
+                        {"first_time", s.first_time},
+                        {"last_time", s.last_time},
+                        {"blocks", s.blocks},
+                        {"confidence", 0.95},
+                        {"skipped", s.skipped},
+                        {"groups", groups},
+                        {"tables", tables},
+                        {"walls", walls},
+                        {"force_chains_last_frame", s.chains.size()},
+                        {"meanings", meanings}};
+  if (!s.flow.empty()) all["flow"] = json_of(s.flow);
+  return all;
 }
 
 std::vector<std::string> write_statistics(const Run& run, const Statistics& s, const std::string& folder) {
@@ -233,7 +237,12 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     for (std::size_t q = 0; q < s.wall_quantities.size(); ++q) add("wall " + s.walls[w], s.wall_quantities[q], s.wall_averages[w][q]);
   }
+  for (const Gate& gate : s.flow.gates) {
+    add(gate.name, {"mass_flow", "kg/s", "mass that passed per time"}, gate.flow);
+    add(gate.name, {"residence_time", "s", "since a body came in, mean by mass"}, gate.residence);
+  }
   write("summary.csv", text);
+  for (const auto& [name, table] : flow_tables(s.flow)) write(name, table);
   for (const StatisticsTable& t : s.tables) {
     text = t.coordinate.name;
     std::string units = t.coordinate.unit;
@@ -312,6 +321,7 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
   over_time("angle_of_repose", "Angle of the free surface", "angle [degrees]", "", {{"angle_of_repose", "angle"}}, false);
   over_time("discharged_mass", "Discharged mass", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
   over_time("discharge_rate", "Discharge rate", "mass per time [kg/s]", "", {{"discharge_rate", "since the frame before"}}, true);
+  for (NamedChart& chart : flow_charts(s.flow)) charts.push_back(std::move(chart));
   {
     NamedChart c{"wall_power", "walls.csv", {}};
     c.chart.title = "Power of the walls";
@@ -391,6 +401,11 @@ std::string summary_of(const Statistics& s) {
       text += fmt::format("  {:<38} {:>12.5g} {:<12} {}\n", s.quantities[q].name, a.mean, spread,
                           s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
     }
+  }
+  for (const Gate& gate : s.flow.gates) {
+    text += fmt::format("{}\n  {:<38} {:>12.5g} {:<12} kg/s\n", gate.name, "mass_flow", gate.flow.mean,
+                        std::isfinite(gate.flow.ci95) ? fmt::format("+- {:.2g}", gate.flow.ci95) : std::string());
+    if (gate.residence.count > 0) text += fmt::format("  {:<38} {:>12.5g} {:<12} s\n", "residence_time", gate.residence.mean, "");
   }
   return text;
 }

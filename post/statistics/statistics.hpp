@@ -12,6 +12,7 @@
 #include "post/run/region.hpp"
 #include "post/run/run_folder.hpp"
 #include "post/statistics/block_average.hpp"
+#include "post/statistics/flow.hpp"
 
 namespace scree {
 
@@ -59,6 +60,7 @@ struct Statistics {
   std::vector<std::vector<Average>> wall_averages;  ///< by wall, by quantity
   std::vector<Series> series;                       ///< of group "all", by quantity
   std::vector<std::vector<Series>> wall_series;
+  Flow flow;                                      ///< through inlets and outlets, from the first to the last of the frames
   std::vector<std::vector<std::int64_t>> chains;  ///< force chains at the last frame, ids
   std::size_t frames = 0, blocks = 0;
   double first_time = 0, last_time = 0;
