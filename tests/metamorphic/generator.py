@@ -738,12 +738,13 @@ def methods(d):
 
 @feature
 def duration(d):
-    """As long as it takes to go some radii, at most some ten thousand steps as far as stiffness tells."""
+    """As long as it takes to go some radii, at most some ten thousand steps as far as stiffness tells: on several ranks that share cores a step
+    of two balls takes as long as one of a hundred."""
     per_contact = d.pick({30: 6, 20: 1, 12: 1, 8: 0.5, 50: 1, 100: 0.3})
     slower = (8 if d.meshed else 3) * math.sqrt(1 + 24 * d.barrier) * (3 if d.gather != "potential" else 1)
     step = math.pi * math.sqrt(d.heaviest / d.stiffness) / per_contact / slower
     step *= min([1.0, *(body.get("scale", 1.0) for body in d.words.get("bodies", []) if not body.get("fixed"))]) ** 1.5
-    d.duration = min(d.radius / d.speed * d.log_between(3, 25), step * d.log_between(3000, 20000) * 20 / (d.count + 12))
+    d.duration = min(d.radius / d.speed * d.log_between(3, 25), step * d.log_between(2000, 10000) * 20 / (d.count + 12))
     d.step_guess = step
     time = {"duration": d.duration}
     if per_contact != 30:
@@ -754,7 +755,7 @@ def duration(d):
     if d.chance(0.15):
         time["step_control"] = d.pick({"quantised": 4, "fixed": 1})
     if d.settles:
-        d.duration = time["duration"] = 8 * d.duration
+        d.duration = time["duration"] = min(8 * d.duration, 30000 * step)
     if d.settles and d.chance(0.8) or d.g > 0 and d.chance(0.05):
         time["stop_at_rest"] = True
     if d.words.get("domain", {}).get("outside") == "remove" and d.chance(0.15):

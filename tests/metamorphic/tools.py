@@ -14,7 +14,7 @@ import time
 import h5py
 import numpy
 
-LIMIT = 150        # s, after which a command counts as hanging: far above the second that a case takes, on a machine that does other work too
+LIMIT = 300        # s, after which a command counts as hanging: far above the second that a case takes, on a machine that does other work too
 ENVIRONMENT = dict(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
                    OMPI_MCA_hwloc_base_binding_policy="none", OMPI_MCA_mpi_yield_when_idle="1", OMP_WAIT_POLICY="passive", OMPI_MCA_btl_base_warn_component_unused="0")
 
