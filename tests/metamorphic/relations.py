@@ -10,6 +10,7 @@ import random
 from tools import NotApplicable, Refused, Violation  # noqa: F401  (relations import them from here)
 
 RELATIONS = {}
+kStepsInTurns = 4000   # that more ranks than cores may take
 
 
 class Relation:
@@ -66,9 +67,19 @@ class Trial:
     def solve_case(self, case, *arguments, **how):
         return self.solve(self.tools.pack(case, *arguments), **how)
 
+    def short(self):
+        """Scene and serial run of the first kStepsInTurns steps of the case."""
+        if self.run.steps <= kStepsInTurns:
+            return self.scene, self.run
+        scene = self.tools.pack(self.case, "--set", f"time.duration={self.scene.general['duration'] * kStepsInTurns / self.run.steps!r}")
+        return scene, self.tools.solve(scene)
+
     def parallel(self):
-        """Some way to run in parallel."""
+        """Some way to run in parallel. Long runs get no more ranks and threads than cores, since a step of ranks that take turns takes a
+        millisecond."""
         how = {"ranks": self.random.choice([1, 2, 2, 3, 3, 4]), "threads": self.random.choice([1, 1, 2, 3])}
+        if self.run.steps > kStepsInTurns:
+            how = {"ranks": min(how["ranks"], 2), "threads": 1} if how["ranks"] > 1 else {"ranks": 1, "threads": min(how["threads"], 2)}
         words = []
         if self.random.random() < 0.4:
             words += ["--halo", self.random.choice(["overlap", "blocking"])]

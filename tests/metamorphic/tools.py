@@ -250,6 +250,10 @@ class Run:
     def hash(self):
         return self.record["state_hash"] if self.record else None
 
+    @property
+    def steps(self):
+        return self.record["steps"] if self.record else 0
+
     def completed(self):
         return self.code == 0
 
