@@ -108,6 +108,10 @@ const toml::node& CaseTable::node(const std::string& key) const {
   return *found;
 }
 
+void CaseTable::require(const std::string& key, std::string_view expected) const {
+  if (!has(key)) throw UsageError("{}: is missing; expected {}", where(key), expected);
+}
+
 void CaseTable::check_range(const std::string& key, double value, Range range) const {
   if (range == Range::positive && !(value > 0)) throw error(key, "expected a value > 0");
   if (range == Range::not_negative && !(value >= 0)) throw error(key, "expected a value >= 0");
@@ -148,6 +152,7 @@ double CaseTable::number(const std::string& key, Dimension dimension, Range rang
 }
 
 std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) const {
+  require(key, "a whole number");
   const toml::node& value = node(key);
   const auto number = value.is_integer() ? value.value<std::int64_t>() : std::optional<std::int64_t>{};
   if (!number) throw wrong_type(key, "a whole number");
@@ -156,16 +161,19 @@ std::int64_t CaseTable::integer(const std::string& key, std::int64_t smallest) c
 }
 
 bool CaseTable::boolean(const std::string& key) const {
+  require(key, "true or false");
   if (!node(key).is_boolean()) throw wrong_type(key, "true or false");
   return *node(key).value<bool>();
 }
 
 std::string CaseTable::text(const std::string& key) const {
+  require(key, "a text in quotes");
   if (!node(key).is_string()) throw wrong_type(key, "a text in quotes");
   return *node(key).value<std::string>();
 }
 
 const toml::array& CaseTable::array(const std::string& key, std::size_t size, const std::string& expected) const {
+  require(key, expected);
   const toml::array* list = node(key).as_array();
   if (list == nullptr || (size > 0 && list->size() != size)) throw error(key, "expected " + expected);
   return *list;
@@ -177,7 +185,10 @@ Vec3 CaseTable::vector_of(const toml::node& value, const std::string& key, Dimen
   return {number_of(*list->get(0), key, dimension), number_of(*list->get(1), key, dimension), number_of(*list->get(2), key, dimension)};
 }
 
-Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const { return vector_of(node(key), key, dimension); }
+Vec3 CaseTable::vector(const std::string& key, Dimension dimension) const {
+  if (!has(key)) require(key, "three numbers [x, y, z], each " + dimension_name(dimension));
+  return vector_of(node(key), key, dimension);
+}
 
 Vec3 CaseTable::direction(const std::string& key) const {
   const Vec3 v = vector(key, Dimension::none);
@@ -216,6 +227,7 @@ std::pair<Vec3, Vec3> CaseTable::corners(const std::string& key) const {
 }
 
 std::size_t CaseTable::word(const std::string& key, const std::vector<std::string>& words) const {
+  if (!has(key)) require(key, "one of: " + list_of(words));
   const std::string found = text(key);
   const auto at = std::find(words.begin(), words.end(), found);
   if (at != words.end()) return static_cast<std::size_t>(at - words.begin());

@@ -4,6 +4,7 @@
 
 #include <toml++/toml.h>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -65,6 +66,8 @@ class CaseTable {
 
  private:
   const toml::node& node(const std::string& key) const;
+  /// Throws UsageError for a key that is not there.
+  void require(const std::string& key, std::string_view expected) const;
   const toml::array& array(const std::string& key, std::size_t size, const std::string& expected) const;
   double number_of(const toml::node& value, const std::string& key, Dimension dimension) const;
   Vec3 vector_of(const toml::node& value, const std::string& key, Dimension dimension) const;

@@ -130,6 +130,7 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
   check_format(root, kCheckpointFormat, kCheckpointFormatVersion);
   c.step = root.read_integer_attribute("step");
   c.step_size = root.read_double_attribute("step_size");
+  if (root.has_attribute("step_limited_by")) c.step_limited_by = root.read_text_attribute("step_limited_by");
   c.totals.level = root.read_integer_attribute("step_level");
   if (root.read_integer_attribute("format_version") < 4) {
     read_record(root, c.record);
@@ -192,6 +193,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       root.write_attribute("format_version", kCheckpointFormatVersion);
       root.write_attribute("step", simulation.step());
       root.write_attribute("step_size", simulation.state().clock.size.step);
+      root.write_attribute("step_limited_by", simulation.state().clock.size.limited_by);
       root.write_attribute("step_level", totals.level);
       root.write_attribute("origin_x", origin.x);
       root.write_attribute("origin_y", origin.y);
@@ -291,7 +293,8 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
           checkpoint.path);
     }
   });
-  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size, checkpoint.totals);
+  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size,
+                                checkpoint.step_limited_by, checkpoint.totals);
   const std::string hash = state_hash(simulation.state());
   mpi::on_root(comm, [&] {
     if (hash != checkpoint.state_hash) {

@@ -29,10 +29,11 @@ struct RunRecord {
 struct Checkpoint {
   std::string path;
   std::int64_t step = 0;
-  double step_size = 0;        ///< [s]
-  RunRecord record;            ///< of a file of version 3: only part of it, log_rows is 0
-  std::optional<Vec3> origin;  ///< of the scene as it is computed, see origin.hpp; not in version 3
-  RunTotals totals;            ///< of all ranks
+  double step_size = 0;         ///< [s]
+  std::string step_limited_by;  ///< what the step was derived from at the start; "" in older files
+  RunRecord record;             ///< of a file of version 3: only part of it, log_rows is 0
+  std::optional<Vec3> origin;   ///< of the scene as it is computed, see origin.hpp; not in version 3
+  RunTotals totals;             ///< of all ranks
   std::string state_hash, scene_sha256;
   std::vector<ParticleRecord> bodies;  ///< this rank's share, ascending id
   std::vector<WaitingState> states;    ///< of every pair with one of these bodies, ascending

@@ -43,7 +43,7 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
 }
 
 void Simulation::start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state, std::int64_t step,
-                                    double step_size, const RunTotals& totals) {
+                                    double step_size, const std::string& step_limited_by, const RunTotals& totals) {
   state_.pairs.waiting() = std::move(state);
   if (state_.comm.rank() == 0) state_.totals = totals;
   state_.totals.max_overlap_ratio = totals.max_overlap_ratio;
@@ -52,6 +52,8 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
+  // bodies that came in or left since would give another reason for the same step
+  if (!step_limited_by.empty()) state_.clock.size.limited_by = step_limited_by;
 }
 
 void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut) {

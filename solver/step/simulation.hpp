@@ -28,11 +28,11 @@ class Simulation {
   Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options = {});
 
   /// Starts from the scene, or from a checkpoint: every rank gives its own part of the bodies, in any way, and the state of
-  /// their pairs. `step_size` is kept as it was. Totals are those of all ranks, the same on each. Collective.
+  /// their pairs. `step_size` and its reason are kept as they were. Totals are those of all ranks, the same on each. Collective.
   /// in   start   of a scene whose first bodies come from a run
   void start_from_scene(const std::optional<StartState>& start = {});
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state, std::int64_t step, double step_size,
-                          const RunTotals& totals);
+                          const std::string& step_limited_by, const RunTotals& totals);
 
   /// One step. Collective.
   void advance();

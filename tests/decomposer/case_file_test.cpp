@@ -238,6 +238,7 @@ TEST(CaseFile, a_missing_key_is_named) {
   expect_refusal(replaced("count = 10\n", ""), {"case.toml:22: populations[0]", "count, mass, solid_fraction"});
   expect_refusal(replaced("count = 10", "count = 10\nmass = \"1 kg\""), {"both 'count' and 'mass'"});
   expect_refusal("title = 'x'", {"time: is missing"});
+  expect_refusal(replaced("distribution = \"lognormal\", ", ""), {"size.distribution: is missing; expected one of: fixed, uniform"});
 }
 
 TEST(CaseFile, a_material_pair_that_can_occur_and_is_missing_is_named_with_what_uses_it) {
