@@ -391,6 +391,16 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed():
     assert "the same, bit for bit" in said, said
 
 
+def the_reason_of_the_step_stays_after_a_restart():
+    """At the start the step follows from bodies to come; after a restart there are bodies as light."""
+    computed("reason", head(0.6, checkpoint="0.2") + FEED.format(rate='number_rate = "50 /s"\n') + END)
+    reason = outcome("reason.run")["step_limited_by"]
+    assert "to come" in reason, reason
+    make_killed("reason.run", keep=1)
+    run(2, "reason.scene.h5", "-o", "reason.run", "--restart", "latest")
+    assert outcome("reason.run")["step_limited_by"] == reason, outcome("reason.run")["step_limited_by"]
+
+
 def what_leaves_comes_in_again_with_its_shape_size_and_id():
     make_loop()
     run(1, "loop.scene.h5", "-o", "loop.run")
@@ -494,4 +504,5 @@ main([an_outlet_takes_out_what_falls_into_it, what_comes_in_is_the_integral_of_t
       shapes_and_sizes_follow_what_was_asked, a_limit_ends_an_inlet_to_a_body, a_blocked_inlet_waits_and_says_so_once_or_ends_the_run,
       what_it_owes_comes_as_soon_as_there_is_room, bodies_come_in_clear_of_all_others_and_of_walls,
       the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed, what_leaves_comes_in_again_with_its_shape_size_and_id,
+      the_reason_of_the_step_stays_after_a_restart,
       the_mean_number_is_the_rate_times_the_residence_time, mistakes_are_told_with_their_line, the_plan_tells_what_is_to_come])
