@@ -52,7 +52,9 @@ case "$1" in
     run boulders 0.24 0.01
     for name in exact hull sphere; do cp -r boulders.run $name.run; done
     printf 'case,integrator,step,wall_median,error_traj\nI3,euler,1e-3,1,0.1\nI3,euler,1e-4,8,0.0005\n' >errors.csv ;;
-  post/python/README.md) run boulders 0.1 0.01 ;;
+  post/python/README.md)
+    run boulders 0.1 0.01
+    sed 's/^file = "rock.shape.h5"/sphere = { radius = "4 mm" }/; s/shapes.fels/shapes.ball/; s/stone/glass/g; /^\[\[populations/,/^region/d' case.toml >balls.toml ;;
   post/STATISTICS.md)
     run drum 2.5 0.1
     cp -r drum.run silo.run ;;

@@ -61,6 +61,14 @@ class ExamplesTest(InFolder):
         self.assertEqual(os.path.getmtime(self.path("out/pairs.all.friction=0.1.run/run.json")), before)
         self.assertEqual(scree.Case(self.path("out/pairs.all.friction=0.5.toml"))["shapes.rock.file"], "../rock.shape.h5")
 
+    def test_exchange(self):
+        output = self.example("exchange.py", "bed.run", self.path("other"))
+        self.assertIn("24 spheres went out and came back: places differ by 0 m", output)
+        again = scree.open(self.path("other/again.run"))
+        self.assertEqual(len(again.bodies()), 24)
+        for name in ("bed.h5md", "bed.data", "bed.dump", "bed.txt", "bed.vtp"):
+            self.assertGreater(os.path.getsize(self.path(os.path.join("other", name))), 1000)
+
     def test_the_page(self):
         with open(os.path.join(EXAMPLES, "..", "README.md"), encoding="utf-8") as file:
             blocks = re.findall(r"^```python\n(.*?)^```", file.read(), flags=re.S | re.M)

@@ -179,6 +179,16 @@ class ReadTest(InFolder):
         with self.assertRaises(scree.UnknownName):
             scene.pair("steel", "wood")
 
+    def test_a_run_that_begins_with_another(self):
+        case = scree.Case(self.path("bed.toml"))
+        for key in ("bodies", "populations", "walls.1"):
+            del case[key]
+        case["start.run"] = "bed.run"
+        case["time.duration"] = "1 ms"
+        run = scree.solve(scree.pack(case, self.path("next.scene.h5"), progress=False), threads=1, progress=False)
+        np.testing.assert_array_equal(run.frames[0].bodies.id, self.run_.bodies(-1).id)
+        np.testing.assert_array_equal(run.frames[0].bodies.position, self.run_.bodies(-1).position)
+
     def test_log_and_ranks_are_columns_with_units(self):
         log = self.run_.log
         self.assertEqual((log.units["time"], log.units["kinetic_rotational"], log["step"].dtype.kind, log["state_hash"][0][:0]), ("s", "J", "i", ""))

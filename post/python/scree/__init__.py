@@ -9,7 +9,9 @@ All quantities are in SI units. post/python/README.md explains the package, and 
 from .case import Case
 from .errors import (InputError, InternalError, Interrupted, MachineError, MissingPackage, RunInvalid, ScreeError, UnknownName, UsageError)
 from .frames import Frame, Frames
+from .h5md import write_h5md
 from .meshes import Mesh, rotate, rotation_matrix
+from .packings import Packing
 from .regions import Box, Cylinder, Region, Sphere, region
 from .rows import Bodies, Contacts, Walls
 from .run import Run, Statistics
@@ -23,7 +25,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Bodies", "Box", "Case", "Contacts", "Cylinder", "Frame", "Frames", "InputError", "InternalError", "Interrupted", "MachineError",
-    "Material", "Mesh", "MissingPackage", "Progress", "Region", "Result", "Run", "RunInvalid", "Scene", "ScreeError", "Shape", "Shapes",
+    "Material", "Mesh", "MissingPackage", "Packing", "Progress", "Region", "Result", "Run", "RunInvalid", "Scene", "ScreeError", "Shape", "Shapes",
     "Sphere", "Statistics", "Table", "UnknownName", "UsageError", "Wall", "Walls", "call", "generate", "import_mesh", "open",
     "open_scene", "open_shapes", "pack", "region", "report", "rotate", "rotation_matrix", "si", "solve", "statistics",
+    "write_h5md",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 import copy
 import os
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from .errors import InputError, UsageError, unknown_name
@@ -105,11 +105,11 @@ class Case:
         except UsageError:
             return False
 
-    def add_bodies(self, shape: str, material: str, position: Any, quaternion: Any = None, velocity: Any = None, angular_velocity: Any = None,
+    def add_bodies(self, shape: str, material: str | Sequence[str], position: Any, quaternion: Any = None, velocity: Any = None, angular_velocity: Any = None,
                    scale: Any = None, fixed: bool = False) -> None:
         """Adds a body of `[[bodies]]` for each row of `position`: a packing of your own.
 
-        shape, material    names in the case
+        shape, material    names in the case; of materials one for all, or n
         position           n x 3 [m], centres of mass
         quaternion         n x 4, unit, w x y z; None: not turned
         velocity           n x 3 [m/s]; angular_velocity n x 3 [rad/s], world axes; None: 0
@@ -119,7 +119,9 @@ class Case:
         if positions and not isinstance(positions[0], list):
             positions = [positions]
         count = len(positions)
-        columns = {"position": positions}
+        columns = {"material": [material] * count if isinstance(material, str) else list(material), "position": positions}
+        if len(columns["material"]) != count:
+            raise UsageError(f"add_bodies: {len(columns['material'])} materials for {count} positions")
         for name, values in (("orientation", quaternion), ("velocity", velocity), ("angular_velocity", angular_velocity), ("scale", scale)):
             if values is not None:
                 rows = plain(values)
@@ -127,7 +129,7 @@ class Case:
                 if len(columns[name]) != count:
                     raise UsageError(f"add_bodies: {len(columns[name])} values of {name} for {count} positions")
         for row in range(count):
-            body: dict[str, Any] = {"shape": shape, "material": material, **{name: values[row] for name, values in columns.items()}}
+            body: dict[str, Any] = {"shape": shape, **{name: values[row] for name, values in columns.items()}}
             self.data.setdefault("bodies", []).append({**body, "fixed": True} if fixed else body)
 
     def problems(self) -> list[str]:

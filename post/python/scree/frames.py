@@ -163,6 +163,10 @@ class Frames(Sequence[Frame]):
             raise UsageError("there are no frames")
         return self[int(np.argmin(np.abs(self.times - time)))]
 
+    def at(self, places: Sequence[int]) -> Frames:
+        """A part of the frames, by their places: `frames.at([0, 5, -1])`."""
+        return Frames(self._scene, [self._entries[place] for place in places])
+
     @overload
     def __getitem__(self, index: int) -> Frame: ...
 
