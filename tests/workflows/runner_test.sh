@@ -49,14 +49,15 @@ expect 0 "steps (100%) done" env PATH="$scratch/queue:$PATH" SCREE_BIN="$bin" "$
 expect 0 "--ntasks=1 --cpus-per-task=1" cat "$scratch/queue/log"
 
 # the job script of the profile: a signal that comes before the solver is there waits for it; steps without one go on to their own end
-printf '#!/bin/bash\ntrap "echo told; exit 138" USR1\nfor i in {1..100}; do sleep 0.1; done\n' >"$scratch/queue/mpirun"; chmod +x "$scratch/queue/mpirun"
+mkdir -p "$scratch/told"
+printf '#!/bin/bash\ntrap "echo told; exit 138" USR1\nfor i in {1..100}; do sleep 0.1; done\n' >"$scratch/told/mpirun"; chmod +x "$scratch/told/mpirun"
 told() {  # told STEP: the script with that step, sent SIGUSR1 after half a second
   /usr/bin/python3 -c 'import sys; print(open(sys.argv[1]).read().format(properties="", exec_job=sys.argv[2]))' "$(dirname "$runner")/profiles/slurm/job.sh" "$1" >"$scratch/job.sh"
   bash "$scratch/job.sh" & local job=$! code=0
   sleep 0.5; kill -USR1 "$job"; wait "$job" || code=$?; return "$code"
 }
-expect 138 "told" told "sleep 1; $(printf %q "$scratch")/queue/mpirun"
-expect 138 "told" told "$(printf %q "$scratch")/queue/mpirun"
+expect 138 "told" told "sleep 1; $(printf %q "$scratch")/told/mpirun"
+expect 138 "told" told "$(printf %q "$scratch")/told/mpirun"
 expect 3 "" told "sleep 1; exit 3"
 expect 0 "" told "sleep 1"
 
