@@ -6,13 +6,16 @@
 #
 # and, where wanted,
 #
-#   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"
+#   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"; or such words for each run by its name
 #   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
 #   PACK_INPUTS further files that the cases are made of
 #
 # Its rule all asks for everything(), or for the files of single runs, result("drum"). Settings: --config ranks=2 threads=1
 # minutes=1440 (of the solver's job in a queue), and for sweeps over any keys of the case, as a grid, with replicas by seed:
 #   --config "sweep=pairs.*.friction=0.2|0.4|0.6;populations.*.size=8 mm|12 mm" replicas=3 plot=coordination_number
+# or, for programs that choose the points themselves (workflows/calibrate), a JSON file of name -> {"case": a run of RUNS, key: value, ...}:
+#   --config points=FILE
+# of which all makes the statistics only.
 # Every step is a command line that also runs by hand, in the folder out/.
 import itertools
 import json
@@ -32,6 +35,26 @@ SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if par
 REPLICAS = int(config.get("replicas", 1))
 
 
+# The run at a point of its keys.
+def with_keys(run, point):
+    case, words = run
+    return case, " ".join([words] + ["--set " + shlex.quote(f"{key}={value}") for key, value in point.items()])
+
+
+# The runs at the points of a file.
+def given(runs, file):
+    with open(file, encoding="utf-8") as text:
+        points = json.load(text)
+    all_runs = {}
+    for name, point in points.items():
+        case = point["case"] or next(iter(runs))
+        if case not in runs or (point["case"] is None and len(runs) > 1):
+            raise WorkflowError(f"points: {name} is of the run {point['case'] or '(none given)'}; there are: {', '.join(runs)}")
+        point["case"] = case
+        all_runs[name] = with_keys(runs[case], {key: value for key, value in point.items() if key != "case"})
+    return all_runs, points
+
+
 # What a sweep makes of the runs: each run at each point of the grid, with seeds 1, 2, ... when there are replicas.
 def swept(runs):
     axes = []
@@ -43,16 +66,18 @@ def swept(runs):
     if REPLICAS > 1:
         axes.append([("seed", str(seed)) for seed in range(1, REPLICAS + 1)])
     all_runs, points = {}, {}
-    for run, (case, words) in runs.items():
+    for run in runs:
         for number, point in enumerate(itertools.product(*axes)):
             name = f"{run}-{number:03d}"
-            all_runs[name] = (case, " ".join([words] + ["--set " + shlex.quote(f"{key}={value}") for key, value in point]))
+            all_runs[name] = with_keys(runs[run], dict(point))
             points[name] = {"case": run, **dict(point)}
     return all_runs, points
 
 
 POINTS = {}
-if SWEEP or REPLICAS > 1:
+if "points" in config:
+    RUNS, POINTS = given(RUNS, config["points"])
+elif SWEEP or REPLICAS > 1:
     RUNS, POINTS = swept(RUNS)
 
 
@@ -68,6 +93,8 @@ def result(run):
 
 
 def everything():
+    if "points" in config:
+        return [f"{run}.statistics/statistics.json" for run in RUNS]
     if POINTS:
         return ["sweep.csv", "sweep.svg", "sweep.png"]
     return [file for run in RUNS for file in result(run)]
@@ -168,7 +195,7 @@ rule contacts:
 rule statistics:
     input: "{run}.run/run.json"
     output: "{run}.statistics/statistics.json"
-    params: words=STATISTICS
+    params: words=lambda wildcards: STATISTICS if isinstance(STATISTICS, str) else STATISTICS[POINTS.get(wildcards.run, {}).get("case", wildcards.run)]
     shell: "scree-post statistics {wildcards.run}.run -o {wildcards.run}.statistics {params.words}"
 
 

@@ -1,0 +1,237 @@
+"""What a calibration is asked for: the words of --config, read and checked. Errors are ValueErrors that say what was found, what was expected and
+what to do. Nothing is run here."""
+import math
+import os
+import re
+import sys
+from dataclasses import dataclass
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from run_record import NUMBER, quantity_of, unit_of  # noqa: E402
+
+SCENES = {"heap": "--frames last --repose cone", "drum": "--from 0.4 --repose slope"}   # of this folder: words of scree-post statistics
+OWN = "calibrate"
+KINDS = ("mean", "last", "min", "max")
+EXAMPLE = {"target": "heap:angle_of_repose=15+-1;drum:angle_of_repose=37+-1", "keys": "pairs.0.friction=0.05..0.8;pairs.0.rolling_friction=0..0.5"}
+# the other words of --config, and what they are when not given; all else goes on to the workflow of the case
+DEFAULTS = {"case": "heap", "set": "", "budget": 56, "start": None, "replicas": 3, "batch": 4, "stop": 0.3, "seed": 1}
+MOST_KEYS = 6
+REPLICATED = 2        # points that are run with several seeds
+SIGMAS = 1.959964     # of a Gaussian's 95 % interval
+
+
+@dataclass(frozen=True)
+class Scene:
+    name: str                # heap, or CASE, or CASE/RUN: as it stands in target
+    case: str                # the word for workflows/run
+    run: str | None          # of its runs; None: its only one
+
+
+@dataclass(frozen=True)
+class Key:
+    name: str                # its first path
+    paths: tuple             # of (scene or None for all, path in the case)
+    low: float               # in the unit
+    high: float
+    unit: str
+    log: bool
+
+    def value(self, x):
+        """At x, 0 to 1: a number in the unit of the key."""
+        if self.log:
+            return math.exp(math.log(self.low) + x * (math.log(self.high) - math.log(self.low)))
+        return self.low + x * (self.high - self.low)
+
+    def place(self, value):
+        if self.log:
+            return (math.log(value) - math.log(self.low)) / (math.log(self.high) - math.log(self.low))
+        return (value - self.low) / (self.high - self.low)
+
+    def text(self, x):
+        """For --set."""
+        return f"{self.value(x):.6g} {self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class Target:
+    scene: Scene
+    quantity: str
+    group: str
+    kind: str
+    text: str                # value, uncertainty and unit as they were given
+    value: float
+    uncertainty: float       # half of the 95 % interval
+    unit: str                # "": that of the summary
+
+    @property
+    def name(self):
+        return f"{self.scene.name}:{self.quantity}" + (f"@{self.group}" if self.group != "all" else "") + (f".{self.kind}" if self.kind != "mean" else "")
+
+    @property
+    def deviation(self):
+        return self.uncertainty / SIGMAS
+
+
+@dataclass(frozen=True)
+class Settings:
+    targets: tuple
+    keys: tuple
+    fixed: tuple             # (scene or None, KEY=VALUE)
+    budget: int
+    start: int               # points of the first design
+    replicas: int
+    batch: int
+    stop: float
+    seed: int
+    words: tuple             # for workflows/run --config
+
+    @property
+    def scenes(self):
+        return list(dict.fromkeys(target.scene for target in self.targets))
+
+    @property
+    def first_runs(self):
+        return (self.start + min(REPLICATED, self.start) * (self.replicas - 1)) * len(self.scenes)
+
+
+def parts_of(text):
+    return [part.strip() for part in text.split(";") if part.strip()]
+
+
+def scene_of(prefix, default):
+    name = prefix or default
+    if name in SCENES:
+        return Scene(name, OWN, name)
+    case, slash, run = name.partition("/")
+    if not re.fullmatch(r"[A-Za-z0-9_-]+", case) or (slash and not run):
+        raise ValueError(f"target: '{name}:' found before the quantity; expected {', '.join(SCENES)}, a case such as column, or CASE/RUN such as repose/repose-ball")
+    here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    if case == OWN or not os.path.isfile(os.path.join(here, case, "Snakefile")):
+        there = sorted(name for name in os.listdir(here) if os.path.isfile(os.path.join(here, name, "Snakefile")) and name != OWN)
+        raise ValueError(f"target: there is no scene and no case '{case}'; scenes: {', '.join(SCENES)}; cases: {', '.join(there)}")
+    return Scene(name, case, run or None)
+
+
+def target_of(part, default):
+    match = re.fullmatch(rf"(?:(?P<scene>[^:=@]*):)?\s*(?P<quantity>\w+)(?:@(?P<group>[^=]*?))?(?:\.(?P<kind>\w+))?\s*=\s*(?P<value>{NUMBER})\s*(?P<unit>[^-+0-9]*?)\s*"
+                         rf"(?:\+-|±)\s*(?P<uncertainty>{NUMBER})\s*(?P<after>.*)", part)
+    if not match:
+        raise ValueError(f"target: '{part}' found; expected [SCENE:]QUANTITY[.last]=VALUE+-UNCERTAINTY[ UNIT], for instance heap:angle_of_repose=34+-1. "
+                         "The uncertainty is half of the 95 % interval")
+    kind = match["kind"] or "mean"
+    if kind not in KINDS:
+        raise ValueError(f"target: '{part}': there is no '.{kind}' of a quantity; use one of: {', '.join(KINDS)}")
+    unit = match["unit"].strip() or match["after"].strip()
+    if match["unit"].strip() and match["after"].strip() and match["unit"].strip() != match["after"].strip():
+        raise ValueError(f"target: '{part}': two units; write value and uncertainty in one")
+    if unit and unit_of(unit) is None:
+        raise ValueError(f"target: '{part}': '{unit}' is no unit that Scree knows")
+    uncertainty = float(match["uncertainty"])
+    if not uncertainty > 0:
+        raise ValueError(f"target: '{part}': the uncertainty is {uncertainty:g}; expected one above 0: half of the 95 % interval of the measurement")
+    return Target(scene_of(match["scene"], default), match["quantity"], (match["group"] or "all").strip(), kind, part.split("=", 1)[1].strip(),
+                  float(match["value"]), uncertainty, unit)
+
+
+def path_of(text, scenes, what):
+    """(scene or None, path) of [SCENE:]PATH."""
+    prefix, colon, path = text.strip().rpartition(":")
+    names = [scene.name for scene in scenes]
+    if colon and prefix.strip() not in names:
+        raise ValueError(f"{what}: '{text.strip()}': no target has the scene '{prefix.strip()}'; they have: {', '.join(names)}")
+    path = path.strip()
+    if not re.fullmatch(r"[^\s.=]+(\.[^\s.=]+)*", path):
+        raise ValueError(f"{what}: '{text.strip()}' found; expected a key of the case such as pairs.0.friction (decomposer/CASE.md)")
+    return (prefix.strip() if colon else None), path
+
+
+def key_of(part, scenes):
+    names, equals, bounds = part.partition("=")
+    low_text, dots, high_text = bounds.partition("..")
+    words = high_text.split()
+    log = bool(words) and words[-1] == "log"
+    high_text = high_text.strip().removesuffix("log").strip() if log else high_text.strip()
+    low, high = re.fullmatch(rf"\s*({NUMBER})\s*(.*?)\s*", low_text), re.fullmatch(rf"({NUMBER})\s*(.*)", high_text)
+    if not equals or not dots or not low or not high:
+        raise ValueError(f"keys: '{part}' found; expected KEY=LOWER..UPPER, for instance pairs.0.friction=0.1..0.8 or pairs.*.stiffness=1 kN/m..50 kN/m log")
+    unit = high[2] or low[2]
+    if unit and unit_of(unit) is None or low[2] and unit_of(low[2]) is None:
+        raise ValueError(f"keys: '{part}': '{unit if unit_of(unit) is None else low[2]}' is no unit that Scree knows")
+    bottom, top = float(low[1]), float(high[1])
+    if low[2] and low[2] != unit:
+        if unit_of(low[2])[1] != unit_of(unit)[1]:
+            raise ValueError(f"keys: '{part}': the bounds have units of different kinds, {low[2]} and {unit}")
+        bottom *= unit_of(low[2])[0] / unit_of(unit)[0]
+    if not bottom < top:
+        raise ValueError(f"keys: '{part}': the lower bound {low_text.strip()} is not below the upper bound {high_text}; write LOWER..UPPER")
+    if log and not bottom > 0:
+        raise ValueError(f"keys: '{part}': a logarithmic scale needs a lower bound above 0, found {low_text.strip()}")
+    paths = tuple(path_of(text, scenes, "keys") for text in names.split(","))
+    for _, path in paths:
+        if path == "seed":
+            raise ValueError("keys: 'seed' is what replicas differ in; it cannot be fitted")
+    return Key(paths[0][1], paths, bottom, top, unit, log)
+
+
+def number_of(config, name, kind, low):
+    value = config.get(name, DEFAULTS[name])
+    if value is None:
+        return None
+    try:
+        number = kind(str(value))
+    except ValueError:
+        number = None
+    if number is None or not number >= low:
+        raise ValueError(f"{name}={value} found; expected a {'whole ' if kind is int else ''}number, at least {low}")
+    return number
+
+
+def plain(value):
+    """The text of a word of --config; Snakemake reads it as YAML, which makes a table of 'a: b'."""
+    if isinstance(value, dict):
+        return ";".join(f"{key}:{plain(entry)}" for key, entry in value.items())
+    return str(value)
+
+
+def read(config):
+    """Settings of the words of --config."""
+    config = {name: plain(value) for name, value in config.items() if value is not None}
+    if ("target" in config) != ("keys" in config):
+        there, missing = ("target", "keys") if "target" in config else ("keys", "target")
+        raise ValueError(f"{there} is given without {missing}; for instance {missing}=\"{EXAMPLE[missing]}\"")
+    asked = {**EXAMPLE, **config}
+    default = asked.get("case", DEFAULTS["case"])
+    targets = tuple(target_of(part, default) for part in parts_of(asked["target"]))
+    if not targets:
+        raise ValueError(f"target: there is none; for instance target=\"{EXAMPLE['target']}\"")
+    names = [target.name for target in targets]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"target: {name} is there twice; give the mean of the measurements, with its uncertainty")
+    scenes = list(dict.fromkeys(target.scene for target in targets))
+    keys = tuple(key_of(part, scenes) for part in parts_of(asked["keys"]))
+    if not 1 <= len(keys) <= MOST_KEYS:
+        raise ValueError(f"keys: {len(keys)} found; expected 1 to {MOST_KEYS}")
+    paths = [path for key in keys for path in key.paths]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise ValueError(f"keys: {path[1]} is there twice")
+    fixed = []
+    for part in parts_of(asked.get("set", "")):
+        path, equals, value = part.partition("=")
+        if not equals or not value.strip():
+            raise ValueError(f"set: '{part}' found; expected KEY=VALUE, for instance populations.0.count=400")
+        scene, path = path_of(path, scenes, "set")
+        fixed.append((scene, f"{path}={value.strip()}"))
+    numbers = {name: number_of(config, name, kind, low) for name, kind, low in (
+        ("budget", int, 1), ("start", int, 4), ("replicas", int, 1), ("batch", int, 1), ("stop", float, 0), ("seed", int, 0))}
+    numbers["start"] = numbers["start"] or 8 + 4 * len(keys)
+    ours = {*DEFAULTS, *EXAMPLE}
+    words = {"ranks": "1", **{name: value for name, value in config.items() if name not in ours}}
+    settings = Settings(targets, keys, tuple(fixed), **numbers, words=tuple(f"{name}={value}" for name, value in words.items()))
+    if settings.first_runs > settings.budget:
+        least = 2 * (len(keys) + 1)
+        raise ValueError(f"budget={settings.budget} is too small: the first design takes {settings.first_runs} runs ({settings.start} points, {REPLICATED} of them with "
+                         f"{settings.replicas} seeds, in {len(scenes)} scene{'s' if len(scenes) > 1 else ''}). Give budget={settings.first_runs + 4 * settings.batch} or more, or fewer "
+                         f"start= points (at least {least}) or replicas=")
+    return settings
