@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calibration without Scree: an analytic stand-in with a known answer and known noise. usage: calibrate_test.py WORKFLOWS RUNNER BIN SCRATCH
+"""Calibration without Scree: an analytic stand-in with a known answer and known noise. usage: calibrate_test.py WORKFLOWS SCRATCH
 
 - Intervals hold the hidden keys as often as they say, over many seeds, with one answer and with two.
 - The surrogate finds the noise, and says where it does not know the answer.
@@ -12,18 +12,17 @@ import math
 import os
 import pathlib
 import shutil
-import subprocess
 import sys
 
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-WORKFLOWS, RUNNER, BIN, SCRATCH = (pathlib.Path(word).resolve() for word in sys.argv[1:])
+WORKFLOWS, SCRATCH = (pathlib.Path(word).resolve() for word in sys.argv[1:])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(WORKFLOWS / "calibrate"))
 import numpy as np  # noqa: E402
 
 import calibrate  # noqa: E402
 import page  # noqa: E402
-from posterior import narrowing, posterior, sobol  # noqa: E402
+from posterior import ROUGH, narrowing, posterior, sobol  # noqa: E402
 from settings import SIGMAS, read  # noqa: E402
 from surrogate import Surrogate  # noqa: E402
 
@@ -52,23 +51,33 @@ def one(seed, names, half):
     points = np.concatenate([points, points[:2], points[:2]])
     surrogates = [Surrogate(points, ANSWERS[name][0](points) + ANSWERS[name][1] * random.standard_normal(len(points))) for name in names]
     measured = [(float(ANSWERS[name][0](hidden[None])[0] + half * random.standard_normal()), half) for name in names]
-    found = posterior(surrogates, measured, 2, seed, count=2**11)
+    found = posterior(surrogates, measured, 2, seed, ROUGH)
     return [low <= value <= high for value, (low, high) in zip(hidden, map(found.interval, range(2)))], surrogates, found
 
 
 inside = {"one": [], "two": []}
 noise = []
-for seed in range(30):
+for seed in range(25):
     for which, names in (("one", ["heap"]), ("two", ["heap", "drum"])):
         held, surrogates, found = one(seed, names, 0.5)
         inside[which] += held
         noise.append([surrogate.noise for surrogate in surrogates][-1] if which == "two" else 1.0)
 for which, held in inside.items():
-    # 60 intervals of 95 %: fewer than 51 hold with a probability of 6e-4 (binomial)
-    assert sum(held) >= 51, f"{which}: {sum(held)} of {len(held)} intervals hold the hidden key"
+    # 50 intervals of 95 %: fewer than 42 hold with a probability of 8e-4 (binomial)
+    assert sum(held) >= 42, f"{which}: {sum(held)} of {len(held)} intervals hold the hidden key"
 print({which: f"{sum(held)} of {len(held)} inside" for which, held in inside.items()})
 ratio = np.exp(np.mean(np.log([n for n in noise if n != 1.0])))
-assert 0.85 < ratio < 1.15, f"noise of 1 found as {ratio}"   # 30 fits with 24 runs each: 1 / sqrt(2 * 20 * 30) = 3 %, and a prior
+assert 0.85 < ratio < 1.15, f"noise of 1 found as {ratio}"   # 25 fits with 24 runs each: 1 / sqrt(2 * 20 * 25) = 3 %, and a prior
+
+# the same as scikit-learn says of each member
+places = sobol(64, 2, 9)
+there = [member.predict(places, return_std=True) for member in surrogates[0].members]
+mean, unsure = surrogates[0].predict(places)
+assert np.allclose((mean - surrogates[0].middle) / surrogates[0].scale, np.mean([entry[0] for entry in there], axis=0), atol=1e-9)
+variance = np.mean([entry[1] ** 2 - np.exp(member.kernel_.theta[-1]) for entry, member in zip(there, surrogates[0].members)], axis=0) + np.var([entry[0] for entry in there], axis=0)
+ours, its = ([function(member.kernel_.theta) for member in surrogates[0].members] for function in (surrogates[0]._likelihood, surrogates[0].best.log_marginal_likelihood))
+assert np.allclose(np.diff(ours), np.diff(its), atol=1e-6)
+assert np.allclose((unsure / surrogates[0].scale) ** 2, variance, atol=1e-7)
 
 # intervals are not wide for safety either: a likelihood that is known is met exactly
 class Exact:
@@ -239,23 +248,5 @@ refused({**good, "budget": "10"}, "budget=10 is too small", "takes 16 runs (12 p
 refused({**good, "budget": "many"}, "budget=many found; expected a whole number")
 refused({**good, "set": "populations.0.count"}, "expected KEY=VALUE")
 
-# --- what only the tools know, by the runner: an unknown key, a bound that the key may not be, a target in no summary; a run of half a second
-SHORT = ["set=heap:populations.0.count=12;heap:time.duration=20 ms;heap:output.every=10 ms"]
-
-
-def runner(*words):
-    result = subprocess.run([RUNNER, "calibrate", "--out", SCRATCH / "out", "--cores", "1", "--config", *words], env=dict(os.environ, SCREE_BIN=str(BIN)),
-                            capture_output=True, text=True, check=False)
-    return result.returncode, result.stdout + result.stderr
-
-
-if os.access(BIN / "scree-solver", os.X_OK):
-    for words, parts in ((["target=heap:mass=1+-1", "keys=pairs.0.frictoin=0.1..0.9"], ["keys: pairs.0.frictoin, lower bound", "did you mean 'friction'?"]),
-                         (["target=heap:mass=1+-1", "keys=pairs.0.restitution=0.1..1.5"], ["keys: pairs.0.restitution, upper bound: pairs.0.restitution=1.5 is refused in heap", "expected"]),
-                         (["target=heap:mas=1+-1", "keys=pairs.0.friction=0.1..0.9", *SHORT], ["no 'mas' in the summary of heap, did you mean mass?"]),
-                         (["target=heap:mass=1+-1 m", "keys=pairs.0.friction=0.1..0.9", *SHORT], ["mass is in kg, not in m"]),
-                         (["target=heap:mass@lid=1+-1", "keys=pairs.0.friction=0.1..0.9", *SHORT], ["no group 'lid' in the summary of heap; there are: all"])):
-        code, text = runner(*words)
-        assert code == 1 and all(part in text for part in parts), f"{words}: exit {code}\n{text}"
 shutil.rmtree(SCRATCH, ignore_errors=True)
 print("all as expected")

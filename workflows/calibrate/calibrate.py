@@ -19,7 +19,7 @@ import sys
 os.environ["OMP_NUM_THREADS"] = "1"   # small matrices: more threads are slower, and sum in another order
 sys.dont_write_bytecode = True
 
-from posterior import next_runs, posterior, sobol, unsure_share  # noqa: E402
+from posterior import ROUGH, next_runs, posterior, sobol, unsure_share  # noqa: E402
 from settings import REPLICATED, plain, read  # noqa: E402
 from surrogate import Surrogate  # noqa: E402
 
@@ -254,16 +254,15 @@ def calibrate(settings, runs, make, answers, measured, report=say):
             if len(names) < FEWEST:
                 raise Stop(3, f"target: only {len(names)} of the runs have {target.name}: too few for a fit, which needs {FEWEST}. Is it a number that this case has?")
         surrogates = [Surrogate(places, values) for _, places, values in data]
-        found = posterior(surrogates, measured, len(settings.keys), settings.seed)
+        found = posterior(surrogates, measured, len(settings.keys), settings.seed, ROUGH)
         share = unsure_share(surrogates, measured, found.even(400))
         spent = len(runs.all)
         intervals = ", ".join(f"{key.name} {key.value(low):.3g} .. {key.value(high):.3g}"
                               for k, key in enumerate(settings.keys) for low, high in [found.interval(k)])
         report(f"{spent} of {settings.budget} runs: {intervals}; the surrogate is known to {max(share):.2g} of the measurement (stop: {settings.stop:g})")
-        if max(share) <= settings.stop:
-            return surrogates, found, share, "precise"
-        if spent >= settings.budget:
-            return surrogates, found, share, "budget"
+        if max(share) <= settings.stop or spent >= settings.budget:
+            found = posterior(surrogates, measured, len(settings.keys), settings.seed)
+            return surrogates, found, share, "precise" if max(share) <= settings.stop else "budget"
         scenes = {scene.name: scene for scene in settings.scenes}
         by_scene = {name: [k for k, target in enumerate(settings.targets) if target.scene.name == name] for name in scenes}
         for name, place in next_runs({name: [surrogates[k] for k in entry] for name, entry in by_scene.items()},

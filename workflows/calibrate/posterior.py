@@ -10,7 +10,8 @@ import numpy as np
 from scipy.stats import qmc
 
 POINTS = 2**12        # of a round; 2^12 place the ends of intervals to a hundredth of their width
-ENOUGH = 800          # effective points
+ROUGH = 2**10         # enough to choose where to run next
+ENOUGH = 0.2          # of the points of a round have weight: effective number
 ROUNDS = 8
 OUT_OF_REACH = 12.0   # log-likelihood below the best from where on a point has no weight: exp(-12) of the best
 
@@ -76,7 +77,7 @@ def posterior(surrogates, measured, dimension, seed=0, count=POINTS):
         points = low + (high - low) * sobol(count, dimension, seed + number)
         likelihood = log_likelihood(points, surrogates, measured)
         weights = np.exp(likelihood - likelihood.max())
-        if weights.sum() ** 2 / (weights**2).sum() >= ENOUGH or number + 1 == ROUNDS:
+        if weights.sum() ** 2 / (weights**2).sum() >= ENOUGH * POINTS * min(1, count / POINTS) or number + 1 == ROUNDS:
             break
         inside = points[likelihood > likelihood.max() - OUT_OF_REACH]
         spare = 0.1 * (inside.max(axis=0) - inside.min(axis=0)) + (high - low) / count ** (1 / dimension)

@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# workflows/run calibrate with Scree itself: from nothing to its page, killed on the way, resumed, continued; and what only the tools can refuse.
+# usage: calibrate_run_test.sh RUNNER BIN SCRATCH
+set -euo pipefail
+runner=$1; export SCREE_BIN=$2; scratch=$3
+log=$scratch.log
+rm -rf "$scratch"; mkdir -p "$scratch"
+
+# sixty grains for a tenth of a second, since what is tested is the way, not the answer
+SMALL="set=populations.0.count=60;populations.0.region.cylinder.radius=12 mm;time.duration=0.1 s;output.every=20 ms;walls.1.motion.start=0.02 s"
+words=("target=heap:centre_of_mass_z=8 mm+-0.5 mm;heap:mean_speed.last=0.05+-0.02" "keys=pairs.0.friction,pairs.1.friction=0.1..0.9" "$SMALL" start=6 replicas=2 batch=2 stop=0)
+
+count() { find "$scratch/out/runs" -path '*.statistics/statistics.json' 2>/dev/null | wc -l; }
+
+# killed when three of its runs are done, with all that it started
+for attempt in 1 2 3 4; do
+  rm -rf "$scratch/out"
+  setsid "$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]}" budget=10 >"$log" 2>&1 &
+  session=$!
+  while kill -0 "$session" 2>/dev/null && [[ $(count) -lt 3 ]]; do sleep 0.05; done
+  pkill -KILL -s "$session" || true
+  wait "$session" 2>/dev/null || true
+  [[ -f "$scratch/out/calibration.md" ]] || break
+  [[ $attempt -lt 4 ]] || { echo "it ended before each of four kills: nothing was tested"; exit 1; }
+done
+[[ $(count) -ge 3 ]] || { cat "$log"; echo "it ended before the kill"; exit 1; }
+for file in "$scratch"/out/runs/calibrate/*.run/run.json; do
+  if [[ -f "${file%.run/run.json}.statistics/statistics.json" ]]; then echo "$file $(stat -c %.9Y "$file")"; fi
+done >"$scratch/before"
+[[ $(wc -l <"$scratch/before") -ge 3 ]]
+unchanged() {
+  while read -r file time; do
+    [[ $(stat -c %.9Y "$file") == "$time" ]] || { echo "$file was made again: $time, now $(stat -c %.9Y "$file")"; exit 1; }
+  done <"$scratch/before"
+}
+
+"$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]}" budget=10 >"$log" 2>&1 || { cat "$log"; exit 1; }
+unchanged
+[[ $(count) -eq 10 ]] || { echo "$(count) runs, expected 10"; exit 1; }
+grep -q '10 of 10 runs, 0 of them invalid' "$scratch/out/calibration.md"
+grep -q '^| pairs.0.friction | \*\*0\.[0-9]*\*\*' "$scratch/out/calibration.md" || { cat "$scratch/out/calibration.md"; exit 1; }
+grep -q '^| heap:mean_speed.last |' "$scratch/out/calibration.md"
+[[ $(wc -l <"$scratch/out/runs.csv") -eq 11 && -s "$scratch/out/surface.png" && -s "$scratch/out/posterior.png" ]]
+[[ $(cut -d, -f3 "$scratch/out/runs.csv" | sort -u | wc -l) -eq 11 ]] || { echo "seeds come twice"; cat "$scratch/out/runs.csv"; exit 1; }
+# the tied key was set in both pairs, and the fixed ones
+grep -q -- '--set pairs\.0\.friction=\(0\.[0-9]*\) --set pairs\.1\.friction=\1 ' "$scratch/out/runs/calibrate.log"
+grep -q '^- \*\*bad\*\*: No keys within the bounds give the measured heap:mean_speed.last' "$scratch/out/calibration.md"
+
+# done: nothing to do; a larger budget goes on
+"$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]}" budget=10 >"$log" 2>&1
+grep -q 'Nothing to be done' "$log"
+"$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]}" budget=12 >"$log" 2>&1 || { cat "$log"; exit 1; }
+[[ $(count) -eq 12 ]] || { echo "$(count) runs, expected 12"; exit 1; }
+unchanged
+
+# refused TEXT WORDS...: exit 1 of Snakemake, and the text
+refused() {
+  local text=$1; shift
+  if "$runner" calibrate --out "$scratch/${folder:-bad}" --cores 1 --config "$@" >"$log" 2>&1; then echo "accepted: $*"; exit 1; fi
+  grep -qF "$text" "$log" || { echo "'$text' is not in the answer to $*:"; cat "$log"; exit 1; }
+}
+refused "keys: pairs.0.frictoin, lower bound: pairs.0.frictoin=0.1 is refused in heap" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
+refused "did you mean 'friction'?" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
+refused "keys: pairs.0.restitution, upper bound: pairs.0.restitution=1.5 is refused in heap" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..1.5"
+refused "set: populations.0.counts=4" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..0.5" "set=populations.0.counts=4"
+refused "no 'mas' in the summary of heap, did you mean mass?" "target=heap:mas=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
+refused "mass is in kg, not in m" "target=heap:mass=1+-1 m" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
+refused "there is no group 'lid' in the summary of heap; there are: all, wall 0 disc" "target=heap:mass@lid=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
+folder=hopper refused "is of the run (none given); there are: hopper-ball-13, hopper-ball-17" "target=hopper:discharge_rate=1+-1" "keys=pairs.0.friction=0.1..0.9" size=small
+refused "budget=10 is too small: the first design takes 16 runs" "target=heap:mass=1+-1" "keys=pairs.0.friction=0.1..0.9" budget=10
+refused "the runs in this folder are those of a calibration with other keys" "target=heap:mass=1+-1" "keys=pairs.0.friction=0.1..0.8" "$SMALL"
+rm -rf "$scratch" "$log"
+echo "all as expected"
