@@ -11,7 +11,8 @@
 #   PACK_INPUTS further files that the cases are made of
 #
 # Its rule all asks for everything(), or for the files of single runs, result("drum"). Settings: --config ranks=2 threads=1
-# minutes=1440 (of the solver's job in a queue), and for sweeps over any keys of the case, as a grid, with replicas by seed:
+# minutes=1440 (of the solver's job in a queue), statistics="..." (in place of STATISTICS), and for sweeps over any keys of the case, as a grid,
+# with replicas by seed:
 #   --config "sweep=pairs.*.friction=0.2|0.4|0.6;populations.*.size=8 mm|12 mm" replicas=3 plot=coordination_number
 # or, for programs that choose the points themselves (workflows/calibrate), a JSON file of name -> {"case": a run of RUNS, key: value, ...}:
 #   --config points=FILE
@@ -29,7 +30,7 @@ min_version("7.0")
 RANKS = int(config.get("ranks", 2))
 THREADS = int(config.get("threads", 1))  # of each rank
 
-STATISTICS = globals().get("STATISTICS", "")
+STATISTICS = config.get("statistics", globals().get("STATISTICS", ""))
 PACK_INPUTS = globals().get("PACK_INPUTS", [])
 SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if part.strip()]
 REPLICAS = int(config.get("replicas", 1))

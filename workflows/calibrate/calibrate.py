@@ -19,9 +19,12 @@ import sys
 os.environ["OMP_NUM_THREADS"] = "1"   # small matrices: more threads are slower, and sum in another order
 sys.dont_write_bytecode = True
 
-from posterior import ROUGH, next_runs, posterior, sobol, unsure_share  # noqa: E402
+try:
+    from posterior import ROUGH, next_runs, posterior, sobol, unsure_share
+    from surrogate import Surrogate
+except ImportError as missing:
+    sys.exit(f"calibrate: error: {missing}; install the packages python3-scipy and python3-sklearn, or run ./setup")
 from settings import REPLICATED, plain, read  # noqa: E402
-from surrogate import Surrogate  # noqa: E402
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from run_record import unit_of  # noqa: E402

@@ -85,6 +85,30 @@ def verdicts(settings, numbers, units, failed):
     return sorted(found, key=lambda entry: entry[0] != "bad") or [("good", "The answers are met, and they fix the keys.")]
 
 
+def other_numbers(settings, runs, summaries, points, most=5):
+    """Numbers of the summaries, all there are, by how far they change over the posterior, in standard deviations of one run: a measurement of one with
+    a large change tells its keys further apart. A parabola through all runs stands for each.
+    points: of equal weight. Returns (name, unit, deviation over the posterior, scatter of one run)."""
+    def terms(x):
+        return np.column_stack([np.ones(len(x)), x, *(x[:, a] * x[:, b] for a in range(x.shape[1]) for b in range(a, x.shape[1]))])
+    targets = {(target.scene.name, target.group, target.quantity) for target in settings.targets}
+    found = []
+    for scene in settings.scenes:
+        rows = [(run["place"], summaries.of(scene, name)) for name, run in runs.all.items() if run["scene"] == scene.name and "failed" not in run]
+        places = np.array([place for place, _ in rows])
+        left = len(rows) - terms(places).shape[1]
+        for group, quantity in rows[0][1]:
+            values = [row.get((group, quantity), {}).get("mean") for _, row in rows]
+            if left < 4 or (scene.name, group, quantity) in targets or not all(values):
+                continue
+            y = np.array(values, float)
+            fitted = np.linalg.lstsq(terms(places), y, rcond=None)[0]
+            scatter = float(np.sqrt(((y - terms(places) @ fitted) ** 2).sum() / left))
+            if scatter > 1e-9 * np.abs(y).max():
+                found.append((f"{scene.name}:{quantity}" + (f"@{group}" if group != "all" else ""), rows[0][1][group, quantity]["unit"], float((terms(points) @ fitted).std()), scatter))
+    return sorted(found, key=lambda entry: -entry[2] / entry[3])[:most]
+
+
 def table(header, rows):
     return "\n".join(["| " + " | ".join(header) + " |", "|" + "---|" * len(header)] + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
 
@@ -133,6 +157,13 @@ def write(settings, runs, summaries, units, measured, surrogates, found, share, 
                              [[*(number(x) for x in station["keys"]), *(number(x, 4) for x in station["answers"])] for station in numbers["ridge"]]))
         else:
             file.write("There is one key only.\n")
+        others = other_numbers(settings, runs, summaries, found.even(500)) if any(key["share_of_bounds"] > OPEN for key in numbers["keys"]) or not all(
+            pair["told_apart"] for pair in numbers["pairs"]) else []
+        if others:
+            file.write("\nOther numbers of these runs, by how far they change over the posterior. To measure one whose change is larger than its scatter, if it can be measured, and to "
+                       "give it as a further target narrows the intervals; the runs are there already.\n\n")
+            file.write(table(["number", "change over the posterior (standard deviation)", "scatter of one run", "ratio"],
+                             [[name, f"{number(change, 2)} {unit}", f"{number(scatter, 2)} {unit}", f"{change / scatter:.1f}"] for name, unit, change, scatter in others]))
         ended = {"precise": f"the surrogate was known to {settings.stop:g} of the measurements", "budget": "the budget was spent"}[why]
         file.write(f"\n![The posterior](posterior.png)\n\n## Budget\n\n{len(rows)} of {settings.budget} runs, {failed} of them invalid; {seconds:.0f} s of solver time. It ended since {ended}. "
                    "All runs: `runs.csv`. A larger `budget=` or changed targets continue with these runs.\n")
