@@ -53,6 +53,10 @@ grep -q 'Nothing to be done' "$log"
 [[ $(count) -eq 12 ]] || { echo "$(count) runs, expected 12"; exit 1; }
 unchanged
 
+# a second scene later: its first design must fit into the budget
+if "$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]/%0.02/0.02;drum:mean_speed=1+-1}" budget=13 >"$log" 2>&1; then echo "a budget that is too small was accepted"; exit 1; fi
+grep -qF "budget=13 is too small: 12 runs are there, and the first design of drum takes 8 more" "$log" || { cat "$log"; exit 1; }
+
 # refused TEXT WORDS...: exit 1 of Snakemake, and the text
 refused() {
   local text=$1; shift
@@ -62,6 +66,7 @@ refused() {
 refused "keys: pairs.0.frictoin, lower bound: pairs.0.frictoin=0.1 is refused in heap" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
 refused "did you mean 'friction'?" "target=heap:mass=1+-1" "keys=pairs.0.frictoin=0.1..0.9"
 refused "keys: pairs.0.restitution, upper bound: pairs.0.restitution=1.5 is refused in heap" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..1.5"
+refused "keys: populations.0.count, between the bounds: populations.0.count=57.77 is refused in heap" "target=heap:mass=1+-1" "keys=populations.0.count=50..71"
 refused "set: populations.0.counts=4" "target=heap:mass=1+-1" "keys=pairs.0.restitution=0.1..0.5" "set=populations.0.counts=4"
 refused "no 'mas' in the summary of heap, did you mean mass?" "target=heap:mas=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
 refused "mass is in kg, not in m" "target=heap:mass=1+-1 m" "keys=pairs.0.friction=0.1..0.9" "$SMALL"

@@ -143,13 +143,22 @@ class Workflow:
         settings = self.runs.settings
         tries = [("set", text, text) for of, text in settings.fixed if of in (None, scene.name)]
         for key in settings.keys:
-            tries += [("keys", f"{path}={key.text(x)}", f"{key.name}, {'lower' if x == 0 else 'upper'} bound") for x in (0.0, 1.0)
+            tries += [("keys", f"{path}={key.text(x)}", f"{key.name}, {where}") for x, where in ((0.0, "lower bound"), (1.0, "upper bound"), (0.37, "between the bounds"))
                       for of, path in key.paths if of in (None, scene.name)]
         for word, change, what in tries:
             result = subprocess.run(["scree-decomposer", "check", case, "--set", change], capture_output=True, text=True, check=False)
             if result.returncode != 0:
                 message = result.stderr.strip().splitlines()[0].removeprefix("scree-decomposer: error: ") if result.stderr.strip() else f"exit {result.returncode}"
                 raise Stop(2, f"{word}: {what}: {change} is refused in {scene.name}: {message}")
+
+    def first(self, scene):
+        """Makes a run of the scene, and gives its name."""
+        for name, run in self.runs.all.items():
+            if run["scene"] == scene.name and "failed" not in run:
+                self.make([name])
+                if "failed" not in run:
+                    return name
+        raise Stop(5, f"all runs of {scene.name} became invalid. Narrow the bounds of the keys")
 
     def make(self, names):
         """Makes the runs of these names that are not done. A run that became invalid is marked as failed; anything else that goes wrong stops."""
@@ -288,17 +297,20 @@ def main():
         say("no target and no keys are given: this is the example of the README")
     runs = Runs(settings)
     added = [scene for scene in settings.scenes if not any(run["scene"] == scene.name for run in runs.all.values())]
+    there = len(runs.all)
     for scene in added:
         for place in first_design(settings):
             runs.add(scene, place)
+    if added and len(runs.all) > settings.budget:
+        raise Stop(2, f"budget={settings.budget} is too small: {there} runs are there, and the first design of {', '.join(scene.name for scene in added)} takes {len(runs.all) - there} more; "
+                      f"give budget={len(runs.all) + 4 * settings.batch} or more")
 
     # 2. are the keys keys and the targets in the summaries? one run of each scene shows
     workflow, summaries = Workflow(runs, words.cores), Summaries()
     for scene in added:   # those that are there were checked before
         workflow.check(scene)
     runs.write()
-    first = {scene.name: next(name for name, run in runs.all.items() if run["scene"] == scene.name and "failed" not in run) for scene in settings.scenes}
-    workflow.make(list(first.values()))
+    first = {scene.name: workflow.first(scene) for scene in settings.scenes}
     units = [summaries.check(target, first[target.scene.name]) for target in settings.targets]
     measured = [(target.value * factor, target.deviation * factor) for target, (_, factor) in zip(settings.targets, units)]
 
