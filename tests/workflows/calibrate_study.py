@@ -30,10 +30,12 @@ ROWS = WORDS.rows or WORDS.scratch / "rows.csv"
 ENV = dict(os.environ, SCREE_BIN=WORDS.bin)
 
 KEYS = {"pairs.0.friction": (0.05, 0.6), "pairs.0.rolling_friction": (0.0, 0.4)}
-# a thinner slice and fewer turns than the scene has by itself: half the time
+# a smaller disc, a thinner slice and fewer turns than the scenes have by themselves: half the time
+HEAP = {"populations.0.count": "300", "populations.0.region.cylinder.radius": "17 mm", "populations.0.region.cylinder.end.2": "60 mm", "walls.0.shape.disc.radius": "20 mm",
+        "walls.1.shape.cylinder.radius": "17.5 mm", "walls.1.shape.cylinder.end.2": "70 mm", "time.duration": "0.7 s", "domain.min.2": "-1 cm"}
 DRUM = {"populations.0.count": "90", "domain.min.1": "-6 mm", "domain.max.1": "6 mm", "time.duration": "0.9 s", "populations.0.region.box.0.1": "-6 mm",
         "populations.0.region.box.1.1": "6 mm"}
-TARGETS = {("heap", "mass"): {}, ("drum", "angle_of_repose"): DRUM}
+TARGETS = {("heap", "mass"): HEAP, ("drum", "angle_of_repose"): DRUM}
 SEEDS = 6
 CALIBRATION = {"budget": 48, "start": 12, "batch": 8}
 COLUMNS = ["replica", "runs", "solver_seconds", *(f"{key}{end}" for key in KEYS for end in ("", "_low", "_high", "_value", "_inside")), "told_apart", "stopped"]
@@ -71,7 +73,7 @@ def replica(number, hidden):
         f"seed={number + 1}", *(f"{name}={value}" for name, value in CALIBRATION.items()))
     numbers = json.loads((folder / "calibration" / "calibration.json").read_text())
     row = {"replica": number, "runs": numbers["runs"], "solver_seconds": round(numbers["wall_seconds"]), "stopped": numbers["stopped"],
-           "told_apart": "yes" if numbers["pairs"][0]["told_apart"] else "no"}
+           "told_apart": numbers["pairs"][0]["told_apart"]}
     for key, value, entry in zip(KEYS, hidden, numbers["keys"]):
         row |= {key: f"{value:.4f}", f"{key}_low": f"{entry['low']:.4f}", f"{key}_high": f"{entry['high']:.4f}", f"{key}_value": f"{entry['value']:.4f}",
                 f"{key}_inside": "yes" if entry["low"] <= value <= entry["high"] else "no"}

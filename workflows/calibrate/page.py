@@ -18,6 +18,10 @@ OPEN = 0.6          # width of an interval over that of the bounds, above which 
 OFF = 2.5           # standard deviations between measured and computed answer, above which no keys within the bounds give it
 SPREAD = 1.5        # root mean square of the runs left out, above which the surrogate is too sure of itself
 AT_BOUND = 0.01     # of the bounds
+# what an experiment can measure, of the summaries
+MEASURABLE = {"particle_count", "mass", "solid_fraction", "solid_fraction_of_container", "coordination_number", "velocity_x", "velocity_y", "velocity_z", "mean_speed", "mean_spin",
+              "centre_of_mass_x", "centre_of_mass_y", "centre_of_mass_z", "mixing_index", "angle_of_repose", "discharged_mass", "discharge_rate", "force_x", "force_y", "force_z",
+              "torque_x", "torque_y", "torque_z", "power", "pressure"}
 
 
 def number(value, digits=3):
@@ -44,7 +48,8 @@ def judge(settings, measured, surrogates, found, share, why):
         for b in range(a + 1, len(keys)):
             pairs.append({"keys": [keys[a]["key"], keys[b]["key"]], "correlation": float(np.corrcoef(even[:, a], even[:, b])[0, 1]),
                           "narrowing": [narrowing(even, a, b), narrowing(even, b, a)]})
-            pairs[-1]["told_apart"] = max(pairs[-1]["narrowing"]) > NOT_APART
+            fixed = [keys[k]["share_of_bounds"] <= OPEN for k in (a, b)]
+            pairs[-1]["told_apart"] = "no" if min(pairs[-1]["narrowing"]) < NOT_APART else "yes" if any(fixed) else "neither is fixed"
     along = ridge(even)
     computed = [surrogate.predict(along)[0] for surrogate in surrogates]
     stations = [{"keys": [key.value(x) for key, x in zip(settings.keys, place)], "answers": [float(entry[i]) for entry in computed]} for i, place in enumerate(along)]
@@ -72,7 +77,7 @@ def verdicts(settings, numbers, units, failed):
             which = " and the ".join(name for name, there in (("lower bound", key["at_lower_bound"]), ("upper bound", key["at_upper_bound"])) if there)
             found.append(("doubtful", f"The interval of {key['key']} ends at the {which}, not where the answers end it."))
     for pair in numbers["pairs"]:
-        if not pair["told_apart"]:
+        if pair["told_apart"] == "no":
             a, b = pair["keys"]
             found.append(("doubtful", f"{a} and {b} cannot be told apart by these answers: if one were known, the interval of the other would be "
                                       f"{1 / min(pair['narrowing']):.1f} times narrower. See the ridge below; a target that depends on them in another way cuts it."))
@@ -86,7 +91,7 @@ def verdicts(settings, numbers, units, failed):
 
 
 def other_numbers(settings, runs, summaries, points, most=5):
-    """Numbers of the summaries, all there are, by how far they change over the posterior, in standard deviations of one run: a measurement of one with
+    """Numbers of the summaries that can be measured, by how far they change over the posterior, in standard deviations of one run: a measurement of one with
     a large change tells its keys further apart. A parabola through all runs stands for each.
     points: of equal weight. Returns (name, unit, deviation over the posterior, scatter of one run)."""
     def terms(x):
@@ -99,7 +104,7 @@ def other_numbers(settings, runs, summaries, points, most=5):
         left = len(rows) - terms(places).shape[1]
         for group, quantity in rows[0][1]:
             values = [row.get((group, quantity), {}).get("mean") for _, row in rows]
-            if left < 4 or (scene.name, group, quantity) in targets or not all(values):
+            if left < 4 or quantity not in MEASURABLE or (scene.name, group, quantity) in targets or not all(values):
                 continue
             y = np.array(values, float)
             fitted = np.linalg.lstsq(terms(places), y, rcond=None)[0]
@@ -150,18 +155,18 @@ def write(settings, runs, summaries, units, measured, surrogates, found, share, 
                    "\n![What the answers are over the keys](surface.png)\n\n## What cannot be told apart\n\n")
         if numbers["pairs"]:
             file.write(table(["keys", "told apart", "correlation", "deviation of the first if the second were known, of what it is", "of the second if the first were known"],
-                             [[" and ".join(pair["keys"]), "yes" if pair["told_apart"] else "**no**", f"{pair['correlation']:+.2f}", f"{100 * pair['narrowing'][0]:.0f} %",
+                             [[" and ".join(pair["keys"]), "yes" if pair["told_apart"] == "yes" else f"**{pair['told_apart']}**", f"{pair['correlation']:+.2f}", f"{100 * pair['narrowing'][0]:.0f} %",
                                f"{100 * pair['narrowing'][1]:.0f} %"] for pair in numbers["pairs"]]))
             file.write("\nAlong the widest direction of the posterior, from one end to the other: different keys, much the same answers.\n\n")
             file.write(table([*short, *(f"{target.name} [{unit}]" for target, unit in zip(settings.targets, units))],
                              [[*(number(x) for x in station["keys"]), *(number(x, 4) for x in station["answers"])] for station in numbers["ridge"]]))
         else:
             file.write("There is one key only.\n")
-        others = other_numbers(settings, runs, summaries, found.even(500)) if any(key["share_of_bounds"] > OPEN for key in numbers["keys"]) or not all(
-            pair["told_apart"] for pair in numbers["pairs"]) else []
+        others = other_numbers(settings, runs, summaries, found.even(500)) if any(key["share_of_bounds"] > OPEN for key in numbers["keys"]) or any(
+            pair["told_apart"] == "no" for pair in numbers["pairs"]) else []
         if others:
-            file.write("\nOther numbers of these runs, by how far they change over the posterior. To measure one whose change is larger than its scatter, if it can be measured, and to "
-                       "give it as a further target narrows the intervals; the runs are there already.\n\n")
+            file.write("\nOther numbers of these runs, by how far they change over the posterior. To measure one whose change is larger than its scatter, and to give it as a "
+                       "further target, narrows the intervals; the runs are there already.\n\n")
             file.write(table(["number", "change over the posterior (standard deviation)", "scatter of one run", "ratio"],
                              [[name, f"{number(change, 2)} {unit}", f"{number(scatter, 2)} {unit}", f"{change / scatter:.1f}"] for name, unit, change, scatter in others]))
         ended = {"precise": f"the surrogate was known to {settings.stop:g} of the measurements", "budget": "the budget was spent"}[why]
@@ -265,7 +270,7 @@ def draw_posterior(settings, found, numbers):
                 line = np.array([station["keys"] for station in numbers["ridge"]])
                 plot.plot(line[:, column], line[:, row], "-o", color=ORANGE, markersize=4, label="along the ridge")
                 pair = next(pair for pair in numbers["pairs"] if pair["keys"] == [key.name, other.name])
-                plot.set_title(f"{'told apart' if pair['told_apart'] else 'NOT told apart'}: one known, the other\nhas {100 * min(pair['narrowing']):.0f} % of its deviation", fontsize="small")
+                plot.set_title(f"{dict(yes='told apart', no='NOT told apart').get(pair['told_apart'], pair['told_apart'])}: one known,\nthe other has {100 * min(pair['narrowing']):.0f} % of its deviation", fontsize="small")
                 plot.legend(fontsize="small", loc="best")
             if row == dimension - 1:
                 plot.set_xlabel(label(key))
