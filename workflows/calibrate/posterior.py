@@ -63,9 +63,7 @@ class Posterior:
         x = np.concatenate([[0.0], self.points[order, key], [1.0]])
         cumulative = np.concatenate([[0.0], np.cumsum(self.weights[order]), [1.0]])
         starts = np.linspace(0, 1 - share, 201)
-        # the quantiles at both ends of the range are the ends of what has weight, or the bounds where weight reaches them
         low, high = np.interp(starts, cumulative, x), np.interp(starts + share, cumulative, x)
-        low[0] = min(low[0], x[1])
         k = np.argmin(high - low)
         return float(low[k]), float(high[k])
 
