@@ -6,7 +6,7 @@
 #   - by the words for scree-mesher that meshes.toml gives it, in the folder of the case, whether a mesh is there or not:
 #       rock = "import scan.stl --unit mm"
 #       cube = 'generate box --size "1 cm, 1 cm, 1 cm"'
-# Settings beside those of pipeline.smk: --config statistics="--from 2"
+# Settings are those of pipeline.smk, for instance --config statistics="--from 2".
 import os
 import sys
 
@@ -21,7 +21,6 @@ except Wrong as reason:
 SHAPES = own.shapes
 RUNS = {own.name: (own.path, own.words)}
 PACK_INPUTS = own.inputs
-STATISTICS = str(config.get("statistics", ""))
 
 
 include: "pipeline.smk"

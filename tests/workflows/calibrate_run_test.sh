@@ -23,11 +23,11 @@ for attempt in 1 2 3 4; do
   [[ -f "$scratch/out/calibration.md" ]] || break
   [[ $attempt -lt 4 ]] || { echo "it ended before each of four kills: nothing was tested"; exit 1; }
 done
-[[ $(count) -ge 3 ]] || { cat "$log"; echo "it ended before the kill"; exit 1; }
+[[ $(count) -ge 2 ]] || { cat "$log"; echo "it ended before the kill"; exit 1; }   # the third may have been removed, had its program been killed first
 for file in "$scratch"/out/runs/calibrate/*.run/run.json; do
   if [[ -f "${file%.run/run.json}.statistics/statistics.json" ]]; then echo "$file $(stat -c %.9Y "$file")"; fi
 done >"$scratch/before"
-[[ $(wc -l <"$scratch/before") -ge 3 ]]
+[[ $(wc -l <"$scratch/before") -ge 2 ]]
 unchanged() {
   while read -r file time; do
     [[ $(stat -c %.9Y "$file") == "$time" ]] || { echo "$file was made again: $time, now $(stat -c %.9Y "$file")"; exit 1; }
@@ -54,8 +54,16 @@ grep -q 'Nothing to be done' "$log"
 unchanged
 
 # a second scene later: its first design must fit into the budget
-if "$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]/%0.02/0.02;drum:mean_speed=1+-1}" budget=13 >"$log" 2>&1; then echo "a budget that is too small was accepted"; exit 1; fi
-grep -qF "budget=13 is too small: 12 runs are there, and the first design of drum takes 8 more" "$log" || { cat "$log"; exit 1; }
+if "$runner" calibrate --out "$scratch/out" --cores 1 --config "${words[@]/%0.02/0.02;drum:mean_speed=1+-1}" budget=18 >"$log" 2>&1; then echo "a budget that is too small was accepted"; exit 1; fi
+grep -qF "budget=18 is too small: 12 runs are there, and the first design of drum takes 8 more" "$log" || { cat "$log"; exit 1; }
+
+# a case of a user, in a folder of theirs, by a path from where they are
+mkdir -p "$scratch/my folder"
+cp "$(dirname "$runner")/calibrate/heap.toml" "$scratch/my folder/pile.toml"
+(cd "$scratch/my folder" && "$runner" calibrate --out "$scratch/own" --cores 1 --config "target=pile.toml:mean_speed.last=0.2+-0.02" "keys=pile:pairs.0.friction=0.1..0.9" \
+  "${SMALL/populations/pile:populations}" start=6 replicas=1 budget=6 "statistics=--from 0.05") >"$log" 2>&1 || { cat "$log"; exit 1; }
+grep -q '^| pile:mean_speed.last | 0.2 +- 0.02 m/s |' "$scratch/own/calibration.md"
+[[ $(find "$scratch/own/runs/pile" -name statistics.json | wc -l) -eq 6 ]]
 
 # refused TEXT WORDS...: exit 1 of Snakemake, and the text
 refused() {
@@ -72,6 +80,7 @@ refused "no 'mas' in the summary of heap, did you mean mass?" "target=heap:mas=1
 refused "mass is in kg, not in m" "target=heap:mass=1+-1 m" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
 refused "there is no group 'lid' in the summary of heap; there are: all, wall 0 disc" "target=heap:mass@lid=1+-1" "keys=pairs.0.friction=0.1..0.9" "$SMALL"
 folder=hopper refused "is of the run (none given); there are: hopper-ball-13, hopper-ball-17" "target=hopper:discharge_rate=1+-1" "keys=pairs.0.friction=0.1..0.9" size=small
+refused "there is no case file /" "target=nowhere/pile.toml:mass=1+-1" "keys=pairs.0.friction=0.1..0.9"
 refused "budget=10 is too small: the first design takes 16 runs" "target=heap:mass=1+-1" "keys=pairs.0.friction=0.1..0.9" budget=10
 refused "the runs in this folder are those of a calibration with other keys" "target=heap:mass=1+-1" "keys=pairs.0.friction=0.1..0.8" "$SMALL"
 rm -rf "$scratch" "$log"

@@ -247,6 +247,8 @@ refused({**good, "keys": "drum:pairs.0.friction=0..1"}, "no target has the scene
 refused({**good, "keys": "seed=1..5"}, "'seed' is what replicas differ in")
 refused({**good, "keys": ";".join(f"k{n}=0..1" for n in range(7))}, "7 found; expected 1 to 6")
 refused({**good, "budget": "10"}, "budget=10 is too small", "takes 16 runs (12 points, 2 of them with 3 seeds, in 1 scene)")
+refused({**good, "start": "4", "replicas": "1"}, "makes 4 runs of a scene; a fit needs 6")
+refused({**good, "target": "no/where.toml:mass=1+-1"}, "there is no case file /", "no/where.toml")
 refused({**good, "budget": "many"}, "budget=many found; expected a whole number")
 refused({**good, "set": "populations.0.count"}, "expected KEY=VALUE")
 

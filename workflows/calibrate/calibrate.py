@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Fits keys of cases to measured answers. usage: calibrate.py SETTINGS --cores N, in the folder of the results; SETTINGS: the words of --config as JSON
+"""Fits keys of cases to measured answers. usage: calibrate.py SETTINGS --cores N --folder PATH, in the folder of the results
+
+SETTINGS are the words of --config as JSON; case files are named from PATH.
 
 What is done is the list in main(). Every run that was asked for is in runs.json before it begins; a run that is done is never done again: after a
 kill, runs.json says what is asked for and Snakemake what of it is missing. Exit codes as those of the tools.
@@ -24,13 +26,12 @@ try:
     from surrogate import Surrogate
 except ImportError as missing:
     sys.exit(f"calibrate: error: {missing}; install the packages python3-scipy and python3-sklearn, or run ./setup")
-from settings import REPLICATED, plain, read  # noqa: E402
+from settings import FEWEST, REPLICATED, plain, read  # noqa: E402
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from run_record import unit_of  # noqa: E402
 
 RUNNER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "run")
-FEWEST = 6   # answers that a surrogate is made from
 
 
 class Stop(Exception):
@@ -91,12 +92,8 @@ class Runs:
         return ", ".join(f"{key.name} = {key.text(x)}" for key, x in zip(self.settings.keys, run["place"]))
 
 
-def folder_of(scene):
-    return os.path.join("runs", scene.case)
-
-
 def statistics_of(scene, name):
-    return os.path.join(folder_of(scene), f"{name}.statistics")
+    return os.path.join(scene.folder, f"{name}.statistics")
 
 
 class Workflow:
@@ -112,7 +109,7 @@ class Workflow:
 
     def call(self, scene, files):
         """Makes the files; returns the exit code and what was printed."""
-        folder = folder_of(scene)
+        folder = scene.folder
         os.makedirs(folder, exist_ok=True)
         its = {other.name: other.run for other in self.runs.settings.scenes if other.case == scene.case}
         points = {name: {"case": its[run["scene"]], **self.runs.keys_of(run)} for name, run in self.runs.all.items() if run["scene"] in its and "failed" not in run}
@@ -136,10 +133,10 @@ class Workflow:
         """Are the keys those of the case, and are both bounds of each what it may be? scree-decomposer knows."""
         first = next(name for name, run in self.runs.all.items() if run["scene"] == scene.name)
         code, text = self.call(scene, [f"{first}.toml"])
-        case = os.path.join(folder_of(scene), f"{first}.toml")
+        case = os.path.join(scene.folder, f"{first}.toml")
         if code != 0 or not os.path.exists(case):
             lines = re.findall(r"^(?:WorkflowError.*|workflows/run: .*|points: .*)$(?:\n(?!File).+)?", text, flags=re.M)
-            raise Stop(4 if code == 4 else 2, f"workflows/run {scene.case} cannot begin: " + (" ".join(" ".join(lines).split()) or f"exit {code}; see {folder_of(scene)}.log"))
+            raise Stop(4 if code == 4 else 2, f"workflows/run {scene.case} cannot begin: " + (" ".join(" ".join(lines).split()) or f"exit {code}; see {scene.folder}.log"))
         settings = self.runs.settings
         tries = [("set", text, text) for of, text in settings.fixed if of in (None, scene.name)]
         for key in settings.keys:
@@ -169,11 +166,11 @@ class Workflow:
             if not wanted or case in self.called and all(map(os.path.exists, wanted.values())):
                 continue
             self.called.add(case)
-            code, text = self.call(next(iter(mine.values())), [os.path.relpath(path, folder_of(mine[name])) for name, path in wanted.items()])
+            code, text = self.call(next(iter(mine.values())), [os.path.relpath(path, mine[name].folder) for name, path in wanted.items()])
             for name in wanted:
                 if os.path.exists(wanted[name]):
                     continue
-                record = os.path.join(folder_of(mine[name]), f"{name}.failed.json")
+                record = os.path.join(mine[name].folder, f"{name}.failed.json")
                 failed = {}
                 if os.path.exists(record):
                     with open(record, encoding="utf-8") as file:
@@ -187,7 +184,7 @@ class Workflow:
                 if errors:
                     raise Stop(2, f"{name} ({self.runs.shown(run)}) cannot be made: {errors[0]}. Narrow the bounds of the keys, or change the case")
                 last = [line for line in text.splitlines() if line.startswith("workflows/run: ")]
-                raise Stop(4 if code == 4 else 128 - code if code < 0 else code or 1, f"{name} was not made: {last[-1] if last else f'exit {code}'}; see {folder_of(mine[name])}.log")
+                raise Stop(4 if code == 4 else 128 - code if code < 0 else code or 1, f"{name} was not made: {last[-1] if last else f'exit {code}'}; see {mine[name].folder}.log")
 
 
 class Summaries:
@@ -288,11 +285,12 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("settings")
     parser.add_argument("--cores", type=int, default=1)
+    parser.add_argument("--folder", default=".")
     words = parser.parse_args()
 
     # 1. what is asked for, and the runs that were asked for before
     config = json.loads(words.settings)
-    settings = read(config)
+    settings = read(config, words.folder)
     if not {"target", "keys"} & set(map(plain, config)):
         say("no target and no keys are given: this is the example of the README")
     runs = Runs(settings)

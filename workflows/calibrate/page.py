@@ -77,10 +77,10 @@ def verdicts(settings, numbers, units, failed):
             which = " and the ".join(name for name, there in (("lower bound", key["at_lower_bound"]), ("upper bound", key["at_upper_bound"])) if there)
             found.append(("doubtful", f"The interval of {key['key']} ends at the {which}, not where the answers end it."))
     for pair in numbers["pairs"]:
-        if pair["told_apart"] == "no":
+        if pair["told_apart"] != "yes":
             a, b = pair["keys"]
-            found.append(("doubtful", f"{a} and {b} cannot be told apart by these answers: if one were known, the interval of the other would be "
-                                      f"{1 / min(pair['narrowing']):.1f} times narrower. See the ridge below; a target that depends on them in another way cuts it."))
+            found.append(("doubtful", f"{a} and {b} cannot be told apart by these answers: {'neither is fixed; ' if pair['told_apart'] != 'no' else ''}if one were known, the interval "
+                                      f"of the other would be {1 / min(pair['narrowing']):.1f} times narrower. See the ridge below; a target that depends on them in another way cuts it."))
     if numbers["stopped"] == "budget":
         most = max(answer["surrogate_share"] for answer in numbers["answers"])
         found.append(("doubtful", f"The budget ended before the surrogate was known to {settings.stop:g} of the measurements: it is known to {most:.2g}, and intervals are up to "
@@ -125,7 +125,7 @@ def write(settings, runs, summaries, units, measured, surrogates, found, share, 
     rows, seconds = [], 0.0
     for name, run in runs.all.items():
         scene = next(scene for scene in settings.scenes if scene.name == run["scene"])
-        record = {"outcome": "invalid"} if "failed" in run else record_of(os.path.join("runs", scene.case, name))
+        record = {"outcome": "invalid"} if "failed" in run else record_of(os.path.join(scene.folder, name))
         seconds += record.get("wall_seconds", 0)
         values = [summaries.value(target, name) if target.scene.name == run["scene"] and "failed" not in run else None for target in settings.targets]
         rows.append([name, run["scene"], run["seed"], *(f"{key.value(x):.6g}" for key, x in zip(settings.keys, run["place"])), record["outcome"],

@@ -16,15 +16,21 @@ EXAMPLE = {"target": "heap:angle_of_repose=15+-1;drum:angle_of_repose=37+-1", "k
 # the other words of --config, and what they are when not given; all else goes on to the workflow of the case
 DEFAULTS = {"case": "heap", "set": "", "budget": 56, "start": None, "replicas": 3, "batch": 4, "stop": 0.3, "seed": 1}
 MOST_KEYS = 6
+FEWEST = 6            # answers that a surrogate is made from
 REPLICATED = 2        # points that are run with several seeds
 SIGMAS = 1.959964     # of a Gaussian's 95 % interval
 
 
 @dataclass(frozen=True)
 class Scene:
-    name: str                # heap, or CASE, or CASE/RUN: as it stands in target
-    case: str                # the word for workflows/run
+    name: str                # heap, or CASE, or CASE/RUN: as it stands in target; of a case file its name without .toml
+    case: str                # the word for workflows/run: a name, or the path of a case file
     run: str | None          # of its runs; None: its only one
+
+    @property
+    def folder(self):
+        """Of its runs, in that of the results."""
+        return os.path.join("runs", self.name if self.case.endswith(".toml") else self.case)
 
 
 @dataclass(frozen=True)
@@ -98,13 +104,18 @@ def parts_of(text):
     return [part.strip() for part in text.split(";") if part.strip()]
 
 
-def scene_of(prefix, default):
+def scene_of(prefix, default, folder):
     name = prefix or default
+    if name.endswith(".toml"):
+        path = os.path.abspath(os.path.join(folder, name))
+        if not os.path.isfile(path):
+            raise ValueError(f"target: there is no case file {path}; give its path from the folder where workflows/run is called, or from /")
+        return Scene(os.path.basename(path).removesuffix(".toml"), path, None)
     if name in SCENES:
         return Scene(name, OWN, name)
     case, slash, run = name.partition("/")
     if not re.fullmatch(r"[A-Za-z0-9_-]+", case) or (slash and not run):
-        raise ValueError(f"target: '{name}:' found before the quantity; expected {', '.join(SCENES)}, a case such as column, or CASE/RUN such as repose/repose-ball")
+        raise ValueError(f"target: '{name}:' found before the quantity; expected {', '.join(SCENES)}, a case such as column, CASE/RUN such as repose/repose-ball, or PATH/case.toml")
     here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     if case == OWN or not os.path.isfile(os.path.join(here, case, "Snakefile")):
         there = sorted(name for name in os.listdir(here) if os.path.isfile(os.path.join(here, name, "Snakefile")) and name != OWN)
@@ -112,7 +123,7 @@ def scene_of(prefix, default):
     return Scene(name, case, run or None)
 
 
-def target_of(part, default):
+def target_of(part, default, folder):
     match = re.fullmatch(rf"(?:(?P<scene>[^:=@]*):)?\s*(?P<quantity>\w+)(?:@(?P<group>[^=]*?))?(?:\.(?P<kind>\w+))?\s*=\s*(?P<value>{NUMBER})\s*(?P<unit>[^-+0-9]*?)\s*"
                          rf"(?:\+-|±)\s*(?P<uncertainty>{NUMBER})\s*(?P<after>.*)", part)
     if not match:
@@ -129,7 +140,7 @@ def target_of(part, default):
     uncertainty = float(match["uncertainty"])
     if not uncertainty > 0:
         raise ValueError(f"target: '{part}': the uncertainty is {uncertainty:g}; expected one above 0: half of the 95 % interval of the measurement")
-    return Target(scene_of(match["scene"], default), match["quantity"], (match["group"] or "all").strip(), kind, part.split("=", 1)[1].strip(),
+    return Target(scene_of((match["scene"] or "").strip(), default, folder), match["quantity"], (match["group"] or "all").strip(), kind, part.split("=", 1)[1].strip(),
                   float(match["value"]), uncertainty, unit)
 
 
@@ -193,15 +204,15 @@ def plain(value):
     return str(value)
 
 
-def read(config):
-    """Settings of the words of --config."""
+def read(config, folder="."):
+    """Settings of the words of --config. folder: what paths of cases are relative to."""
     config = {name: plain(value) for name, value in config.items() if value is not None}
     if ("target" in config) != ("keys" in config):
         there, missing = ("target", "keys") if "target" in config else ("keys", "target")
         raise ValueError(f"{there} is given without {missing}; for instance {missing}=\"{EXAMPLE[missing]}\"")
     asked = {**EXAMPLE, **config}
     default = asked.get("case", DEFAULTS["case"])
-    targets = tuple(target_of(part, default) for part in parts_of(asked["target"]))
+    targets = tuple(target_of(part, default, folder) for part in parts_of(asked["target"]))
     if not targets:
         raise ValueError(f"target: there is none; for instance target=\"{EXAMPLE['target']}\"")
     names = [target.name for target in targets]
@@ -209,6 +220,9 @@ def read(config):
         if names.count(name) > 1:
             raise ValueError(f"target: {name} is there twice; give the mean of the measurements, with its uncertainty")
     scenes = list(dict.fromkeys(target.scene for target in targets))
+    for scene in scenes:
+        if [other.name for other in scenes].count(scene.name) > 1:
+            raise ValueError(f"target: two scenes are called {scene.name}; give one of the case files another name")
     keys = tuple(key_of(part, scenes) for part in parts_of(asked["keys"]))
     if not 1 <= len(keys) <= MOST_KEYS:
         raise ValueError(f"keys: {len(keys)} found; expected 1 to {MOST_KEYS}")
@@ -229,9 +243,11 @@ def read(config):
     ours = {*DEFAULTS, *EXAMPLE}
     words = {"ranks": "1", **{name: value for name, value in config.items() if name not in ours}}
     settings = Settings(targets, keys, tuple(fixed), **numbers, words=tuple(f"{name}={value}" for name, value in words.items()))
+    each = settings.first_runs // len(scenes)
+    if each < FEWEST:
+        raise ValueError(f"start={settings.start} with replicas={settings.replicas} makes {each} runs of a scene; a fit needs {FEWEST} at least: give start={FEWEST} or more")
     if settings.first_runs > settings.budget:
-        least = 2 * (len(keys) + 1)
         raise ValueError(f"budget={settings.budget} is too small: the first design takes {settings.first_runs} runs ({settings.start} points, {REPLICATED} of them with "
                          f"{settings.replicas} seeds, in {len(scenes)} scene{'s' if len(scenes) > 1 else ''}). Give budget={settings.first_runs + 4 * settings.batch} or more, or fewer "
-                         f"start= points (at least {least}) or replicas=")
+                         f"start= points or replicas=")
     return settings
