@@ -152,7 +152,7 @@ class PackingsTest(InFolder):
     def test_lammps_reads_and_writes_the_same(self):
         lammps = shutil.which("lmp")
         if not lammps:
-            self.skipTest("no LAMMPS (package lammps): run ./setup")
+            self.skipTest("no LAMMPS (package lammps): ./setup --peers")
         p = self.odd()
         p = scree.Packing(np.random.default_rng(1).uniform(-1, 1, (300, 3)), p.radius, id=np.arange(300, 0, -1), kind=p.kind, velocity=p.velocity * 1e300,
                           angular_velocity=p.angular_velocity, density=p.density, lower=[-2, -2, -2], upper=[2, 2, 2])
