@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -25,7 +26,7 @@ class EventTable {
  public:
   EventTable(const std::string& path, const std::vector<std::string>& numbers, const std::string& text) : path_(path) {
     const std::optional<CsvTable> read = read_csv(path);
-    if (!read) throw InputError("{}: is missing; the scene has bodies that come in or go out", path);
+    if (!read) throw InputError("{}: cannot be read", path);
     table_ = *read;
     for (const std::string& name : numbers) columns_.push_back(find(name));
     text_ = find(text);
@@ -87,8 +88,15 @@ class FlowReader {
 
   Flow read() {
     if (flow_.gates.empty() || !(flow_.to > flow_.from)) return {};
-    if (!run_.scene.inlets.empty()) read_inserted();
-    if (flow_.gates.size() > run_.scene.inlets.size()) read_removed();
+    const bool lets_in = !run_.scene.inlets.empty(), lets_out = flow_.gates.size() > run_.scene.inlets.size();
+    for (const char* table : {lets_in ? "/inserted.csv" : "", lets_out ? "/removed.csv" : ""}) {
+      if (table[0] == 0 || std::filesystem::exists(run_.folder + table)) continue;
+      Flow nothing;
+      nothing.missing = run_.folder + table + ": is missing; without it there is no mass flow, and no residence times and sizes";
+      return nothing;
+    }
+    if (lets_in) read_inserted();
+    if (lets_out) read_removed();
     return std::move(flow_);
   }
 

@@ -38,11 +38,13 @@ struct Flow {
   double width = 0;           ///< of an interval [s]
   std::vector<double> times;  ///< ends of the intervals [s]
   std::vector<Gate> gates;    ///< those through which something can pass: inlets, outlets, the sides if bodies are removed there
+  std::string missing;        ///< why there is nothing, though bodies come in or go out: a table that was not copied with the run
   bool empty() const { return gates.empty(); }
 };
 
-/// in   from, to   time [s]; bodies that passed later than `from` count, those at the start of the run included      in   blocks   see
-/// BlockAverage Fails: InputError (a table that is damaged, or names what the scene does not have: file and line).
+/// in   from, to   time [s]; bodies that passed later than `from` count, those at the start of the run included
+/// in   blocks     see BlockAverage
+/// Fails: InputError (a table that is damaged, or names what the scene does not have: file and line).
 Flow read_flow(const Run& run, double from, double to, std::size_t blocks);
 
 /// The share of the mass, in steps: at each value of one of `Passage`'s numbers the share of what passed that has at most that.

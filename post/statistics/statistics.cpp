@@ -162,6 +162,7 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
       s.wall_averages[w].push_back(average.of(plan.wall_begin + w * s.wall_quantities.size() + q));
   }
   s.flow = read_flow(run, s.first_time, s.last_time, options.blocks);
+  if (!s.flow.missing.empty()) s.skipped.push_back(s.flow.missing);
   if (run.scene.settings.output_contacts && s.frames > 0) {
     const Frame last = plan.load(options.frames.back());
     s.chains = force_chains(FrameView(*plan.facts, last)).chains;
