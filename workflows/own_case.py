@@ -5,8 +5,8 @@ import shlex
 import tomllib
 
 SHAPE = ".shape.h5"
-# as scree-mesher import reads them
-MESHES = (".stl", ".obj", ".ply", ".3ds", ".dae", ".off", ".bmf", ".step", ".stp", ".msh")
+# what scree-mesher import reads (mesher/io/mesh_file.cpp); a test holds the two equal
+MESHES = (".stl", ".obj", ".ply", ".off", ".bmf", ".3ds", ".dae", ".fbx", ".blend", ".x3d", ".ac", ".lwo", ".step", ".stp", ".brep")
 WORDS = "meshes.toml"
 
 

@@ -6,6 +6,7 @@ own_case_test.py RUNNER BIN SCRATCH
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -68,6 +69,15 @@ def made(text):
 def main():
     shutil.rmtree(SCRATCH, ignore_errors=True)
     write("case.toml", CASE)
+
+    # meshes are those that the mesher imports
+    root = os.path.dirname(os.path.dirname(RUNNER))
+    sys.path.insert(0, os.path.join(root, "workflows"))
+    from own_case import MESHES
+    with open(os.path.join(root, "mesher/io/mesh_file.cpp")) as file:
+        lists = re.findall(r"k(?:Parsers|AssimpExtensions|GmshExtensions)\{(.*?)\};", file.read(), re.S)
+    imported = sorted(re.findall(r'"(\.\w+)"', " ".join(lists)))
+    assert len(lists) == 3 and sorted(MESHES) == imported, (sorted(MESHES), imported)
 
     # what is missing is told with what would help
     refused("no case file 'nope.toml'", case="nope.toml")
