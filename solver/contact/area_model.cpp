@@ -31,7 +31,7 @@ void AreaModel::find_features(const PairView& view, double moved, const Candidat
   }
   features.has_cells = false;
   if (view.geometry == PairGeometry::two_meshes)
-    area_features(view.a, view.b, view.margin, moved, view.radius_a <= view.radius_b, lists, features.list, features.layer);
+    area_features(view.a, view.b, view.margin, moved, layer_share_of_a(view.radius_a, view.radius_b), lists, features.list, features.layer);
   else
     area_zone_features(view.a, view.b, *view.zone, view.margin, moved, lists, features.list, features.layer);
 }

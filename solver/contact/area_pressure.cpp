@@ -56,6 +56,22 @@ struct PatchSum {
   AreaPatch patch;
   Vec3 moment, direction;  ///< of d dA: about A's centre, and along the normals
   double area = 0;
+  void add(const PatchSum& other, double share) {
+    patch.energy += share * other.patch.energy;
+    patch.force += share * other.patch.force;
+    patch.largest_overlap = std::max(patch.largest_overlap, other.patch.largest_overlap);
+    patch.gradient.force += share * other.patch.gradient.force;
+    patch.gradient.couple += share * other.patch.gradient.couple;
+    moment += share * other.moment;
+    direction += share * other.direction;
+    area += share * other.area;
+  }
+};
+
+/// The layer between two triangles.
+struct FacingPair {
+  std::int32_t of_a, of_b;
+  PatchSum sum;
 };
 
 constexpr double kFadeFacing = 0.5;  // cosine from which triangles count as facing each other in full
@@ -128,10 +144,11 @@ void add_layer(const Vec3 (&pa)[3], const OtherSide& other, double margin, Patch
   sum.patch.gradient.couple += Vec3{energy.d[3], energy.d[4], energy.d[5]};
 }
 
-void finish_patch(std::int64_t triangle, const PatchSum& sum, std::vector<ContactFeature>& features, AreaContact& contact) {
+void finish_patch(std::int64_t kind, std::int32_t triangle, const PatchSum& sum, std::vector<ContactFeature>& features,
+                  AreaContact& contact) {
   if (!(sum.patch.force > 0)) return;
   ContactFeature f{};
-  f.key = triangle;
+  f.key = make_key(kind, 0, triangle);
   f.x = (1 / sum.patch.force) * sum.moment;
   f.n = normalised(sum.direction);
   f.overlap = sum.patch.force / sum.area;
@@ -184,11 +201,17 @@ void area_zone_features(const PairBody& a, const PairBody& b, const WallZone& zo
     for (int k = 0; k < 3; ++k) p[k] = a.scale * a.shape->mesh.corner(candidate.corner, k);
     PatchSum sum;
     add_layer(p, tangent_plane(zone, rotation, centre, moving_point((1.0 / 3) * (p[0] + p[1] + p[2]))), margin, sum, contact.points);
-    finish_patch(candidate.corner, sum, features, contact);
+    finish_patch(kCornerOfA, candidate.corner, sum, features, contact);
   }
 }
 
-void area_features(const PairBody& a, const PairBody& b, double margin, double motion, bool by_a, const CandidateLists& lists,
+double layer_share_of_a(double radius_a, double radius_b) {
+  constexpr double kSameSize = 1e-9;  // the radius of one shape turned, mirrored or scaled differs by some rounding
+  if (std::abs(radius_a - radius_b) <= kSameSize * radius_b) return 0.5;
+  return radius_a < radius_b ? 1.0 : 0.0;
+}
+
+void area_features(const PairBody& a, const PairBody& b, double margin, double motion, double share_of_a, const CandidateLists& lists,
                    std::vector<ContactFeature>& features, AreaContact& contact) {
   features.clear();
   contact.patches.clear();
@@ -196,32 +219,34 @@ void area_features(const PairBody& a, const PairBody& b, double margin, double m
   if (lists.edges.empty()) return;
   const Mat3 rotation = matrix_of(conjugate(a.q) * b.q);
   const Vec3 centre = rotate_inverse(a.q, b.x - a.x);
-  thread_local std::vector<EdgeCandidate> near;
-  near.clear();
+  thread_local std::vector<FacingPair> pairs;
+  pairs.clear();
   for (const EdgeCandidate& candidate : lists.edges) {
-    if (!(candidate.slack > motion)) near.push_back(candidate);
-  }
-  if (!by_a) {
-    std::sort(near.begin(), near.end(), [](const EdgeCandidate& l, const EdgeCandidate& r) {
-      return l.edge_b != r.edge_b ? l.edge_b < r.edge_b : l.edge_a < r.edge_a;
-    });
-  }
-  const auto key = [&](const EdgeCandidate& c) { return by_a ? c.edge_a : c.edge_b; };
-  for (std::size_t begin = 0, end = 0; begin < near.size(); begin = end) {
-    PatchSum sum;
-    for (end = begin; end < near.size() && key(near[end]) == key(near[begin]); ++end) {
-      Vec3 pa[3], pb[3];
-      for (int k = 0; k < 3; ++k) {
-        pa[k] = a.scale * a.shape->mesh.corner(near[end].edge_a, k);
-        pb[k] = rotation * (b.scale * b.shape->mesh.corner(near[end].edge_b, k)) + centre;
-      }
-      Vec3 normal = normalised(triangle_normal(pb));
-      // an open surface has two sides: that of A counts
-      if (b.shape->kind == ShapeKind::surface && dot(normal, triangle_normal(pa)) > 0) normal = -normal;
-      add_layer(pa, {DualVec(pb[0]), DualVec(normal), pb}, margin, sum, contact.points);
+    if (candidate.slack > motion) continue;
+    Vec3 pa[3], pb[3];
+    for (int k = 0; k < 3; ++k) {
+      pa[k] = a.scale * a.shape->mesh.corner(candidate.edge_a, k);
+      pb[k] = rotation * (b.scale * b.shape->mesh.corner(candidate.edge_b, k)) + centre;
     }
-    finish_patch(key(near[begin]), sum, features, contact);
+    Vec3 normal = normalised(triangle_normal(pb));
+    // an open surface has two sides: that of A counts
+    if (b.shape->kind == ShapeKind::surface && dot(normal, triangle_normal(pa)) > 0) normal = -normal;
+    FacingPair pair{candidate.edge_a, candidate.edge_b, {}};
+    add_layer(pa, {DualVec(pb[0]), DualVec(normal), pb}, margin, pair.sum, contact.points);
+    if (pair.sum.patch.force > 0) pairs.push_back(pair);
   }
+  const auto add_patches_of = [&](std::int64_t kind, double share, std::int32_t FacingPair::*triangle) {
+    if (share == 0) return;
+    for (std::size_t begin = 0, end = 0; begin < pairs.size(); begin = end) {
+      PatchSum sum;
+      for (end = begin; end < pairs.size() && pairs[end].*triangle == pairs[begin].*triangle; ++end) sum.add(pairs[end].sum, share);
+      finish_patch(kind, pairs[begin].*triangle, sum, features, contact);
+    }
+  };
+  add_patches_of(kCornerOfA, share_of_a, &FacingPair::of_a);
+  if (share_of_a < 1)
+    std::stable_sort(pairs.begin(), pairs.end(), [](const FacingPair& l, const FacingPair& r) { return l.of_b < r.of_b; });
+  add_patches_of(kCornerOfB, 1 - share_of_a, &FacingPair::of_b);
 }
 
 }  // namespace scree

@@ -8,8 +8,9 @@
 // pose, and its gradient is computed exactly, by carrying the six derivatives along with every number (dual numbers): sliding over
 // the rim of a face is in it, and energy is kept by convex and concave bodies alike. An analytic wall meets a triangle with its
 // tangent plane at the foot of the triangle's centroid.
-// Friction and damping act at the centre of pressure of each triangle of the smaller body: flat pieces of the larger one can change
-// under it without a jump.
+// Friction and damping act at the centre of pressure of each triangle of the smaller body, its patches: flat pieces of the larger one can
+// change under it without a jump. Of two bodies of one size the triangles of both are patches, each with half of the layer: which of the
+// two comes first changes nothing but rounding.
 // Best for conforming faces. A corner carries only what its overlap spans, F ~ d^3, and uses up the margin early.
 // Source: docs/reference/validation-plan.md section 3.4; elastic layer: Johnson, Contact Mechanics (1985), section 4.3 (Winkler
 // foundation).
@@ -21,7 +22,7 @@
 
 namespace scree {
 
-/// What one triangle of the smaller body receives, per unit of kappa.
+/// What one triangle receives, per unit of kappa.
 struct AreaPatch {
   double energy = 0;           ///< [m^4]
   double force = 0;            ///< int d dA [m^3]
@@ -45,10 +46,13 @@ struct AreaContact {
 void list_area_zone(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double skin, double radius_a,
                     CandidateLists& lists);
 
+/// Part of the layer of two meshes that goes to patches of A: all for the smaller body, half for bodies of one size.
+double layer_share_of_a(double radius_a, double radius_b);
+
 /// Patches of two meshes, from a list of triangle pairs (triangle_contacts.hpp), or of a mesh and an analytic zone. Features come
-/// out with the place of their centre of pressure, mean normal and mean overlap; their key is (0, triangle).
-/// in   by_a   the triangles of A are the patches; else those of B
-void area_features(const PairBody& a, const PairBody& b, double margin, double motion, bool by_a, const CandidateLists& lists,
+/// out with the place of their centre of pressure, mean normal and mean overlap; their key has the side of the triangle and its number.
+/// in   share_of_a   see layer_share_of_a
+void area_features(const PairBody& a, const PairBody& b, double margin, double motion, double share_of_a, const CandidateLists& lists,
                    std::vector<ContactFeature>& features, AreaContact& contact);
 void area_zone_features(const PairBody& a, const PairBody& b, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features, AreaContact& contact);

@@ -74,6 +74,7 @@ Energies energies_of(const RunState& s) {
     e[rotational].add(rotational_energy(p, i));
     e[potential].add(potential_energy(s, p, i));
     e[dissipated].add(p.dissipated[i]);
+    e[dissipated].add(contact_dissipation(p, i, -0.5 * s.clock.dt));  // as for walls: half of that of the last step lies ahead
   }
   for_each_contact(s, [&](const BodyPair&, const PairResult& r) {
     e[elastic].add(r.elastic);

@@ -118,14 +118,18 @@ void add_wall_effects(const RunState& s, double dt, WallTotals& totals) {
   for (WallTotals& other : others) add(other, totals);
 }
 
+double contact_dissipation(const ParticleSet& p, std::size_t body, double dt) {
+  if (p.fixed[body]) return 0;
+  return -dt * (dot(p.dissipative_force[body], p.v[body]) + dot(p.dissipative_torque[body], p.w[body]));
+}
+
 void add_dissipation(RunState& s, double dt) {
   ParticleSet& p = s.particles;
   const auto count = static_cast<std::ptrdiff_t>(p.owned);
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    if (p.fixed[i]) continue;
-    p.dissipated[i] -= dt * (dot(p.dissipative_force[i], p.v[i]) + dot(p.dissipative_torque[i], p.w[i]));
+    p.dissipated[i] += contact_dissipation(p, i, dt);
   }
 }
 

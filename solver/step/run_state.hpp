@@ -79,7 +79,9 @@ double fastest_wall(const RunState& s, const std::vector<WallState>& walls);
 
 /// Adds what the present forces do to the walls in a time dt.
 void add_wall_effects(const RunState& s, double dt, WallTotals& totals);
-/// Adds what the present damping and friction forces take from each owned body in a time dt.
+/// What the present damping and friction forces take from a body in a time dt [J].
+double contact_dissipation(const ParticleSet& p, std::size_t body, double dt);
+/// Adds that to each owned body. As for walls, the forces of the last step count in full, and who reads a total takes half of them back.
 void add_dissipation(RunState& s, double dt);
 
 }  // namespace scree

@@ -38,7 +38,9 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   forces_.compute(state_, decomposition_, failure_, 0, false);
   if (start) book_starting_springs(state_);
-  add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);  // the first kick is by half a step
+  // the first kick is by half a step
+  add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
+  add_dissipation(state_, 0.5 * state_.clock.dt);
   agree_on_failures();
 }
 
