@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/distance/triangle_distance.hpp"
 #include "solver/contact/dual.hpp"
 
 namespace scree {
@@ -229,8 +230,9 @@ void area_features(const PairBody& a, const PairBody& b, double margin, double m
       pb[k] = rotation * (b.scale * b.shape->mesh.corner(candidate.edge_b, k)) + centre;
     }
     Vec3 normal = normalised(triangle_normal(pb));
-    // an open surface has two sides: that of A counts
-    if (b.shape->kind == ShapeKind::surface && dot(normal, triangle_normal(pa)) > 0) normal = -normal;
+    // An open surface has two sides: the one counts on which the triangle of A lies, there where it is nearest. By the normals alone a
+    // face of A that looks away, beside the edge on which A stands, would press on the far side of the surface.
+    if (b.shape->kind == ShapeKind::surface && dot(normal, triangle_distance(pa, pb).normal) < 0) normal = -normal;
     FacingPair pair{candidate.edge_a, candidate.edge_b, {}};
     add_layer(pa, {DualVec(pb[0]), DualVec(normal), pb}, margin, pair.sum, contact.points);
     if (pair.sum.patch.force > 0) pairs.push_back(pair);

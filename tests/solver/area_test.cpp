@@ -36,6 +36,10 @@ struct Layer {
     scene.shapes = {make_solid("a", a), make_solid("b", b)};
     prepare();
   }
+  Layer(const TriangleMesh& a, Shape b) {
+    scene.shapes = {make_solid("a", a), std::move(b)};
+    prepare();
+  }
   explicit Layer(const TriangleMesh& a, const Wall& wall) {
     scene.shapes = {make_solid("a", a)};
     scene.walls = {wall};
@@ -134,6 +138,30 @@ TEST(AreaPressure, of_a_ball_is_that_of_a_paraboloid) {
   test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
   run.start();
   EXPECT_NEAR(energies_of(run.simulation->state()).elastic, expected * overlap / 3, 1e-12 * expected * overlap);
+}
+
+// A thin plate stands on a corner in any tilt, on a sheet and beneath it: what presses is what presses on a plane. By the normals alone the
+// faces beside the corner that look away from the sheet pressed on its far side, as deep as they are long.
+TEST(AreaPressure, of_a_sheet_is_that_of_a_plane_on_the_side_where_the_body_is) {
+  const TriangleMesh sheet{{{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  const TriangleMesh plate = test::grid_box(2, {0.4, 0.3, 0.04});
+  std::mt19937 g(5);
+  for (int i = 0; i < 60; ++i) {
+    Layer on_plane(plate, plane_wall()), on_sheet(plate, make_surface("sheet", sheet));
+    const Quat q = test::random_quaternion(g);
+    double low = 0;
+    for (const Vec3& p : on_plane.body[0].shape->mesh.vertices) low = std::min(low, rotate(q, p).z);
+    on_plane.body[0].q = on_sheet.body[0].q = q;
+    on_plane.body[0].x = on_sheet.body[0].x = {0, 0, -low + kMargin};
+    const PairForce expected = on_plane.force(), above = on_sheet.force();
+    ASSERT_GT(expected.elastic, 0);
+    EXPECT_NEAR(above.elastic, expected.elastic, 1e-9 * expected.elastic) << i;
+    EXPECT_LT(length(above.force - expected.force), 1e-9 * length(expected.force)) << i;
+    EXPECT_NEAR(above.largest_overlap, expected.largest_overlap, 1e-9 * kMargin) << i;
+    // seen in a mirror, from below
+    on_sheet.body[1].q = quaternion_of({1, 0, 0}, std::numbers::pi);
+    EXPECT_NEAR(on_sheet.force().elastic, expected.elastic, 1e-9 * expected.elastic) << i;
+  }
 }
 
 // A box slides and turns on another of the same shape: which of them is A changes nothing but rounding.
