@@ -25,6 +25,7 @@ MesherCommand import_line(CLI::App& app) {
   line->add_option("-o,--output", options->output, "NAME.shape.h5")->required();
   line->add_option("--unit", options->unit, "Unit of the numbers in the files (default: what a file states, else m)");
   line->add_option("--scale", options->scale, "Factor on top of the unit");
+  line->add_option("--diameter", options->diameter, "Of the ball of equal volume, \"20 mm\": sets the size, whatever the unit");
   line->add_option("--name", options->names, "Name of the shape; repeat it for each file (default: file name)")
       ->take_all()
       ->expected(1)

@@ -26,6 +26,7 @@ struct ImportOptions {
   std::string output;
   std::string unit;  ///< one unit of the file, "mm"; empty: as above
   double scale = 1;
+  std::string diameter;            ///< of the ball of equal volume, in place of unit and scale: "20 mm"; empty: none
   std::vector<std::string> names;  ///< one for each file, or none: then the stems of the file names
   bool surface = false;            ///< wall: may be open, no mass, coordinates kept
   bool flip = false;               ///< turn inward and mixed triangles outward

@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/base/units.hpp"
 #include "core/base/utf8.hpp"
+#include "core/geometry/mass_properties.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/commands/certificate.hpp"
 #include "mesher/commands/commands.hpp"
@@ -36,6 +40,23 @@ std::vector<std::string> names_for(const ImportOptions& options) {
   return names;
 }
 
+void check_diameter(const ImportOptions& options) {
+  if (options.diameter.empty()) return;
+  if (!(parse_quantity(options.diameter, Dimension::length, "--diameter") > 0))
+    throw UsageError("--diameter = \"{}\": expected a length > 0", options.diameter);
+  if (!options.unit.empty() || options.scale != 1) {
+    throw UsageError("--diameter sets the size, whatever the unit of the file: leave --unit and --scale out, or --diameter");
+  }
+  if (options.surface)
+    throw UsageError("--diameter is that of the ball of equal volume, and a wall (--surface) has none; use --unit or --scale");
+}
+
+/// Scale at which the ball of equal volume has this diameter; 1 for a mesh without volume, which is then refused for what it lacks.
+double factor_to_diameter(const TriangleMesh& mesh, double diameter) {
+  const double volume = std::abs(mass_properties(mesh).volume);
+  return volume > 0 ? diameter / std::cbrt(6 * volume / std::numbers::pi) : 1;
+}
+
 Shape import_one(const std::string& path, const std::string& name, const ImportOptions& options, CommandResult& result) {
   MeshFile file = read_mesh_file(path);
   const std::int32_t stored_vertices = file.mesh.vertex_count(), stored_triangles = file.mesh.triangle_count();
@@ -43,7 +64,8 @@ Shape import_one(const std::string& path, const std::string& name, const ImportO
     throw InputError("{}: {} vertices but no triangle was found in it; is it really a {} file? Export the model again", path,
                      stored_vertices, extension_of(path));
   }
-  const double factor = metres_per_unit(file, path, options.unit, options.scale, result);
+  const bool is_sized = !options.diameter.empty();
+  double factor = is_sized ? 1 : metres_per_unit(file, path, options.unit, options.scale, result);
   scale_mesh(file.mesh, factor);
   RepairCounts repairs = clean_mesh(file.mesh, options.surface);
   if (options.flip && options.surface) {
@@ -54,6 +76,10 @@ Shape import_one(const std::string& path, const std::string& name, const ImportO
     if (turned < 0) throw InputError("{}: --flip: the surface is one-sided (a Moebius strip); it has no outside", path);
     repairs.triangles_turned = turned;
     if (turned == 0) result.notices.push_back(fmt::format("{}: --flip: nothing to turn, all triangles face outward already", path));
+  }
+  if (is_sized) {
+    factor = factor_to_diameter(file.mesh, parse_quantity(options.diameter, Dimension::length, "--diameter"));
+    scale_mesh(file.mesh, factor);
   }
   for (const std::string& note : file.notes) result.notices.push_back(fmt::format("{}: {}", path, note));
   for (const std::string& sentence : repairs.sentences()) result.notices.push_back(fmt::format("{}: {}", path, sentence));
@@ -113,12 +139,14 @@ CommandResult check_command(const CheckOptions& options) {
 
 CommandResult import_command(const ImportOptions& options, const std::vector<std::string>& command) {
   expect_unit(options.unit, options.scale);
+  check_diameter(options);
   const std::vector<std::string> names = names_for(options);
   expect_shape_path(options.output);
   CommandResult result;
-  Provenance provenance = shape_provenance(
-      command, fmt::format("import unit={} scale={} surface={} flip={}", options.unit.empty() ? "as stated, else m" : options.unit,
-                           options.scale, options.surface, options.flip));
+  Provenance provenance =
+      shape_provenance(command, fmt::format("import unit={} scale={} diameter={} surface={} flip={}",
+                                            options.unit.empty() ? "as stated, else m" : options.unit, options.scale,
+                                            options.diameter.empty() ? "as it is" : options.diameter, options.surface, options.flip));
   std::vector<Shape> shapes;
   LongWork work("import", static_cast<double>(options.files.size()));
   for (std::size_t i = 0; i < options.files.size(); ++i) {

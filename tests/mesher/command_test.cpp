@@ -262,6 +262,18 @@ TEST_F(MesherImport, wrong_units_and_scales_are_refused_with_exit_2) {
   EXPECT_EQ(run("import rock.obj -o x.h5").code, 2);
 }
 
+TEST_F(MesherImport, a_diameter_sets_the_size_whatever_the_unit) {
+  folder.write("rock.obj", kTetrahedron);
+  const ToolRun result = run("import rock.obj --diameter \"20 mm\" -o x.shape.h5");
+  ASSERT_EQ(result.code, 0) << result.errors;
+  EXPECT_EQ(result.errors, "") << "no unit is missing";
+  EXPECT_NEAR(shapes("x.shape.h5").at(0).equivalent_diameter(), 0.02, 1e-15);
+  EXPECT_SAYS(run("import rock.obj --diameter \"20 mm\" --unit mm -o y.shape.h5").errors, "leave --unit and --scale out");
+  EXPECT_SAYS(run("import rock.obj --diameter 0 -o y.shape.h5").errors, "expected a length > 0");
+  EXPECT_SAYS(run("import rock.obj --diameter 2kg -o y.shape.h5").errors, "--diameter");
+  EXPECT_EQ(run("import rock.obj --diameter 2cm --surface -o y.shape.h5").code, 2);
+}
+
 TEST_F(Mesher, without_a_unit_every_size_that_could_be_meant_is_reported) {
   folder.write("rock.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");  // 2 mm, perhaps
   for (const char* command :
