@@ -25,14 +25,14 @@ int depth = 0;
 
 double seconds_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-double patience() {
-  const char* text = std::getenv("SCREE_PROGRESS_AFTER");
-  return text != nullptr ? std::max(0.0, std::atof(text)) : kProgressAfter;
-}
-
 bool on_terminal() { return isatty(STDERR_FILENO) != 0; }
 
 }  // namespace
+
+double progress_patience() {
+  const char* text = std::getenv("SCREE_PROGRESS_AFTER");
+  return text != nullptr ? std::max(0.0, std::atof(text)) : kProgressAfter;
+}
 
 void print_progress(bool on) { prints = on; }
 
@@ -41,7 +41,7 @@ LongWork::LongWork(std::string name, double total)
       total_(total),
       speaks_(prints && depth == 0),
       start_(seconds_now()),
-      next_(start_ + patience()),
+      next_(start_ + progress_patience()),
       last_(start_) {
   ++depth;
 }
@@ -73,8 +73,8 @@ void LongWork::print(double now, const std::string& text) {
   }
   // without a total the silence grows with the work, so that a night does not fill a file
   const double pause = on_terminal() ? kRedrawInterval
-                       : total_ > 0  ? patience()
-                                     : std::max(patience(), std::min(now - start_, kLongestSilence));
+                       : total_ > 0  ? progress_patience()
+                                     : std::max(progress_patience(), std::min(now - start_, kLongestSilence));
   next_ = now + pause;
   last_ = now;
   has_spoken_ = true;

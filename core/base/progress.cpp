@@ -7,29 +7,35 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/long_work.hpp"
+
 namespace scree {
 
 namespace {
 constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal; more often only costs time and flickers
 constexpr int kLinesInAFile = 20;        ///< one line per 5 %
+constexpr double kMostInAFile = 600;     ///< [s] after which the next one comes at the latest
 }  // namespace
 
-Progress::Progress(std::string title, double total)
+Progress::Progress(std::string title, double total, std::function<Time()> now)
     : title_(std::move(title)),
       total_(total),
       terminal_(isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()),
+      patience_(progress_patience()),
+      now_(std::move(now)),
+      start_(now_()),
       last_print_(start_) {}
 
 void Progress::update(double done, const std::string& text) {
   const double share = total_ > 0.0 ? std::clamp(done / total_, 0.0, 1.0) : 1.0;
   if (first_share_ < 0.0) first_share_ = share;
-  const auto now = std::chrono::steady_clock::now();
+  const Time now = now_();
+  const double silent = std::chrono::duration<double>(now - last_print_).count();
   if (terminal_) {
-    if (std::chrono::duration<double>(now - last_print_).count() < kRedrawInterval) return;
+    if (silent < kRedrawInterval) return;
   } else {
     const int step = static_cast<int>(std::floor(share * kLinesInAFile + 1e-9));
-    if (step <= last_step_) return;
+    if (silent < patience_ || (step <= last_step_ && silent < kMostInAFile)) return;
     last_step_ = step;
   }
   last_print_ = now;
@@ -45,7 +51,7 @@ void Progress::update(double done, const std::string& text) {
 }
 
 void Progress::finish(const std::string& text) {
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double elapsed = std::chrono::duration<double>(now_() - start_).count();
   std::fprintf(stderr, "%s%s: %s in %s\n", terminal_ ? "\r\033[K" : "", title_.c_str(), text.c_str(), format_duration(elapsed).c_str());
   std::fflush(stderr);
 }

@@ -1,7 +1,9 @@
-// Progress of a long job: a line with time left on a terminal, one line per 5 % otherwise.
+// Progress of a long job: a line with time left on a terminal; otherwise one line per 5 %, at most one in kProgressAfter (long_work.hpp),
+// the first of them then whatever the share, and at least one in ten minutes.
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace scree {
@@ -9,8 +11,9 @@ namespace scree {
 /// Talks to stderr. One thread, one rank.
 class Progress {
  public:
-  /// in   title   "solver"     in   total   work units at the end (> 0)
-  Progress(std::string title, double total);
+  using Time = std::chrono::steady_clock::time_point;
+  /// in   title   "solver"     in   total   work units at the end (> 0)     in   now   for tests
+  Progress(std::string title, double total, std::function<Time()> now = std::chrono::steady_clock::now);
   /// Tells how far the work is, with a short text ("t = 0.31 s, 812 contacts"). Cheap when nothing is due.
   void update(double done, const std::string& text);
   /// Ends the line on a terminal.
@@ -20,9 +23,11 @@ class Progress {
   std::string title_;
   double total_;
   bool terminal_;
-  int last_step_ = -1;
+  double patience_;            ///< [s]
+  int last_step_ = -1;         ///< of 5 %, that was told
   double first_share_ = -1.0;  ///< share of the work that was done before the first update
-  std::chrono::steady_clock::time_point start_, last_print_;
+  std::function<Time()> now_;
+  Time start_, last_print_;
 };
 
 /// "3 min 12 s", "1 h 04 min", "0.8 s".

@@ -56,16 +56,33 @@ TEST(provenance, records_what_was_done_with_which_build_on_which_inputs) {
   EXPECT_TRUE(std::regex_match(record.at("utc").get<std::string>(), std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)")));
 }
 
-TEST(progress, writes_one_line_per_five_percent_when_nobody_watches) {
+// Lines of a job of so many seconds, which tells how far it is a thousand times.
+std::string told(double seconds) {
+  Progress::Time now{};
   testing::internal::CaptureStderr();
   {
-    Progress progress("solver", 1000.0);
-    for (int step = 0; step <= 1000; ++step) progress.update(step, "busy");
+    Progress progress("solver", 1000.0, [&] { return now; });
+    for (int step = 0; step <= 1000; ++step) {
+      now = Progress::Time{} +
+            std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds * step / 1000));
+      progress.update(step, "busy");
+    }
   }
-  const std::string text = testing::internal::GetCapturedStderr();
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 21) << text;  // 0 %, 5 %, ... 100 %
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(progress, writes_one_line_per_five_percent_when_nobody_watches) {
+  const auto lines = [](const std::string& text) { return std::count(text.begin(), text.end(), '\n'); };
+  const std::string text = told(100);
+  EXPECT_EQ(lines(text), 21) << text;  // after three seconds, at 5 % or as soon as may be, 10 %, ... 100 %
   EXPECT_EQ(text.find('\r'), std::string::npos);
-  EXPECT_NE(text.find("left"), std::string::npos);
+  EXPECT_NE(text.find("solver:   3 %  busy, 1 min 37 s left"), std::string::npos) << text;
+  EXPECT_EQ(told(2.9), "") << "what takes no time";
+  EXPECT_EQ(lines(told(10)), 3) << "one in three seconds, at the next 5 %";
+  const std::string day = told(86400);
+  EXPECT_EQ(day.find("solver:   0 %  busy, 23 h 58 min left\n"), 0u) << day.substr(0, 200);
+  EXPECT_GT(lines(day), 86400 / 700) << "one in ten minutes, and each 5 %";
+  EXPECT_LT(lines(day), 86400 / 600 + 20);
 }
 
 TEST(progress, long_work_speaks_when_it_takes_long_and_is_silent_else) {
