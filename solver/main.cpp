@@ -11,6 +11,7 @@
 #include "solver/run/job_script.hpp"
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/plan.hpp"
+#include "solver/run/plan_estimates.hpp"
 #include "solver/run/verify.hpp"
 
 namespace {
@@ -130,6 +131,7 @@ int print_only(const mpi::Communicator& comm, const Command& c) {
     Simulation simulation(comm, *loaded.prepared, c.options.parallel);
     simulation.start_from_scene(loaded.start);
     text = plan_text(comm, loaded, simulation);
+    text += estimates_text(comm, loaded, simulation);
   }
   if (comm.rank() == 0) std::fputs(text.c_str(), stdout);
   return 0;

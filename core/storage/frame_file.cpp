@@ -70,6 +70,11 @@ void write_vtkhdf(CollectiveFile& file, MPI_Comm communicator, const FrameBodies
 
 }  // namespace
 
+std::int64_t frame_rows_bytes(std::int64_t bodies, std::int64_t contacts) {
+  constexpr std::int64_t kCellBytes = 8 + 8 + 1;  // connectivity, offset, type
+  return (bytes_per_row<FrameBodies>() + kCellBytes) * bodies + bytes_per_row<FrameContacts>() * contacts;
+}
+
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame) {
   check_sizes(frame.bodies);
   check_sizes(frame.contacts);
@@ -91,9 +96,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const Rows walls{rank == 0 ? header.wall_count : 0, rank == 0 ? 0 : header.wall_count, header.wall_count};
 
   // room on the disk, uncompressed
-  constexpr std::int64_t kCellBytes = 8 + 8 + 1;  // connectivity, offset, type
-  const std::int64_t bytes = (bytes_per_row<FrameBodies>() + kCellBytes) * CollectiveFile::rows_on_disk(bodies.total) +
-                             bytes_per_row<FrameContacts>() * CollectiveFile::rows_on_disk(contacts.total) +
+  const std::int64_t bytes = frame_rows_bytes(CollectiveFile::rows_on_disk(bodies.total), CollectiveFile::rows_on_disk(contacts.total)) +
                              bytes_per_row<FrameWalls>() * walls.total + static_cast<std::int64_t>(provenance.size()) +
                              kPieceOverhead * size;
 

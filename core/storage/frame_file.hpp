@@ -130,6 +130,9 @@ void take_rows(Rows& rows, const std::vector<std::size_t>& indices) {
 /// Written under a temporary name and renamed by rank 0 when complete. Throws SystemError on every rank.
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame);
 
+/// What rows of bodies and contacts take in a file, as if nothing in it could be compressed.
+std::int64_t frame_rows_bytes(std::int64_t bodies, std::int64_t contacts);
+
 /// Serial. Bodies come sorted by id, contacts by (a, b, feature). Throws InputError when damaged.
 Frame read_frame_file(const std::string& path);
 

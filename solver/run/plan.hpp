@@ -8,7 +8,7 @@
 
 namespace scree {
 
-/// What a scene needs and what is left out and why, memory, step size, disk. Collective.
+/// What a scene needs and what is left out and why, step size, memory of each body and pair. Collective.
 /// in   simulation   started from the scene
 std::string plan_text(const mpi::Communicator& comm, const LoadedScene& loaded, const Simulation& simulation);
 

@@ -2,6 +2,7 @@
 """End-to-end tests of scree-solver as a user runs it. usage: run_test.py BIN_FOLDER MPIEXEC [TEST...]"""
 import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -296,6 +297,13 @@ def the_plan_says_what_is_in_and_out():
         assert piece in text, text
     assert "in   halo and migration" in run(2, "pile.scene.h5", "--plan").stdout
     assert not os.path.exists("pile.run"), "a plan writes nothing"
+    told = {key: value for key, value in re.findall(r"^  (wall time|memory in all|disk|would help) +(.*)$", text, re.M)}
+    assert "us a step" in told["wall time"] and "half the stiffness" in told["would help"], text
+    assert 5 < float(re.match(r"([\d.]+) MB now", told["memory in all"])[1]) < 500, text
+    run(1, "pile.scene.h5", "-o", "pile.run")
+    amount, unit = re.match(r"about ([\d.]+) (kB|MB)", told["disk"]).groups()
+    used = sum(os.path.getsize(os.path.join("pile.run", name)) for name in os.listdir("pile.run"))
+    assert 0.6 < float(amount) * {"kB": 1e3, "MB": 1e6}[unit] / used < 1.6, (told["disk"], used)
 
 
 TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_same_end,
