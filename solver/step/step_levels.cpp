@@ -76,6 +76,12 @@ std::int64_t level_for(const RunState& s, double rate) {
 
 void StepLevels::begin(RunState& s, ForceScratch& scratch, FirstFailure& failure) { choose(s, scratch, failure, false); }
 
+bool StepLevels::begin_with_contacts(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
+  const std::int64_t before = s.clock.level;
+  choose(s, scratch, failure, true);
+  return s.clock.level != before;
+}
+
 void StepLevels::review(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
   if (s.clock.step % kReviewSteps == 0) choose(s, scratch, failure, s.clock.step % kContactReviewSteps == 0);
 }

@@ -23,6 +23,8 @@ class StepLevels {
  public:
   /// Chooses the level as a run begins, before forces are known. Does nothing unless the scene asks for quantised steps. Collective.
   void begin(RunState& s, ForceScratch& scratch, FirstFailure& failure);
+  /// The same with the contacts that there are, once their forces are. Returns whether the step changed.
+  bool begin_with_contacts(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   /// Chooses it every kReviewSteps, at the end of a step. The present contacts are looked at in some of these, for a few percent of the
   /// time; only then may the step grow. Collective.
   void review(RunState& s, ForceScratch& scratch, FirstFailure& failure);

@@ -1,4 +1,7 @@
 """A case that starts from the run of a case: what it begins with is what the run ended with, whoever computes it."""
+import csv
+import os
+
 import numpy
 
 from bits import another_last_digit, same
@@ -45,11 +48,21 @@ def contact_forces(frame, walls, tangential):
     return forces
 
 
+def step_at(run, end):
+    """The step of its first or last moment, where quantised steps change it."""
+    path = os.path.join(run.folder, "steps.csv")
+    if not os.path.exists(path):
+        return run.record["step_size"]
+    with open(path, newline="") as file:
+        rows = [row for row in csv.DictReader(line for line in file if not line.startswith("#")) if end == -1 or row["step"] == "0"]
+    return float(rows[-1]["step_size"]) if rows else run.record["step_size"]
+
+
 @relation("bits", another_last_digit)
 def started_from_its_run(trial):
     """[start]: bodies, contact forces and energies are those of the end of the run; the same bits on any ranks."""
     run = trial.completed()
-    if any("motion" in wall for wall in trial.case.walls):
+    if any("motion" in wall or wall.get("surface", {}).keys() & {"start", "stop"} for wall in trial.case.walls):
         raise NotApplicable("walls would stand where they began")
     end = run.frames[-1]
     if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:
@@ -76,6 +89,8 @@ def started_from_its_run(trial):
     there = contact_forces(end, run.scene.walls, not from_frame)
     scale = moving + max((float(numpy.abs(v).max()) for v in there.values()), default=0.0)
     zero = numpy.zeros(1 if from_frame else 4)
+    if step_at(first, 0) != step_at(run, -1):   # what damping takes in a step depends on the step
+        here = there = {}
     for key in here.keys() | there.keys():
         lack = numpy.abs(here.get(key, zero) - there.get(key, zero)).max()
         require(lack <= kForceRounding * scale, f"contact {key} begins with {here.get(key)} and ended with {there.get(key)}")
