@@ -8,7 +8,7 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
   if (scene.walls.size() != 1 || scene.walls[0].kind != WallKind::box_inside) {
     throw UsageError("tile: the scene has {} walls; expected one, box_inside, whose inside is the tile", scene.walls.size());
   }
-  if (scene.walls[0].motion.is_prescribed()) {
+  if (scene.walls[0].motion.is_prescribed() || scene.walls[0].surface.is_given()) {
     throw UsageError("tile: the wall '{}' moves, and its motion would not fit a box of another size; tile a scene whose box does not move",
                      scene.walls[0].name);
   }

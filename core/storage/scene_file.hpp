@@ -12,6 +12,7 @@
 #include "core/storage/shape_file.hpp"
 #include "core/storage/size_distribution.hpp"
 #include "core/storage/wall_motion.hpp"
+#include "core/storage/wall_surface.hpp"
 
 namespace scree {
 
@@ -103,6 +104,7 @@ struct Wall {
   Vec3 position;                ///< mesh: where the origin of its file is placed [m]
   Quat orientation;             ///< mesh
   WallMotion motion;
+  WallSurface surface;
 };
 
 /// A part of space: what a wall of that kind would hold (box_inside, cylinder_inside, sphere_inside), or the inside of a closed mesh. Only

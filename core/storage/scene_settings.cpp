@@ -74,6 +74,7 @@ json wall_json(const Wall& wall) {
   j["material"] = wall.material;
   write_place(wall, j);
   j["motion"] = motion_json(wall.motion);
+  if (wall.surface.is_given()) j["surface"] = motion_json(wall.surface.motion);
   return j;
 }
 
@@ -210,6 +211,15 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
   wall.material = o.index("material", material_count, "materials");
   read_place(o, shapes, wall);
   wall.motion = read_motion(o.object("motion"));
+  if (o.has("surface")) {  // added later
+    const JsonObject surface = o.object("surface");
+    wall.surface.motion = read_motion(surface);
+    const MotionKind& kind = wall.surface.motion.kind;
+    if (!std::holds_alternative<Translate>(kind) && !std::holds_alternative<Rotate>(kind)) {
+      throw InputError("{}.kind: '{}' found, expected {} or {}", surface.where(), wall.surface.motion.word(), Translate::kWord,
+                       Rotate::kWord);
+    }
+  }
   return wall;
 }
 

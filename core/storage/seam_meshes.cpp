@@ -9,6 +9,8 @@ namespace scree {
 
 namespace {
 
+constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
+
 struct Interval {
   double lower = 1e300, upper = -1e300;
   void add(double value) {
@@ -24,7 +26,6 @@ struct SweptWall {
 };
 
 SweptWall sweep(const Wall& wall, const TriangleMesh& mesh, int axis, double duration) {
-  constexpr double kAligned = 1e-12;  // of a unit vector: rounding of the case file
   SweptWall swept;
   const std::optional<TurnAxis> turning = wall.motion.turn_axis();
   swept.turns = turning && wall.motion.moves() && duration > wall.motion.start && 1 - std::abs(turning->direction[axis]) > kAligned;
@@ -58,7 +59,15 @@ std::vector<std::string> check_meshes_at_seams(const std::vector<Wall>& walls, c
       const bool stays_inside = low >= lower + reach - rounding && high <= upper - reach + rounding;
       const bool goes_on = !swept.turns && swept.place.lower + swept.shift.upper <= lower - reach + rounding &&
                            swept.place.upper + swept.shift.lower >= upper + reach - rounding;
-      if (stays_inside || goes_on) continue;
+      if (stays_inside) continue;
+      if (const auto around = wall.surface.motion.turn_axis(); around && 1 - std::abs(around->direction[axis]) > kAligned) {
+        throw UsageError(
+            "wall {} ('{}'), a mesh, reaches the end of the cell along the periodic axis {}, and its surface turns about another axis: it "
+            "is "
+            "not the same all along; let it turn about {}, or keep the wall {:.3g} m (the reach of a body) away from both ends",
+            wall.id, wall.name, "xyz"[axis], "xyz"[axis], reach);
+      }
+      if (goes_on) continue;
       const std::string where =
           fmt::format("wall {} ('{}'), a mesh, {} {:g} to {:g} m along the periodic axis {}, whose cell is {:g} to {:g} m", wall.id,
                       wall.name, moves ? "takes up, as it moves," : "takes up", low, high, "xyz"[axis], lower, upper);

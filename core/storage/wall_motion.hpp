@@ -144,8 +144,7 @@ struct WallMotion {
   void move_origin(const Vec3& origin);
   std::string text() const;
   std::optional<KeyFault> fault() const;
-
- private:
+  /// Since its start, while it moves [s].
   double elapsed(double time) const;
 };
 

@@ -5,10 +5,16 @@
 namespace scree {
 
 WallState wall_state(const Wall& wall, double time, double step) {
-  const MotionState now = wall.motion.state(time, {wall.position, wall.orientation});
-  WallState state{now.pose.position, now.pose.orientation, now.velocity, now.angular_velocity, {}, {}, now.pose.position, {}};
+  const Pose placed{wall.position, wall.orientation};
+  const MotionState now = wall.motion.state(time, placed);
+  WallState state{now.pose.position, now.pose.orientation, now.velocity, now.angular_velocity, {}, {}, now.pose.position, {}, {}, {}, {}};
+  if (wall.surface.is_given()) {
+    state.surface = wall.surface.velocity(time, placed, now.pose);
+    state.surface_before = wall.surface.velocity(time - 0.5 * step, placed, now.pose);
+    state.surface_turned = wall.surface.turned(time, placed) * conjugate(wall.surface.turned(time - step, placed));
+  }
   if (!wall.motion.is_prescribed()) return state;
-  const MotionState before = step > 0 ? wall.motion.state(time - 0.5 * step, {wall.position, wall.orientation}) : now;
+  const MotionState before = step > 0 ? wall.motion.state(time - 0.5 * step, placed) : now;
   state.velocity_before = before.velocity;
   state.angular_velocity_before = before.angular_velocity;
   if (const std::optional<TurnAxis> axis = wall.motion.turn_axis())
@@ -21,6 +27,7 @@ WallState wall_state(const Wall& wall, double time, double step) {
 Wall wall_at_start(const Wall& wall) {
   Wall placed = wall;
   placed.motion = {};
+  placed.surface = {};
   const WallState state = wall_state(wall, 0);
   if (state.position == wall.position && state.orientation == wall.orientation) return placed;
   if (wall.kind == WallKind::mesh) {

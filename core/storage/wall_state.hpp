@@ -14,13 +14,16 @@ struct WallState {
   /// A point of the wall and its velocity half a step before [m, m/s]: of a wall that turns on the axis, so that arms to it are those of
   /// the motion wherever the wall's origin is; else the origin.
   Vec3 pivot, pivot_velocity_before;
+  /// How its surface moves along itself, on top of the wall's motion, about `position`: now, and half a step before.
+  SurfaceVelocity surface, surface_before;
+  Quat surface_turned;  ///< how far it has turned in the step, in the wall's frame
 };
 /// in   step   [s]; without one the velocities before are those at the time itself
 WallState wall_state(const Wall& wall, double time, double step = 0);
 
-/// The wall as it stands when a run begins, without its motion. A `start` before 0 and the first rows of a table move it away from
-/// where the case draws it; a wall that is not moved is given back bit for bit.
-/// Fails: UsageError for a box_inside that is turned by then, since its faces lie along the axes.
+/// The wall as it stands when a run begins, without its motion and that of its surface. A `start` before 0 and the first rows of a table
+/// move it away from where the case draws it; a wall that is not moved is given back bit for bit. Fails: UsageError for a box_inside that
+/// is turned by then, since its faces lie along the axes.
 Wall wall_at_start(const Wall& wall);
 
 }  // namespace scree

@@ -51,12 +51,13 @@ void fit_zones_to_period(const Periodicity& periodicity, const Wall& wall, std::
     throw UsageError("wall {} ('{}') changes along the periodic axis {}; use walls that are the same all along it, or a mesh", wall.id,
                      wall.name, "xyz"[axis]);
   };
-  const std::optional<TurnAxis> turning = wall.motion.turn_axis();
+  const std::optional<TurnAxis> turning = wall.motion.turn_axis(), surface_turning = wall.surface.motion.turn_axis();
   for (int axis = 0; axis < 3; ++axis) {
     if (!periodicity.is_periodic(axis)) continue;
     Vec3 along;
     along[axis] = 1;
     if (turning && length(cross(turning->direction, along)) > kAligned) refuse(axis);
+    if (surface_turning && length(cross(surface_turning->direction, along)) > kAligned) refuse(axis);
     std::erase_if(zones, [&](const WallZone& zone) {
       if (zone.wall != index) return false;
       if (zone.kind == WallZone::Kind::sphere) refuse(axis);

@@ -25,6 +25,28 @@ void motion_section(CaseKeys& k, WallMotion& m) {
   if (k.table() != nullptr && !(m.start < m.stop)) throw k.table()->error("stop", "must come after start");
 }
 
+void surface_section(CaseKeys& k, WallSurface& surface) {
+  const bool along = k.one_of({"velocity", "rate"}) == "velocity";
+  Translate belt;
+  Rotate table;
+  if (k.when(along)) k.velocity({"velocity", "or `rate`", "of a belt; only what lies along the surface counts"}, belt.rate, belt.axis);
+  if (k.when(!along)) {
+    k.number({"rate", "or `velocity`", "of a surface that turns"}, table.rate, Dimension::angular_velocity, Range::any);
+    k.direction({"axis", kRequired, "with `rate`"}, table.axis);
+    k.vector({"centre", "", "with `rate`: a point on the axis"}, table.centre, Dimension::length);
+  }
+  WallMotion& m = surface.motion;
+  k.number({"start", "", "before, the surface stands still"}, m.start, Dimension::time, Range::any);
+  k.number({"stop", "never", "after, the surface stands still"}, m.stop, Dimension::time, Range::any);
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  if (!(m.start < m.stop)) throw t->error("stop", "must come after start");
+  if (along)
+    m.kind = belt;
+  else
+    m.kind = table;
+}
+
 int segments_key(CaseKeys& k) {
   constexpr std::int64_t kMost = 4096;  // a rounding of 3e-7 of the radius
   std::int64_t segments = kDefaultSegments;
@@ -233,6 +255,10 @@ void wall_section(CaseKeys& k, Case& c) {
     }
   }
   k.section({"motion", "none", "prescribed"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
+  k.section({"surface", "none",
+             "moves along itself, while the wall stays where it is: a belt, a turntable. Told where the wall is placed; it goes along with "
+             "the wall's motion, on top of which it comes"},
+            [&](CaseKeys& below) { surface_section(below, w.wall.surface); });
   if (t != nullptr) c.walls.push_back(w);
 }
 

@@ -262,6 +262,7 @@ class Builder {
   RegionShape keep_region(const Region& region, const std::string& name) {
     RegionShape kept = region.shape;
     kept.motion = {};
+    kept.surface = {};
     if (!region.is_mesh()) return kept;
     kept.shape = static_cast<std::int32_t>(scene().shapes.size());
     scene().shapes.push_back(make_surface(name, region.mesh.shape.mesh));

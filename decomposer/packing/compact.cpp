@@ -218,6 +218,7 @@ class Compactor {
     wall.name = "region";
     wall.id = parts_.first_id + static_cast<std::int64_t>(case_.bodies.size() + case_.walls.size() + parts_.draws.size());
     wall.motion = {};
+    wall.surface = {};
     wall.material = case_.populations[population_].material;
     if (region.is_mesh()) {
       wall.shape = static_cast<std::int32_t>(stage.shapes.size());

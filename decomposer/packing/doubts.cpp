@@ -26,6 +26,7 @@ constexpr double kFarLarger = 1000;        // extents, of a container and of the
 constexpr double kFarSmaller = 100;        // a wall beside the bodies that meet it
 constexpr double kPressedShare = 0.5;      // of the margins, by a body's own weight
 constexpr double kPressedDiameter = 0.01;  // the same where there is no margin: spheres no longer behave like spheres
+constexpr double kAlong = 0.5;             // of a surface's velocity
 constexpr double kSurely = 1.0 / 3;        // of the time of a contact: levers shorten it by no more than that
 
 std::string metres(double value) { return format_quantity(value, Dimension::length); }
@@ -104,9 +105,11 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
                                  s.duration / s.output_every, seconds(s.duration)));
   }
   for (const CaseWall& w : c.walls) {
-    if (!w.wall.motion.is_prescribed() || w.wall.motion.start < s.duration) continue;
-    doubts.push_back(fmt::format("{}: wall '{}' starts to move at {}, and the run ends at {}", w.where, w.wall.name,
-                                 seconds(w.wall.motion.start), seconds(s.duration)));
+    for (const auto& [motion, what] : {std::pair{&w.wall.motion, "wall"}, std::pair{&w.wall.surface.motion, "the surface of wall"}}) {
+      if (!motion->is_prescribed() || motion->start < s.duration) continue;
+      doubts.push_back(fmt::format("{}: {} '{}' starts to move at {}, and the run ends at {}", w.where, what, w.wall.name,
+                                   seconds(motion->start), seconds(s.duration)));
+    }
   }
   const bool loses = s.fluid || std::any_of(c.pairs.begin(), c.pairs.end(),
                                             [](const CasePair& p) { return p.pair.restitution < 1 || p.pair.friction > 0; });
@@ -172,6 +175,39 @@ void doubt_extents(const Case& c, const SceneParts& parts, const Movers& movers,
   if (most > kFarLarger * movers.largest) {
     doubts.push_back(fmt::format("{} is {} long, and the largest body is {} across: {:.0f} times less; is the unit of one of them right?",
                                  name, metres(most), metres(movers.largest), most / movers.largest));
+  }
+}
+
+/// The largest part of a velocity that lies along a surface somewhere on a wall, of 1.
+double share_along(const Wall& wall, const Scene& scene, const Vec3& direction) {
+  const auto along = [&](const Vec3& normal) { return length(cross(direction, normalised(normal))); };
+  if (wall.kind == WallKind::plane) return along(wall.normal);
+  if (wall.kind != WallKind::mesh) return 1;
+  const TriangleMesh& mesh = scene.shapes[static_cast<std::size_t>(wall.shape)].mesh;
+  const Vec3 here = rotate_inverse(wall.orientation, direction);
+  double most = 0;
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    const Vec3 normal = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+    if (squared_length(normal) > 0) most = std::max(most, length(cross(here, normalised(normal))));
+  }
+  return most;
+}
+
+void doubt_surfaces(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
+  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+    const Wall& wall = scene.walls[i];
+    if (!wall.surface.moves()) continue;
+    const std::string what = fmt::format("{}: the surface of wall '{}'", c.walls[i].where, wall.name);
+    const bool grips = std::any_of(scene.pairs.begin(), scene.pairs.end(),
+                                   [&](const MaterialPair& p) { return (p.a == wall.material || p.b == wall.material) && p.friction > 0; });
+    if (!grips) doubts.push_back(what + " moves, and no pair with its material has friction: it moves nothing");
+    const auto* belt = std::get_if<Translate>(&wall.surface.motion.kind);
+    if (belt == nullptr) continue;
+    const double share = share_along(wall, scene, belt->axis);
+    if (share < kAlong) {
+      doubts.push_back(fmt::format("{} moves at {:g} m/s, of which at most {:.3g} m/s lie along it; only that counts", what,
+                                   std::abs(belt->rate), share * std::abs(belt->rate)));
+    }
   }
 }
 
@@ -268,6 +304,7 @@ std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, co
   doubt_steps(c, movers, doubts);
   doubt_stiffness(c, scene, movers, doubts);
   doubt_attraction(c, scene, movers, doubts);
+  doubt_surfaces(c, scene, doubts);
   if (scene.settings.impact_speed > kFastest) {
     doubts.push_back(
         fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",

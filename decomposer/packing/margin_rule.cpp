@@ -57,6 +57,17 @@ std::vector<Vec3> wall_points(const SceneParts& parts, std::size_t i) {
   return {};
 }
 
+/// A wall that leaves all places where bodies start behind it, such as a gate that drops: nothing runs into it, nor it into anything.
+bool moves_away(const WallMotion& motion, const std::vector<Vec3>& points, const std::vector<Vec3>& starts) {
+  const auto* along = std::get_if<Translate>(&motion.kind);
+  if (along == nullptr || along->rate == 0 || points.empty()) return false;
+  const Vec3 way = (along->rate > 0 ? 1.0 : -1.0) * along->axis;
+  double nearest = 1e300, farthest = -1e300;
+  for (const Vec3& p : points) nearest = std::min(nearest, dot(way, p));
+  for (const Vec3& p : starts) farthest = std::max(farthest, dot(way, p));
+  return farthest <= nearest;
+}
+
 /// Fastest impact to expect: initial speeds, the highest fall, the fastest wall.
 double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene) {
   double speed = 0;
@@ -79,9 +90,24 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
     }
     movers += 2;
   }
+  std::vector<Vec3> starts;
+  for (const CaseBody& b : c.bodies) starts.push_back(b.position);
+  for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) starts.push_back(parts.carried->placed[i].position);
+  for (const std::vector<Region>* regions : {&parts.regions, &parts.inlets}) {
+    for (const Region& r : *regions) {
+      for (int corner = 0; corner < 8; ++corner) {
+        starts.push_back({(corner & 1 ? r.box.upper : r.box.lower).x, (corner & 2 ? r.box.upper : r.box.lower).y,
+                          (corner & 4 ? r.box.upper : r.box.lower).z});
+      }
+    }
+  }
   double wall_speed = 0;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    wall_speed = std::max(wall_speed, scene.walls[i].motion.fastest(wall_points(parts, i)));
+    // what rides on a surface has its speed where it leaves it
+    const Wall& wall = scene.walls[i];
+    const std::vector<Vec3> points = wall_points(parts, i);
+    if (!moves_away(wall.motion, points, starts)) wall_speed = std::max(wall_speed, wall.motion.fastest(points));
+    wall_speed = std::max(wall_speed, wall.surface.motion.fastest(points));
   }
   for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) {
     const BodyRow& row = parts.carried->from.bodies[i];
@@ -93,26 +119,18 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
   if (g > 0) {
     const Vec3 up = (-1.0 / g) * c.settings.gravity;
     double top = -1e300, bottom = 1e300;
-    const auto add = [&](const Vec3& p, bool starts) {
-      if (starts) top = std::max(top, dot(up, p));
+    for (const Vec3& p : starts) {
+      top = std::max(top, dot(up, p));
       bottom = std::min(bottom, dot(up, p));
-    };
-    for (const CaseBody& b : c.bodies) add(b.position, true);
-    for (std::size_t i = 0; parts.carried && i < parts.carried->placed.size(); ++i) add(parts.carried->placed[i].position, true);
-    std::vector<const Region*> starts;
-    for (const Region& r : parts.regions) starts.push_back(&r);
-    for (const Region& r : parts.inlets) starts.push_back(&r);
-    for (const Region* region : starts) {
-      const Region& r = *region;
-      for (int corner = 0; corner < 8; ++corner) {
-        add({(corner & 1 ? r.box.upper : r.box.lower).x, (corner & 2 ? r.box.upper : r.box.lower).y,
-             (corner & 4 ? r.box.upper : r.box.lower).z},
-            true);
-      }
     }
     bool has_walls = !scene.walls.empty();
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-      for (const Vec3& p : wall_points(parts, i)) add(p, false);
+      const WallMotion& motion = scene.walls[i].motion;
+      double lower = 0;  // where it stops
+      for (const Vec3& way : motion.displacements(c.settings.duration)) {
+        if (motion.end() < c.settings.duration) lower = std::min(lower, dot(up, way));
+      }
+      for (const Vec3& p : wall_points(parts, i)) bottom = std::min(bottom, dot(up, p) + lower);
     }
     // what is poured falls before the run begins
     const bool poured =
@@ -126,15 +144,52 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
   return fall + (movers >= 2 ? 2 : 1) * speed + wall_speed;
 }
 
+constexpr double kNoticeShare = 0.05, kLargestShare = 0.2;  // margins that are told, and refused, over the smallest body's diameter
+
+/// What a margin was derived from.
+struct Sizing {
+  const Settings& settings;
+  double derived = 0, smallest = 0;  ///< margin, smallest diameter [m]
+  double lightest = 0;               ///< [kg]
+  double softest = 0;                ///< [N/m]
+  double speed = 0;                  ///< of the fastest impact [m/s]
+};
+
+/// Sets of stiffness, margin and speed that go together, each with the step that it asks for.
+std::string choices(const Sizing& s) {
+  const double good = kNoticeShare * s.smallest, deeper = s.derived / good;
+  const auto cost = [&](double stiffness) {
+    const double step = std::numbers::pi * std::sqrt(s.lightest / (2 * stiffness)) / s.settings.steps_per_contact;
+    return fmt::format("a step of about {}, {:.2g} steps", format_quantity(step, Dimension::time), s.settings.duration / step);
+  };
+  const std::string margin = fmt::format("a margin of {} ({:.0f} % of the smallest body)", metres(good), 100 * kNoticeShare);
+  std::string text = "  what goes together:";
+  const double stiffer = s.softest * deeper * deeper;
+  if (s.settings.law == ContactLaw::hertz_mindlin)
+    text += fmt::format("\n  - materials.young {:.3g} times as large: {}, {}", std::pow(deeper, 2.5), margin, cost(stiffer));
+  else
+    text += fmt::format("\n  - pairs.stiffness = \"{}\": {}, {}", format_quantity(stiffer, Dimension::stiffness), margin, cost(stiffer));
+  text += fmt::format("\n  - contact.impact_speed = \"{}\", where nothing meets faster than that: {}, {}",
+                      format_quantity(s.speed / deeper, Dimension::velocity), margin, cost(s.softest));
+  constexpr double kMostShare = 0.5;
+  if (s.derived < kMostShare * s.smallest) {
+    text += fmt::format("\n  - contact.margin = \"{}\", {:.0f} % of the smallest body, whose shape is then rounded by as much: {}",
+                        metres(s.derived), 100 * s.derived / s.smallest, cost(s.softest));
+  }
+  return text;
+}
+
 }  // namespace
 
 void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
-  double heaviest = 0, smallest = 1e300, widest = 0;
+  double heaviest = 0, lightest = 1e300, smallest = 1e300, widest = 0;
   bool has_meshes = false;
   const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
     has_meshes = has_meshes || s.kind != ShapeKind::sphere;
     if (!moves) return;
-    heaviest = std::max(heaviest, scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale);
+    const double mass = scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale;
+    heaviest = std::max(heaviest, mass);
+    lightest = std::min(lightest, mass);
     smallest = std::min(smallest, scale * s.equivalent_diameter());
     widest = std::max(widest, scale * s.equivalent_diameter());
   };
@@ -198,7 +253,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   report.margin_from = c.margin_given ? "given" : keeps_margin ? "that of the run" : "derived";
   if (keeps_margin) margin = margin_before;
   if (!c.margin_given && heaviest > 0 && !(margin > 0)) {
-    constexpr double kSmallestShare = 0.01, kNoticeShare = 0.05, kLargestShare = 0.2;  // of the smallest body's diameter
+    constexpr double kSmallestShare = 0.01;  // of the smallest body's diameter
     const double derived = std::max(0.5 * depth / kOverlapShare, kSmallestShare * smallest);
     const double needed = heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2);
     const std::string from = fmt::format(
@@ -214,8 +269,9 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
                                    : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from,
                                                  metres(derived), 100 * derived / smallest, cure, 100 * kNoticeShare);
     if (derived > kLargestShare * smallest && !is_free_of_limits) {
-      throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}", c.path, advice,
-                       from_touch ? " (0: run it as it is)" : "");
+      throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}\n{}", c.path, advice,
+                       from_touch ? " (0: run it as it is)" : "",
+                       choices({c.settings, derived, smallest, lightest, softest, report.fastest_impact}));
     }
     if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
     if (!from_touch) margin = derived;

@@ -121,8 +121,9 @@ std::string case_section(const Run& run) {
   if (!scene.walls.empty()) {
     html += "<h3>Walls</h3>\n<table class=\"grid-table\"><thead><tr><th>id</th><th>name</th><th>motion</th></tr></thead><tbody>\n";
     for (const Wall& wall : scene.walls) {
-      html += fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", wall.id,
-                          escaped(wall.name.empty() ? "wall" : wall.name), wall.motion.text());
+      html +=
+          fmt::format("<tr><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n", wall.id, escaped(wall.name.empty() ? "wall" : wall.name),
+                      wall.surface.is_given() ? wall.motion.text() + ", " + wall.surface.text() : wall.motion.text());
     }
     html += "</tbody></table>\n";
   }

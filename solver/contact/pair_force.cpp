@@ -47,6 +47,9 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
   RollingState state;
   state.n = (1 / size) * push_force;
   state.relative_spin = m.w_a - m.w_b;
+  Vec3 surface_twist;  // a surface that turns twists what lies on it; nothing rolls with it
+  if (m.surface != nullptr) surface_twist = dot(m.surface->spin, state.n) * state.n;
+  state.relative_spin -= surface_twist;
   state.normal_force = push;
   double stiffness = 0;
   for (const double s : per_overlap) stiffness += s;
@@ -62,6 +65,7 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
   old.force = turned(old.force);
   const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
   result.dissipative_torque += moment.moment;
+  if (m.surface != nullptr) result.surface_power += dot(moment.moment, surface_twist);
   if (!law.rolling_spring) return;
   next.push_back({kRollingKey, moment.spring, moment.stiffness});
   if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
@@ -162,7 +166,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   }
 
   const double tangential_share = tangential_damping_share(law, tangent_over_secant(law_of_overlap, result.largest_overlap));
-  const MeanTurn turned(springs, motion.turn, friction_dt);
+  const MeanTurn turned(springs, motion.surface == nullptr ? motion.turn : motion.turn * motion.surface_turned, friction_dt);
   std::vector<FrictionSpring>& next = work.springs;
   next.clear();
   PairFriction friction(law, motion, friction_dt, springs, turned, next);
@@ -190,11 +194,17 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
       // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
       // Where springs do not move, at the start and for output, the velocities are those of now.
-      const Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
+      Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
+      Vec3 surface;
+      if (motion.surface != nullptr) {
+        surface = motion.surface->velocity + cross(motion.surface->spin, f.x);
+        slip -= surface - (0.5 * friction_dt) * cross(motion.surface->spin, surface);
+      }
       const Vec3 vt = slip - dot(slip, f.n) * f.n;
       tangential = friction.force(f, vt, vn, damped, law.tangential_ratio * forces.push_per_overlap[j],
                                   tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
       dissipative += tangential;
+      if (motion.surface != nullptr) result.surface_power += dot(tangential, surface);
     }
     result.dissipative_force += dissipative;
     result.dissipative_torque += cross(f.x, dissipative);

@@ -34,6 +34,7 @@ struct PairForce {
   double elastic = 0;                          ///< U [J]; below 0 where a law pulls
   double tangential_elastic = 0;               ///< stored in friction springs [J]
   double largest_overlap = 0;                  ///< largest overlap [m]
+  double surface_power = 0;                    ///< of friction on A where the wall's surface moves: its work on both [W]
   double damping = 0;                          ///< chi: the damping force of a feature is its push times chi times its speed [s/m]
 };
 

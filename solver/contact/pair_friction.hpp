@@ -14,7 +14,7 @@ namespace scree {
 /// it is the same rotation, so that which of the two is A changes nothing but rounding.
 class MeanTurn {
  public:
-  /// in   springs   of the last step, with their kTurnKey     in  turn  B to A, now
+  /// in   springs   of the last step, with their kTurnKey     in  turn  B to A, now; of a wall's surface, what of it has moved on to here
   MeanTurn(const std::vector<FrictionSpring>& springs, const Quat& turn, double friction_dt) {
     if (springs.empty() || springs.back().key != kTurnKey || !(friction_dt > 0)) return;
     const FrictionSpring& kept = springs.back();

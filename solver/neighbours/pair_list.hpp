@@ -32,6 +32,7 @@ struct PairResult {
   std::int32_t contact_count = 0;
   double overlap_ratio = 0;  ///< largest_overlap over margin sum
   double elastic = 0, tangential_elastic = 0;
+  double surface_power = 0;          ///< of a wall's surface that moves [W]
   Vec3 force_a, torque_a, torque_b;  ///< force on b is -force_a; torques about each body's centre
   Vec3 dissipative_force_a, dissipative_torque_a, dissipative_torque_b;
 };

@@ -130,21 +130,25 @@ std::pair<std::int64_t, double> fastest_body(const RunState& s) {
 
 std::vector<WallLoad> wall_loads_of(const RunState& s) {
   const std::size_t walls = s.scene.source().walls.size();
-  std::vector<ExactSum> now(6 * walls);
+  constexpr std::size_t kSums = 7;  // force, torque, power of the surface
+  std::vector<ExactSum> now(kSums * walls);
   for (const std::int32_t k : s.pairs.with_walls()) {
     const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
     const BodyPair& pair = s.pairs.pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
     const Vec3 torque = cross(s.particles.x[static_cast<std::size_t>(pair.a)], -r.force_a) - r.torque_a;
-    const double parts[6] = {-r.force_a.x, -r.force_a.y, -r.force_a.z, torque.x, torque.y, torque.z};
-    for (std::size_t i = 0; i < 6; ++i) now[6 * w + i].add(parts[i]);
+    const double parts[kSums] = {-r.force_a.x, -r.force_a.y, -r.force_a.z, torque.x, torque.y, torque.z, r.surface_power};
+    for (std::size_t i = 0; i < kSums; ++i) now[kSums * w + i].add(parts[i]);
   }
   add_over_ranks(s.comm.get(), now);
   const WallTotals totals = wall_totals(s);
   const auto vector = [](const ExactSum* sums) { return Vec3{sums[0].value(), sums[1].value(), sums[2].value()}; };
   std::vector<WallLoad> loads(walls);
-  for (std::size_t w = 0; w < walls; ++w) loads[w] = {vector(&now[6 * w]), vector(&now[6 * w + 3]), vector(totals.impulse[w].data())};
+  for (std::size_t w = 0; w < walls; ++w) {
+    const ExactSum* of_wall = &now[kSums * w];
+    loads[w] = {vector(of_wall), vector(of_wall + 3), vector(totals.impulse[w].data()), of_wall[6].value()};
+  }
   return loads;
 }
 

@@ -30,12 +30,13 @@ std::pair<std::int64_t, double> fastest_body(const RunState& s);
 
 /// What a wall received since the start.
 struct WallLoad {
-  Vec3 force;    ///< now, on the wall [N]
-  Vec3 torque;   ///< now, about the origin of the computation [N m]
-  Vec3 impulse;  ///< since the start [N s]
+  Vec3 force;                ///< now, on the wall [N]
+  Vec3 torque;               ///< now, about the origin of the computation [N m]
+  Vec3 impulse;              ///< since the start [N s]
+  double surface_power = 0;  ///< now, of a surface that moves along itself on the bodies [W]
   /// Of the wall on the bodies, now [W].
   double power(const WallState& wall) const {
-    return -dot(force, wall.velocity) - dot(torque - cross(wall.position, force), wall.angular_velocity);
+    return surface_power - dot(force, wall.velocity) - dot(torque - cross(wall.position, force), wall.angular_velocity);
   }
 };
 std::vector<WallLoad> wall_loads_of(const RunState& s);

@@ -233,6 +233,12 @@ void Plan::add_space() {
     }
   } else
     out("driven walls", "no wall moves");
+  if (scene_.has_moving_surfaces()) {
+    for (const Wall& wall : source_.walls) {
+      if (wall.surface.is_given()) in("moving surfaces", fmt::format("'{}': {}", wall.name, wall.surface.text()));
+    }
+  } else
+    out("moving surfaces", "no wall has one");
   if (comm_.size() > 1)
     in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else
@@ -270,7 +276,6 @@ void Plan::add_output() {
 
 void Plan::add_numbers() {
   const StepSize& step = simulation_.state().clock.size;
-  const double contacts = 4.0 * static_cast<double>(active_pair_count(simulation_.state()));
   const std::size_t pairs = simulation_.state().pairs.pairs().size();
   std::size_t candidate_bytes = 0;
   for (const BodyPair& p : simulation_.state().pairs.pairs()) {
@@ -295,9 +300,6 @@ void Plan::add_numbers() {
                          most * static_cast<double>(sizeof(ParticleRecord) + 8 * sizeof(Vec3)) / 1e6, most,
                          source_.outlets.empty() ? "" : ", if none leaves");
   }
-  const double frames = settings_.output_every > 0 ? settings_.duration / settings_.output_every : 100;
-  text_ += fmt::format("  disk          about {:.1f} MB in {:.0f} frames\n",
-                       frames * (0.5 * (static_cast<double>(count_.bodies) + most) * 160 + contacts * 120) / 1e6, frames);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ RestWatch::RestWatch(const Scene& scene) : active_(scene.settings.stop_at_rest),
   if (!active_) return;
   gravity_ = length(scene.settings.gravity);
   if (!(gravity_ > 0)) throw UsageError("time.stop_at_rest: without gravity nothing falls, so rest cannot be told; leave it out");
-  for (const Wall& wall : scene.walls) walls_stop_ = std::max(walls_stop_, wall.motion.end());
+  for (const Wall& wall : scene.walls) walls_stop_ = std::max({walls_stop_, wall.motion.end(), wall.surface.end()});
   if (scene.settings.fluid) fluid_.emplace(scene);
   double energy = 0, longest = 0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {

@@ -40,6 +40,7 @@ void move_scene(Scene& scene, const Vec3& origin) {
   for (Wall& wall : scene.walls) {
     move_place(wall, origin);
     wall.motion.move_origin(origin);
+    wall.surface.motion.move_origin(origin);
   }
   for (Inlet& inlet : scene.inlets) move_place(inlet.region, origin);
   for (Outlet& outlet : scene.outlets) move_place(outlet.region, origin);

@@ -76,7 +76,10 @@ SolverScene::SolverScene(const Scene& scene)
       check_meshes_at_seams(scene.walls, scene.shapes, settings.domain, extremes_.bounding_radius + 2 * contact_range(), settings.duration);
   for (const Outlet& outlet : scene.outlets)
     outlets_.push_back(region_of(outlet.region, scene.shapes, fmt::format("outlet '{}'", outlet.name)));
-  for (const Wall& wall : scene.walls) has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
+  for (const Wall& wall : scene.walls) {
+    has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
+    has_moving_surfaces_ = has_moving_surfaces_ || wall.surface.moves();
+  }
 }
 
 /// Bodies to come count from the start on: the step is derived from all that there will be.

@@ -85,6 +85,7 @@ class SolverScene {
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }
+  bool has_moving_surfaces() const { return has_moving_surfaces_; }
 
  private:
   void include_inlets();
@@ -114,7 +115,7 @@ class SolverScene {
   std::vector<const double*> wall_weights_;
   std::shared_ptr<DensityWeights> pull_weights_;
   std::vector<const double*> wall_pull_weights_;
-  bool has_damping_ = false, has_driven_walls_ = false;
+  bool has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false;
 };
 
 }  // namespace scree

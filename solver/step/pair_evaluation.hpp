@@ -161,6 +161,15 @@ class PairEvaluation {
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
     if (pass_.scene.law_choice().needs_radius) motion.radius = law.radius > 0 ? law.radius : contact_radius(view);
+    SurfaceVelocity surface;
+    if (view.zone != nullptr && pass_.scene.has_moving_surfaces()) {
+      const auto wall = static_cast<std::size_t>(view.zone->wall);
+      if (pass_.scene.source().walls[wall].surface.moves()) {
+        surface = surface_beneath(pass_.walls[wall], view, a_to_world, pass_.friction_dt > 0);
+        motion.surface = &surface;
+        motion.surface_turned = pass_.walls[wall].surface_turned;
+      }
+    }
     // Looking must not change anything: it works on a copy of the springs.
     std::vector<FrictionSpring> copy;
     if (pass_.only_looks()) copy = pair.state.springs;
@@ -179,6 +188,7 @@ class PairEvaluation {
     result.dissipative_torque_b = cross(branch, result.dissipative_force_a) - result.dissipative_torque_a;
     result.elastic = f.elastic;
     result.tangential_elastic = f.tangential_elastic;
+    result.surface_power = f.surface_power;
     result.overlap_ratio = view.margin > 0 ? f.largest_overlap / view.margin : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number

@@ -98,6 +98,10 @@ void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, doub
     const Vec3 dissipative_force = -r.dissipative_force_a;
     const Vec3 dissipative_torque = cross(lever, dissipative_force) - r.dissipative_torque_a;
     totals.dissipated.add(-dt * (dot(dissipative_force, state.velocity) + dot(dissipative_torque, state.angular_velocity)));
+    if (s.scene.has_moving_surfaces()) {
+      totals.work.add(dt * r.surface_power);
+      totals.dissipated.add(dt * r.surface_power);
+    }
   }
 }
 

@@ -37,6 +37,8 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   begin(records, 0, 0, decomposition_.has_cut());
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   forces_.compute(state_, decomposition_, failure_, 0, false);
+  // contacts that there are from the start on may ask for a shorter step, for which damping is computed anew
+  if (levels_.begin_with_contacts(state_, forces_.scratch(), failure_)) forces_.compute(state_, decomposition_, failure_, 0, false);
   if (start) book_starting_springs(state_);
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
@@ -106,7 +108,7 @@ void Simulation::move_bodies() {
   if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
   state_.clock.advance();
   failure_.watch(step(), [&] { check_displacement(state_); });
-  if (state_.scene.has_driven_walls()) state_.set_walls();
+  if (state_.scene.has_driven_walls() || state_.scene.has_moving_surfaces()) state_.set_walls();
 }
 
 void Simulation::finish_motion() {

@@ -585,6 +585,42 @@ TEST_F(Packing, populations_keep_clear_of_given_bodies) {
   EXPECT_GE(smallest_gap(pack(text).scene), 2 * 0.002 * (1 - 1e-9));
 }
 
+// A gate that drops away from a body hits nothing: what counts is the fall to where it stops.
+TEST_F(Packing, a_gate_that_moves_away_is_no_impact) {
+  const auto fastest = [&](const char* velocity) {
+    std::string text =
+        kHead + "[[bodies]]\nshape = \"cube\"\nmaterial = \"stone\"\nposition = [0, 0, 2]\n" +
+        "[[walls]]\nshape = { plate = { corner = [-3, -3, 0], side_a = [6, 0, 0], side_b = [0, 6, 0] } }\nmaterial = \"stone\"\n" +
+        "motion = { translate = { velocity = [0, 0, " + velocity + "] }, stop = 0.25 }\n";
+    return pack(text).report.fastest_impact;
+  };
+  EXPECT_NEAR(fastest("-4"), std::sqrt(2 * 9.81 * 3), 1e-12);
+  EXPECT_NEAR(fastest("0.4"), std::sqrt(2 * 9.81 * 2) + 0.4, 1e-12);
+}
+
+TEST_F(Packing, a_margin_that_is_refused_comes_with_what_goes_together) {
+  std::string text = kHead + "[[bodies]]\nshape = \"cube\"\nmaterial = \"stone\"\nposition = [0, 0, 4.5]\n" +
+                     "[[walls]]\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\nmaterial = \"stone\"\n";
+  text.replace(text.find("[contact]\nmargin = \"2 mm\"\n"), 26, "");
+  const auto with = [&](const std::string& stiffness, const std::string& more) {
+    std::string t = text;
+    t.replace(t.find("stiffness = 1e7"), 15, "stiffness = " + stiffness);
+    return t + more;
+  };
+  const std::string said = failure(with("1e5", ""), ExitCode::usage);
+  const std::string first = "- pairs.stiffness = \"", second = "- contact.impact_speed = \"";
+  ASSERT_NE(said.find(first), std::string::npos) << said;
+  ASSERT_NE(said.find(second), std::string::npos) << said;
+  const auto value = [&](const std::string& after) {
+    const std::size_t begin = said.find(after) + after.size();
+    return "\"" + said.substr(begin, said.find('"', begin) - begin) + "\"";
+  };
+  // each of them is taken, with the margin that was promised
+  const double good = 0.05 * std::cbrt(6 / std::numbers::pi);
+  EXPECT_NEAR(pack(with(value(first), "")).scene.settings.margin, good, 1e-3 * good);
+  EXPECT_NEAR(pack(with("1e5", "[contact]\nimpact_speed = " + value(second) + "\n")).scene.settings.margin, good, 1e-3 * good);
+}
+
 TEST_F(Packing, the_margin_follows_the_design_rule_when_it_is_not_given) {
   // a cube of 1 m and 2500 kg that falls 4.5 m in 1 s at most: v = sqrt(2 g 4.5), depth = v sqrt(m/k) = 0.4 x 2 margins
   std::string text = kHead + "[[bodies]]\nshape = \"cube\"\nmaterial = \"stone\"\nposition = [0, 0, 4.5]\n" +

@@ -38,6 +38,8 @@ DIMENSIONS = {
     "walls.*.motion.rotate.centre": (1, 0, 0), "walls.*.motion.rotate.rate": (0, 0, -1),
     "walls.*.motion.start": (0, 0, 1), "walls.*.motion.stop": (0, 0, 1),
     "walls.*.motion.table.time": (0, 0, 1), "walls.*.motion.table.position": (1, 0, 0), "walls.*.motion.translate.velocity": (1, 0, -1),
+    "walls.*.surface.velocity": (1, 0, -1), "walls.*.surface.rate": (0, 0, -1), "walls.*.surface.centre": (1, 0, 0),
+    "walls.*.surface.start": (0, 0, 1), "walls.*.surface.stop": (0, 0, 1),
     "walls.*.shape.box.corners": (1, 0, 0), "walls.*.shape.box_inside": (1, 0, 0),
     "walls.*.shape.cone.start": (1, 0, 0), "walls.*.shape.cone.end": (1, 0, 0), "walls.*.shape.cone.radius_start": (1, 0, 0),
     "walls.*.shape.cone.radius_end": (1, 0, 0),
@@ -68,7 +70,7 @@ PLAIN = {
     "populations.*.size.sigma",   # of a normal distribution a length: see units_of
     "inlets.*.count", "inlets.*.orientation", "inlets.*.orientation.align", "inlets.*.orientation.axis", "inlets.*.orientation.scatter",
     "inlets.*.size.exponent", "inlets.*.size.passing", "inlets.*.size.shape", "inlets.*.shapes.*", "inlets.*.size.sigma",
-    "walls.*.orientation", "walls.*.scale", "walls.*.motion.oscillate.direction", "walls.*.motion.oscillate.phase", "walls.*.motion.rotate.axis",
+    "walls.*.orientation", "walls.*.scale", "walls.*.motion.oscillate.direction", "walls.*.motion.oscillate.phase", "walls.*.motion.rotate.axis", "walls.*.surface.axis",
     "walls.*.shape.plane.normal", "walls.*.shape.disc.normal", "walls.*.shape.hopper.half_angle",
     "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
     "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",

@@ -588,6 +588,33 @@ def motions(d):
         d.extra_speed = max(d.extra_speed, speed)
 
 
+@feature
+def surfaces(d):
+    """Some walls are belts or turntables; times in shares of the duration. From numbers of its own, so that other words stay what their seed made them."""
+    others, d.random = d.random, random_numbers.Random(f"surfaces {d.words['title']}")
+    for wall in d.case.walls:
+        if not d.chance(0.15):
+            continue
+        speed = d.speed * d.between(0.05, 0.8)
+        if d.chance(0.65):
+            surface = {"velocity": (speed * d.direction()).tolist()}
+        else:
+            axis, centre = d.direction(), d.room.mean(axis=0) + d.radius * d.direction()
+            if len(d.periodic) > 1:
+                continue
+            if d.periodic:
+                axis = numpy.eye(3)["xyz".index(next(iter(d.periodic)))]
+            lever = float(numpy.linalg.norm(numpy.abs(d.room - centre).max(axis=0)) + d.radius)
+            surface = {"rate": speed / lever, "axis": axis.tolist(), "centre": centre.tolist()}
+        if d.chance(0.3):
+            surface["start"] = d.between(-0.2 if d.chance(0.3) else 0, 0.5)
+        if d.chance(0.3):
+            surface["stop"] = d.between(0.55, 1.2)
+        wall["surface"] = surface
+        d.extra_speed = max(d.extra_speed, speed)
+    d.random = others
+
+
 # ---- how contacts are computed
 
 @feature
@@ -770,9 +797,10 @@ def duration(d):
             way = motion.pop("speed") * lap / most
             motion["table"]["time"] = [lap * t for t in times]
             motion["table"]["position"] = [[way * x for x in p] for p in motion["table"]["position"]]
-        for key in ("start", "stop"):
-            if key in motion:
-                motion[key] *= d.duration
+        for moves in (motion, wall.get("surface", {})):
+            for key in ("start", "stop"):
+                if key in moves:
+                    moves[key] *= d.duration
 
 
 @feature

@@ -168,6 +168,11 @@ def place_wall(wall, how):
         motion["oscillate"]["direction"] = how.vector(motion["oscillate"]["direction"])
     if "table" in motion:
         motion["table"]["position"] = [how.vector(p) for p in motion["table"]["position"]]
+    surface = wall.get("surface", {})
+    if "velocity" in surface:
+        surface["velocity"] = how.vector(surface["velocity"])
+    if "rate" in surface:
+        surface["axis"], surface["centre"] = how.spin(surface["axis"]), how.point(surface.get("centre", [0, 0, 0]))
 
 
 def mirror_form(wall, kind, shape):

@@ -350,6 +350,7 @@ name = "chute"
 shape = { plate = { corner = [-0.12, -0.15, 0.45], side_a = [0.3, 0, -0.3], side_b = [0, 0.3, 0] } }
 material = "m"
 motion = { oscillate = { direction = [1, 0, 0], amplitude = 0.004, frequency = 12 } }
+surface = { velocity = [0.5, 0, -0.3], start = 0.15 }
 [[outlets]]
 name = "back"
 to = "feed"
