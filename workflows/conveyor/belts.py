@@ -99,7 +99,7 @@ left.set_xlabel("time [s]")
 left.set_ylabel("load [kg/m]")
 left.legend(frameon=False, title="dashed: rate / speed")
 if len(stream):
-    right.plot(stream[:, 0] - end[1], stream[:, 1], ".", color="#888888", markersize=2, label="rocks")
+    right.plot(stream[:, 0] - end[1], stream[:, 1], ".", color="#888888", markersize=2, label="rocks", rasterized=True)
     x = np.linspace(0, 0.32, 60)
     if len(thrown) > 20:
         right.plot(x, rides - 0.5 * G * (x / speed[1])**2, color="#000000", linewidth=1, label="parabola")
@@ -107,7 +107,7 @@ if len(stream):
 right.set_xlabel("beyond the end of belt 1 [m]")
 right.set_ylabel("height [m]")
 figure.tight_layout()
-figure.savefig(SVG)
+figure.savefig(SVG, dpi=150)
 figure.savefig(PNG, dpi=150)
 with open(TABLE, "w", encoding="utf-8") as page:
     page.write(f"# Two belts\n\n{len(mass_of)} rocks came in at {rate:g} kg/s.\n\n" + "\n".join(lines) + "\n")
