@@ -133,7 +133,7 @@ def x14(tools, table):
              "T-junction": ((t_vertices, t_triangles), "1 T-junction")}
     for name, (mesh, words) in cases.items():
         table.must_refuse(f"{name}, as a body", lambda mesh=mesh: import_mesh(tools, mesh), words)
-        out, text = import_mesh(tools, mesh, "--surface")
+        out, text = import_mesh(tools, mesh, "--surface", "--unit", "m")
         table.truth(f"{name}, as a wall", os.path.exists(out), "accepted, reported as: " + "; ".join(line.rsplit(": ", 1)[-1] for line in text.splitlines() if "note" in line)[:140])
 
 
@@ -299,7 +299,9 @@ def x25(tools, table):
         force, upward = [], 1.0
         for contacts in run.contacts[2:]:
             force.append(contacts["tangential_force"].sum(axis=0))
-            upward = min(upward, numpy.abs(contacts["normal"][:, 2]).min())
+            # a feature at the rim of its edge has next to no force, and what it has is from its weight that fades: along the edge, not out of it
+            carries = contacts["normal_force"] > 1e-6 * G
+            upward = min(upward, numpy.abs(contacts["normal"][carries, 2]).min())
         force = numpy.linalg.norm(force, axis=1)
         table.truth(f"{name}: finite", finite(run), "finite")
         # beside the edge of the base the gap of a corner leans outward: there the normal may turn, but not flip
