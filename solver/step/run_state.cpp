@@ -56,6 +56,7 @@ double walls_moved(const RunState& s, const std::vector<WallState>& from, const 
     const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
     double farthest = 0;
     for (std::size_t i = 0; i < p.owned && chord > 0; ++i) {
+      if (p.fixed[i]) continue;
       farthest = std::max(farthest, length(p.x[i] - to[k].position) + p.radius[i]);
     }
     moved = std::max(moved, length(to[k].position - from[k].position) + chord * farthest);
@@ -69,6 +70,7 @@ double fastest_wall(const RunState& s, const std::vector<WallState>& walls) {
   for (const WallState& w : walls) {
     double farthest = 0;
     for (std::size_t i = 0; i < p.owned && length(w.angular_velocity) > 0; ++i) {
+      if (p.fixed[i]) continue;
       farthest = std::max(farthest, length(p.x[i] - w.position) + p.radius[i]);
     }
     fastest = std::max(fastest, length(w.velocity) + farthest * length(w.angular_velocity));

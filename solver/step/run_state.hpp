@@ -72,9 +72,9 @@ void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body);
 /// Agrees what is known of all bodies, and of the contacts that they can have, after bodies came or went. The step stays. Collective.
 void agree_on_bodies(RunState& s);
 
-/// How far walls have moved between two states with respect to any owned body, at most [m].
+/// How far walls have moved between two states with respect to any owned body that moves, at most [m].
 double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to);
-/// Fastest point of a wall near an owned body [m/s].
+/// Fastest point of a wall near an owned body that moves [m/s].
 double fastest_wall(const RunState& s, const std::vector<WallState>& walls);
 
 /// Adds what the present forces do to the walls in a time dt.
