@@ -12,6 +12,8 @@ namespace scree {
 /// A field of velocities, at a place x from the point that it is told about: velocity + spin x x.
 struct SurfaceVelocity {
   Vec3 velocity, spin;  ///< [m/s], [rad/s]
+
+  Vec3 at(const Vec3& x) const { return velocity + cross(spin, x); }
 };
 
 /// Told where the wall is placed; it goes along with the motion of the wall, and comes on top of it.

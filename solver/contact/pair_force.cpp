@@ -166,7 +166,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   }
 
   const double tangential_share = tangential_damping_share(law, tangent_over_secant(law_of_overlap, result.largest_overlap));
-  const MeanTurn turned(springs, motion.surface == nullptr ? motion.turn : motion.turn * motion.surface_turned, friction_dt);
+  const MeanTurn turned(springs, motion.surface == nullptr ? motion.turn : motion.turn * motion.surface->turned, friction_dt);
   std::vector<FrictionSpring>& next = work.springs;
   next.clear();
   PairFriction friction(law, motion, friction_dt, springs, turned, next);
@@ -195,16 +195,15 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
       // Where springs do not move, at the start and for output, the velocities are those of now.
       Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
-      Vec3 surface;
       if (motion.surface != nullptr) {
-        surface = motion.surface->velocity + cross(motion.surface->spin, f.x);
+        const Vec3 surface = motion.surface->at(f.x);
         slip -= surface - (0.5 * friction_dt) * cross(motion.surface->spin, surface);
       }
       const Vec3 vt = slip - dot(slip, f.n) * f.n;
       tangential = friction.force(f, vt, vn, damped, law.tangential_ratio * forces.push_per_overlap[j],
                                   tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
       dissipative += tangential;
-      if (motion.surface != nullptr) result.surface_power += dot(tangential, surface);
+      if (motion.surface != nullptr) result.surface_power += dot(tangential, motion.surface->at(f.x));
     }
     result.dissipative_force += dissipative;
     result.dissipative_torque += cross(f.x, dissipative);

@@ -100,10 +100,10 @@ PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const
   return m;
 }
 
-SurfaceVelocity surface_beneath(const WallState& wall, const PairView& view, const Mat3& a_to_world, bool in_step) {
+SurfaceBeneath surface_beneath(const WallState& wall, const PairView& view, const Mat3& a_to_world, bool in_step) {
   const SurfaceVelocity& at_wall = in_step ? wall.surface_before : wall.surface;
-  const Vec3 here = at_wall.velocity + cross(at_wall.spin, view.a.x - wall.position);
-  return {transpose_times(a_to_world, here), transpose_times(a_to_world, at_wall.spin)};
+  const Vec3 here = at_wall.at(view.a.x - wall.position);
+  return {{transpose_times(a_to_world, here), transpose_times(a_to_world, at_wall.spin)}, wall.surface_turned};
 }
 
 double contact_radius(const PairView& view) {

@@ -64,8 +64,11 @@ struct PairVelocities {
   return {p.v[i], p.w[i], state.velocity, state.angular_velocity, view.b.x, state.velocity};
 }
 
-/// How the surface of a wall moves beneath a body, beside the wall's own motion; A frame, about A's centre.
-SurfaceVelocity surface_beneath(const WallState& wall, const PairView& view, const Mat3& a_to_world, bool in_step);
+/// How the surface of a wall moves beneath a body, beside the wall's own motion.
+struct SurfaceBeneath : SurfaceVelocity {  ///< A frame, about A's centre
+  Quat turned;                             ///< how far it has turned in the step, frame of B
+};
+SurfaceBeneath surface_beneath(const WallState& wall, const PairView& view, const Mat3& a_to_world, bool in_step);
 
 /// Velocities and inverse masses of both sides, A frame (its principal axes, origin at its centre).
 struct PairMotion {
@@ -76,10 +79,9 @@ struct PairMotion {
   Vec3 inverse_inertia_a;  ///< principal
   Vec3 inverse_inertia_b;  ///< principal of B
   Mat3 b_to_a;
-  Quat turn;                                 ///< the same rotation, B to A
-  double radius = 0;                         ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
-  const SurfaceVelocity* surface = nullptr;  ///< of a wall whose surface moves: about A's centre
-  Quat surface_turned;                       ///< and how far that has turned in the step, frame of B
+  Quat turn;                                ///< the same rotation, B to A
+  double radius = 0;                        ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
+  const SurfaceBeneath* surface = nullptr;  ///< of a wall whose surface moves
 };
 
 PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,

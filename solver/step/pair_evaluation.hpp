@@ -161,13 +161,11 @@ class PairEvaluation {
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
     if (pass_.scene.law_choice().needs_radius) motion.radius = law.radius > 0 ? law.radius : contact_radius(view);
-    SurfaceVelocity surface;
     if (view.zone != nullptr && pass_.scene.has_moving_surfaces()) {
       const auto wall = static_cast<std::size_t>(view.zone->wall);
       if (pass_.scene.source().walls[wall].surface.moves()) {
-        surface = surface_beneath(pass_.walls[wall], view, a_to_world, pass_.friction_dt > 0);
-        motion.surface = &surface;
-        motion.surface_turned = pass_.walls[wall].surface_turned;
+        surface_ = surface_beneath(pass_.walls[wall], view, a_to_world, pass_.friction_dt > 0);
+        motion.surface = &surface_;
       }
     }
     // Looking must not change anything: it works on a copy of the springs.
@@ -201,6 +199,7 @@ class PairEvaluation {
   MeshDistanceScratch& distance_;
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
+  SurfaceBeneath surface_;
   double largest_overlap_ = 0;
   bool too_deep_ = false;
 };
