@@ -23,7 +23,12 @@ enum class Dimension {
   viscosity,
   mass_rate,
   energy,
-  surface_energy
+  surface_energy,
+  area,
+  torque,
+  moment_of_inertia,
+  damping,
+  rotational_damping
 };
 
 /// "a length [m]", for messages.

@@ -14,6 +14,12 @@ namespace {
 
 constexpr InFile kAlways{nullptr, true};
 
+double largest_lever(std::span<const Vec3> points, const Vec3& axis, const Vec3& centre) {
+  double lever = 0;
+  for (const Vec3& p : points) lever = std::max(lever, length(cross(axis, p - centre)));
+  return lever;
+}
+
 }  // namespace
 
 void Rotate::keys(KeyVisitor& k) {
@@ -22,26 +28,15 @@ void Rotate::keys(KeyVisitor& k) {
   k.number({"rate", kRequired, "", kAlways}, rate, Dimension::angular_velocity, Range::any);
 }
 
-MotionState Rotate::state(double elapsed, const Pose& pose) const {
-  const Quat turn = quaternion_of(axis, rate * elapsed);
-  MotionState s{{centre + rotate(turn, pose.position - centre), turn * pose.orientation}, {}, rate * axis};
-  s.velocity = cross(s.angular_velocity, s.pose.position - centre);
-  return s;
-}
+MotionState Rotate::state(double elapsed, const Pose& pose) const { return Guide{true, axis, centre}.state(rate * elapsed, rate, pose); }
 
-double Rotate::fastest(std::span<const Vec3> points) const {
-  double lever = 0;
-  for (const Vec3& p : points) lever = std::max(lever, length(cross(axis, p - centre)));
-  return std::abs(rate) * lever;
-}
+double Rotate::fastest(std::span<const Vec3> points) const { return std::abs(rate) * largest_lever(points, axis, centre); }
 
 std::string Rotate::text() const { return fmt::format("rotates at {:.4g} rad/s", rate); }
 
 void Translate::keys(KeyVisitor& k) { k.velocity({"velocity", kRequired, "", kAlways}, rate, axis); }
 
-MotionState Translate::state(double elapsed, const Pose& pose) const {
-  return {{pose.position + (rate * elapsed) * axis, pose.orientation}, rate * axis, {}};
-}
+MotionState Translate::state(double elapsed, const Pose& pose) const { return Guide{false, axis, {}}.state(rate * elapsed, rate, pose); }
 
 double Translate::fastest(std::span<const Vec3>) const { return std::abs(rate); }
 
@@ -125,6 +120,219 @@ std::vector<Vec3> FollowTable::displacements(double, double last) const {
     if (time[i] >= last) break;
   }
   return all;
+}
+
+MotionState Guide::state(double way, double rate, const Pose& placed) const {
+  if (!turns) return {{placed.position + way * axis, placed.orientation}, rate * axis, {}};
+  const Quat turn = quaternion_of(axis, way);
+  MotionState s{{centre + rotate(turn, placed.position - centre), turn * placed.orientation}, {}, rate * axis};
+  s.velocity = cross(s.angular_velocity, s.pose.position - centre);
+  return s;
+}
+
+double Drive::weight(const Vec3& gravity, double way) const {
+  if (!guide.turns) return mass * dot(gravity, guide.axis);
+  const Vec3 arm = rotate(quaternion_of(guide.axis, way), mass_centre - guide.centre);
+  return mass * dot(cross(arm, gravity), guide.axis);
+}
+
+namespace {
+
+bool is_given(const Vec3& v) { return length(v) > 0; }
+
+Guide guide_of(const Vec3& along, const Vec3& about, const Vec3& centre) {
+  return is_given(along) ? Guide{false, normalised(along), {}} : Guide{true, normalised(about), centre};
+}
+
+void set_ends(const std::vector<double>& ends, Drive& drive) {
+  if (ends.size() != 2) return;
+  drive.lowest = ends[0];
+  drive.highest = ends[1];
+}
+
+/// in   along, about   keys of which one must be given
+std::optional<KeyFault> fault_of_guide(const char* along, const Vec3& direction, const char* about, const Vec3& axis) {
+  if (is_given(direction) != is_given(axis)) return {};
+  return KeyFault{along, fmt::format("{}; expected either `{}` or `{}`, with a length above 0",
+                                     is_given(axis) ? "and the other are both there" : "is missing", along, about)};
+}
+
+/// in   key, other   for the way that the wall goes, and for the one that it does not
+std::optional<KeyFault> fault_of_ends(const char* key, const std::vector<double>& ends, const char* other,
+                                      const std::vector<double>& others) {
+  if (!others.empty()) return KeyFault{other, fmt::format("is there, but the wall goes another way; expected `{}`", key)};
+  if (ends.empty() || (ends.size() == 2 && ends[0] <= 0 && 0 <= ends[1] && ends[0] < ends[1])) return {};
+  return KeyFault{key, "expected [lowest, highest] from where the wall is placed, such as [0, highest]"};
+}
+
+/// Where a wall can go along a direction that is not turned; without ends, anywhere.
+std::vector<Vec3> reach_of(const Drive& drive, double farthest) {
+  if (drive.guide.turns) return {};
+  const double low = std::max(drive.lowest, -farthest), high = std::min(drive.highest, farthest);
+  return {low * drive.guide.axis, high * drive.guide.axis};
+}
+
+constexpr double kAnywhere = 1e30;  // [m]: beyond every domain, and finite
+
+}  // namespace
+
+void Servo::keys(KeyVisitor& k) {
+  k.vector({"direction", "or `axis`", "in which it presses"}, direction, Dimension::none);
+  k.vector({"axis", "or `direction`", "about which it turns"}, axis, Dimension::none);
+  k.vector({"centre", "", "a point on the axis"}, centre, Dimension::length);
+  k.number({"force", "or `stress`", "with `direction`"}, force, Dimension::force, Range::any);
+  k.number({"stress", "or `force`", "with `direction` and `area`"}, stress, Dimension::pressure, Range::any);
+  k.number({"area", "with `stress`", "that the stress acts on"}, area, Dimension::area, Range::not_negative);
+  k.number({"torque", "with `axis`", ""}, torque, Dimension::torque, Range::any);
+  k.number({"max_speed", "with `direction`", ""}, max_speed, Dimension::velocity, Range::not_negative);
+  k.number({"max_rate", "with `axis`", ""}, max_rate, Dimension::angular_velocity, Range::not_negative);
+  k.number({"share", "", "of what is missing of the force that it makes up for within the time of a contact"}, share,
+           Dimension::none, Range::unit_interval);
+  k.numbers({"stroke", "none", "`[lowest, highest]`: ends of its way, with `direction`"}, stroke, Dimension::length);
+  k.numbers({"swing", "none", "`[lowest, highest]`: ends of its way, with `axis`"}, swing, Dimension::angle);
+}
+
+Drive Servo::drive() const {
+  Drive d;
+  d.guide = guide_of(direction, axis, centre);
+  d.push = d.guide.turns ? torque : force != 0 ? force : stress * area;
+  d.most_rate = d.guide.turns ? max_rate : max_speed;
+  d.share = share;
+  set_ends(d.guide.turns ? swing : stroke, d);
+  return d;
+}
+
+std::optional<KeyFault> Servo::fault() const {
+  if (const auto fault = fault_of_guide("direction", direction, "axis", axis)) return fault;
+  const bool turns = is_given(axis);
+  if (turns) {
+    if (force != 0 || stress != 0) return KeyFault{force != 0 ? "force" : "stress", "is there with `axis`; expected `torque`"};
+    if (torque == 0) return KeyFault{"torque", "is 0 or missing; expected what it presses with, such as \"2 N m\""};
+    if (!(max_rate > 0)) return KeyFault{"max_rate", "is 0 or missing; expected how fast it may turn, such as \"5 rpm\""};
+  } else {
+    if (torque != 0) return KeyFault{"torque", "is there with `direction`; expected `force` or `stress`"};
+    if ((force != 0) == (stress != 0))
+      return KeyFault{"force", force != 0 ? "and `stress` are both there; expected one" : "or `stress` is 0 or missing; expected one"};
+    if (stress != 0 && !(area > 0))
+      return KeyFault{"area", "is 0 or missing; expected the area that the stress acts on, such as \"0.01 m^2\""};
+    if (stress == 0 && area > 0) return KeyFault{"area", "is there with `force`; expected `stress`"};
+    if (!(max_speed > 0)) return KeyFault{"max_speed", "is 0 or missing; expected how fast it may move, such as \"0.1 m/s\""};
+  }
+  if (!(share > 0)) return KeyFault{"share", "must be > 0"};
+  return turns ? fault_of_ends("swing", swing, "stroke", stroke) : fault_of_ends("stroke", stroke, "swing", swing);
+}
+
+double Servo::fastest(std::span<const Vec3> points) const {
+  const Drive d = drive();
+  return d.guide.turns ? max_rate * largest_lever(points, d.guide.axis, centre) : max_speed;
+}
+
+std::vector<Vec3> Servo::displacements(double first, double last) const { return reach_of(drive(), max_speed * (last - first)); }
+
+std::optional<TurnAxis> Servo::turn_axis() const {
+  if (!is_given(axis)) return {};
+  return TurnAxis{centre, normalised(axis)};
+}
+
+std::string Servo::text() const {
+  const Drive d = drive();
+  return d.guide.turns ? fmt::format("presses with {:.4g} N m, at most at {:.4g} rad/s", d.push, max_rate)
+                       : fmt::format("presses with {:.4g} N, at most at {:.4g} m/s", d.push, max_speed);
+}
+
+void Free::keys(KeyVisitor& k) {
+  k.vector({"guide", "or `hinge`", "along which it moves"}, guide, Dimension::none);
+  k.vector({"hinge", "or `guide`", "about which it turns"}, hinge, Dimension::none);
+  k.vector({"centre", "", "a point on the hinge"}, centre, Dimension::length);
+  k.number({"mass", "with `guide`", "of the whole part; with `hinge` its weight at `mass_centre`, 0 for one that is balanced"}, mass,
+           Dimension::mass, Range::not_negative);
+  k.vector({"mass_centre", "", "with `hinge`: the centre of mass, as placed"}, mass_centre, Dimension::length);
+  k.number({"inertia", "with `hinge`", "about the hinge"}, inertia, Dimension::moment_of_inertia, Range::not_negative);
+  k.number({"force", "", "along the guide"}, force, Dimension::force, Range::any);
+  k.number({"torque", "", "about the hinge"}, torque, Dimension::torque, Range::any);
+  k.number({"damping", "", "with `guide`"}, damping, Dimension::damping, Range::not_negative);
+  k.number({"turn_damping", "", "with `hinge`"}, turn_damping, Dimension::rotational_damping, Range::not_negative);
+  k.numbers({"stroke", "none", "`[lowest, highest]`: ends of its way, with `guide`; it stops there without a rebound"}, stroke,
+            Dimension::length);
+  k.numbers({"swing", "none", "`[lowest, highest]`: the same, with `hinge`"}, swing, Dimension::angle);
+}
+
+Drive Free::drive() const {
+  Drive d;
+  d.guide = guide_of(guide, hinge, centre);
+  d.inertia = d.guide.turns ? inertia : mass;
+  d.push = d.guide.turns ? torque : force;
+  d.damping = d.guide.turns ? turn_damping : damping;
+  d.mass = mass;
+  d.mass_centre = mass_centre;
+  set_ends(d.guide.turns ? swing : stroke, d);
+  return d;
+}
+
+std::optional<KeyFault> Free::fault() const {
+  if (const auto fault = fault_of_guide("guide", guide, "hinge", hinge)) return fault;
+  if (is_given(hinge)) {
+    if (!(inertia > 0)) return KeyFault{"inertia", "is 0 or missing; expected that about the hinge, such as \"0.02 kg m^2\""};
+    if (force != 0) return KeyFault{"force", "is there with `hinge`; expected `torque`"};
+    if (damping != 0) return KeyFault{"damping", "is there with `hinge`; expected `turn_damping`"};
+    return fault_of_ends("swing", swing, "stroke", stroke);
+  }
+  if (!(mass > 0)) return KeyFault{"mass", "is 0 or missing; expected that of the part that moves, such as \"3 kg\""};
+  if (inertia != 0) return KeyFault{"inertia", "is there with `guide`; expected `mass`"};
+  if (torque != 0) return KeyFault{"torque", "is there with `guide`; expected `force`"};
+  if (turn_damping != 0) return KeyFault{"turn_damping", "is there with `guide`; expected `damping`"};
+  return fault_of_ends("stroke", stroke, "swing", swing);
+}
+
+std::vector<Vec3> Free::displacements(double, double) const { return reach_of(drive(), kAnywhere); }
+
+std::optional<TurnAxis> Free::turn_axis() const {
+  if (!is_given(hinge)) return {};
+  return TurnAxis{centre, normalised(hinge)};
+}
+
+void Free::move_origin(const Vec3& origin) {
+  centre -= origin;
+  mass_centre -= origin;
+}
+
+std::string Free::text() const {
+  return is_given(hinge) ? fmt::format("swings freely about a hinge, {:.4g} kg m^2", inertia)
+                         : fmt::format("moves freely along a guide, {:.4g} kg", mass);
+}
+
+void Motor::keys(KeyVisitor& k) {
+  k.direction({"axis", kRequired, "", kAlways}, axis);
+  k.vector({"centre", "", "a point on the axis", kAlways}, centre, Dimension::length);
+  k.number({"torque", kRequired, "of the drive"}, torque, Dimension::torque, Range::any);
+  k.number({"inertia", kRequired, "of all that turns, about the axis"}, inertia, Dimension::moment_of_inertia, Range::positive);
+  k.number({"max_rate", "none", "at which the drive holds the rate, whatever torque that takes"}, max_rate, Dimension::angular_velocity,
+           Range::positive);
+}
+
+Drive Motor::drive() const {
+  Drive d;
+  d.guide = {true, axis, centre};
+  d.inertia = inertia;
+  d.push = torque;
+  d.most_rate = max_rate;
+  return d;
+}
+
+double Motor::fastest(std::span<const Vec3> points) const { return max_rate < 1e300 ? max_rate * largest_lever(points, axis, centre) : 0; }
+
+std::string Motor::text() const {
+  return fmt::format("is turned by {:.4g} N m on {:.4g} kg m^2{}", torque, inertia,
+                     max_rate < 1e300 ? fmt::format(", at most at {:.4g} rad/s", max_rate) : "");
+}
+
+std::optional<Drive> WallMotion::drive() const {
+  return std::visit(
+      [](const auto& m) -> std::optional<Drive> {
+        if constexpr (requires { m.drive(); }) return m.drive();
+        return {};
+      },
+      kind);
 }
 
 double WallMotion::elapsed(double time) const { return std::clamp(time, start, std::max(start, stop)) - start; }

@@ -1,4 +1,4 @@
-// The prescribed motions of walls. A kind of motion is one struct here and one line in MotionKind: the case, the scene file, the solver,
+// The motions of walls. A kind of motion is one struct here and one line in MotionKind: the case, the scene file, the solver,
 // the choice of the margin, the checks at seams and reports take all that they need of it from the struct.
 //
 // A kind has
@@ -13,6 +13,7 @@
 //   turn_axis()                  the axis about which the wall turns; it does not move otherwise
 //   move_origin(origin)          takes what is a place to a world whose origin lies there
 //   fault()                      what its values cannot be
+//   drive()                      of one that answers to force: how. It has no place of its own in time: state() is where it was placed
 #pragma once
 
 #include <limits>
@@ -48,6 +49,36 @@ struct TurnAxis {
 struct KeyFault {
   const char* key;
   std::string text;
+};
+
+/// The one way that a wall can go which answers to force: along a direction, or about an axis.
+struct Guide {
+  bool turns = false;
+  Vec3 axis{0, 0, 1};  ///< unit
+  Vec3 centre{};       ///< of one that turns: a point on the axis [m]
+
+  /// in   way   from where the wall was placed [m] or [rad]     in   rate   [m/s] or [rad/s]
+  MotionState state(double way, double rate, const Pose& placed) const;
+  /// What a force and a torque about the origin come to along it [N] or [N m].
+  double component(const Vec3& force, const Vec3& torque) const {
+    return turns ? dot(torque - cross(centre, force), axis) : dot(force, axis);
+  }
+};
+
+/// How a wall answers to force. [kg] and [N] of one that goes along a direction are [kg m^2] and [N m] of one that turns.
+struct Drive {
+  Guide guide;
+  double inertia = 0;  ///< 0: a servo, whose rate follows from what is missing of `push`
+  double push = 0;     ///< on the wall, beside contacts and weight; of a servo: by the wall on what it meets
+  double damping = 0;  ///< [N s/m] or [N m s]
+  double most_rate = kForever;
+  double share = 0;                               ///< of a servo: of what is missing, within the time of a contact
+  double lowest = -kForever, highest = kForever;  ///< ends of its way
+  double mass = 0;                                ///< that gravity acts on [kg]
+  Vec3 mass_centre{};                             ///< where, as placed [m]
+
+  /// Weight along the guide [N] or [N m].
+  double weight(const Vec3& gravity, double way) const;
 };
 
 /// No motion.
@@ -120,15 +151,84 @@ struct FollowTable {
   std::optional<KeyFault> fault() const;
 };
 
-using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable>;
+/// Presses with a force or a torque, at whatever speed that takes.
+struct Servo {
+  static constexpr const char* kWord = "servo";
+  static constexpr const char* kMeaning =
+      "presses with a `force`, a `stress` on an `area`, or a `torque`, and moves as fast as that takes, at most at `max_speed` or "
+      "`max_rate`, with which it also comes nearer while it touches nothing";
+  Vec3 direction{}, axis{}, centre{};  ///< the first or the second is given, of any length > 0; a point on the axis [m]
+  double force = 0, stress = 0, area = 0, torque = 0;
+  double max_speed = 0, max_rate = 0;
+  double share = 0.5;
+  std::vector<double> stroke{}, swing{};  ///< lowest and highest; empty: no end
+  void keys(KeyVisitor& k);
+  MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const { return kForever; }
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const;
+  std::optional<TurnAxis> turn_axis() const;
+  void move_origin(const Vec3& origin) { centre -= origin; }
+  std::optional<KeyFault> fault() const;
+  Drive drive() const;
+};
 
-/// A prescribed motion of a wall: before `start` and after `stop` it stands still.
+/// A part with a mass that moves by what acts on it.
+struct Free {
+  static constexpr const char* kWord = "free";
+  static constexpr const char* kMeaning =
+      "has a mass and moves along a direction (`guide`) or about an axis (`hinge`) by its weight, by what touches it, and by `force` or "
+      "`torque`";
+  Vec3 guide{}, hinge{}, centre{};  ///< the first or the second is given, of any length > 0; a point on the hinge [m]
+  double mass = 0, inertia = 0;
+  Vec3 mass_centre{};
+  double force = 0, torque = 0, damping = 0, turn_damping = 0;
+  std::vector<double> stroke{}, swing{};  ///< lowest and highest; empty: no end
+  void keys(KeyVisitor& k);
+  MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
+  double fastest(std::span<const Vec3>) const { return 0; }  // nobody knows
+  double last_change() const { return kForever; }
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const;
+  std::optional<TurnAxis> turn_axis() const;
+  void move_origin(const Vec3& origin);
+  std::optional<KeyFault> fault() const;
+  Drive drive() const;
+};
+
+/// Turns by a torque against what it meets.
+struct Motor {
+  static constexpr const char* kWord = "motor";
+  static constexpr const char* kMeaning =
+      "turns about an axis by a `torque` on its `inertia`, against what touches it; at most at `max_rate`";
+  Vec3 axis{0, 0, 1};  ///< unit
+  Vec3 centre{};       ///< a point on the axis [m]
+  double torque = 0, inertia = 0;
+  double max_rate = 1e300;
+  void keys(KeyVisitor& k);
+  MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const { return kForever; }
+  std::vector<Vec3> displacements(double, double) const { return {}; }
+  std::string text() const;
+  TurnAxis turn_axis() const { return {centre, axis}; }
+  void move_origin(const Vec3& origin) { centre -= origin; }
+  Drive drive() const;
+};
+
+using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable, Servo, Free, Motor>;
+
+/// A motion of a wall: before `start` and after `stop` it stands still.
 struct WallMotion {
   MotionKind kind;
   double start = 0;     ///< [s]
   double stop = 1e300;  ///< [s]
 
+  /// There is one, as the case prescribes it or in answer to force.
   bool is_prescribed() const { return !std::holds_alternative<Still>(kind); }
+  /// Of one that answers to force.
+  std::optional<Drive> drive() const;
   /// It moves at some time.
   bool moves() const;
   /// When it moves for the last time [s]; 0 for a wall that never moves.

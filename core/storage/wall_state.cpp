@@ -4,9 +4,10 @@
 
 namespace scree {
 
-WallState wall_state(const Wall& wall, double time, double step) {
+WallState wall_state(const Wall& wall, double time, double step, const DriveState* drive) {
   const Pose placed{wall.position, wall.orientation};
-  const MotionState now = wall.motion.state(time, placed);
+  const std::optional<Drive> answers = drive != nullptr ? wall.motion.drive() : std::nullopt;
+  const MotionState now = answers ? answers->guide.state(drive->way, drive->rate, placed) : wall.motion.state(time, placed);
   WallState state{now.pose.position, now.pose.orientation, now.velocity, now.angular_velocity, {}, {}, now.pose.position, {}, {}, {}, {}};
   if (wall.surface.is_given()) {
     state.surface = wall.surface.velocity(time, placed, now.pose);
@@ -14,7 +15,9 @@ WallState wall_state(const Wall& wall, double time, double step) {
     state.surface_turned = wall.surface.turned(time, placed) * conjugate(wall.surface.turned(time - step, placed));
   }
   if (!wall.motion.is_prescribed()) return state;
-  const MotionState before = step > 0 ? wall.motion.state(time - 0.5 * step, placed) : now;
+  const MotionState before = answers    ? answers->guide.state(drive->way, drive->rate_before, placed)
+                             : step > 0 ? wall.motion.state(time - 0.5 * step, placed)
+                                        : now;
   state.velocity_before = before.velocity;
   state.angular_velocity_before = before.angular_velocity;
   if (const std::optional<TurnAxis> axis = wall.motion.turn_axis())

@@ -1,11 +1,11 @@
-// Where a wall is and how fast it moves, from its prescribed motion (wall_motion.hpp). Who packs a scene and who runs it must agree on it.
+// Where a wall is and how fast it moves, from its motion (wall_motion.hpp). Who packs a scene and who runs it must agree on it.
 #pragma once
 
 #include "core/storage/scene_file.hpp"
 
 namespace scree {
 
-/// Pose and motion of a wall at a time, from its prescribed motion.
+/// Pose and motion of a wall at a time.
 struct WallState {
   Vec3 position;  ///< of the wall frame's origin [m]
   Quat orientation;
@@ -18,8 +18,22 @@ struct WallState {
   SurfaceVelocity surface, surface_before;
   Quat surface_turned;  ///< how far it has turned in the step, in the wall's frame
 };
-/// in   step   [s]; without one the velocities before are those at the time itself
-WallState wall_state(const Wall& wall, double time, double step = 0);
+/// Where a wall is that answers to force, from where it was placed, along its guide: [m], [m/s], [N], [N/m] of one that goes along a
+/// direction; [rad], [rad/s], [N m], [N m/rad] of one that turns.
+struct DriveState {
+  double way = 0;
+  double rate = 0;         ///< now
+  double rate_before = 0;  ///< with which it went the last step
+  double force = 0;        ///< of its contacts on it, now
+  double stiffness = 0;    ///< of its contacts, now
+  double yield = 0;        ///< rate at which what touches it gives way, the mean by stiffness, now
+
+  bool operator==(const DriveState&) const = default;
+};
+
+/// in   step    [s]; without one the velocities before are those at the time itself
+/// in   drive   of a wall that answers to force; without one it is where it was placed
+WallState wall_state(const Wall& wall, double time, double step = 0, const DriveState* drive = nullptr);
 
 /// The wall as it stands when a run begins, without its motion and that of its surface. A `start` before 0 and the first rows of a table
 /// move it away from where the case draws it; a wall that is not moved is given back bit for bit. Fails: UsageError for a box_inside that

@@ -9,10 +9,10 @@ namespace scree {
 
 namespace {
 
-/// What uses a material: movers may touch everything else, fixed things only movers.
+/// What uses a material: movers may touch everything else, fixed things only movers, and fixed bodies also walls that answer to force.
 struct Users {
   double movers = 0;
-  std::string mover, still;
+  std::string mover, still, fixed_body, answering_wall;
 };
 
 std::map<std::int32_t, Users> users_of_materials(const Case& c, const std::vector<MaterialUse>& others) {
@@ -21,6 +21,7 @@ std::map<std::int32_t, Users> users_of_materials(const Case& c, const std::vecto
     Users& u = users[b.material];
     (b.fixed ? u.still : u.mover) = b.where;
     if (!b.fixed) u.movers += 1;
+    if (b.fixed) u.fixed_body = b.where;
   }
   for (const CasePopulation& p : c.populations) {
     users[p.material].mover = p.where;
@@ -30,10 +31,13 @@ std::map<std::int32_t, Users> users_of_materials(const Case& c, const std::vecto
     users[i.material].mover = i.where;
     users[i.material].movers += i.inlet.count == 1 ? 1 : 2;
   }
-  for (const CaseWall& w : c.walls) users[w.wall.material].still = w.where;
+  for (const CaseWall& w : c.walls) {
+    users[w.wall.material].still = w.where;
+    if (w.wall.motion.drive()) users[w.wall.material].answering_wall = w.where;
+  }
   for (const MaterialUse& other : others) {
     Users& u = users[other.material];
-    if (other.has_fixed) u.still = other.where;
+    if (other.has_fixed) u.still = u.fixed_body = other.where;
     if (other.movers > 0) u.mover = other.where;
     u.movers += other.movers;
   }
@@ -63,7 +67,15 @@ std::vector<Meeting> meetings(const Case& c, const std::vector<MaterialUse>& oth
       } else if (second.movers >= 1) {
         with = first.still;
       }
-      if (!with.empty()) all.push_back({a, b, first.movers >= 1 ? first.mover : second.mover, with});
+      if (!with.empty()) {
+        all.push_back({a, b, first.movers >= 1 ? first.mover : second.mover, with});
+        continue;
+      }
+      for (const auto& [of_wall, of_body] : {std::pair(&first, &second), std::pair(&second, &first)}) {
+        if (of_wall->answering_wall.empty() || of_body->fixed_body.empty()) continue;
+        all.push_back({a, b, of_wall->answering_wall, of_body->fixed_body});
+        break;
+      }
     }
   }
   return all;

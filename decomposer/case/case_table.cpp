@@ -50,10 +50,26 @@ std::string list_of(const std::vector<std::string>& words) {
 
 /// What a text with a unit is, when a plain number was expected: "a length".
 std::string dimension_of(const std::string& text) {
-  for (const Dimension d :
-       {Dimension::length, Dimension::time, Dimension::mass, Dimension::velocity, Dimension::acceleration, Dimension::angular_velocity,
-        Dimension::angle, Dimension::frequency, Dimension::density, Dimension::stiffness, Dimension::pressure, Dimension::force,
-        Dimension::stress_per_length, Dimension::viscosity, Dimension::energy, Dimension::surface_energy}) {
+  for (const Dimension d : {Dimension::length,
+                            Dimension::time,
+                            Dimension::mass,
+                            Dimension::velocity,
+                            Dimension::acceleration,
+                            Dimension::angular_velocity,
+                            Dimension::angle,
+                            Dimension::frequency,
+                            Dimension::density,
+                            Dimension::stiffness,
+                            Dimension::pressure,
+                            Dimension::force,
+                            Dimension::stress_per_length,
+                            Dimension::viscosity,
+                            Dimension::energy,
+                            Dimension::surface_energy,
+                            Dimension::area,
+                            Dimension::moment_of_inertia,
+                            Dimension::damping,
+                            Dimension::rotational_damping}) {
     try {
       parse_quantity(text, d, "");
       std::string name = dimension_name(d);

@@ -254,7 +254,11 @@ void wall_section(CaseKeys& k, Case& c) {
       if (t->has(key)) throw t->error(key, "is for walls that are meshes; a " + shape + " says itself where it is");
     }
   }
-  k.section({"motion", "none", "prescribed"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
+  k.section({"motion", "none", "prescribed, or in answer to force"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
+  if (const std::optional<Drive> drive = w.wall.motion.drive();
+      t != nullptr && w.wall.kind == WallKind::plane && drive && drive->guide.turns) {
+    throw t->error("motion", "turns a plane in answer to force, which has no end and so any lever; use a plate or another mesh");
+  }
   k.section({"surface", "none",
              "moves along itself, while the wall stays where it is: a belt, a turntable. Told where the wall is placed; it goes along with "
              "the wall's motion, on top of which it comes"},

@@ -83,8 +83,10 @@ void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
         s.fluid->density, s.fluid->viscosity, s.fluid->density));
   }
   const bool moves = c.start || !c.populations.empty() || !c.inlets.empty() ||
-                     std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
-  if (!moves) doubts.push_back("nothing moves: the case has no population, no inlet and no body that is not fixed");
+                     std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; }) ||
+                     std::any_of(c.walls.begin(), c.walls.end(), [](const CaseWall& w) { return w.wall.motion.drive().has_value(); });
+  if (!moves)
+    doubts.push_back("nothing moves: the case has no population, no inlet, no body that is not fixed and no wall that answers to force");
   const bool is_held =
       c.start || !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
   if (moves && g > 0 && !is_held && !s.fluid) {

@@ -180,6 +180,12 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   for (const char* component : {"x", "y", "z"})
     wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
   wall_quantities.push_back({"power", "W", "of the wall on the bodies, from log.csv"});
+  wall_answers =
+      std::any_of(run.scene.walls.begin(), run.scene.walls.end(), [](const Wall& wall) { return wall.motion.drive().has_value(); });
+  if (wall_answers) {
+    wall_quantities.push_back({"way", "m or rad", "from where it was placed, of a wall that answers to force, from log.csv"});
+    wall_quantities.push_back({"rate", "m/s or rad/s", "the same, of its speed"});
+  }
   wall_begin = table_begin(tables.size());
 }
 
@@ -429,6 +435,9 @@ void StatisticsPlan::add_walls(const Frame& frame, std::vector<double>& row) con
     add_vector(it != walls.id.end() ? walls.force[i] : Vec3{kNaN, kNaN, kNaN});
     add_vector(it != walls.id.end() ? walls.torque[i] : Vec3{kNaN, kNaN, kNaN});
     row.push_back(log_value(run.log, fmt::format("wall{}_power", wall.id), frame.time));
+    for (const char* name : {"way", "rate"}) {
+      if (wall_answers) row.push_back(log_value(run.log, fmt::format("wall{}_{}", wall.id, name), frame.time));
+    }
   }
 }
 

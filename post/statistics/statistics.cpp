@@ -323,20 +323,25 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
   over_time("discharged_mass", "Discharged mass", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
   over_time("discharge_rate", "Discharge rate", "mass per time [kg/s]", "", {{"discharge_rate", "since the frame before"}}, true);
   for (NamedChart& chart : flow_charts(s.flow)) charts.push_back(std::move(chart));
-  {
-    NamedChart c{"wall_power", "walls.csv", {}};
-    c.chart.title = "Power of the walls";
+  const auto of_walls = [&](const std::string& quantity, const std::string& title, const std::string& label, const std::string& unit) {
+    NamedChart c{"wall_" + quantity, "walls.csv", {}};
+    c.chart.title = title;
     c.chart.x_label = "time";
     c.chart.x_unit = "s";
-    c.chart.y_label = "power on the bodies";
-    c.chart.y_unit = "W";
-    for (std::size_t w = 0; w < s.walls.size(); ++w) {
-      const Series& power = s.wall_series[w].back();  // the last of wall_quantities
-      if (std::any_of(power.value.begin(), power.value.end(), [](double p) { return std::isfinite(p) && p != 0; }))
-        c.chart.lines.push_back({s.walls[w], power.time, power.value});
+    c.chart.y_label = label;
+    c.chart.y_unit = unit;
+    for (std::size_t q = 0; q < s.wall_quantities.size(); ++q) {
+      if (s.wall_quantities[q].name != quantity) continue;
+      for (std::size_t w = 0; w < s.walls.size(); ++w) {
+        const Series& values = s.wall_series[w][q];
+        if (std::any_of(values.value.begin(), values.value.end(), [](double p) { return std::isfinite(p) && p != 0; }))
+          c.chart.lines.push_back({s.walls[w], values.time, values.value});
+      }
     }
     if (!c.chart.lines.empty()) charts.push_back(std::move(c));
-  }
+  };
+  of_walls("power", "Power of the walls", "power on the bodies", "W");
+  of_walls("way", "Way of walls that answer to force", "from where they were placed", "m or rad");
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     NamedChart c{fmt::format("wall_{}_force", w), "walls.csv", {}};
     c.chart.title = "Force on wall " + s.walls[w];

@@ -99,7 +99,7 @@ class PairDamping {
   const Damping& of_pair() const { return of_pair_; }
   Damping of_feature(const ContactFeature& f, std::size_t j) const {
     if constexpr (Model::kDampsEachFeature) {
-      if (!Damp::acts(pair_law_) || !(forces_.push[j] > 0)) return of_pair_;
+      if (!Damp::acts(pair_law_) || !(forces_.push[j] > 0) || !(reduced_ > 0)) return of_pair_;
       const double chi = chi_of(f);
       return Damp::in_step(chi, chi * forces_.push[j] * reduced_ * dt_, pair_rate_);
     } else {

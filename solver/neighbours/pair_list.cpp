@@ -149,9 +149,10 @@ std::vector<PairList::FoundPair> PairList::find_pairs(const SolverScene& scene, 
         const std::int32_t a = in_order ? i : j, b = in_order ? j : i;
         mine.push_back({{p.id[static_cast<std::size_t>(a)], p.id[static_cast<std::size_t>(b)], -1}, a, b});
       });
-      if (row >= p.owned || p.fixed[row]) continue;
+      if (row >= p.owned || (p.fixed[row] && !scene.has_answering_walls())) continue;
       for (std::size_t z = 0; z < scene.zones().size(); ++z) {
         const WallZone& zone = scene.zones()[z];
+        if (p.fixed[row] && scene.drive(static_cast<std::size_t>(zone.wall)) == nullptr) continue;
         const WallState& state = walls[static_cast<std::size_t>(zone.wall)];
         if (!near_zone(scene, zone, state, p.x[row], p.radius[row] + 2 * range + skin)) continue;
         mine.push_back({{p.id[row], scene.source().walls[static_cast<std::size_t>(zone.wall)].id, static_cast<std::int32_t>(z)}, i, -1});

@@ -153,6 +153,10 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     set_words(outlets, c.totals.outlets);
   }
   if (root.has("inlets")) c.totals.inlets = read_inlets(root);
+  if (root.has("drives")) {
+    const h5::Group drives = root.open_group("drives");
+    c.totals.drives = read_rows<DriveTableColumns>(drives, 0, drives.row_count("way"));
+  }
   if (root.has_attribute("largest_id")) {
     set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
     c.totals.largest_id = root.read_integer_attribute("largest_id");
@@ -213,6 +217,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       write_sums("totals", words);
       if (!totals.outlets.empty()) write_sums("outlets", words_of(totals.outlets));
       if (!totals.inlets.empty()) write_inlets(comm, file, root, totals.inlets);
+      if (!totals.drives.empty()) {
+        const std::vector<DriveState> drives = comm.rank() == 0 ? totals.drives : std::vector<DriveState>{};
+        write_columns<DriveTableColumns>(file, root.create_group("drives"), drives,
+                                         distribute(comm.get(), static_cast<std::int64_t>(drives.size())));
+      }
       if (totals.largest_id >= 0) {
         root.write_attribute("largest_id", totals.largest_id);
         write_sums("arrivals", words_of(totals.arrived));

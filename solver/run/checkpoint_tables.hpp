@@ -1,4 +1,5 @@
-// The tables in a checkpoint, each with its columns declared once: bodies, the state of pairs, inlets and what is in transit to them.
+// The tables in a checkpoint, each with its columns declared once: bodies, the state of pairs, inlets and what is in transit to them, walls
+// that answer to force.
 #pragma once
 
 #include <string_view>
@@ -91,6 +92,25 @@ struct TransitTableColumns {
         "scale", "", [](auto& r) -> auto& { return r.body.scale; });
     action(
         "lock_rotation", "", [](auto& r) -> auto& { return r.body.lock_rotation; });
+  }
+};
+
+struct DriveTableColumns {
+  using Item = DriveState;
+  template <class Action>
+  static void visit(Action&& action) {
+    action(
+        "way", "", [](auto& s) -> auto& { return s.way; });
+    action(
+        "rate", "", [](auto& s) -> auto& { return s.rate; });
+    action(
+        "rate_before", "", [](auto& s) -> auto& { return s.rate_before; });
+    action(
+        "force", "", [](auto& s) -> auto& { return s.force; });
+    action(
+        "stiffness", "", [](auto& s) -> auto& { return s.stiffness; });
+    action(
+        "yield", "", [](auto& s) -> auto& { return s.yield; });
   }
 };
 

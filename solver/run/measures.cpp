@@ -47,6 +47,12 @@ ItemHash hash_of(const InletState& inlet) {
   return h;
 }
 
+ItemHash hash_of(const DriveState& drive) {
+  ItemHash h;
+  for (const double value : {drive.way, drive.rate, drive.rate_before}) h.add(value);
+  return h;
+}
+
 /// Calls action(pair, result) for the pairs in contact that this rank counts.
 template <class Action>
 void for_each_contact(const RunState& s, Action&& action) {
@@ -241,6 +247,7 @@ std::string state_hash(const RunState& s) {
   }
   if (s.comm.rank() == 0) {
     for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));
+    for (const DriveState& drive : s.totals.drives) add(hash_of(drive));
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_UINT64_T, MPI_SUM, s.comm.get());
   if (sums[2] == 0) {  // no body is a state too, and no hash of it would look like one that was never made

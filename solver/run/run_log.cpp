@@ -73,6 +73,11 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
     add_vector(columns, wall + "_torque", "N m", load.torque);
     add_vector(columns, wall + "_impulse", "N s", load.impulse);
     columns.push_back({wall + "_power", "W", exact(is_known ? load.power(row.walls[w]) : 0)});
+    if (const std::optional<Drive> drive = scene.walls[w].motion.drive()) {
+      const DriveState at = w < row.drives.size() ? row.drives[w] : DriveState{};
+      columns.push_back({wall + "_way", drive->guide.turns ? "rad" : "m", exact(at.way)});
+      columns.push_back({wall + "_rate", drive->guide.turns ? "rad/s" : "m/s", exact(at.rate)});
+    }
   }
   return columns;
 }

@@ -24,6 +24,7 @@ struct LogRow {
   CriticalStep critical;
   std::vector<WallLoad> loads;   ///< in the world
   std::vector<WallState> walls;  ///< in the world
+  std::vector<DriveState> drives;
   std::string state_hash;
 };
 

@@ -78,8 +78,16 @@ SolverScene::SolverScene(const Scene& scene)
     outlets_.push_back(region_of(outlet.region, scene.shapes, fmt::format("outlet '{}'", outlet.name)));
   for (const Wall& wall : scene.walls) {
     has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
+    drives_.push_back(wall.motion.drive());
     has_moving_surfaces_ = has_moving_surfaces_ || wall.surface.moves();
   }
+  if (std::none_of(drives_.begin(), drives_.end(), [](const auto& drive) { return drive.has_value(); })) drives_.clear();
+}
+
+double SolverScene::wall_mobility(std::size_t wall, const Vec3& at) const {
+  const Drive* drive = this->drive(wall);
+  if (drive == nullptr || !(drive->inertia > 0)) return 0;
+  return (drive->guide.turns ? squared_length(cross(drive->guide.axis, at - drive->guide.centre)) : 1.0) / drive->inertia;
 }
 
 /// Bodies to come count from the start on: the step is derived from all that there will be.

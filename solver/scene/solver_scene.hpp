@@ -85,6 +85,12 @@ class SolverScene {
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }
+  /// Some wall moves in answer to force.
+  bool has_answering_walls() const { return !drives_.empty(); }
+  /// How a wall answers to force; null of one that does not.
+  const Drive* drive(std::size_t wall) const { return wall < drives_.size() && drives_[wall] ? &*drives_[wall] : nullptr; }
+  /// Of a wall that has an inertia, at a place in the world: 1 over the mass that a contact there meets [1/kg]; 0 of any other.
+  double wall_mobility(std::size_t wall, const Vec3& at) const;
   bool has_moving_surfaces() const { return has_moving_surfaces_; }
 
  private:
@@ -111,7 +117,8 @@ class SolverScene {
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
-  std::shared_ptr<DensityWeights> weights_;  ///< null: all 1
+  std::vector<std::optional<Drive>> drives_;  ///< of each wall; empty where none answers to force
+  std::shared_ptr<DensityWeights> weights_;   ///< null: all 1
   std::vector<const double*> wall_weights_;
   std::shared_ptr<DensityWeights> pull_weights_;
   std::vector<const double*> wall_pull_weights_;

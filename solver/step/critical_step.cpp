@@ -31,7 +31,7 @@ PairStiffness linearise(const PairContact& look, LineariseFunction function) {
 
 StabilityBound::StabilityBound(std::size_t rows) : rows_(rows) {}
 
-void StabilityBound::add(const PairStiffness& pair) {
+void StabilityBound::add(const PairStiffness& pair, double of_wall) {
   bool is_alone = pair.b >= 0;
   for (int side = 0; side < 2; ++side) {
     const std::int32_t row = side == 0 ? pair.a : pair.b;
@@ -47,7 +47,7 @@ void StabilityBound::add(const PairStiffness& pair) {
     is_alone = is_alone && r.bound.pairs == 0;
     ++r.bound.pairs;
   }
-  links_.push_back({pair.key, pair.a, pair.b, is_alone ? static_cast<std::int32_t>(alone_.size()) : -1});
+  links_.push_back({pair.key, pair.a, pair.b, is_alone ? static_cast<std::int32_t>(alone_.size()) : -1, of_wall});
   if (is_alone) alone_.push_back(pair);
 }
 
@@ -97,6 +97,7 @@ std::vector<double> StabilityBound::steps_below(bool corrected) const {
       lambda += above[static_cast<std::size_t>(link.b)][0];
       gamma += above[static_cast<std::size_t>(link.b)][1];
     }
+    lambda += link.of_wall;
     below.push_back(largest_stable_step(lambda, gamma, corrected) / kAboveRounding);
   }
   return below;
@@ -116,6 +117,7 @@ double StabilityBound::step_of(const Link& link, bool corrected) {
       gamma += b.gamma;
     }
   }
+  lambda += link.of_wall;
   return largest_stable_step(lambda, gamma, corrected);
 }
 

@@ -49,7 +49,8 @@ class StabilityBound {
  public:
   explicit StabilityBound(std::size_t rows);
   /// Pairs must come sorted by key: the sums then have one order on any number of ranks.
-  void add(const PairStiffness& pair);
+  /// in   of_wall   what the inertia of a wall adds to omega^2 of its contacts [1/s^2]; 0 of one that cannot be pushed
+  void add(const PairStiffness& pair, double of_wall = 0);
   /// The bound of a row, exact.
   const BodyBound& bound_of(std::size_t row);
   /// Takes the bound of a ghost from its owner, who knows all of its pairs.
@@ -66,6 +67,7 @@ class StabilityBound {
   struct Link {
     PairKey key;
     std::int32_t a, b, alone;  ///< rows; place in alone_ when neither touched anything before, else -1
+    double of_wall;
   };
   /// At most the step of each link; of one that is alone its blocks bound it as well.
   std::vector<double> steps_below(bool corrected) const;

@@ -168,6 +168,8 @@ class PairEvaluation {
         motion.surface = &surface_;
       }
     }
+    if (view.zone != nullptr && pass_.scene.has_answering_walls())
+      motion.inverse_mass_b = pass_.scene.wall_mobility(static_cast<std::size_t>(view.zone->wall), view.a.x);
     // Looking must not change anything: it works on a copy of the springs.
     std::vector<FrictionSpring> copy;
     if (pass_.only_looks()) copy = pair.state.springs;

@@ -15,11 +15,14 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
       totals(of.source().walls.size(), of.source().outlets.size(), of.source().inlets.size()) {
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
+  if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
 }
 
 void RunState::set_walls() {
   walls.clear();
-  for (const Wall& wall : scene.source().walls) walls.push_back(wall_state(wall, clock.time(), clock.dt));
+  const std::vector<Wall>& source = scene.source().walls;
+  for (std::size_t w = 0; w < source.size(); ++w)
+    walls.push_back(wall_state(source[w], clock.time(), clock.dt, w < totals.drives.size() ? &totals.drives[w] : nullptr));
 }
 
 double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body) {
@@ -56,7 +59,7 @@ double walls_moved(const RunState& s, const std::vector<WallState>& from, const 
     const double chord = 2 * std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
     double farthest = 0;
     for (std::size_t i = 0; i < p.owned && chord > 0; ++i) {
-      if (p.fixed[i]) continue;
+      if (p.fixed[i] && s.scene.drive(k) == nullptr) continue;
       farthest = std::max(farthest, length(p.x[i] - to[k].position) + p.radius[i]);
     }
     moved = std::max(moved, length(to[k].position - from[k].position) + chord * farthest);
@@ -67,10 +70,11 @@ double walls_moved(const RunState& s, const std::vector<WallState>& from, const 
 double fastest_wall(const RunState& s, const std::vector<WallState>& walls) {
   const ParticleSet& p = s.particles;
   double fastest = 0;
-  for (const WallState& w : walls) {
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const WallState& w = walls[k];
     double farthest = 0;
     for (std::size_t i = 0; i < p.owned && length(w.angular_velocity) > 0; ++i) {
-      if (p.fixed[i]) continue;
+      if (p.fixed[i] && s.scene.drive(k) == nullptr) continue;
       farthest = std::max(farthest, length(p.x[i] - w.position) + p.radius[i]);
     }
     fastest = std::max(fastest, length(w.velocity) + farthest * length(w.angular_velocity));

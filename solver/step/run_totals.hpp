@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/storage/wall_state.hpp"
 #include "solver/ranks/exact_sum.hpp"
 #include "solver/step/inlet_state.hpp"
 
@@ -50,6 +51,7 @@ struct RunTotals {
   ArrivalTotals arrived;
   std::vector<OutletTotals> outlets;
   std::vector<InletState> inlets;  ///< the same on every rank
+  std::vector<DriveState> drives;  ///< of each wall, the same on every rank; empty where none answers to force
   std::int64_t largest_id = -1;    ///< of the bodies that joined, the same on every rank
   double max_overlap_ratio = 0;    ///< since it was last taken
   std::int64_t level = 0;          ///< of the step, see StepClock

@@ -7,6 +7,7 @@
 #include "solver/built_with.hpp"
 #include "solver/step/stability.hpp"
 #include "solver/step/start_from_run.hpp"
+#include "solver/step/wall_drives.hpp"
 
 namespace scree {
 
@@ -39,6 +40,7 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   forces_.compute(state_, decomposition_, failure_, 0, false);
   // contacts that there are from the start on may ask for a shorter step, for which damping is computed anew
   if (levels_.begin_with_contacts(state_, forces_.scratch(), failure_)) forces_.compute(state_, decomposition_, failure_, 0, false);
+  feel_drives(state_);
   if (start) book_starting_springs(state_);
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
@@ -53,6 +55,7 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.totals.max_overlap_ratio = totals.max_overlap_ratio;
   state_.totals.largest_id = totals.largest_id;
   state_.totals.inlets = totals.inlets;
+  state_.totals.drives = totals.drives;
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
@@ -106,6 +109,7 @@ void Simulation::move_bodies() {
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
   begin_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
   if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
+  if (state_.scene.has_answering_walls()) move_drives(state_);
   state_.clock.advance();
   failure_.watch(step(), [&] { check_displacement(state_); });
   if (state_.scene.has_driven_walls() || state_.scene.has_moving_surfaces()) state_.set_walls();
@@ -116,6 +120,7 @@ void Simulation::finish_motion() {
   Balance& balance = decomposition_.balance();
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
   end_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
+  if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { respond_drives(state_); });
   add_wall_effects(state_, state_.clock.dt, state_.totals.walls);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   add_dissipation(state_, state_.clock.dt);

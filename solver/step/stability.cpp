@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "solver/step/wall_drives.hpp"
+
 namespace scree {
 
 namespace {
@@ -63,7 +65,13 @@ CriticalStep critical_step(RunState& s, ForceScratch& scratch) {
   const std::vector<std::int32_t> touching = pairs_in_contact(s.pairs);
   StabilityBound bounds(s.particles.size());
   const LineariseFunction function = linearise_function(s.scene.law_choice());
-  const PairVisitor look = [&](const PairContact& pair) { bounds.add(linearise(pair, function)); };
+  const PairVisitor look = [&](const PairContact& pair) {
+    const std::int32_t zone = pair.pair.key.zone;
+    const double of_wall = zone < 0 || !s.scene.has_answering_walls()
+                               ? 0
+                               : wall_share_of_frequency(s, static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(zone)].wall));
+    bounds.add(linearise(pair, function), of_wall);
+  };
   visit_pairs(s.scene, s.particles, s.walls, touching, s.clock.step, scratch, s.pairs, look);
   if (s.comm.size() > 1) fetch_bounds_of_ghosts(s, touching, bounds);
   const CriticalStep mine = bounds.critical_step(s.scene.law_choice().lag_corrected);

@@ -64,7 +64,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Row{"5 N/mm^2", Dimension::pressure, 5e6}, Row{"10 N", Dimension::force, 10.0}, Row{"2 kN", Dimension::force, 2000.0},
                     Row{"1 GPa/m", Dimension::stress_per_length, 1e9}, Row{"1 mPa s", Dimension::viscosity, 1e-3},
                     Row{"1 g/m/s", Dimension::viscosity, 1e-3}, Row{"0.5 uJ", Dimension::energy, 5e-7},
-                    Row{"50 mJ/m^2", Dimension::surface_energy, 0.05}, Row{"72 mN/m", Dimension::surface_energy, 0.072}));
+                    Row{"50 mJ/m^2", Dimension::surface_energy, 0.05}, Row{"72 mN/m", Dimension::surface_energy, 0.072},
+                    Row{"36 cm^2", Dimension::area, 0.0036}, Row{"40 N m", Dimension::torque, 40.0},
+                    Row{"2 g cm^2", Dimension::moment_of_inertia, 2e-7}, Row{"3 N s/m", Dimension::damping, 3.0},
+                    Row{"5 mN m s", Dimension::rotational_damping, 0.005}));
 
 class EveryDimension : public testing::TestWithParam<Dimension> {};
 
@@ -87,7 +90,9 @@ INSTANTIATE_TEST_SUITE_P(units, EveryDimension,
                          testing::Values(Dimension::none, Dimension::length, Dimension::time, Dimension::mass, Dimension::velocity,
                                          Dimension::acceleration, Dimension::angular_velocity, Dimension::angle, Dimension::frequency,
                                          Dimension::density, Dimension::stiffness, Dimension::pressure, Dimension::force,
-                                         Dimension::stress_per_length, Dimension::viscosity, Dimension::energy, Dimension::surface_energy));
+                                         Dimension::stress_per_length, Dimension::viscosity, Dimension::energy, Dimension::surface_energy,
+                                         Dimension::area, Dimension::torque, Dimension::moment_of_inertia, Dimension::damping,
+                                         Dimension::rotational_damping, Dimension::mass_rate));
 
 TEST(units, a_wrong_dimension_is_refused_naming_place_found_expected_and_example) {
   const std::string text = complaint("0.5 m", Dimension::density);

@@ -589,6 +589,58 @@ def motions(d):
 
 
 @feature
+def drives(d):
+    """Some walls that stand still otherwise answer to force. From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"drives {d.words['title']}")
+    density = max(material["density"] for material in d.words["materials"].values())
+    mass = density * (2 * d.radius) ** 3
+    force = mass * (d.g + d.speed**2 / d.radius) * d.log_between(0.3, 10)
+    for wall in d.case.walls:
+        if "motion" in wall or not d.chance(0.15):
+            continue
+        speed, kind = d.speed * d.between(0.05, 0.5), next(iter(wall["shape"]))
+        way, centre = d.direction(), d.room.mean(axis=0) + d.radius * d.direction()
+        for k, axis in enumerate("xyz"):
+            if axis in d.periodic:
+                way[k] = 0
+        if not numpy.linalg.norm(way) > 0.1:
+            continue
+        lever = float(numpy.linalg.norm(numpy.abs(d.room - centre).max(axis=0)) + d.radius)
+        turns = not d.periodic and kind not in ("plane", "box_inside") and d.chance(0.4)
+        motion = d.pick({"servo": 3, "free": 3, **({"motor": 2} if turns else {})})
+        heavy = mass * d.log_between(1, 100)
+        if motion == "servo" and turns:
+            table = {"axis": way.tolist(), "centre": centre.tolist(), "torque": force * lever, "max_rate": speed / lever}
+        elif motion == "servo" and d.chance(0.5):
+            area = d.radius**2 * d.log_between(1, 100)
+            table = {"direction": way.tolist(), "stress": force / area, "area": area, "max_speed": speed}
+        elif motion == "servo":
+            table = {"direction": way.tolist(), "force": d.random.choice([-1, 1]) * force, "max_speed": speed}
+        elif motion == "motor":
+            table = {"axis": d.direction().tolist(), "centre": centre.tolist(), "torque": force * lever, "inertia": 3 * heavy * lever**2,
+                     "max_rate": speed / lever}
+        elif turns:
+            table = {"hinge": way.tolist(), "centre": centre.tolist(), "inertia": 3 * heavy * lever**2, "torque": force * lever}
+            if d.chance(0.6):
+                table |= {"mass": heavy, "mass_centre": (centre + 0.5 * lever * d.direction()).tolist()}
+            if d.chance(0.5):
+                table["swing"] = [-d.between(0.01, 0.3), d.between(0, 0.5)]
+        else:
+            table = {"guide": way.tolist(), "mass": 3 * heavy, "force": d.random.choice([-1, 1]) * force}
+            if d.chance(0.5):
+                table["damping"] = table["mass"] * d.speed / d.radius * d.log_between(0.01, 1)
+        if not turns and motion != "motor" and d.chance(0.6):
+            table["stroke"] = [-d.radius * d.between(0, 0.5), d.radius * d.between(0.05, 1)]
+        wall["motion"] = {motion: table}
+        if d.chance(0.3):
+            wall["motion"]["start"] = d.between(-0.2 if d.chance(0.3) else 0, 0.5)
+        if d.chance(0.3):
+            wall["motion"]["stop"] = d.between(0.55, 1.2)
+        d.extra_speed = max(d.extra_speed, speed)
+    d.random = others
+
+
+@feature
 def surfaces(d):
     """Some walls are belts or turntables; times in shares of the duration. From numbers of its own, so that other words stay what their seed made them."""
     others, d.random = d.random, random_numbers.Random(f"surfaces {d.words['title']}")

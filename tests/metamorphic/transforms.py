@@ -168,6 +168,18 @@ def place_wall(wall, how):
         motion["oscillate"]["direction"] = how.vector(motion["oscillate"]["direction"])
     if "table" in motion:
         motion["table"]["position"] = [how.vector(p) for p in motion["table"]["position"]]
+    for word, ways, spins, points in (("servo", ["direction"], ["axis"], ["centre"]),
+                                      ("free", ["guide"], ["hinge"], ["centre", "mass_centre"]), ("motor", [], ["axis"], ["centre"])):
+        if word not in motion:
+            continue
+        for key in ways:
+            if key in motion[word]:
+                motion[word][key] = how.vector(motion[word][key])
+        for key in spins:
+            if key in motion[word]:
+                motion[word][key] = how.spin(motion[word][key])
+                for point in points:
+                    motion[word][point] = how.point(motion[word].get(point, [0, 0, 0]))
     surface = wall.get("surface", {})
     if "velocity" in surface:
         surface["velocity"] = how.vector(surface["velocity"])

@@ -351,6 +351,16 @@ shape = { plate = { corner = [-0.12, -0.15, 0.45], side_a = [0.3, 0, -0.3], side
 material = "m"
 motion = { oscillate = { direction = [1, 0, 0], amplitude = 0.004, frequency = 12 } }
 surface = { velocity = [0.5, 0, -0.3], start = 0.15 }
+[[walls]]
+name = "flap"
+shape = { plate = { corner = [0.2, -0.15, 0.16], side_a = [0, 0.3, 0], side_b = [0.12, 0, -0.02] } }
+material = "m"
+motion = { free = { hinge = [0, 1, 0], centre = [0.2, 0, 0.16], inertia = 0.002, mass = 0.2, mass_centre = [0.22, 0, 0.16], torque = -0.05, swing = [-0.3, 1] } }
+[[walls]]
+name = "pusher"
+shape = { plate = { corner = [-0.16, -0.15, 0.46], side_a = [0, 0.3, 0], side_b = [0, 0, 0.2] } }
+material = "m"
+motion = { servo = { direction = [1, 0, 0], force = 0.5, max_speed = 0.1, stroke = [0, 0.03] }, start = 0.1 }
 [[outlets]]
 name = "back"
 to = "feed"
@@ -380,6 +390,9 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed():
     feed, second = record["inlets"]
     assert feed["bodies"] == 18 and second["bodies"] > 3 and feed["came_in_again"] > 3, record["inlets"]
     assert record["lost_bodies"] == 0 and record["energy"]["error_relative"] < 0.02, record["energy"]
+    log = [row for row in table("r1t1.run", "log.csv")]
+    ways = [[float(row[name]) for row in log] for name in log[0] if name.endswith("_way")]
+    assert len(ways) == 2 and all(max(way) - min(way) > 0.01 for way in ways), "flap and pusher move"
     for start, ranks in ((0, 4), (1, 1)):
         folder = f"restart{start}.run"
         shutil.copytree("r2t2.run", folder)

@@ -1,4 +1,5 @@
-// Every kind of wall motion: velocities are derivatives of the pose, no point is faster than it says, and files bring it back.
+// Every kind of wall motion that is prescribed: velocities are derivatives of the pose, no point is faster than it says, and files bring it
+// back.
 #include "core/storage/wall_motion.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,25 @@
 namespace scree {
 namespace {
 
-/// One of each kind, from 0.2 to 0.9 s. A new kind that is missing here fails the test below.
+/// One of each kind that answers to force, from 0.2 to 0.9 s.
+std::vector<WallMotion> answering() {
+  std::vector<WallMotion> all;
+  for (const MotionKind& kind : std::initializer_list<MotionKind>{
+           Servo{.axis = {0, 2, 1}, .centre = {0.1, 0, 1.0 / 3}, .torque = 2, .max_rate = 3, .swing = {-0.1, 0.7}},
+           Free{.hinge = {1, 2, 3},
+           .centre = {0.1, -0.2, 1.0 / 3},
+           .mass = 2,
+           .inertia = 0.3,
+           .mass_centre = {0.2, 0.2, 0},
+           .torque = -1,
+           .turn_damping = 0.1},
+           Motor{.axis = normalised(Vec3{1, 2, 3}), .centre = {0.1, -0.2, 1.0 / 3}, .torque = 5, .inertia = 0.2, .max_rate = 4}}) {
+    all.push_back({kind, 0.2, 0.9});
+  }
+  return all;
+}
+
+/// One of each other kind, from 0.2 to 0.9 s. A new kind that is missing here fails the test below.
 std::vector<WallMotion> one_of_each() {
   std::vector<WallMotion> all;
   for (const MotionKind& kind : std::initializer_list<MotionKind>{
@@ -30,7 +49,9 @@ const std::vector<Vec3> kPoints{{0.3, 0, 0}, {-1, 0.5, 0.2}, {0, 0, 2}, {0.7, -0
 
 TEST(WallMotion, is_tested_here_in_every_kind) {
   std::vector<std::string> tested, known;
-  for (const WallMotion& m : one_of_each()) tested.emplace_back(m.word());
+  for (const auto& some : {one_of_each(), answering()}) {
+    for (const WallMotion& m : some) tested.emplace_back(m.word());
+  }
   for_each_motion([&](auto kind) { known.emplace_back(kind.kWord); });
   EXPECT_EQ(tested, known);
 }
@@ -91,6 +112,41 @@ TEST(WallMotion, ends_when_its_pose_changes_for_the_last_time) {
   EXPECT_FALSE((WallMotion{FollowTable{.time = {0, 1}, .position = {{1, 0, 0}, {1, 0, 0}}}, 0, 1e300}.moves()));
 }
 
+TEST(WallMotion, that_answers_to_force_goes_where_its_drive_is) {
+  for (const WallMotion& m : answering()) {
+    Wall wall;
+    wall.position = {0.5, 0.1, 0};
+    wall.orientation = quaternion_of(normalised(Vec3{0, 1, 1}), 0.3);
+    wall.motion = m;
+    EXPECT_EQ(wall_state(wall, 0.5).position, wall.position) << m.word() << ": nobody has moved it";
+    const DriveState drive{.way = 0.4, .rate = 1.5, .rate_before = 0.5};
+    const WallState state = wall_state(wall, 0.5, 1e-3, &drive);
+    const TurnAxis axis = *m.turn_axis();
+    EXPECT_LT(length(state.angular_velocity - 1.5 * axis.direction), 1e-15) << m.word();
+    EXPECT_LT(length(state.angular_velocity_before - 0.5 * axis.direction), 1e-15) << m.word();
+    EXPECT_EQ(state.pivot, axis.point) << m.word();
+    const Rotate same{.axis = axis.direction, .centre = axis.point, .rate = 1.5};
+    const MotionState there = same.state(0.4 / 1.5, {wall.position, wall.orientation});
+    EXPECT_LT(length(there.pose.position - state.position), 1e-15) << m.word();
+    EXPECT_LT(length(there.velocity - state.velocity), 1e-15) << m.word();
+  }
+  Wall wall;
+  wall.motion.kind = Servo{.direction = {0, 0, -3}, .stress = 5, .area = 2, .max_speed = 1};
+  const DriveState drive{.way = 0.4, .rate = 1.5, .rate_before = 0.5};
+  const WallState state = wall_state(wall, 0.5, 1e-3, &drive);
+  EXPECT_EQ(state.position, (Vec3{0, 0, -0.4}));
+  EXPECT_EQ(state.velocity, (Vec3{0, 0, -1.5}));
+  EXPECT_EQ(state.velocity_before, (Vec3{0, 0, -0.5}));
+  EXPECT_EQ(state.pivot_velocity_before, (Vec3{0, 0, -0.5}));
+  EXPECT_EQ(wall.motion.drive()->push, 10);
+}
+
+// The weight of a part on a hinge goes with its arm.
+TEST(WallMotion, on_a_hinge_weighs_by_its_arm) {
+  const Drive d = Free{.hinge = {0, 1, 0}, .centre = {1, 0, 0}, .mass = 2, .inertia = 1, .mass_centre = {1.5, 0, 0}}.drive();
+  for (const double way : {0.0, 0.7, -2.0}) EXPECT_NEAR(d.weight({0, 0, -10}, way), 2 * 10 * 0.5 * std::cos(way), 1e-14) << way;
+}
+
 TEST(WallMotion, moves_with_the_origin_of_the_world) {
   const Vec3 origin{3, -4, 5}, place{0.5, 0.1, 0};
   for (const WallMotion& m : one_of_each()) {
@@ -129,6 +185,7 @@ TEST(WallMotion, comes_back_from_a_file_bit_for_bit) {
   const Pose start{{0.5, 0.1, 0}, quaternion_of(normalised(Vec3{0, 1, 1}), 0.3)};
   std::vector<WallMotion> all = one_of_each();
   all.emplace_back();
+  for (const WallMotion& m : answering()) all.push_back(m);
   for (const WallMotion& m : all) {
     const WallMotion again = read_again(nlohmann::json::parse(scene_text(m).dump()));
     EXPECT_STREQ(again.word(), m.word());
@@ -160,7 +217,7 @@ TEST(WallMotion, that_cannot_be_is_refused_by_name) {
   };
   const nlohmann::json turns = scene_text(one_of_each()[0]), table = scene_text(one_of_each()[3]);
   EXPECT_EQ(message_for(turns, "/kind", "magic"),
-            "X.walls[0].motion.kind: 'magic' found, expected one of none, rotate, translate, oscillate, table");
+            "X.walls[0].motion.kind: 'magic' found, expected one of none, rotate, translate, oscillate, table, servo, free, motor");
   EXPECT_EQ(message_for(turns, "/axis", {0, 0, 2}), "X.walls[0].motion.axis: length 2 found, a unit vector expected");
   EXPECT_EQ(message_for(table, "/table_time", {0, 1}),
             "X.walls[0].motion: time has 2 rows and position 4; expected as many, and at least one");

@@ -1,0 +1,39 @@
+// Walls that answer to force: servos, free parts and motors (core/storage/wall_motion.hpp). Each has one way to go, and all ranks move it
+// alike: the forces of its contacts are summed exactly, so that neither ranks nor threads change a bit.
+//
+// A part with an inertia is integrated as bodies are (kick, drift, kick), damping by its mean over the step:
+//
+//   rate' = rate (1 - z) + dt/2 a,  way += dt rate',  rate = (rate' + dt/2 a) / (1 + z),  z = damping dt / (2 inertia)
+//
+// A servo has none. Its rate makes up for a share of what is missing of its force F in the time T of the slowest contact, by the stiffness
+// k of its contacts:
+//
+//   rate' = v + share (F - F_contacts) / (k T), at most the speed that it is given; that speed while nothing touches it
+//
+// v is the rate at which what touches it gives way, so that the force does not lag behind where bodies flow: the mean, weighted by
+// stiffness, of each contact's rate f . v_body / (f . d way). With it the force of one contact comes to F as exp(-share t / T), however its
+// body moves. In a step in place of T it would swing: contacts damp with 2 zeta sqrt(k m), which at a rate of dF / (k dt) is many times dF
+// where dt is a small part of T = pi sqrt(m/k). With T it is at most share 2 zeta / pi of dF. k is summed from each contact's elastic force
+// f along the way and elastic energy U, as f^2 / (2 U): exact for linear contacts, 1/1.2 of the tangent of Hertz's. Bodies behind those
+// that touch the wall are softer than k: the force comes nearer in more steps, and never swings. Source: the controllers of Yade
+// (TriaxialStressController) and LIGGGHTS (mesh/surface/stress/servo), with the contacts' own stiffness.
+#pragma once
+
+#include "solver/step/run_state.hpp"
+
+namespace scree {
+
+/// Moves them by the present step. Before the clock is advanced.
+void move_drives(RunState& s);
+
+/// Sums what contacts do to them. Collective.
+void feel_drives(RunState& s);
+
+/// After the forces of a step: sums them, and sets the rates of the present moment, of `s.walls` too. Collective.
+/// Throws RunInvalid on every rank for a part that is too light for the contacts that it has, at this step.
+void respond_drives(RunState& s);
+
+/// The part of omega^2 [1/s^2] that a wall's own inertia brings to its contacts; 0 of one that has none.
+double wall_share_of_frequency(const RunState& s, std::size_t wall);
+
+}  // namespace scree
