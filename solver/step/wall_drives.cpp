@@ -122,7 +122,8 @@ void respond_drives(RunState& s) {
       at.rate = is_at_end ? 0 : std::clamp(rate, -drive.most_rate, drive.most_rate);
     } else {
       const double ahead = is_on(wall.motion, time + 0.5 * dt) ? rate_ahead(drive, at, gravity, dt, contact_time_of(s)) : 0;
-      at.rate = is_at_end ? 0 : 0.5 * (at.rate_before + ahead);
+      const bool stays = (at.way == drive.highest && ahead > 0) || (at.way == drive.lowest && ahead < 0);
+      at.rate = 0.5 * (at.rate_before + (stays ? 0 : ahead));
     }
     s.walls[w] = wall_state(wall, time, dt, &at);
   });
