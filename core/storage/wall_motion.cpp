@@ -186,8 +186,8 @@ void Servo::keys(KeyVisitor& k) {
   k.number({"torque", "with `axis`", ""}, torque, Dimension::torque, Range::any);
   k.number({"max_speed", "with `direction`", ""}, max_speed, Dimension::velocity, Range::not_negative);
   k.number({"max_rate", "with `axis`", ""}, max_rate, Dimension::angular_velocity, Range::not_negative);
-  k.number({"share", "", "of what is missing of the force that it makes up for within the time of a contact"}, share,
-           Dimension::none, Range::unit_interval);
+  k.number({"share", "", "of what is missing of the force that it makes up for within the time of a contact"}, share, Dimension::none,
+           Range::unit_interval);
   k.numbers({"stroke", "none", "`[lowest, highest]`: ends of its way, with `direction`"}, stroke, Dimension::length);
   k.numbers({"swing", "none", "`[lowest, highest]`: ends of its way, with `axis`"}, swing, Dimension::angle);
 }

@@ -32,7 +32,7 @@ void surface_section(CaseKeys& k, WallSurface& surface) {
   if (k.when(along)) k.velocity({"velocity", "or `rate`", "of a belt; only what lies along the surface counts"}, belt.rate, belt.axis);
   if (k.when(!along)) {
     k.number({"rate", "or `velocity`", "of a surface that turns"}, table.rate, Dimension::angular_velocity, Range::any);
-    k.direction({"axis", kRequired, "with `rate`"}, table.axis);
+    k.direction({.name = "axis", .otherwise = "with `rate`", .meaning = "about which it turns", .needed = true}, table.axis);
     k.vector({"centre", "", "with `rate`: a point on the axis"}, table.centre, Dimension::length);
   }
   WallMotion& m = surface.motion;

@@ -18,7 +18,7 @@ struct StatisticsPlan {
   std::unique_ptr<SceneFacts> facts;
   std::vector<Group> groups;
   std::vector<Quantity> quantities, wall_quantities;
-  bool wall_answers = false;  ///< some wall moves in answer to force
+  bool wall_answers = false;            ///< some wall moves in answer to force
   std::vector<StatisticsTable> tables;  ///< without values
   std::vector<ProfileBins> profiles;    ///< of the first tables
   std::vector<std::uint8_t> kind;       ///< for the mixing index, by id

@@ -13,6 +13,7 @@
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "solver/run/guard.hpp"
+#include "solver/run/idle_servos.hpp"
 #include "solver/run/outcome.hpp"
 #include "solver/run/rest_watch.hpp"
 #include "solver/run/start.hpp"
@@ -115,7 +116,6 @@ class Run {
   void save_state();
   int stop_by_signal();
   void keep_invalid_state(const Error& error);
-  void warn_of_idle_servos() const;
   int finish();
   RunRecord record_so_far() const;
   void write_outcome(const Outcome& outcome);
@@ -302,31 +302,6 @@ void Run::keep_invalid_state(const Error& error) {
   write_outcome({"invalid", error.what(), static_cast<int>(error.code())});
 }
 
-/// Servos that do not do what they are there for, one line each.
-void Run::warn_of_idle_servos() const {
-  const RunState& s = simulation_.state();
-  for (std::size_t w = 0; w < s.totals.drives.size(); ++w) {
-    const Wall& wall = loaded_.scene.walls[w];
-    const std::optional<Drive> drive = wall.motion.drive();
-    if (!drive || drive->inertia > 0) continue;
-    const DriveState& at = s.totals.drives[w];
-    const auto value = [&](double x, Dimension along, Dimension about) { return format_quantity(x, drive->guide.turns ? about : along); };
-    const std::string way = value(at.way, Dimension::length, Dimension::angle);
-    constexpr double kShort = 0.01;  // of the force asked
-    if (at.force == 0) {
-      warn_once("scree-solver", fmt::format("wall '{}': its servo touches nothing at the end of the run, {} from where it was placed; is "
-                                            "anything in its way, and does it have the time to get there?",
-                                            wall.name, way));
-    } else if ((at.way == drive->lowest || at.way == drive->highest) && std::abs(drive->push + at.force) > kShort * std::abs(drive->push)) {
-      warn_once("scree-solver",
-                fmt::format("wall '{}': its servo is at the end of its way, {} from where it was placed, and presses with {} "
-                            "of {}",
-                            wall.name, way, value(-at.force, Dimension::force, Dimension::torque),
-                            value(drive->push, Dimension::force, Dimension::torque)));
-    }
-  }
-}
-
 int Run::finish() {
   const std::string nobody = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
                              : body_count(simulation_.state()) > 0                              ? ""
@@ -335,7 +310,7 @@ int Run::finish() {
                                                                                                 : "no body is left: all left the run";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
-  warn_of_idle_servos();
+  for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
   const RunRecord& record = guard_.record();
   progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}",

@@ -611,6 +611,8 @@ def drives(d):
         heavy = mass * d.log_between(1, 100)
         if motion == "servo" and turns:
             table = {"axis": way.tolist(), "centre": centre.tolist(), "torque": force * lever, "max_rate": speed / lever}
+            if d.chance(0.5):
+                table["swing"] = [-d.between(0, 0.3), d.between(0.01, 0.5)]
         elif motion == "servo" and d.chance(0.5):
             area = d.radius**2 * d.log_between(1, 100)
             table = {"direction": way.tolist(), "stress": force / area, "area": area, "max_speed": speed}
@@ -625,10 +627,14 @@ def drives(d):
                 table |= {"mass": heavy, "mass_centre": (centre + 0.5 * lever * d.direction()).tolist()}
             if d.chance(0.5):
                 table["swing"] = [-d.between(0.01, 0.3), d.between(0, 0.5)]
+            if d.chance(0.5):
+                table["turn_damping"] = table["inertia"] * d.speed / d.radius * d.log_between(0.01, 1)
         else:
             table = {"guide": way.tolist(), "mass": 3 * heavy, "force": d.random.choice([-1, 1]) * force}
             if d.chance(0.5):
                 table["damping"] = table["mass"] * d.speed / d.radius * d.log_between(0.01, 1)
+        if motion == "servo" and d.chance(0.3):
+            table["share"] = d.between(0.1, 1)
         if not turns and motion != "motor" and d.chance(0.6):
             table["stroke"] = [-d.radius * d.between(0, 0.5), d.radius * d.between(0.05, 1)]
         wall["motion"] = {motion: table}

@@ -353,9 +353,9 @@ motion = { oscillate = { direction = [1, 0, 0], amplitude = 0.004, frequency = 1
 surface = { velocity = [0.5, 0, -0.3], start = 0.15 }
 [[walls]]
 name = "flap"
-shape = { plate = { corner = [0.2, -0.15, 0.16], side_a = [0, 0.3, 0], side_b = [0.12, 0, -0.02] } }
+shape = { plate = { corner = [0.11, -0.15, 0.32], side_a = [0, 0.3, 0], side_b = [0, 0, -0.06] } }
 material = "m"
-motion = { free = { hinge = [0, 1, 0], centre = [0.2, 0, 0.16], inertia = 0.002, mass = 0.2, mass_centre = [0.22, 0, 0.16], torque = -0.05, swing = [-0.3, 1] } }
+motion = { free = { hinge = [0, 1, 0], centre = [0.11, 0, 0.32], inertia = 6e-5, mass = 0.05, mass_centre = [0.11, 0, 0.29], torque = 0.001, swing = [-1.5, 1.5] } }
 [[walls]]
 name = "pusher"
 shape = { plate = { corner = [-0.16, -0.15, 0.46], side_a = [0, 0.3, 0], side_b = [0, 0, 0.2] } }
@@ -374,7 +374,7 @@ region = { box = [[-0.5, 0, -0.5], [0.9, 0.5, 0.1]] }
 def make_loop():
     subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "20 mm, 15 mm, 12 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
                    capture_output=True)
-    pack("loop", head(0.5, margin="2e-3", stiffness="5000", checkpoint="0.11") + LOOP)
+    pack("loop", head(0.6, margin="2e-3", stiffness="5000", checkpoint="0.11") + LOOP)
 
 
 def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed():
