@@ -35,7 +35,7 @@ TEST(WallDrives, count_in_the_step_by_their_inertia) {
   EXPECT_NE(light.simulation->state().clock.size.limited_by.find("wall "), std::string::npos);
   TestRun given(ball_below_a_plate(1e-6));
   given.scene.settings.step = bare;
-  EXPECT_THROW(given.start(), UsageError);
+  EXPECT_THROW(given.start(), Error);
 }
 
 // The critical step that is reported is that of a ball between a fixed and a free plate: two masses, two springs.
