@@ -26,6 +26,7 @@ import shlex
 from snakemake.utils import min_version
 
 min_version("7.0")
+HERE = str(workflow.current_basedir)  # of this file, whoever includes it
 
 RANKS = int(config.get("ranks", 2))
 THREADS = int(config.get("threads", 1))  # of each rank
@@ -207,7 +208,7 @@ rule sweep:
     params:
         points=shlex.quote(json.dumps(POINTS)),
         plot=str(config.get("plot", globals().get("PLOT", "coordination_number"))),
-        script=os.path.join(os.path.dirname(workflow.basedir), "sweep_table.py"),
+        script=os.path.join(HERE, "sweep_table.py"),
     shell: "/usr/bin/python3 {params.script:q} {params.points} {params.plot} {output}"
 
 

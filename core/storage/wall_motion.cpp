@@ -138,7 +138,9 @@ double Drive::weight(const Vec3& gravity, double way) const {
 
 namespace {
 
-bool is_given(const Vec3& v) { return length(v) > 0; }
+constexpr double kShortest = 1e-100;  // of a vector whose length can be taken
+
+bool is_given(const Vec3& v) { return length(v) > kShortest; }
 
 Guide guide_of(const Vec3& along, const Vec3& about, const Vec3& centre) {
   return is_given(along) ? Guide{false, normalised(along), {}} : Guide{true, normalised(about), centre};
@@ -153,8 +155,8 @@ void set_ends(const std::vector<double>& ends, Drive& drive) {
 /// in   along, about   keys of which one must be given
 std::optional<KeyFault> fault_of_guide(const char* along, const Vec3& direction, const char* about, const Vec3& axis) {
   if (is_given(direction) != is_given(axis)) return {};
-  return KeyFault{along, fmt::format("{}; expected either `{}` or `{}`, with a length above 0",
-                                     is_given(axis) ? "and the other are both there" : "is missing", along, about)};
+  return KeyFault{along, is_given(axis) ? fmt::format("is there beside `{}`; expected one of the two", about)
+                                        : fmt::format("is missing, as is `{}`, or has no length; expected one of the two", about)};
 }
 
 /// in   key, other   for the way that the wall goes, and for the one that it does not
@@ -180,10 +182,10 @@ void Servo::keys(KeyVisitor& k) {
   k.vector({"direction", "or `axis`", "in which it presses"}, direction, Dimension::none);
   k.vector({"axis", "or `direction`", "about which it turns"}, axis, Dimension::none);
   k.vector({"centre", "", "a point on the axis"}, centre, Dimension::length);
-  k.number({"force", "or `stress`", "with `direction`"}, force, Dimension::force, Range::any);
-  k.number({"stress", "or `force`", "with `direction` and `area`"}, stress, Dimension::pressure, Range::any);
+  k.number({"force", "or `stress`", "with `direction`"}, force, Dimension::force, Range::not_negative);
+  k.number({"stress", "or `force`", "with `direction` and `area`"}, stress, Dimension::pressure, Range::not_negative);
   k.number({"area", "with `stress`", "that the stress acts on"}, area, Dimension::area, Range::not_negative);
-  k.number({"torque", "with `axis`", ""}, torque, Dimension::torque, Range::any);
+  k.number({"torque", "with `axis`", ""}, torque, Dimension::torque, Range::not_negative);
   k.number({"max_speed", "with `direction`", ""}, max_speed, Dimension::velocity, Range::not_negative);
   k.number({"max_rate", "with `axis`", ""}, max_rate, Dimension::angular_velocity, Range::not_negative);
   k.number({"share", "", "of what is missing of the force that it makes up for within the time of a contact"}, share, Dimension::none,
@@ -208,11 +210,15 @@ std::optional<KeyFault> Servo::fault() const {
   if (turns) {
     if (force != 0 || stress != 0) return KeyFault{force != 0 ? "force" : "stress", "is there with `axis`; expected `torque`"};
     if (torque == 0) return KeyFault{"torque", "is 0 or missing; expected what it presses with, such as \"2 N m\""};
+    if (max_speed > 0) return KeyFault{"max_speed", "is there with `axis`; expected `max_rate`"};
+    if (area > 0) return KeyFault{"area", "is there with `axis`; expected `torque`"};
     if (!(max_rate > 0)) return KeyFault{"max_rate", "is 0 or missing; expected how fast it may turn, such as \"5 rpm\""};
   } else {
     if (torque != 0) return KeyFault{"torque", "is there with `direction`; expected `force` or `stress`"};
+    if (max_rate > 0) return KeyFault{"max_rate", "is there with `direction`; expected `max_speed`"};
     if ((force != 0) == (stress != 0))
-      return KeyFault{"force", force != 0 ? "and `stress` are both there; expected one" : "or `stress` is 0 or missing; expected one"};
+      return KeyFault{"force", force != 0 ? "is there beside `stress`; expected one of the two"
+                                          : "is 0 or missing, as is `stress`; expected one of the two"};
     if (stress != 0 && !(area > 0))
       return KeyFault{"area", "is 0 or missing; expected the area that the stress acts on, such as \"0.01 m^2\""};
     if (stress == 0 && area > 0) return KeyFault{"area", "is there with `force`; expected `stress`"};
@@ -281,6 +287,7 @@ std::optional<KeyFault> Free::fault() const {
   if (inertia != 0) return KeyFault{"inertia", "is there with `guide`; expected `mass`"};
   if (torque != 0) return KeyFault{"torque", "is there with `guide`; expected `force`"};
   if (turn_damping != 0) return KeyFault{"turn_damping", "is there with `guide`; expected `damping`"};
+  if (is_given(mass_centre)) return KeyFault{"mass_centre", "is there with `guide`, where it means nothing; leave it out"};
   return fault_of_ends("stroke", stroke, "swing", swing);
 }
 
@@ -319,11 +326,13 @@ Drive Motor::drive() const {
   return d;
 }
 
-double Motor::fastest(std::span<const Vec3> points) const { return max_rate < 1e300 ? max_rate * largest_lever(points, axis, centre) : 0; }
+double Motor::fastest(std::span<const Vec3> points) const {
+  return max_rate < kUnlimitedRate ? max_rate * largest_lever(points, axis, centre) : 0;
+}
 
 std::string Motor::text() const {
   return fmt::format("is turned by {:.4g} N m on {:.4g} kg m^2{}", torque, inertia,
-                     max_rate < 1e300 ? fmt::format(", at most at {:.4g} rad/s", max_rate) : "");
+                     max_rate < kUnlimitedRate ? fmt::format(", at most at {:.4g} rad/s", max_rate) : "");
 }
 
 std::optional<Drive> WallMotion::drive() const {

@@ -30,6 +30,7 @@ namespace scree {
 class KeyVisitor;
 
 inline constexpr double kForever = std::numeric_limits<double>::infinity();
+inline constexpr double kUnlimitedRate = 1e300;  ///< finite, as files need it
 
 struct Pose {
   Vec3 position;
@@ -71,7 +72,7 @@ struct Drive {
   double inertia = 0;  ///< 0: a servo, whose rate follows from what is missing of `push`
   double push = 0;     ///< on the wall, beside contacts and weight; of a servo: by the wall on what it meets
   double damping = 0;  ///< [N s/m] or [N m s]
-  double most_rate = kForever;
+  double most_rate = kUnlimitedRate;
   double share = 0;                               ///< of a servo: of what is missing, within the time of a contact
   double lowest = -kForever, highest = kForever;  ///< ends of its way
   double mass = 0;                                ///< that gravity acts on [kg]
@@ -205,7 +206,7 @@ struct Motor {
   Vec3 axis{0, 0, 1};  ///< unit
   Vec3 centre{};       ///< a point on the axis [m]
   double torque = 0, inertia = 0;
-  double max_rate = 1e300;
+  double max_rate = kUnlimitedRate;
   void keys(KeyVisitor& k);
   MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
   double fastest(std::span<const Vec3> points) const;

@@ -26,6 +26,7 @@ struct DriveState {
   double rate_before = 0;  ///< with which it went the last step
   double force = 0;        ///< of its contacts on it, now
   double stiffness = 0;    ///< of its contacts, now
+  double impedance = 0;    ///< of its contacts, now: their force for a rate, pi sqrt(k m) each [N s/m] or [N m s]
   double yield = 0;        ///< rate at which what touches it gives way, the mean by stiffness, now
 
   bool operator==(const DriveState&) const = default;

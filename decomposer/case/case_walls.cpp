@@ -18,6 +18,11 @@ void motion_section(CaseKeys& k, WallMotion& m) {
       if (below.table() == nullptr) return;
       m.kind = kind;
       if (const auto fault = m.fault()) throw below.table()->error(fault->key, fault->text);
+      if constexpr (std::is_same_v<decltype(kind), Free>) {
+        if (kind.mass > 0 && below.table()->has("hinge") && !below.table()->has("mass_centre"))
+          throw below.table()->error("mass_centre",
+                                     "is missing; expected where the weight acts, as placed; without `mass` it has no weight");
+      }
     });
   });
   k.number({"start", "", "before, the wall stands still"}, m.start, Dimension::time, Range::any);

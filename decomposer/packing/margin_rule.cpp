@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/storage/contact_limits.hpp"
 
 namespace scree {
 
@@ -128,7 +129,7 @@ double fastest_impact(const Case& c, const SceneParts& parts, const Scene& scene
       const WallMotion& motion = scene.walls[i].motion;
       double lower = 0;  // where it stops
       for (const Vec3& way : motion.displacements(c.settings.duration)) {
-        if (motion.end() < c.settings.duration) lower = std::min(lower, dot(up, way));
+        if (!motion.drive() && motion.end() < c.settings.duration) lower = std::min(lower, dot(up, way));
       }
       for (const Vec3& p : wall_points(parts, i)) bottom = std::min(bottom, dot(up, p) + lower);
     }
@@ -193,6 +194,10 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     smallest = std::min(smallest, scale * s.equivalent_diameter());
     widest = std::max(widest, scale * s.equivalent_diameter());
   };
+  // a part on a guide comes down on bodies with all of its mass
+  for (const Wall& wall : scene.walls) {
+    if (const std::optional<Drive> drive = wall.motion.drive(); drive && !drive->guide.turns) heaviest = std::max(heaviest, drive->inertia);
+  }
   for (const CaseBody& b : c.bodies) add(parts.shape(b.shape).shape, b.material, b.scale, !b.fixed);
   for (const Draw& d : parts.draws) add(parts.shape(d.shape).shape, c.populations[d.population].material, d.scale, true);
   if (parts.carried) {
@@ -285,10 +290,10 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   constexpr double kWarnShare = 0.8;
   if (report.overlap_share > kWarnShare) {
     report.notices.push_back(fmt::format(
-        "the fastest impact expected ({}) of the heaviest body ({}) would use up {:.2f} of the margins and end the run; "
+        "the fastest impact expected ({}) of the heaviest body or part ({}) would use up {:.2f} of the margins, of which {} end the run; "
         "raise stiffness to {} or margin to {}",
         format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(heaviest, Dimension::mass), report.overlap_share,
-        format_quantity(softest * std::pow(report.overlap_share / kOverlapShare, 2), Dimension::stiffness),
+        kStopOverlapRatio, format_quantity(softest * std::pow(report.overlap_share / kOverlapShare, 2), Dimension::stiffness),
         metres(margin * report.overlap_share / kOverlapShare)));
   }
 }

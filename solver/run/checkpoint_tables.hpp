@@ -110,6 +110,8 @@ struct DriveTableColumns {
     action(
         "stiffness", "", [](auto& s) -> auto& { return s.stiffness; });
     action(
+        "impedance", "", [](auto& s) -> auto& { return s.impedance; });
+    action(
         "yield", "", [](auto& s) -> auto& { return s.yield; });
   }
 };

@@ -15,7 +15,7 @@ namespace {
 
 nlohmann::json energy_json(const RunRecord& record) {
   const Energies& e = record.energies;
-  const double scale = std::max(record.kinetic_peak, e.dissipated);
+  const double scale = std::max({record.kinetic_peak, e.dissipated, record.elastic_peak, std::abs(e.wall_work)});
   return {{"initial_balance", record.energy_reference},
           {"kinetic_peak", record.kinetic_peak},
           {"kinetic_final", e.translational + e.rotational},

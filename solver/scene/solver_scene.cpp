@@ -33,6 +33,36 @@ void with_law(const Settings& settings, Action&& action) {
                    in_layer ? " with contact.gather = \"area\"" : "", others);
 }
 
+/// How far a wall has a point from its axis [m]; 1 of one that goes along a direction.
+double lever_of(const Scene& scene, const Wall& wall, const Guide& guide) {
+  if (!guide.turns) return 1;
+  double lever = 0;
+  const auto include = [&](const Vec3& x, double around) { lever = std::max(lever, length(cross(guide.axis, x - guide.centre)) + around); };
+  switch (wall.kind) {
+    case WallKind::mesh:
+      for (const Vec3& v : scene.shapes[static_cast<std::size_t>(wall.shape)].mesh.vertices)
+        include(wall.position + wall.scale * rotate(wall.orientation, v), 0);
+      break;
+    case WallKind::box_inside:
+      for (int corner = 0; corner < 8; ++corner)
+        include(
+            {(corner & 1 ? wall.upper : wall.lower).x, (corner & 2 ? wall.upper : wall.lower).y, (corner & 4 ? wall.upper : wall.lower).z},
+            0);
+      break;
+    case WallKind::cylinder_inside:
+      include(wall.axis_start, wall.radius);
+      include(wall.axis_end, wall.radius);
+      break;
+    case WallKind::sphere_inside:
+      include(wall.point, wall.radius);
+      break;
+    case WallKind::plane:
+      throw InputError("wall '{}': a plane that turns in answer to force has no end and so any lever; use a plate or another mesh",
+                       wall.name);
+  }
+  return lever;
+}
+
 double step_curvature_of_barrier(const PairLaw& law) { return Barrier(law).curvature(kBarrierStepGap * kBarrierShare * law.margin); }
 
 }  // namespace
@@ -79,6 +109,7 @@ SolverScene::SolverScene(const Scene& scene)
   for (const Wall& wall : scene.walls) {
     has_driven_walls_ = has_driven_walls_ || wall.motion.is_prescribed();
     drives_.push_back(wall.motion.drive());
+    levers_.push_back(drives_.back() ? lever_of(scene, wall, drives_.back()->guide) : 1.0);
     has_moving_surfaces_ = has_moving_surfaces_ || wall.surface.moves();
   }
   if (std::none_of(drives_.begin(), drives_.end(), [](const auto& drive) { return drive.has_value(); })) drives_.clear();

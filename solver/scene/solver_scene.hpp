@@ -89,6 +89,8 @@ class SolverScene {
   bool has_answering_walls() const { return !drives_.empty(); }
   /// How a wall answers to force; null of one that does not.
   const Drive* drive(std::size_t wall) const { return wall < drives_.size() && drives_[wall] ? &*drives_[wall] : nullptr; }
+  /// How far a wall that answers to force has a point from the axis that it turns about [m]; 1 of one that goes along a direction.
+  double lever(std::size_t wall) const { return levers_[wall]; }
   /// Of a wall that has an inertia, at a place in the world: 1 over the mass that a contact there meets [1/kg]; 0 of any other.
   double wall_mobility(std::size_t wall, const Vec3& at) const;
   bool has_moving_surfaces() const { return has_moving_surfaces_; }
@@ -117,6 +119,7 @@ class SolverScene {
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
+  std::vector<double> levers_;                ///< of each wall
   std::vector<std::optional<Drive>> drives_;  ///< of each wall; empty where none answers to force
   std::shared_ptr<DensityWeights> weights_;   ///< null: all 1
   std::vector<const double*> wall_weights_;

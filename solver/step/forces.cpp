@@ -41,7 +41,9 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
 void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
   const auto describe = [&](std::int32_t k) {
     const PairKey& key = pass.list.pairs()[static_cast<std::size_t>(k)].key;
-    return key.zone < 0 ? fmt::format("bodies {} and {}", key.a, key.b) : fmt::format("body {} and wall {}", key.a, key.b);
+    if (key.zone < 0) return fmt::format("bodies {} and {}", key.a, key.b);
+    const auto wall = static_cast<std::size_t>(pass.scene.zones()[static_cast<std::size_t>(key.zone)].wall);
+    return fmt::format("body {} and wall {} ('{}')", key.a, key.b, pass.scene.source().walls[wall].name);
   };
   const char* cure = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
                                : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";

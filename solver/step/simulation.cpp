@@ -109,7 +109,7 @@ void Simulation::move_bodies() {
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
   begin_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
   if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
-  if (state_.scene.has_answering_walls()) move_drives(state_);
+  if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { move_drives(state_); });
   state_.clock.advance();
   failure_.watch(step(), [&] { check_displacement(state_); });
   if (state_.scene.has_driven_walls() || state_.scene.has_moving_surfaces()) state_.set_walls();

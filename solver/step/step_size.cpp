@@ -50,39 +50,6 @@ double mobility_of(const SolverScene& scene, const ParticleSet& p, std::size_t i
   return extent * (p.inverse_mass[i] + (p.lock_rotation[i] ? 0.0 : shape.rotational_mobility / (density * s * s * s)));
 }
 
-/// Of a wall that has an inertia: 1 over it at its point that goes farthest [1/kg]; 0 of any other.
-double mobility_of(const Scene& scene, const Wall& wall) {
-  const std::optional<Drive> drive = wall.motion.drive();
-  if (!drive || !(drive->inertia > 0)) return 0;
-  if (!drive->guide.turns) return 1 / drive->inertia;
-  double lever = 0;
-  const auto include = [&](const Vec3& x, double around) {
-    lever = std::max(lever, length(cross(drive->guide.axis, x - drive->guide.centre)) + around);
-  };
-  switch (wall.kind) {
-    case WallKind::mesh:
-      for (const Vec3& v : scene.shapes[static_cast<std::size_t>(wall.shape)].mesh.vertices)
-        include(wall.position + wall.scale * rotate(wall.orientation, v), 0);
-      break;
-    case WallKind::box_inside:
-      for (int corner = 0; corner < 8; ++corner)
-        include(
-            {(corner & 1 ? wall.upper : wall.lower).x, (corner & 2 ? wall.upper : wall.lower).y, (corner & 4 ? wall.upper : wall.lower).z},
-            0);
-      break;
-    case WallKind::cylinder_inside:
-      include(wall.axis_start, wall.radius);
-      include(wall.axis_end, wall.radius);
-      break;
-    case WallKind::sphere_inside:
-      include(wall.point, wall.radius);
-      break;
-    case WallKind::plane:  // without end: cases may not have it
-      break;
-  }
-  return lever * lever / drive->inertia;
-}
-
 /// Of every material, smooth then rough; the same on every rank.
 std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& present,
                                   const ParticleSet& joining) {
@@ -121,12 +88,14 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
       }
     }
   }
-  for (const Wall& wall : source.walls) {
+  for (std::size_t w = 0; w < source.walls.size(); ++w) {
+    const Wall& wall = source.walls[w];
     Touchable& t = all[2 * static_cast<std::size_t>(wall.material) + (wall.kind == WallKind::mesh ? 1 : 0)];
     ++t.still;
     // of a layer, the area that a wall has in contact is not known before: what is too light is found as it runs
-    const double mobility = source.settings.gather == Gathering::area ? 0 : mobility_of(source, wall);
-    if (mobility > 0) t.add(mobility, wall.id);
+    const Drive* drive = scene.drive(w);
+    if (drive == nullptr || !(drive->inertia > 0) || source.settings.gather == Gathering::area) continue;
+    t.add(scene.lever(w) * scene.lever(w) / drive->inertia, wall.id);
   }
   return all;
 }
@@ -259,6 +228,15 @@ void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
       result.step = way / approach.speed;
       result.limited_by = "the approach of " + approach.who + " against their margins";
     }
+  }
+  for (std::size_t w = 0; w < scene.source().walls.size() && result.contact_time > 0 && scene.margin() > 0; ++w) {
+    // as fast as a wall may become that answers to force
+    const Drive* drive = scene.drive(w);
+    if (drive == nullptr || !(drive->most_rate < kUnlimitedRate)) continue;
+    const double way = kMarginPerStep * 2 * scene.margin(), speed = drive->most_rate * scene.lever(w);
+    if (!(speed * result.step > way)) continue;
+    result.step = way / speed;
+    result.limited_by = fmt::format("the speed of wall '{}' against the margins", scene.source().walls[w].name);
   }
   const BodyTable& bodies = scene.source().bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {

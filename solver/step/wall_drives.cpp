@@ -16,6 +16,9 @@ namespace {
 /// Of a period over 2 pi: a wall that its contacts push to and fro in fewer steps is not followed (the limit of stability is 2).
 constexpr double kMostPhasePerStep = 1;
 
+/// Of the radius of the smallest body: farther than so, a wall does not go in a step, as no body does (check_displacement).
+constexpr double kMostWay = 0.25;
+
 /// Whether a motion is on in the step with this middle.
 bool is_on(const WallMotion& motion, double time) { return time >= motion.start && time < motion.stop; }
 
@@ -27,19 +30,15 @@ double acceleration(const Drive& drive, const DriveState& at, const Vec3& gravit
 double damping_share(const Drive& drive, double dt) { return drive.damping * dt / (2 * drive.inertia); }
 
 /// With which it goes in a step that begins now.
-/// in   contact_time   in which a servo makes up for its share [s]
-double rate_ahead(const Drive& drive, const DriveState& at, const Vec3& gravity, double dt, double contact_time) {
+double rate_ahead(const Drive& drive, const DriveState& at, const Vec3& gravity, double dt) {
   if (drive.inertia > 0) {
     const double rate = at.rate * (1 - damping_share(drive, dt)) + 0.5 * dt * acceleration(drive, at, gravity);
     return std::clamp(rate, -drive.most_rate, drive.most_rate);
   }
   const double missing = drive.push + at.force;  // the contacts press back
-  if (!(at.stiffness > 0)) return std::copysign(drive.most_rate, missing);
-  return std::clamp(at.yield + drive.share * missing / (at.stiffness * contact_time), -drive.most_rate, drive.most_rate);
+  if (!(at.impedance > 0)) return std::copysign(drive.most_rate, missing);
+  return std::clamp(at.yield + drive.share * missing / at.impedance, -drive.most_rate, drive.most_rate);
 }
-
-/// Of the most sluggish contact; a step where none can occur.
-double contact_time_of(const RunState& s) { return std::max(s.clock.size.slowest_contact_time, s.clock.dt); }
 
 /// Calls action(wall, drive) for each that answers to force.
 template <class Action>
@@ -58,44 +57,82 @@ void move_drives(RunState& s) {
     DriveState& at = s.totals.drives[w];
     at.rate_before = 0;
     if (!is_on(s.scene.source().walls[w].motion, middle)) return;
-    const double rate = rate_ahead(drive, at, gravity, dt, contact_time_of(s)), to = at.way + dt * rate;
+    const double rate = rate_ahead(drive, at, gravity, dt), to = at.way + dt * rate;
+    const double most = drive.guide.turns ? std::min(kTurnPerStep, kMostWay * s.facts.smallest_radius / s.scene.lever(w))
+                                          : kMostWay * s.facts.smallest_radius;
+    if (!(dt * std::abs(rate) <= most)) {
+      throw RunInvalid(
+          "step {}: wall '{}' goes {:.3g} {} in a step of {:.3g} s, more than {:.3g}, where it could pass through bodies unseen; "
+          "use a step of at most {:.3g} s, or give it less to go by (max_rate, damping, inertia)",
+          s.clock.step, s.scene.source().walls[w].name, dt * std::abs(rate), drive.guide.turns ? "rad" : "m", dt, most,
+          0.5 * most / std::abs(rate));
+    }
     const double end = std::clamp(to, drive.lowest, drive.highest);
     at.rate_before = end == to ? rate : (end - at.way) / dt;
     at.way = end;
   });
 }
 
+namespace {
+
+/// Of one contact of a wall, along the way that the wall can go.
+struct Resistance {
+  double force = 0, stiffness = 0, impedance = 0;
+  double yield = 0;  ///< stiffness times the rate at which the body gives way
+};
+
+/// in   normal    stiffness of the contact [N/m]    in   tangential   the same across its normal; 0 without friction
+Resistance resistance_of(const RunState& s, const Guide& guide, const PairResult& r, std::size_t body, double normal, double tangential) {
+  const ParticleSet& p = s.particles;
+  Resistance of;
+  of.force = guide.component(-r.force_a, cross(p.x[body], -r.force_a) - r.torque_a);
+  // without friction and damping, a contact pushes along its normal
+  const Vec3 push = r.dissipative_force_a - r.force_a;
+  const double size = length(push);
+  if (!(size > 0)) return of;
+  const Vec3 n = (1 / size) * push, arm = p.radius[body] * n;
+  const Vec3 way = guide.turns ? cross(guide.axis, p.x[body] + arm - guide.centre) : guide.axis;
+  const Vec3 velocity = p.v[body] + cross(p.w[body], arm), across = way - dot(way, n) * n;
+  of.stiffness = normal * dot(way, n) * dot(way, n) + tangential * squared_length(across);
+  of.impedance = std::numbers::pi * std::sqrt(p.mass[body] / normal) * of.stiffness;
+  of.yield = normal * dot(way, n) * dot(velocity, n) + tangential * dot(across, velocity);
+  return of;
+}
+
+}  // namespace
+
 void feel_drives(RunState& s) {
   if (s.totals.drives.empty()) return;
-  enum { force, stiffness, yield, count };
+  enum { force, stiffness, impedance, yield, count };
+  const Settings& settings = s.scene.source().settings;
+  const double crowd = settings.gather == Gathering::area ? 1 : s.scene.extent_of_rough_pair(s.scene.extremes());
   std::vector<ExactSum> sums(count * s.totals.drives.size());
-  std::vector<Guide> guides(s.totals.drives.size());
-  std::vector<bool> answers(s.totals.drives.size(), false);
-  for_each_drive(s, [&](std::size_t w, const Drive& drive) {
-    guides[w] = drive.guide;
-    answers[w] = true;
-  });
   for (const std::int32_t k : s.pairs.with_walls()) {
     const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
     const BodyPair& pair = s.pairs.pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
-    if (!answers[w]) continue;
-    const auto on_wall = [&](const Vec3& force_a, const Vec3& torque_a) {
-      return guides[w].component(-force_a, cross(s.particles.x[static_cast<std::size_t>(pair.a)], -force_a) - torque_a);
-    };
-    const double all = on_wall(r.force_a, r.torque_a), elastic = all - on_wall(r.dissipative_force_a, r.dissipative_torque_a);
-    sums[count * w + force].add(all);
-    if (!(r.elastic > 0)) continue;
-    sums[count * w + stiffness].add(elastic * elastic / (2 * r.elastic));
-    const Vec3 push = r.dissipative_force_a - r.force_a;
-    sums[count * w + yield].add(elastic * dot(push, s.particles.v[static_cast<std::size_t>(pair.a)]) / (2 * r.elastic));
+    const Drive* drive = s.scene.drive(w);
+    if (drive == nullptr) continue;
+    const auto body = static_cast<std::size_t>(pair.a);
+    const PairLaw& law = s.scene.law(s.particles.material[body], s.scene.source().walls[w].material);
+    // the stiffest that is expected of the pair; of a layer, whose area is not known, from what it holds
+    double normal = crowd * law.step_stiffness;
+    if (settings.gather == Gathering::area)
+      normal = r.elastic > 0 ? squared_length(r.force_a - r.dissipative_force_a) / (2 * r.elastic) : 0;
+    if (!(normal > 0)) continue;
+    const Resistance of = resistance_of(s, drive->guide, r, body, normal, law.friction > 0 ? law.tangential_ratio * normal : 0);
+    sums[count * w + force].add(of.force);
+    sums[count * w + stiffness].add(of.stiffness);
+    sums[count * w + impedance].add(of.impedance);
+    sums[count * w + yield].add(of.yield);
   }
   add_over_ranks(s.comm.get(), sums);
   for_each_drive(s, [&](std::size_t w, const Drive&) {
-    s.totals.drives[w].force = sums[count * w + force].value();
     DriveState& at = s.totals.drives[w];
+    at.force = sums[count * w + force].value();
     at.stiffness = sums[count * w + stiffness].value();
+    at.impedance = sums[count * w + impedance].value();
     at.yield = at.stiffness > 0 ? sums[count * w + yield].value() / at.stiffness : 0;
   });
 }
@@ -121,7 +158,7 @@ void respond_drives(RunState& s) {
       const double rate = (at.rate_before + 0.5 * dt * acceleration(drive, at, gravity)) / (1 + damping_share(drive, dt));
       at.rate = is_at_end ? 0 : std::clamp(rate, -drive.most_rate, drive.most_rate);
     } else {
-      const double ahead = is_on(wall.motion, time + 0.5 * dt) ? rate_ahead(drive, at, gravity, dt, contact_time_of(s)) : 0;
+      const double ahead = is_on(wall.motion, time + 0.5 * dt) ? rate_ahead(drive, at, gravity, dt) : 0;
       const bool stays = (at.way == drive.highest && ahead > 0) || (at.way == drive.lowest && ahead < 0);
       at.rate = 0.5 * (at.rate_before + (stays ? 0 : ahead));
     }

@@ -5,25 +5,26 @@
 //
 //   rate' = rate (1 - z) + dt/2 a,  way += dt rate',  rate = (rate' + dt/2 a) / (1 + z),  z = damping dt / (2 inertia)
 //
-// A servo has none. Its rate makes up for a share of what is missing of its force F in the time T of the slowest contact, by the stiffness
-// k of its contacts:
+// A servo has none. Its rate makes up for a share of what is missing of its force F within the time of a contact, by the impedance Z of its
+// contacts:
 //
-//   rate' = v + share (F - F_contacts) / (k T), at most the speed that it is given; that speed while nothing touches it
+//   rate' = v + share (F - F_contacts) / Z, at most the speed that it is given; that speed while nothing touches it
 //
-// v is the rate at which what touches it gives way, so that the force does not lag behind where bodies flow: the mean, weighted by
-// stiffness, of each contact's rate f . v_body / (f . d way). With it the force of one contact comes to F as exp(-share t / T), however its
-// body moves. In a step in place of T it would swing: contacts damp with 2 zeta sqrt(k m), which at a rate of dF / (k dt) is many times dF
-// where dt is a small part of T = pi sqrt(m/k). With T it is at most share 2 zeta / pi of dF. k is summed from each contact's elastic force
-// f along the way and elastic energy U, as f^2 / (2 U): exact for linear contacts, 1/1.2 of the tangent of Hertz's. Bodies behind those
-// that touch the wall are softer than k: the force comes nearer in more steps, and never swings. Source: the controllers of Yade
-// (TriaxialStressController) and LIGGGHTS (mesh/surface/stress/servo), with the contacts' own stiffness.
+// Z is the sum of pi sqrt(k m) over the contacts: of k, the stiffest that is expected of the pair (law.step_stiffness), over the time of a
+// contact of the body's mass m, pi sqrt(m/k), each along the way of the wall. v is the rate at which what touches the wall gives way, so
+// that the force does not lag behind where bodies flow: the mean by stiffness of the velocities of the surfaces in contact. With both, the
+// force of a contact comes to F as exp(-share t / T), however its body moves. In a step in place of T it would swing: contacts damp with 2
+// zeta sqrt(k m), which at a rate of dF / (k dt) is many times dF where dt is a small part of T; with Z it is at most share 2 zeta / pi of
+// dF. Softer contacts than expected (Hertz under a light load), and bodies behind those that touch, come nearer more slowly.
+//
+// Source: the controllers of Yade (TriaxialStressController) and LIGGGHTS (mesh/surface/stress/servo), with the contacts' own impedance.
 #pragma once
 
 #include "solver/step/run_state.hpp"
 
 namespace scree {
 
-/// Moves them by the present step. Before the clock is advanced.
+/// Moves them by the present step. Before the clock is advanced. Throws RunInvalid, on every rank, for one that goes too far in it.
 void move_drives(RunState& s);
 
 /// Sums what contacts do to them. Collective.

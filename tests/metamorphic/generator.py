@@ -617,7 +617,7 @@ def drives(d):
             area = d.radius**2 * d.log_between(1, 100)
             table = {"direction": way.tolist(), "stress": force / area, "area": area, "max_speed": speed}
         elif motion == "servo":
-            table = {"direction": way.tolist(), "force": d.random.choice([-1, 1]) * force, "max_speed": speed}
+            table = {"direction": way.tolist(), "force": force, "max_speed": speed}
         elif motion == "motor":
             table = {"axis": d.direction().tolist(), "centre": centre.tolist(), "torque": force * lever, "inertia": 3 * heavy * lever**2,
                      "max_rate": speed / lever}

@@ -44,10 +44,8 @@ def read(name):
     held = np.array([force[k][before][-3:].mean() for k in "xyz"])
     servo = walls["+x"]["motion"]["servo"]
     asked = si(servo["stress"]) * si(servo["area"])
-    solid = run.frames[0].bodies.mass.sum() / si(case["materials"]["sand"]["density"]) if hasattr(run.frames[0].bodies, "mass") else np.nan
     return {"p": si(servo["stress"]), "strain": strain, "dilates": volume[sheared] / volume[before][-1] - 1,
-            "s1": stress["z"][sheared], "s3": 0.5 * (stress["x"] + stress["y"])[sheared], "held": held / asked,
-            "solid": solid / volume[before][-1]}
+            "s1": stress["z"][sheared], "s3": 0.5 * (stress["x"] + stress["y"])[sheared], "held": held / asked}
 
 
 def angle(s1, s3):
