@@ -132,6 +132,8 @@ def main():
     # sweeps as of any case
     steps = run("--dry-run", "--config", "sweep=pairs.*.friction=0.2|0.6", "replicas=2")
     assert steps.count("scree-decomposer pack") == 4 and "friction=0.6" in steps, steps
+    table = re.search(r"/usr/bin/python3 (\S+sweep_table\.py) ", steps)
+    assert table and os.path.isfile(table[1]), f"the table of the sweep is made by a script that is not there: {table and table[1]}"
     shutil.rmtree(SCRATCH)
 
 
