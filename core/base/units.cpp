@@ -93,7 +93,9 @@ constexpr std::array kDimensions{
     DimensionFacts{Dimension::mass_rate, "a mass per time", "kg/s", "2 kg/s", {1, 0, -1, 0}},
     DimensionFacts{Dimension::energy, "an energy", "J", "0.5 uJ", {1, 2, -2, 0}},
     DimensionFacts{Dimension::surface_energy, "an energy per area", "J/m^2", "50 mJ/m^2", {1, 0, -2, 0}},
+    DimensionFacts{Dimension::surface_tension, "a surface tension", "N/m", "72 mN/m", {1, 0, -2, 0}},
     DimensionFacts{Dimension::area, "an area", "m^2", "0.01 m^2", {0, 2, 0, 0}},
+    DimensionFacts{Dimension::volume, "a volume", "m^3", "1 mm^3", {0, 3, 0, 0}},
     DimensionFacts{Dimension::torque, "a torque", "N m", "40 N m", {1, 2, -2, 0}},
     DimensionFacts{Dimension::moment_of_inertia, "a moment of inertia", "kg m^2", "0.2 kg m^2", {1, 2, 0, 0}},
     DimensionFacts{Dimension::damping, "a force per velocity", "N s/m", "100 N s/m", {1, 0, -1, 0}},
@@ -247,9 +249,8 @@ double parse_quantity(const std::string& text, Dimension expected, const std::st
 
 std::string format_quantity(double value, Dimension dimension) {
   // of these a prefix would stand before a power or before a kilogram
-  constexpr std::array kWithoutPrefix{
-      Dimension::none,      Dimension::density,         Dimension::angle, Dimension::area, Dimension::moment_of_inertia,
-      Dimension::mass_rate, Dimension::angular_velocity};
+  constexpr std::array kWithoutPrefix{Dimension::none,   Dimension::density,           Dimension::angle,     Dimension::area,
+                                      Dimension::volume, Dimension::moment_of_inertia, Dimension::mass_rate, Dimension::angular_velocity};
   if (value == 0.0 || !std::isfinite(value) || std::find(kWithoutPrefix.begin(), kWithoutPrefix.end(), dimension) != kWithoutPrefix.end()) {
     const char* unit = facts_of(dimension).unit;
     return *unit == '\0' ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);

@@ -44,8 +44,13 @@ struct MaterialPair {
   double pull_off = 0;            ///< [N] what parts a contact (attraction.hpp); 0: `adhesion` says it, or there is no attraction
   double adhesion = 0;            ///< [J/m^2] work of adhesion w
   AdhesionModel adhesion_model = AdhesionModel::jkr;
-  double adhesion_range = 0;     ///< [m] over which the attraction acts; 0: from separation_energy
-  double separation_energy = 0;  ///< [J] that parts a contact at rest; 0: from adhesion_range
+  double adhesion_range = 0;         ///< [m] over which the attraction acts; 0: from separation_energy
+  double separation_energy = 0;      ///< [J] that parts a contact at rest; 0: from adhesion_range
+  bool adhesion_hysteresis = false;  ///< JKR's own force: from touch until the neck tears (jkr.hpp)
+  double surface_tension = 0;        ///< [N/m] of a liquid bridge; 0: none
+  double contact_angle = 0;          ///< [rad] of the liquid on both surfaces
+  double bridge_volume = 0;          ///< [m^3]
+  BridgeRupture bridge_rupture = BridgeRupture::willett;
 };
 
 /// E* [Pa] of two materials: 1/E* = sum of (1 - poisson^2) / young.

@@ -167,6 +167,19 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   k.number({"separation_energy", "from `adhesion_range`",
             "work that parts a contact at rest; the range follows from it, whatever the stiffness"},
            p.separation_energy, Dimension::energy, Range::positive);
+  k.boolean({"adhesion_hysteresis", "",
+             "with `hertz-mindlin`, `jkr` and balls alone, in place of a range: the force of JKR itself, which begins at touch and ends "
+             "where the neck tears, beyond touch"},
+            p.adhesion_hysteresis);
+  k.number(
+      {"surface_tension", "none", "of a liquid bridge, which forms at touch and holds until it ruptures; with `gather = \"potential\"`"},
+      p.surface_tension, Dimension::surface_tension, Range::positive);
+  k.number({"contact_angle", "", "of the liquid, below 90 degrees"}, p.contact_angle, Dimension::angle, Range::not_negative);
+  k.number({"bridge_volume", "required with `surface_tension`", "of each bridge"}, p.bridge_volume, Dimension::volume, Range::positive);
+  k.word({"bridge_rupture", "",
+          "the gap at which a bridge breaks: (1 + contact_angle / 2) (V^(1/3) + 0.1 V^(2/3) / R) (`willett`), or without the last term "
+          "(`lian`); R = 2 R*"},
+         p.bridge_rupture);
 }
 
 }  // namespace scree

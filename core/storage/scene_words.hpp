@@ -77,6 +77,12 @@ template <>
 inline constexpr auto kWordsOf<AdhesionModel> = std::to_array<Word<AdhesionModel>>({{AdhesionModel::jkr, "jkr"},
                                                                                     {AdhesionModel::dmt, "dmt"}});
 
+/// Where a liquid bridge breaks: (1 + theta / 2) (V^(1/3) + 0.1 V^(2/3) / R) (Willett 2000), or without the last term (Lian 1993).
+enum class BridgeRupture { willett, lian };
+template <>
+inline constexpr auto kWordsOf<BridgeRupture> = std::to_array<Word<BridgeRupture>>({{BridgeRupture::willett, "willett"},
+                                                                                    {BridgeRupture::lian, "lian"}});
+
 enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };
 template <>
 inline constexpr auto kWordsOf<WallKind> = std::to_array<Word<WallKind>>({{WallKind::plane, "plane"},

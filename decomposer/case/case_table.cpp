@@ -67,6 +67,7 @@ std::string dimension_of(const std::string& text) {
                             Dimension::energy,
                             Dimension::surface_energy,
                             Dimension::area,
+                            Dimension::volume,
                             Dimension::moment_of_inertia,
                             Dimension::damping,
                             Dimension::rotational_damping}) {

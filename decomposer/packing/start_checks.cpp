@@ -16,10 +16,11 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
   const Settings& s = scene.settings;
   for (const CaseShape& shape : c.shapes) {
     if (shape.cell_size > 0)
-      throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off or adhesion)", shape.where);
+      throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off, adhesion or surface_tension)", shape.where);
   }
   for (const CaseWall& w : c.walls) {
-    if (w.wall.cell_size > 0) throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off or adhesion)", w.where);
+    if (w.wall.cell_size > 0)
+      throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off, adhesion or surface_tension)", w.where);
   }
   const double reach = 2 * s.margin + widest_range(scene);
   std::vector<double> radius(scene.materials.size(), 0.0);
@@ -27,8 +28,9 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
     const Shape& of = parts.shape(shape).shape;
     double& largest = radius[static_cast<std::size_t>(material)];
     largest = std::max(largest, 0.5 * scale * of.equivalent_diameter());
-    check_thickness(
-        of, scale, [&] { return fmt::format("body {}", id); }, reach);
+    const auto body = [&] { return fmt::format("body {}", id); };
+    check_thickness(of, scale, body, reach);
+    check_is_ball_where_necks_are(scene, of, material, body);
   };
   for (std::size_t i = 0; i < c.bodies.size(); ++i)
     add(c.bodies[i].shape, c.bodies[i].material, c.bodies[i].scale, parts.first_id + static_cast<std::int64_t>(i));
@@ -38,8 +40,9 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
       const Shape& of = scene.shapes[static_cast<std::size_t>(share.shape)];
       double& largest = radius[static_cast<std::size_t>(inlet.material)];
       largest = std::max(largest, 0.5 * (inlet.size ? inlet.size->max : of.equivalent_diameter()));
-      check_thickness(
-          of, scales_of(inlet.size, of).smallest, [&] { return fmt::format("a body of the inlet '{}'", inlet.name); }, reach);
+      const auto body = [&] { return fmt::format("a body of the inlet '{}'", inlet.name); };
+      check_thickness(of, scales_of(inlet.size, of).smallest, body, reach);
+      check_is_ball_where_necks_are(scene, of, inlet.material, body);
     }
   }
   for (const CasePair& p : c.pairs) {

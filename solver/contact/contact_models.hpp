@@ -33,6 +33,9 @@ void for_chosen_law(const LawChoice& choice, Action&& action) {
       using Normal = typename Model::template NormalLaw<typename Entry::Normal>;
       if constexpr (!std::is_void_v<Normal>) {
         if (!choice.attraction) return action.template operator()<Model, Entry, Normal>();
+        if constexpr (std::is_same_v<Model, PotentialModel> && std::is_same_v<Normal, HertzLaw>) {
+          if (choice.necks) return action.template operator()<Model, Entry, NeckLaw>();
+        }
         if constexpr (kMayAttract<Model, Normal>) action.template operator()<Model, Entry, WithAttraction<Normal>>();
       }
     });

@@ -39,8 +39,8 @@ ContactOutput output_of(const Vec3& n, double normal_force, const Vec3& from_wei
 }
 
 /// Rolling and torsional resistance of the pair (laws/rolling.hpp), with its spring kept after those of the features.
-void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force, double push, const std::vector<double>& per_overlap,
-                 double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
+void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force, double push, double load,
+                 const std::vector<double>& per_overlap, double tangential_damping, double dt, double friction_dt, const MeanTurn& turned,
                  const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(push_force);
   if (!(size > 0) || !(push > 0)) return;
@@ -50,7 +50,7 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
   Vec3 surface_twist;  // a surface that turns twists what lies on it; nothing rolls with it
   if (m.surface != nullptr) surface_twist = dot(m.surface->spin, state.n) * state.n;
   state.relative_spin -= surface_twist;
-  state.normal_force = push;
+  state.normal_force = push * load;
   double stiffness = 0;
   for (const double s : per_overlap) stiffness += s;
   state.overlap = push / stiffness;
@@ -69,6 +69,27 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
   if (!law.rolling_spring) return;
   next.push_back({kRollingKey, moment.spring, moment.stiffness});
   if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
+}
+
+constexpr FrictionSpring kLink{kLinkKey, {}, 0};
+
+bool has_link(const std::vector<FrictionSpring>& springs) {
+  for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kLinkKey; ++s) {
+    if (s->key == kLinkKey) return true;
+  }
+  return false;
+}
+
+/// Whether two bodies remember that they have touched.
+bool remembers(const PairLaw& law) { return law.neck_adhesion > 0 || law.bridge != nullptr; }
+
+/// Energy that goes as a neck or bridge forms [J].
+template <class Law>
+double released_at_touch(const Law& law) {
+  if constexpr (NeckedLaw<Law>)
+    return law.neck->released_at_touch();
+  else
+    return law.attraction.released_at_touch();
 }
 
 /// Damping of a pair: each feature's is push chi v_n, never more than the push itself.
@@ -138,6 +159,12 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   if (outputs != nullptr) forces.from_weight.assign(count, Vec3{});
   const PushSum push = Model::potential(features, law, law_of_overlap, forces, result);
 
+  bool linked = false;
+  if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) {
+    linked = remembers(law);
+    if (linked && friction_dt > 0 && !has_link(springs)) result.released = released_at_touch(law_of_overlap);
+  }
+
   const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt);
   Damping damping = dampings.of_pair();
   result.damping = damping.chi;
@@ -162,6 +189,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
         (*outputs)[j] = output_of(features.list[j].n, normal_force(j, forces.push[j]), forces.from_weight[j], Vec3{});
     }
     springs.clear();
+    if (linked) springs.push_back(kLink);
     return result;
   }
 
@@ -185,7 +213,9 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     if constexpr (Model::kDampsEachFeature) damping = dampings.of_feature(f, j);
     double damped = 0;
     if (!PullingLaw<Law> || forces.push[j] > 0) {
-      const double weight = std::min(damping.most_onset, onset_weight(f.overlap, vn, dt));
+      double in_touch = f.overlap;
+      if constexpr (NeckedLaw<Law>) in_touch = push.overlap;
+      const double weight = std::min(damping.most_onset, onset_weight(in_touch, vn, dt));
       damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
     }
     Vec3 dissipative = (damped - forces.push[j]) * f.n;
@@ -200,8 +230,17 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
         slip -= surface - (0.5 * friction_dt) * cross(motion.surface->spin, surface);
       }
       const Vec3 vt = slip - dot(slip, f.n) * f.n;
-      tangential = friction.force(f, vt, vn, damped, law.tangential_ratio * forces.push_per_overlap[j],
-                                  tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
+      const auto friction_of = [&](const ContactFeature& feature, double load) {
+        return friction.force(feature, vt, vn, load, law.tangential_ratio * forces.push_per_overlap[j],
+                              tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
+      };
+      if constexpr (NeckedLaw<Law>) {
+        ContactFeature necked = f;
+        necked.overlap = push.overlap;
+        tangential = friction_of(necked, damped + (push.load - 1) * forces.push[j]);
+      } else {
+        tangential = friction_of(f, damped);
+      }
       dissipative += tangential;
       if (motion.surface != nullptr) result.surface_power += dot(tangential, motion.surface->at(f.x));
     }
@@ -210,9 +249,11 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     if (outputs != nullptr) (*outputs)[j] = output_of(f.n, normal_force(j, damped), forces.from_weight[j], tangential);
   }
   if (rolls)
-    add_rolling(law, motion, push_force, push.force, forces.push_per_overlap, tangential_share * damping.chi, dt, friction_dt, turned,
-                springs, next, result);
-  if (!next.empty()) next.push_back(MeanTurn::entry(motion.turn));
+    add_rolling(law, motion, push_force, push.force, push.load, forces.push_per_overlap, tangential_share * damping.chi, dt, friction_dt,
+                turned, springs, next, result);
+  const bool has_springs = !next.empty();
+  if (linked) next.push_back(kLink);
+  if (has_springs) next.push_back(MeanTurn::entry(motion.turn));
   springs.swap(next);
   result.force += result.dissipative_force;
   result.torque += result.dissipative_torque;
@@ -229,6 +270,19 @@ PairForceFunction without_the_unneeded(const LawChoice& choice) {
 }
 
 }  // namespace
+
+PairHoldsFunction pair_holds_function(const LawChoice& choice) {
+  PairHoldsFunction function = nullptr;
+  if (!choice.remembers) return function;
+  for_chosen_law(choice, [&]<class Model, class Entry, class Law>() {
+    if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) {
+      function = [](const PairFeatures& features, const PairLaw& law, double radius, const std::vector<FrictionSpring>& springs) {
+        return Model::holds(features, law, Law(law, radius), has_link(springs));
+      };
+    }
+  });
+  return function;
+}
 
 PairForceFunction pair_force_function(const LawChoice& choice) {
   PairForceFunction function = nullptr;

@@ -36,6 +36,7 @@ struct PairForce {
   double largest_overlap = 0;                  ///< largest overlap [m]
   double surface_power = 0;                    ///< of friction on A where the wall's surface moves: its work on both [W]
   double damping = 0;                          ///< chi: the damping force of a feature is its push times chi times its speed [s/m]
+  double released = 0;                         ///< as a neck or bridge formed in this step [J]
 };
 
 /// One contact as it is written to frames. All contacts of a pair add up to its force.
@@ -58,8 +59,10 @@ struct FeatureForces {
 
 /// Of the push of all features of a pair.
 struct PushSum {
-  double force = 0;   ///< [N]
-  double energy = 0;  ///< [J]
+  double force = 0;    ///< [N]
+  double energy = 0;   ///< [J]
+  double load = 1;     ///< what friction and rolling are limited by, over the push
+  double overlap = 0;  ///< of a law with necks: that of the push [m]
 };
 
 /// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
@@ -67,6 +70,8 @@ inline constexpr int kNorm = 8;
 
 /// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
 inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
+/// Key of an entry that is no spring: the two have a neck (laws/neck.hpp) or a liquid bridge (laws/attraction.hpp).
+inline constexpr std::int64_t kLinkKey = std::int64_t{5} << 60;
 /// Key of the last entry: no spring, but how B was turned against A when the springs were set, x y z and w of a quaternion.
 inline constexpr std::int64_t kTurnKey = std::int64_t{7} << 60;
 
@@ -86,5 +91,12 @@ using PairForceFunction = PairForce (*)(const PairFeatures& features, const Pair
 
 /// The function for a scene's model and law, with what the scene does not need left out of it.
 PairForceFunction pair_force_function(const LawChoice& choice);
+
+/// Whether two bodies whose features lie within the reach of their law act on each other, where that depends on whether they have touched.
+/// in   radius   R* [m]
+using PairHoldsFunction = bool (*)(const PairFeatures& features, const PairLaw& law, double radius,
+                                   const std::vector<FrictionSpring>& springs);
+/// Null for a scene none of whose pairs remembers that.
+PairHoldsFunction pair_holds_function(const LawChoice& choice);
 
 }  // namespace scree

@@ -22,13 +22,15 @@ inline double power7(double x) {
 struct PushAndPull {
   double push = 0, push_energy = 0;  ///< [N, J]
   double pull = 0, pull_energy = 0;
+  double overlap = 0;  ///< that the push is of [m]
   template <class Law>
   static PushAndPull of(const Law& law, double D) {
     if constexpr (PullingLaw<Law>) {
-      const bool touches = D > 0;
-      return {touches ? law.force(D) : 0, touches ? law.energy(D) : 0, law.pull(D), law.pull_energy(D)};
+      const double of_push = overlap_of_push(law, D);
+      const bool presses = of_push > 0;
+      return {presses ? law.force(of_push) : 0, presses ? law.energy(of_push) : 0, law.pull(D), law.pull_energy(D), of_push};
     } else {
-      return {law.force(D), law.energy(D)};
+      return {law.force(D), law.energy(D), 0, 0, D};
     }
   }
 };
@@ -101,6 +103,11 @@ struct PotentialModel {
   template <class Law>
   static void linearise(const LinearContact& contact, const Law& law);
 
+  /// Of a pair that remembers whether it has touched: whether it touches, or has not yet parted.
+  /// in   linked   it has touched
+  template <class Law>
+  static bool holds(const PairFeatures& features, const PairLaw& pair_law, const Law& law, bool linked);
+
  private:
   template <class Law>
   static PushSum add_potential(const PairFeatures& pair, const PairLaw& pair_law, const Law& law, FeatureForces& forces, PairForce& result);
@@ -142,7 +149,7 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
     const ContactFeature& f = features[j];
     const double r = depth_in_reach<Law>(pair_law, f) / depth, r7 = power7(r);
     forces.push[j] = slope * f.weight * r7;
-    forces.push_per_overlap[j] = forces.push[j] / D;
+    forces.push_per_overlap[j] = forces.push[j] / at.overlap;
     push += forces.push[j];
     const Vec3 force = forces.push[j] * f.n;
     result.force += force;
@@ -156,10 +163,15 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
   }
   if constexpr (PullingLaw<Law>) {
     result.elastic -= at.pull_energy;
-    if (!(D > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
+    if (!(at.overlap > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
     add_pull(features, {}, pair_law.reach, depth, at.pull, forces);
   }
-  return {push, at.push_energy};
+  PushSum total{push, at.push_energy};
+  if constexpr (NeckedLaw<Law>) {
+    total.overlap = at.overlap;
+    if (push > 0) total.load = law.load_share(D);
+  }
+  return total;
 }
 
 /// The same with one potential per cell (wall_cells.hpp), each with a part of the energy.
@@ -239,9 +251,10 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
     const double depth = largest * std::pow(sum, 1.0 / kNorm), D = overlap_at<Law>(contact.law, depth);
     if (!(depth > 0)) continue;
     double push = 0, tangent = 0;  // U', U'' at most: a pull that grows with the overlap softens, one that fades stiffens
-    if (D > 0) {
-      push = part * law.force(D);
-      tangent = part * law.stiffness(D);
+    const double of_push = overlap_of_push(law, D);
+    if (of_push > 0) {
+      push = part * law.force(of_push);
+      tangent = part * law.stiffness(of_push);
     }
     if constexpr (PullingLaw<Law>) tangent += part * law.pull_stiffness(D);
     const double slope = push / depth;
@@ -252,14 +265,28 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
       const double weight = members[m].weight, r = depth_in_reach<Law>(contact.law, f) / depth, r6 = std::pow(r, kNorm - 2);
       const auto along = mode_of(contact.motion, f.x, f.n);
       for (std::size_t i = 0; i < 12; ++i) common[i] += weight * r6 * r * along[i];
-      if (D > 0) {
-        contact.add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, push * weight * r6 * r, contact.force.damping, D,
-                          tangent_over_secant(law, D));
+      if (of_push > 0) {
+        contact.add_point(f.x, f.n, (kNorm - 1) * slope * weight * r6, push * weight * r6 * r, contact.force.damping, of_push,
+                          tangent_over_secant(law, of_push));
       }
     }
     contact.result.add_mode(tangent - (kNorm - 1) * slope, 0, common);
   }
   if (contact.law.barrier > 0) linearise_barrier(contact, tangent_over_secant(law, largest));
+}
+
+template <class Law>
+bool PotentialModel::holds(const PairFeatures& features, const PairLaw& pair_law, const Law& law, bool linked) {
+  for (const ContactFeature& f : features.list) {
+    if (f.overlap > 0) return true;
+  }
+  if constexpr (NeckedLaw<Law>) {
+    if (law.neck) return linked && depth_of_all(features, pair_law.reach) - pair_law.reach > -law.neck->tear_off;
+  }
+  if constexpr (AttractingLaw<Law>) {
+    if (pair_law.bridge != nullptr) return linked && law.attraction.holds(depth_of_all(features, pair_law.reach));
+  }
+  return true;
 }
 
 }  // namespace scree

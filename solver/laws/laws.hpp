@@ -8,6 +8,7 @@
 #include "solver/laws/attraction.hpp"
 #include "solver/laws/barrier.hpp"
 #include "solver/laws/damping.hpp"
+#include "solver/laws/neck.hpp"
 #include "solver/laws/normal.hpp"
 #include "solver/laws/rolling.hpp"
 
@@ -44,6 +45,8 @@ struct LawChoice {
   bool friction = false;                       ///< some pair has friction
   bool rolling = false;                        ///< some pair has rolling or torsional resistance
   bool attraction = false;                     ///< some materials attract each other
+  bool necks = false;                          ///< by necks (laws/neck.hpp)
+  bool remembers = false;                      ///< some only once they have touched
   bool needs_radius = false;                   ///< R* of the bodies enters
 };
 

@@ -3,6 +3,8 @@
 
 namespace scree {
 
+struct MaterialPair;
+
 /// Ratio of tangential to normal stiffness: equal periods for a ball (docs/reference/contact-law.md section 3.4, rho = 2/7).
 inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
 
@@ -20,11 +22,13 @@ struct PairLaw {
   double radius = 0;                                    ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
   double barrier = 0;                                   ///< k_b of laws/barrier.hpp [N/m]; 0: none
   double margin = 0;                                    ///< margin sum [m]
-  double reach = 0;                ///< gap beyond the margins at which the law or an attraction begins to act [m]; 0 where nothing pulls
-  double pull_off = 0;             ///< F_c of laws/attraction.hpp [N] ...
-  double pull_off_per_radius = 0;  ///< ... and what goes with R* of it [N/m]
-  double step_stiffness = 0;       ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
-  double step_damping = 0;         ///< damping ratio of restitution, of every law: the step is derived from it
+  double reach = 0;          ///< gap beyond the margins at which the law or an attraction begins to act [m]; 0 where nothing pulls
+  double neck_adhesion = 0;  ///< w of laws/neck.hpp [J/m^2]; 0: these materials do not stick so
+  const MaterialPair* bridge = nullptr;  ///< whose liquid bridge the attraction is; null: none
+  double pull_off = 0;                   ///< F_c of laws/attraction.hpp [N] ...
+  double pull_off_per_radius = 0;        ///< ... and what goes with R* of it [N/m]
+  double step_stiffness = 0;             ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it
+  double step_damping = 0;               ///< damping ratio of restitution, of every law: the step is derived from it
 };
 
 }  // namespace scree

@@ -117,7 +117,7 @@ void Plan::add_contact() {
   if (scene_.law_choice().attraction)
     add_attraction();
   else
-    out("attraction", "no pair has pull_off or adhesion: contacts begin at touch");
+    out("attraction", "no pair has pull_off, adhesion or surface_tension: contacts begin at touch");
   if (scene_.has_friction())
     in("friction springs", fmt::format("{0} bytes per contact, and {0} per pair in contact", sizeof(FrictionSpring)));
   else
@@ -144,11 +144,16 @@ void Plan::add_attraction() {
     const Material &a = source_.materials[static_cast<std::size_t>(pair.a)], &b = source_.materials[static_cast<std::size_t>(pair.b)];
     const LargestImpact impact = scene_.largest_impact(pair, scene_.extremes());
     const double force = scene_.largest_pull_off(pair, scene_.extremes()), range = scene_.law(pair.a, pair.b).reach;
-    const double pressed = impact.radius > 0 ? resting_contact(settings_.law, pair, a, b, impact.radius).energy : 0;
-    in("attraction", fmt::format("'{}' and '{}': {}{} over {}; parting takes {} from touch, {} from rest", a.name, b.name,
-                                 pair.adhesion > 0 ? "at most " : "", format_quantity(force, Dimension::force),
-                                 format_quantity(range, Dimension::length), format_quantity(0.5 * force * range, Dimension::energy),
-                                 format_quantity(0.5 * force * range + pressed, Dimension::energy)));
+    const bool sized = impact.radius > 0;
+    const double parts = sized ? parting_energy(settings_.law, pair, a, b, impact.radius) : 0.5 * force * range;
+    const double pressed = sized ? resting_contact(settings_.law, pair, a, b, impact.radius).energy : 0;
+    const char* how = pull_kind(pair) == PullKind::neck     ? ", from touch until the neck tears,"
+                      : pull_kind(pair) == PullKind::bridge ? ", by a liquid bridge from touch until it ruptures,"
+                                                            : "";
+    in("attraction", fmt::format("'{}' and '{}': {}{}{} over {}; parting takes {} from touch, {} from rest", a.name, b.name,
+                                 pair.pull_off > 0 ? "" : "at most ", format_quantity(force, Dimension::force), how,
+                                 format_quantity(range, Dimension::length), format_quantity(parts, Dimension::energy),
+                                 format_quantity(parts + pressed, Dimension::energy)));
     const double step = simulation_.state().clock.size.step;
     if (impact.speed > 0)
       in("range crossed", fmt::format("in {:.3g} steps at {}, the fastest impact expected", range / (impact.speed * step),

@@ -92,10 +92,15 @@ SolverScene::SolverScene(const Scene& scene)
   prepare_laws();
   prepare_barrier();
   prepare_weights();
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    check_fits(bodies.shape[b], bodies.scale[b], [&] { return fmt::format("body {}", bodies.id[b]); });
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto who = [&] { return fmt::format("body {}", bodies.id[b]); };
+    check_fits(bodies.shape[b], bodies.scale[b], who);
+    check_is_ball_where_necks_are(scene, scene.shapes[static_cast<std::size_t>(bodies.shape[b])], bodies.material[b], who);
+  }
   for (const Inlet& inlet : scene.inlets) {
     for (const Inlet::Share& share : inlet.shares) {
+      check_is_ball_where_necks_are(scene, scene.shapes[static_cast<std::size_t>(share.shape)], inlet.material,
+                                    [&] { return fmt::format("a body of the inlet '{}'", inlet.name); });
       const auto [smallest, largest] = scales_of(inlet.size, scene.shapes[static_cast<std::size_t>(share.shape)]);
       for (const double scale : {smallest, largest})
         check_fits(share.shape, scale, [&] { return fmt::format("a body of the inlet '{}'", inlet.name); });
@@ -188,7 +193,8 @@ void SolverScene::prepare_laws() {
     shares_cells = PowerLaw<Normal> && !PullingLaw<Normal>;
     law_choice_.attraction = std::any_of(scene_->pairs.begin(), scene_->pairs.end(), attracts);
     if (law_choice_.attraction && PullingLaw<Normal>)
-      throw UsageError("pairs: contact.law = \"{}\" attracts by itself and does not go with pull_off or adhesion", word_of(Entry::kLaw));
+      throw UsageError("pairs: contact.law = \"{}\" attracts by itself and does not go with pull_off, adhesion or surface_tension",
+                       word_of(Entry::kLaw));
   });
   shares_cells = shares_cells && !law_choice_.attraction;
   laws_.resize(material_count_ * material_count_);
@@ -196,6 +202,8 @@ void SolverScene::prepare_laws() {
     const PairLaw law = make_pair_law(pair, extremes_);
     law_choice_.friction = law_choice_.friction || law.friction > 0;
     law_choice_.needs_radius = law_choice_.needs_radius || law.pull_off_per_radius > 0;
+    law_choice_.necks = law_choice_.necks || law.neck_adhesion > 0;
+    law_choice_.remembers = law_choice_.remembers || remembers(pair);
     law_choice_.rolling = law_choice_.rolling || law.rolling_friction > 0 || law.torsional_friction > 0;
     has_damping_ = has_damping_ || law.damping_ratio > 0 || law.damping_slope > 0;
     reach_ = std::max(reach_, law.reach);
@@ -205,14 +213,27 @@ void SolverScene::prepare_laws() {
     laws_[b * material_count_ + a] = law;
   }
   law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
+  if (law_choice_.necks) check_necks();
   if (shares_cells) return;
   bool has_cells = false;
   for (const Wall& wall : scene_->walls) has_cells = has_cells || wall.cell_size > 0;
   for (const SolverShape& s : shapes_) has_cells = has_cells || s.cell_size > 0;
-  if (has_cells && law_choice_.attraction) throw UsageError("cell_size: does not go with attraction (pull_off or adhesion of a pair)");
+  if (has_cells && law_choice_.attraction)
+    throw UsageError("cell_size: does not go with attraction (pull_off, adhesion or surface_tension of a pair)");
   if (has_cells) {
     throw UsageError("cell_size: contact.law = \"{}\" has no force that goes with one power of the overlap, which cells need",
                      word_of(law_choice_.law));
+  }
+}
+
+void SolverScene::check_necks() const {
+  for (const MaterialPair& pair : scene_->pairs) {
+    if (!attracts(pair) || pull_kind(pair) == PullKind::neck) continue;
+    throw UsageError(
+        "pairs: '{}' and '{}' attract each other without adhesion_hysteresis, other materials with it; in one scene either all that "
+        "attract "
+        "have it, or none",
+        scene_->materials[static_cast<std::size_t>(pair.a)].name, scene_->materials[static_cast<std::size_t>(pair.b)].name);
   }
 }
 
@@ -232,7 +253,7 @@ void SolverScene::prepare_weights() {
   wall_pull_weights_ = wall_weights_;
   if (settings.gather != Gathering::potential || settings.weights == VertexWeights::unit) return;
   if (margin_ > 0) weights_ = std::make_shared<DensityWeights>(margin_);
-  if (widest_range() > 0) pull_weights_ = std::make_shared<DensityWeights>(pull_table_depth());
+  if (widest_range() > 0 && !law_choice_.necks) pull_weights_ = std::make_shared<DensityWeights>(pull_table_depth());
   double radius = 0;
   for (const double r : extremes_.radius) radius = std::max(radius, r);
   if (!(radius > 0))
@@ -262,7 +283,9 @@ double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes&
   const PairLaw& as_made = law(pair.a, pair.b);
   double stiffness = make_pair_law(pair, extremes).step_stiffness;
   if (as_made.barrier > 0) stiffness += step_curvature_of_barrier(as_made);
-  return attracts(pair) ? std::max(stiffness, largest_pull_off(pair, extremes) / as_made.reach) : stiffness;
+  if (!attracts(pair)) return stiffness;
+  const Material &a = scene_->materials[static_cast<std::size_t>(pair.a)], &b = scene_->materials[static_cast<std::size_t>(pair.b)];
+  return std::max(stiffness, steepest_pull(scene_->settings.law, pair, a, b, largest_impact(pair, extremes).radius));
 }
 
 double SolverScene::largest_pull_off(const MaterialPair& pair, const BodyExtremes& extremes) const {
@@ -300,10 +323,13 @@ void SolverScene::add_attraction(const MaterialPair& pair, const BodyExtremes& e
   if (const AttractionFault fault = attraction_fault(settings, pair, a, b); fault.key[0] != 0)
     throw UsageError("pairs: '{}' and '{}': {} {}", a.name, b.name, fault.key, fault.text);
   const double radius = largest_impact(pair, extremes).radius;
-  if (pair.adhesion > 0)
+  if (pull_kind(pair) == PullKind::neck)
+    law.neck_adhesion = pair.adhesion;
+  else if (pair.adhesion > 0 || pair.surface_tension > 0)
     law.pull_off_per_radius = pull_off_force(pair, 1);
   else
     law.pull_off = pair.pull_off;
+  if (pull_kind(pair) == PullKind::bridge) law.bridge = &pair;
   law.reach = attraction_range(settings.law, pair, a, b, radius);
   check_pressing(settings, pair, a, b, radius, 2 * margin_);
 }

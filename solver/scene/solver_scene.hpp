@@ -48,7 +48,9 @@ class SolverScene {
   /// The D of an attraction that its tables are made for [m].
   double pull_table_depth() const { return kPullTableDepth * widest_range(); }
   /// Whether the radius of crowds can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
-  bool crowds_follow() const { return !(scene_->settings.barrier > 0) && (law_choice_.attraction || !(reach_ > 0)); }
+  bool crowds_follow() const {
+    return !(scene_->settings.barrier > 0) && ((law_choice_.attraction && !law_choice_.necks) || !(reach_ > 0));
+  }
   /// What there is of weights so far; null where all are 1.
   const DensityWeights* density_weights() const { return weights_.get(); }
   const std::vector<WallZone>& zones() const { return zones_; }
@@ -100,6 +102,7 @@ class SolverScene {
   void prepare_laws();
   void prepare_barrier();
   void prepare_weights();
+  void check_necks() const;
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
   void check_margin(bool has_mesh) const;
   void check_solid(std::int64_t id, std::int32_t shape) const;

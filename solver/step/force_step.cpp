@@ -53,6 +53,10 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
     double& largest = s.totals.max_overlap_ratio;
     largest =
         std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, friction_dt, s.clock.step, scratch_, s.pairs));
+    for (ExactSum& released : scratch_.released) {
+      s.totals.walls.dissipated.add(released);
+      released = {};
+    }
   });
 }
 

@@ -70,7 +70,19 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                       PairList& list, FrameContacts* out, const PairVisitor* look) {
   // a barrier makes room for gaps that are otherwise too near to be followed
   const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopOverlapRatio;
-  PairPass pass{scene, p, walls, dt, friction_dt, scratch, list, out, look, pair_force_function(scene.law_choice()), stop_ratio};
+  PairPass pass{scene,
+                p,
+                walls,
+                dt,
+                friction_dt,
+                scratch,
+                list,
+                out,
+                look,
+                pair_force_function(scene.law_choice()),
+                pair_holds_function(scene.law_choice()),
+                stop_ratio};
+  if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
   Deepest deepest;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
   check_pass(pass, which, step, deepest);

@@ -8,6 +8,7 @@
 #include "core/storage/contact_limits.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/neighbours/pair_list.hpp"
+#include "solver/ranks/exact_sum.hpp"
 
 namespace scree {
 
@@ -15,6 +16,8 @@ namespace scree {
 struct ForceScratch {
   std::vector<MeshDistanceScratchPtr> distance;  ///< one per thread
   std::vector<float> pair_seconds;               ///< when not empty, one per pair: evaluate_pairs fills in what each took
+  /// One per thread where necks or bridges may form: evaluate_pairs adds the energy that goes as they do, of the pairs counted here [J].
+  std::vector<ExactSum> released;
   ForceScratch();
 };
 

@@ -25,7 +25,8 @@ struct PairPass {
   FrameContacts* out;
   const PairVisitor* look;
   PairForceFunction force_of;
-  double stop_ratio;  ///< overlap over margin sum at which a run is stopped
+  PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
+  double stop_ratio;        ///< overlap over margin sum at which a run is stopped
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
 
   bool only_looks() const { return out != nullptr || look != nullptr; }
@@ -79,7 +80,8 @@ void prefetch(const void* begin) {
 template <ContactModel Model>
 class PairEvaluation {
  public:
-  PairEvaluation(PairPass& pass, int thread) : pass_(pass), distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]) {}
+  PairEvaluation(PairPass& pass, int thread)
+      : pass_(pass), distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]), thread_(static_cast<std::size_t>(thread)) {}
 
   void evaluate(std::int32_t k) {
     IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
@@ -143,11 +145,16 @@ class PairEvaluation {
     const double reach = law_of(view, pair).reach;
     for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
     std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
-    if (pass_.scene.law_choice().attraction)
+    if (pass_.scene.law_choice().attraction && !pass_.scene.law_choice().necks)
       Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), features_);
     else
       Model::weigh(view, kNoPull, features_);
+    if (pass_.holds == nullptr || features_.list.empty()) return;
+    const PairLaw& law = law_of(view, pair);
+    if (!pass_.holds(features_, law, radius_of(view, law), pair.state.springs)) features_.list.clear();
   }
+
+  double radius_of(const PairView& view, const PairLaw& law) const { return law.radius > 0 ? law.radius : contact_radius(view); }
 
   const PairLaw& law_of(const PairView& view, const BodyPair& pair) const {
     const std::int32_t material_b = view.zone == nullptr ? pass_.p.material[static_cast<std::size_t>(pair.b)]
@@ -160,7 +167,7 @@ class PairEvaluation {
     const PairLaw& law = law_of(view, pair);
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
-    if (pass_.scene.law_choice().needs_radius) motion.radius = law.radius > 0 ? law.radius : contact_radius(view);
+    if (pass_.scene.law_choice().needs_radius) motion.radius = radius_of(view, law);
     if (view.zone != nullptr && pass_.scene.has_moving_surfaces()) {
       const auto wall = static_cast<std::size_t>(view.zone->wall);
       if (pass_.scene.source().walls[wall].surface.moves()) {
@@ -189,6 +196,7 @@ class PairEvaluation {
     result.elastic = f.elastic;
     result.tangential_elastic = f.tangential_elastic;
     result.surface_power = f.surface_power;
+    if (f.released > 0 && !pass_.only_looks() && counts_here(pair, pass_.p)) pass_.scratch.released[thread_].add(f.released);
     result.overlap_ratio = view.margin > 0 ? f.largest_overlap / view.margin : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
@@ -199,6 +207,7 @@ class PairEvaluation {
 
   PairPass& pass_;
   MeshDistanceScratch& distance_;
+  std::size_t thread_;
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
   SurfaceBeneath surface_;

@@ -17,7 +17,7 @@ namespace scree {
 struct WallTotals {
   explicit WallTotals(std::size_t walls = 0) : impulse(walls) {}
   ExactSum work;                                 ///< of driven walls on the bodies [J]
-  ExactSum dissipated;                           ///< the walls' part of what is dissipated [J]
+  ExactSum dissipated;                           ///< the walls' part of what is dissipated, and what goes as necks and bridges form [J]
   std::vector<std::array<ExactSum, 3>> impulse;  ///< on each wall [N s]
 };
 

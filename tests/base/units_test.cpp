@@ -43,31 +43,30 @@ TEST_P(EveryUnit, is_turned_into_si) {
 
 INSTANTIATE_TEST_SUITE_P(
     units, EveryUnit,
-    testing::Values(Row{"0.5", Dimension::none, 0.5}, Row{"2.5 mm", Dimension::length, 2.5e-3}, Row{"2.5mm", Dimension::length, 2.5e-3},
-                    Row{"  12 cm ", Dimension::length, 0.12}, Row{"3 µm", Dimension::length, 3e-6}, Row{"1 in", Dimension::length, 0.0254},
-                    Row{"-4 km", Dimension::length, -4000.0}, Row{"+1 m", Dimension::length, 1.0}, Row{"10 us", Dimension::time, 10e-6},
-                    Row{"2 min", Dimension::time, 120.0}, Row{"1 h", Dimension::time, 3600.0}, Row{"13 ms", Dimension::time, 13e-3},
-                    Row{"2 kg", Dimension::mass, 2.0}, Row{"36 t/h", Dimension::mass_rate, 10.0}, Row{"50 /s", Dimension::frequency, 50.0},
-                    Row{"5 g", Dimension::mass, 5e-3}, Row{"5 mg", Dimension::mass, 5e-6}, Row{"1.5 t", Dimension::mass, 1500.0},
-                    Row{"36 km/h", Dimension::velocity, 10.0}, Row{"1.5 m/s", Dimension::velocity, 1.5},
-                    Row{"9.81 m/s^2", Dimension::acceleration, 9.81}, Row{"9.81 m/s²", Dimension::acceleration, 9.81},
-                    Row{"9.81 m s^-2", Dimension::acceleration, 9.81}, Row{"9.81 m/s/s", Dimension::acceleration, 9.81},
-                    Row{"120 rpm", Dimension::angular_velocity, 4.0 * kPi}, Row{"180 deg/s", Dimension::angular_velocity, kPi},
-                    Row{"3 rad/s", Dimension::angular_velocity, 3.0}, Row{"2 rev/min", Dimension::angular_velocity, kPi / 15.0},
-                    Row{"30 deg", Dimension::angle, kPi / 6.0}, Row{"30°", Dimension::angle, kPi / 6.0},
-                    Row{"1 rad", Dimension::angle, 1.0}, Row{"50 Hz", Dimension::frequency, 50.0},
-                    Row{"50 1/s", Dimension::frequency, 50.0}, Row{"2 kHz", Dimension::frequency, 2000.0},
-                    Row{"2700 kg/m^3", Dimension::density, 2700.0}, Row{"2.7 g/cm^3", Dimension::density, 2700.0},
-                    Row{"2.7 t/m3", Dimension::density, 2700.0}, Row{"1e6 N/m", Dimension::stiffness, 1e6},
-                    Row{"1.2 MN/m", Dimension::stiffness, 1.2e6}, Row{"4 N/mm", Dimension::stiffness, 4000.0},
-                    Row{"70 GPa", Dimension::pressure, 70e9}, Row{"3 bar", Dimension::pressure, 3e5},
-                    Row{"5 N/mm^2", Dimension::pressure, 5e6}, Row{"10 N", Dimension::force, 10.0}, Row{"2 kN", Dimension::force, 2000.0},
-                    Row{"1 GPa/m", Dimension::stress_per_length, 1e9}, Row{"1 mPa s", Dimension::viscosity, 1e-3},
-                    Row{"1 g/m/s", Dimension::viscosity, 1e-3}, Row{"0.5 uJ", Dimension::energy, 5e-7},
-                    Row{"50 mJ/m^2", Dimension::surface_energy, 0.05}, Row{"72 mN/m", Dimension::surface_energy, 0.072},
-                    Row{"36 cm^2", Dimension::area, 0.0036}, Row{"40 N m", Dimension::torque, 40.0},
-                    Row{"2 g cm^2", Dimension::moment_of_inertia, 2e-7}, Row{"3 N s/m", Dimension::damping, 3.0},
-                    Row{"5 mN m s", Dimension::rotational_damping, 0.005}));
+    testing::Values(
+        Row{"0.5", Dimension::none, 0.5}, Row{"2.5 mm", Dimension::length, 2.5e-3}, Row{"2.5mm", Dimension::length, 2.5e-3},
+        Row{"  12 cm ", Dimension::length, 0.12}, Row{"3 µm", Dimension::length, 3e-6}, Row{"1 in", Dimension::length, 0.0254},
+        Row{"-4 km", Dimension::length, -4000.0}, Row{"+1 m", Dimension::length, 1.0}, Row{"10 us", Dimension::time, 10e-6},
+        Row{"2 min", Dimension::time, 120.0}, Row{"1 h", Dimension::time, 3600.0}, Row{"13 ms", Dimension::time, 13e-3},
+        Row{"2 kg", Dimension::mass, 2.0}, Row{"36 t/h", Dimension::mass_rate, 10.0}, Row{"50 /s", Dimension::frequency, 50.0},
+        Row{"5 g", Dimension::mass, 5e-3}, Row{"5 mg", Dimension::mass, 5e-6}, Row{"1.5 t", Dimension::mass, 1500.0},
+        Row{"36 km/h", Dimension::velocity, 10.0}, Row{"1.5 m/s", Dimension::velocity, 1.5},
+        Row{"9.81 m/s^2", Dimension::acceleration, 9.81}, Row{"9.81 m/s²", Dimension::acceleration, 9.81},
+        Row{"9.81 m s^-2", Dimension::acceleration, 9.81}, Row{"9.81 m/s/s", Dimension::acceleration, 9.81},
+        Row{"120 rpm", Dimension::angular_velocity, 4.0 * kPi}, Row{"180 deg/s", Dimension::angular_velocity, kPi},
+        Row{"3 rad/s", Dimension::angular_velocity, 3.0}, Row{"2 rev/min", Dimension::angular_velocity, kPi / 15.0},
+        Row{"30 deg", Dimension::angle, kPi / 6.0}, Row{"30°", Dimension::angle, kPi / 6.0}, Row{"1 rad", Dimension::angle, 1.0},
+        Row{"50 Hz", Dimension::frequency, 50.0}, Row{"50 1/s", Dimension::frequency, 50.0}, Row{"2 kHz", Dimension::frequency, 2000.0},
+        Row{"2700 kg/m^3", Dimension::density, 2700.0}, Row{"2.7 g/cm^3", Dimension::density, 2700.0},
+        Row{"2.7 t/m3", Dimension::density, 2700.0}, Row{"1e6 N/m", Dimension::stiffness, 1e6},
+        Row{"1.2 MN/m", Dimension::stiffness, 1.2e6}, Row{"4 N/mm", Dimension::stiffness, 4000.0}, Row{"70 GPa", Dimension::pressure, 70e9},
+        Row{"3 bar", Dimension::pressure, 3e5}, Row{"5 N/mm^2", Dimension::pressure, 5e6}, Row{"10 N", Dimension::force, 10.0},
+        Row{"2 kN", Dimension::force, 2000.0}, Row{"1 GPa/m", Dimension::stress_per_length, 1e9},
+        Row{"1 mPa s", Dimension::viscosity, 1e-3}, Row{"1 g/m/s", Dimension::viscosity, 1e-3}, Row{"0.5 uJ", Dimension::energy, 5e-7},
+        Row{"50 mJ/m^2", Dimension::surface_energy, 0.05}, Row{"72 mN/m", Dimension::surface_energy, 0.072},
+        Row{"36 cm^2", Dimension::area, 0.0036}, Row{"2 mm^3", Dimension::volume, 2e-9}, Row{"72 mN/m", Dimension::surface_tension, 0.072},
+        Row{"40 N m", Dimension::torque, 40.0}, Row{"2 g cm^2", Dimension::moment_of_inertia, 2e-7},
+        Row{"3 N s/m", Dimension::damping, 3.0}, Row{"5 mN m s", Dimension::rotational_damping, 0.005}));
 
 class EveryDimension : public testing::TestWithParam<Dimension> {};
 
@@ -91,8 +90,9 @@ INSTANTIATE_TEST_SUITE_P(units, EveryDimension,
                                          Dimension::acceleration, Dimension::angular_velocity, Dimension::angle, Dimension::frequency,
                                          Dimension::density, Dimension::stiffness, Dimension::pressure, Dimension::force,
                                          Dimension::stress_per_length, Dimension::viscosity, Dimension::energy, Dimension::surface_energy,
-                                         Dimension::area, Dimension::torque, Dimension::moment_of_inertia, Dimension::damping,
-                                         Dimension::rotational_damping, Dimension::mass_rate));
+                                         Dimension::surface_tension, Dimension::area, Dimension::volume, Dimension::torque,
+                                         Dimension::moment_of_inertia, Dimension::damping, Dimension::rotational_damping,
+                                         Dimension::mass_rate));
 
 TEST(units, a_wrong_dimension_is_refused_naming_place_found_expected_and_example) {
   const std::string text = complaint("0.5 m", Dimension::density);

@@ -129,3 +129,132 @@ def a5(tools, report):
     for body, model, expected in ((0, "JKR", 117.81e-6), (2, "DMT", 157.08e-6)):
         report.check(f"{model}, R* = 0.5 mm, w = 50 mJ/m^2", pull_at_touch(run, body), expected, 5e-5)
     report.check("Bond number of the first", pull_at_touch(run, 0) / weight, 1.147, 5e-4)
+
+
+W_NECK, YOUNG, R_BALL, RHO = .05, 2e7, 1e-3, 2500.0   # E* = 10 MPa, R* = .5 mm
+
+
+def sticky_pairs(name, speeds, duration, step, every, **words):
+    """Pairs of balls that meet head on, each at its closing speed, from just beyond touch."""
+    c = Case(name, duration=duration, step=step, every=every, margin=0.0, contacts=True, law="hertz-mindlin", contact={"impact_speed": max(speeds)})
+    c.sphere("ball", R_BALL)
+    c.material("m", RHO, young=YOUNG, poisson=0.0)
+    c.pair("m", "m", **words)
+    for i, v in enumerate(speeds):
+        gap = v * step * (2 + (i + .5) / len(speeds))
+        for side in (-1, 1):
+            c.body("ball", "m", (side * (R_BALL + gap / 2), 6 * R_BALL * i, 0), velocity=(-side * v / 2, 0, 0))
+    return c
+
+
+def pair_forces(run, pair):
+    """Overlap and normal force of a pair of sticky_pairs, one row for each frame in which they touch or stick."""
+    rows = [(c["depth"][k], c["normal_force"][k]) for c in run.contacts for k in numpy.nonzero(c["body_a"] == 2 * pair)[0]]
+    return numpy.array(rows)
+
+
+def closing(run, frame, pair):
+    return run.v[frame, 2 * pair, 0] - run.v[frame, 2 * pair + 1, 0]
+
+
+@case("A6", "U", "balls that stick with the hysteresis of JKR: force on both branches, sticking speed, restitution", "Johnson, Kendall, Roberts 1971; Thornton and Ning 1998")
+def a6(tools, report):
+    modulus, radius = YOUNG / 2, R_BALL / 2
+    mass = 4 / 3 * math.pi * R_BALL**3 * RHO / 2
+    at_touch = cf.jkr(0.0, W_NECK, modulus, radius)
+    unit = (W_NECK**5 * radius**4 / modulus**2)**(1 / 3)
+    sticks = math.sqrt(2 * 7.0922 * unit / mass)
+    report.check("sticking speed of the theory", sticks, 3.9646e-3, 1e-4)
+    words = {"restitution": 1.0, "adhesion": W_NECK, "adhesion_model": "jkr", "adhesion_hysteresis": True}
+    step = 2e-7
+    over = (.98, 1.02, 1.2, 1.5, 2.0, 4.0)
+    duration = 6e-3
+    run = report.run(sticky_pairs("A6", [s * sticks for s in over], duration, step, 2e-5, **words).run(tools))
+    report.at_most("2 % below the sticking speed: gap at the end, over that of tear-off",
+                   (run.x[-1, 1, 0] - run.x[-1, 0, 0] - 2 * R_BALL) / at_touch["tear_off"], 1.0)
+    for i, s in list(enumerate(over))[1:]:
+        left = -closing(run, -1, i) / (s * sticks)
+        report.check(f"restitution at {s:g} sticking speeds", left, math.sqrt(1 - 1 / s**2), 2e-2 if s < 1.1 else 2e-3)
+    worst, most = 0.0, 0.0
+    for i in range(len(over)):
+        rows = pair_forces(run, i)
+        for overlap, force in rows:
+            worst = max(worst, abs(force - cf.jkr(overlap, W_NECK, modulus, radius)["force"]))
+        most = max(most, -rows[:, 1].min())
+    report.at_most("force in frames against that of the radius of the contact, over F_c", worst / at_touch["pull_off"], 1e-9)
+    report.check("pull-off force", most, 117.81e-6, 2e-3)
+    report.check("force at touch, from the same", at_touch["force"], -4 / 3 * math.pi * W_NECK * radius, 1e-12)
+    log = run.log
+    # five contacts have parted, and lost what is between touch and tear-off; the first has released it and is still in its well
+    lost = log["dissipated"][-1]
+    report.check("dissipated, six necks formed", lost, 6 * 7.0922 * unit, 1e-4)
+    total = run.energy() + log["dissipated"]
+    report.at_most("energy and dissipated: deviation over the energy at the start", abs(total - total[0]).max() / total[0], 5e-3)
+
+
+@case("A7", "U", "a liquid bridge: force against gap, rupture, energy", "Willett et al. 2000, Lian et al. 1993")
+def a7(tools, report):
+    tension, angle = .072, math.radians(20)
+    volume = 1e-3 * R_BALL**3
+    table = {0.0: 425.107e-6, .001: 410.45e-6, .01: 268.71e-6, .05: 47.710e-6, .1: 14.499e-6}
+    for rupture, gap, energy in (("lian", 117.45e-6, 9.7478e-9), ("willett", 118.63e-6, 9.7603e-9)):
+        lian = rupture == "lian"
+        for s, force in table.items():
+            report.check(f"closed form at S/R = {s:g}", cf.liquid_bridge(s * R_BALL, tension, angle, volume, R_BALL, lian)["force"], force, 5e-5)
+        exact = cf.liquid_bridge(0.0, tension, angle, volume, R_BALL, lian)
+        report.check(f"rupture, {rupture}", exact["rupture"], gap, 1e-4)
+        report.check(f"work to part, {rupture}", exact["energy"], energy, 1e-4)
+        mass = 4 / 3 * math.pi * R_BALL**3 * RHO / 2
+        sticks = math.sqrt(2 * exact["energy"] / mass)
+        over = (.9, 1.1, 1.5, 3.0)
+        words = {"restitution": 1.0, "stiffness": 1e4, "surface_tension": tension, "contact_angle": "20 deg", "bridge_volume": volume,
+                 "bridge_rupture": rupture}
+        c = sticky_pairs(f"A7-{rupture}", [s * sticks for s in over], 12e-3, 1e-6, 2e-5, **words)
+        c.tables["contact"]["law"] = "linear"
+        run = report.run(c.run(tools))
+        worst, farthest, nearest = 0.0, 0.0, 1.0
+        for i, s in enumerate(over):
+            rows = pair_forces(run, i)
+            beyond = rows[rows[:, 0] < 0]
+            for overlap, force in beyond:
+                worst = max(worst, abs(-force - cf.liquid_bridge(-overlap, tension, angle, volume, R_BALL, lian)["force"]))
+            if s > 1:
+                farthest = max(farthest, -rows[:, 0].min())
+                gaps = run.x[:, 2 * i + 1, 0] - run.x[:, 2 * i, 0] - 2 * R_BALL
+                nearest = min(nearest, gaps[gaps > farthest].min())
+                left = -closing(run, -1, i) / (s * sticks)
+                report.check(f"leaves at, arriving at {s:g} sticking speeds, {rupture}", left, math.sqrt(1 - 1 / s**2), 2e-3)
+            else:
+                report.at_most("below the sticking speed: largest gap, over that of rupture",
+                               (run.x[:, 1, 0] - run.x[:, 0, 0]).max() / gap - 2 * R_BALL / gap, 1.0)
+        report.at_most(f"force in frames against Willett's, over that at touch, {rupture}", worst / table[0.0], 1e-6)
+        report.at_most(f"largest gap with a bridge in a frame, over rupture, {rupture}", farthest / gap, 1.0001)
+        report.at_least(f"least gap without one after, over rupture, {rupture}", nearest / gap, .9999)
+        report.check(f"dissipated as four bridges formed, {rupture}", run.log["dissipated"][-1], 4 * energy, 1e-4)
+
+
+@case("A8", "U", "a bridge between a cube and a plane: on face, edge and corner, and with its faces split", "one per pair: n equal features share it, F n^(1/8)")
+def a8(tools, report):
+    tension, volume, margin = .072, 1e-12, 1e-4
+    side, k = 2e-3, 1e3
+    equivalent = (3 / (4 * math.pi))**(1 / 3) * side
+    c = Case("A8", duration=1e-6, step=1e-6, margin=margin, every=1e-6, contacts=True)
+    c.material("m", 1000.0)
+    c.pair("m", "m", stiffness=k, restitution=1.0, surface_tension=tension, bridge_volume=volume)
+    c.mesh("coarse", meshes.box((side, side, side)))
+    c.mesh("fine", meshes.box((side, side, side), 4))
+    down = {"corner": (quaternion((1, -1, 0), math.acos(1 / math.sqrt(3))), 1), "edge": (quaternion((1, 0, 0), math.pi / 4), 2),
+            "face": (quaternion((0, 0, 1), 0.0), 4)}
+    expected = []
+    for x, (name, (q, features)) in enumerate(down.items()):
+        for y, shape in enumerate(("coarse", "fine")):
+            touch = 2 * margin - rotated(q, c.solids[shape][0])[:, 2].min()
+            c.body(shape, "m", (4 * side * x, 4 * side * y, touch * (1 - 1e-9)), orientation=q)
+            expected.append((f"cube on its {name}, {shape}", features**.125))
+    c.floor("m")
+    run = report.run(c.run(tools))
+    force = 4 * math.pi * equivalent * tension
+    for i, (what, value) in enumerate(expected):
+        report.check(f"pull-off over 4 pi R* gamma: {what}", pull_at_touch(run, i) / force, value, 1e-4)
+        if i % 2:
+            report.check(f"{what} against coarse", pull_at_touch(run, i), pull_at_touch(run, i - 1), 1e-9)

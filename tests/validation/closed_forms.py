@@ -256,3 +256,40 @@ def sticking_speed(e, mass, stiffness, pull_off, reach):
         middle = .5 * (low + high)
         low, high = (middle, high) if sticky_rebound(middle, e, mass, stiffness, pull_off, reach) == 0 else (low, middle)
     return high
+
+
+def jkr(overlap, w, modulus, radius):
+    """Force and energy (0 as the neck tears) of two balls that stick (Johnson, Kendall, Roberts 1971), from the radius of the contact."""
+    pull_off = 1.5 * math.pi * w * radius
+    tear = .75 * (math.pi**2 * w**2 * radius / modulus**2)**(1 / 3)
+    least = (math.pi * w * radius**2 / (8 * modulus))**(1 / 3)
+
+    def overlap_of(a):
+        return a * a / radius - math.sqrt(2 * math.pi * w * a / modulus)
+
+    def force_of(a):
+        return 4 * modulus * a**3 / (3 * radius) - math.sqrt(8 * math.pi * w * modulus * a**3)
+
+    low, high = least, 2 * least + math.sqrt(radius * max(overlap, 0)) + (radius**2 * w / modulus)**(1 / 3) * 4
+    for _ in range(200):
+        middle = .5 * (low + high)
+        low, high = (middle, high) if overlap_of(middle) < overlap else (low, middle)
+    radii = numpy.linspace(least, low, 20001)
+    slopes = 2 * radii / radius - .5 * numpy.sqrt(2 * math.pi * w / (modulus * radii))
+    integrand = (4 * modulus * radii**3 / (3 * radius) - numpy.sqrt(8 * math.pi * w * modulus * radii**3)) * slopes
+    energy = float(((integrand[1:] + integrand[:-1]) / 2 * numpy.diff(radii)).sum())
+    return {"force": force_of(low), "energy": energy, "pull_off": pull_off, "tear_off": tear}
+
+
+def liquid_bridge(gap, tension, angle, volume, radius, lian=False):
+    """Willett et al. 2000: force, work left until it ruptures (by quadrature), rupture. radius: of either of two equal balls."""
+    rupture = (1 + angle / 2) * (volume**(1 / 3) + (0 if lian else .1 * volume**(2 / 3) / radius))
+
+    def force(s):
+        x = .5 * s / math.sqrt(volume / radius)
+        return 2 * math.pi * radius * tension * math.cos(angle) / (1 + 2.1 * x + 10 * x * x)
+
+    gaps = numpy.linspace(min(gap, rupture), rupture, 20001)
+    forces = numpy.array([force(s) for s in gaps])
+    energy = float(((forces[1:] + forces[:-1]) / 2 * numpy.diff(gaps)).sum())
+    return {"force": force(gap) if gap < rupture else 0.0, "energy": energy, "rupture": rupture}
