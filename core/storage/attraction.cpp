@@ -73,10 +73,11 @@ double parting_energy(ContactLaw law, const MaterialPair& pair, const Material& 
   return 0.5 * pull_off_force(pair, radius) * attraction_range(law, pair, a, b, radius);
 }
 
-double steepest_pull(ContactLaw law, const MaterialPair& pair, const Material& a, const Material& b, double radius) {
+double steepest_pull(const Settings& settings, const MaterialPair& pair, const Material& a, const Material& b, double radius) {
   if (pull_kind(pair) == PullKind::neck) return 0;
   if (pull_kind(pair) == PullKind::bridge) return LiquidBridge(pair, radius).steepest();
-  return pull_off_force(pair, radius) / attraction_range(law, pair, a, b, radius);
+  if (settings.gather == Gathering::area) return 2 * pair.adhesion / (pair.adhesion_range * pair.adhesion_range);
+  return pull_off_force(pair, radius) / attraction_range(settings.law, pair, a, b, radius);
 }
 
 LiquidBridge::LiquidBridge(const MaterialPair& pair, double radius)
@@ -157,7 +158,16 @@ AttractionFault attraction_fault(const Settings& settings, const MaterialPair& p
   }
   const char* force = pair.adhesion > 0 ? "adhesion" : "pull_off";
   if (pair.pull_off > 0 && pair.adhesion > 0) return {"pull_off", "is the force that `adhesion` gives too; keep one of them"};
-  if (settings.gather != Gathering::potential) return {force, "goes with contact.gather = \"potential\" only"};
+  if (settings.gather == Gathering::pairs) return {force, "goes with contact.gather = \"potential\" or \"area\" only"};
+  if (settings.gather == Gathering::area) {
+    if (pair.pull_off > 0)
+      return {"pull_off", "is the force of one contact, and contact.gather = \"area\" has none; give adhesion, the work for each area"};
+    if (pair.separation_energy > 0)
+      return {"separation_energy", "is of one contact, and contact.gather = \"area\" has none; give adhesion_range in its place"};
+    if (!(pair.adhesion_range > 0))
+      return {"adhesion", "needs adhesion_range, the gap over which the attraction acts (for instance \"10 um\")"};
+    return {};
+  }
   if (pair.adhesion_range > 0 && pair.separation_energy > 0)
     return {"separation_energy", "is what adhesion_range gives too; keep one of them"};
   if (!(pair.adhesion_range > 0) && !(pair.separation_energy > 0)) {
@@ -211,7 +221,16 @@ double impact_overlap(ContactLaw law, const MaterialPair& pair, const Material& 
 
 void check_pressing(const Settings& settings, const MaterialPair& pair, const Material& a, const Material& b, double radius,
                     double margin) {
-  if (!attracts(pair) || !(radius > 0) || !(margin > 0) || settings.barrier > 0) return;
+  if (!attracts(pair) || !(margin > 0) || settings.barrier > 0) return;
+  if (settings.gather == Gathering::area) {
+    const double pressure = 2 * pair.adhesion / pair.adhesion_range, overlap = pressure / pair.layer_modulus * margin;
+    if (overlap < kStopOverlapRatio * margin) return;
+    throw UsageError(
+        "pairs: '{}' and '{}': a traction of {} (twice adhesion over adhesion_range) alone presses surfaces through their margins, whose "
+        "layer_modulus is {}; raise layer_modulus or adhesion_range",
+        a.name, b.name, format_quantity(pressure, Dimension::pressure), format_quantity(pair.layer_modulus, Dimension::pressure));
+  }
+  if (!(radius > 0)) return;
   const double overlap = resting_contact(settings.law, pair, a, b, radius).overlap;
   if (overlap < kStopOverlapRatio * margin) return;
   throw UsageError(

@@ -9,6 +9,7 @@
 //   (R is twice R*: that of either of two equal balls; codes differ by this factor of two). It ruptures at
 //   (1 + theta / 2) (V^(1/3) + 0.1 V^(2/3) / R), or without the last term (Lian, Thornton, Adams, J. Colloid Interface Sci. 161 (1993)
 //   138).
+// With gather = "area" a potential is a traction over the range, whose work for each area is w (solver/contact/area_model.hpp).
 // A neck and a bridge remember: whether two bodies have one depends on whether they have touched.
 #pragma once
 
@@ -49,8 +50,9 @@ double attraction_range(ContactLaw law, const MaterialPair& pair, const Material
 /// Work that parts a contact from touch on [J].
 double parting_energy(ContactLaw law, const MaterialPair& pair, const Material& a, const Material& b, double radius);
 
-/// Slope of the pull beyond touch where it is steepest [N/m]: a spring of as much would be as quick. 0 of a neck, which only softens.
-double steepest_pull(ContactLaw law, const MaterialPair& pair, const Material& a, const Material& b, double radius);
+/// Slope of the pull beyond touch where it is steepest [N/m], with gather = "area" for each area, 2 w / s^2 [N/m^3]: a spring of as much
+/// would be as quick. 0 of a neck, which only softens.
+double steepest_pull(const Settings& settings, const MaterialPair& pair, const Material& a, const Material& b, double radius);
 
 /// A liquid bridge of one pair of bodies.
 struct LiquidBridge {

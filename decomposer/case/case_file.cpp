@@ -70,7 +70,10 @@ void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
                   "at which it holds");
   }
   if (t.has("adhesion_model") && !t.has("adhesion")) throw t.error("adhesion_model", "goes with adhesion, the work of adhesion");
-  if (t.has("adhesion") && !t.has("adhesion_model"))
+  const bool area = c.settings.gather == Gathering::area;
+  if (area && t.has("adhesion_model"))
+    throw t.error("adhesion_model", "is not used with contact.gather = \"area\": adhesion is the work for each area there; remove it");
+  if (t.has("adhesion") && !area && !t.has("adhesion_model"))
     throw t.error("adhesion", "needs adhesion_model: \"jkr\" for a pull-off force of 3/2 pi w R*, \"dmt\" for 2 pi w R*");
   for (const std::int32_t m : {p.a, p.b}) {
     const Material& material = c.materials[static_cast<std::size_t>(m)];

@@ -270,7 +270,7 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
 void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   for (const CasePair& p : c.pairs) {
-    if (pull_kind(p.pair) != PullKind::potential) continue;
+    if (pull_kind(p.pair) != PullKind::potential || scene.settings.gather == Gathering::area) continue;
     double radius = p.pair.contact_radius;
     for (const std::int32_t m : {p.pair.a, p.pair.b}) {
       if (!(p.pair.contact_radius > 0)) radius = std::max(radius, 0.5 * movers.of_material[static_cast<std::size_t>(m)].diameter);

@@ -237,8 +237,8 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   // what attracts is pressed deeper, and not by its speed alone
   std::string pulled;
   for (const CasePair& p : c.pairs) {
-    if (!attracts(p.pair) || !(heaviest > 0)) continue;
-    const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * widest;  // R* of the largest body on a wall
+    if (!attracts(p.pair) || !(heaviest > 0) || c.settings.gather == Gathering::area) continue;  // margins of layers are given
+    const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * widest;      // R* of the largest body on a wall
     const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
     const double pressed = impact_overlap(c.settings.law, p.pair, a, b, radius, heaviest, report.fastest_impact);
     if (pressed <= depth) continue;

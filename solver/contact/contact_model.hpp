@@ -9,7 +9,8 @@
 //   find_features       features below the reach of a view at the present pose, in ascending key order, and what they share; overlaps
 //                       count from the reach
 //   weigh               what features count for by the crowd that they lie in, given the attraction of the pair (range 0: none); they
-//                       are those of the pair's law alone now, and overlaps count from the margins
+//                       are those of the pair's law alone now, and overlaps count from the margins. A model may add what is within the
+//                       range of the attraction alone, from the candidates
 //   potential<Law>      energy, force of each feature, and wrench
 //   linearise<Law>      stiffness and damping of the pair as it is now
 #pragma once
@@ -31,7 +32,7 @@ concept ContactModel = requires(const PairView& view, MeshDistanceScratch& scrat
   { Model::kDampsEachFeature } -> std::convertible_to<bool>;
   { Model::list(view, 0.0, scratch, lists) } -> std::same_as<bool>;
   {Model::find_features(view, 0.0, lists, features)};
-  {Model::weigh(view, PullView{}, features)};
+  {Model::weigh(view, PullView{}, 0.0, lists, features)};
 };
 
 /// Candidates of a pair with a closed form, which all models list alike: any but two meshes.

@@ -22,7 +22,7 @@ using ContactModels = ModelList<PotentialModel, AreaModel, PairsModel>;
 
 /// Whether a law may have attraction beside it (laws/attraction.hpp) under a model.
 template <class Model, class Normal>
-inline constexpr bool kMayAttract = std::is_same_v<Model, PotentialModel> && !PullingLaw<Normal>;
+inline constexpr bool kMayAttract = !std::is_same_v<Model, PairsModel> && !PullingLaw<Normal>;
 
 /// Calls action.operator()<Model, Entry, Normal>() with the model of a scene, the line of its law, and what its normal law is under the
 /// model, with its attraction.

@@ -275,7 +275,7 @@ PairHoldsFunction pair_holds_function(const LawChoice& choice) {
   PairHoldsFunction function = nullptr;
   if (!choice.remembers) return function;
   for_chosen_law(choice, [&]<class Model, class Entry, class Law>() {
-    if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) {
+    if constexpr (std::is_same_v<Model, PotentialModel> && (NeckedLaw<Law> || AttractingLaw<Law>)) {
       function = [](const PairFeatures& features, const PairLaw& law, double radius, const std::vector<FrictionSpring>& springs) {
         return Model::holds(features, law, Law(law, radius), has_link(springs));
       };

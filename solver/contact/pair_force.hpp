@@ -22,6 +22,7 @@ struct PairFeatures {
   std::vector<CellShare> cells;
   bool has_layer = false;  ///< gather = "area": patches of `layer` as the features
   AreaContact layer;
+  AreaContact pull_layer;  ///< the same with the range of an attraction beside the margins; its patches go with `list` too
   // of an attraction: the weight of each of `list` over that in the push, 1 where empty, and what crowd_share is of the push
   std::vector<double> pull_weight;
   double pull_share = 1;

@@ -18,7 +18,7 @@ struct PairsModel {
     return list_triangle_contacts(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, scratch, lists);
   }
 
-  static void weigh(const PairView&, const PullView&, PairFeatures&) {}
+  static void weigh(const PairView&, const PullView&, double, const CandidateLists&, PairFeatures&) {}
   static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
     if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
       triangle_contact_features(view.a, view.b, view.reach, moved, lists, features.list);

@@ -77,7 +77,7 @@ struct PotentialModel {
     share_among_cells(view, features);
   }
 
-  static void weigh(const PairView& view, const PullView& pull, PairFeatures& features) {
+  static void weigh(const PairView& view, const PullView& pull, double /*moved*/, const CandidateLists& /*lists*/, PairFeatures& features) {
     features.crowd_share = 1;
     if (pull.range > 0)
       settle_crowds_apart(0.5 * view.margin, view.crowds_follow, pull, features);

@@ -1,15 +1,18 @@
 // Attraction of any two bodies, beside the law of their contact: a second potential of the same features, of how far x they are within its
-// range s, margins included. Of two kinds (core/storage/attraction.hpp):
+// range s, margins included. Of three kinds (core/storage/attraction.hpp):
 //     range     U(x) = -F_c x^2 / (2 s) for 0 < x <= s, -F_c (x - s / 2) beyond: no jump and no memory
 //     bridge    U(x) = -(the work from the gap s - x on until it ruptures) for x <= s, as steep as at touch beyond. Only bodies that have
 //               touched have one, until it ruptures: a pair remembers it by a row of PairState (kLinkKey)
-// Either force stays F_c from touch on. One feature parts at F_c; n equal ones, which share x as they share the overlap of their push, at
-// F_c n^(1/8).
+//     traction  of a smooth cap with gather = "area" (contact/area_model.hpp): U(x) = -(p / s) pi R* (x^3 - (x - s)^3) / 3, the second term
+//               from touch on; at touch its force is 2 pi w R*
+// The first two stay at F_c from touch on. One feature parts at F_c; n equal ones, which share x as they share the overlap of their push,
+// at F_c n^(1/8).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <numbers>
 
 #include "core/storage/attraction.hpp"
 #include "solver/laws/pair_law.hpp"
@@ -17,29 +20,40 @@
 namespace scree {
 
 struct Attraction {
-  double force;  ///< F_c [N]; 0: these two materials do not attract each other
-  double range;  ///< s [m]
+  double force;    ///< F_c [N]; 0: these two materials do not attract each other
+  double range;    ///< s [m]
+  double modulus;  ///< p / s of a traction [N/m^3]; 0: none
   /// in   radius   R* [m]
   Attraction(const PairLaw& law, double radius)
-      : force(law.pull_off + law.pull_off_per_radius * radius), range(law.reach), radius_(radius), bridge_(law.bridge) {}
-  bool acts() const { return force > 0; }
+      : force(law.pull_off + law.pull_off_per_radius * radius),
+        range(law.reach),
+        modulus(law.pull_modulus),
+        radius_(radius),
+        bridge_(law.bridge) {}
+  bool acts() const { return force > 0 || modulus > 0; }
   /// -U [J]
   double energy(double x) const {
     if (bridge_ != nullptr) return x > range ? bridge().energy_at(0) + force * (x - range) : bridge().energy_at(range - x);
+    if (modulus > 0) return cap() / 3 * (x * x * x - std::pow(std::max(0.0, x - range), 3));
     return x > range ? force * (x - 0.5 * range) : 0.5 * force * x * x / range;
   }
   double pull(double x) const {
+    if (modulus > 0) return cap() * (x * x - std::pow(std::max(0.0, x - range), 2));
     if (x > range) return force;
     return bridge_ != nullptr ? bridge().force_at(range - x) : force * x / range;
   }
   /// The largest slope of the pull: a spring of as much would be as quick.
-  double stiffness() const { return bridge_ != nullptr ? bridge().steepest() : force / range; }
+  double stiffness() const {
+    if (modulus > 0) return 2 * cap() * range;
+    return bridge_ != nullptr ? bridge().steepest() : force / range;
+  }
   /// Whether two bodies that have a bridge still have it.
   bool holds(double x) const { return bridge_ == nullptr || range - x < bridge().rupture; }
   /// Energy that goes as a bridge forms [J].
   double released_at_touch() const { return energy(range); }
 
  private:
+  double cap() const { return modulus * std::numbers::pi * radius_; }
   LiquidBridge bridge() const { return {*bridge_, radius_}; }
   double radius_;
   const MaterialPair* bridge_;

@@ -25,6 +25,7 @@ struct PairLaw {
   double reach = 0;          ///< gap beyond the margins at which the law or an attraction begins to act [m]; 0 where nothing pulls
   double neck_adhesion = 0;  ///< w of laws/neck.hpp [J/m^2]; 0: these materials do not stick so
   const MaterialPair* bridge = nullptr;  ///< whose liquid bridge the attraction is; null: none
+  double pull_modulus = 0;               ///< of the traction of an attraction by area, p / s [N/m^3]; 0: another, or none
   double pull_off = 0;                   ///< F_c of laws/attraction.hpp [N] ...
   double pull_off_per_radius = 0;        ///< ... and what goes with R* of it [N/m]
   double step_stiffness = 0;             ///< stiffest tangent expected [N/m], of a layer per area [N/m^3]: the step is derived from it

@@ -144,6 +144,12 @@ void Plan::add_attraction() {
     const Material &a = source_.materials[static_cast<std::size_t>(pair.a)], &b = source_.materials[static_cast<std::size_t>(pair.b)];
     const LargestImpact impact = scene_.largest_impact(pair, scene_.extremes());
     const double force = scene_.largest_pull_off(pair, scene_.extremes()), range = scene_.law(pair.a, pair.b).reach;
+    if (settings_.gather == Gathering::area) {
+      in("attraction", fmt::format("'{}' and '{}': a traction of {} at touch over {}; parting takes {}", a.name, b.name,
+                                   format_quantity(2 * pair.adhesion / range, Dimension::pressure),
+                                   format_quantity(range, Dimension::length), format_quantity(pair.adhesion, Dimension::surface_energy)));
+      continue;
+    }
     const bool sized = impact.radius > 0;
     const double parts = sized ? parting_energy(settings_.law, pair, a, b, impact.radius) : 0.5 * force * range;
     const double pressed = sized ? resting_contact(settings_.law, pair, a, b, impact.radius).energy : 0;

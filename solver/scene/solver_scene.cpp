@@ -285,7 +285,7 @@ double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes&
   if (as_made.barrier > 0) stiffness += step_curvature_of_barrier(as_made);
   if (!attracts(pair)) return stiffness;
   const Material &a = scene_->materials[static_cast<std::size_t>(pair.a)], &b = scene_->materials[static_cast<std::size_t>(pair.b)];
-  return std::max(stiffness, steepest_pull(scene_->settings.law, pair, a, b, largest_impact(pair, extremes).radius));
+  return std::max(stiffness, steepest_pull(scene_->settings, pair, a, b, largest_impact(pair, extremes).radius));
 }
 
 double SolverScene::largest_pull_off(const MaterialPair& pair, const BodyExtremes& extremes) const {
@@ -325,6 +325,8 @@ void SolverScene::add_attraction(const MaterialPair& pair, const BodyExtremes& e
   const double radius = largest_impact(pair, extremes).radius;
   if (pull_kind(pair) == PullKind::neck)
     law.neck_adhesion = pair.adhesion;
+  else if (settings.gather == Gathering::area)
+    law.pull_modulus = steepest_pull(settings, pair, a, b, radius);
   else if (pair.adhesion > 0 || pair.surface_tension > 0)
     law.pull_off_per_radius = pull_off_force(pair, 1);
   else

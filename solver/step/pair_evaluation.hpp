@@ -100,9 +100,9 @@ class PairEvaluation {
     idle.way = kNeverIdle;
     Model::find_features(view, moved, pair.lists, features_);
     if (view.reach > view.margin)
-      weigh_beyond_margin(view, pair);
+      weigh_beyond_margin(view, moved, pair);
     else
-      Model::weigh(view, kNoPull, features_);
+      Model::weigh(view, kNoPull, moved, pair.lists, features_);
     if (features_.list.empty()) {
       if (!pass_.only_looks()) pair.state.keep_lasting();
       return;
@@ -141,14 +141,14 @@ class PairEvaluation {
 
   /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is
   /// beyond the reach of this pair's law is none.
-  void weigh_beyond_margin(const PairView& view, const BodyPair& pair) {
+  void weigh_beyond_margin(const PairView& view, double moved, const BodyPair& pair) {
     const double reach = law_of(view, pair).reach;
     for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
     std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
     if (pass_.scene.law_choice().attraction && !pass_.scene.law_choice().necks)
-      Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), features_);
+      Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), moved, pair.lists, features_);
     else
-      Model::weigh(view, kNoPull, features_);
+      Model::weigh(view, kNoPull, moved, pair.lists, features_);
     if (pass_.holds == nullptr || features_.list.empty()) return;
     const PairLaw& law = law_of(view, pair);
     if (!pass_.holds(features_, law, radius_of(view, law), pair.state.springs)) features_.list.clear();

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "solver/bodies/motion.hpp"
+#include "solver/contact/area_model.hpp"
 #include "solver/contact/triangle_contacts.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
@@ -31,6 +32,8 @@ struct Layer {
   const WallZone* zone = nullptr;
   MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
   PairFeatures found;
+  double range = 0;  ///< of an attraction [m]
+  std::vector<ContactOutput> outputs;
 
   Layer(const TriangleMesh& a, const TriangleMesh& b) {
     scene.shapes = {make_solid("a", a), make_solid("b", b)};
@@ -53,10 +56,40 @@ struct Layer {
       body[i].q = body[i].shape->body_from_principal;
     }
   }
+  /// in   adhesion   work of the attraction [J/m^2]     in  range   [m]
+  Layer& attract(double adhesion, double reach) {
+    scene.pairs[0].adhesion = adhesion;
+    scene.pairs[0].adhesion_range = range = reach;
+    const bool has_zone = zone != nullptr;
+    prepare();
+    if (has_zone) zone = &prepared->zones()[0];
+    return *this;
+  }
+  void find_with_attraction() {
+    PairView view;
+    view.a = body[0];
+    view.b = body[1];
+    view.pose = RelativePose(body[0], body[1]);
+    view.radius_a = body[0].shape->radius;
+    view.radius_b = zone != nullptr ? 2 * view.radius_a : body[1].shape->radius;
+    view.margin = 2 * kMargin;
+    view.reach = 2 * kMargin + range;
+    view.zone = zone;
+    view.geometry = zone != nullptr ? PairGeometry::body_zone : PairGeometry::two_meshes;
+    CandidateLists lists;
+    EXPECT_TRUE(AreaModel::list(view, 0.01, *scratch, lists));
+    AreaModel::find_features(view, 0, lists, found);
+    for (ContactFeature& f : found.list) f.overlap -= range;
+    PullView pull;
+    pull.range = range;
+    AreaModel::weigh(view, pull, 0, lists, found);
+  }
   PairForce force(double share_of_a = 1) {
     CandidateLists lists;
+    if (range > 0) find_with_attraction();
     const double ra = body[0].shape->radius, rb = zone != nullptr ? 2 * ra : body[1].shape->radius;
-    if (zone != nullptr) {
+    if (range > 0) {
+    } else if (zone != nullptr) {
       list_area_zone(body[0], body[1], *zone, 2 * kMargin, 0.01, ra, lists);
       area_zone_features(body[0], body[1], *zone, 2 * kMargin, 0, lists, found.list, found.layer);
     } else {
@@ -70,7 +103,7 @@ struct Layer {
     m.b_to_a = matrix_of(conjugate(body[0].q) * body[1].q);
     found.has_layer = true;
     std::vector<FrictionSpring> springs;
-    return pair_force_function(prepared->law_choice())(found, prepared->law(0, 0), m, 0, 0, springs, nullptr);
+    return pair_force_function(prepared->law_choice())(found, prepared->law(0, 0), m, 0, 0, springs, &outputs);
   }
   Vec3 world_force() {
     const PairForce f = force();
@@ -234,6 +267,48 @@ TEST(AreaPressure, is_the_gradient_of_its_energy_on_meshes_and_walls) {
     }
   }
   EXPECT_EQ(touched, 40);
+}
+
+TEST(AreaPressure, with_attraction_is_the_gradient_of_its_energy_beyond_touch_and_within) {
+  std::mt19937 g(5);
+  std::normal_distribution<double> n;
+  Wall cylinder;
+  cylinder.kind = WallKind::cylinder_inside;
+  cylinder.axis_start = {0, 0, -3};
+  cylinder.axis_end = {0, 0, 3};
+  cylinder.radius = 1;
+  int beyond = 0, within = 0;
+  for (int i = 0; i < 40; ++i) {
+    const TriangleMesh rock = test::scaled(test::rock(1 + static_cast<unsigned>(i % 3), 2, 0.3), 0.5),
+                       other = test::scaled(test::rock(7, 1, 0.3), 0.5);
+    Layer layer = i % 4 == 0 ? Layer(rock, cylinder) : Layer(rock, other);
+    layer.attract(40, 0.02);
+    layer.body[0].q = test::random_quaternion(g);
+    layer.body[1].q = i % 4 == 0 ? Quat{} : test::random_quaternion(g);
+    const Vec3 direction = normalised(Vec3{n(g), n(g), 0.3 * n(g)});
+    bool was_beyond = false;
+    for (double way = i % 4 == 0 ? 0 : -1.6; way < 2; way += 0.004) {
+      layer.body[0].x = way * direction;
+      const PairForce f = layer.force();
+      Vec3 of_contacts;
+      for (const ContactOutput& c : layer.outputs) of_contacts += c.normal_force * c.normal;
+      EXPECT_LE(length(of_contacts - f.force), 1e-12 * (1 + length(f.force))) << "frames hold what acts";
+      if (!was_beyond && layer.found.list.size() > 3 && f.largest_overlap == 0) {
+        EXPECT_LT(f.elastic, 0);
+        expect_gradient(layer, length(f.force));
+        was_beyond = true;
+        ++beyond;
+      }
+      if (!(f.largest_overlap > 0.5 * kMargin)) continue;
+      ++within;
+      double largest = 0;  // push and pull nearly cancel
+      for (const ContactOutput& c : layer.outputs) largest += std::abs(c.normal_force);
+      expect_gradient(layer, largest);
+      break;
+    }
+  }
+  EXPECT_EQ(within, 40);
+  EXPECT_GE(beyond, 25);
 }
 
 double rebound(const TriangleMesh& box, int floor_mesh, double restitution, double tilt = 0) {

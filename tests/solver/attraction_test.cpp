@@ -20,11 +20,12 @@ struct GradientCheck {
   int tested = 0, faded = 0, beyond = 0;
 };
 
-GradientCheck check_gradients(double pressed) {
+GradientCheck check_gradients(double pressed, bool bridge = false) {
   GradientCheck check;
   std::mt19937 g(3);
   for (int s = 0; s < 60; ++s) {
     TwoBodies pair(test::scaled(test::rock(1, 2), 0.5), test::scaled(test::rock(2, 1), 0.5), kStiffness, 0.06, 1, 0, kPullOff, 0.03);
+    if (bridge) pair.make_bridge();
     place_at_random(pair, g);
     if (!pair.approach(1.8)) continue;
     const auto deepest = [&] {
@@ -77,6 +78,16 @@ TEST(Attraction, force_and_torque_are_the_gradient_of_the_energy_in_contact_and_
     EXPECT_GE(check.tested, 40) << pressed;
     EXPECT_GE(check.faded, 10) << "the poses must exercise the fading terms";
     EXPECT_GE(check.beyond, 10) << "the poses must have features beyond touch";
+  }
+}
+
+// The force of a bridge is that of a potential too, over the same features: however it bends, energy is kept as long as it holds.
+TEST(Attraction, of_a_liquid_bridge_is_the_gradient_of_its_energy) {
+  for (const double pressed : {0.02, -0.01}) {
+    const GradientCheck check = check_gradients(pressed, true);
+    EXPECT_LE(check.worst, 1e-7) << pressed;
+    EXPECT_GE(check.tested, 40) << pressed;
+    EXPECT_GE(check.beyond, 10) << pressed;
   }
 }
 

@@ -25,6 +25,20 @@ class TwoBodies {
     scene_.pairs[0].pull_off = pull_off;
     scene_.pairs[0].adhesion_range = range;
     scene_.shapes = {make_solid("a", a), make_solid("b", b)};
+    prepare();
+  }
+  /// A liquid bridge in place of the attraction: of as much force at touch, that ruptures at its range; between bodies of R* = 1.
+  void make_bridge() {
+    MaterialPair& pair = scene_.pairs[0];
+    const double force = pair.pull_off, range = pair.adhesion_range;
+    pair.pull_off = pair.adhesion_range = 0;
+    pair.contact_radius = 1;
+    pair.surface_tension = force / (4 * std::numbers::pi);
+    pair.bridge_rupture = BridgeRupture::lian;
+    pair.bridge_volume = range * range * range;
+    prepare();
+  }
+  void prepare() {
     prepared_ = std::make_unique<SolverScene>(scene_);
     for (int i = 0; i < 2; ++i) {
       body[i].shape = &prepared_->shape(i);
@@ -75,6 +89,7 @@ class TwoBodies {
       found_.cell_energy = energy_share(cells);
     }
     PairLaw law = prepared_->law(0, 0);
+    m.radius = law.radius;
     law.barrier = barrier;
     law.margin = margin_;
     PairForce f = pair_force_function(prepared_->law_choice())(found_, law, m, dt, dt, springs_, &outputs);

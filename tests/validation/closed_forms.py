@@ -281,15 +281,19 @@ def jkr(overlap, w, modulus, radius):
     return {"force": force_of(low), "energy": energy, "pull_off": pull_off, "tear_off": tear}
 
 
-def liquid_bridge(gap, tension, angle, volume, radius, lian=False):
-    """Willett et al. 2000: force, work left until it ruptures (by quadrature), rupture. radius: of either of two equal balls."""
-    rupture = (1 + angle / 2) * (volume**(1 / 3) + (0 if lian else .1 * volume**(2 / 3) / radius))
+def bridge_rupture(angle, volume, radius, lian):
+    """Gap at which a liquid bridge breaks: Willett et al. 2000, or Lian et al. 1993. radius: of either of two equal balls."""
+    return (1 + angle / 2) * (volume**(1 / 3) + (0 if lian else .1 * volume**(2 / 3) / radius))
 
-    def force(s):
-        x = .5 * s / math.sqrt(volume / radius)
-        return 2 * math.pi * radius * tension * math.cos(angle) / (1 + 2.1 * x + 10 * x * x)
 
-    gaps = numpy.linspace(min(gap, rupture), rupture, 20001)
-    forces = numpy.array([force(s) for s in gaps])
-    energy = float(((forces[1:] + forces[:-1]) / 2 * numpy.diff(gaps)).sum())
-    return {"force": force(gap) if gap < rupture else 0.0, "energy": energy, "rupture": rupture}
+def bridge_force(gap, tension, angle, volume, radius):
+    """Of a liquid bridge that has not broken: Willett et al. 2000, equation 13."""
+    x = .5 * gap / numpy.sqrt(volume / radius)
+    return 2 * math.pi * radius * tension * math.cos(angle) / (1 + 2.1 * x + 10 * x * x)
+
+
+def bridge_work(tension, angle, volume, radius, lian):
+    """Work that parts two balls from touch, by quadrature."""
+    gaps = numpy.linspace(0, bridge_rupture(angle, volume, radius, lian), 20001)
+    forces = bridge_force(gaps, tension, angle, volume, radius)
+    return float(((forces[1:] + forces[:-1]) / 2 * numpy.diff(gaps)).sum())
