@@ -1,8 +1,12 @@
 // What pack must not take without a word: amounts that give no body, walls that stand elsewhere when the run begins, and what the
 // solver would refuse before its first step.
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
 
 #include "core/base/error.hpp"
+#include "core/storage/shape_file.hpp"
 #include "decomposer/packing/build_scene.hpp"
 
 namespace scree {
@@ -216,6 +220,66 @@ TEST(Refusals, attraction_that_is_not_told_in_full_is_refused_with_the_key_that_
   says("pull_off = 1\nseparation_energy = 4e-8", {"pairs[0].separation_energy", "is not above 50 nJ"});
   EXPECT_NO_THROW(pack(sticky("pull_off = 1\nseparation_energy = 6e-8")));
   EXPECT_NO_THROW(pack(sticky("adhesion = 0.05\nadhesion_model = \"dmt\"\nadhesion_range = 1e-4")));
+}
+
+TEST(Refusals, necks_and_bridges_that_are_not_told_in_full_or_do_not_go_together_are_refused) {
+  const auto says = [](const std::string& keys, const std::vector<std::string>& parts, const std::string& more = "") {
+    expect_says(failure(sticky(keys, more), ExitCode::usage), parts);
+  };
+  const std::string water = "surface_tension = \"72 mN/m\"\nbridge_volume = \"1 mm^3\"\n";
+  EXPECT_NO_THROW(pack(sticky(water)));
+  says("surface_tension = \"72 mN/m\"", {"pairs[0].surface_tension", "needs bridge_volume"});
+  says("bridge_volume = \"1 mm^3\"", {"pairs[0].bridge_volume", "goes with surface_tension"});
+  says("contact_angle = \"20 deg\"", {"pairs[0].contact_angle", "goes with surface_tension"});
+  says(water + "contact_angle = \"95 deg\"", {"pairs[0].contact_angle", "95 degrees found", "less than 90"});
+  says(water + "contact_angle = -0.1", {"pairs[0].contact_angle = -0.1", "a value >= 0"});
+  says(water + "pull_off = 1\nadhesion_range = 1e-4", {"pairs[0].surface_tension", "keep one"});
+  says(water + "adhesion_range = 1e-4", {"pairs[0].adhesion_range", "remove it"});
+  says("surface_tension = \"72 mN\"\nbridge_volume = 1e-9", {"a force", "a surface tension"});
+  says("surface_tension = 0.072\nbridge_volume = \"1 mm^2\"", {"an area", "a volume"});
+  says(water + "bridge_rupture = \"never\"", {"pairs[0].bridge_rupture", "willett", "lian"});
+  says(water, {"surface_tension", "gather = \"potential\""}, "[contact]\ngather = \"pairs\"\nmargin = 0.01\n");
+  says("adhesion_hysteresis = true", {"pairs[0].adhesion_hysteresis", "goes with adhesion"});
+  const std::string work = "adhesion = 0.05\nadhesion_hysteresis = true\n";
+  says(work + "adhesion_model = \"dmt\"", {"pairs[0].adhesion_hysteresis", "adhesion_model = \"jkr\""});
+  says(work + "adhesion_model = \"jkr\"", {"pairs[0].adhesion_hysteresis", "hertz-mindlin", "adhesion_range"});
+}
+
+TEST(Refusals, necks_are_those_of_balls) {
+  const std::string materials =
+      "[materials.stone]\ndensity = 2000\nyoung = 1e7\n[[pairs]]\nbetween = [\"stone\", \"stone\"]\nrestitution = 0.5\nadhesion = "
+      "0.05\nadhesion_model = \"jkr\"\nadhesion_hysteresis = true\n";
+  const auto scene = [&](const std::string& shape, const std::string& keys = "") {
+    return "[time]\nduration = 1\n[contact]\nlaw = \"hertz-mindlin\"\nmargin = 0.001\nimpact_speed = 0.1\n" + shape + materials + keys +
+           "[[bodies]]\nshape = \"grain\"\nmaterial = \"stone\"\nposition = [0, 0, 2]\n[[bodies]]\nshape = \"grain\"\nmaterial = "
+           "\"stone\"\nposition = [0, 0, 4]\n";
+  };
+  const std::string ball = "[shapes.grain]\nsphere = { radius = 0.5 }\n";
+  EXPECT_NO_THROW(pack(scene(ball)));
+  expect_says(failure(scene(ball, "adhesion_range = 1e-4\n"), ExitCode::usage), {"pairs[0].adhesion_range", "the neck tears"});
+  const std::string file = (std::filesystem::temp_directory_path() / fmt::format("scree_necks_{}.shape.h5", getpid())).string();
+  write_shape_file(file, {make_solid("grain", box_mesh({1, 1, 1}))}, {{"tool", "scree-mesher"}});
+  const std::string error = failure(scene(fmt::format("[shapes.grain]\nfile = \"{}\"\n", file)), ExitCode::usage);
+  std::filesystem::remove(file);
+  expect_says(error, {"body 0", "'grain'", "'stone'", "JKR", "adhesion_range"});
+}
+
+TEST(Refusals, attraction_by_area_is_told_as_work_over_a_range) {
+  const std::string area = "[contact]\ngather = \"area\"\nmargin = 0.001\n";
+  const auto says = [&](const std::string& keys, const std::vector<std::string>& parts) {
+    std::string head = kHead;
+    const std::string stiff = "stiffness = 1e7\n";
+    const auto at = head.find("stiffness");
+    ASSERT_NE(at, std::string::npos);
+    head.replace(at, head.find('\n', at) - at, "layer_modulus = 1e7");
+    expect_says(failure(sticky(keys, area, head), ExitCode::usage), parts);
+  };
+  says("pull_off = 1\nadhesion_range = 1e-4", {"pairs[0].pull_off", "gather = \"area\"", "adhesion"});
+  says("adhesion = 0.05", {"pairs[0].adhesion", "needs adhesion_range"});
+  says("adhesion = 0.05\nadhesion_model = \"jkr\"\nadhesion_range = 1e-4", {"pairs[0].adhesion_model", "gather = \"area\"", "remove it"});
+  says("adhesion = 0.05\nseparation_energy = 1", {"pairs[0].separation_energy", "adhesion_range"});
+  // 2 w / s = 10 MPa, as much as the layer bears at all
+  says("adhesion = 500\nadhesion_range = 1e-4", {"10 MPa", "layer_modulus", "10 MPa"});
 }
 
 TEST(Refusals, attraction_goes_with_one_potential_and_without_cells) {

@@ -990,6 +990,48 @@ def attraction(d):
             pair["adhesion_range"] = reach
 
 
+@feature
+def cohesion(d):
+    """What attracts has liquid bridges, necks of JKR or a traction by area in some cases. Draws of its own: what other features draw stays."""
+    own = random_numbers.Random(f"cohesion {d.case.note}")
+    if "cell_size" in d.case.text() or not d.words["pairs"]:
+        return
+    depth = math.sqrt(d.heaviest / d.stiffness) * 0.6 * fastest(d)
+    widest = 0.5 * thickness(d) - 3 * d.margin
+    if widest < 0.2 * depth:
+        return
+    sticks = [pair for pair in d.words["pairs"] if "pull_off" in pair or "adhesion" in pair]
+    barrier = "barrier" in d.words.get("contact", {})
+    kept, d.random = d.random, own
+    reach = min(widest, depth * d.between(0.3, 1))
+    only_balls = all("sphere" in shape for shape in d.words["shapes"].values())
+    if d.gather == "area" and d.chance(0.25):
+        for pair in d.words["pairs"]:
+            if d.chance(0.7) and d.margin > 0:
+                # a traction of at most a seventh of what the layer bears
+                pair["adhesion"] = 0.5 * reach * pair["layer_modulus"] * d.log_between(0.001, 0.15)
+                pair["adhesion_range"] = reach
+    elif d.gather == "potential" and not barrier and d.law == "hertz-mindlin" and only_balls and (sticks or d.chance(0.3)) and d.chance(0.7):
+        for pair in sticks or d.words["pairs"]:
+            for key in ("pull_off", "adhesion_range", "separation_energy"):
+                pair.pop(key, None)
+            force = d.log_between(0.003, 0.15) * 0.3 * d.stiffness * depth
+            pair.setdefault("adhesion", force / (1.5 * math.pi * pair.get("contact_radius", d.radius)))
+            pair |= {"adhesion_model": "jkr", "adhesion_hysteresis": True}
+    elif sticks and d.chance(0.4):
+        for pair in sticks:
+            force = d.log_between(0.003, 0.15) * pair.get("stiffness", 0.3 * d.stiffness) * depth
+            for key in ("pull_off", "adhesion", "adhesion_model", "adhesion_range", "separation_energy"):
+                pair.pop(key, None)
+            pair["surface_tension"] = force / (4 * math.pi * pair.get("contact_radius", d.radius))
+            pair["bridge_volume"] = (reach / 1.7) ** 3   # with its angle and R it reaches no further
+            if d.chance(0.5):
+                pair["contact_angle"] = d.between(0, 1)
+            if d.chance(0.5):
+                pair["bridge_rupture"] = d.random.choice(["willett", "lian"])
+    d.random = kept
+
+
 def rotation(q):
     w, x, y, z = q
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -207,7 +207,7 @@ def starts_unpressed(trial):
         raise NotApplicable("pressed starts were asked for")
     trial.seen(trial.run)
     stored = float(trial.run.log["elastic"][0])
-    attracts = any("pull_off" in p or "adhesion" in p for p in trial.case.words.get("pairs", []))   # what is near holds less than none
+    attracts = any("pull_off" in p or "adhesion" in p or "surface_tension" in p for p in trial.case.words.get("pairs", []))   # what is near holds less than none
     require(stored <= 0 if attracts else stored == 0, f"{stored:.6g} J are stored in contacts at the start")
 
 
@@ -272,7 +272,7 @@ def restitution_scene(trial):
     r = trial.random
     pair = dict(r.choice(words["pairs"]))
     for key in ("friction", "friction_sliding", "rolling_friction", "torsional_friction", "pull_off", "adhesion", "adhesion_model", "adhesion_range",
-                "separation_energy"):
+                "separation_energy", "adhesion_hysteresis", "surface_tension", "contact_angle", "bridge_volume", "bridge_rupture"):
         pair.pop(key, None)
     if case.value("contact", "gather", "potential") == "pairs":
         raise NotApplicable("gather = pairs is for comparison")

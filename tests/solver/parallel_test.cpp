@@ -51,6 +51,12 @@ TEST(SameBits, of_a_heap_that_settles_in_a_stream) { expect_same_bits_everywhere
 
 TEST(SameBits, of_a_heap_that_sticks) { expect_same_bits_everywhere(sticky(dense_heap(2, 2, 3)), 900, false); }
 
+TEST(SameBits, of_a_heap_with_liquid_bridges) { expect_same_bits_everywhere(wet(dense_heap(2, 2, 3)), 900, false); }
+
+TEST(SameBits, of_balls_that_stick_by_necks) { expect_same_bits_everywhere(necked_heap(), 900, false); }
+
+TEST(SameBits, of_an_elastic_layer_that_sticks) { expect_same_bits_everywhere(sticky_layers(), 500, false); }
+
 TEST(SameBits, with_ranks_that_own_nothing) {
   const Scene scene = three_rocks();
   const Outcome alone = outcome_of(scene, 1, 1, 1500), five = outcome_of(scene, 5, 1, 1500);
@@ -111,8 +117,11 @@ TEST(SameBits, after_a_restart_on_another_number_of_ranks) {
   int process = static_cast<int>(getpid());
   MPI_Bcast(&process, 1, MPI_INT, 0, g_comm->get());
   const std::string folder = (std::filesystem::temp_directory_path() / fmt::format("scree_restart_{}", process)).string();
-  for (const auto& [before, after] : {std::pair{1, 4}, {3, 2}, {5, 1}}) {
-    const Scene drum = before == 3 ? in_water(rotating_drum()) : before == 5 ? sticky(rotating_drum()) : rotating_drum();
+  for (const auto& [before, after] : {std::pair{1, 4}, {2, 3}, {3, 2}, {5, 1}}) {
+    const Scene drum = before == 2   ? wet(rotating_drum())
+                       : before == 3 ? in_water(rotating_drum())
+                       : before == 5 ? sticky(rotating_drum())
+                                     : rotating_drum();
     if (g_comm->rank() == 0) std::filesystem::create_directories(folder);
     std::string whole, continued;
     Vec3 whole_impulse, continued_impulse;

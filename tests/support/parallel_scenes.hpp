@@ -69,12 +69,44 @@ inline Scene sticky(Scene scene) {
   return scene;
 }
 
+/// The same with liquid bridges that hold over a seventh of the margins.
+inline Scene wet(Scene scene) {
+  scene.pairs[0].surface_tension = 80;
+  scene.pairs[0].contact_angle = 0.4;
+  scene.pairs[0].bridge_volume = 1e-10;
+  return scene;
+}
+
+/// Balls that stick by the necks of JKR with seven times their weight.
+inline Scene necked_heap() {
+  Scene scene = rock_scene();
+  for (Shape& shape : scene.shapes) shape = make_sphere(shape.name, 0.04);
+  scene.settings.law = ContactLaw::hertz_mindlin;
+  scene.settings.margin = 0.004;
+  scene.settings.impact_speed = 1;
+  scene.materials[0].young = 1e7;
+  scene.pairs[0].stiffness = 0;
+  scene.pairs[0].adhesion = 212;
+  scene.pairs[0].adhesion_hysteresis = true;
+  add_box_walls(scene, {-0.005, -0.005, 0}, {0.215, 0.215, 0.7});
+  fill_lattice(scene, 2, 2, 3, {0, 0, 0.005}, 0.105, {0, 0, -0.6});
+  return scene;
+}
+
 /// A dense heap with gather = "area": a layer that an impact at 1 m/s presses to a third.
 inline Scene layered_heap() {
   Scene scene = dense_heap();
   scene.settings.gather = Gathering::area;
   scene.pairs[0].stiffness = 0;
   scene.pairs[0].layer_modulus = 1e7;
+  return scene;
+}
+
+/// The same with a traction of 16 kPa over an eighth of the margins.
+inline Scene sticky_layers() {
+  Scene scene = layered_heap();
+  scene.pairs[0].adhesion = 4;
+  scene.pairs[0].adhesion_range = 5e-4;
   return scene;
 }
 
