@@ -267,16 +267,43 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
   }
 }
 
+/// Both theories are of small contacts: of a neck much smaller than its balls, and of a bridge that does not fill the room between them.
+void doubt_neck_or_bridge(const Scene& scene, const CasePair& p, double radius, std::vector<std::string>& doubts) {
+  constexpr double kDeep = 0.05, kMuch = 0.1;  // of R*; of R^3: beyond Willett's fit
+  const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
+  if (pull_kind(p.pair) == PullKind::neck) {
+    const double overlap = resting_contact(scene.settings.law, p.pair, a, b, radius).overlap;
+    if (!(overlap > kDeep * radius)) return;
+    doubts.push_back(
+        fmt::format("{}: adhesion alone presses balls of R* = {} {} into each other, {:.0f} % of R*, where JKR's theory of small contacts "
+                    "does not hold; a "
+                    "stiffer material (young) or a smaller adhesion is needed",
+                    p.where, metres(radius), metres(overlap), 100 * overlap / radius));
+    return;
+  }
+  const double share = p.pair.bridge_volume / std::pow(2 * radius, 3);
+  if (!(share > kMuch)) return;
+  doubts.push_back(
+      fmt::format("{}: bridge_volume is {:.2g} R^3 with R = 2 R* = {}; the force of a bridge is known for less than {:g} R^3, beyond that "
+                  "the liquid fills "
+                  "the room between bodies",
+                  p.where, share, metres(2 * radius), kMuch));
+}
+
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
 void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   for (const CasePair& p : c.pairs) {
-    if (pull_kind(p.pair) != PullKind::potential || scene.settings.gather == Gathering::area) continue;
+    if (!attracts(p.pair) || scene.settings.gather == Gathering::area) continue;
     double radius = p.pair.contact_radius;
     for (const std::int32_t m : {p.pair.a, p.pair.b}) {
       if (!(p.pair.contact_radius > 0)) radius = std::max(radius, 0.5 * movers.of_material[static_cast<std::size_t>(m)].diameter);
     }
     if (!(radius > 0)) continue;
     const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
+    if (pull_kind(p.pair) != PullKind::potential) {
+      doubt_neck_or_bridge(scene, p, radius, doubts);
+      continue;
+    }
     const double range = attraction_range(scene.settings.law, p.pair, a, b, radius), work = 0.5 * pull_off_force(p.pair, radius) * range;
     const RestingContact rest = resting_contact(scene.settings.law, p.pair, a, b, radius);
     if (!(rest.energy > work)) continue;

@@ -150,5 +150,23 @@ TEST(Doubts, an_impact_faster_than_sound) {
                {"fastest impact to expect is 1", "km/s"});
 }
 
+TEST(Doubts, a_bridge_that_fills_the_room_and_a_neck_as_wide_as_its_balls) {
+  const auto wet = [](const std::string& volume) {
+    return std::vector<std::pair<std::string, std::string>>{
+        {"friction = 0.5", "friction = 0.5\nsurface_tension = 0.072\nbridge_volume = " + volume}};
+  };
+  // R = 2 R* = 12 mm, of a ball on a wall
+  expect_doubt(wet("2e-7"), {"pairs[0]", "bridge_volume is 0.12 R^3", "12 mm", "0.1 R^3"});
+  EXPECT_EQ(doubts(wet("1e-8")), std::vector<std::string>{});
+  const auto sticky = [](const std::string& work) {
+    return std::vector<std::pair<std::string, std::string>>{
+        {"margin = 0.0001", "margin = 0.002\nlaw = \"hertz-mindlin\""},
+        {"density = 2700", "density = 2700\nyoung = 1e7"},
+        {"stiffness = 1e4", "adhesion_model = \"jkr\"\nadhesion_hysteresis = true\nadhesion = " + work}};
+  };
+  expect_doubt(sticky("500"), {"pairs[0]", "R* = 6 mm", "% of R*", "JKR"});
+  EXPECT_EQ(doubts(sticky("5")), std::vector<std::string>{});
+}
+
 }  // namespace
 }  // namespace scree

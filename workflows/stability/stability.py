@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the stiff and extreme cases X1 to X31 and tells which are held, refused with a named reason, or failed.
+"""Runs the stiff and extreme cases X1 to X32 and tells which are held, refused with a named reason, or failed.
 
 usage: stability.py BIN OUT [--only X1,X8] [--json FILE]
 
@@ -19,7 +19,8 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "tests", "validation"))
 sys.path.insert(0, HERE)
 
-import extremes_motion  # noqa: E402  (after the path is set)
+import extremes_attraction  # noqa: E402  (after the path is set)
+import extremes_motion  # noqa: E402
 import extremes_shapes  # noqa: E402
 from scene import ToolError, Tools  # noqa: E402
 from verdicts import FAILED, HELD, REFUSED, Table  # noqa: E402
@@ -34,7 +35,7 @@ def main():
     parser.add_argument("--only", default="")
     parser.add_argument("--json", default="")
     arguments = parser.parse_args()
-    cases = {f.id: f for f in extremes_motion.CASES + extremes_shapes.CASES}
+    cases = {f.id: f for f in extremes_motion.CASES + extremes_shapes.CASES + extremes_attraction.CASES}
     wanted = [name for name in arguments.only.split(",") if name] or sorted(set(cases) - set(ON_DEMAND), key=lambda name: int(name[1:]))
     tools, table = Tools(arguments.bin, arguments.out), Table()
     titles, times = {}, {}
