@@ -23,7 +23,7 @@ struct StepSize {
 /// Share of the sum of their margins by which two surfaces may come nearer in a step.
 inline constexpr double kMarginPerStep = 0.2;
 /// Share of the range of an attraction by which two surfaces may come nearer in a step.
-inline constexpr double kRangePerStep = 0.1;
+inline constexpr double kRangePerStep = 0.5;
 /// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
 inline constexpr double kTurnPerStep = 0.1;
 

@@ -317,3 +317,32 @@ def a10(tools, report):
         else:
             report.check(f"icosphere of level {level}, over 2 pi w R*", value, 1.0, .03)
     report.at_most("level 6 against level 5", abs(over[-1] / over[-2] - 1), .01)
+
+
+def concave_impacts(tools, report, name, steps, words):
+    """Largest change of all energy of six elastic impacts of L-shaped bodies, over that of the motion at the start."""
+    k, size, mass, speed = 1e4, 1e-2, 1e-3, .5
+    shape = meshes.prism(meshes.l_outline(size, .4 * size), .5 * size)
+    volume = meshes.mass_properties(shape)[0]
+    contact = math.pi * math.sqrt(mass / 2 / k)
+    c = Case(f"{name}-{steps}", duration=.03, step=contact / steps, margin=3e-4, every=contact / 4, contact={"impact_speed": speed})
+    c.mesh("l", shape)
+    c.material("m", mass / volume)
+    c.pair("m", "m", stiffness=k, restitution=1.0, **words)
+    for i in range(6):
+        turns = [quaternion((1, .3 * i, -.2 * i), .7 * i + side) for side in (0, 1)]
+        for side in (0, 1):
+            sign = 1 - 2 * side
+            c.body("l", "m", (4 * size * i, 0, (1 - 2 * side) * 1.3 * size), velocity=(0, 0, -sign * speed / 2), orientation=turns[side])
+    run = report.run(c.run(tools))
+    total = run.energy() + run.log["dissipated"]
+    return abs(total - total[0]).max() / total[0], run
+
+
+@case("A11", "U", "elastic impacts of concave bodies that stick: error of the energy against the step", "conservation of energy")
+def a11(tools, report):
+    pull = {"pull_off": .3, "adhesion_range": 2e-5}
+    for name, words in (("without attraction", {}), ("with attraction", pull)):
+        errors = [concave_impacts(tools, report, "A11" + ("b" if words else "a"), steps, words)[0] for steps in (25, 50, 100, 200)]
+        report.at_most(f"{name}: change of energy at 200 steps a contact", errors[-1], 5e-4)
+        report.at_least(f"{name}: order of the error in the step", math.log2(errors[0] / errors[-1]) / 3, 1.7)

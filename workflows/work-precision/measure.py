@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures error against run time for what a user can choose. usage: measure.py STUDY BIN OUT [--repeats 5]
 
-STUDY is one of: integrators, impact, collision, mesh, margin, drift. Writes OUT/STUDY.csv (one row per setting,
+STUDY is one of: integrators, impact, collision, mesh, margin, drift, attraction. Writes OUT/STUDY.csv (one row per setting,
 columns of VALIDATION 4.5) and OUT/STUDY.json (what the plots draw). The time of a setting is that of its steps, output
 left out, the least of all repeats (the median is in the CSV); repeats of all settings of a study are interleaved, so that a
 busy machine spoils all alike.
@@ -250,9 +250,37 @@ def drift(study):
         study.add(bounce, lambda run: error(run, 9.81 * .0015), case="elastic bounces", curve=name)
 
 
+def attraction(study):
+    """A ball that leaves a plane which attracts it, worst of 41 phases: by the range at one work of separation, and the step."""
+    k, R, mass, e, v, work = 1e4, 1e-3, 1e-3, .5, .5, 1e-6
+    density = mass / (4 / 3 * math.pi * R**3)
+    contact = math.pi * math.sqrt(mass / k)
+
+    def pull_of(s):   # F s / 2 + F^2 / (2 k) = work
+        return .5 * k * (math.sqrt(s * s + 8 * work / k) - s)
+    sharp = cf.sticky_rebound(v, e, mass, k, pull_of(1e-7), 1e-7)
+    for s in (2e-6, 1e-5, 5e-5, 2e-4):
+        for steps in (12, 20, 30, 50, 100, 200, 500, 1000):
+            def make(s=s, steps=steps):
+                dt = contact / steps
+                c = Case(f"attraction-{s:g}-{steps}", duration=2 * contact + 4 * s / v, step=dt, margin=0.0, every=1.0, contact={"impact_speed": v})
+                c.sphere("ball", R)
+                c.material("m", density)
+                c.pair_all(stiffness=k, restitution=e, pull_off=pull_of(s), adhesion_range=s)
+                for j in range(41):
+                    c.body("ball", "m", (4 * R * j, 0, R + s + v * dt * (1 + (j + .5) / 41)), velocity=(0, 0, -v), lock_rotation=True)
+                c.floor()
+                return c
+
+            def error(run, s=s):
+                left = run.v[-1, :, 2]
+                return {"error_e": numpy.abs(left - cf.sticky_rebound(v, e, mass, k, pull_of(s), s)).max() / v, "to_narrow": numpy.abs(left - sharp).max() / v}
+            study.add(make, error, case="rebound", curve=f"range {1e6 * s:g} um", steps_per_contact=steps, steps_in_range=s / (v * contact / steps))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    studies = {f.__name__: f for f in (integrators, impact, collision, mesh, margin, drift)}
+    studies = {f.__name__: f for f in (integrators, impact, collision, mesh, margin, drift, attraction)}
     parser.add_argument("study", choices=studies)
     parser.add_argument("bin")
     parser.add_argument("out")

@@ -162,6 +162,19 @@ def p8():
     save(figure, "P8")
 
 
+def p9():
+    rows = load("attraction")
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4))
+    for ax, x, y, title, xlabel in ((axes[0], "steps_per_contact", "error_e", "speed of leaving: error against that of the range", "steps a contact"),
+                                    (axes[1], "steps_in_range", "error_e", "the same", "steps through the range"),
+                                    (axes[2], "seconds", "to_narrow", "error against a range of 0.1 um\nof the same work of separation", "time of the steps [s]")):
+        draw(ax, rows, x, y)
+        ax.set_title(title)
+        ax.set_xlabel(xlabel)
+        ax.legend(loc="center right" if x == "seconds" else "upper right")
+    save(figure, "P9")
+
+
 def table():
     """The folded table of the page, as Markdown: per case the cheapest setting that reaches an error."""
     rows = table_of("best.csv")
@@ -174,5 +187,5 @@ def table():
         file.write("\n".join(lines) + "\n\n</details>\n")
 
 
-for part in (p1_p2, p4, p5, p8, table):
+for part in (p1_p2, p4, p5, p8, p9, table):
     part()
