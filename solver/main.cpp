@@ -1,5 +1,6 @@
 // scree-solver: read the command, read the scene, run.
 #include <omp.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cstdlib>
 
 #include "core/base/command_line.hpp"
+#include "core/base/error.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "solver/run/job_script.hpp"
 #include "solver/run/loaded_scene.hpp"
@@ -16,13 +18,32 @@
 
 namespace {
 
-/// More threads than cores on this machine: waiting threads and ranks must give their core away instead of spinning,
-/// or a step takes a thousand times longer (4 minutes instead of 1 s were measured on 2 cores with 2 ranks x 2 threads).
-/// The OpenMP runtime reads its policy when it is loaded, so the program starts itself once more.
+/// Cores that this process may run on: mpirun binds each of one or two ranks to one core, and all threads of a rank with it.
+int cores_of_process() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : omp_get_max_threads();
+}
+
+/// Tells of threads that were asked for and that have no core of their own, where the machine has more cores than they may use.
+void tell_of_bound_threads(const scree::mpi::Communicator& comm) {
+  const int cores = cores_of_process(), threads = omp_get_max_threads();
+  if (comm.rank() != 0 || threads <= cores || cores >= sysconf(_SC_NPROCESSORS_ONLN)) return;
+  scree::warn_once(
+      "scree-solver",
+      fmt::format("{} threads of a rank share {} of the machine's cores, to which they are bound; start with mpirun --bind-to none, or "
+                  "--map-by slot:PE={} --bind-to core",
+                  threads, cores == 1 ? "one" : std::to_string(cores), threads));
+}
+
+/// More threads than cores on this machine, or than this process may use: waiting threads and ranks must give their core away instead of
+/// spinning, or a step takes a thousand times longer (4 minutes instead of 1 s were measured on 2 cores with 2 ranks x 2 threads). The
+/// OpenMP runtime reads its policy when it is loaded, so the program starts itself once more.
 void share_cores_when_oversubscribed(char** argv) {
   const char* local_ranks = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
   const long ranks = local_ranks != nullptr ? std::atol(local_ranks) : 1;
-  if (ranks * omp_get_max_threads() <= sysconf(_SC_NPROCESSORS_ONLN) || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
+  const bool enough = ranks * omp_get_max_threads() <= sysconf(_SC_NPROCESSORS_ONLN) && omp_get_max_threads() <= cores_of_process();
+  if (enough || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
   setenv("OMP_WAIT_POLICY", "passive", 0);
   setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
   execv("/proc/self/exe", argv);  // returns only when it failed; then the run is slow, not wrong
@@ -144,6 +165,7 @@ int do_command(const mpi::Communicator& comm, int argc, char** argv) {
   limit_simd(c.simd);
   if (c.verify) return verify(comm, c.again);
   if (c.slurm || c.plan) return print_only(comm, c);
+  tell_of_bound_threads(comm);
   return run_scene(comm, c.options);
 }
 

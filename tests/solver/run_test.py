@@ -122,6 +122,20 @@ def a_scene_that_one_rank_cannot_read_ends_all_ranks():
             assert words in result.stderr and f"rank {rank}" in result.stderr, result.stderr
 
 
+def threads_that_are_bound_to_one_core_are_told():
+    """mpirun binds each of one or two ranks to one core, and all its threads with it."""
+    if os.cpu_count() < 2:
+        raise Skipped("needs two cores")
+    subprocess.run([PILE, "8", "0.01", "pile.scene.h5"], check=True)
+    one = {min(os.sched_getaffinity(0))}
+    for threads, bound in (("2", True), ("1", False)):
+        environment = {key: value for key, value in dict(ENV, OMP_NUM_THREADS=threads).items() if key not in ("OMP_PROC_BIND", "OMP_PLACES")}
+        result = subprocess.run([SOLVER, "pile.scene.h5", "-o", f"bound{threads}.run"], env=environment, capture_output=True, text=True, timeout=60,
+                                preexec_fn=lambda: os.sched_setaffinity(0, one))
+        assert result.returncode == 0, result.stderr
+        assert ("2 threads of a rank share one of the machine's cores" in result.stderr and "--bind-to none" in result.stderr) == bound, result.stderr
+
+
 def a_full_disk_is_an_error_and_leaves_no_broken_file():
     if os.geteuid() != 0:
         raise Skipped("mounting a small tmpfs needs root")
@@ -314,6 +328,6 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
          a_run_that_stops_at_rest_stops_there_after_a_restart_too, a_run_that_loses_all_bodies_says_so,
          a_run_that_stops_when_empty_stops_then_on_any_ranks_and_after_a_restart,
-         the_plan_says_what_is_in_and_out]
+         the_plan_says_what_is_in_and_out, threads_that_are_bound_to_one_core_are_told]
 
 main(TESTS)

@@ -53,9 +53,9 @@ def held(tools, table, what, c):
 def x32(tools, table):
     weight = 1e-3 * G
     for bond in (1, 100, 1e4):
-        held(tools, table, f"Bond number {bond:g}, balls", cluster("X32", {"pull_off": bond * weight, "adhesion_range": 5e-5}, k=1e4 * max(1, bond / 100), duration=.2 if bond < 1e4 else .05))
+        held(tools, table, f"Bond number {bond:g}, balls", cluster("X32", {"pull_off": bond * weight, "adhesion_range": 5e-5}, k=1e4 * max(1, bond / 100), duration=.2 if bond < 1e4 else .08))
     held(tools, table, "Bond number 1000, cubes", cluster("X32", {"pull_off": 1000 * weight, "adhesion_range": 5e-5}, "cube", k=1e5, margin=2e-4))
-    held(tools, table, "attraction 100 times as stiff as the contact", cluster("X32", {"pull_off": 1.0, "adhesion_range": 1e-6}, duration=.05))
+    held(tools, table, "attraction 100 times as stiff as the contact", cluster("X32", {"pull_off": 1.0, "adhesion_range": 1e-6}, duration=.08))
     for what, value, says in (("range of 0", 0.0, "expected a value > 0"), ("range as wide as a body", 1.01e-2, "further than body")):
         table.must_refuse(what, lambda: cluster("X32", {"pull_off": weight, "adhesion_range": value}).run(tools), says)
     held(tools, table, "bridges that hold 1000 weights", cluster("X32", {"surface_tension": 1000 * weight / (4 * math.pi * 2.5e-3), "bridge_volume": 1e-12}, k=1e5))
