@@ -39,7 +39,8 @@ def column_of(name):
     """Height left over the height before the tube leaves, that height in grains, and contacts a grain before."""
     run = scree.open(f"{name}.run")
     before = [frame for frame in run.frames if frame.time <= LEAVES][-1]
-    contacts = 2 * sum(1 for n in before.contacts.normal_force if n != 0) / len(before.bodies.id)
+    touching = {(a, b) for a, b, n in zip(before.contacts.body_a, before.contacts.body_b, before.contacts.normal_force) if n != 0}   # a pair may have several contacts
+    contacts = 2 * len(touching) / len(before.bodies.id)
     return height_of(run.frames[-1]) / height_of(before), height_of(before) / SIZE, contacts
 
 
@@ -77,6 +78,7 @@ right.set_ylabel("height left of a column")
 right.set_ylim(0, 1.05)
 for axes in (left, right):
     axes.set_xscale("symlog", linthresh=0.5)
+    axes.set_xlim(-0.1, 26)
     axes.set_xticks([0, 0.5, 1, 5, 20], ["0", "0.5", "1", "5", "20"])
     axes.set_xlabel("Bond number")
     axes.grid(alpha=0.3)
