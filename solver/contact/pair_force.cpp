@@ -160,10 +160,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   const PushSum push = Model::potential(features, law, law_of_overlap, forces, result);
 
   bool linked = false;
-  if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) {
-    linked = remembers(law);
-    if (linked && friction_dt > 0 && !has_link(springs)) result.released = released_at_touch(law_of_overlap);
-  }
+  if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) linked = remembers(law);
 
   const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt);
   Damping damping = dampings.of_pair();
@@ -214,7 +211,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     double damped = 0;
     if (!PullingLaw<Law> || forces.push[j] > 0) {
       double in_touch = f.overlap;
-      if constexpr (NeckedLaw<Law>) in_touch = push.overlap;
+      if constexpr (NeckedLaw<Law>) in_touch = forces.push_overlap;
       const double weight = std::min(damping.most_onset, onset_weight(in_touch, vn, dt));
       damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
     }
@@ -236,8 +233,8 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       };
       if constexpr (NeckedLaw<Law>) {
         ContactFeature necked = f;
-        necked.overlap = push.overlap;
-        tangential = friction_of(necked, damped + (push.load - 1) * forces.push[j]);
+        necked.overlap = forces.push_overlap;
+        tangential = friction_of(necked, damped + (forces.load - 1) * forces.push[j]);
       } else {
         tangential = friction_of(f, damped);
       }
@@ -249,8 +246,8 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     if (outputs != nullptr) (*outputs)[j] = output_of(f.n, normal_force(j, damped), forces.from_weight[j], tangential);
   }
   if (rolls)
-    add_rolling(law, motion, push_force, push.force, push.load, forces.push_per_overlap, tangential_share * damping.chi, dt, friction_dt,
-                turned, springs, next, result);
+    add_rolling(law, motion, push_force, push.force, NeckedLaw<Law> ? forces.load : 1.0, forces.push_per_overlap,
+                tangential_share * damping.chi, dt, friction_dt, turned, springs, next, result);
   const bool has_springs = !next.empty();
   if (linked) next.push_back(kLink);
   if (has_springs) next.push_back(MeanTurn::entry(motion.turn));
@@ -276,8 +273,12 @@ PairHoldsFunction pair_holds_function(const LawChoice& choice) {
   if (!choice.remembers) return function;
   for_chosen_law(choice, [&]<class Model, class Entry, class Law>() {
     if constexpr (std::is_same_v<Model, PotentialModel> && (NeckedLaw<Law> || AttractingLaw<Law>)) {
-      function = [](const PairFeatures& features, const PairLaw& law, double radius, const std::vector<FrictionSpring>& springs) {
-        return Model::holds(features, law, Law(law, radius), has_link(springs));
+      function = [](const PairFeatures& features, const PairLaw& law, double radius, const std::vector<FrictionSpring>& springs,
+                    double& released) {
+        const Law law_of_overlap(law, radius);
+        const bool linked = has_link(springs), holds = Model::holds(features, law, law_of_overlap, linked);
+        released = holds && !linked && remembers(law) ? released_at_touch(law_of_overlap) : 0;
+        return holds;
       };
     }
   });

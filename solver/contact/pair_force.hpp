@@ -37,7 +37,6 @@ struct PairForce {
   double largest_overlap = 0;                  ///< largest overlap [m]
   double surface_power = 0;                    ///< of friction on A where the wall's surface moves: its work on both [W]
   double damping = 0;                          ///< chi: the damping force of a feature is its push times chi times its speed [s/m]
-  double released = 0;                         ///< as a neck or bridge formed in this step [J]
 };
 
 /// One contact as it is written to frames. All contacts of a pair add up to its force.
@@ -56,14 +55,15 @@ struct FeatureForces {
   // of a law that pulls
   std::vector<double> pull;      ///< >= 0 [N]
   Vec3 pull_force, pull_torque;  ///< on A, of all of them
+  // of a law with necks
+  double push_overlap = 0;  ///< that the push is of [m]
+  double load = 1;          ///< what friction and rolling are limited by, over the push
 };
 
 /// Of the push of all features of a pair.
 struct PushSum {
-  double force = 0;    ///< [N]
-  double energy = 0;   ///< [J]
-  double load = 1;     ///< what friction and rolling are limited by, over the push
-  double overlap = 0;  ///< of a law with necks: that of the push [m]
+  double force = 0;   ///< [N]
+  double energy = 0;  ///< [J]
 };
 
 /// Norm of the potential: larger values make stiffness depend less on the number of features, but sharpen forces.
@@ -94,9 +94,10 @@ using PairForceFunction = PairForce (*)(const PairFeatures& features, const Pair
 PairForceFunction pair_force_function(const LawChoice& choice);
 
 /// Whether two bodies whose features lie within the reach of their law act on each other, where that depends on whether they have touched.
-/// in   radius   R* [m]
+/// in   radius     R* [m]
+/// out  released   energy that goes as a neck or bridge forms now [J]; 0 where none does
 using PairHoldsFunction = bool (*)(const PairFeatures& features, const PairLaw& law, double radius,
-                                   const std::vector<FrictionSpring>& springs);
+                                   const std::vector<FrictionSpring>& springs, double& released);
 /// Null for a scene none of whose pairs remembers that.
 PairHoldsFunction pair_holds_function(const LawChoice& choice);
 

@@ -166,12 +166,11 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
     if (!(at.overlap > 0)) std::fill(forces.push_per_overlap.begin(), forces.push_per_overlap.end(), 0.0);
     add_pull(features, {}, pair_law.reach, depth, at.pull, forces);
   }
-  PushSum total{push, at.push_energy};
   if constexpr (NeckedLaw<Law>) {
-    total.overlap = at.overlap;
-    if (push > 0) total.load = law.load_share(D);
+    forces.push_overlap = at.overlap;
+    forces.load = push > 0 ? law.load_share(D) : 1;
   }
-  return total;
+  return {push, at.push_energy};
 }
 
 /// The same with one potential per cell (wall_cells.hpp), each with a part of the energy.

@@ -214,6 +214,7 @@ void SolverScene::prepare_laws() {
   }
   law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
   if (law_choice_.necks) check_necks();
+  crowds_follow_ = !(scene_->settings.barrier > 0) && ((law_choice_.attraction && !law_choice_.necks) || !(reach_ > 0));
   if (shares_cells) return;
   bool has_cells = false;
   for (const Wall& wall : scene_->walls) has_cells = has_cells || wall.cell_size > 0;

@@ -48,9 +48,7 @@ class SolverScene {
   /// The D of an attraction that its tables are made for [m].
   double pull_table_depth() const { return kPullTableDepth * widest_range(); }
   /// Whether the radius of crowds can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
-  bool crowds_follow() const {
-    return !(scene_->settings.barrier > 0) && ((law_choice_.attraction && !law_choice_.necks) || !(reach_ > 0));
-  }
+  bool crowds_follow() const { return crowds_follow_; }
   /// What there is of weights so far; null where all are 1.
   const DensityWeights* density_weights() const { return weights_.get(); }
   const std::vector<WallZone>& zones() const { return zones_; }
@@ -128,7 +126,7 @@ class SolverScene {
   std::vector<const double*> wall_weights_;
   std::shared_ptr<DensityWeights> pull_weights_;
   std::vector<const double*> wall_pull_weights_;
-  bool has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false;
+  bool crowds_follow_ = true, has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false;
 };
 
 }  // namespace scree

@@ -151,7 +151,10 @@ class PairEvaluation {
       Model::weigh(view, kNoPull, moved, pair.lists, features_);
     if (pass_.holds == nullptr || features_.list.empty()) return;
     const PairLaw& law = law_of(view, pair);
-    if (!pass_.holds(features_, law, radius_of(view, law), pair.state.springs)) features_.list.clear();
+    double released = 0;
+    if (!pass_.holds(features_, law, radius_of(view, law), pair.state.springs, released)) return features_.list.clear();
+    if (released > 0 && pass_.friction_dt > 0 && !pass_.only_looks() && counts_here(pair, pass_.p))
+      pass_.scratch.released[thread_].add(released);
   }
 
   double radius_of(const PairView& view, const PairLaw& law) const { return law.radius > 0 ? law.radius : contact_radius(view); }
@@ -196,7 +199,6 @@ class PairEvaluation {
     result.elastic = f.elastic;
     result.tangential_elastic = f.tangential_elastic;
     result.surface_power = f.surface_power;
-    if (f.released > 0 && !pass_.only_looks() && counts_here(pair, pass_.p)) pass_.scratch.released[thread_].add(f.released);
     result.overlap_ratio = view.margin > 0 ? f.largest_overlap / view.margin : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
