@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -200,10 +201,24 @@ Verdict judge_step(const Run& run) {
     v.evidence = "The critical step of the contacts is in run.json after the end of a run that had contacts.";
     return v;
   }
-  const double ratio = step / critical;
+  const double ratio = step / critical, given = run.scene.settings.step, steps = run.scene.settings.steps_per_contact;
   v.answer = fmt::format("{:.3g} of the critical step", ratio);
   v.judgement = ratio <= kStepGood ? Judgement::good : (ratio <= kStepDoubtful ? Judgement::doubtful : Judgement::bad);
-  v.evidence = fmt::format("Step {:.4g} s, smallest critical step of all contacts {:.4g} s. Good up to {}.", step, critical, kStepGood);
+  v.evidence = fmt::format(
+      "Step {:.4g} s, smallest critical step of all contacts at once {:.4g} s, a lower bound. While contacts last, the energy of their "
+      "fastest "
+      "motion errs by up to {}, and by nothing when they end; the energy balance tells what it comes to. Good up to {}.",
+      step, critical, ratio < 1 ? percent(ratio * ratio / 4) : "more than a quarter", kStepGood);
+  if (!(given > 0)) {
+    v.evidence +=
+        fmt::format(" An impact takes {:.3g} steps or more: its restitution errs by up to {:.1g}.", steps, restitution_error(steps));
+    if (steps < kContactStepsGood) v.judgement = std::max(v.judgement, Judgement::doubtful);
+  }
+  if (v.judgement != Judgement::good) {
+    const double more = std::max(std::ceil(steps * ratio / kStepGood), kContactStepsGood);
+    v.evidence += given > 0 ? fmt::format(" For a good verdict give time.step = {:.2g} s, or leave it out.", critical * kStepGood)
+                            : fmt::format(" For a good verdict give time.steps_per_contact = {:.0f}.", more);
+  }
   return v;
 }
 
@@ -299,6 +314,18 @@ Verdict judge_meshes(const Run& run) {
 }
 
 }  // namespace
+
+double restitution_error(double steps) {
+  static constexpr std::array<std::pair<double, double>, 8> kMeasured{
+      {{4, .31}, {5, .1}, {6, .05}, {8, .023}, {12, .012}, {20, .006}, {30, .003}, {100, 7e-4}}};
+  if (steps < kMeasured.front().first) return 1;
+  for (std::size_t i = 1; i < kMeasured.size(); ++i) {
+    const auto [left, high] = kMeasured[i - 1];
+    const auto [right, low] = kMeasured[i];
+    if (steps <= right) return high * std::pow(low / high, std::log(steps / left) / std::log(right / left));
+  }
+  return kMeasured.back().second;  // an upper bound of what still falls
+}
 
 EnergyBalance energy_balance(const Run& run) {
   EnergyBalance balance;

@@ -219,6 +219,38 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
   EXPECT_EQ(verdict(all, "Mesh certificates").judgement, Judgement::bad);
 }
 
+TEST_F(RunFolder, a_step_is_judged_by_what_it_costs_and_the_cure_is_named) {
+  const auto judged = [&](double ratio, double steps, double given = 0) {
+    Scene scene = test::sample_scene(12);
+    scene.settings.steps_per_contact = steps;
+    scene.settings.step = given;
+    write_scene_file((folder / "scene.h5").string(), scene);
+    nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+    outcome["step_size"] = 1e-3;
+    outcome["critical_step"] = 1e-3 / ratio;
+    std::ofstream(folder / "run.json") << outcome;
+    return verdict(judge(open_run(folder.string())), "Step margin");
+  };
+  // a grain among many neighbours with the 12 steps of the ready cases
+  const Verdict ready = judged(0.82, 12);
+  EXPECT_EQ(ready.judgement, Judgement::good);
+  EXPECT_NE(ready.evidence.find("errs by up to 16.8 %"), std::string::npos) << ready.evidence;
+  EXPECT_NE(ready.evidence.find("takes 12 steps or more: its restitution errs by up to 0.01."), std::string::npos) << ready.evidence;
+  EXPECT_EQ(ready.evidence.find("steps_per_contact"), std::string::npos) << ready.evidence;
+  const Verdict coarse = judged(1.1, 12);
+  EXPECT_EQ(coarse.judgement, Judgement::doubtful);
+  EXPECT_NE(coarse.evidence.find("give time.steps_per_contact = 15."), std::string::npos) << coarse.evidence;
+  EXPECT_EQ(judged(1.4, 12).judgement, Judgement::bad);
+  const Verdict few = judged(0.25, 6);  // stable, but single impacts miss the 2.3e-2 of the validation plan
+  EXPECT_EQ(few.judgement, Judgement::doubtful);
+  EXPECT_NE(few.evidence.find("give time.steps_per_contact = 8."), std::string::npos) << few.evidence;
+  const Verdict given = judged(1.2, 30, 1e-3);
+  EXPECT_NE(given.evidence.find("give time.step = 0.00075 s"), std::string::npos) << given.evidence;
+  EXPECT_EQ(given.evidence.find("An impact takes"), std::string::npos) << given.evidence;
+  EXPECT_NEAR(restitution_error(12), 0.012, 1e-12);
+  EXPECT_NEAR(restitution_error(16), std::sqrt(0.012 * 0.006), 1e-3);
+}
+
 TEST_F(RunFolder, rest_is_judged_where_the_case_asks_for_it) {
   const auto verdict_of = [&](bool asked, const nlohmann::json& rested) {
     Scene scene = test::sample_scene(12);
