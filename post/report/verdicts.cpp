@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "post/report/drive_verdict.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/provenance_chain.hpp"
 
@@ -207,7 +208,7 @@ Verdict judge_step(const Run& run) {
   v.evidence = fmt::format(
       "Step {:.4g} s, smallest critical step of all contacts at once {:.4g} s, a lower bound. While contacts last, the energy of their "
       "fastest "
-      "motion errs by up to {}, and by nothing when they end; the energy balance tells what it comes to. Good up to {}.",
+      "motion errs by up to {}, and by nothing when they end; see the energy balance for their sum. Good up to {}.",
       step, critical, ratio < 1 ? percent(ratio * ratio / 4) : "more than a quarter", kStepGood);
   if (!(given > 0)) {
     v.evidence +=
@@ -354,8 +355,12 @@ EnergyBalance energy_balance(const Run& run) {
 }
 
 std::vector<Verdict> judge(const Run& run) {
-  return {judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),
-          judge_meshes(run),  judge_rest(run),   judge_imbalance(run), judge_files(run), judge_frames(run)};
+  std::vector<Verdict> all{judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),
+                           judge_meshes(run),  judge_rest(run),   judge_imbalance(run), judge_files(run), judge_frames(run)};
+  const std::vector<Wall>& walls = run.scene.walls;
+  if (std::any_of(walls.begin(), walls.end(), [](const Wall& wall) { return wall.motion.drive().has_value(); }))
+    all.insert(all.begin() + 4, judge_drives(run));
+  return all;
 }
 
 nlohmann::json provenance_of(const Run& run) {

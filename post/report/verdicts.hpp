@@ -32,6 +32,8 @@ inline constexpr double kStepGood = 0.9;
 inline constexpr double kStepDoubtful = 1.35;
 /// Steps that an impact of the stiffest pair takes; with fewer its restitution misses what the validation plan demands of it.
 inline constexpr double kContactStepsGood = 8;
+/// What a servo misses on average of the force asked, over the last tenth of the log. Beds that still give way take more.
+inline constexpr double kServoForce = 0.05;
 inline constexpr double kImbalanceGood = 1.3;  ///< largest over mean work of the ranks; more costs time, never correctness
 
 std::vector<Verdict> judge(const Run& run);

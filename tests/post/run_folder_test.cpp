@@ -251,6 +251,50 @@ TEST_F(RunFolder, a_step_is_judged_by_what_it_costs_and_the_cure_is_named) {
   EXPECT_NEAR(restitution_error(16), std::sqrt(0.012 * 0.006), 1e-3);
 }
 
+TEST_F(RunFolder, walls_that_answer_to_force_are_judged_by_the_force_that_they_hold) {
+  const auto judged = [&](double force, double way, const nlohmann::json& note) {
+    Scene scene = test::sample_scene(12);
+    scene.walls[1].motion = {};
+    scene.walls[1].motion.kind = Servo{.direction = {0, 0, -1}, .force = 100, .max_speed = 0.1, .stroke = {-0.5, 0.2}};
+    write_scene_file((folder / "scene.h5").string(), scene);
+    const std::string wall = fmt::format("wall{}_", scene.walls[1].id);
+    std::string log = "step,time", units = "# units: -,s";
+    for (const char* name : {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"}) {
+      log += "," + wall + name;
+      units += ",N";
+    }
+    log += ",kinetic_translational,kinetic_rotational,potential\n" + units + ",J,J,J\n";
+    for (int i = 0; i <= 20; ++i) log += fmt::format("{},{},0,0,{},0,0,0,0,0,0\n", i, 0.01 * i, i < 18 ? 0 : force);
+    std::ofstream(folder / "log.csv") << log;
+    nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+    outcome["drives"] = {{{"wall", scene.walls[1].id},
+                          {"name", "lid"},
+                          {"kind", "servo"},
+                          {"way", way},
+                          {"rate", 0},
+                          {"force", -force},
+                          {"at_end", way == 0.2 ? nlohmann::json("highest") : nlohmann::json()},
+                          {"asked", 100},
+                          {"note", note}}};
+    std::ofstream(folder / "run.json") << outcome;
+    return verdict(judge(open_run(folder.string())), "Walls under force");
+  };
+  const Verdict held = judged(100.02, 0.0324, nullptr);  // the log's force is on the wall: upward, against its direction
+  EXPECT_EQ(held.judgement, Judgement::good) << held.evidence;
+  EXPECT_EQ(held.answer, "1 of 1 servo holds the force requested");
+  EXPECT_EQ(held.evidence,
+            "'lid' (servo) ends 32.4 mm from where it was placed; it presses with 100 N of 100 N requested (100 N on average over the last "
+            "tenth of the run).");
+  const Verdict idle = judged(0, 0.05, "wall 'lid': its servo touches nothing");
+  EXPECT_EQ(idle.judgement, Judgement::doubtful);
+  EXPECT_NE(idle.evidence.find("it touches nothing"), std::string::npos) << idle.evidence;
+  const Verdict stopped = judged(30, 0.2, "wall 'lid': its servo is at the end of its way");
+  EXPECT_EQ(stopped.judgement, Judgement::doubtful);
+  EXPECT_NE(stopped.evidence.find("at the highest end of its way; it presses with 30 N of 100 N requested"), std::string::npos)
+      << stopped.evidence;
+  EXPECT_EQ(judged(80, 0.1, nullptr).judgement, Judgement::doubtful) << "its bed still gives way";
+}
+
 TEST_F(RunFolder, rest_is_judged_where_the_case_asks_for_it) {
   const auto verdict_of = [&](bool asked, const nlohmann::json& rested) {
     Scene scene = test::sample_scene(12);
