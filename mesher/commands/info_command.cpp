@@ -16,10 +16,10 @@ const char* kind_name(ShapeKind kind) { return kind == ShapeKind::solid ? "solid
 std::string verdict_text(const Shape& shape) {
   const nlohmann::json& v = shape.verdict;
   if (!v.is_object()) return shape.kind == ShapeKind::sphere ? "analytic" : "not checked";
-  if (v.value("solid", false)) return "watertight, outward";
-  std::string text;
-  for (const auto& problem : v.value("problems", nlohmann::json::array())) {
-    if (problem.is_string()) text += (text.empty() ? "" : "; ") + problem.get<std::string>();
+  const bool is_solid = v.value("solid", false);
+  std::string text = is_solid ? "watertight, outward" : "";
+  for (const auto& found : v.value(is_solid ? "remarks" : "problems", nlohmann::json::array())) {
+    if (found.is_string()) text += (text.empty() ? "" : "; ") + found.get<std::string>();
   }
   return text.empty() ? "not a solid" : text;
 }

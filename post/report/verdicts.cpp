@@ -290,7 +290,7 @@ Verdict judge_meshes(const Run& run) {
     for (const Inlet::Share& share : inlet.shares) used.insert(share.shape);
   }
   std::size_t solid = 0, analytic = 0;
-  std::string unchecked, refused;
+  std::string unchecked, refused, crossed;
   for (std::int32_t k : used) {
     const Shape& shape = run.scene.shapes[static_cast<std::size_t>(k)];
     if (shape.kind == ShapeKind::sphere) {
@@ -299,14 +299,22 @@ Verdict judge_meshes(const Run& run) {
       unchecked += (unchecked.empty() ? "" : ", ") + shape.name;
     } else if (shape.verdict.value("solid", false)) {
       ++solid;
+      if (const std::int64_t pairs = crossing_pairs(shape); pairs > 0)
+        crossed += fmt::format("{}{} ({} {})", crossed.empty() ? "" : ", ", shape.name, pairs, pairs == 1 ? "pair" : "pairs");
     } else {
       refused += (refused.empty() ? "" : ", ") + shape.name;
     }
   }
   v.answer = fmt::format("{} of {} solid", solid + analytic, used.size());
-  if (!unchecked.empty()) v.judgement = Judgement::doubtful;
+  if (!unchecked.empty() || !crossed.empty()) v.judgement = Judgement::doubtful;
   if (!refused.empty()) v.judgement = Judgement::bad;
-  v.evidence = "Closed, oriented, without crossing surfaces, as scree-mesher checked each mesh at import";
+  v.evidence = fmt::format("Closed, oriented{}, as scree-mesher checked each mesh at import",
+                           crossed.empty() && unchecked.empty() && refused.empty() ? ", without crossing surfaces" : "");
+  if (!crossed.empty()) {
+    v.answer += ", with triangles that cross";
+    v.evidence += "; triangles pass through or touch each other, and volume counts twice where the surface is folded over: " + crossed +
+                  "; scree-mesher repair cuts such places out";
+  }
   if (analytic > 0) v.evidence += fmt::format("; {} analytic {} no mesh", analytic, analytic == 1 ? "ball has" : "balls have");
   if (!unchecked.empty()) v.evidence += "; without a certificate: " + unchecked;
   if (!refused.empty()) v.evidence += "; not solid: " + refused;
@@ -326,6 +334,10 @@ double restitution_error(double steps) {
     if (steps <= right) return high * std::pow(low / high, std::log(steps / left) / std::log(right / left));
   }
   return kMeasured.back().second;  // an upper bound of what still falls
+}
+
+std::int64_t crossing_pairs(const Shape& shape) {
+  return shape.verdict.is_object() ? static_cast<std::int64_t>(number_in(shape.verdict, "self_intersections", 0)) : 0;
 }
 
 EnergyBalance energy_balance(const Run& run) {

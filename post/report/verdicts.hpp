@@ -56,6 +56,9 @@ double restitution_error(double steps);
 inline constexpr double kContactError = 0.1;  ///< of the elastic energy that the error within contacts may be
 inline constexpr double kStillFall = 1e-6;    ///< diameters; the solver's own measure of rest
 
+/// Pairs of triangles of a solid that pass through or touch each other, as scree-mesher found them; 0 where it did not look.
+std::int64_t crossing_pairs(const Shape& shape);
+
 /// The record of where the run comes from: of run.json, or of the first frame while there is none.
 nlohmann::json provenance_of(const Run& run);
 

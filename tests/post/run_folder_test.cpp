@@ -219,6 +219,19 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
   EXPECT_EQ(verdict(all, "Mesh certificates").judgement, Judgement::bad);
 }
 
+TEST_F(RunFolder, a_solid_with_triangles_that_cross_is_not_said_to_be_without) {
+  EXPECT_NE(verdict(judge(open_run(folder.string())), "Mesh certificates").evidence.find("without crossing surfaces"), std::string::npos);
+  Scene scene = test::sample_scene(12);
+  scene.shapes[0].verdict = {{"solid", true}, {"watertight", true}, {"self_intersections", 6}};
+  write_scene_file((folder / "scene.h5").string(), scene);
+  const Verdict v = verdict(judge(open_run(folder.string())), "Mesh certificates");
+  EXPECT_EQ(v.judgement, Judgement::doubtful);
+  EXPECT_EQ(v.answer, "3 of 3 solid, with triangles that cross");
+  EXPECT_EQ(v.evidence.find("without crossing"), std::string::npos) << v.evidence;
+  EXPECT_NE(v.evidence.find("box (6 pairs)"), std::string::npos) << v.evidence;
+  EXPECT_NE(v.evidence.find("scree-mesher repair"), std::string::npos) << v.evidence;
+}
+
 TEST_F(RunFolder, a_step_is_judged_by_what_it_costs_and_the_cure_is_named) {
   const auto judged = [&](double ratio, double steps, double given = 0) {
     Scene scene = test::sample_scene(12);
