@@ -76,6 +76,45 @@ def what_walls_did_that_answer_to_force_is_in_the_record():
     assert lost["note"] in said, said
 
 
+# the lower edge of a cube, tilted, falls on the outer upper edge of a box
+EDGE_ON_BOX = """
+[time]
+duration = 0.1
+[shapes.cube]
+file = "cube.shape.h5"
+[materials.ore]
+density = 2500
+[[pairs]]
+between = ["ore", "ore"]
+stiffness = "20 kN/m"
+restitution = 0.3
+[contact]
+margin = "0.2 mm"
+[[bodies]]
+shape = "cube"
+material = "ore"
+position = ["3.5 mm", 0, "8.2 mm"]
+orientation = [0.8923991008, 0.3696438106, 0.2391176184, -0.0990457605]
+velocity = [0, 0, -0.3]
+lock_rotation = true
+[[walls]]
+name = "block"
+shape = { box = { corners = [["-5 cm", "-5 cm", "-5 cm"], [0, "5 cm", 0]] } }
+material = "ore"
+"""
+
+
+def a_body_that_meets_a_box_from_outside_is_told_the_reason():
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "10 mm, 10 mm, 10 mm", "-o", "cube.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    with open("edge.toml", "w", encoding="utf-8") as case:
+        case.write(EDGE_ON_BOX)
+    packed = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", "edge.toml", "-o", "edge.scene.h5"], check=True, env=ENV, capture_output=True, text=True)
+    assert "faces inwards" in packed.stderr, packed.stderr
+    said = run(1, "edge.scene.h5", "-o", "edge.run", expect=5).stderr
+    assert "('block') intersect" in said and "If the body was outside of wall 'block': its closed surface faces inwards" in said, said
+
+
 def a_killed_run_continues_to_the_same_end():
     subprocess.run([PILE, "27", "1.0", "pile.scene.h5"], check=True)
     run(2, "pile.scene.h5", "-o", "whole.run")
@@ -358,6 +397,7 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
          a_run_that_stops_at_rest_stops_there_after_a_restart_too, a_run_that_loses_all_bodies_says_so,
          a_run_that_stops_when_empty_stops_then_on_any_ranks_and_after_a_restart,
-         what_walls_did_that_answer_to_force_is_in_the_record, the_plan_says_what_is_in_and_out]
+         what_walls_did_that_answer_to_force_is_in_the_record,
+         a_body_that_meets_a_box_from_outside_is_told_the_reason, the_plan_says_what_is_in_and_out]
 
 main(TESTS)
