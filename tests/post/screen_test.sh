@@ -39,6 +39,8 @@ wait $second || fail "the second of two"
 cmp -s none.png one.png && cmp -s none.png two.png || fail "two at once draw other pictures"
 "$mesher" generate box --size "1 m, 1 m, 1 m" -o box.shape.h5 >/dev/null || fail "no box"
 expect 0 "wrote refined.png" "$mesher" refine box.shape.h5 -o refined.shape.h5 --times 2 --picture refined.png;  is_picture refined.png
+expect 0 "wrote box.png" "$mesher" info box.shape.h5 --picture box.png;  is_picture box.png
+expect 2 "a picture" "$mesher" info box.shape.h5 --picture box.jpg
 none_left "done"
 
 # 2. a display that answers is used, and no other is started
