@@ -9,6 +9,10 @@
 #   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"; or such words for each run by its name
 #   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
 #   PACK_INPUTS further files that the cases are made of
+#   RANKS       of each run, where --config has none and there is no sweep; else they are chosen as below
+#
+# Runs go side by side, each with its share of the cores. How many of those it uses depends on its size (ranks.py): a small one runs on one rank,
+# a large one on as many as it has cores. The results are the same bits on any number.
 #
 # Its rule all asks for everything(), or for the files of single runs, result("drum"). Settings: --config ranks=2 threads=1
 # minutes=1440 (of the solver's job in a queue), statistics="..." (in place of STATISTICS), and for sweeps over any keys of the case, as a grid,
@@ -28,7 +32,7 @@ from snakemake.utils import min_version
 min_version("7.0")
 HERE = str(workflow.current_basedir)  # of this file, whoever includes it
 
-RANKS = int(config.get("ranks", 2))
+RANKS = int(config.get("ranks", globals().get("RANKS", 0)))  # 0: chosen for each run
 THREADS = int(config.get("threads", 1))  # of each rank
 
 STATISTICS = config.get("statistics", globals().get("STATISTICS", ""))
@@ -83,6 +87,14 @@ elif SWEEP or REPLICAS > 1:
     RUNS, POINTS = swept(RUNS)
 
 
+if POINTS and "ranks" not in config:
+    RANKS = 0
+
+# Cores of a run. They are no parameter of a rule, so that another number of cores makes nothing anew.
+def cores_of_run(wildcards):
+    return RANKS * THREADS if RANKS else max(THREADS, (workflow.cores or 1) // max(1, len(RUNS)))
+
+
 wildcard_constraints:
     shape="|".join(map(re.escape, SHAPES)) or "no_shape",
     run="|".join(map(re.escape, RUNS)),
@@ -135,7 +147,7 @@ rule pack:
         others=PACK_INPUTS,
         shapes=expand("{shape}.shape.h5", shape=SHAPES),
     output: "{run}.scene.h5"
-    params: words=lambda wildcards: RUNS[wildcards.run][1], ranks=RANKS
+    params: words=lambda wildcards: RUNS[wildcards.run][1], ranks=RANKS or 1
     shell: "scree-decomposer pack {input.case:q} -o {output} --ranks {params.ranks} {params.words}"
 
 
@@ -149,10 +161,12 @@ rule pack:
 rule solve:
     input: "{run}.scene.h5"
     output: "{run}.run/run.json"
-    threads: RANKS * THREADS
-    resources: tasks=RANKS, cpus_per_task=THREADS, runtime=int(config.get("minutes", 1440))  # for a queue
+    threads: cores_of_run
+    # for a queue, which must know them before the scene is there
+    resources: tasks=RANKS or (1 if POINTS else 2), cpus_per_task=THREADS, runtime=int(config.get("minutes", 1440))
     params:
         ranks=RANKS,
+        script=os.path.join(HERE, "ranks.py"),
         threads=THREADS,  # said to each rank: Snakemake itself exports OMP_NUM_THREADS = all threads of the rule
         run="{run}.run",
         failed="{run}.failed.json",
@@ -165,9 +179,11 @@ rule solve:
         last=$(ls -t {params.run}/checkpoint_[0-9]*[0-9].h5 2>/dev/null | head -n 1 || true)
         if [ -z "$last" ] || [ "$last" -ot {input} ]; then restart=""; rm -rf {params.run}; fi
         rm -f {params.failed}
+        ranks={params.ranks}
+        if [ $ranks -eq 0 ]; then ranks=$(/usr/bin/python3 {params.script:q} {input} ${{SLURM_NTASKS:-$(( {threads} / {params.threads} ))}}); fi
         code=0
         set -m
-        OMP_NUM_THREADS={params.threads} mpirun -n {params.ranks} scree-solver {input} -o {params.run} $restart &
+        OMP_NUM_THREADS={params.threads} mpirun -n $ranks scree-solver {input} -o {params.run} $restart &
         trap "kill -USR1 $!" TERM INT USR1
         wait $! || code=$?
         while kill -0 $! 2>/dev/null; do code=0; wait $! || code=$?; done

@@ -36,20 +36,23 @@ def scale_of(values):
 
 def read(name):
     with open(f"{name}.statistics/statistics.json", encoding="utf-8") as file:
-        numbers = json.load(file)["groups"]["all"]
-    return numbers, record_of(name)
+        statistics = json.load(file)
+    return statistics["groups"]["all"], record_of(name), statistics.get("gaps", {})
 
 
 runs = {name: read(name) for name in POINTS}
 keys = [key for key in next(iter(POINTS.values())) if key != "case"]
-names = sorted(set().union(*(numbers for numbers, _ in runs.values())))
+names = sorted(set().union(*(numbers for numbers, _, _ in runs.values())))
+for name, (_, _, gaps) in runs.items():
+    if QUANTITY in gaps:
+        print(f"sweep_table: note: {name}: {QUANTITY}: {gaps[QUANTITY]}", file=sys.stderr)
 if QUANTITY not in names:
     sys.exit(f"sweep_table: there is no quantity '{QUANTITY}'; there are: {', '.join(names)}")
 
 with open(TABLE, "w", newline="", encoding="utf-8") as file:
     table = csv.writer(file)
     table.writerow(["run", "case", *keys, "outcome", "steps", "wall_seconds", *(f"{name}_{kind}" for name in names for kind in ("mean", "ci95"))])
-    for name, (numbers, record) in runs.items():
+    for name, (numbers, record, _) in runs.items():
         row = [name, POINTS[name]["case"], *(POINTS[name][key] for key in keys), record["outcome"], record["steps"], record["wall_seconds"]]
         for quantity in names:
             entry = numbers.get(quantity, {})
@@ -60,7 +63,7 @@ with open(TABLE, "w", newline="", encoding="utf-8") as file:
 axis = keys[0] if keys else "seed"
 scale = scale_of(sorted({point[axis] for point in POINTS.values()})) if keys else None
 lines = {}
-for name, (numbers, _) in runs.items():
+for name, (numbers, _, _) in runs.items():
     point = POINTS[name]
     label = ", ".join([point["case"]] + [f"{key} = {point[key]}" for key in keys[1:] if key != "seed"])
     entry = numbers.get(QUANTITY, {"mean": math.nan, "ci95": None})
@@ -82,7 +85,7 @@ for number, (label, line) in enumerate(lines.items()):
         means.append(mean)
         bars.append(bar)
     plot.errorbar(places, means, bars, marker=MARKERS[number % len(MARKERS)], color=COLOURS[number % len(COLOURS)], capsize=3, label=label)
-unit = next(numbers[QUANTITY]["unit"] for numbers, _ in runs.values() if QUANTITY in numbers)
+unit = next(numbers[QUANTITY]["unit"] for numbers, _, _ in runs.values() if QUANTITY in numbers)
 plot.set_xlabel(axis + (f" [{scale[1]}]" if scale and scale[1] else ""))
 plot.set_ylabel(QUANTITY.replace("_", " ") + (f" [{unit}]" if unit not in ("", "-") else ""))
 plot.grid(alpha=0.3)

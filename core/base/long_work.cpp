@@ -69,7 +69,10 @@ void LongWork::print(double now, const std::string& text) {
   if (!on_terminal()) {
     const int step = static_cast<int>(std::floor(share * kLinesInAFile + 1e-9));
     if (total_ > 0 && has_spoken_ && step <= last_step_ && now - last_ < kLongestSilence) return;
+    // without a total, a line that says the same again is a sign of life only
+    if (total_ <= 0 && has_spoken_ && !text.empty() && text == last_text_ && now - last_ < kLongestSilence) return;
     last_step_ = step;
+    last_text_ = text;
   }
   // without a total the silence grows with the work, so that a night does not fill a file
   const double pause = on_terminal() ? kRedrawInterval

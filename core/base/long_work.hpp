@@ -43,6 +43,7 @@ class LongWork {
   double start_ = 0, next_ = 0;  ///< [s] on the steady clock: the beginning, and when a line is due again
   double last_ = 0;              ///< [s] of the last line
   int last_step_ = 0;            ///< of 5 %, in the last line
+  std::string last_text_;        ///< of the last line
 };
 
 }  // namespace scree

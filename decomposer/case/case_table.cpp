@@ -19,6 +19,8 @@ std::string value_text(const toml::node& node) {
     result = node.value_or(std::string{});
     result = "\"" + result + "\"";
   }
+  // as short as it reads back: 0.1, where toml++ writes 0.10000000000000001
+  if (const toml::value<double>* number = node.as_floating_point()) result = fmt::format("{}", number->get());
   constexpr std::size_t kLongest = 60;
   if (result.size() > kLongest) result = result.substr(0, kLongest) + "...";
   return result;

@@ -382,8 +382,10 @@ class Builder {
   void check_none_is_empty(const Placements& placements) const {
     for (std::size_t k = 0; k < case_.populations.size(); ++k) {
       if (placements.count_placed(parts_, k) > 0) continue;
-      throw InputError("{}: none of its bodies lies in its region after settling; close the container, or enlarge the region",
-                       case_.populations[k].where);
+      throw InputError(
+          "{}: none of its bodies lies in its region after settling; close the container, or extend the region to where the "
+          "walls hold them (region = {{ inside_wall = \"NAME\" }} is what a wall holds)",
+          case_.populations[k].where);
     }
   }
 

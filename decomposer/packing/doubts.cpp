@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/geometry/inward.hpp"
 #include "core/storage/attraction.hpp"
 
 namespace scree {
@@ -115,6 +116,14 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
   }
   const bool loses = s.fluid || std::any_of(c.pairs.begin(), c.pairs.end(),
                                             [](const CasePair& p) { return p.pair.restitution < 1 || p.pair.friction > 0; });
+  for (const CaseWall& w : c.walls) {
+    if (!s.stop_at_rest || !w.wall.motion.drive() || !(w.wall.motion.end() >= s.duration)) continue;
+    doubts.push_back(
+        fmt::format("time.stop_at_rest: {}: wall '{}' ({}) may move until the end ({}), so that the run never ends before; give its motion "
+                    "a stop, or leave "
+                    "stop_at_rest out",
+                    w.where, w.wall.name, w.wall.motion.word(), seconds(s.duration)));
+  }
   if (s.stop_at_rest && !loses)
     doubts.push_back(
         "time.stop_at_rest: nothing takes energy away (restitution 1 and no friction in all pairs), so that nothing comes to rest");
@@ -290,6 +299,59 @@ void doubt_neck_or_bridge(const Scene& scene, const CasePair& p, double radius, 
                   p.where, share, metres(2 * radius), kMuch));
 }
 
+/// Above this share of the radius of the smallest ball of equal volume an attraction acts between bodies that are far from touching.
+constexpr double kWideRange = 0.1;
+
+/// A range that is not small beside the bodies: the force then acts over distances at which the model means nothing, between bodies that
+/// have others in between.
+void doubt_range(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
+  std::vector<double> smallest(scene.materials.size(), 1e300);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    double& mine = smallest[static_cast<std::size_t>(scene.bodies.material[i])];
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])];
+    if (scene.bodies.fixed[i] == 0) mine = std::min(mine, scene.bodies.scale[i] * shape.equivalent_diameter());
+  }
+  for (const CasePair& p : c.pairs) {
+    const double diameter = std::min(smallest[static_cast<std::size_t>(p.pair.a)], smallest[static_cast<std::size_t>(p.pair.b)]);
+    if (!(p.pair.adhesion_range > kWideRange * 0.5 * diameter) || diameter >= 1e300) continue;
+    doubts.push_back(
+        fmt::format("{}: adhesion_range = {} is {:.2g} of the radius of the smallest body ({} across): it attracts bodies that are far "
+                    "from touching, where {} "
+                    "or less is meant",
+                    p.where, metres(p.pair.adhesion_range), p.pair.adhesion_range / (0.5 * diameter), metres(diameter),
+                    metres(kWideRange * 0.5 * diameter)));
+  }
+}
+
+/// Walls whose closed surface faces inwards, as those of `box` do, with bodies outside: there the edges of bodies have no contact with the
+/// outer edges of the wall, and pass through them.
+void doubt_outsides(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& doubts) {
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const Wall& wall = parts.walls[w];
+    if (wall.kind != WallKind::mesh) continue;
+    const TriangleMesh& mesh = scene.shapes[static_cast<std::size_t>(scene.walls[w].shape)].mesh;
+    if (!faces_inward(mesh)) continue;
+    const Box3 box = bounding_box(mesh);
+    std::size_t outside = 0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      const Shape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])];
+      if (scene.bodies.fixed[i] != 0 || shape.kind == ShapeKind::sphere) continue;
+      const Vec3 p = (1 / wall.scale) * rotate_inverse(wall.orientation, scene.bodies.position[i] - wall.position);
+      bool is_in = true;
+      for (int k = 0; k < 3; ++k) is_in = is_in && p[k] > box.lower[k] && p[k] < box.upper[k];
+      outside += is_in ? 0 : 1;
+    }
+    if (outside == 0) continue;
+    doubts.push_back(
+        fmt::format("{}: wall '{}' is a closed surface that faces inwards, and {} {} with edges {} outside of it: outer edges of the wall "
+                    "touch corners of "
+                    "bodies only, edges of bodies pass through them, and the run ends there. For a wall that is touched from outside make "
+                    "a mesh (scree-mesher "
+                    "generate box, cylinder or cone) and give shape = {{ file = \"NAME.shape.h5\" }}",
+                    c.walls[w].where, wall.name, outside, outside == 1 ? "body" : "bodies", outside == 1 ? "starts" : "start"));
+  }
+}
+
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
 void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   for (const CasePair& p : c.pairs) {
@@ -333,6 +395,8 @@ std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, co
   doubt_steps(c, movers, doubts);
   doubt_stiffness(c, scene, movers, doubts);
   doubt_attraction(c, scene, movers, doubts);
+  doubt_range(c, scene, doubts);
+  doubt_outsides(c, parts, scene, doubts);
   doubt_surfaces(c, scene, doubts);
   if (scene.settings.impact_speed > kFastest) {
     doubts.push_back(

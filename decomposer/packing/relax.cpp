@@ -211,13 +211,23 @@ class Relaxer {
 
   bool overlaps(const Pressed& p) const { return p.depth >= 2 * scene_.settings.margin; }
 
+  /// Wholly on the wrong side of a wall that is given by a formula.
+  bool lies_outside(const Pressed& p) const {
+    if (p.wall < 0 || scene_.walls[static_cast<std::size_t>(p.wall)].kind == WallKind::mesh) return false;
+    const CaseBody& b = case_.bodies[p.body];
+    return p.depth >= 2 * (b.scale * parts_.shape(b.shape).radius + scene_.settings.margin);
+  }
+
   std::string describe(const Pressed& p) const {
     const std::size_t thrown =
         p.other >= 0 && inverse_mass(static_cast<std::size_t>(p.other)) > inverse_mass(p.body) ? static_cast<std::size_t>(p.other) : p.body;
-    const std::string whom = p.wall >= 0
-                                 ? fmt::format("{} (wall '{}'){}", case_.walls[static_cast<std::size_t>(p.wall)].where,
-                                               scene_.walls[static_cast<std::size_t>(p.wall)].name, overlaps(p) ? " or lies behind it" : "")
-                                 : case_.bodies[static_cast<std::size_t>(p.other)].where;
+    const std::string whom = p.wall >= 0 ? fmt::format("{} (wall '{}'){}", case_.walls[static_cast<std::size_t>(p.wall)].where,
+                                                       scene_.walls[static_cast<std::size_t>(p.wall)].name,
+                                                       overlaps(p) && !lies_outside(p) ? " or lies behind it" : "")
+                                         : case_.bodies[static_cast<std::size_t>(p.other)].where;
+    if (lies_outside(p))
+      return fmt::format("{}: lies wholly {} {}", case_.bodies[p.body].where,
+                         scene_.walls[static_cast<std::size_t>(p.wall)].kind == WallKind::plane ? "behind" : "outside of", whom);
     const double energy = energy_of(p), speed = std::sqrt(2 * energy * inverse_mass(thrown)), margins = 2 * scene_.settings.margin;
     const std::string deep = !overlaps(p)  ? fmt::format("starts {} within the margins of {}", metres(p.depth), whom)
                              : margins > 0 ? fmt::format("overlaps {}, {} short of a gap of two margins", whom, metres(p.depth))
@@ -227,6 +237,10 @@ class Relaxer {
   }
 
   [[noreturn]] void refuse(const Pressed& p, const std::string& why) const {
+    if (lies_outside(p))
+      throw InputError(
+          "{}, on the side where no body can be; its centre would have to move by {} to lie inside: correct its position, or the wall",
+          describe(p), metres(p.depth));
     if (case_.relax == Relax::all) throw InputError("{}. {}; give the bodies more room", describe(p), why);
     throw InputError(
         "{}. {}; by default no body is moved by more than two margins ({}). Move one of them, or set contact.relax = true, which "

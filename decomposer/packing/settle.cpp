@@ -23,6 +23,11 @@ constexpr double kLongestRest = 60;  // falls through the region that the bed ge
 // as its waves are faster: about as many steps.
 constexpr double kStiffer = 2, kExpanding = 0.5;
 
+std::string text_of(const Vec3& p) {
+  const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
+  return fmt::format("({}, {}, {})", length_text(p.x), length_text(p.y), length_text(p.z));
+}
+
 class Settler {
  public:
   Settler(const Case& c, const SceneParts& parts, const Scene& scene, const ChildSolver& solver, Placements& placements,
@@ -201,22 +206,45 @@ class Settler {
     }
   }
 
-  /// Takes out what does not lie wholly in its region.
+  /// Takes out what does not lie wholly in its region: with `fill`, which is as many as fit. A population of a given number, mass or solid
+  /// fraction would be smaller than requested, and is refused as one is that its region cannot hold.
   void trim() {
     const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
-    std::size_t trimmed = 0;
+    std::vector<std::size_t> trimmed(case_.populations.size(), 0);
+    std::vector<Box3> reach(case_.populations.size());  // of what lies outside
     for (std::size_t i = 0; i < moves_.size(); ++i) {
       if (moves_[i] == 0) continue;
-      const Region& region = parts_.regions[parts_.draws[i].population];
+      const std::size_t k = parts_.draws[i].population;
       PlacedBody body = placements_.body[i];
       if (scene_.settings.margin == 0) body.scale *= 1 - kPressedIn;
-      if (holds_around(region, body, *scratch)) continue;
+      if (holds_around(parts_.regions[k], body, *scratch)) continue;
       placements_.is_placed[i] = 0;
-      ++trimmed;
+      ++trimmed[k];
+      reach[k].add(body.position);
+      for (const Vec3& vertex : body.world_vertices()) reach[k].add(vertex);
+      const double r = body.rounding();
+      reach[k].add(body.position - Vec3{r, r, r});
+      reach[k].add(body.position + Vec3{r, r, r});
     }
-    if (trimmed > 0)
-      report_.notices.push_back(
-          fmt::format("settle: {} of {} bodies came to rest outside their region and were removed", trimmed, wanted_ - waiting_.size()));
+    for (std::size_t k = 0; k < trimmed.size(); ++k) {
+      if (trimmed[k] == 0) continue;
+      const CasePopulation& p = case_.populations[k];
+      const std::size_t left = placements_.count_placed(parts_, k), all = left + trimmed[k];
+      const Box3& region = parts_.regions[k].box;
+      const std::string places = fmt::format("they reach from {} to {}, the region from {} to {}", text_of(reach[k].lower),
+                                             text_of(reach[k].upper), text_of(region.lower), text_of(region.upper));
+      if (p.amount == CasePopulation::Amount::fill) {
+        report_.notices.push_back(fmt::format("{}: {} of {} bodies came to rest outside their region and were removed, {} are left; {}",
+                                              p.where, trimmed[k], all, left, places));
+        continue;
+      }
+      if (left == 0) continue;  // refused with the other populations of which nothing is left
+      throw InputError(
+          "{}: {} of {} bodies came to rest outside their region and would be missing: {}. Make the region contain the place where the "
+          "walls hold them (it may reach beyond walls; region = {{ inside_wall = \"NAME\" }} is what a wall holds), or give fill = true in "
+          "place of the amount, which keeps what lies in the region",
+          p.where, trimmed[k], all, places);
+    }
   }
 
   /// A box that is as long as a periodic axis has no sides there.

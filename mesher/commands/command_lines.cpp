@@ -132,6 +132,7 @@ MesherCommand info_line(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* line = app.add_subcommand("info", "Show the shapes in a shape file and where they come from");
   line->add_option("FILE", options->file, "NAME.shape.h5")->required();
+  line->add_option("--picture", options->picture, "Draw the shapes side by side into this PNG");
   return {line, [options](const Words&) { return info_command(*options); }};
 }
 

@@ -101,6 +101,7 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
 
 struct InfoOptions {
   std::string file;
+  std::string picture;  ///< PNG of all shapes with a mesh side by side; empty: none
 };
 /// Table of the shapes in a shape file, and where they come from.
 CommandResult info_command(const InfoOptions& options);

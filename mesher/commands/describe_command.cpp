@@ -43,7 +43,7 @@ CommandResult describe_command(const DescribeOptions& options) {
   if (!options.csv.empty()) expect_ending("--csv", options.csv, "a table", {".csv"});
   CommandResult result;
   expect_unit(options.unit, options.scale);
-  std::vector<std::string> names, refused;
+  std::vector<std::string> names, sources, refused;
   std::vector<Descriptors> all;
   bool unit_was_reported = false;  // one notice for many files
   const std::vector<std::string> paths = files_of(options.files);
@@ -66,6 +66,7 @@ CommandResult describe_command(const DescribeOptions& options) {
       for (const Shape& shape : shapes) {
         if (shape.kind != ShapeKind::solid) continue;
         names.push_back(shape.name);
+        sources.push_back(path);
         all.push_back(describe(shape.mesh));
       }
     } catch (const InputError& error) {
@@ -75,6 +76,11 @@ CommandResult describe_command(const DescribeOptions& options) {
   for (const std::string& text : refused) result.notices.push_back("left out: " + text);
   if (all.empty()) throw InputError("none of the {} files holds a solid", options.files.size());
 
+  // shapes of one name are told apart by their files
+  const std::vector<std::string> given = names;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::count(given.begin(), given.end(), given[i]) > 1) names[i] += fmt::format(" ({})", sources[i]);
+  }
   std::size_t widest = 4;
   for (const std::string& name : names) widest = std::max(widest, name.size());
   result.output = fmt::format("{:<{}}  {:>11} {:>11} {:>10} {:>10} {:>10} {:>10} {:>6} {:>6} {:>6} {:>6} {:>6}\n", "shape", widest,

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include "core/base/command_line.hpp"
+#include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/features.hpp"
 #include "core/storage/shape_file.hpp"
 #include "mesher/commands/commands.hpp"
+#include "mesher/edit/mesh_picture.hpp"
 
 namespace scree {
 
@@ -16,10 +19,10 @@ const char* kind_name(ShapeKind kind) { return kind == ShapeKind::solid ? "solid
 std::string verdict_text(const Shape& shape) {
   const nlohmann::json& v = shape.verdict;
   if (!v.is_object()) return shape.kind == ShapeKind::sphere ? "analytic" : "not checked";
-  if (v.value("solid", false)) return "watertight, outward";
-  std::string text;
-  for (const auto& problem : v.value("problems", nlohmann::json::array())) {
-    if (problem.is_string()) text += (text.empty() ? "" : "; ") + problem.get<std::string>();
+  const bool is_solid = v.value("solid", false);
+  std::string text = is_solid ? "watertight, outward" : "";
+  for (const auto& found : v.value(is_solid ? "remarks" : "problems", nlohmann::json::array())) {
+    if (found.is_string()) text += (text.empty() ? "" : "; ") + found.get<std::string>();
   }
   return text.empty() ? "not a solid" : text;
 }
@@ -57,6 +60,7 @@ void add_history(const nlohmann::json& record, int indent, std::string& text) {
 }  // namespace
 
 CommandResult info_command(const InfoOptions& options) {
+  if (!options.picture.empty()) expect_ending("--picture", options.picture, "a picture", {".png"});
   const ShapeFile file = read_shape_file(options.file);
   CommandResult result;
   std::string& text = result.output;
@@ -80,6 +84,17 @@ CommandResult info_command(const InfoOptions& options) {
   for (const Shape& shape : file.shapes) text += fmt::format("  {:<{}}  {}\n", shape.name, widest, verdict_text(shape));
   text += "made by\n";
   add_history(file.provenance, 2, text);
+  if (options.picture.empty()) return result;
+  constexpr std::size_t kMostPanes = 8;  // side by side; more would be too small to be seen
+  std::vector<std::pair<std::string, const TriangleMesh*>> meshes;
+  for (const Shape& shape : file.shapes) {
+    if (shape.mesh.triangle_count() > 0 && meshes.size() < kMostPanes) meshes.emplace_back(shape.name, &shape.mesh);
+  }
+  if (meshes.empty()) throw InputError("{}: has no shape with triangles to draw; leave --picture out", options.file);
+  if (meshes.size() < file.shapes.size())
+    result.notices.push_back(fmt::format("{}: {} of {} shapes are drawn", options.picture, meshes.size(), file.shapes.size()));
+  draw_meshes(meshes, options.picture);
+  text += fmt::format("wrote {}\n", options.picture);
   return result;
 }
 

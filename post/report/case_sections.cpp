@@ -101,6 +101,9 @@ std::string case_section(const Run& run) {
       check = "wall surface";
     else if (shape.verdict.is_object() && shape.verdict.contains("solid"))
       check = shape.verdict.value("solid", false) ? "watertight, outward" : "not solid";
+    if (const std::int64_t pairs = crossing_pairs(shape); pairs > 0 && shape.kind == ShapeKind::solid)
+      check += fmt::format("; {} of triangles {} through or touch each other", pairs == 1 ? "1 pair" : fmt::format("{} pairs", pairs),
+                           pairs == 1 ? "passes" : "pass");
     html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
                         escaped(shape.name), count[k], shape.mesh.triangle_count(),
                         shape.kind == ShapeKind::surface ? "&ndash;" : length_text(shape.equivalent_diameter()), check);

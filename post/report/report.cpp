@@ -133,7 +133,9 @@ std::string statistics_section(const Statistics& s, const std::string& apparatus
         escaped(s.quantities[q].meaning), s.quantities[q].name, a.mean, std::isfinite(a.ci95) ? fmt::format("&plusmn; {:.2g}", a.ci95) : "",
         a.smallest, a.largest, s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
   }
-  return html + "</tbody></table></div></details>\n";
+  html += "</tbody></table></div></details>\n";
+  for (const auto& [name, reason] : s.gaps) html += fmt::format("<p class=\"missing\">{}: {}.</p>\n", name, escaped(reason));
+  return html;
 }
 
 std::vector<double> sum(const std::vector<double>& a, const std::vector<double>& b) {

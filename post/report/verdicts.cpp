@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
 
+#include "post/report/drive_verdict.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/provenance_chain.hpp"
 
@@ -200,10 +202,24 @@ Verdict judge_step(const Run& run) {
     v.evidence = "The critical step of the contacts is in run.json after the end of a run that had contacts.";
     return v;
   }
-  const double ratio = step / critical;
+  const double ratio = step / critical, given = run.scene.settings.step, steps = run.scene.settings.steps_per_contact;
   v.answer = fmt::format("{:.3g} of the critical step", ratio);
   v.judgement = ratio <= kStepGood ? Judgement::good : (ratio <= kStepDoubtful ? Judgement::doubtful : Judgement::bad);
-  v.evidence = fmt::format("Step {:.4g} s, smallest critical step of all contacts {:.4g} s. Good up to {}.", step, critical, kStepGood);
+  v.evidence = fmt::format(
+      "Step {:.4g} s, smallest critical step of all contacts at once {:.4g} s, a lower bound. While contacts last, the energy of their "
+      "fastest "
+      "motion errs by up to {}, and by nothing when they end; see the energy balance for their sum. Good up to {}.",
+      step, critical, ratio < 1 ? percent(ratio * ratio / 4) : "more than a quarter", kStepGood);
+  if (!(given > 0)) {
+    v.evidence +=
+        fmt::format(" An impact takes {:.3g} steps or more: its restitution errs by up to {:.1g}.", steps, restitution_error(steps));
+    if (steps < kContactStepsGood) v.judgement = std::max(v.judgement, Judgement::doubtful);
+  }
+  if (v.judgement != Judgement::good) {
+    const double more = std::max(std::ceil(steps * ratio / kStepGood), kContactStepsGood);
+    v.evidence += given > 0 ? fmt::format(" For a good verdict give time.step = {:.2g} s, or leave it out.", critical * kStepGood)
+                            : fmt::format(" For a good verdict give time.steps_per_contact = {:.0f}.", more);
+  }
   return v;
 }
 
@@ -274,7 +290,7 @@ Verdict judge_meshes(const Run& run) {
     for (const Inlet::Share& share : inlet.shares) used.insert(share.shape);
   }
   std::size_t solid = 0, analytic = 0;
-  std::string unchecked, refused;
+  std::string unchecked, refused, crossed;
   for (std::int32_t k : used) {
     const Shape& shape = run.scene.shapes[static_cast<std::size_t>(k)];
     if (shape.kind == ShapeKind::sphere) {
@@ -283,14 +299,22 @@ Verdict judge_meshes(const Run& run) {
       unchecked += (unchecked.empty() ? "" : ", ") + shape.name;
     } else if (shape.verdict.value("solid", false)) {
       ++solid;
+      if (const std::int64_t pairs = crossing_pairs(shape); pairs > 0)
+        crossed += fmt::format("{}{} ({} {})", crossed.empty() ? "" : ", ", shape.name, pairs, pairs == 1 ? "pair" : "pairs");
     } else {
       refused += (refused.empty() ? "" : ", ") + shape.name;
     }
   }
   v.answer = fmt::format("{} of {} solid", solid + analytic, used.size());
-  if (!unchecked.empty()) v.judgement = Judgement::doubtful;
+  if (!unchecked.empty() || !crossed.empty()) v.judgement = Judgement::doubtful;
   if (!refused.empty()) v.judgement = Judgement::bad;
-  v.evidence = "Closed, oriented, without crossing surfaces, as scree-mesher checked each mesh at import";
+  v.evidence = fmt::format("Closed, oriented{}, as scree-mesher checked each mesh at import",
+                           crossed.empty() && unchecked.empty() && refused.empty() ? ", without crossing surfaces" : "");
+  if (!crossed.empty()) {
+    v.answer += ", with triangles that cross";
+    v.evidence += "; triangles pass through or touch each other, and volume counts twice where the surface is folded over: " + crossed +
+                  "; scree-mesher repair cuts such places out";
+  }
   if (analytic > 0) v.evidence += fmt::format("; {} analytic {} no mesh", analytic, analytic == 1 ? "ball has" : "balls have");
   if (!unchecked.empty()) v.evidence += "; without a certificate: " + unchecked;
   if (!refused.empty()) v.evidence += "; not solid: " + refused;
@@ -299,6 +323,22 @@ Verdict judge_meshes(const Run& run) {
 }
 
 }  // namespace
+
+double restitution_error(double steps) {
+  static constexpr std::array<std::pair<double, double>, 8> kMeasured{
+      {{4, .31}, {5, .1}, {6, .05}, {8, .023}, {12, .012}, {20, .006}, {30, .003}, {100, 7e-4}}};
+  if (steps < kMeasured.front().first) return 1;
+  for (std::size_t i = 1; i < kMeasured.size(); ++i) {
+    const auto [left, high] = kMeasured[i - 1];
+    const auto [right, low] = kMeasured[i];
+    if (steps <= right) return high * std::pow(low / high, std::log(steps / left) / std::log(right / left));
+  }
+  return kMeasured.back().second;  // an upper bound of what still falls
+}
+
+std::int64_t crossing_pairs(const Shape& shape) {
+  return shape.verdict.is_object() ? static_cast<std::int64_t>(number_in(shape.verdict, "self_intersections", 0)) : 0;
+}
 
 EnergyBalance energy_balance(const Run& run) {
   EnergyBalance balance;
@@ -327,8 +367,12 @@ EnergyBalance energy_balance(const Run& run) {
 }
 
 std::vector<Verdict> judge(const Run& run) {
-  return {judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),
-          judge_meshes(run),  judge_rest(run),   judge_imbalance(run), judge_files(run), judge_frames(run)};
+  std::vector<Verdict> all{judge_outcome(run), judge_energy(run), judge_depth(run),     judge_step(run),  judge_bodies(run),
+                           judge_meshes(run),  judge_rest(run),   judge_imbalance(run), judge_files(run), judge_frames(run)};
+  const std::vector<Wall>& walls = run.scene.walls;
+  if (std::any_of(walls.begin(), walls.end(), [](const Wall& wall) { return wall.motion.drive().has_value(); }))
+    all.insert(all.begin() + 4, judge_drives(run));
+  return all;
 }
 
 nlohmann::json provenance_of(const Run& run) {

@@ -254,11 +254,21 @@ std::vector<Vec3> surface_of(const FrameView& view) {
   return points;
 }
 
+constexpr std::size_t kLeastColumns = 8;
+
+double no_surface(std::size_t columns, std::string* reason) {
+  if (reason != nullptr) {
+    *reason = fmt::format("the surface has {} {} one mean diameter wide, and {} are needed: too few bodies", columns,
+                          columns == 1 ? "column" : "columns", kLeastColumns);
+  }
+  return kNaN;
+}
+
 }  // namespace
 
-double angle_of_repose_cone(const FrameView& view) {
+double angle_of_repose_cone(const FrameView& view, std::string* reason) {
   const std::vector<Vec3> surface = surface_of(view);
-  if (surface.size() < 8) return kNaN;
+  if (surface.size() < kLeastColumns) return no_surface(surface.size(), reason);
   const Container& c = view.facts.container;
   const Vec3 centre = motion_measures(view, {}).centre;
   const double base = c.up > 0 ? view.lowest : -view.highest, height = view.highest - view.lowest;
@@ -281,10 +291,18 @@ double angle_of_repose_cone(const FrameView& view) {
     srh += r * h;
   }
   const double spread = n * srr - sr * sr;
-  return n >= 3 && spread > 0 ? kDegrees * std::atan(-(n * srh - sr * sh) / spread) : kNaN;
+  if (n >= 3 && spread > 0) return kDegrees * std::atan(-(n * srh - sr * sh) / spread);
+  if (reason != nullptr) {
+    *reason = fmt::format(
+        "no cone fits: {:.0f} of {} rings around the middle, one mean diameter wide, have a height between 10 % and 90 % of the heap's "
+        "{:.3g} m, "
+        "where at least 3 are needed: the sides are too steep (a column), the bed is flat, or it has too few bodies",
+        n, rings.size(), height);
+  }
+  return kNaN;
 }
 
-double angle_of_repose_slope(const FrameView& view) {
+double angle_of_repose_slope(const FrameView& view, std::string* reason) {
   const std::vector<Vec3> surface = surface_of(view);
   const Container& c = view.facts.container;
   const int u = (c.vertical + 1) % 3, v = (c.vertical + 2) % 3;
@@ -301,7 +319,7 @@ double angle_of_repose_slope(const FrameView& view) {
     right += row * (p[c.vertical] - centre[c.vertical]);
     ++count;
   }
-  if (count < 8) return kNaN;
+  if (count < kLeastColumns) return no_surface(count, reason);
   const Eigen::Vector3d slope = left.ldlt().solve(right);
   return kDegrees * std::atan(std::hypot(slope[0], slope[1]));
 }

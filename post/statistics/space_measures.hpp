@@ -53,7 +53,8 @@ double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind
 /// cone: heights of the surface against the distance from the vertical line through the centre of mass, straight line through
 /// those between 10 % and 90 % of the height of the heap; slope: plane through the surface of the middle 80 % of the plan.
 /// The surface is where the highest sample point of a column lies; columns are one mean diameter wide.
-double angle_of_repose_cone(const FrameView& view);
-double angle_of_repose_slope(const FrameView& view);
+/// NaN where there is no such surface, with the reason.
+double angle_of_repose_cone(const FrameView& view, std::string* reason = nullptr);
+double angle_of_repose_slope(const FrameView& view, std::string* reason = nullptr);
 
 }  // namespace scree

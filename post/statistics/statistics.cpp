@@ -12,6 +12,7 @@
 #include "post/run/output_file.hpp"
 #include "post/statistics/flow_output.hpp"
 #include "post/statistics/frame_numbers.hpp"
+#include "post/statistics/space_measures.hpp"
 
 namespace scree {
 
@@ -92,6 +93,17 @@ nlohmann::json json_of(const Average& a) {
   return {{"mean", number(a.mean)}, {"ci95", number(a.ci95)}, {"min", number(a.smallest)}, {"max", number(a.largest)}, {"frames", a.count}};
 }
 
+/// Why frames have no angle of repose, by the last of them that was read.
+std::pair<std::string, std::string> gap_of_repose(const StatisticsPlan& plan, const StatisticsOptions& options, const Statistics& s) {
+  const std::size_t missing = s.frames - s.of("angle_of_repose").count;
+  std::string reason;
+  const Frame last = plan.load(options.frames.back());
+  const FrameView view(*plan.facts, last);
+  options.repose == "cone" ? angle_of_repose_cone(view, &reason) : angle_of_repose_slope(view, &reason);
+  return {"angle_of_repose", fmt::format("missing in {} of {} frames{}", missing, s.frames,
+                                         reason.empty() ? "; the last has one" : "; in the last of them " + reason)};
+}
+
 }  // namespace
 
 const Average& Statistics::of(const std::string& quantity, std::size_t group) const {
@@ -163,6 +175,7 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
   }
   s.flow = read_flow(run, s.first_time, s.last_time, options.blocks);
   if (!s.flow.missing.empty()) s.skipped.push_back(s.flow.missing);
+  if (options.repose != "none" && s.of("angle_of_repose").count < s.frames) s.gaps.push_back(gap_of_repose(plan, options, s));
   if (run.scene.settings.output_contacts && s.frames > 0) {
     const Frame last = plan.load(options.frames.back());
     s.chains = force_chains(FrameView(*plan.facts, last)).chains;
@@ -214,6 +227,7 @@ nlohmann::json json_of(const Run& run, const Statistics& s) {
                         {"walls", walls},
                         {"force_chains_last_frame", s.chains.size()},
                         {"meanings", meanings}};
+  for (const auto& [name, reason] : s.gaps) all["gaps"][name] = reason;
   if (!s.flow.empty()) all["flow"] = json_of(s.flow);
   return all;
 }
@@ -241,6 +255,10 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
   for (const Gate& gate : s.flow.gates) {
     add(gate.name, {"mass_flow", "kg/s", "mass that passed per time"}, gate.flow);
     add(gate.name, {"residence_time", "s", "since a body came in, mean by mass"}, gate.residence);
+  }
+  // a row without numbers, whose meaning says why
+  for (const auto& [name, reason] : s.gaps) {
+    if (s.of(name).count == 0) text += fmt::format("{},{},,,,,,0,{},{}\n", csv_cell(s.groups[0]), name, s.blocks, csv_cell(reason));
   }
   write("summary.csv", text);
   for (const auto& [name, table] : flow_tables(s.flow)) write(name, table);
@@ -408,6 +426,7 @@ std::string summary_of(const Statistics& s) {
                           s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
     }
   }
+  for (const auto& [name, reason] : s.gaps) text += fmt::format("  {}: {}\n", name, reason);
   for (const Gate& gate : s.flow.gates) {
     text += fmt::format("{}\n  {:<38} {:>12.5g} {:<12} kg/s\n", gate.name, "mass_flow", gate.flow.mean,
                         std::isfinite(gate.flow.ci95) ? fmt::format("+- {:.2g}", gate.flow.ci95) : std::string());

@@ -64,6 +64,8 @@ struct Statistics {
   std::vector<std::vector<std::int64_t>> chains;  ///< force chains at the last frame, ids
   std::size_t frames = 0, blocks = 0;
   double first_time = 0, last_time = 0;
+  /// Quantities that were requested and are missing in some or all frames, with the reason.
+  std::vector<std::pair<std::string, std::string>> gaps;
   std::vector<std::string> skipped;  ///< damaged frames, and a table that is not there
   const Average& of(const std::string& quantity, std::size_t group = 0) const;
 };

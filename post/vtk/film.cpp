@@ -125,6 +125,14 @@ Stage stage_of(const Run& run, const FilmOptions& options, std::vector<std::size
   return stage;
 }
 
+/// How fast a film shows a run.
+std::string speed_text(double speed) {
+  constexpr double kSame = 0.005;
+  if (std::abs(speed - 1) < kSame) return "as fast as it happens";
+  return speed > 1 ? fmt::format("{:.3g} times as fast as it happens", speed)
+                   : fmt::format("{:.3g} times slower than it happens", 1 / speed);
+}
+
 }  // namespace
 
 std::string write_film(const Run& run, const std::string& path, const FilmOptions& options, std::vector<std::string>& skipped) {
@@ -162,8 +170,8 @@ std::string write_film(const Run& run, const std::string& path, const FilmOption
   const double simulated = run.frames[frames.back()].time - run.frames[frames.front()].time;
   std::string text = fmt::format("{} frames, {:.4g} s of film", frames.size(), length);
   if (frames.size() > 1 && simulated > 0)
-    text += fmt::format(" for {:.4g} s of the run: {:.3g} times as fast as it happens", simulated,
-                        simulated * options.rate / static_cast<double>(frames.size() - 1));
+    text += fmt::format(" for {:.4g} s of the run: {}", simulated,
+                        speed_text(simulated * options.rate / static_cast<double>(frames.size() - 1)));
   return text;
 }
 

@@ -37,6 +37,7 @@
 #include "post/run/body_colours.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
+#include "post/vtk/legend_ticks.hpp"
 #include "post/vtk/vtk_mesh.hpp"
 
 namespace scree {
@@ -79,7 +80,10 @@ void add_legend(vtkRenderer* renderer, vtkScalarsToColors* colours, const std::s
   vtkNew<vtkScalarBarActor> bar;
   bar->SetLookupTable(colours);
   bar->SetTitle(title.c_str());
-  bar->SetNumberOfLabels(5);
+  vtkNew<vtkDoubleArray> ticks;
+  for (const double tick : legend_ticks(colours->GetRange()[0], colours->GetRange()[1])) ticks->InsertNextValue(tick);
+  bar->SetCustomLabels(ticks);
+  bar->UseCustomLabelsOn();
   bar->SetLabelFormat("%.3g");
   bar->SetUnconstrainedFontSize(true);
   bar->SetPosition(0.90, 0.06);

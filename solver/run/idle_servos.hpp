@@ -1,6 +1,7 @@
-// What is told of servos when a run ends: that they touch nothing, or stand at the end of their way.
+// What is reported of walls that answer to force when a run ends: where they are, with what force, and servos that do not press as asked.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -10,5 +11,8 @@ namespace scree {
 
 /// A line for each servo that does not do what it is there for.
 std::vector<std::string> idle_servos(const RunState& s);
+
+/// One entry for each wall that answers to force, for `drives` in run.json (core/storage/RUN_FORMAT.md).
+nlohmann::json drives_json(const RunState& s);
 
 }  // namespace scree

@@ -7,6 +7,7 @@
 
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
+#include "solver/run/idle_servos.hpp"
 #include "solver/scene/origin.hpp"
 
 namespace scree {
@@ -110,6 +111,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     }
     for (std::size_t k = 0; k < loaded.scene.inlets.size(); ++k)
       run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
+    if (nlohmann::json drives = drives_json(simulation.state()); !drives.empty()) run["drives"] = std::move(drives);
     run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) + static_cast<std::int64_t>(arrived.count) - bodies -
                          static_cast<std::int64_t>(removed.count);
     run["bodies_outside_domain"] = outside;

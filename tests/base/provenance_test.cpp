@@ -113,6 +113,10 @@ TEST(progress, long_work_speaks_when_it_takes_long_and_is_silent_else) {
   EXPECT_EQ(text.find("check"), std::string::npos);
   EXPECT_NE(lines_of("0", 0, [](LongWork& work) { work.update(0, "3 holes"); }).find("settle:  3 holes, 0.0 s so far\n"),
             std::string::npos);
+  const std::string still = lines_of("0", 0, [](LongWork& work) {
+    for (int i = 0; i < 5; ++i) work.update(0, i < 4 ? "3 bodies come to rest" : "2 bodies come to rest");
+  });
+  EXPECT_EQ(std::count(still.begin(), still.end(), '\n'), 3) << "a line that does not change is there once\n" << still;
   print_progress(false);
 }
 

@@ -77,6 +77,11 @@ TEST(CaseSettings, the_text_that_is_kept_gives_the_same_case_again) {
   EXPECT_EQ(parse({}).text, kCase);
 }
 
+TEST(CaseSettings, a_number_is_named_as_it_was_given) {
+  const std::string text = refusal("pairs.0.restitution=1.1");
+  EXPECT_NE(text.find("restitution = 1.1:"), std::string::npos) << text;  // not 1.1000000000000001
+}
+
 TEST(CaseSettings, what_cannot_be_set_is_refused_with_what_there_is) {
   EXPECT_NE(refusal("pairs.3.friction=0.4").find("the case has 1 of them"), std::string::npos);
   EXPECT_NE(refusal("pairs.friction=0.4").find("a number from 0, or *"), std::string::npos);

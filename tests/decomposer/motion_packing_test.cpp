@@ -62,6 +62,24 @@ TEST(MotionPacking, a_population_of_which_nothing_settles_in_its_region_is_refus
   EXPECT_NE(failure(text).find("none of its bodies lies in its region after settling"), std::string::npos);
 }
 
+// A count that is asked for is met or refused: what rests below its region is never left out without a word.
+TEST(MotionPacking, a_population_that_would_be_smaller_than_requested_is_refused_with_the_cure) {
+  std::string text = kHead + kPoured;
+  text.replace(text.find("[[0, 0, 0], [0.04, 0.04, 0.05]]"), 31, "[[0, 0, 0.009], [0.04, 0.04, 0.06]]");
+  const std::string message = failure(text);
+  EXPECT_NE(message.find("case.toml:"), std::string::npos) << message;
+  EXPECT_NE(message.find(" of 40 bodies came to rest outside their region and would be missing"), std::string::npos) << message;
+  EXPECT_NE(message.find("the region from (0 m, 0 m, 9 mm) to (40 mm, 40 mm, 60 mm)"), std::string::npos) << message;
+  EXPECT_NE(message.find("inside_wall"), std::string::npos) << message;
+  text.replace(text.find("count = 40"), 10, "fill = true");
+  const PackedScene packed = pack(text);
+  bool is_told = false;
+  for (const std::string& notice : packed.report.notices)
+    is_told = is_told || notice.find(fmt::format("outside their region and were removed, {} are left", packed.scene.bodies.size())) !=
+                             std::string::npos;
+  EXPECT_TRUE(is_told);
+}
+
 // Without margins what rests on a side of its region reaches a little out of it.
 TEST(MotionPacking, balls_without_margins_that_press_on_the_sides_of_their_region_stay) {
   std::string text = kHead + kPoured;

@@ -569,7 +569,11 @@ TEST_F(Packing, bodies_without_room_to_be_parted_are_refused_by_name) {
 
 TEST_F(Packing, a_body_behind_a_wall_is_refused) {
   const std::string plane = "[[walls]]\nshape = { plane = { point = [1, 0, 0], normal = [1, 0, 0] } }\nmaterial = \"stone\"\n";
-  EXPECT_NE(failure(kHead + cube_at(0, 0.5) + plane).find("or lies behind it"), std::string::npos);
+  EXPECT_NE(failure(kHead + cube_at(0, 0.5) + plane).find("lies wholly behind "), std::string::npos);
+  const std::string box = "[[walls]]\nname = \"crate\"\nshape = { box_inside = [[-1, -1, -1], [1, 1, 1]] }\nmaterial = \"stone\"\n";
+  const std::string outside = failure(kHead + cube_at(3, 0.5) + box);
+  EXPECT_NE(outside.find("walls[0] (wall 'crate'), on the side where no body can be"), std::string::npos) << outside;
+  EXPECT_EQ(outside.find("contact.relax"), std::string::npos) << outside;
   EXPECT_NO_THROW(pack(kHead + cube_at(2, 0.5) + plane));
   EXPECT_NO_THROW(pack(kHead + cube_at(0, 0.5, "fixed = true") + plane));
 }

@@ -12,6 +12,7 @@
 #include "mesher/io/sandbox.hpp"
 #include "mesher/make/generate.hpp"
 #include "tests/mesher/tool_run.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace scree {
 namespace {
@@ -483,6 +484,26 @@ TEST_F(Mesher, info_shows_every_shape_and_where_it_comes_from) {
   EXPECT_SAYS(result.output, "generate box --size \"3,2,1\"");
   folder.write("not.shape.h5", "not HDF5");
   EXPECT_EQ(run("info not.shape.h5").code, 3);
+}
+
+TEST_F(Mesher, describe_tells_shapes_of_one_name_apart_by_their_files) {
+  ASSERT_EQ(run("generate box --size 3,2,1 --name brick -o a.shape.h5").code, 0);
+  ASSERT_EQ(run("generate box --size 4,2,1 --name brick -o b.shape.h5").code, 0);
+  const std::string text = run("describe a.shape.h5 b.shape.h5").output;
+  EXPECT_SAYS(text, "brick (a.shape.h5)");
+  EXPECT_SAYS(text, "brick (b.shape.h5)");
+  EXPECT_EQ(run("describe a.shape.h5").output.find("(a.shape.h5)"), std::string::npos);
+}
+
+TEST_F(Mesher, info_says_that_triangles_of_a_solid_cross) {
+  TriangleMesh mesh = test::icosphere(2);
+  mesh.vertices[0] = -1.2 * mesh.vertices[0];  // through the opposite side
+  std::string text;
+  for (const Vec3& p : mesh.vertices) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+  for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  folder.write("spike.obj", text);
+  ASSERT_EQ(run("import spike.obj -o spike.shape.h5").code, 0);
+  EXPECT_SAYS(run("info spike.shape.h5").output, "through or touch each other");
 }
 
 }  // namespace

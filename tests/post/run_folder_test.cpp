@@ -219,6 +219,95 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
   EXPECT_EQ(verdict(all, "Mesh certificates").judgement, Judgement::bad);
 }
 
+TEST_F(RunFolder, a_solid_with_triangles_that_cross_is_not_said_to_be_without) {
+  EXPECT_NE(verdict(judge(open_run(folder.string())), "Mesh certificates").evidence.find("without crossing surfaces"), std::string::npos);
+  Scene scene = test::sample_scene(12);
+  scene.shapes[0].verdict = {{"solid", true}, {"watertight", true}, {"self_intersections", 6}};
+  write_scene_file((folder / "scene.h5").string(), scene);
+  const Verdict v = verdict(judge(open_run(folder.string())), "Mesh certificates");
+  EXPECT_EQ(v.judgement, Judgement::doubtful);
+  EXPECT_EQ(v.answer, "3 of 3 solid, with triangles that cross");
+  EXPECT_EQ(v.evidence.find("without crossing"), std::string::npos) << v.evidence;
+  EXPECT_NE(v.evidence.find("box (6 pairs)"), std::string::npos) << v.evidence;
+  EXPECT_NE(v.evidence.find("scree-mesher repair"), std::string::npos) << v.evidence;
+}
+
+TEST_F(RunFolder, a_step_is_judged_by_what_it_costs_and_the_cure_is_named) {
+  const auto judged = [&](double ratio, double steps, double given = 0) {
+    Scene scene = test::sample_scene(12);
+    scene.settings.steps_per_contact = steps;
+    scene.settings.step = given;
+    write_scene_file((folder / "scene.h5").string(), scene);
+    nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+    outcome["step_size"] = 1e-3;
+    outcome["critical_step"] = 1e-3 / ratio;
+    std::ofstream(folder / "run.json") << outcome;
+    return verdict(judge(open_run(folder.string())), "Step margin");
+  };
+  // a grain among many neighbours with the 12 steps of the ready cases
+  const Verdict ready = judged(0.82, 12);
+  EXPECT_EQ(ready.judgement, Judgement::good);
+  EXPECT_NE(ready.evidence.find("errs by up to 16.8 %"), std::string::npos) << ready.evidence;
+  EXPECT_NE(ready.evidence.find("takes 12 steps or more: its restitution errs by up to 0.01."), std::string::npos) << ready.evidence;
+  EXPECT_EQ(ready.evidence.find("steps_per_contact"), std::string::npos) << ready.evidence;
+  const Verdict coarse = judged(1.1, 12);
+  EXPECT_EQ(coarse.judgement, Judgement::doubtful);
+  EXPECT_NE(coarse.evidence.find("give time.steps_per_contact = 15."), std::string::npos) << coarse.evidence;
+  EXPECT_EQ(judged(1.4, 12).judgement, Judgement::bad);
+  const Verdict few = judged(0.25, 6);  // stable, but single impacts miss the 2.3e-2 of the validation plan
+  EXPECT_EQ(few.judgement, Judgement::doubtful);
+  EXPECT_NE(few.evidence.find("give time.steps_per_contact = 8."), std::string::npos) << few.evidence;
+  const Verdict given = judged(1.2, 30, 1e-3);
+  EXPECT_NE(given.evidence.find("give time.step = 0.00075 s"), std::string::npos) << given.evidence;
+  EXPECT_EQ(given.evidence.find("An impact takes"), std::string::npos) << given.evidence;
+  EXPECT_NEAR(restitution_error(12), 0.012, 1e-12);
+  EXPECT_NEAR(restitution_error(16), std::sqrt(0.012 * 0.006), 1e-3);
+}
+
+TEST_F(RunFolder, walls_that_answer_to_force_are_judged_by_the_force_that_they_hold) {
+  const auto judged = [&](double force, double way, const nlohmann::json& note) {
+    Scene scene = test::sample_scene(12);
+    scene.walls[1].motion = {};
+    scene.walls[1].motion.kind = Servo{.direction = {0, 0, -1}, .force = 100, .max_speed = 0.1, .stroke = {-0.5, 0.2}};
+    write_scene_file((folder / "scene.h5").string(), scene);
+    const std::string wall = fmt::format("wall{}_", scene.walls[1].id);
+    std::string log = "step,time", units = "# units: -,s";
+    for (const char* name : {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"}) {
+      log += "," + wall + name;
+      units += ",N";
+    }
+    log += ",kinetic_translational,kinetic_rotational,potential\n" + units + ",J,J,J\n";
+    for (int i = 0; i <= 20; ++i) log += fmt::format("{},{},0,0,{},0,0,0,0,0,0\n", i, 0.01 * i, i < 18 ? 0 : force);
+    std::ofstream(folder / "log.csv") << log;
+    nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
+    outcome["drives"] = {{{"wall", scene.walls[1].id},
+                          {"name", "lid"},
+                          {"kind", "servo"},
+                          {"way", way},
+                          {"rate", 0},
+                          {"force", -force},
+                          {"at_end", way == 0.2 ? nlohmann::json("highest") : nlohmann::json()},
+                          {"asked", 100},
+                          {"note", note}}};
+    std::ofstream(folder / "run.json") << outcome;
+    return verdict(judge(open_run(folder.string())), "Walls under force");
+  };
+  const Verdict held = judged(100.02, 0.0324, nullptr);  // the log's force is on the wall: upward, against its direction
+  EXPECT_EQ(held.judgement, Judgement::good) << held.evidence;
+  EXPECT_EQ(held.answer, "1 of 1 servo holds the force requested");
+  EXPECT_EQ(held.evidence,
+            "'lid' (servo) ends 32.4 mm from where it was placed; it presses with 100 N of 100 N requested (100 N on average over the last "
+            "tenth of the run).");
+  const Verdict idle = judged(0, 0.05, "wall 'lid': its servo touches nothing");
+  EXPECT_EQ(idle.judgement, Judgement::doubtful);
+  EXPECT_NE(idle.evidence.find("it touches nothing"), std::string::npos) << idle.evidence;
+  const Verdict stopped = judged(30, 0.2, "wall 'lid': its servo is at the end of its way");
+  EXPECT_EQ(stopped.judgement, Judgement::doubtful);
+  EXPECT_NE(stopped.evidence.find("at the highest end of its way; it presses with 30 N of 100 N requested"), std::string::npos)
+      << stopped.evidence;
+  EXPECT_EQ(judged(80, 0.1, nullptr).judgement, Judgement::doubtful) << "its bed still gives way";
+}
+
 TEST_F(RunFolder, rest_is_judged_where_the_case_asks_for_it) {
   const auto verdict_of = [&](bool asked, const nlohmann::json& rested) {
     Scene scene = test::sample_scene(12);

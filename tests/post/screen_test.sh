@@ -39,6 +39,8 @@ wait $second || fail "the second of two"
 cmp -s none.png one.png && cmp -s none.png two.png || fail "two at once draw other pictures"
 "$mesher" generate box --size "1 m, 1 m, 1 m" -o box.shape.h5 >/dev/null || fail "no box"
 expect 0 "wrote refined.png" "$mesher" refine box.shape.h5 -o refined.shape.h5 --times 2 --picture refined.png;  is_picture refined.png
+expect 0 "wrote box.png" "$mesher" info box.shape.h5 --picture box.png;  is_picture box.png
+expect 2 "a picture" "$mesher" info box.shape.h5 --picture box.jpg
 none_left "done"
 
 # 2. a display that answers is used, and no other is started
@@ -70,5 +72,18 @@ for signal in TERM INT KILL ABRT; do
   none_left "$signal"
   [[ ! -e killed.png ]] || fail "$signal: a picture is there"
 done
+# 5. the display of somebody else, which wants a key: no word of it from the libraries that a tool loads
+if command -v xauth mcookie >/dev/null; then
+  for number in 9 8 7 6 5; do
+    [[ -e /tmp/.X11-unix/X$number || -e /tmp/.X$number-lock ]] && continue
+    xauth -q -f key add ":$number" . "$(mcookie)" 2>/dev/null
+    Xvfb ":$number" -auth "$PWD/key" >/dev/null 2>&1 & other=$!
+    for _ in $(seq 100); do [[ -e /tmp/.X11-unix/X$number ]] && break; sleep 0.05; done
+    said=$("$make" other.run 2>&1)
+    [[ $said != *Authorization* ]] || fail "said of the display of another: $said"
+    kill $other; wait $other 2>/dev/null
+    break
+  done
+fi
 echo "$failures failures"
 [[ $failures -eq 0 ]]

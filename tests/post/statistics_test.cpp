@@ -505,6 +505,20 @@ TEST(SpaceMeasures, a_heap_and_a_slope_have_the_angle_they_were_built_with) {
   EXPECT_NEAR(angle_of_repose_slope(FrameView(plane_facts, plane.frame)), degrees, 0.5);
 }
 
+TEST(SpaceMeasures, a_column_has_no_angle_and_the_reason_is_given) {
+  Packing column(0.01, {-1, -1, 0}, {1, 1, 1}, {0, 0, -9.81}), few(0.01, {-1, -1, 0}, {1, 1, 1}, {0, 0, -9.81});
+  for (double x = -0.1; x < 0.1; x += 0.02) {
+    for (double y = -0.1; y < 0.1; y += 0.02) column.add({x, y, 0.5}), column.add({x, y, 0.01});
+  }
+  few.add({0, 0, 0.5});
+  const SceneFacts facts(column.run, std::nullopt, column.frame), few_facts(few.run, std::nullopt, few.frame);
+  std::string reason;
+  EXPECT_TRUE(std::isnan(angle_of_repose_cone(FrameView(facts, column.frame), &reason)));
+  EXPECT_NE(reason.find("the sides are too steep (a column)"), std::string::npos) << reason;
+  EXPECT_TRUE(std::isnan(angle_of_repose_slope(FrameView(few_facts, few.frame), &reason)));
+  EXPECT_NE(reason.find("8 are needed: too few bodies"), std::string::npos) << reason;
+}
+
 TEST(BlockAverage, the_interval_of_independent_numbers_is_students) {
   BlockAverage average(1, 4, 2);  // two blocks: means 2 and 6
   for (const double v : {1.0, 3.0, 5.0, 7.0}) average.add({v});
@@ -678,6 +692,20 @@ TEST_F(StatisticsOfARun, tables_and_json_have_the_same_numbers_and_any_number_of
     EXPECT_EQ(std::count(texts[jobs - 1].begin(), texts[jobs - 1].end(), '\n'), 2 + 3 * 5);
   }
   EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST_F(StatisticsOfARun, an_angle_that_no_frame_has_is_reported_with_the_reason) {
+  const scree::Run run = open_run((folder / "sample.run").string());
+  StatisticsOptions options;
+  options.frames = choose_frames(run, "all");
+  options.repose = "cone";
+  options.without = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  const Statistics s = run_statistics(run, options, "");
+  ASSERT_EQ(s.gaps.size(), 1u);
+  EXPECT_NE(summary_of(s).find("angle_of_repose: missing in 3 of 3 frames; in the last of them "), std::string::npos) << summary_of(s);
+  EXPECT_EQ(json_of(run, s)["gaps"]["angle_of_repose"], s.gaps[0].second);
+  options.repose = "none";
+  EXPECT_TRUE(run_statistics(run, options, "").gaps.empty()) << "not requested";
 }
 
 TEST_F(StatisticsOfARun, mass_that_goes_below_a_level_gives_the_rate) {

@@ -16,6 +16,7 @@
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
 #include "post/run/drawn_meshes.hpp"
+#include "post/vtk/legend_ticks.hpp"
 #include "post/vtk/paraview.hpp"
 #include "post/vtk/picture.hpp"
 #include "tests/post/sample_run.hpp"
@@ -377,6 +378,17 @@ TEST(Picture, kinds_are_named_beside_squares_of_their_colours) {
   EXPECT_EQ(corner(2), (Vec3{1, 1, 1}));
   options.legend = false;
   EXPECT_EQ(corner(0), (Vec3{1, 1, 1}));
+}
+
+TEST(Legend, has_round_numbers_within_its_range) {
+  EXPECT_EQ(legend_ticks(0, 0.0117), (std::vector<double>{0, 0.005, 0.01}));
+  const std::vector<double> both = legend_ticks(-0.00185, 0.0123);
+  ASSERT_EQ(both.size(), 3u);
+  EXPECT_EQ(both[0], 0);
+  EXPECT_FALSE(std::signbit(both[0])) << "-0 is no label";
+  EXPECT_NEAR(both[2], 0.01, 1e-15);
+  EXPECT_EQ(legend_ticks(0, 1), (std::vector<double>{0, 0.5, 1}));
+  EXPECT_EQ(legend_ticks(2, 2), (std::vector<double>{2, 2}));
 }
 
 }  // namespace

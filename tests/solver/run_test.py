@@ -32,6 +32,89 @@ def same_state_for_any_ranks_and_threads():
     assert result["max_depth_ratio"] < 1 and result["energy"]["error_relative"] < 0.01, result["energy"]
 
 
+SERVOS = """
+[time]
+duration = 0.12
+[shapes.ball]
+sphere = { radius = "5 mm" }
+[materials.ore]
+density = 2500
+[[pairs]]
+between = ["ore", "ore"]
+stiffness = "20 kN/m"
+restitution = 0.3
+[[bodies]]
+shape = "ball"
+material = "ore"
+position = [0, 0, "5 mm"]
+[[walls]]
+name = "floor"
+shape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }
+material = "ore"
+[[walls]]
+name = "lid"
+shape = { plane = { point = [0, 0, "12 mm"], normal = [0, 0, -1] } }
+material = "ore"
+motion = { servo = { direction = [0, 0, -1], force = "1 N", max_speed = "0.1 m/s" } }
+[[walls]]
+name = "lost"
+shape = { plane = { point = [0, 0, "1 m"], normal = [0, 0, -1] } }
+material = "ore"
+motion = { servo = { direction = [0, 0, 1], force = "1 N", max_speed = "0.5 m/s" } }
+"""
+
+
+def what_walls_did_that_answer_to_force_is_in_the_record():
+    with open("servos.toml", "w", encoding="utf-8") as case:
+        case.write(SERVOS)
+    subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", "servos.toml", "-o", "servos.scene.h5"], check=True, env=ENV, capture_output=True)
+    said = run(1, "servos.scene.h5", "-o", "servos.run").stderr
+    lid, lost = outcome("servos.run")["drives"]
+    assert lid["name"] == "lid" and lid["kind"] == "servo" and lid["note"] is None, lid
+    assert abs(lid["force"] + lid["asked"]) < 0.01 and abs(lid["way"] - 2.1e-3) < 1e-5, lid  # on a ball of 10 mm, 50 um deep on both sides
+    assert lost["force"] == 0 and abs(lost["way"] - 0.06) < 1e-3 and "touches nothing" in lost["note"], lost
+    assert lost["note"] in said, said
+
+
+# the lower edge of a cube, tilted, falls on the outer upper edge of a box
+EDGE_ON_BOX = """
+[time]
+duration = 0.1
+[shapes.cube]
+file = "cube.shape.h5"
+[materials.ore]
+density = 2500
+[[pairs]]
+between = ["ore", "ore"]
+stiffness = "20 kN/m"
+restitution = 0.3
+[contact]
+margin = "0.2 mm"
+[[bodies]]
+shape = "cube"
+material = "ore"
+position = ["3.5 mm", 0, "8.2 mm"]
+orientation = [0.8923991008, 0.3696438106, 0.2391176184, -0.0990457605]
+velocity = [0, 0, -0.3]
+lock_rotation = true
+[[walls]]
+name = "block"
+shape = { box = { corners = [["-5 cm", "-5 cm", "-5 cm"], [0, "5 cm", 0]] } }
+material = "ore"
+"""
+
+
+def a_body_that_meets_a_box_from_outside_is_told_the_reason():
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "10 mm, 10 mm, 10 mm", "-o", "cube.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    with open("edge.toml", "w", encoding="utf-8") as case:
+        case.write(EDGE_ON_BOX)
+    packed = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", "edge.toml", "-o", "edge.scene.h5"], check=True, env=ENV, capture_output=True, text=True)
+    assert "faces inwards" in packed.stderr, packed.stderr
+    said = run(1, "edge.scene.h5", "-o", "edge.run", expect=5).stderr
+    assert "('block') intersect" in said and "If the body was outside of wall 'block': its closed surface faces inwards" in said, said
+
+
 def a_killed_run_continues_to_the_same_end():
     subprocess.run([PILE, "27", "1.0", "pile.scene.h5"], check=True)
     run(2, "pile.scene.h5", "-o", "whole.run")
@@ -328,6 +411,8 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          same_state_through_periodic_axes_and_with_removed_bodies, same_state_with_quantised_steps,
          a_run_that_stops_at_rest_stops_there_after_a_restart_too, a_run_that_loses_all_bodies_says_so,
          a_run_that_stops_when_empty_stops_then_on_any_ranks_and_after_a_restart,
-         the_plan_says_what_is_in_and_out, threads_that_are_bound_to_one_core_are_told]
+         what_walls_did_that_answer_to_force_is_in_the_record,
+         a_body_that_meets_a_box_from_outside_is_told_the_reason, the_plan_says_what_is_in_and_out,
+         threads_that_are_bound_to_one_core_are_told]
 
 main(TESTS)

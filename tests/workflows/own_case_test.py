@@ -105,21 +105,30 @@ def main():
     assert any("floor.off' --surface --unit mm" in step for step in steps) and any("stone.off'" in step for step in steps), steps
     assert any("generate box --size '1 cm, 1 cm, 1 cm'" in step for step in steps), steps
 
-    # from meshes to the report, from another folder, by a relative path; a second time there is nothing to do
+    # from meshes to the report, from another folder, by a relative path; a second time there is nothing to do. Six bodies run on one rank,
+    # however many cores there are
     relative = os.path.join(os.path.basename(FOLDER), "case.toml")
-    run("--config", "ranks=1", "statistics=--from 0.01", case=relative, cwd=SCRATCH)
+    run("--config", "statistics=--from 0.01", "--cores", "2", case=relative, cwd=SCRATCH)
     results = os.path.join(FOLDER, "case.out")
     for name in ("case.report.html", "case.png", "case.run/paraview/case.pvd", "case.bodies.csv"):
         assert os.path.getsize(os.path.join(results, name)) > 0, name
     with open(os.path.join(results, "case.run/run.json")) as file:
         record = json.load(file)
-    assert record["outcome"] == "completed" and record["bodies"] == 6, record
+    assert record["outcome"] == "completed" and record["bodies"] == 6 and record["ranks"] == 1 and record["threads"] == 1, record
     with open(os.path.join(results, "case.bodies.csv"), newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     assert len({row["id"] for row in rows}) == 6, rows[:3]
     assert sorted(os.listdir(FOLDER)) == sorted(before + ["case.out"])
-    words = ["--config", "ranks=1", "statistics=--from 0.01"]
+    words = ["--config", "statistics=--from 0.01"]
     assert "Nothing to be done" in run(*words)
+    assert "Nothing to be done" in run(*words, "--cores", "1"), "another number of cores makes nothing anew"
+
+    # a large case takes the cores that it is worth
+    import ranks
+    scene = os.path.join(results, "case.scene.h5")
+    assert ranks.work_in(scene) == 6
+    ranks.BODIES_A_RANK = 2
+    assert [ranks.ranks_for(scene, cores) for cores in (1, 2, 8)] == [1, 2, 3]
 
     # a mesh that changes is imported again, and a file that is there is used as it is
     write("stone.off", TETRAHEDRON.replace("0 0 1\n", "0 0 2\n", 1))
@@ -130,7 +139,8 @@ def main():
     assert not any("stone" in step for step in made(steps)) and "shapes.stone.file" not in steps, steps
 
     # sweeps as of any case
-    steps = run("--dry-run", "--config", "sweep=pairs.*.friction=0.2|0.6", "replicas=2")
+    steps = run("--dry-run", "--cores", "4", "--config", "sweep=pairs.*.friction=0.2|0.6", "replicas=2")
+    assert "threads: " not in steps, steps   # one core each, four side by side
     assert steps.count("scree-decomposer pack") == 4 and "friction=0.6" in steps, steps
     table = re.search(r"/usr/bin/python3 (\S+sweep_table\.py) ", steps)
     assert table and os.path.isfile(table[1]), f"the table of the sweep is made by a script that is not there: {table and table[1]}"
