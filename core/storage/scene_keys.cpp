@@ -154,8 +154,10 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
       p.contact_radius, Dimension::length, Range::positive);
   k.number({"pull_off", "none", "attraction: the force that parts one contact; with `gather = \"potential\"` and any `law`"}, p.pull_off,
            Dimension::force, Range::positive);
-  k.number({"adhesion", "none", "or the work of adhesion w, from which that force follows, with R* of `contact_radius`; with `gather = \"area\"` the work that parts each area"}, p.adhesion,
-           Dimension::surface_energy, Range::positive);
+  k.number({"adhesion", "none",
+            "or the work of adhesion w, from which that force follows, with R* of `contact_radius`; with `gather = \"area\"` the work that "
+            "parts each area"},
+           p.adhesion, Dimension::surface_energy, Range::positive);
   k.word({"adhesion_model", "required with `adhesion`, but for `area`",
           "the force is 3/2 pi w R* (`jkr`, soft large bodies) or 2 pi w R* (`dmt`, hard small ones)"},
          p.adhesion_model);
