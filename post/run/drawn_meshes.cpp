@@ -62,6 +62,20 @@ TriangleMesh inner_cylinder(const Vec3& start, const Vec3& end, double radius) {
   return mesh;
 }
 
+/// A wall that lies across a periodic axis, a drum of which a slice is simulated, ends at the cell. Walls may only turn about such an axis.
+void cut_to_cell(const Wall& wall, const Domain& domain, TriangleMesh& mesh) {
+  constexpr double kAlong = 1e-9;  // rounding of an axis that is turned onto itself
+  for (int k = 0; k < 3; ++k) {
+    if (!domain.periodic[static_cast<std::size_t>(k)]) continue;
+    Vec3 axis;
+    axis[k] = 1;
+    if (std::abs(rotate(wall.orientation, axis)[k] - 1) > kAlong) continue;
+    for (Vec3& p : mesh.vertices) p[k] = std::clamp(p[k], domain.lower[k] - wall.position[k], domain.upper[k] - wall.position[k]);
+  }
+}
+
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room);
+
 }  // namespace
 
 DrawnMesh drawn_shape(const Shape& shape) {
@@ -105,6 +119,14 @@ TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most) {
 }
 
 TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room) {
+  TriangleMesh mesh = whole_wall(wall, scene, room);
+  cut_to_cell(wall, scene.settings.domain, mesh);
+  return mesh;
+}
+
+namespace {
+
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room) {
   const Vec3 extent = room.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   switch (wall.kind) {
@@ -144,6 +166,8 @@ TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room) 
   return mesh;
 }
 
+}  // namespace
+
 Box3 room_of(const FrameBodies& bodies, const Scene& scene) {
   std::vector<double> radius;
   for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
@@ -173,6 +197,8 @@ std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene) {
 
 Box3 seen_room(const Frame& frame, const Scene& scene) {
   constexpr double kWhole = 4;  // times the bodies' room: a wall up to so large is seen as a whole, and the bodies can still be told apart
+  constexpr double kBeside =
+      0.35;  // times the bodies' room: so much is seen of a wall that has left them, as a gate that opened or a tube that was lifted
   const Box3 bodies = room_of(frame.bodies, scene);
   const Vec3 extent = bodies.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
@@ -184,10 +210,14 @@ Box3 seen_room(const Frame& frame, const Scene& scene) {
     Box3 box;
     for (const Vec3& p : drawn_wall(wall, scene, bodies).vertices) box.add(places[w].position + rotate(places[w].orientation, p));
     if (box.is_empty()) continue;
+    bool has_left = false;
+    for (int k = 0; k < 3; ++k) has_left = has_left || box.lower[k] > bodies.upper[k] || box.upper[k] < bodies.lower[k];
+    has_left = has_left && (wall.motion.is_prescribed() || wall.motion.drive());
+    const double beside = has_left ? kBeside * size : size;
     for (int k = 0; k < 3; ++k) {
-      const bool is_whole = box.upper[k] - box.lower[k] <= kWhole * size;
-      const double lower = is_whole ? box.lower[k] : std::max(box.lower[k], bodies.lower[k] - size);
-      const double upper = is_whole ? box.upper[k] : std::min(box.upper[k], bodies.upper[k] + size);
+      const bool is_whole = !has_left && box.upper[k] - box.lower[k] <= kWhole * size;
+      const double lower = is_whole ? box.lower[k] : std::max(box.lower[k], bodies.lower[k] - beside);
+      const double upper = is_whole ? box.upper[k] : std::min(box.upper[k], bodies.upper[k] + beside);
       if (lower > upper) continue;
       room.lower[k] = std::min(room.lower[k], lower);
       room.upper[k] = std::max(room.upper[k], upper);

@@ -39,7 +39,8 @@ struct WallPlace {
 std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene);
 
 /// The same with the walls that a picture is to show: those that have an end and are not much larger than what the bodies fill, as drums,
-/// hoppers and bowls; of a larger one what lies near the bodies. Planes and boxes do not count: they are drawn to fit.
+/// hoppers and bowls; of a larger one, and of one that has moved away from all bodies, what lies near them. Planes and boxes do not count:
+/// they are drawn to fit.
 Box3 seen_room(const Frame& frame, const Scene& scene);
 
 View view_of(const Box3& room, const Vec3& gravity);

@@ -164,9 +164,8 @@ def packings_as_asked(trial):
         method = population.get("method", "random")
         total, largest = masses[mine].sum(), masses[mine].max(initial=0)
         if "count" in population:
-            lost = method == "settle" and population.get("fill", False)   # what does not lie wholly in the region is taken out
-            require(len(mine) == population["count"] or lost and len(mine) <= population["count"], f"populations[{k}]: {len(mine)} bodies, {population['count']} asked")
-        if "mass" in population and not (method == "settle" and population.get("fill", False)):
+            require(len(mine) == population["count"], f"populations[{k}]: {len(mine)} bodies, {population['count']} asked")
+        if "mass" in population:
             next_one = largest if "size" not in population else masses[mine].max(initial=0) * 2
             require(abs(total - population["mass"]) <= 0.5 * max(next_one, largest) * (1 + 1e-9) or len(mine) == 0, f"populations[{k}]: {total:.6g} kg, {population['mass']:.6g} kg asked")
             require(len(mine) > 0, f"populations[{k}]: {population['mass']:.6g} kg asked, none placed and no word")
