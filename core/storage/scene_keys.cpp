@@ -164,7 +164,7 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   k.number(
       {"adhesion_range", "required with attraction, or `separation_energy`",
        "gap beyond touch over which the attraction grows to its full force; the lists of neighbours are as much wider, and a derived step "
-       "takes two steps through it at `impact_speed`"},
+       "takes two steps through it at `impact_speed`, or four at the speed at which the lightest bodies stick, whichever is longer"},
       p.adhesion_range, Dimension::length, Range::positive);
   k.number({"separation_energy", "from `adhesion_range`",
             "work that parts a contact at rest; the range follows from it, whatever the stiffness"},

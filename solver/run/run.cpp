@@ -65,10 +65,11 @@ void check_step_size(const mpi::Communicator& comm, const RunOptions& options, c
                        options.scene_path, settings.duration, step.step, step.limited_by);
     }
     if (step.given && step.crossing > 0 && step.step > step.crossing) {
-      warn_once("scree-solver",
-                fmt::format("time.step = {:g} s: the range of an attraction is crossed in {:.2g} steps at the fastest impact expected, and "
-                            "takes {:.0f} to be followed; use at most {:.3g} s, or leave it out",
-                            step.step, step.crossing / (kRangePerStep * step.step), 1 / kRangePerStep, step.crossing));
+      warn_once(
+          "scree-solver",
+          fmt::format("time.step = {:g} s: bodies go {:.2g} times too far in a step to follow an attraction through its range; use at most "
+                      "{:.3g} s, or leave it out",
+                      step.step, step.step / step.crossing, step.crossing));
     }
     const double unevenness = step.slowest_contact_time / std::max(step.contact_time, step.step);
     if (unevenness > kUnevenContacts) {

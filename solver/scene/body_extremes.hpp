@@ -12,9 +12,10 @@ struct BodyExtremes {
   static constexpr double kNone = 1e300;
 
   BodyExtremes(std::size_t materials, std::size_t shapes)
-      : mass(materials, 0.0), radius(materials, 0.0), speed(materials, 0.0), smallest_scale(shapes, kNone) {}
+      : mass(materials, 0.0), least_mass(materials, kNone), radius(materials, 0.0), speed(materials, 0.0), smallest_scale(shapes, kNone) {}
 
   std::vector<double> mass;            ///< of each material: its heaviest moving body [kg]
+  std::vector<double> least_mass;      ///< of each material: its lightest moving body [kg]; kNone where none moves
   std::vector<double> radius;          ///< of each material: largest radius of a ball of a body's volume [m]
   std::vector<double> speed;           ///< of each material: its fastest body, as it joins [m/s]
   std::vector<double> smallest_scale;  ///< of each shape; kNone where no body has it
@@ -29,7 +30,9 @@ struct BodyExtremes {
     each(mass, other.mass, larger);
     each(radius, other.radius, larger);
     each(speed, other.speed, larger);
-    each(smallest_scale, other.smallest_scale, [](double a, double b) { return std::min(a, b); });
+    const auto smaller = [](double a, double b) { return std::min(a, b); };
+    each(least_mass, other.least_mass, smaller);
+    each(smallest_scale, other.smallest_scale, smaller);
     bounding_radius = std::max(bounding_radius, other.bounding_radius);
   }
 };

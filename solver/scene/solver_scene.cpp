@@ -1,6 +1,7 @@
 #include "solver/scene/solver_scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "core/storage/attraction.hpp"
@@ -179,6 +180,7 @@ void SolverScene::include_body(std::int32_t of, std::int32_t material, double sc
   extremes.radius[m] = std::max(extremes.radius[m], scale * shapes_[s].equivalent_radius);
   extremes.speed[m] = std::max(extremes.speed[m], speed);
   if (!fixed) extremes.mass[m] = std::max(extremes.mass[m], mass);
+  if (!fixed) extremes.least_mass[m] = std::min(extremes.least_mass[m], mass);
   extremes.smallest_scale[s] = std::min(extremes.smallest_scale[s], scale);
 }
 
@@ -207,7 +209,10 @@ void SolverScene::prepare_laws() {
     law_choice_.rolling = law_choice_.rolling || law.rolling_friction > 0 || law.torsional_friction > 0;
     has_damping_ = has_damping_ || law.damping_ratio > 0 || law.damping_slope > 0;
     reach_ = std::max(reach_, law.reach);
-    if (attracts(pair)) shortest_range_ = shortest_range_ > 0 ? std::min(shortest_range_, law.reach) : law.reach;
+    if (attracts(pair)) {
+      shortest_range_ = shortest_range_ > 0 ? std::min(shortest_range_, law.reach) : law.reach;
+      fastest_sticking_ = std::max(fastest_sticking_, sticking_speed(pair) / law.reach);
+    }
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     laws_[a * material_count_ + b] = law;
     laws_[b * material_count_ + a] = law;
@@ -291,6 +296,15 @@ double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes&
 
 double SolverScene::largest_pull_off(const MaterialPair& pair, const BodyExtremes& extremes) const {
   return attracts(pair) ? pull_off_force(pair, largest_impact(pair, extremes).radius) : 0;
+}
+
+double SolverScene::sticking_speed(const MaterialPair& pair) const {
+  if (scene_->settings.gather == Gathering::area) return BodyExtremes::kNone;  // its work goes with the area that touches
+  double mobility = 0;
+  for (const std::int32_t m : {pair.a, pair.b}) mobility += 1 / extremes_.least_mass[static_cast<std::size_t>(m)];
+  const Material &a = scene_->materials[static_cast<std::size_t>(pair.a)], &b = scene_->materials[static_cast<std::size_t>(pair.b)];
+  const double radius = largest_impact(pair, extremes_).radius;
+  return radius > 0 ? std::sqrt(2 * parting_energy(scene_->settings.law, pair, a, b, radius) * mobility) : 0;
 }
 
 PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const {

@@ -58,6 +58,11 @@ class SolverScene {
   /// How far from its surface a body may act: its margin, and half of what the scene's law or attraction reaches beyond the margins [m].
   double contact_range() const { return margin_ + 0.5 * reach_; }
   double shortest_range() const { return shortest_range_; }  ///< of the attraction of any two materials [m]; 0: none attract each other
+  /// Speed at which the attraction of two materials takes all motion of their lightest bodies as they part [m/s]; huge where that is not
+  /// known.
+  double sticking_speed(const MaterialPair& pair) const;
+  /// The largest of it over the range, of any two materials [1/s].
+  double fastest_sticking() const { return fastest_sticking_; }
   const Periodicity& periodicity() const { return periodicity_; }
   /// Of the bodies that the scene starts with and that its inlets can bring. What follows from all bodies is asked for the extremes of
   /// those that there are.
@@ -116,7 +121,7 @@ class SolverScene {
   std::vector<Region> outlets_;
   std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
-  double margin_ = 0, reach_ = 0, shortest_range_ = 0;
+  double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0;
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;

@@ -44,17 +44,20 @@ struct Demand {
 Demand demand_of_motion(const RunState& s) {
   Demand demand;
   const ParticleSet& p = s.particles;
-  double way = kMarginPerStep * s.scene.margin();
-  if (const double range = s.scene.shortest_range(); range > 0)
-    way = way > 0 ? std::min(way, 0.5 * kRangePerStep * range) : 0.5 * kRangePerStep * range;
-  const bool can_touch = s.clock.size.contact_time > 0 && way > 0;
+  const double way = kMarginPerStep * s.scene.margin();
+  const double in_range = 0.5 * kRangePerStep * s.scene.shortest_range(), sticking = s.scene.fastest_sticking() / kStickingPerStep;
+  const bool can_touch = s.clock.size.contact_time > 0 && (way > 0 || in_range > 0);
+  const auto rate_of = [&](double speed) {
+    const double of_margin = way > 0 ? speed / way : 0, of_range = in_range > 0 ? std::min(speed / in_range, sticking) : 0;
+    return std::max(of_margin, of_range);
+  };
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (p.fixed[i]) continue;
     const double turning = length(p.w[i]);
-    if (can_touch) demand.ask(kSpeed, (length(p.v[i]) + p.scale[i] * s.scene.shape(p.shape[i]).turning_arm * turning) / way, p.id[i]);
+    if (can_touch) demand.ask(kSpeed, rate_of(length(p.v[i]) + p.scale[i] * s.scene.shape(p.shape[i]).turning_arm * turning), p.id[i]);
     if (!p.isotropic[i]) demand.ask(kSpin, turning / kTurnPerStep, p.id[i]);
   }
-  if (const double walls = can_touch ? fastest_wall(s, s.walls) / way : 0; walls > demand.rate[kSpeed]) {
+  if (const double walls = can_touch ? rate_of(fastest_wall(s, s.walls)) : 0; walls > demand.rate[kSpeed]) {
     demand.rate[kSpeed] = walls;
     demand.body[kSpeed] = -1;
   }

@@ -208,14 +208,17 @@ void follow_ranges(const SolverScene& scene, StepSize& result) {
   for (const MaterialPair& pair : source.pairs) {
     const double speed = attracts(pair) ? scene.largest_impact(pair, scene.extremes()).speed : 0;
     if (!(speed > 0)) continue;
-    const double range = scene.law(pair.a, pair.b).reach, longest = kRangePerStep * range / speed;
+    const double range = scene.law(pair.a, pair.b).reach, sticking = scene.sticking_speed(pair);
+    const double at_impact = kRangePerStep * range / speed, at_sticking = sticking > 0 ? kStickingPerStep * range / sticking : at_impact;
+    const double longest = std::max(at_impact, at_sticking);
     if (!(result.crossing > 0) || longest < result.crossing) result.crossing = longest;
     if (result.given || !(longest < result.step)) continue;
     result.step = longest;
     result.limited_by =
-        fmt::format("the range of the attraction of '{}' and '{}', {} crossed at {}",
+        fmt::format("the range of the attraction of '{}' and '{}', {} crossed at {}{}",
                     source.materials[static_cast<std::size_t>(pair.a)].name, source.materials[static_cast<std::size_t>(pair.b)].name,
-                    format_quantity(range, Dimension::length), format_quantity(speed, Dimension::velocity));
+                    format_quantity(range, Dimension::length), format_quantity(at_impact < longest ? sticking : speed, Dimension::velocity),
+                    at_impact < longest ? ", at which the lightest stick" : "");
   }
 }
 

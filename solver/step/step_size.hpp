@@ -24,6 +24,9 @@ struct StepSize {
 inline constexpr double kMarginPerStep = 0.2;
 /// Share of the range of an attraction by which two surfaces may come nearer in a step.
 inline constexpr double kRangePerStep = 0.5;
+/// The same at the speed at which the attraction takes all motion of the lightest bodies, where that is slower: those that are faster pass
+/// through it with little change, and a range of nanometres need not be followed at metres a second (docs/work-precision.md, P9).
+inline constexpr double kStickingPerStep = 0.25;
 /// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
 inline constexpr double kTurnPerStep = 0.1;
 
@@ -58,7 +61,9 @@ void check_step(const StepSize& run, const ContactLimit& with_them, const Settin
 ///   damping   the same over kStepsPerDamping (1 + zeta), where a pair's restitution is so low that this is more than steps_per_contact
 ///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
 ///             fast without approaching anything is watched in every step instead (pass_through.hpp)
-///   crossing  kRangePerStep of the range of an attraction over the fastest impact expected of its materials
+///   crossing  kRangePerStep of the range of an attraction over the fastest impact expected of its materials, or kStickingPerStep of it
+///   over
+///             the speed at which their lightest bodies stick, whichever is longer
 ///   spin      kTurnPerStep / |w|, of the bodies as they start
 /// Source: docs/reference/contact-law.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
 /// reach (a factor 2.6 for an elongated asteroid); docs/reference/validation-plan.md section 4.3. Collective.
