@@ -88,6 +88,12 @@ double LiquidBridge::force_at(double gap) const {
   return gap < rupture ? force / (1 + kLinear * x + kSquare * x * x) : 0;
 }
 
+double neck_stiffness(const MaterialPair& pair, const Material& a, const Material& b, double radius, double mass, double speed) {
+  const Jkr neck = neck_of(pair, a, b, radius);
+  const double y = neck.root(impact_overlap(ContactLaw::hertz_mindlin, pair, a, b, radius, mass, speed));
+  return 2 * effective_modulus(a, b) * std::sqrt(radius * neck.push_overlap(y));
+}
+
 double LiquidBridge::steepest() const { return kSteepest * force / scale; }
 
 double LiquidBridge::energy_at(double gap) const {
@@ -147,6 +153,8 @@ AttractionFault attraction_fault(const Settings& settings, const MaterialPair& p
     return {"adhesion_hysteresis", "goes with adhesion, the work of adhesion, and adhesion_model = \"jkr\""};
   if (!(pair.surface_tension > 0) && (pair.bridge_volume > 0 || pair.contact_angle > 0))
     return {pair.bridge_volume > 0 ? "bridge_volume" : "contact_angle", "goes with surface_tension, that of the liquid"};
+  if (!(pair.surface_tension > 0) && pair.bridge_rupture != BridgeRupture::willett)
+    return {"bridge_rupture", "goes with surface_tension, that of the liquid"};
   if (pair.surface_tension > 0) return bridge_fault(settings, pair);
   if (pull_kind(pair) == PullKind::neck) return neck_fault(settings, pair);
   if (!attracts(pair)) {

@@ -54,6 +54,10 @@ double parting_energy(ContactLaw law, const MaterialPair& pair, const Material& 
 /// would be as quick. 0 of a neck, which only softens.
 double steepest_pull(const Settings& settings, const MaterialPair& pair, const Material& a, const Material& b, double radius);
 
+/// Stiffness of the push of a neck [N/m], at the deepest point of an impact or at rest under its own attraction: the least it must be taken
+/// for.
+double neck_stiffness(const MaterialPair& pair, const Material& a, const Material& b, double radius, double mass, double speed);
+
 /// A liquid bridge of one pair of bodies.
 struct LiquidBridge {
   double force;    ///< F_c [N]

@@ -83,15 +83,6 @@ bool has_link(const std::vector<FrictionSpring>& springs) {
 /// Whether two bodies remember that they have touched.
 bool remembers(const PairLaw& law) { return law.neck_adhesion > 0 || law.bridge != nullptr; }
 
-/// Energy that goes as a neck or bridge forms [J].
-template <class Law>
-double released_at_touch(const Law& law) {
-  if constexpr (NeckedLaw<Law>)
-    return law.neck->released_at_touch();
-  else
-    return law.attraction.released_at_touch();
-}
-
 /// Damping of a pair: each feature's is push chi v_n, never more than the push itself.
 template <class Model, class Damp, class Law>
 class PairDamping {
@@ -213,7 +204,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       double in_touch = f.overlap;
       if constexpr (NeckedLaw<Law>) in_touch = forces.push_overlap;
       const double weight = std::min(damping.most_onset, onset_weight(in_touch, vn, dt));
-      damped = forces.push[j] * std::max(0.0, 1 - damping.chi * weight * vn);
+      damped = forces.push[j] * std::max(NeckedLaw<Law> ? forces.least_push : 0.0, 1 - damping.chi * weight * vn);
     }
     Vec3 dissipative = (damped - forces.push[j]) * f.n;
     Vec3 tangential;
@@ -277,7 +268,7 @@ PairHoldsFunction pair_holds_function(const LawChoice& choice) {
                     double& released) {
         const Law law_of_overlap(law, radius);
         const bool linked = has_link(springs), holds = Model::holds(features, law, law_of_overlap, linked);
-        released = holds && !linked && remembers(law) ? released_at_touch(law_of_overlap) : 0;
+        released = holds && !linked && remembers(law) ? Model::released(features, law, law_of_overlap) : 0;
         return holds;
       };
     }

@@ -58,6 +58,7 @@ struct FeatureForces {
   // of a law with necks
   double push_overlap = 0;  ///< that the push is of [m]
   double load = 1;          ///< what friction and rolling are limited by, over the push
+  double least_push = 0;    ///< share of the push that damping leaves
 };
 
 /// Of the push of all features of a pair.

@@ -108,6 +108,11 @@ struct PotentialModel {
   template <class Law>
   static bool holds(const PairFeatures& features, const PairLaw& pair_law, const Law& law, bool linked);
 
+  /// Energy that goes as its neck or bridge forms [J]: what it has where the deepest feature touches. Features that share a potential are
+  /// deeper together than one of them.
+  template <class Law>
+  static double released(const PairFeatures& features, const PairLaw& pair_law, const Law& law);
+
  private:
   template <class Law>
   static PushSum add_potential(const PairFeatures& pair, const PairLaw& pair_law, const Law& law, FeatureForces& forces, PairForce& result);
@@ -169,6 +174,7 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
   if constexpr (NeckedLaw<Law>) {
     forces.push_overlap = at.overlap;
     forces.load = push > 0 ? law.load_share(D) : 1;
+    forces.least_push = push > 0 ? law.least_push(D) : 0;
   }
   return {push, at.push_energy};
 }
@@ -286,6 +292,17 @@ bool PotentialModel::holds(const PairFeatures& features, const PairLaw& pair_law
     if (pair_law.bridge != nullptr) return linked && law.attraction.holds(depth_of_all(features, pair_law.reach));
   }
   return true;
+}
+
+template <class Law>
+double PotentialModel::released(const PairFeatures& features, const PairLaw& pair_law, const Law& law) {
+  double deepest = 0;  // since touch, within this step
+  for (const ContactFeature& f : features.list) deepest = std::max(deepest, f.overlap);
+  const double depth = depth_of_all(features, pair_law.reach) - deepest;
+  if constexpr (NeckedLaw<Law>)
+    return -law.neck->energy(law.neck->root(depth - pair_law.reach));
+  else
+    return law.attraction.energy(depth);
 }
 
 }  // namespace scree

@@ -49,8 +49,6 @@ struct Attraction {
   }
   /// Whether two bodies that have a bridge still have it.
   bool holds(double x) const { return bridge_ == nullptr || range - x < bridge().rupture; }
-  /// Energy that goes as a bridge forms [J].
-  double released_at_touch() const { return energy(range); }
 
  private:
   double cap() const { return modulus * std::numbers::pi * radius_; }

@@ -4,6 +4,7 @@
 // stiffness is 8 G* a with the radius a of JKR. Two bodies remember that they have a neck by a row of PairState (kLinkKey).
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "core/storage/jkr.hpp"
@@ -29,6 +30,12 @@ struct NeckLaw : HertzLaw {
     return energy(neck->push_overlap(y)) - neck->energy(y);
   }
   double pull_stiffness(double) const { return 0; }  ///< it only softens
+  /// Share of the push at D that damping leaves: bodies that part are not held by more than F_c, damped or not.
+  double least_push(double D) const {
+    if (!neck) return 0;
+    const double y = neck->root(D), push = neck->push(y);
+    return std::max(0.0, (push - neck->force(y) - neck->pull_off) / push);
+  }
   /// Limit of friction over mu, over the push at D.
   double load_share(double D) const {
     if (!neck) return 1;

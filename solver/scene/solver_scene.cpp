@@ -291,7 +291,10 @@ double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes&
   if (as_made.barrier > 0) stiffness += step_curvature_of_barrier(as_made);
   if (!attracts(pair)) return stiffness;
   const Material &a = scene_->materials[static_cast<std::size_t>(pair.a)], &b = scene_->materials[static_cast<std::size_t>(pair.b)];
-  return std::max(stiffness, steepest_pull(scene_->settings, pair, a, b, largest_impact(pair, extremes).radius));
+  const LargestImpact impact = largest_impact(pair, extremes);
+  if (pull_kind(pair) == PullKind::neck)
+    return impact.radius > 0 ? std::max(stiffness, neck_stiffness(pair, a, b, impact.radius, impact.mass, impact.speed)) : stiffness;
+  return std::max(stiffness, steepest_pull(scene_->settings, pair, a, b, impact.radius));
 }
 
 double SolverScene::largest_pull_off(const MaterialPair& pair, const BodyExtremes& extremes) const {

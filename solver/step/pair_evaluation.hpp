@@ -144,7 +144,8 @@ class PairEvaluation {
   void weigh_beyond_margin(const PairView& view, double moved, const BodyPair& pair) {
     const double reach = law_of(view, pair).reach;
     for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
-    std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
+    if (!features_.has_layer)  // patches go with a layer, and have none beyond touch
+      std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
     if (pass_.scene.law_choice().attraction && !pass_.scene.law_choice().necks)
       Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), moved, pair.lists, features_);
     else

@@ -231,6 +231,7 @@ TEST(Refusals, necks_and_bridges_that_are_not_told_in_full_or_do_not_go_together
   says("surface_tension = \"72 mN/m\"", {"pairs[0].surface_tension", "needs bridge_volume"});
   says("bridge_volume = \"1 mm^3\"", {"pairs[0].bridge_volume", "goes with surface_tension"});
   says("contact_angle = \"20 deg\"", {"pairs[0].contact_angle", "goes with surface_tension"});
+  says("bridge_rupture = \"lian\"", {"pairs[0].bridge_rupture", "goes with surface_tension"});
   says(water + "contact_angle = \"95 deg\"", {"pairs[0].contact_angle", "95 degrees found", "less than 90"});
   says(water + "contact_angle = -0.1", {"pairs[0].contact_angle = -0.1", "a value >= 0"});
   says(water + "pull_off = 1\nadhesion_range = 1e-4", {"pairs[0].surface_tension", "keep one"});

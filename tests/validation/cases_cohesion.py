@@ -346,3 +346,28 @@ def a11(tools, report):
         errors = [concave_impacts(tools, report, "A11" + ("b" if words else "a"), steps, words)[0] for steps in (25, 50, 100, 200)]
         report.at_most(f"{name}: change of energy at 200 steps a contact", errors[-1], 5e-4)
         report.at_least(f"{name}: order of the error in the step", math.log2(errors[0] / errors[-1]) / 3, 1.7)
+
+
+@case("A12", "U", "a cube that lands on its face with a bridge, and a ball with a neck that rebounds with damping", "conservation of energy; pull at most F_c")
+def a12(tools, report):
+    """Features that share a potential are deeper together than one: what goes as the bridge forms is counted where the deepest touches."""
+    side = 2e-3
+    c = Case("A12a", duration=8e-3, every=1e-4, margin=1e-4, contact={"impact_speed": .2})
+    c.mesh("cube", meshes.box((side, side, side)))
+    c.material("m", 1000.0)
+    c.pair("m", "m", stiffness=1e3, restitution=1.0, surface_tension=.072, bridge_volume=1e-12)
+    c.body("cube", "m", (0, 0, 2e-4 + side / 2 + 1e-5), velocity=(0, 0, -.1))
+    c.floor("m")
+    run = report.run(c.run(tools))
+    total = run.energy() + run.log["dissipated"]
+    report.at_most("cube: energy and dissipated: deviation over the energy at the start", abs(total - total[0]).max() / total[0], 1e-2)
+    work = .1
+    c = Case("A12b", duration=6e-4, step=2e-7, every=2e-6, margin=0.0, contacts=True, law="hertz-mindlin", contact={"impact_speed": .5})
+    c.sphere("ball", R_BALL)
+    c.material("m", RHO, young=YOUNG, poisson=0.0)
+    c.pair("m", "m", restitution=.4, friction=.8, adhesion=work, adhesion_model="jkr", adhesion_hysteresis=True)
+    c.body("ball", "m", (0, 0, R_BALL * (1 + 1e-5)), velocity=(.3, 0, -.5))
+    c.floor("m")
+    run = report.run(c.run(tools))
+    pull = max(-contacts["normal_force"].min() for contacts in run.contacts if len(contacts["normal_force"]))
+    report.at_most("neck with e = 0.4: largest pull over F_c", pull / (1.5 * math.pi * work * R_BALL), 1 + 1e-9)
