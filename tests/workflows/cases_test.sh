@@ -24,7 +24,7 @@ holds conveyor/conveyor.md "| load of belt 1 | "
 run triaxial
 holds triaxial/triaxial.md "| 50 kPa | 1.000"
 run sticky
-holds sticky/sticky.md "| ball | 20 | no cone |"
+holds sticky/sticky.md "| ball | 20 | "
 run shape-dial
 holds shape-dial/dial.csv "^ball-rolling-0.3,"
 [[ -s "$scratch/shape-dial/dial.png" ]]
