@@ -62,7 +62,7 @@ RestingContact resting_contact(ContactLaw law, const MaterialPair& pair, const M
 
 double attraction_range(ContactLaw law, const MaterialPair& pair, const Material& a, const Material& b, double radius) {
   if (pull_kind(pair) == PullKind::neck) return radius > 0 ? neck_of(pair, a, b, radius).tear_off : 0;
-  if (pull_kind(pair) == PullKind::bridge) return pair.contact_radius > 0 ? rupture_of(pair, pair.contact_radius) : rupture_of(pair, 0);
+  if (pull_kind(pair) == PullKind::bridge) return rupture_of(pair, pair.contact_radius);
   if (!(pair.separation_energy > 0)) return pair.adhesion_range;
   return std::max(0.0, 2 * (pair.separation_energy - resting_contact(law, pair, a, b, radius).energy) / pull_off_force(pair, radius));
 }

@@ -27,7 +27,10 @@ inline PullKind pull_kind(const MaterialPair& pair) {
 }
 inline bool attracts(const MaterialPair& pair) { return pull_kind(pair) != PullKind::none; }
 /// Whether two bodies attract each other only once they have touched.
-inline bool remembers(const MaterialPair& pair) { return pair.surface_tension > 0 || (pair.adhesion > 0 && pair.adhesion_hysteresis); }
+inline bool remembers(const MaterialPair& pair) {
+  const PullKind kind = pull_kind(pair);
+  return kind == PullKind::neck || kind == PullKind::bridge;
+}
 
 /// F_c = 3/2 pi w R* (Johnson, Kendall, Roberts 1971) or 2 pi w R* (Derjaguin, Muller, Toporov 1975): this times w R*.
 double pull_off_factor(AdhesionModel model);

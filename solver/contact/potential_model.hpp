@@ -22,13 +22,23 @@ inline double power7(double x) {
 struct PushAndPull {
   double push = 0, push_energy = 0;  ///< [N, J]
   double pull = 0, pull_energy = 0;
-  double overlap = 0;  ///< that the push is of [m]
+  double overlap = 0;               ///< that the push is of [m]
+  double load = 1, least_push = 0;  ///< of a law with necks (NeckLaw::State)
   template <class Law>
   static PushAndPull of(const Law& law, double D) {
-    if constexpr (PullingLaw<Law>) {
-      const double of_push = overlap_of_push(law, D);
-      const bool presses = of_push > 0;
-      return {presses ? law.force(of_push) : 0, presses ? law.energy(of_push) : 0, law.pull(D), law.pull_energy(D), of_push};
+    if constexpr (NeckedLaw<Law>) {
+      const auto at = law.at(D);
+      const bool presses = at.push_overlap > 0;
+      return {presses ? law.force(at.push_overlap) : 0,
+              presses ? law.energy(at.push_overlap) : 0,
+              at.pull,
+              at.pull_energy,
+              at.push_overlap,
+              at.load,
+              at.least_push};
+    } else if constexpr (PullingLaw<Law>) {
+      const bool touches = D > 0;
+      return {touches ? law.force(D) : 0, touches ? law.energy(D) : 0, law.pull(D), law.pull_energy(D), D};
     } else {
       return {law.force(D), law.energy(D), 0, 0, D};
     }
@@ -173,8 +183,8 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
   }
   if constexpr (NeckedLaw<Law>) {
     forces.push_overlap = at.overlap;
-    forces.load = push > 0 ? law.load_share(D) : 1;
-    forces.least_push = push > 0 ? law.least_push(D) : 0;
+    forces.load = at.load;
+    forces.least_push = at.least_push;
   }
   return {push, at.push_energy};
 }

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <concepts>
 #include <numbers>
+#include <optional>
 
 #include "core/storage/attraction.hpp"
 #include "solver/laws/pair_law.hpp"
@@ -25,36 +26,33 @@ struct Attraction {
   double modulus;  ///< p / s of a traction [N/m^3]; 0: none
   /// in   radius   R* [m]
   Attraction(const PairLaw& law, double radius)
-      : force(law.pull_off + law.pull_off_per_radius * radius),
-        range(law.reach),
-        modulus(law.pull_modulus),
-        radius_(radius),
-        bridge_(law.bridge) {}
+      : force(law.pull_off + law.pull_off_per_radius * radius), range(law.reach), modulus(law.pull_modulus), radius_(radius) {
+    if (law.bridge != nullptr) bridge_.emplace(*law.bridge, radius);
+  }
   bool acts() const { return force > 0 || modulus > 0; }
   /// -U [J]
   double energy(double x) const {
-    if (bridge_ != nullptr) return x > range ? bridge().energy_at(0) + force * (x - range) : bridge().energy_at(range - x);
+    if (bridge_) return x > range ? bridge_->energy_at(0) + force * (x - range) : bridge_->energy_at(range - x);
     if (modulus > 0) return cap() / 3 * (x * x * x - std::pow(std::max(0.0, x - range), 3));
     return x > range ? force * (x - 0.5 * range) : 0.5 * force * x * x / range;
   }
   double pull(double x) const {
     if (modulus > 0) return cap() * (x * x - std::pow(std::max(0.0, x - range), 2));
     if (x > range) return force;
-    return bridge_ != nullptr ? bridge().force_at(range - x) : force * x / range;
+    return bridge_ ? bridge_->force_at(range - x) : force * x / range;
   }
   /// The largest slope of the pull: a spring of as much would be as quick.
   double stiffness() const {
     if (modulus > 0) return 2 * cap() * range;
-    return bridge_ != nullptr ? bridge().steepest() : force / range;
+    return bridge_ ? bridge_->steepest() : force / range;
   }
   /// Whether two bodies that have a bridge still have it.
-  bool holds(double x) const { return bridge_ == nullptr || range - x < bridge().rupture; }
+  bool holds(double x) const { return !bridge_ || range - x < bridge_->rupture; }
 
  private:
   double cap() const { return modulus * std::numbers::pi * radius_; }
-  LiquidBridge bridge() const { return {*bridge_, radius_}; }
   double radius_;
-  const MaterialPair* bridge_;
+  std::optional<LiquidBridge> bridge_;
 };
 
 /// A law in a scene some of whose materials attract each other. It is the law as it stands for overlaps above 0, and the attraction.

@@ -17,31 +17,23 @@ struct NeckLaw : HertzLaw {
   NeckLaw(const PairLaw& law, double r) : HertzLaw(law, r) {
     if (law.neck_adhesion > 0) neck.emplace(law.neck_adhesion, law.stiffness, r);
   }
-  /// Overlap of the Hertz contact that has the radius of this one [m]: what force, energy and stiffness of the push are taken at.
-  double push_overlap(double D) const { return neck ? neck->push_overlap(neck->root(D)) : D; }
-  double pull(double D) const {
-    if (!neck) return 0;
-    const double y = neck->root(D);
-    return neck->push(y) - neck->force(y);
+  /// All that follows from the radius of the contact at an overlap.
+  struct State {
+    double push_overlap;       ///< of the Hertz contact that has this radius [m]: what force, energy and stiffness of the push are taken at
+    double pull, pull_energy;  ///< [N, J]
+    double load = 1;           ///< limit of friction over mu, over the push
+    double least_push = 0;     ///< share of the push that damping leaves: bodies that part are held by F_c at most, damped or not
+  };
+  State at(double D) const {
+    if (!neck) return {D, 0, 0};
+    const double y = neck->root(D), push = neck->push(y), net = neck->force(y), overlap = neck->push_overlap(y);
+    return {overlap, push - net, energy(overlap) - neck->energy(y), (net + 2 * neck->pull_off) / push,
+            std::max(0.0, (push - net - neck->pull_off) / push)};
   }
-  double pull_energy(double D) const {
-    if (!neck) return 0;
-    const double y = neck->root(D);
-    return energy(neck->push_overlap(y)) - neck->energy(y);
-  }
+  double push_overlap(double D) const { return at(D).push_overlap; }
+  double pull(double D) const { return at(D).pull; }
+  double pull_energy(double D) const { return at(D).pull_energy; }
   double pull_stiffness(double) const { return 0; }  ///< it only softens
-  /// Share of the push at D that damping leaves: bodies that part are not held by more than F_c, damped or not.
-  double least_push(double D) const {
-    if (!neck) return 0;
-    const double y = neck->root(D), push = neck->push(y);
-    return std::max(0.0, (push - neck->force(y) - neck->pull_off) / push);
-  }
-  /// Limit of friction over mu, over the push at D.
-  double load_share(double D) const {
-    if (!neck) return 1;
-    const double y = neck->root(D);
-    return (neck->force(y) + 2 * neck->pull_off) / neck->push(y);
-  }
 };
 
 /// A law whose push goes with another overlap than that of the bodies.
