@@ -2,6 +2,8 @@
 // ranks and threads. The page of the format is CHECKPOINT_FORMAT.md.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -24,6 +26,8 @@ struct RunRecord {
   std::int64_t log_rows = 0, list_renewals = 0, cuts = 0, migrated = 0, bytes_sent = 0, peak_memory = 0;  ///< migrated: from rank 0
   double wall_seconds = 0;
   PhaseTimes phases{};  ///< mean over the ranks [s]
+  /// What an error of the energy is measured by [J].
+  double energy_scale() const { return std::max({kinetic_peak, energies.dissipated, elastic_peak, std::abs(energies.wall_work)}); }
 };
 
 struct Checkpoint {

@@ -16,7 +16,7 @@ namespace {
 
 nlohmann::json energy_json(const RunRecord& record) {
   const Energies& e = record.energies;
-  const double scale = std::max({record.kinetic_peak, e.dissipated, record.elastic_peak, std::abs(e.wall_work)});
+  const double scale = record.energy_scale();
   return {{"initial_balance", record.energy_reference},
           {"kinetic_peak", record.kinetic_peak},
           {"kinetic_final", e.translational + e.rotational},

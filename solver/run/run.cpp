@@ -316,8 +316,7 @@ int Run::finish() {
   const RunRecord& record = guard_.record();
   progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}",
                                 simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,
-                                record.energy_error / std::max({record.kinetic_peak, record.energies.dissipated, record.elastic_peak,
-                                                                std::abs(record.energies.wall_work), 1e-300})));
+                                record.energy_error / std::max(record.energy_scale(), 1e-300)));
   return 0;
 }
 

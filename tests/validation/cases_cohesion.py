@@ -67,23 +67,30 @@ def pull_at_touch(run, body):
     return -contacts["normal_force"][mine].sum()
 
 
-@case("A3", "U", "pull-off of a cube on face, edge and corner, and with its faces split", "n equal features: F_c n^(1/8)")
-def a3(tools, report):
-    """The attraction of one body is largest at touch, where the push begins: read there."""
-    k, force, s, margin = 1e4, 3.0, 4e-3, 1e-2
+def cubes_at_touch(c, side, margin, share=1.0):
+    """Cubes on corner, edge and face, coarse and with their faces split, at this share of the height at which they touch a floor at z = 0.
+    Gives of each what it is and n^(1/8) of its n equal features."""
     down = {"corner": (quaternion((1, -1, 0), math.acos(1 / math.sqrt(3))), 1), "edge": (quaternion((1, 0, 0), math.pi / 4), 2),
             "face": (quaternion((0, 0, 1), 0.0), 4)}
-    c = Case("A3", duration=1e-6, step=1e-6, margin=margin, every=1e-6, contacts=True)
-    c.material("m", 1000.0)
-    c.pair("m", "m", stiffness=k, restitution=1.0, pull_off=force, adhesion_range=s)
-    c.mesh("coarse", meshes.box((1, 1, 1)))
-    c.mesh("fine", meshes.box((1, 1, 1), 4))
+    c.mesh("coarse", meshes.box((side, side, side)))
+    c.mesh("fine", meshes.box((side, side, side), 4))
     expected = []
     for x, (name, (q, features)) in enumerate(down.items()):
         for y, shape in enumerate(("coarse", "fine")):
             touch = 2 * margin - rotated(q, c.solids[shape][0])[:, 2].min()
-            c.body(shape, "m", (3 * x, 3 * y, touch), orientation=q)
+            c.body(shape, "m", (3 * side * x, 3 * side * y, touch * share), orientation=q)
             expected.append((f"cube on its {name}, {shape}", features**.125))
+    return expected
+
+
+@case("A3", "U", "pull-off of a cube on face, edge and corner, and with its faces split", "n equal features: F_c n^(1/8)")
+def a3(tools, report):
+    """The attraction of one body is largest at touch, where the push begins: read there."""
+    k, force, s, margin = 1e4, 3.0, 4e-3, 1e-2
+    c = Case("A3", duration=1e-6, step=1e-6, margin=margin, every=1e-6, contacts=True)
+    c.material("m", 1000.0)
+    c.pair("m", "m", stiffness=k, restitution=1.0, pull_off=force, adhesion_range=s)
+    expected = cubes_at_touch(c, 1, margin)
     c.floor("m")
     run = report.run(c.run(tools))
     for i, (what, value) in enumerate(expected):
@@ -240,16 +247,7 @@ def a8(tools, report):
     c = Case("A8", duration=1e-6, step=1e-6, margin=margin, every=1e-6, contacts=True)
     c.material("m", 1000.0)
     c.pair("m", "m", stiffness=k, restitution=1.0, surface_tension=tension, bridge_volume=volume)
-    c.mesh("coarse", meshes.box((side, side, side)))
-    c.mesh("fine", meshes.box((side, side, side), 4))
-    down = {"corner": (quaternion((1, -1, 0), math.acos(1 / math.sqrt(3))), 1), "edge": (quaternion((1, 0, 0), math.pi / 4), 2),
-            "face": (quaternion((0, 0, 1), 0.0), 4)}
-    expected = []
-    for x, (name, (q, features)) in enumerate(down.items()):
-        for y, shape in enumerate(("coarse", "fine")):
-            touch = 2 * margin - rotated(q, c.solids[shape][0])[:, 2].min()
-            c.body(shape, "m", (4 * side * x, 4 * side * y, touch * (1 - 1e-9)), orientation=q)
-            expected.append((f"cube on its {name}, {shape}", features**.125))
+    expected = cubes_at_touch(c, side, margin, 1 - 1e-9)
     c.floor("m")
     run = report.run(c.run(tools))
     force = 4 * math.pi * equivalent * tension
