@@ -215,7 +215,8 @@ PushSum PotentialModel::add_cell_potentials(const PairFeatures& features, const 
       const double ratio = f.overlap / D, slope = kPower * std::pow(share.weight, kPower - 1), weight = std::pow(share.weight, kPower);
       const double r7 = power7(ratio), force = dU * f.weight * weight * r7;
       forces.push[j] += force;
-      forces.push_per_overlap[j] += force / D;
+      // per overlap that the cell's would be with the whole weight of the feature: a place that two cells share is not stiffer for it
+      forces.push_per_overlap[j] += force / D * std::pow(share.weight, kPower / kNorm);
       push += force;
       result.force += force * f.n;
       result.torque += cross(f.x, force * f.n);

@@ -83,6 +83,27 @@ TEST(WallCells, a_single_contact_does_not_feel_them) {
   }
 }
 
+// Nor does its friction: a ball that comes to stick where four cells meet swings on its spring as without them.
+TEST(WallCells, the_friction_of_a_single_contact_does_not_feel_them) {
+  constexpr double kSide = .37;
+  std::vector<Vec3> places[2];
+  for (const double cell : {.0, kSide}) {
+    TestRun run = above(floor_mesh(), make_sphere("ball", .1), 1e5, .002, cell, .5);
+    run.scene.settings.gravity = {0, 0, -9.81};
+    run.scene.pairs[0].friction = run.scene.pairs[0].friction_sliding = .9;
+    const double mass = 1000 * 4.0 / 3 * std::numbers::pi * 1e-3;
+    test::add_body(run.scene, 0, {-6 * kSide, .01, .1 + .004 - mass * 9.81 / 1e5}, {}, {.02, .006, 0});
+    run.start();
+    for (int n = 0; n < 100; ++n) {
+      run.simulation->advance();
+      places[cell > 0 ? 1 : 0].push_back(run.position(1));
+    }
+    EXPECT_LT(length(run.velocity(1)), .8 * length(Vec3{.02, .006, 0}));  // it has come to stick
+  }
+  const double way = length(places[0].back() - places[0].front());
+  for (std::size_t i = 0; i < places[0].size(); ++i) EXPECT_LE(length(places[0][i] - places[1][i]), 1e-9 * way) << i;
+}
+
 // A beam of 8 m on a floor: four corners in one potential give k 4^(1/4), two and two in two potentials 2 k 2^(1/4).
 TEST(WallCells, let_distant_contacts_carry_on_their_own) {
   const double k = 1e6, margin = .01, weight = 1000 * 8 * .2 * .2 * 9.81;
