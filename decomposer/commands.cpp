@@ -84,6 +84,18 @@ double skin_of(const Scene& scene, double share) {
 }
 
 /// The parts as a picture for ParaView, and what as many parts and other numbers of them would cost.
+/// Where touch is not where it was drawn: edges and corners are rounded, and what is thin is larger.
+std::string roundings_text(const PackingReport& report) {
+  std::string text;
+  for (const PackingReport::Rounding& r : report.roundings) {
+    text += fmt::format(
+        "touch              '{}': off the drawn surface by {:.3f} of its margin on average, {:.2f} at most ({:.2g} and {:.2g} % of the "
+        "radius)\n",
+        r.shape, r.mean / r.margin, r.largest / r.margin, 100 * r.mean / r.radius, 100 * r.largest / r.radius);
+  }
+  return text;
+}
+
 std::string write_preview(const std::string& name, const Scene& scene, const std::vector<double>& work) {
   if (scene.bodies.size() == 0) throw InputError("--preview: the scene holds no bodies to cut");
   h5::write_text_file(name + ".vtp", preview_file(scene, work));
@@ -146,9 +158,12 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
   }
   if (packed.start) result.output += start_line(*packed.start);
   result.output += solid_fraction_line(report.particle_volume, report.container_volume);
-  result.output += fmt::format("margin             {} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
-                               format_quantity(scene.settings.margin, Dimension::length), report.margin_from,
+  const std::string ratio =
+      scene.settings.margin_ratio > 0 ? fmt::format(", {:.3g} % of a body's radius", 100 * scene.settings.margin_ratio) : "";
+  result.output += fmt::format("margin             {}{} ({}); fastest impact expected {}, which would use up {:.2f} of the margins\n",
+                               format_quantity(scene.settings.margin, Dimension::length), ratio, report.margin_from,
                                format_quantity(report.fastest_impact, Dimension::velocity), report.overlap_share);
+  result.output += roundings_text(report);
   result.output += sizes_text(c, scene);
   if (!options.sizes.empty()) {
     h5::write_text_file(options.sizes + ".csv", sizes_table(c, scene));

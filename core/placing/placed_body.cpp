@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/surface/touch_surface.hpp"
+
 namespace scree {
 
 namespace {
@@ -29,17 +31,20 @@ bool is_swallowed(const PlacedBody& inner, const PlacedBody& outer) {
 
 }  // namespace
 
-PackShape make_pack_shape(Shape shape) {
+PackShape make_pack_shape(Shape shape, const Settings& settings) {
   PackShape result;
+  TouchSurface touch = touch_surface(shape, settings);
   result.shape = std::move(shape);
+  result.shape.mesh = std::move(touch.mesh);
+  result.margin = touch.margin;
   result.bvh = build_bvh(result.shape.mesh);
-  result.radius = result.shape.bounding_radius();
+  result.radius = result.shape.bounding_radius() + result.margin;
   if (result.shape.kind == ShapeKind::sphere) {
     result.inner_radius = result.shape.sphere_radius;
   } else if (result.shape.kind == ShapeKind::solid && is_inside(result.shape.mesh, Vec3{})) {
     Vec3 nearest;
     std::int32_t triangle = -1;
-    result.inner_radius = point_mesh_distance({&result.shape.mesh, &result.bvh}, Vec3{}, result.radius, nearest, triangle);
+    result.inner_radius = result.margin + point_mesh_distance({&result.shape.mesh, &result.bvh}, Vec3{}, result.radius, nearest, triangle);
   }
   return result;
 }
@@ -93,16 +98,20 @@ double gap_between(const PlacedBody& a, const PlacedBody& b, double upper_bound,
     const PlacedBody &sphere = a.is_sphere() ? a : b, &mesh = a.is_sphere() ? b : a;
     Vec3 nearest;
     std::int32_t triangle = -1;
-    const double reach = (upper_bound + sphere.rounding()) / mesh.scale;
+    const double around = sphere.rounding() + mesh.rounding(), reach = (upper_bound + around) / mesh.scale;
     const double found = point_mesh_distance(view_of(mesh), local_point(mesh, sphere.position), reach, nearest, triangle);
     // nothing within reach: the bound itself, since (bound + radius) - radius may round to less than the bound
-    if (triangle >= 0) gap = mesh.scale * found - sphere.rounding();
+    if (triangle >= 0) gap = mesh.scale * found - around;
   } else {
     const Placement placement = relative_placement(a.position, a.orientation, a.scale, b.position, b.orientation, b.scale);
-    gap = a.scale * mesh_distance(view_of(a), view_of(b), placement, upper_bound / a.scale, scratch);
+    const double around = a.margin() + b.margin(), reach = (upper_bound + around) / a.scale;
+    const double found = mesh_distance(view_of(a), view_of(b), placement, reach, scratch);
+    if (!(found > 0)) return kIntersect;
+    if (found < reach) gap = a.scale * found - around;
   }
-  if (gap <= 0) return 0;
-  if (is_swallowed(a, b) || is_swallowed(b, a)) return 0;
+  const double pressed = a.is_sphere() && b.is_sphere() ? std::min(a.rounding(), b.rounding()) : a.rounding() + b.rounding();
+  if (gap < 0 && !(gap > -pressed)) return kIntersect;
+  if (is_swallowed(a, b) || is_swallowed(b, a)) return kIntersect;
   return std::min(gap, upper_bound);
 }
 
@@ -134,7 +143,7 @@ bool wall_allows(const Wall& wall, const PlacedBody* mesh, bool is_solid, const 
     case WallKind::sphere_inside:
       return all([&](const Vec3& p) { return wall.radius - length(p - wall.point); });
     case WallKind::mesh: {
-      if (gap_between(*mesh, body, gap * kJustAbove, scratch) < gap) return false;
+      if (gap_between(*mesh, body, gap + (kJustAbove - 1) * std::abs(gap), scratch) < gap) return false;
       return !(is_solid && is_inside(mesh->shape->shape.mesh, local_point(*mesh, vertices.front())));
     }
   }

@@ -15,6 +15,9 @@ namespace scree {
 /// from rounding in the search (1e-16 relative); a larger value only makes searches longer.
 inline constexpr double kJustAbove = 1 + 1e-9;
 
+/// Gap of two bodies that intersect.
+inline constexpr double kIntersect = -1e300;
+
 /// Of a body's radius: closer counts as touching.
 inline constexpr double kTouch = 1e-9;
 
@@ -23,14 +26,15 @@ inline constexpr double kPressedIn = 0.02;
 
 /// A shape with its tree, shared by all bodies of that shape.
 struct PackShape {
-  Shape shape;
+  Shape shape;  ///< its mesh is the one that contacts are computed with (core/surface/touch_surface.hpp)
   Bvh bvh;
-  double radius = 0;        ///< bounding radius at scale 1 [m]
+  double margin = 0;        ///< around that mesh at scale 1 [m]; 0 where all bodies have one margin
+  double radius = 0;        ///< bounding radius at scale 1, margin included [m]
   double inner_radius = 0;  ///< of the largest ball about the centre within the solid at scale 1 [m]; 0 when the centre is outside
 };
 
-/// A shape with its tree and radii, ready to be placed.
-PackShape make_pack_shape(Shape shape);
+/// A shape with its tree and radii, ready to be placed.   in   settings   of the scene: where touch begins
+PackShape make_pack_shape(Shape shape, const Settings& settings = {});
 
 /// A body at a place. Borrows its shape.
 struct PlacedBody {
@@ -40,7 +44,9 @@ struct PlacedBody {
   Quat orientation;
 
   double radius() const { return scale * shape->radius; }
-  double rounding() const { return scale * shape->shape.sphere_radius; }  ///< of an analytic sphere, else 0 [m]
+  double margin() const { return scale * shape->margin; }
+  /// How far the surface lies around the mesh: of an analytic sphere its radius, of a mesh its margin [m].
+  double rounding() const { return scale * (shape->shape.sphere_radius + shape->margin); }
   bool is_sphere() const { return shape->shape.kind == ShapeKind::sphere; }
   /// Vertices in world coordinates, and their box, rounding included.
   std::vector<Vec3> world_vertices() const;
@@ -48,8 +54,9 @@ struct PlacedBody {
   Box3 world_box() const;
 };
 
-/// Gap between the surfaces of two bodies [m], or upper_bound when it is not below it; 0 when they intersect.
-/// A body in the solid of the other counts as intersecting; one in a hollow of the other does not.
+/// Gap between the surfaces of two bodies [m], or upper_bound when it is not below it; where meshes with margins press into each other it
+/// is below 0, by less than their margins. kIntersect when they are deeper in each other. A body in the solid of the other counts as
+/// intersecting; one in a hollow of the other does not.
 double gap_between(const PlacedBody& a, const PlacedBody& b, double upper_bound, MeshDistanceScratch& scratch);
 
 /// Whether a wall leaves a body a gap of at least `gap`, on the particles' side. For a mesh wall `mesh` is its

@@ -192,7 +192,9 @@ struct Settings {
   VertexWeights weights = VertexWeights::density;
   double barrier = 0;       ///< [-] stiffness of the barrier over that of a contact; 0: none
   double impact_speed = 0;  ///< [m/s] of the fastest impact expected; 0 when not known
-  double margin = 0;        ///< of each body [m]; 0 means contact at touch, allowed for analytic pairs only
+  TouchAt surface = TouchAt::outside;
+  double margin = 0;        ///< [m] surface = outside: of each body; 0 means contact at touch, allowed for analytic pairs only
+  double margin_ratio = 0;  ///< [-] surface = drawn: margin of a mesh over the radius of the ball of its volume
   Integrator integrator = Integrator::kdk_dlm;
   double output_every = 0;  ///< [s]
   bool output_contacts = true;

@@ -83,11 +83,21 @@ void contact_keys(KeyVisitor& k, Settings& s) {
           "limit "
           "as the mesh of a curved surface is refined; or each counts (`unit`), for comparison"},
          s.weights);
-  k.number({"margin", "derived (README)",
-            "boundary layer of each body; 0 for analytic spheres only, the default where a case has no meshes, neither as bodies nor as "
-            "walls, and no `barrier`",
-            kAlways},
-           s.margin, Dimension::length, Range::not_negative);
+  k.word(
+      {"surface", "",
+       "where touch begins: at the surfaces as drawn (bodies are their meshes moved inwards by their margin, and the margin around them: "
+       "edges and corners are rounded by it), or two margins outside them (for comparison: bodies are larger than drawn)"},
+      s.surface);
+  k.number(
+      {"margin", "derived (README)",
+       "boundary layer of each body, which contacts press into; with `surface = \"drawn\"` that of the body of median mass, the others "
+       "in proportion to their size; 0 for analytic spheres only, the default where a case has no meshes, neither as bodies nor as "
+       "walls, and no `barrier`",
+       kAlways},
+      s.margin, Dimension::length, Range::not_negative);
+  k.number(
+      {"margin_ratio", "from `margin`", "the margin of each mesh over the radius of the ball of its volume, with `surface = \"drawn\"`"},
+      s.margin_ratio, Dimension::none, Range::not_negative);
   k.number({"barrier", "",
             "stiffness of a barrier over that of a contact: from a fifth of the margins on it pushes without end, so that surfaces never "
             "meet, at steps that are `sqrt(1 + 24 barrier)` times shorter; 10 doubles the energy that a contact can take"},

@@ -126,7 +126,9 @@ json inlet_json(const Inlet& inlet) {
 
 Settings read_settings(const JsonObject& o) {
   Settings s;
-  s.weights = VertexWeights::unit;  // of files that were written before there was a choice
+  // of files that were written before there was a choice
+  s.weights = VertexWeights::unit;
+  s.surface = TouchAt::outside;
   JsonKeyReader reader(o);
   run_keys(reader, s);
   time_keys(reader, s);

@@ -56,6 +56,11 @@ template <>
 inline constexpr auto kWordsOf<VertexWeights> = std::to_array<Word<VertexWeights>>({{VertexWeights::density, "density"},
                                                                                     {VertexWeights::unit, "unit"}});
 
+/// Where bodies touch: where their surfaces were drawn, or one margin outside (core/surface/touch_surface.hpp).
+enum class TouchAt { drawn, outside };
+template <>
+inline constexpr auto kWordsOf<TouchAt> = std::to_array<Word<TouchAt>>({{TouchAt::drawn, "drawn"}, {TouchAt::outside, "outside"}});
+
 /// How a step moves the bodies (solver/bodies/motion.hpp).
 enum class Integrator { kdk_dlm, rig, spiral, midpoint, euler };
 template <>

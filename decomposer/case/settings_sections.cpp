@@ -61,7 +61,11 @@ void contact_section(CaseKeys& k, Case& c) {
   relax_key(k, c.relax);
   const CaseTable* t = k.table();
   if (t == nullptr) return;
-  c.margin_given = t->has("margin");
+  c.margin_given = t->has("margin") || t->has("margin_ratio");
+  c.surface_given = t->has("surface");
+  if (t->has("margin") && t->has("margin_ratio")) throw t->error("margin_ratio", "says the same as margin; give one of them");
+  if (t->has("margin_ratio") && s.surface == TouchAt::outside)
+    throw t->error("margin_ratio", "goes with surface = \"drawn\"; with \"outside\" all bodies have one margin");
   if (s.barrier > 0 && s.gather != Gathering::potential) throw t->error("barrier", "goes with gather = \"potential\" only");
   if (t->has("weights") && s.gather != Gathering::potential) throw t->error("weights", "goes with gather = \"potential\" only");
   if (s.gather == Gathering::area && s.law == ContactLaw::hertz_mindlin)

@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/placing/random_numbers.hpp"
+#include "core/surface/touch_surface.hpp"
 
 namespace scree {
 
@@ -109,7 +110,7 @@ CutMeasures measure_cut(const Scene& scene, const std::vector<double>& work, Cut
   const std::vector<int> part = parts_of(partitioner, scene, x);
 
   const auto count = static_cast<std::size_t>(parts);
-  const double own_reach = scene.settings.margin + 0.5 * skin;
+  const double own_reach = common_margin(scene.settings) + 0.5 * skin;
   std::vector<double> work_of(count), bodies(count), ghosts(count), sent(count);
   std::vector<Box3> box(count);
   for (std::size_t i = 0; i < x.size(); ++i) {

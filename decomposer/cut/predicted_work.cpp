@@ -9,6 +9,7 @@
 #include "core/placing/placed_body.hpp"
 #include "core/search/multilevel_grid.hpp"
 #include "core/storage/wall_state.hpp"
+#include "core/surface/touch_surface.hpp"
 
 namespace scree {
 
@@ -52,11 +53,11 @@ double about_step(const Scene& scene, const std::vector<PackShape>& shapes) {
 
 PredictedWork predicted_work(const Scene& scene) {
   const BodyTable& bodies = scene.bodies;
-  const double margin = scene.settings.margin;
+  const double margin = common_margin(scene.settings);
   std::vector<PackShape> shapes;
   std::vector<double> seen;  // cost of the features that a contact of the shape looks at
   for (const Shape& shape : scene.shapes) {
-    shapes.push_back(make_pack_shape(shape));
+    shapes.push_back(make_pack_shape(shape, scene.settings));
     const FeatureTable features = find_features(shape.mesh);
     seen.push_back(kPerSeenFeature * std::sqrt(static_cast<double>(features.corners.size() + features.edges.size())));
   }

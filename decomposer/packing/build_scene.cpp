@@ -11,6 +11,8 @@
 #include "core/base/units.hpp"
 #include "core/placing/random_numbers.hpp"
 #include "core/storage/wall_state.hpp"
+#include "core/surface/inset.hpp"
+#include "core/surface/touch_surface.hpp"
 #include "decomposer/packing/compact.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"
@@ -41,6 +43,7 @@ class Builder {
     load_regions();
     draw_particles();
     choose_margin(case_, parts_, scene(), report());
+    move_surfaces_in();
     check_start(case_, parts_, scene(), report().notices);
     check_inlets(case_, parts_, scene(), report().notices);
     Case placed = case_;
@@ -69,8 +72,31 @@ class Builder {
   }
 
  private:
+  /// From here on bodies are what contacts are computed with.
+  void move_surfaces_in() {
+    if (!(scene().settings.margin_ratio > 0)) return;
+    const auto make = [&](std::vector<PackShape>& shapes, const std::vector<std::int32_t>& scene_shape) {
+      for (std::size_t i = 0; i < shapes.size(); ++i)
+        if (scene_shape[i] >= 0) shapes[i] = make_pack_shape(scene().shapes[static_cast<std::size_t>(scene_shape[i])], scene().settings);
+    };
+    make(parts_.shapes, parts_.scene_shape);
+    if (parts_.carried) make(parts_.carried->shapes, parts_.carried->scene_shape);
+    report_roundings();
+  }
+
+  /// How far touch is from what was drawn: more than edges and corners are rounded by where parts are thinner than two margins.
+  void report_roundings() {
+    for (std::size_t i = 0; i < parts_.shapes.size(); ++i) {
+      const PackShape& shape = parts_.shapes[i];
+      if (!(shape.margin > 0)) continue;
+      const Shape& drawn = scene().shapes[static_cast<std::size_t>(parts_.scene_shape[i])];
+      const InsetDeviation off = deviation_of_inset(drawn.mesh, shape.shape.mesh, shape.margin);
+      report().roundings.push_back({drawn.name, shape.margin, off.mean, off.largest, 0.5 * drawn.equivalent_diameter()});
+    }
+  }
+
   void relax(Case& placed) {
-    double gap = 2 * scene().settings.margin;
+    double gap = 2 * common_margin(scene().settings);
     for (const CaseBody& b : placed.bodies) gap = std::max(gap, kTouch * b.scale * parts_.shape(b.shape).radius);
     const Relaxation done = relax_given_bodies(placed, parts_, scene(), gap);
     if (done.moved == 0) return;

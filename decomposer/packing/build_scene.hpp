@@ -33,6 +33,12 @@ struct PackingReport {
   double fastest_impact = 0;  ///< estimate [m/s]
   double impact_overlap = 0;  ///< that it makes of the heaviest body and the softest pair [m]
   const char* margin_from = "derived";
+  /// How far the surface at which a shape touches is from the one that was drawn, at scale 1 [m].
+  struct Rounding {
+    std::string shape;
+    double margin = 0, mean = 0, largest = 0, radius = 0;
+  };
+  std::vector<Rounding> roundings;
   double overlap_share = 0;  ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;
   std::vector<std::string> doubts;  ///< doubts.hpp

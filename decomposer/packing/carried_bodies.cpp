@@ -36,16 +36,14 @@ std::string Packer::advice_on_margin() const {
 void Packer::check_carried_at_walls(std::size_t body, bool is_wider, std::vector<std::size_t>& touching) {
   const CarriedBodies& carried = *parts_.carried;
   PlacedBody pressed = carried.placed[body];
-  if (!(gap() > 0)) pressed.scale *= 1 - kPressedIn;
-  // what touches deeper than this ends the run before its first step
-  const double touch = std::max(kTouch * pressed.radius(), scene_.settings.barrier > 0 ? 0 : (1 - kStopOverlapRatio) * gap());
+  if (!(gap() > 0) && pressed.is_sphere()) pressed.scale *= 1 - kPressedIn;
   const std::vector<Vec3> vertices = pressed.world_vertices();
   for (std::size_t i = 0; i < parts_.walls.size(); ++i) {
     if (carried.wall_partner[i] >= 0 && !is_wider) continue;
     const auto allows = [&](double distance) {
       return wall_allows(parts_.walls[i], &parts_.wall_bodies[i], parts_.wall_is_solid[i], pressed, vertices, distance, *scratch_);
     };
-    if (!allows(touch)) {
+    if (!allows(deepest(pressed, parts_.walls[i]))) {
       throw InputError("{}: {} overlaps {} (wall '{}'), touches it to more than {} of the margins, or lies behind it; {}",
                        case_.start->where, carried.from.name_of(carried.from.bodies[body].id), case_.walls[i].where, scene_.walls[i].name,
                        kStopOverlapRatio, carried.wall_partner[i] >= 0 ? advice_on_margin() : "move the wall");
@@ -58,7 +56,6 @@ void Packer::check_carried_at_walls(std::size_t body, bool is_wider, std::vector
 void Packer::check_carried_pairs(std::size_t body) {
   const CarriedBodies& carried = *parts_.carried;
   const PlacedBody& placed = carried.placed[body];
-  const double deepest = scene_.settings.barrier > 0 ? 0 : (1 - kStopOverlapRatio) * gap();
   near_.clear();
   grid_.for_each_near(placed.position, placed.radius() + gap(), [&](std::int32_t j) {
     near_.push_back(j);
@@ -68,7 +65,7 @@ void Packer::check_carried_pairs(std::size_t body) {
   for (const std::int32_t n : near_) {
     const auto j = static_cast<std::size_t>(n);
     if (carried.from.bodies[body].fixed && is_fixed(j)) continue;
-    if (gap_between(placed_[j], placed, gap() * kJustAbove, *scratch_) > deepest) continue;
+    if (gap_between(placed_[j], placed, gap() * kJustAbove, *scratch_) > deepest(placed, placed_[j])) continue;
     throw InputError("{}: {} touches body {} to more than {} of the margins; {}", case_.start->where,
                      carried.from.name_of(carried.from.bodies[body].id), carried.from.bodies[carried_number(j)].id, kStopOverlapRatio,
                      advice_on_margin());
@@ -78,8 +75,10 @@ void Packer::check_carried_pairs(std::size_t body) {
 void Packer::place_carried_bodies() {
   if (!parts_.carried) return;
   const CarriedBodies& carried = *parts_.carried;
-  const double margin = scene_.settings.margin, margin_before = carried.from.scene.settings.margin;
-  const bool is_wider = margin > margin_before;
+  const Settings &now = scene_.settings, &before = carried.from.scene.settings;
+  const bool by_size = now.surface == TouchAt::drawn;
+  const double margin = by_size ? now.margin_ratio : now.margin, margin_before = by_size ? before.margin_ratio : before.margin;
+  const bool is_wider = !by_size && (margin > margin_before || before.surface == TouchAt::drawn);
   std::vector<std::size_t> touching(parts_.walls.size(), 0);
   for (std::size_t i = 0; i < carried.placed.size(); ++i) {
     BodyRow row = carried.from.bodies[i];
@@ -95,7 +94,18 @@ void Packer::place_carried_bodies() {
       report_.notices.push_back(fmt::format("{}: {} bodies of {} start in contact with wall '{}', which the run did not have there",
                                             case_.start->where, touching[i], carried.from.start.run, scene_.walls[i].name));
   }
+  if (now.surface != before.surface) {
+    report_.notices.push_back(fmt::format("{}: contact.surface is \"{}\" here and was \"{}\" in the run: bodies that touched start {}",
+                                          case_.start->where, word_of(now.surface), word_of(before.surface),
+                                          by_size ? "apart, and fall" : "pressed, which stores energy"));
+    return;
+  }
   if (margin == margin_before) return;
+  if (by_size) {  // touch begins where it did
+    report_.notices.push_back(fmt::format("{}: contact.margin_ratio is {:.4g} here and was {:.4g} in the run: edges are rounded otherwise",
+                                          case_.start->where, margin, margin_before));
+    return;
+  }
   report_.notices.push_back(fmt::format("{}: contact.margin is {} here and was {} in the run: bodies that touched {}", case_.start->where,
                                         format_quantity(margin, Dimension::length), format_quantity(margin_before, Dimension::length),
                                         is_wider ? "start pressed, which stores energy" : "start apart by the difference, and fall"));

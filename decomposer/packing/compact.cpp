@@ -96,9 +96,12 @@ class Compactor {
   }
 
  private:
+  /// Meshes that touch where they are drawn; balls by themselves grow with margins of one width.
+  bool goes_with_size() const { return scene_.settings.surface == TouchAt::drawn && scene_.settings.margin_ratio > 0; }
   /// Balls that touch without a margin grow with a small one.
   double case_margin() const {
     constexpr double kForBalls = 1e-3;  // of the radius
+    if (goes_with_size()) return scene_.settings.margin_ratio * largest_;
     return scene_.settings.margin > 0 ? scene_.settings.margin : kForBalls * largest_;
   }
 
@@ -176,6 +179,8 @@ class Compactor {
     s.gather = Gathering::potential;
     s.gravity = {};
     s.margin = margin;
+    s.surface = goes_with_size() ? TouchAt::drawn : TouchAt::outside;
+    s.margin_ratio = goes_with_size() ? margin / (scale * largest_) : 0;
     s.step = 0;
     s.step_control = StepControl::fixed;
     s.steps_per_contact = 20;
@@ -198,7 +203,8 @@ class Compactor {
       return false;
     }
     worst_ = 0;
-    for (std::size_t i = 0; i < frame.contacts.size(); ++i) worst_ = std::max(worst_, frame.contacts.overlap[i] / frame.contacts.margin[i]);
+    for (std::size_t i = 0; i < frame.contacts.size(); ++i)
+      worst_ = std::max(worst_, frame.contacts.overlap[i] / std::min(frame.contacts.margin[i], 2 * margin));
     if (worst_ > kTooDeep) {
       why_ = fmt::format("overlaps of {:.2f} of the margins remain", worst_);
       return false;

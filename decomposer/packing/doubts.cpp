@@ -266,13 +266,14 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
       const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * body.diameter;
       depth = std::cbrt(9 * weight * weight / (16 * modulus * modulus * radius));
     }
-    const double most = s.margin > 0 ? kPressedShare * 2 * s.margin : kPressedDiameter * body.diameter;
+    const double margins = s.surface == TouchAt::drawn ? s.margin_ratio * body.diameter : 2 * s.margin;
+    const double most = margins > 0 ? kPressedShare * margins : kPressedDiameter * body.diameter;
     if (!(depth > most)) continue;
     doubts.push_back(fmt::format(
         "{}: the heaviest body ({}) is pressed {} into the floor by its own weight, {}; a stiffer pair or a lighter body is needed",
         p.where, format_quantity(body.mass, Dimension::mass), metres(depth),
-        s.margin > 0 ? fmt::format("{:.2f} of the margins, which end the run at 1", depth / (2 * s.margin))
-                     : fmt::format("{:.1f} % of its diameter", 100 * depth / body.diameter)));
+        margins > 0 ? fmt::format("{:.2f} of the margins, which end the run at 1", depth / margins)
+                    : fmt::format("{:.1f} % of its diameter", 100 * depth / body.diameter)));
   }
 }
 

@@ -5,6 +5,7 @@
 #include "core/base/units.hpp"
 #include "core/placing/random_numbers.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/surface/touch_surface.hpp"
 
 namespace scree {
 
@@ -23,7 +24,7 @@ class Trial {
         parts_(parts),
         asked_(c.inlets[inlet]),
         region_(parts.inlets[inlet]),
-        gap_(2 * scene.settings.margin + widest_range(scene)),
+        gap_(2 * common_margin(scene.settings) + widest_range(scene)),
         scratch_(make_mesh_distance_scratch()) {}
 
   void run(std::int32_t of) {

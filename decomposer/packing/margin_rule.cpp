@@ -180,15 +180,46 @@ std::string choices(const Sizing& s) {
   return text;
 }
 
+/// A moving body with a mesh.
+struct MeshBody {
+  double mass = 0, radius = 0;  ///< [kg], of the ball of its volume [m]
+};
+
+MeshBody median_of(std::vector<MeshBody> bodies) {
+  if (bodies.empty()) return {};
+  const auto middle = bodies.begin() + static_cast<std::ptrdiff_t>(bodies.size() / 2);
+  std::nth_element(bodies.begin(), middle, bodies.end(), [](const MeshBody& a, const MeshBody& b) { return a.mass < b.mass; });
+  return *middle;
+}
+bool is_smaller(const MeshBody& a, const MeshBody& b) { return a.radius < b.radius; }
+MeshBody largest_of(const std::vector<MeshBody>& all) {
+  return all.empty() ? MeshBody{} : *std::max_element(all.begin(), all.end(), is_smaller);
+}
+MeshBody smallest_of(const std::vector<MeshBody>& all) {
+  return all.empty() ? MeshBody{} : *std::min_element(all.begin(), all.end(), is_smaller);
+}
+
+/// Weights of the largest body that the smallest must bear within its margins, lying under it.
+constexpr double kLoadOfSmallest = 10;
+/// Margin of meshes over their radius where none of them moves: nothing presses them.
+constexpr double kRatioOfFixed = 0.02;
+
 }  // namespace
 
 void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
+  Settings& settings = scene.settings;
+  // bodies that rest on each other do so as their run had them touch
+  if (parts.carried && !c.surface_given) settings.surface = parts.carried->from.scene.settings.surface;
+  const bool by_size = settings.surface == TouchAt::drawn;
   double heaviest = 0, lightest = 1e300, smallest = 1e300, widest = 0;
-  bool has_meshes = false;
+  bool has_meshes = false, has_balls = false;
+  std::vector<MeshBody> meshes;
   const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
     has_meshes = has_meshes || s.kind != ShapeKind::sphere;
+    has_balls = has_balls || s.kind == ShapeKind::sphere;
     if (!moves) return;
     const double mass = scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale;
+    if (s.kind != ShapeKind::sphere) meshes.push_back({mass, 0.5 * scale * s.equivalent_diameter()});
     heaviest = std::max(heaviest, mass);
     lightest = std::min(lightest, mass);
     smallest = std::min(smallest, scale * s.equivalent_diameter());
@@ -216,7 +247,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   bool wall_meshes = false;
   for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
   // spheres touch where they touch; a barrier is made of margins
-  const bool from_touch = !has_meshes && !wall_meshes && !(c.settings.barrier > 0);
+  const bool from_touch = !has_meshes && (by_size || !wall_meshes) && !(c.settings.barrier > 0);
   double softest = 1e300;
   if (c.settings.law == ContactLaw::hertz_mindlin) {
     // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
@@ -251,15 +282,29 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   }
 
   report.impact_overlap = depth;
-  double& margin = scene.settings.margin;
-  const double margin_before = parts.carried ? parts.carried->from.scene.settings.margin : 0;
+  // a mesh wall and a ball have no margin beside that of the body that they meet
+  const double sides = by_size && (wall_meshes || has_balls) ? 1 : 2;
+  const MeshBody median = median_of(meshes), largest = largest_of(meshes), least = smallest_of(meshes);
+  double& margin = settings.margin;
+  if (by_size && c.margin_given && settings.margin_ratio > 0) margin = settings.margin_ratio * median.radius;
+  const Settings* before = parts.carried ? &parts.carried->from.scene.settings : nullptr;
+  double margin_before = before == nullptr ? 0 : before->margin;
+  if (by_size && before != nullptr) margin_before = before->margin_ratio * median.radius;
   // bodies that rest on each other do so at the margins of their run
-  const bool keeps_margin = !c.margin_given && parts.carried && (margin_before > 0 || from_touch);
+  const bool keeps_margin =
+      !c.margin_given && before != nullptr && before->surface == settings.surface && (margin_before > 0 || from_touch);
   report.margin_from = c.margin_given ? "given" : keeps_margin ? "that of the run" : "derived";
   if (keeps_margin) margin = margin_before;
   if (!c.margin_given && heaviest > 0 && !(margin > 0)) {
     constexpr double kSmallestShare = 0.01;  // of the smallest body's diameter
-    const double derived = std::max(0.5 * depth / kOverlapShare, kSmallestShare * smallest);
+    double derived = std::max(depth / (sides * kOverlapShare), kSmallestShare * smallest);
+    if (by_size && !meshes.empty()) {
+      // margins go with size: the largest body decides for blows, the smallest for what lies on it
+      const double pinch = kLoadOfSmallest * largest.mass * length(settings.gravity) / softest;
+      const double ratio =
+          std::max({depth / (sides * kOverlapShare * largest.radius), pinch / (sides * kOverlapShare * least.radius), 2 * kSmallestShare});
+      derived = ratio * least.radius;
+    }
     const double needed = heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2);
     const std::string from = fmt::format(
         "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest, Dimension::mass),
@@ -279,14 +324,18 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
                        choices({c.settings, derived, smallest, lightest, softest, report.fastest_impact}));
     }
     if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
-    if (!from_touch) margin = derived;
+    if (!from_touch) margin = by_size && !meshes.empty() ? derived / least.radius * median.radius : derived;
   }
   if (has_meshes && !(margin > 0)) {
     throw UsageError(
         "{}: contact.margin = 0: meshes need a margin > 0 (typically 1 to 3 % of the body's size); leave it out to have it derived",
         c.path);
   }
-  if (margin > 0) report.overlap_share = depth / (2 * margin);
+  if (by_size) settings.margin_ratio = median.radius > 0 ? margin / median.radius : 0;
+  if (by_size && has_meshes && !(settings.margin_ratio > 0)) settings.margin_ratio = kRatioOfFixed;
+  if (by_size && !(settings.margin_ratio > 0)) margin = 0;
+  const double layer = by_size ? sides * settings.margin_ratio * largest.radius : 2 * margin;
+  if (layer > 0) report.overlap_share = depth / layer;
   constexpr double kWarnShare = 0.8;
   if (report.overlap_share > kWarnShare) {
     report.notices.push_back(fmt::format(

@@ -86,6 +86,32 @@ bool Packer::walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertic
   return true;
 }
 
+double Packer::deepest(const PlacedBody& a, const PlacedBody& b) const {
+  // what touches deeper than this ends the run before its first step; a barrier gives way until surfaces meet
+  const bool yields = scene_.settings.barrier > 0;
+  if (scene_.settings.surface == TouchAt::drawn) {
+    const double margins = a.margin() + b.margin();
+    return margins > 0 ? -(yields ? 1 : kStopOverlapRatio) * margins : -kPressedIn * std::min(a.rounding(), b.rounding());
+  }
+  return yields ? 0 : (1 - kStopOverlapRatio) * gap();
+}
+
+double Packer::deepest(const PlacedBody& body, const Wall& wall) const {
+  // an analytic wall carries the margin of the body
+  if (scene_.settings.surface == TouchAt::outside) return std::max(kTouch * body.radius(), deepest(body, body));
+  return wall.kind == WallKind::mesh && !body.is_sphere() ? 0.5 * deepest(body, body) : deepest(body, body);
+}
+
+bool Packer::walls_bear(const PlacedBody& body, const std::vector<Vec3>& vertices, std::size_t& refusing) {
+  for (std::size_t i = 0; i < parts_.walls.size(); ++i) {
+    const double least = deepest(body, parts_.walls[i]);
+    if (wall_allows(parts_.walls[i], &parts_.wall_bodies[i], parts_.wall_is_solid[i], body, vertices, least, *scratch_)) continue;
+    refusing = i;
+    return false;
+  }
+  return true;
+}
+
 void Packer::place_given_bodies() {
   for (std::size_t i = 0; i < case_.bodies.size(); ++i) {
     const CaseBody& b = case_.bodies[i];
@@ -94,19 +120,19 @@ void Packer::place_given_bodies() {
     // a fixed body may stand in a wall: nothing ever computes their contact
     std::size_t wall = 0;
     const std::vector<Vec3> vertices = body.world_vertices();
-    // what touches deeper than this ends the run before its first step
-    const double deepest = scene_.settings.barrier > 0 ? 0 : (1 - kStopOverlapRatio) * gap();
-    const double touch = std::max(kTouch * body.radius(), deepest);
-    if (!b.fixed && !walls_allow(body, vertices, touch, &wall)) {
+    if (!b.fixed && !walls_bear(body, vertices, wall)) {
       throw InputError(
           "{}: overlaps {} (wall '{}'), touches it to more than {} of the margins, or lies behind it; move it, or set contact.relax = true",
           b.where, case_.walls[wall].where, scene_.walls[wall].name, kStopOverlapRatio);
     }
-    if (!b.fixed && !walls_allow(body, vertices, gap(), &wall)) {
+    // drawn surfaces that meet to rounding are not pressed
+    const double apart = gap() > 0 ? gap() : -kTouch * body.radius();
+    if (!b.fixed && !walls_allow(body, vertices, apart, &wall)) {
       report_.notices.push_back(fmt::format("{}: starts in contact with wall '{}'", b.where, scene_.walls[wall].name));
     }
     near_.clear();
-    grid_.for_each_near(body.position, body.radius() + std::max(gap(), touch), [&](std::int32_t j) {
+    const double near = std::max(gap(), kTouch * body.radius());
+    grid_.for_each_near(body.position, body.radius() + near, [&](std::int32_t j) {
       near_.push_back(j);
       return true;
     });
@@ -114,12 +140,12 @@ void Packer::place_given_bodies() {
     for (const std::int32_t n : near_) {
       const auto j = static_cast<std::size_t>(n);
       if (b.fixed && is_fixed(j)) continue;
-      const double found = gap_between(placed_[j], body, std::max(gap(), touch) * kJustAbove, *scratch_);
-      if (!(found > deepest)) {
+      const double found = gap_between(placed_[j], body, near * kJustAbove, *scratch_);
+      if (!(found > deepest(body, placed_[j]))) {
         throw InputError("{}: overlaps {}, or touches it to more than {} of the margins; {}", b.where, name_of(j), kStopOverlapRatio,
                          is_carried(j) ? "move it away" : "move one of them, or set contact.relax = true");
       }
-      if (found < gap()) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, name_of(j)));
+      if (found < apart) report_.notices.push_back(fmt::format("{}: starts in contact with {}", b.where, name_of(j)));
     }
     keep(body, static_cast<std::int32_t>(i));
     BodyRow row;

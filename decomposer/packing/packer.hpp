@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/geometry/periodic.hpp"
+#include "core/surface/touch_surface.hpp"
 #include "decomposer/packing/build_scene.hpp"
 #include "decomposer/packing/placements.hpp"
 #include "decomposer/packing/vacancy_map.hpp"
@@ -41,7 +42,11 @@ class Packer {
   void keep_standing();
 
  private:
-  double gap() const { return 2 * scene_.settings.margin; }  // contact starts at the sum of two margins
+  double gap() const { return 2 * common_margin(scene_.settings); }  // contact starts at the sum of two margins
+  /// Least gap of two bodies, and of a body and a wall, with which a run can begin [m]; below 0 where surfaces may be pressed into each
+  /// other.
+  double deepest(const PlacedBody& a, const PlacedBody& b) const;
+  double deepest(const PlacedBody& body, const Wall& wall) const;
   double inner_ball(const PlacedBody& body) const { return body.scale * body.shape->inner_radius; }
   static constexpr std::int32_t kDrawn = -1, kFirstCarried = -2;  // carried body n: kFirstCarried - n
   std::size_t carried_number(std::size_t placed) const { return static_cast<std::size_t>(kFirstCarried - given_[placed]); }
@@ -54,6 +59,7 @@ class Packer {
   void keep_one(const PlacedBody& body, std::int32_t given);
   bool domain_holds(const Vec3& p) const;
   bool walls_allow(const PlacedBody& body, const std::vector<Vec3>& vertices, double distance, std::size_t* refusing = nullptr);
+  bool walls_bear(const PlacedBody& body, const std::vector<Vec3>& vertices, std::size_t& refusing);
   bool is_free(const PlacedBody& body, const Region& region);  // fills near_ and vertices_
   /// Where the centre of a body that reaches `extent` about it may lie between the sides of a region.
   Box3 box_of_centres(const Region& region, const Box3& extent) const;

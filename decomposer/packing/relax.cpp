@@ -9,6 +9,7 @@
 #include "core/base/units.hpp"
 #include "core/geometry/periodic.hpp"
 #include "core/search/multilevel_grid.hpp"
+#include "core/surface/touch_surface.hpp"
 #include "decomposer/packing/separation.hpp"
 
 namespace scree {
@@ -88,10 +89,10 @@ class Relaxer {
   static std::string metres(double value) { return format_quantity(value, Dimension::length); }
   bool is_fixed(std::size_t i) const { return case_.bodies[i].fixed; }
   double inverse_mass(std::size_t i) const { return is_fixed(i) ? 0 : 1 / mass_[i]; }
+  /// Two margins of a body [m].
+  double layer(std::size_t i) const { return 2 * (common_margin(scene_.settings) + bodies_[i].margin()); }
   /// How far a body may go in a shallow parting [m].
-  double limit(std::size_t i) const {
-    return 2 * scene_.settings.margin + 2 * (gap_.reached - gap_.least) + kWrittenRounding * bodies_[i].radius();
-  }
+  double limit(std::size_t i) const { return layer(i) + 2 * (gap_.reached - gap_.least) + kWrittenRounding * bodies_[i].radius(); }
 
   // ---- who is close ----
 
@@ -188,7 +189,7 @@ class Relaxer {
     }
     // a layer is pressed over some area, at most about the cross-section of the smaller body
     const double area = std::numbers::pi * std::pow(std::min(r, other), 2);
-    const double stiffness = s.gather == Gathering::area ? pair.layer_modulus * area / (2 * s.margin) : pair.stiffness;
+    const double stiffness = s.gather == Gathering::area ? pair.layer_modulus * area / layer(p.body) : pair.stiffness;
     return 0.5 * stiffness * p.depth * p.depth;
   }
 
@@ -209,13 +210,13 @@ class Relaxer {
     });
   }
 
-  bool overlaps(const Pressed& p) const { return p.depth >= 2 * scene_.settings.margin; }
+  bool overlaps(const Pressed& p) const { return p.depth >= layer(p.body); }
 
   /// Wholly on the wrong side of a wall that is given by a formula.
   bool lies_outside(const Pressed& p) const {
     if (p.wall < 0 || scene_.walls[static_cast<std::size_t>(p.wall)].kind == WallKind::mesh) return false;
     const CaseBody& b = case_.bodies[p.body];
-    return p.depth >= 2 * (b.scale * parts_.shape(b.shape).radius + scene_.settings.margin);
+    return p.depth >= 2 * (b.scale * parts_.shape(b.shape).radius + common_margin(scene_.settings));
   }
 
   std::string describe(const Pressed& p) const {
@@ -228,7 +229,7 @@ class Relaxer {
     if (lies_outside(p))
       return fmt::format("{}: lies wholly {} {}", case_.bodies[p.body].where,
                          scene_.walls[static_cast<std::size_t>(p.wall)].kind == WallKind::plane ? "behind" : "outside of", whom);
-    const double energy = energy_of(p), speed = std::sqrt(2 * energy * inverse_mass(thrown)), margins = 2 * scene_.settings.margin;
+    const double energy = energy_of(p), speed = std::sqrt(2 * energy * inverse_mass(thrown)), margins = layer(p.body);
     const std::string deep = !overlaps(p)  ? fmt::format("starts {} within the margins of {}", metres(p.depth), whom)
                              : margins > 0 ? fmt::format("overlaps {}, {} short of a gap of two margins", whom, metres(p.depth))
                                            : fmt::format("overlaps {} by {}", whom, metres(p.depth));
@@ -245,7 +246,7 @@ class Relaxer {
     throw InputError(
         "{}. {}; by default no body is moved by more than two margins ({}). Move one of them, or set contact.relax = true, which "
         "separates them at any distance{}",
-        describe(p), why, metres(2 * scene_.settings.margin), overlaps(p) ? "" : ", or false, which lets them start as they are");
+        describe(p), why, metres(layer(p.body)), overlaps(p) ? "" : ", or false, which lets them start as they are");
   }
 
   /// What each pair by itself needs is enough to refuse a deep one at once.

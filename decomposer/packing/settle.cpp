@@ -6,6 +6,7 @@
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
+#include "core/surface/touch_surface.hpp"
 #include "decomposer/packing/packer.hpp"
 #include "decomposer/packing/softness.hpp"
 
@@ -216,7 +217,7 @@ class Settler {
       if (moves_[i] == 0) continue;
       const std::size_t k = parts_.draws[i].population;
       PlacedBody body = placements_.body[i];
-      if (scene_.settings.margin == 0) body.scale *= 1 - kPressedIn;
+      if (!(common_margin(scene_.settings) > 0)) body.scale *= 1 - kPressedIn;
       if (holds_around(parts_.regions[k], body, *scratch)) continue;
       placements_.is_placed[i] = 0;
       ++trimmed[k];

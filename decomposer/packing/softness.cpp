@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/storage/attraction.hpp"
+#include "core/surface/touch_surface.hpp"
 
 namespace scree {
 
@@ -60,15 +61,18 @@ double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& 
   if (!is_known(c.settings.law) || c.settings.gather == Gathering::area || c.settings.barrier > 0) return 1;
   // a softer contact is pressed deeper by its own attraction, and sticks the more
   if (std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return attracts(p.pair); })) return 1;
-  double smallest = 1e300, largest = 0;
+  double smallest = 1e300, largest = 0, least_margin = 1e300;
   for (const Draw& d : parts.draws) {
     if (c.populations[d.population].method != PackingMethod::settle) continue;
     const double diameter = d.scale * parts.shape(d.shape).shape.equivalent_diameter();
     smallest = std::min(smallest, diameter);
     largest = std::max(largest, diameter);
+    if (const double own = d.scale * parts.shape(d.shape).margin; own > 0) least_margin = std::min(least_margin, own);
   }
   if (!(largest > 0) || c.pairs.empty()) return 1;
-  const double margins = 2 * scene.settings.margin, allowed = margins > 0 ? kOverlapShare * margins : kOverlapOfDiameter * smallest;
+  // of two bodies; of a body and a mesh wall where margins go with size
+  const double margins = least_margin < 1e300 ? least_margin : 2 * common_margin(scene.settings),
+               allowed = margins > 0 ? kOverlapShare * margins : kOverlapOfDiameter * smallest;
   // overlaps of impacts go with a power of the stiffness, that of the law
   const double power = c.settings.law == ContactLaw::hertz_mindlin ? 2.5 : 2;
   const double for_impacts = std::pow(report.impact_overlap / allowed, power);

@@ -6,6 +6,7 @@
 #include "core/storage/attraction.hpp"
 #include "core/storage/seam_meshes.hpp"
 #include "core/storage/wall_zones.hpp"
+#include "core/surface/touch_surface.hpp"
 
 namespace scree {
 
@@ -22,7 +23,7 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
     if (w.wall.cell_size > 0)
       throw UsageError("{}.cell_size: does not go with the attraction of a pair (pull_off, adhesion or surface_tension)", w.where);
   }
-  const double reach = 2 * s.margin + widest_range(scene);
+  const double reach = 2 * common_margin(s) + widest_range(scene);
   std::vector<double> radius(scene.materials.size(), 0.0);
   const auto add = [&](std::int32_t shape, std::int32_t material, double scale, std::int64_t id) {
     const Shape& of = parts.shape(shape).shape;
@@ -48,7 +49,8 @@ void check_attraction(const Case& c, const SceneParts& parts, const Scene& scene
   for (const CasePair& p : c.pairs) {
     const auto a = static_cast<std::size_t>(p.pair.a), b = static_cast<std::size_t>(p.pair.b);
     check_pressing(s, p.pair, scene.materials[a], scene.materials[b],
-                   p.pair.contact_radius > 0 ? p.pair.contact_radius : std::max(radius[a], radius[b]), 2 * s.margin);
+                   p.pair.contact_radius > 0 ? p.pair.contact_radius : std::max(radius[a], radius[b]),
+                   s.surface == TouchAt::drawn ? 2 * s.margin_ratio * std::max(radius[a], radius[b]) : 2 * s.margin);
   }
 }
 
@@ -56,7 +58,7 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
   const Domain& domain = c.settings.domain;
   const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
   if (!periodicity.any()) return;
-  const double range = scene.settings.margin + 0.5 * widest_range(scene);
+  const double range = common_margin(scene.settings) + 0.5 * widest_range(scene);
   double largest = 0;
   const auto check = [&](double radius, std::int64_t id) {
     check_period(periodicity, radius, range, [&] { return fmt::format("body {}", id); });
@@ -85,7 +87,7 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
 void check_needs_of_margin(const Case& c, const Settings& s) {
   if (s.margin > 0) return;
   for (const CaseWall& w : c.walls) {
-    if (w.wall.kind != WallKind::mesh) continue;
+    if (w.wall.kind != WallKind::mesh || s.surface == TouchAt::drawn) continue;
     throw UsageError(
         "{}: contact.margin = 0, but wall '{}' is a mesh and needs a margin > 0 (typically 1 to 3 % of a body's size); leave "
         "contact.margin out to have it derived",

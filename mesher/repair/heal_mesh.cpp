@@ -8,9 +8,9 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "core/surface/self_intersections.hpp"
 #include "mesher/check/half_edges.hpp"
 #include "mesher/check/mesh_check.hpp"
-#include "mesher/check/self_intersections.hpp"
 #include "mesher/repair/mesh_repair.hpp"
 
 namespace scree {

@@ -21,9 +21,14 @@ struct PairBody {
   Vec3 x;
   Quat q;
   const double* weights = nullptr;  ///< of the shape's corners; null: all 1 (solver/scene/density_weights.hpp)
+  double crowd_scale = 1;           ///< factor on the crowds of that table, for another depth than it was made for
 
-  double weight(std::int32_t corner) const { return weights == nullptr ? 1.0 : weights[corner]; }
-  double crowd(std::int32_t corner) const { return weights == nullptr ? 0.0 : 1 / weights[corner] - 1; }
+  double weight(std::int32_t corner) const {
+    if (weights == nullptr) return 1;
+    const double w = weights[corner];
+    return crowd_scale == 1 ? w : w / (w + crowd_scale * (1 - w));
+  }
+  double crowd(std::int32_t corner) const { return weights == nullptr ? 0.0 : 1 / weight(corner) - 1; }
   /// Of both ends of an edge of the shape together.
   double weight_of_ends(std::int32_t edge) const {
     if (weights == nullptr) return 2;

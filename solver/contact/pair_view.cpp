@@ -44,6 +44,26 @@ void view_wall(const SolverScene& scene, const std::vector<WallState>& walls, st
   }
 }
 
+/// Margins that go with the size of bodies. An analytic wall is moved back by the margin of the body that it meets, and carries it: touch
+/// begins where it was drawn, and there is as much room as between two bodies.
+void view_own_margins(const SolverScene& scene, PairView& view) {
+  const double of_a = view.a.scale * view.a.shape->margin;
+  const bool has_other = view.b.shape != nullptr;
+  const double of_b = has_other ? view.b.scale * view.b.shape->margin : 0;
+  view.margin = of_a + of_b;
+  view.off_middle = 0.5 * (of_a - of_b);
+  view.room = has_other ? view.margin : 2 * of_a;
+  if (!(view.margin > 0)) {  // balls, and balls on walls: no deeper than their centres
+    view.room = view.a.scale * view.a.shape->equivalent_radius;
+    if (has_other && view.b.shape->equivalent_radius > 0) view.room = std::min(view.room, view.b.scale * view.b.shape->equivalent_radius);
+    return;
+  }
+  // crowds are told for the depth that the tables of A hold weights for
+  const double depth_a = of_a > 0 ? of_a : of_b, depth_b = of_b > 0 ? of_b : scene.wall_table_depth();
+  view.crowd_depth = depth_a;
+  if (has_other && view.b.weights != nullptr && depth_b != depth_a) view.b.crowd_scale = depth_a / depth_b;
+}
+
 }  // namespace
 
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,
@@ -52,13 +72,18 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   const auto i = static_cast<std::size_t>(a);
   view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i], p.weights[i]};
   view.radius_a = p.radius[i];
-  view.margin = 2 * scene.margin();
-  view.reach = 2 * scene.contact_range();
   if (b >= 0)
     view_body(scene, p, i, static_cast<std::size_t>(b), view);
   else
     view_wall(scene, walls, zone, view);
   view.geometry = geometry_of(view);
+  if (scene.margins_by_size()) {
+    view_own_margins(scene, view);
+  } else {
+    view.margin = view.room = 2 * scene.margin();
+    view.crowd_depth = scene.margin();
+  }
+  view.reach = view.margin + scene.reach();
   view.crowds_follow = scene.crowds_follow() && view.cells == CellSide::none;
   view.pose = RelativePose(view.a, view.b);
   return view;

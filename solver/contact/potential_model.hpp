@@ -90,9 +90,9 @@ struct PotentialModel {
   static void weigh(const PairView& view, const PullView& pull, double /*moved*/, const CandidateLists& /*lists*/, PairFeatures& features) {
     features.crowd_share = 1;
     if (pull.range > 0)
-      settle_crowds_apart(0.5 * view.margin, view.crowds_follow, pull, features);
+      settle_crowds_apart(view.crowd_depth, view.crowds_follow, pull, features);
     else if (view.a.weights != nullptr || view.b.weights != nullptr)
-      settle_crowds(0.5 * view.margin, view.crowds_follow, features);
+      settle_crowds(view.crowd_depth, view.crowds_follow, features);
   }
 
   template <class Law>

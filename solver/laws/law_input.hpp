@@ -17,7 +17,8 @@ struct LargestImpact {
 struct LawInput {
   const MaterialPair& pair;
   const Material &a, &b;
-  double margin;                                  ///< margin sum [m]
+  double room;                                    ///< largest overlap at which meshes meet [m]; 0: no limit
+  double least_room;                              ///< the least of it [m]
   bool step_given;                                ///< the step is not derived
   std::function<LargestImpact()> largest_impact;  ///< goes over all bodies
 };

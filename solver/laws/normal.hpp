@@ -31,7 +31,8 @@ struct LayerLaw {
     if (!(in.pair.layer_modulus > 0)) {
       throw UsageError("pairs: '{}' and '{}': layer_modulus is missing; contact.gather = \"area\" needs it", in.a.name, in.b.name);
     }
-    law.stiffness = law.step_stiffness = in.pair.layer_modulus / in.margin;
+    law.layer_modulus = in.pair.layer_modulus;
+    law.stiffness = law.step_stiffness = in.pair.layer_modulus / in.least_room;
   }
   LayerLaw(const PairLaw& law, double radius) : kappa(law.stiffness), c(law.stiffness * std::numbers::pi * radius) {}
   double energy(double D) const { return c * D * D * D / 3; }
@@ -78,7 +79,7 @@ inline void HertzLaw::prepare(const LawInput& in, PairLaw& law) {
   if (in.pair.tangential_ratio < 0) law.tangential_ratio = 6 * effective_shear_modulus(in.a, in.b) / law.stiffness;
   const LargestImpact impact = in.largest_impact();
   double overlap = hertz_impact_overlap(law.stiffness, impact.radius, impact.mass, impact.speed);
-  if (in.margin > 0) overlap = impact.speed > 0 ? std::min(overlap, in.margin) : in.margin;
+  if (in.room > 0) overlap = impact.speed > 0 ? std::min(overlap, in.room) : in.room;
   if (!(overlap > 0) && !in.step_given && impact.mass > 0) {
     throw UsageError(
         "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its overlap; "

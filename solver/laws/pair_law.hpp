@@ -21,7 +21,8 @@ struct PairLaw {
   bool rolling_spring = true;                           ///< moments of type C (elastic, then plastic); false: type A (constant)
   double radius = 0;                                    ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
   double barrier = 0;                                   ///< k_b of laws/barrier.hpp [N/m]; 0: none
-  double margin = 0;                                    ///< margin sum [m]
+  double margin = 0;                                    ///< margin sum, of a barrier [m]
+  double layer_modulus = 0;                             ///< of an elastic layer [Pa]
   double reach = 0;          ///< gap beyond the margins at which the law or an attraction begins to act [m]; 0 where nothing pulls
   double neck_adhesion = 0;  ///< w of laws/neck.hpp [J/m^2]; 0: these materials do not stick so
   const MaterialPair* bridge = nullptr;  ///< whose liquid bridge the attraction is; null: none

@@ -20,6 +20,8 @@ struct BodyExtremes {
   std::vector<double> speed;           ///< of each material: its fastest body, as it joins [m/s]
   std::vector<double> smallest_scale;  ///< of each shape; kNone where no body has it
   double bounding_radius = 0;          ///< largest [m]
+  // of meshes with a margin of their own, and of analytic spheres [m]; kNone where there are none
+  double least_margin = kNone, largest_margin = 0, least_ball = kNone;
 
   /// Takes in others of the same scene.
   void include(const BodyExtremes& other) {
@@ -34,6 +36,9 @@ struct BodyExtremes {
     each(least_mass, other.least_mass, smaller);
     each(smallest_scale, other.smallest_scale, smaller);
     bounding_radius = std::max(bounding_radius, other.bounding_radius);
+    least_margin = smaller(least_margin, other.least_margin);
+    largest_margin = larger(largest_margin, other.largest_margin);
+    least_ball = smaller(least_ball, other.least_ball);
   }
 };
 

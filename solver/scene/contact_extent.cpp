@@ -11,10 +11,11 @@ namespace {
 class AreaExtent : public ContactExtent {
  public:
   AreaExtent(const Scene& scene, const std::vector<SolverShape>& shapes) {
-    const double margin = scene.settings.margin;
-    if (!(margin > 0))
+    const Settings& settings = scene.settings;
+    const bool by_size = settings.surface == TouchAt::drawn;
+    if (!((by_size ? settings.margin_ratio : settings.margin) > 0))
       throw UsageError("contact.margin = 0: with contact.gather = \"area\" the margins are the elastic layer; give them a thickness");
-    for (const SolverShape& shape : shapes) area_.push_back(largest_contact_area(shape, 2 * margin));
+    for (const SolverShape& shape : shapes) area_.push_back(largest_contact_area(shape, 2 * (by_size ? shape.margin : settings.margin)));
   }
   double of_body(std::int32_t shape, double scale) const override { return area_[static_cast<std::size_t>(shape)] * scale * scale; }
   double of_rough_pair(const std::vector<SolverShape>&, const BodyExtremes&) const override { return 1; }
@@ -30,7 +31,8 @@ class PairsExtent : public ContactExtent {
     std::int64_t springs = 0;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       if (extremes.smallest_scale[s] == BodyExtremes::kNone || shapes[s].kind != ShapeKind::solid) continue;
-      springs = std::max(springs, 2 * triangles_on_plane(shapes[s].mesh, 2 * margin_ / extremes.smallest_scale[s]));
+      springs = std::max(springs, 2 * triangles_on_plane(shapes[s].mesh, shapes[s].margin > 0 ? 2 * shapes[s].margin
+                                                                                              : 2 * margin_ / extremes.smallest_scale[s]));
     }
     return std::max(ContactExtent::of_rough_pair(shapes, extremes), static_cast<double>(springs));
   }

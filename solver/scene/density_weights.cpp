@@ -92,7 +92,8 @@ const double* DensityWeights::find(const SolverShape& shape, std::int32_t index,
 }
 
 const double* DensityWeights::of_body(const SolverShape& shape, std::int32_t index, double scale) {
-  return find(shape, index, kDensityRadius * std::sqrt(shape.equivalent_radius * depth_ / half_octave(scale)));
+  const double depth = of_ == Depth::of_shape ? shape.margin : depth_ / half_octave(scale);
+  return find(shape, index, kDensityRadius * std::sqrt(shape.equivalent_radius * depth));
 }
 
 const double* DensityWeights::of_wall(const SolverShape& shape, std::int32_t index, double scale, double body_radius) {

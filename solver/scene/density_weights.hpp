@@ -33,8 +33,11 @@ std::vector<double> density_weights(const SolverShape& shape, double radius);
 /// so that its energy is exact.
 class DensityWeights {
  public:
-  /// in   depth   the D that the tables hold weights for [m]: the margin of one body, or what stands for it in an attraction
-  explicit DensityWeights(double depth) : depth_(depth) {}
+  /// Whether all tables hold weights for one D, or each for the margin of its shape: one table then serves all scales.
+  enum class Depth { one, of_shape };
+  /// in   depth   the D that the tables hold weights for [m]: the margin of one body, or what stands for it in an attraction; of walls
+  ///              where bodies have margins of their own
+  DensityWeights(double depth, Depth of) : depth_(depth), of_(of) {}
   /// null where all are 1.   Threads: safe.   The pointer holds as long as this object.
   const double* of_body(const SolverShape& shape, std::int32_t index, double scale);
   /// Of a wall, whose surface has no radius of its own: R is that of the largest body.
@@ -49,6 +52,7 @@ class DensityWeights {
   const double* find(const SolverShape& shape, std::int32_t index, double radius);
 
   double depth_;
+  Depth of_;
   mutable std::mutex mutex_;
   std::map<std::pair<std::int32_t, double>, std::vector<double>> tables_;  ///< by shape and radius in its frame [m]
 };

@@ -71,7 +71,7 @@ double step_curvature_of_barrier(const PairLaw& law) { return Barrier(law).curva
 SolverScene::SolverScene(const Scene& scene)
     : scene_(&scene),
       material_count_(scene.materials.size()),
-      margin_(scene.settings.margin),
+      margin_(scene.settings.surface == TouchAt::outside ? scene.settings.margin : 0),
       extremes_(scene.materials.size(), scene.shapes.size()) {
   const Settings& settings = scene.settings;
   const auto& periodic = settings.domain.periodic;
@@ -81,14 +81,16 @@ SolverScene::SolverScene(const Scene& scene)
   periodicity_ = Periodicity(settings.domain.lower, settings.domain.upper, periodic);
   if (!(settings.duration >= 0)) throw InputError("time.duration = {:g} s; expected >= 0", settings.duration);
 
-  for (const Shape& shape : scene.shapes) shapes_.push_back(make_solver_shape(shape));
+  for (const Shape& shape : scene.shapes) shapes_.push_back(make_solver_shape(shape, settings));
   const BodyTable& bodies = scene.bodies;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     check_solid(bodies.id[b], bodies.shape[b]);
     include_body(bodies.shape[b], bodies.material[b], bodies.scale[b], bodies.fixed[b] != 0, length(bodies.velocity[b]), extremes_);
   }
   include_inlets();
-  for (const Wall& wall : scene.walls) check_margin(wall.kind == WallKind::mesh);
+  for (const Wall& wall : scene.walls)
+    if (wall.kind == WallKind::mesh) check_margin(ShapeKind::surface);
+  find_rooms();
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
@@ -133,7 +135,7 @@ void SolverScene::include_inlets() {
     for (const Inlet::Share& share : inlet.shares) {
       const Shape& of = scene_->shapes[static_cast<std::size_t>(share.shape)];
       if (of.kind == ShapeKind::surface) throw InputError("inlet '{}': shape '{}' is a surface without mass", inlet.name, of.name);
-      check_margin(of.kind != ShapeKind::sphere);
+      check_margin(of.kind);
       const auto [smallest, largest] = scales_of(inlet.size, of);
       for (const double scale : {smallest, largest})
         include_body(share.shape, inlet.material, scale, false, length(inlet.velocity), extremes_);
@@ -141,8 +143,13 @@ void SolverScene::include_inlets() {
   }
 }
 
-void SolverScene::check_margin(bool has_mesh) const {
-  if (has_mesh && !(margin_ > 0)) {
+void SolverScene::check_margin(ShapeKind kind) const {
+  if (margins_by_size()) {
+    if (kind == ShapeKind::solid && !(scene_->settings.margin_ratio > 0))
+      throw UsageError("contact.margin_ratio = {:g}; meshes need a margin > 0 (typically .01 to .1)", scene_->settings.margin_ratio);
+    return;
+  }
+  if (kind != ShapeKind::sphere && !(margin_ > 0)) {
     throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
   }
 }
@@ -152,7 +159,7 @@ void SolverScene::check_solid(std::int64_t id, std::int32_t of) const {
     throw InputError("body {}: shape '{}' is a surface without mass; import it without --surface", id,
                      scene_->shapes[static_cast<std::size_t>(of)].name);
   }
-  check_margin(shape(of).kind != ShapeKind::sphere);
+  check_margin(shape(of).kind);
 }
 
 void SolverScene::check_body(std::int64_t id, std::int32_t of, double scale) const {
@@ -182,9 +189,41 @@ void SolverScene::include_body(std::int32_t of, std::int32_t material, double sc
   if (!fixed) extremes.mass[m] = std::max(extremes.mass[m], mass);
   if (!fixed) extremes.least_mass[m] = std::min(extremes.least_mass[m], mass);
   extremes.smallest_scale[s] = std::min(extremes.smallest_scale[s], scale);
+  if (const double margin = scale * shapes_[s].margin; margin > 0) {
+    extremes.least_margin = std::min(extremes.least_margin, margin);
+    extremes.largest_margin = std::max(extremes.largest_margin, margin);
+  }
+  if (shapes_[s].kind == ShapeKind::sphere) extremes.least_ball = std::min(extremes.least_ball, scale * shapes_[s].rounding);
+}
+
+void SolverScene::find_rooms() {
+  if (!margins_by_size()) {
+    least_room_ = largest_room_ = 2 * margin_;
+    return;
+  }
+  const bool has_mesh_walls =
+      std::any_of(scene_->walls.begin(), scene_->walls.end(), [](const Wall& w) { return w.kind == WallKind::mesh; });
+  const bool has_meshes = extremes_.largest_margin > 0, has_balls = extremes_.least_ball < BodyExtremes::kNone;
+  if (has_meshes) {
+    // mesh walls and balls have no margin beside that of the body
+    least_room_ = (has_mesh_walls || has_balls ? 1 : 2) * extremes_.least_margin;
+    largest_room_ = 2 * extremes_.largest_margin;
+  }
+  if (!has_balls || !(has_meshes || has_mesh_walls)) return;
+  least_room_ = has_meshes ? std::min(least_room_, extremes_.least_ball) : extremes_.least_ball;
+  largest_room_ = std::max(largest_room_, *std::max_element(extremes_.radius.begin(), extremes_.radius.end()));
+}
+
+PairLaw SolverScene::for_room(const PairLaw& law, double room) const {
+  PairLaw fitted = law;
+  fitted.margin = room;
+  if (scene_->settings.gather == Gathering::area && room > 0) fitted.stiffness = law.layer_modulus / room;
+  return fitted;
 }
 
 void SolverScene::prepare_laws() {
+  laws_by_room_ = margins_by_size() && (scene_->settings.gather == Gathering::area || scene_->settings.barrier > 0);
+
   law_choice_.law = scene_->settings.law;
   law_choice_.gathering = scene_->settings.gather;
   bool shares_cells = true;
@@ -258,8 +297,11 @@ void SolverScene::prepare_weights() {
   wall_weights_.assign(scene_->walls.size(), nullptr);
   wall_pull_weights_ = wall_weights_;
   if (settings.gather != Gathering::potential || settings.weights == VertexWeights::unit) return;
-  if (margin_ > 0) weights_ = std::make_shared<DensityWeights>(margin_);
-  if (widest_range() > 0 && !law_choice_.necks) pull_weights_ = std::make_shared<DensityWeights>(pull_table_depth());
+  if (margins_by_size() ? extremes_.largest_margin > 0 : margin_ > 0)
+    weights_ = std::make_shared<DensityWeights>(wall_table_depth(),
+                                                margins_by_size() ? DensityWeights::Depth::of_shape : DensityWeights::Depth::one);
+  if (widest_range() > 0 && !law_choice_.necks)
+    pull_weights_ = std::make_shared<DensityWeights>(pull_table_depth(), DensityWeights::Depth::one);
   double radius = 0;
   for (const double r : extremes_.radius) radius = std::max(radius, r);
   if (!(radius > 0))
@@ -277,9 +319,9 @@ void SolverScene::prepare_barrier() {
   if (!(settings.barrier > 0)) return;
   if (settings.gather != Gathering::potential)
     throw UsageError("contact.barrier = {:g}: goes with contact.gather = \"potential\" only", settings.barrier);
-  if (!(margin_ > 0)) throw UsageError("contact.barrier = {:g}: needs margins; give contact.margin", settings.barrier);
+  if (!(largest_room_ > 0)) throw UsageError("contact.barrier = {:g}: needs margins; give contact.margin", settings.barrier);
   for (PairLaw& law : laws_) {
-    law.margin = 2 * margin_;
+    law.margin = largest_room_;
     law.barrier = settings.barrier * law.step_stiffness;
     law.step_stiffness += step_curvature_of_barrier(law);
   }
@@ -324,7 +366,8 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes&
   const LawInput input{pair,
                        scene_->materials[static_cast<std::size_t>(pair.a)],
                        scene_->materials[static_cast<std::size_t>(pair.b)],
-                       2 * margin_,
+                       margins_by_size() && extremes.least_ball < BodyExtremes::kNone ? 0 : largest_room_,
+                       least_room_,
                        scene_->settings.step > 0,
                        [&] { return largest_impact(pair, extremes); }};
   with_law(scene_->settings, [&]<class Entry, class Normal>() {
@@ -351,7 +394,7 @@ void SolverScene::add_attraction(const MaterialPair& pair, const BodyExtremes& e
     law.pull_off = pair.pull_off;
   if (pull_kind(pair) == PullKind::bridge) law.bridge = &pair;
   law.reach = attraction_range(settings.law, pair, a, b, radius);
-  check_pressing(settings, pair, a, b, radius, 2 * margin_);
+  check_pressing(settings, pair, a, b, radius, largest_room_);
 }
 
 /// The fastest impact of the heaviest bodies.

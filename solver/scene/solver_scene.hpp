@@ -54,9 +54,22 @@ class SolverScene {
   const std::vector<WallZone>& zones() const { return zones_; }
   /// Of the scene's outlets, one for each.
   const std::vector<Region>& outlets() const { return outlets_; }
-  double margin() const { return margin_; }  ///< of each body [m]
-  /// How far from its surface a body may act: its margin, and half of what the scene's law or attraction reaches beyond the margins [m].
+  /// Whether touch begins where surfaces were drawn, with margins that go with the size of bodies (core/surface/touch_surface.hpp).
+  bool margins_by_size() const { return scene_->settings.surface == TouchAt::drawn; }
+  double margin() const { return margin_; }  ///< of each body [m]; 0 where margins go with size
+  /// What the scene's law or attraction reaches beyond the margins [m].
+  double reach() const { return reach_; }
+  /// How far from its surface a body may act: the margin of all bodies, which radii do not have in them, and half of that reach [m].
   double contact_range() const { return margin_ + 0.5 * reach_; }
+  /// Least and largest overlap at which two meshes, or a mesh and a wall, would meet [m]; 0 where there are none.
+  double least_room() const { return least_room_; }
+  double largest_room() const { return largest_room_; }
+  /// D for which the crowds of mesh walls are told [m].
+  double wall_table_depth() const { return margins_by_size() ? extremes_.largest_margin : margin_; }
+  /// Whether laws have numbers that go with the room of a pair; then for_room() gives them.
+  bool laws_by_room() const { return laws_by_room_; }
+  /// The law of two materials for a pair with this room [m].
+  PairLaw for_room(const PairLaw& law, double room) const;
   double shortest_range() const { return shortest_range_; }  ///< of the attraction of any two materials [m]; 0: none attract each other
   /// Speed at which the attraction of two materials takes all motion of their lightest bodies as they part [m/s]; huge where that is not
   /// known.
@@ -107,7 +120,8 @@ class SolverScene {
   void prepare_weights();
   void check_necks() const;
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
-  void check_margin(bool has_mesh) const;
+  void check_margin(ShapeKind kind) const;
+  void find_rooms();
   void check_solid(std::int64_t id, std::int32_t shape) const;
   /// Whether a body's reach fits into the periods and through nothing thinner than itself. in   who   its name, asked only for a message
   void check_fits(std::int32_t shape, double scale, const std::function<std::string()>& who) const;
@@ -121,7 +135,7 @@ class SolverScene {
   std::vector<Region> outlets_;
   std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
-  double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0;
+  double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0, least_room_ = 0, largest_room_ = 0;
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
@@ -131,7 +145,7 @@ class SolverScene {
   std::vector<const double*> wall_weights_;
   std::shared_ptr<DensityWeights> pull_weights_;
   std::vector<const double*> wall_pull_weights_;
-  bool crowds_follow_ = true, has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false;
+  bool crowds_follow_ = true, has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false, laws_by_room_ = false;
 };
 
 }  // namespace scree

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/surface/touch_surface.hpp"
 #include "solver/laws/pair_law.hpp"
 
 namespace scree {
@@ -28,26 +29,30 @@ double turning_arm_of(const TriangleMesh& mesh) {
 
 }  // namespace
 
-SolverShape make_solver_shape(const Shape& source) {
+SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   SolverShape shape;
   shape.kind = source.kind;
   shape.rounding = source.sphere_radius;
   shape.cell_size = source.cell_size;
-  shape.mesh = source.mesh;  // a copy holds what it needs and no more
+  TouchSurface touch = touch_surface(source, settings);
+  shape.mesh = touch.mesh;  // a copy holds what it needs and no more
+  shape.margin = touch.margin;
   if (source.kind != ShapeKind::surface) {
     shape.volume = source.mass.volume;
     shape.inertia = source.mass.principal_moments;
     shape.body_from_principal = source.mass.body_from_principal;
     const Quat principal_from_body = conjugate(shape.body_from_principal);
+    TriangleMesh drawn = source.mesh;  // contacts lie no further out
     if (!(shape.body_from_principal == Quat{})) {
-      for (Vec3& p : shape.mesh.vertices) p = rotate(principal_from_body, p);
+      for (TriangleMesh* mesh : {&shape.mesh, &drawn})
+        for (Vec3& p : mesh->vertices) p = rotate(principal_from_body, p);
     }
     // Moments equal to within the rounding of the mass integrals count as equal.
     constexpr double kIsotropicTolerance = 1e-12;
     const double low = std::min({shape.inertia.x, shape.inertia.y, shape.inertia.z});
     const double high = std::max({shape.inertia.x, shape.inertia.y, shape.inertia.z});
     Eigen::Vector3d inverse(1 / shape.inertia.x, 1 / shape.inertia.y, 1 / shape.inertia.z);
-    for (const Vec3& r : shape.mesh.vertices) {
+    for (const Vec3& r : drawn.vertices) {
       Eigen::Matrix3d lever;
       lever << 0, -r.z, r.y, r.z, 0, -r.x, -r.y, r.x, 0;
       const Eigen::Matrix3d mobility = lever.transpose() * inverse.asDiagonal() * lever;
@@ -56,7 +61,7 @@ SolverShape make_solver_shape(const Shape& source) {
     }
     // A ball's normal passes its centre: only friction, with its softer spring, turns it.
     shape.rotational_mobility += kTangentialStiffnessRatio * shape.rounding * shape.rounding * inverse(0);
-    shape.turning_arm = turning_arm_of(shape.mesh);
+    shape.turning_arm = turning_arm_of(drawn);
     shape.isotropic = high - low <= kIsotropicTolerance * high;
     shape.equivalent_radius = 0.5 * source.equivalent_diameter();
   }
@@ -80,7 +85,7 @@ SolverShape make_solver_shape(const Shape& source) {
   shape.spoke_start.shrink_to_fit();
   shape.spoke_end.shrink_to_fit();
   shape.bvh = build_bvh(shape.mesh);
-  shape.radius = bounding_radius(shape.mesh) + shape.rounding;
+  shape.radius = bounding_radius(shape.mesh) + shape.rounding + shape.margin;
   return shape;
 }
 

@@ -6,7 +6,7 @@
 
 #include "core/geometry/bvh.hpp"
 #include "core/geometry/features.hpp"
-#include "core/storage/shape_file.hpp"
+#include "core/storage/scene_file.hpp"
 
 namespace scree {
 
@@ -20,12 +20,13 @@ struct ShapeEdge {
 struct SolverShape {
   ShapeKind kind = ShapeKind::solid;
   double rounding = 0;  ///< radius of an analytic sphere about its only corner [m]
+  double margin = 0;    ///< around the mesh [m]; 0 where all bodies have one margin (core/surface/touch_surface.hpp)
   TriangleMesh mesh;
   Bvh bvh;
   FeatureTable features;
   std::vector<std::int32_t> spoke_start;  ///< corners + 1: ranges in spoke_end
   std::vector<std::int32_t> spoke_end;    ///< vertices to which mesh edges lead from each corner
-  double radius = 0;                      ///< bounding radius about the origin, rounding included [m]
+  double radius = 0;                      ///< bounding radius about the origin, rounding and margin included [m]
   double volume = 0;                      ///< [m^3]
   double cell_size = 0;                   ///< of a very large body, scale 1 [m]; 0: none
   double equivalent_radius = 0;           ///< of the ball of equal volume [m]; 0 for a surface
@@ -55,7 +56,7 @@ struct SolverShape {
   std::size_t memory() const;
 };
 
-/// What the solver keeps of a shape as read.
-SolverShape make_solver_shape(const Shape& source);
+/// What the solver keeps of a shape as read.   in   settings   of the scene: where touch begins
+SolverShape make_solver_shape(const Shape& source, const Settings& settings = {});
 
 }  // namespace scree

@@ -61,7 +61,7 @@ double approach_of(const Mover& i, const Mover& j, const SolverScene& scene, Mes
   PairBody other = small.body;
   other.x = j_is_large ? i.body.x : i.body.x + offset;
   const Vec3 against = small.v - large.v - cross(large.w, other.x - frame.x);
-  const double closing = closing_speed(frame, other, against, scene.margin(), scratch) + small.arm * length(small.w - large.w);
+  const double closing = closing_speed(frame, other, against, 0.5 * scene.least_room(), scratch) + small.arm * length(small.w - large.w);
   return std::min(closing, surface_speed(i) + surface_speed(j));
 }
 

@@ -314,7 +314,7 @@ Inlets::Inlets(const SolverScene& scene) : scene_(scene) {
   const Scene& source = scene.source();
   if (source.inlets.empty()) return;
   scratch_ = make_mesh_distance_scratch();
-  for (const Shape& shape : source.shapes) shapes_.push_back(make_pack_shape(shape));
+  for (const Shape& shape : source.shapes) shapes_.push_back(make_pack_shape(shape, source.settings));
   for (const Inlet& inlet : source.inlets) {
     Source& s = sources_.emplace_back();
     s.region = region_of(inlet.region, source.shapes, fmt::format("inlet '{}'", inlet.name));

@@ -7,15 +7,21 @@ namespace {
 // The skin of a pair follows its speed: long enough that lists are rebuilt every few tens of steps, short enough
 // that they stay small. It never changes a result.
 constexpr double kSkinSteps = 24;       // steps that a skin lasts at the present relative speed
-constexpr double kSmallestSkin = 0.25;  // of the margin sum
+constexpr double kSmallestSkin = 0.25;  // of the room
 constexpr double kLargestSkin = 0.1;    // of the smaller radius
+
+/// What a ball may go beyond its partner's margin before its centre is near it (contact/pass_through.hpp).
+double half_radius_of_ball(const PairView& view) {
+  if (view.a.shape->kind == ShapeKind::sphere) return 0.5 * view.a.scale * view.a.shape->rounding;
+  return view.b.shape != nullptr && view.b.shape->kind == ShapeKind::sphere ? 0.5 * view.b.scale * view.b.shape->rounding : 0.0;
+}
 
 }  // namespace
 
 double candidate_skin(const PairView& view, const PairVelocities& m, double dt) {
   const double small = std::min(view.radius_a, view.radius_b);
   const double speed = length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small;
-  const double lower = std::min(kSmallestSkin * view.margin, kLargestSkin * small);
+  const double lower = std::min(kSmallestSkin * view.room, kLargestSkin * small);
   return std::clamp(kSkinSteps * speed * dt, lower, kLargestSkin * small);
 }
 
@@ -24,7 +30,7 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
   const double small = frame_is_a ? view.radius_b : view.radius_a;
   const Vec3 velocity = (m.v_a - m.v_b) + cross(frame_is_a ? m.w_a : m.w_b, view.b.x - view.a.x);
   constexpr double kRounding = 1 - 1e-9;  // these velocities are rounded otherwise than those
-  const double limit = kRounding * view.margin / dt;
+  const double limit = kRounding * (view.margin + half_radius_of_ball(view)) / dt;
   return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b)) > limit * limit;
 }
 
@@ -42,7 +48,7 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
     out.point.push_back(view.a.x + rotate(view.a.q, f.x));
     out.normal.push_back(side * rotate(view.a.q, outputs[j].normal));
     out.overlap.push_back(f.overlap);
-    out.margin.push_back(view.margin);
+    out.margin.push_back(view.room);
     out.normal_force.push_back(outputs[j].normal_force);
     out.tangential_force.push_back(side * rotate(view.a.q, outputs[j].tangential_force));
   }

@@ -26,7 +26,7 @@ struct PairPass {
   const PairVisitor* look;
   PairForceFunction force_of;
   PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
-  double stop_ratio;        ///< overlap over margin sum at which a run is stopped
+  double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
 
   bool only_looks() const { return out != nullptr || look != nullptr; }
@@ -99,6 +99,8 @@ class PairEvaluation {
     if (moved < pair.lists.first_slack) return rest(view, moved, pair, idle);
     idle.way = kNeverIdle;
     Model::find_features(view, moved, pair.lists, features_);
+    if (view.off_middle != 0)
+      for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
     if (view.reach > view.margin)
       weigh_beyond_margin(view, moved, pair);
     else
@@ -110,7 +112,7 @@ class PairEvaluation {
     act(view, velocities, pair, result);
   }
 
-  double largest_overlap() const { return largest_overlap_; }  ///< over the margin sum
+  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
   bool too_deep() const { return too_deep_; }
 
  private:
@@ -160,10 +162,13 @@ class PairEvaluation {
 
   double radius_of(const PairView& view, const PairLaw& law) const { return law.radius > 0 ? law.radius : contact_radius(view); }
 
-  const PairLaw& law_of(const PairView& view, const BodyPair& pair) const {
+  const PairLaw& law_of(const PairView& view, const BodyPair& pair) {
     const std::int32_t material_b = view.zone == nullptr ? pass_.p.material[static_cast<std::size_t>(pair.b)]
                                                          : pass_.scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
-    return pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_b);
+    const PairLaw& law = pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_b);
+    if (!pass_.scene.laws_by_room()) return law;
+    fitted_ = pass_.scene.for_room(law, view.room);
+    return fitted_;
   }
 
   /// The force of the features that were found, and the pair's result.
@@ -200,7 +205,7 @@ class PairEvaluation {
     result.elastic = f.elastic;
     result.tangential_elastic = f.tangential_elastic;
     result.surface_power = f.surface_power;
-    result.overlap_ratio = view.margin > 0 ? f.largest_overlap / view.margin : 0;
+    result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
     if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
@@ -214,6 +219,7 @@ class PairEvaluation {
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
   SurfaceBeneath surface_;
+  PairLaw fitted_;  // to the room of a pair
   double largest_overlap_ = 0;
   bool too_deep_ = false;
 };

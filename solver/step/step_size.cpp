@@ -224,19 +224,19 @@ void follow_ranges(const SolverScene& scene, StepSize& result) {
 
 /// Shortens the step to what approaches and spins ask for as the scene starts.
 void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
-  if (result.contact_time > 0 && scene.margin() > 0) {
-    const double way = kMarginPerStep * 2 * scene.margin();
+  if (result.contact_time > 0 && scene.least_room() > 0) {
+    const double way = kMarginPerStep * scene.least_room();
     const Approach approach = fastest_approach(scene, way / result.step);
     if (approach.speed > 0) {
       result.step = way / approach.speed;
       result.limited_by = "the approach of " + approach.who + " against their margins";
     }
   }
-  for (std::size_t w = 0; w < scene.source().walls.size() && result.contact_time > 0 && scene.margin() > 0; ++w) {
+  for (std::size_t w = 0; w < scene.source().walls.size() && result.contact_time > 0 && scene.least_room() > 0; ++w) {
     // as fast as a wall may become that answers to force
     const Drive* drive = scene.drive(w);
     if (drive == nullptr || !(drive->most_rate < kUnlimitedRate)) continue;
-    const double way = kMarginPerStep * 2 * scene.margin(), speed = drive->most_rate * scene.lever(w);
+    const double way = kMarginPerStep * scene.least_room(), speed = drive->most_rate * scene.lever(w);
     if (!(speed * result.step > way)) continue;
     result.step = way / speed;
     result.limited_by = fmt::format("the speed of wall '{}' against the margins", scene.source().walls[w].name);
@@ -253,7 +253,7 @@ void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
 
 /// The same for a body that comes in later: what it meets is taken to stand still.
 void follow_motion_of(const SolverScene& scene, const ParticleRecord& r, StepSize& result) {
-  const double way = kMarginPerStep * 2 * scene.margin(), speed = length(r.v), spin = length(r.w);
+  const double way = kMarginPerStep * scene.least_room(), speed = length(r.v), spin = length(r.w);
   if (result.contact_time > 0 && way > 0 && speed * result.step > way) {
     result.step = way / speed;
     result.limited_by = "the velocity of bodies to come against their margins";

@@ -8,6 +8,7 @@
 #include "core/storage/shape_file.hpp"
 #include "decomposer/packing/build_scene.hpp"
 #include "decomposer/packing/doubts.hpp"
+#include "tests/support/margins.hpp"
 
 namespace scree {
 namespace {
@@ -48,7 +49,7 @@ std::vector<std::string> doubts(const std::vector<std::pair<std::string, std::st
     EXPECT_NE(text.find(from), std::string::npos) << from;
     for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
   }
-  return build_scene(parse_case(text, "case.toml", "")).report.doubts;
+  return build_scene(test::touching_outside(parse_case(text, "case.toml", ""))).report.doubts;
 }
 
 /// One doubt, with these words.

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "decomposer/packing/build_scene.hpp"
+#include "tests/support/margins.hpp"
 
 namespace scree {
 namespace {
@@ -39,7 +40,7 @@ solid_fraction = )" + solid_fraction +
 method = "compact"
 region = { box = [[0, 0, 0], [0.1, 0.1, 0.1]] }
 )";
-  return build_scene(parse_case(text, "case.toml", ""), {{SCREE_SOLVER}});
+  return build_scene(test::touching_outside(parse_case(text, "case.toml", "")), {{SCREE_SOLVER}});
 }
 
 // Random close packing of equal balls: 0.64 (Scott and Kilgour (1969), J. Phys. D 2, 863: 0.6366; O'Hern et al. (2003), Phys. Rev. E 68,

@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "decomposer/packing/build_scene.hpp"
+#include "tests/support/margins.hpp"
 
 namespace scree {
 namespace {
@@ -29,7 +30,7 @@ margin = "100 um"
 constexpr double kGapOfMargins = 2e-4;
 
 PackedScene pack(const std::string& text, const ChildSolver& solver = {{SCREE_SOLVER}}) {
-  return build_scene(parse_case(text, "case.toml", ""), solver);
+  return build_scene(test::touching_outside(parse_case(text, "case.toml", "")), solver);
 }
 
 std::string failure(const std::string& text, ExitCode code = ExitCode::bad_data, const ChildSolver& solver = {{SCREE_SOLVER}}) {

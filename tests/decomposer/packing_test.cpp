@@ -13,6 +13,7 @@
 #include "decomposer/cut/predicted_work.hpp"
 #include "decomposer/packing/build_scene.hpp"
 #include "tests/decomposer/brute_distance.hpp"
+#include "tests/support/margins.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {
@@ -52,7 +53,9 @@ class Packing : public ::testing::Test {
   }
   ~Packing() override { fs::remove_all(folder_); }
 
-  PackedScene pack(const std::string& text) const { return build_scene(parse_case(text, "case.toml", folder_.string())); }
+  PackedScene pack(const std::string& text) const {
+    return build_scene(test::touching_outside(parse_case(text, "case.toml", folder_.string())));
+  }
   std::string failure(const std::string& text, ExitCode code = ExitCode::bad_data) const {
     try {
       pack(text);

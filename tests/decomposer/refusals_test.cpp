@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/storage/shape_file.hpp"
 #include "decomposer/packing/build_scene.hpp"
+#include "tests/support/margins.hpp"
 
 namespace scree {
 namespace {
@@ -29,7 +30,7 @@ restitution = 0.5
 )";
 const std::string kMargin = "[contact]\nmargin = \"2 mm\"\n";
 
-PackedScene pack(const std::string& text) { return build_scene(parse_case(text, "case.toml", "")); }
+PackedScene pack(const std::string& text) { return build_scene(test::touching_outside(parse_case(text, "case.toml", ""))); }
 
 std::string failure(const std::string& text, ExitCode code) {
   try {

@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "decomposer/packing/build_scene.hpp"
+#include "tests/support/margins.hpp"
 
 namespace scree {
 namespace {
@@ -24,7 +25,9 @@ class Relaxing : public ::testing::Test {
   }
   ~Relaxing() override { fs::remove_all(folder_); }
 
-  PackedScene pack(const std::string& text) const { return build_scene(parse_case(text, "case.toml", folder_.string())); }
+  PackedScene pack(const std::string& text) const {
+    return build_scene(test::touching_outside(parse_case(text, "case.toml", folder_.string())));
+  }
   std::string failure(const std::string& text) const {
     try {
       pack(text);

@@ -21,7 +21,7 @@ def block_on(surface, mu, place, duration, every, k=1e6, margin=2e-4):
     c.material("m", 1000.0)
     c.pair_all(stiffness=k, restitution=0.2, friction=mu)
     x, y = place
-    c.body("block", "m", (x, y, half + 2 * margin - mass * G / (k * 4**0.25)))
+    c.body("block", "m", (x, y, half - mass * G / (k * 4**0.25)))
     c.floor(surface=surface)
     return c
 
@@ -75,7 +75,7 @@ def k3(tools, report):
     c.pair_all(stiffness=2e3, restitution=0.2, friction=0.5)
     mass = 1000 * 4 / 3 * math.pi * R**3
     # a ball that may not turn slides like a block, and has left the edge as its centre passes it, for v^2 > g R
-    c.body("grain", "m", (-0.95, 0, h + R + 2 * margin - mass * G / 2e3), lock_rotation=True)
+    c.body("grain", "m", (-0.95, 0, h + R - mass * G / 2e3), lock_rotation=True)
     c.wall({"plate": {"corner": [-1, -0.1, h], "side_a": [1, 0, 0], "side_b": [0, 0.2, 0]}}, "m", surface={"velocity": [v, 0, 0]})
     run = report.run(c.run(tools))
     x, z = run.x[:, 0, 0], run.x[:, 0, 2]

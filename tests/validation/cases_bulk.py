@@ -24,11 +24,6 @@ def confident(values):
     return values.mean(), stats.t.ppf(.975, len(values) - 1) * values.std(ddof=1) / math.sqrt(len(values))
 
 
-def surface(mesh):
-    a, b, c = (mesh[0][mesh[1][:, i]] for i in range(3))
-    return .5 * numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum()
-
-
 # --- pouring: bodies at random in a column that is periodic sideways fall on a floor
 def contact_for(mass, fall, margin):
     """Stiffness for which a central impact after a fall of that height uses up all but a fifth of both margins; impacts in a crowd
@@ -52,9 +47,9 @@ def poured(tools, report, name, mesh, mu, seed, count, side, restitution=.3):
     return report.run(c.run(tools, timeout=3600)), margin
 
 
-def solid_fraction(run, mesh, margin, area):
-    """Of the middle of a bed, from the slope of the count over height. A body ends where its margin does: V + margin S."""
-    volume = meshes.mass_properties(mesh)[0] + margin * surface(mesh)
+def solid_fraction(run, mesh, area):
+    """Of the middle of a bed, from the slope of the count over height."""
+    volume = meshes.mass_properties(mesh)[0]
     z = numpy.sort(run.x[-1, :, 2])
     middle = slice(int(.2 * len(z)), int(.8 * len(z)))
     rank = numpy.arange(len(z))[middle]
@@ -86,7 +81,7 @@ def b1(tools, report):
         values = []
         for seed in range(seeds):
             run, margin = poured(tools, report, f"B1-{mu:g}-{seed}", mesh, mu, seed, count, side)
-            values.append((solid_fraction(run, mesh, margin, (side * d) ** 2), coordination(run)))
+            values.append((solid_fraction(run, mesh, (side * d) ** 2), coordination(run)))
         fractions[mu], neighbours[mu] = (confident(column) for column in zip(*values))
         print(f"    mu = {mu:g}: solid fraction {fractions[mu][0]:.4f} +- {fractions[mu][1]:.4f}, neighbours {neighbours[mu][0]:.3f} +- {neighbours[mu][1]:.3f}")
     note = f"{seeds} seeds of {count}, 95 % confidence"
@@ -128,7 +123,7 @@ def dice(tools, report, name, mu, published, seeds, count, side):
         values = []
         for seed in range(seeds):
             run, margin = poured(tools, report, f"{name}-{shape}-{seed}", mesh, mu, seed, count, side)
-            values.append(solid_fraction(run, mesh, margin, (side * d) ** 2))
+            values.append(solid_fraction(run, mesh, (side * d) ** 2))
         results[shape] = confident(values)
         print(f"    {shape}, mu = {mu:g}: solid fraction {results[shape][0]:.4f} +- {results[shape][1]:.4f}")
     return results

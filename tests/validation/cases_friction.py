@@ -16,7 +16,7 @@ G = cf.GRAVITY
 
 def rest_height(half, margin, mass, k, load=1.0, corners=4):
     """Centre of a block at rest on its corners: U = k n^(1/4) d^2 / 2."""
-    return half + 2 * margin - load * mass * G / (k * corners**.25)
+    return half - load * mass * G / (k * corners**.25)
 
 
 class Incline:
@@ -156,7 +156,7 @@ def f9(tools, report):
     inclines = []
     for i, offset in enumerate(offsets):
         s = Incline(c, math.radians(limit + offset), (0, 0, 30 * i), 40.0, "m")
-        c.body("ball", "m", s.point(-6, R + 2 * margin - mass * G / k), orientation=s.q)
+        c.body("ball", "m", s.point(-6, R - mass * G / k), orientation=s.q)
         inclines.append(s)
     run = report.run(c.run(tools))
     way = [s.along(run.x[-1, i] - run.x[run.times > 4][0, i])[0] for i, s in enumerate(inclines)]
@@ -193,7 +193,7 @@ def f4(tools, report):
         q = quaternion((0, 1, 0), alpha)
         c.mesh_wall(meshes.plate(1.0), "m", position=[0, 0, 0], orientation=list(q), motion={"rotate": {"axis": [0, 1, 0], "centre": [0, 0, 0], "rate": rate}, "start": .5})
         # placed with the tilt that its corner loads ask for, so that it does not start to rock: lower pair N1, upper N2
-        c.body("block", "m", rotated(q, numpy.array([0, 0, size[2] / 2 + 2 * margin - mass * G / (k * 4**.25)])), orientation=q)
+        c.body("block", "m", rotated(q, numpy.array([0, 0, size[2] / 2 - mass * G / (k * 4**.25)])), orientation=q)
         run = report.run(c.run(tools))
         alpha_t = alpha + rate * numpy.maximum(0, run.times - .5)
         down = numpy.stack([numpy.cos(alpha_t), 0 * alpha_t, -numpy.sin(alpha_t)], axis=1)
@@ -217,7 +217,7 @@ def f5(tools, report):
     mass = 1000 * 4 / 3 * math.pi * R**3
     spins = [0.0, -10.0, -20.0, -60.0]
     for i, w in enumerate(spins):
-        c.body("ball", "m", (0, i, R + 2 * margin - mass * G / k), velocity=(v0, 0, 0), angular_velocity=(0, w, 0))
+        c.body("ball", "m", (0, i, R - mass * G / k), velocity=(v0, 0, 0), angular_velocity=(0, w, 0))
     c.floor()
     run = report.run(c.run(tools))
     for i, w in enumerate(spins):
@@ -240,13 +240,13 @@ def f5(tools, report):
         c.mesh("ball", mesh)
         c.material("m", 1000.0)
         c.pair_all(stiffness=k, restitution=.9, friction=mu)
-        c.body("ball", "m", (0, 0, mesh[0][:, 2].max() + 2 * margin - 1000 * volume * G / k), velocity=(v0, 0, 0))
+        c.body("ball", "m", (0, 0, mesh[0][:, 2].max() - 1000 * volume * G / k), velocity=(v0, 0, 0))
         c.floor()
         run = report.run(c.run(tools))
         late = run.times > .4
         v = run.v[late, 0, 0]
         ratio = inertia[1, 1] / (volume * R**2)
-        lever = run.x[late, 0, 2].mean() - margin  # to the middle of the gap
+        lever = run.x[late, 0, 2].mean()  # to the plane
         print(f"    level {level}: facet ripple of the speed {numpy.ptp(v):.3g} m/s")
         if level == 4:
             report.check("icosphere L4: mean v_f [m/s]", v.mean(), v0 / (1 + ratio * R**2 / lever**2), 5e-3, note="by the lever to the middle of the gap")
@@ -266,10 +266,10 @@ def f6(tools, report):
     inclines = []
     for i, alpha in enumerate(angles):
         s = Incline(c, alpha, (0, 0, 30 * i), 20.0, "m")
-        c.body("ball", "m", s.point(-6, R + 2 * margin - ball_mass * G * math.cos(alpha) / k), orientation=s.q)
+        c.body("ball", "m", s.point(-6, R - ball_mass * G * math.cos(alpha) / k), orientation=s.q)
         inclines.append(s)
     run = report.run(c.run(tools))
-    lever = R + margin  # friction acts in the middle of the gap
+    lever = R
     for i, (alpha, s) in enumerate(zip(angles, inclines)):
         v, w = s.along(run.v[:, i]), s.along(run.w[:, i])
         late = run.times > .2
@@ -299,14 +299,14 @@ def f6(tools, report):
         for i, alpha in enumerate(angles):
             s = Incline(c, alpha, (0, 0, 30 * i), 20.0, "m")
             down = -rotated(lie, mesh[0])[:, 2].min()
-            c.body("cylinder", "m", s.point(-6, down + 2 * margin - 1000 * volume * G * math.cos(alpha) / (k * 4**.25)), orientation=product(s.q, lie))
+            c.body("cylinder", "m", s.point(-6, down - 1000 * volume * G * math.cos(alpha) / (k * 4**.25)), orientation=product(s.q, lie))
             inclines.append(s)
         run = report.run(c.run(tools))
         for i, (alpha, s) in enumerate(zip(angles, inclines)):
             v, w = s.along(run.v[:, i]), s.along(run.w[:, i])
             late = run.times > .2
             a = numpy.polyfit(run.times[late], v[late, 0], 1)[0]
-            lever = numpy.abs(rotated(inverse(s.q), run.x[late, i] - s.place)[:, 2]).mean() - margin
+            lever = numpy.abs(rotated(inverse(s.q), run.x[late, i] - s.place)[:, 2]).mean()
             slip = numpy.abs(v[late, 0] - w[late, 1] * lever).mean() / v[late, 0].mean()
             ratio = inertia[2, 2] / (volume * lever**2)
             if i == 0:
@@ -330,7 +330,7 @@ def f7(tools, report):
     c.pair_all(stiffness=k, restitution=.1, friction=mu)
     inclines = [Incline(c, math.radians(30 + offset), (0, 0, 20 * i), 10.0, "m") for i, offset in enumerate((-.5, .5))]
     for s in inclines:
-        c.body("prism", "m", s.point(-2, R * math.cos(math.pi / 6) + 2 * margin - mass * G * .87 / (k * 4**.25)), orientation=product(s.q, lie))
+        c.body("prism", "m", s.point(-2, R * math.cos(math.pi / 6) - mass * G * .87 / (k * 4**.25)), orientation=product(s.q, lie))
     run = report.run(c.run(tools))
     turned = [math.degrees(2 * math.acos(min(1.0, abs(run.q[-1, i] @ run.q[0, i])))) for i in range(2)]
     report.at_most("six sides, 29.5 degrees: turns in 1.5 s by [degrees]", turned[0], .05)
@@ -356,7 +356,7 @@ def f7(tools, report):
         low = -rotated(inverse(s.q), rotated(q, mesh[0]))[:, 2].min()
         foot = numpy.array([R * math.sin(math.pi / n), 0, -low])
         v = numpy.cross([0, w, 0], -foot)
-        c.body("prism", "m", s.point(-6, low + 2 * margin - density * volume * G / (k * 2**.25)), orientation=q,
+        c.body("prism", "m", s.point(-6, low - density * volume * G / (k * 2**.25)), orientation=q,
                velocity=rotated(s.q, v), angular_velocity=rotated(s.q, numpy.array([0, w, 0])))
     run = report.run(c.run(tools))
     print(f"    eta {eta:.4f}, steady spin before a landing {before:.4f} rad/s")

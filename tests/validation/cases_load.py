@@ -138,7 +138,7 @@ def l5(tools, report):
     c.material("platen", 2500.0)
     c.pair("rock", "rock", stiffness=k, restitution=0.1, friction=mu)
     c.pair_all(stiffness=k, restitution=0.1, friction=0)
-    gap = 2 * margin
+    gap = 0
     across = gap / math.cos(theta)   # the upper half is lifted until the cut is two margins wide
     for name, mesh, lift in (("lower", lower, 0), ("upper", upper, across)):
         centre = meshes.mass_properties(mesh)[1]

@@ -29,7 +29,7 @@ def n1(tools, report):
     q = quaternion((1, 0, 0), -math.pi / 2)
     inner = mesh[0][:, 1].min() + .015
     # turned by -90 degrees about x, y of the outline points to -z: the web lies on top, its inner face at z = -inner
-    c.body("hook", "m", (0, 0, .005 + inner + 2 * margin - .0002), orientation=q)
+    c.body("hook", "m", (0, 0, .005 + inner - .0002), orientation=q)
     run = report.run(c.run(tools))
     last = run.contacts[-1]
     hook = last["body_a"] == 1
@@ -59,7 +59,7 @@ def n3(tools, report):
     report.at_most("contacts with a clearance above the margins", run.log["contacts"].max(), 0)
     fall = run.x[:, 1, 2] - run.x[0, 1, 2] + .5 * G * run.times**2
     report.at_most("free fall: |z + g t^2 / 2| [m]", numpy.abs(fall).max(), 1e-12)
-    # tighter than the margins, without weight: symmetric, so nothing moves; frictionless, so it slides along freely
+    # a clearance of less than the margins, without weight: touch begins at the surfaces as drawn, so it goes along freely
     c = Case("N3-tight", duration=.2, steps_per_contact=30, margin=margin, every=.02)
     c.mesh("ring", tight)
     c.mesh("bolt", meshes.cylinder(bolt, 2.0, 48))
@@ -68,7 +68,7 @@ def n3(tools, report):
     c.body("bolt", "m", (0, 0, 0), fixed=True)
     c.body("ring", "m", (0, 0, .3), velocity=(0, 0, -1.0))
     run = report.run(c.run(tools))
-    report.at_least("contacts with a clearance below the margins", run.log["contacts"].min(), 8)
+    report.at_most("contacts with a clearance below the margins", run.log["contacts"].max(), 0)
     report.at_most("sideways motion over the clearance", numpy.hypot(run.x[-1, 1, 0], run.x[-1, 1, 1]) / .0007, 1e-3)
     report.at_most("change of the axial speed", abs(run.v[-1, 1, 2] + 1.0), 1e-6)
 
@@ -93,7 +93,7 @@ def n4(tools, report):
     z = run.x[-1, :, 2]
     report.check("bowls in their order", float((numpy.diff(z) > 0).sum()), count - 1, 0, "absolute")
     # a bowl of outer radius .1 rests, a gap of both margins away, on the inner edge, radius .08, of the one below
-    report.check("distance of the two lowest [m]", z[1] - z[0], math.sqrt((.1 + 2 * margin)**2 - .08**2), .0015, "absolute", "24 sides flatten the circles by 1 %")
+    report.check("distance of the two lowest [m]", z[1] - z[0], math.sqrt((.1)**2 - .08**2), .0015, "absolute", "24 sides flatten the circles by 1 %")
     report.at_most("largest overlap over the margins", run.max_depth_ratio, 1.0)
 
 
@@ -113,7 +113,7 @@ def n5(tools, report):
         c.pair_all(stiffness=k, restitution=.2, friction=.4)
         c.body("staple", "m", (0, 0, 0), orientation=upright, fixed=True)
         depth = mass * numpy.linalg.norm(gravity) / (k * 4**.25)
-        c.body("staple", "m", (0, 0, 2 * inner + 2 * margin - min(depth, 1.9 * margin)), orientation=hooked)
+        c.body("staple", "m", (0, 0, 2 * inner - min(depth, 1.9 * margin)), orientation=hooked)
         return c.run(tools)
     # the pull leans by less than the webs' half width over the lever of the weight, and less than the friction angle
     for name, lean in (("straight", (0, 0)), ("leaning", (.08, .05))):
@@ -145,7 +145,7 @@ def n7(tools, report):
     c.pair_all(stiffness=k, restitution=.2, friction=.5)
     plate = 1000 * .3 * .3 * .002
     c.body("box", "m", (0, 0, 0), fixed=True)
-    gap = 2 * margin - .00005
+    gap = -.00005
     c.body("plate", "m", (0, 0, .05 + gap + .001))
     c.body("box", "m", (0, 0, .05 + 2 * gap + .002 + .05))
     run = report.run(c.run(tools))

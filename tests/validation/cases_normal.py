@@ -16,14 +16,14 @@ PHASES = 41  # of the first contact inside a step; an odd prime samples no patte
 
 
 def bounces(tools, report, name, steps, zetas, phases=PHASES, law=None, every=None, contacts=False, speed=1.0):
-    """Analytic spheres of mass 1, k = 1e4, margin sum 0.02 fall on a plane with 1 m/s: one sphere per damping and phase."""
-    k, e_sum = 1e4, 0.02
+    """Analytic spheres of mass 1, k = 1e4 fall on a plane with 1 m/s: one sphere per damping and phase."""
+    k = 1e4
     radius = 0.5
     density = 1 / (4 / 3 * math.pi * radius**3)
     contact = math.pi / math.sqrt(k)
     dt = contact / steps
     restitutions = [1.0 if z == 0 else cf.restitution(z) for z in zetas]
-    c = Case(name, duration=1.25 * contact + 4 * dt, step=dt, margin=e_sum / 2, law=law, every=every or 1.0, contacts=contacts)
+    c = Case(name, duration=1.25 * contact + 4 * dt, step=dt, law=law, every=every or 1.0, contacts=contacts)
     c.sphere("ball", radius)
     c.material("floor", density)
     for i, e in enumerate(restitutions):
@@ -33,7 +33,7 @@ def bounces(tools, report, name, steps, zetas, phases=PHASES, law=None, every=No
     for i in range(len(zetas)):
         for j in range(phases):
             # first contact falls (j + 1/2)/phases of a step after the end of the first step
-            c.body("ball", f"m{i}", (2 * j, 2 * i, radius + e_sum + speed * dt * (1 + (j + .5) / phases)), velocity=(0, 0, -speed), lock_rotation=True)
+            c.body("ball", f"m{i}", (2 * j, 2 * i, radius + speed * dt * (1 + (j + .5) / phases)), velocity=(0, 0, -speed), lock_rotation=True)
     c.floor("floor")
     run = c.run(tools)
     v = run.v[-1][:, 2].reshape(len(zetas), phases) / speed
@@ -56,22 +56,22 @@ def c1(tools, report):
         report.check(f"e at zeta = {z:g}", v[i].mean(), cf.restitution(z), 1e-3, "absolute")
     # duration and depth of one bounce, read from forces and positions at every step
     k, radius = 1e4, 0.5
-    contact, e_sum = math.pi / math.sqrt(k), 0.02
+    contact = math.pi / math.sqrt(k)
     dt = contact / 2000
-    c = Case("C1-duration", duration=1.2 * contact, step=dt, margin=e_sum / 2, every=8 * dt, contacts=True)
+    c = Case("C1-duration", duration=1.2 * contact, step=dt, every=8 * dt, contacts=True)
     c.sphere("ball", radius)
     density = 1 / (4 / 3 * math.pi * radius**3)
     c.material("floor", density)
     for i, z in enumerate(ZETAS):
         c.material(f"m{i}", density)
         c.pair(f"m{i}", "floor", stiffness=k, restitution=cf.restitution(z))
-        c.body("ball", f"m{i}", (2 * i, 0, radius + e_sum + 0.5 * dt), velocity=(0, 0, -1), lock_rotation=True)
+        c.body("ball", f"m{i}", (2 * i, 0, radius + 0.5 * dt), velocity=(0, 0, -1), lock_rotation=True)
     c.pair_all(stiffness=k, restitution=1.0)
     c.floor("floor")
     run = report.run(c.run(tools))
     wall = len(ZETAS)
     for i, z in enumerate(ZETAS):
-        depth = radius + e_sum - run.x[:, i, 2]
+        depth = radius - run.x[:, i, 2]
         force = numpy.zeros(len(run.times))
         for n, contacts in enumerate(run.contacts):
             mine = (contacts["body_a"] == i) & (contacts["body_b"] == wall)
@@ -85,7 +85,7 @@ def c1(tools, report):
 
 @case("C2", "U", "Hunt-Crossley: restitution by speed, phase, steps", "Hunt and Crossley 1975; VALIDATION C2")
 def c2(tools, report):
-    k, e_sum, R = 1e4, .02, .5
+    k, R = 1e4, .5
     density = 1 / (4 / 3 * math.pi * R**3)
     contact = math.pi / math.sqrt(k)
     alpha = cf.hunt_crossley_alpha(.5)
@@ -94,13 +94,13 @@ def c2(tools, report):
     expected = [.5, cf.hunt_crossley_restitution(alpha / 2), cf.hunt_crossley_restitution(2 * alpha)]
     for steps, limit in ((20, 1.2e-3), (50, 2.2e-4), (100, 5e-5)):
         dt = contact / steps
-        c = Case(f"C2-{steps}", duration=1.8 * contact, step=dt, margin=e_sum, law="hunt-crossley", every=1.0)
+        c = Case(f"C2-{steps}", duration=1.8 * contact, step=dt, law="hunt-crossley", every=1.0)
         c.sphere("ball", R)
         c.material("m", density)
         c.pair_all(stiffness=k, restitution=.5, restitution_speed=1.0)
         for i, f in enumerate(factors):
             for j in range(PHASES):
-                c.body("ball", "m", (2 * j, 2 * i, R + 2 * e_sum + f * dt * (1 + (j + .5) / PHASES)), velocity=(0, 0, -f), lock_rotation=True)
+                c.body("ball", "m", (2 * j, 2 * i, R + f * dt * (1 + (j + .5) / PHASES)), velocity=(0, 0, -f), lock_rotation=True)
         c.floor()
         run = c.run(tools)
         e = run.v[-1, :, 2].reshape(len(factors), PHASES) / numpy.array(factors)[:, None]
@@ -132,7 +132,7 @@ def c3(tools, report):
             c.mesh("ball", mesh)
         c.material("m", density, young=young, poisson=poisson)
         c.pair_all(restitution=1.0, contact_radius=R)
-        c.body("ball", "m", (0, 0, (R if name[0] == "a" else mesh[0][:, 2].max()) + 2 * margin + 1e-9 * R), velocity=(0, 0, -speed), lock_rotation=True)
+        c.body("ball", "m", (0, 0, (R if name[0] == "a" else mesh[0][:, 2].max()) + 1e-9 * R), velocity=(0, 0, -speed), lock_rotation=True)
         c.floor()
         run = c.run(tools)
         total = numpy.array([contacts["normal_force"].sum() for contacts in run.contacts])
@@ -194,7 +194,7 @@ def c14(tools, report):
     c.mesh("cube", meshes.box((.1, .1, .1)))
     c.material("m", 1000.0)  # mass 1
     c.pair_all(stiffness=k, restitution=1.0)
-    gap = 2 * margin + 0.004
+    gap = 0.004
     for i in range(5):
         c.body("cube", "m", (i * (0.1 + gap), 0, 0), velocity=(1 if i == 0 else 0, 0, 0))
     run = report.run(c.run(tools))

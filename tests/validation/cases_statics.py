@@ -29,7 +29,7 @@ def s1(tools, report):
             c.material(f"m{i}", mass / side**3)
             c.pair(f"m{i}", "floor", stiffness=k, restitution=cf.restitution(zeta), friction=.5)
             for n in (1, 5):
-                c.body(f"cube{n}", f"m{i}", (2 * i, 2 * n, side / 2 + 2 * margin + .05), orientation=q)
+                c.body(f"cube{n}", f"m{i}", (2 * i, 2 * n, side / 2 + .05), orientation=q)
                 names.append(f"zeta = {zeta}, {n} x {n}")
         c.pair_all(stiffness=k, restitution=1.0)
         c.floor("floor")
@@ -38,7 +38,7 @@ def s1(tools, report):
             inertia = mass * side**2 / 6
             kinetic = .5 * mass * (run.v[-1, b] ** 2).sum() + .5 * inertia * (run.w[-1, b] ** 2).sum()
             report.at_most(f"{steps} steps a contact, {name}: kinetic energy at rest [J]", kinetic, 1e-20)
-            report.check(f"{steps} steps a contact, {name}: height [m]", run.x[-1, b, 2], side / 2 + 2 * margin - d, 1e-3 * d, "absolute")
+            report.check(f"{steps} steps a contact, {name}: height [m]", run.x[-1, b, 2], side / 2 - d, 1e-3 * d, "absolute")
 
 
 @case("S2", "N", "stacks of 5, 10, 20, 50 cubes stand for 60 s")
@@ -53,7 +53,7 @@ def s2(tools, report):
         z = side / 2
         first[count] = len(c.bodies)
         for i in range(count):
-            z += 2 * margin - (count - i) * mass * G / (k * (4 if i == 0 else 8) ** .25)
+            z -= (count - i) * mass * G / (k * (4 if i == 0 else 8) ** .25)
             c.body("cube", "m", (1.0 * s, 0, z))
             heights.append(z)
             z += side
@@ -67,7 +67,7 @@ def s2(tools, report):
         worst = 0.0
         z = side / 2
         for i in range(count):
-            depth = 2 * margin - (run.x[-1, b + i, 2] - (run.x[-1, b + i - 1, 2] + side if i else side / 2))
+            depth = -(run.x[-1, b + i, 2] - (run.x[-1, b + i - 1, 2] + side if i else side / 2))
             load = depth * k * (4 if i == 0 else 8) ** .25
             worst = max(worst, abs(load / ((count - i) * mass * G) - 1))
         report.at_most(f"{count} cubes: error of the loads, from the overlaps", worst, 1e-3)
@@ -77,7 +77,7 @@ def s2(tools, report):
     c.material("m", 1000.0)
     c.pair_all(stiffness=k, restitution=.3, friction=.5)
     for i in range(20):
-        c.body("cube", "m", (0, 0, side / 2 + 2 * margin + 1e-4 + i * (side + 2 * margin + 1e-4)))
+        c.body("cube", "m", (0, 0, side / 2 + 1e-4 + i * (side + 1e-4)))
     c.floor()
     run = report.run(c.run(tools))
     energy, kinetic = run.energy(), run.log["kinetic_translational"] + run.log["kinetic_rotational"]
@@ -96,7 +96,7 @@ def s4(tools, report):
     mass = 1000 * 2 * b * .2 * 2 * h
     c.material("m", 1000.0)
     c.pair_all(stiffness=k, restitution=.02, friction=5.0)
-    rest = 2 * margin - mass * G / (k * 2**.25)
+    rest = -mass * G / (k * 2**.25)
     for i, f in enumerate(fractions):
         q = quaternion((0, 1, 0), f * alpha)
         low = -rotated(q, c.solids["block"][0])[:, 2].min()
@@ -142,7 +142,7 @@ def s5(tools, report):
     shares = (.98, 1.02)
     for i, share in enumerate(shares):
         w = share * critical  # about the edge at +x: the centre goes up and over
-        c.body("block", "m", (0, i, h + 2 * margin - mass * G / (k * 4**.25)), velocity=(w * h, 0, w * b), angular_velocity=(0, w, 0))
+        c.body("block", "m", (0, i, h - mass * G / (k * 4**.25)), velocity=(w * h, 0, w * b), angular_velocity=(0, w, 0))
     c.floor()
     run = report.run(c.run(tools))
     lean = numpy.arccos(numpy.clip(rotated(run.q, numpy.array([0, 0, 1.0]))[..., 2], -1, 1))
@@ -166,7 +166,7 @@ def s7(tools, report):
         x, z = 0.0, 0.0
         for level in range(count, 0, -1):
             x += share * length / (2 * level)
-            z += 2 * margin - level * mass * G / (k * 8**.25)
+            z -= level * mass * G / (k * 8**.25)
             c.body("block", "m", (x, 0, z + height / 2))
             z += height
         run = report.run(c.run(tools))
@@ -182,7 +182,7 @@ def s7(tools, report):
 @case("S8", "N", "ladder between floor and wall slides below tan a = (1 - mu^2) / (2 mu)", "statics, both contacts at their limit")
 def s8(tools, report):
     length, thickness, k, margin, mu = 1.0, .01, 1e7, 1e-4, .4
-    limit = cf.ladder_angle(length, thickness, margin, mu)
+    limit = cf.ladder_angle(length - 2 * margin, thickness - 2 * margin, margin, mu)  # corners are rounded by the margin
     report.check("limit without thickness, closed form [degrees]", math.degrees(cf.ladder_angle(length, 0.0, 0.0, mu)),
                  math.degrees(math.atan((1 - mu * mu) / (2 * mu))), 1e-9)
     c = Case("S8", duration=1.0, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.1)
@@ -192,8 +192,8 @@ def s8(tools, report):
     offsets = (-.5, .5)
     for i, offset in enumerate(offsets):
         q = upright(math.pi / 2 - limit - math.radians(offset))
-        corners = rotated(q, c.solids["ladder"][0])
-        c.body("ladder", "m", (-corners[:, 0].max() - 1.99 * margin, i, -corners[:, 2].min() + 1.99 * margin), orientation=q)
+        corners = rotated(q, meshes.box((thickness - 2 * margin, .1, length - 2 * margin))[0])
+        c.body("ladder", "m", (-corners[:, 0].max() - 0.99 * margin, i, -corners[:, 2].min() + 0.99 * margin), orientation=q)
     c.floor()
     c.wall({"plane": {"point": [0, 0, 0], "normal": [-1, 0, 0]}}, "m")
     run = report.run(c.run(tools))
@@ -220,7 +220,7 @@ def s6(tools, report):
         w = 4 * start / math.sqrt(scale)  # of the first one, about its lower edge
         push = {"angular_velocity": (0, w, 0), "velocity": (w * height / 2, 0, w * thickness / 2)}
         for i in range(count):
-            c.body("domino", "m", (i * (thickness + gap), 0, height / 2 + 2 * margin - mass * G / (k * 4**.25)),
+            c.body("domino", "m", (i * (thickness + gap), 0, height / 2 - mass * G / (k * 4**.25)),
                    **(push if i == 0 else {}))
         c.floor()
         run = report.run(c.run(tools))
@@ -259,8 +259,8 @@ def pyramid(tools, report):
         c.material("m", 1000.0)
         c.pair("m", "m", stiffness=k, restitution=.3, friction=mu)
         c.pair_all(stiffness=k, restitution=.3, friction=.5)
-        apart = 2 * R + 2 * margin
-        z = R + 2 * margin - 1.5 * mass * G / (k * 2**.25)
+        apart = 2 * R
+        z = R - 1.5 * mass * G / (k * 2**.25)
         for x, height in ((-apart / 2, z), (apart / 2, z), (0, z + apart * math.sqrt(.75) - .3 * margin)):
             c.body("cylinder", "m", (x, 0, height), orientation=lie)
         c.floor("floor")
@@ -297,7 +297,7 @@ def arch(tools, report):
     report.check("arch, least friction by linear programming against that of its mirror image", cf.least_friction(
         [(-x, z, w) for x, z, w in blocks], [(a, b, (-p[0], p[1]), (-n[0], n[1])) for a, b, p, n in contacts]), least, 1e-6)
     for share in (.9, 1.15):
-        gap = 1.9 * margin  # thrusts are some hundred newton: depths of some micrometres, 1 % of the margins
+        gap = -0.1 * margin  # thrusts are some hundred newton: depths of some micrometres, 1 % of the margins
         c = Case(f"S9-arch-{share}", duration=1.5, steps_per_contact=20, gravity=(0, 0, -G), margin=margin, every=.1)
         c.mesh("stone", meshes.centred(stone))
         c.material("m", 1000.0)
@@ -322,14 +322,16 @@ def card_house(tools, report):
     a, b = math.radians(20), math.radians(15)
     first, second = numpy.array([math.sin(a), math.cos(a)]), numpy.array([-math.sin(b), math.cos(b)])  # upwards along the cards
     side, face = numpy.array([math.cos(a), -math.sin(a)]), numpy.array([math.cos(b), math.sin(b)])  # to their right
-    foot = -length / 2 * first + thick / 2 * side
-    one = numpy.array([0, 2 * margin]) - foot
-    top = one + length / 2 * first + thick / 2 * side  # this corner lies against the left face of the second card
-    height = 2 * margin + length / 2 * math.cos(b) + thick / 2 * math.sin(b)
-    wall = top + 2 * margin * face
+    # corners are rounded: balls of the margin about those of a card that is two margins smaller
+    long, flat = length - 2 * margin, thick - 2 * margin
+    foot = -long / 2 * first + flat / 2 * side
+    one = numpy.array([0, margin]) - foot
+    top = one + long / 2 * first + flat / 2 * side  # this corner lies against the left face of the second card
+    height = margin + long / 2 * math.cos(b) + flat / 2 * math.sin(b)
+    wall = top + margin * face
     along = (wall[1] - height + thick / 2 * math.sin(b)) / math.cos(b)
     two = wall + thick / 2 * face - along * second
-    contacts = [(None, 0, one + foot - [0, margin], (0, 1)), (None, 1, two - length / 2 * second - thick / 2 * face - [0, margin], (0, 1)),
+    contacts = [(None, 0, one + foot - [0, margin], (0, 1)), (None, 1, two - long / 2 * second - flat / 2 * face - [0, margin], (0, 1)),
                 (0, 1, top + margin * face, face)]
     weights = [.06, .1]  # as the depths along y, which differ so that the cards' edges are not flush
     least = cf.least_friction([(*one, weights[0]), (*two, weights[1])], contacts)

@@ -212,7 +212,7 @@ def least_friction(blocks, contacts, highest=4.0):
 
 def ladder_angle(length, thickness, margin, mu):
     """Steepness from the floor [rad] below which a uniform ladder slides, floor and wall with the same friction. It touches with
-    the corners below and behind; loads act in the middle of the gaps. Without thickness tan a = (1 - mu^2) / (2 mu)."""
+    the corners below and behind, balls of the margin. Without thickness tan a = (1 - mu^2) / (2 mu)."""
     def surplus(a):
         along, across = numpy.array([math.cos(a), math.sin(a)]), numpy.array([math.sin(a), -math.cos(a)])
         foot = -length / 2 * along + thickness / 2 * across + [0, -margin]

@@ -1,4 +1,4 @@
-#include "mesher/check/self_intersections.hpp"
+#include "core/surface/self_intersections.hpp"
 
 #include <algorithm>
 

@@ -1,0 +1,198 @@
+#include "core/surface/inset.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/distance/mesh_distance.hpp"
+#include "core/geometry/features.hpp"
+#include "core/surface/self_intersections.hpp"
+
+namespace scree {
+
+namespace {
+
+/// Singular values below this share of the largest count as none: the way has no part where the normals do not say.
+constexpr double kLeastSingular = 1e-3;
+/// A triangle has turned over when its normal has gone further than 60 degrees, or nothing is left of its area.
+constexpr double kLeastCosine = 0.5, kLeastArea = 1e-3;
+constexpr double kReducedByTurn = 0.6, kReducedByCrossing = 0.5;
+constexpr double kLeastShare = 1e-2;  // below, a vertex stays where it is
+constexpr int kMostRounds = 200;
+
+Vec3 doubled_normal(const TriangleMesh& mesh, std::int32_t t) {
+  return cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+}
+
+/// The shortest way that takes all planes of these normals back by `margin`, as nearly as can be.
+Vec3 way_of(const std::vector<Vec3>& normals, double margin) {
+  if (normals.empty()) return {};
+  if (normals.size() == 1) return -margin * normals.front();
+  Eigen::MatrixXd planes(static_cast<Eigen::Index>(normals.size()), 3);
+  for (std::size_t i = 0; i < normals.size(); ++i) planes.row(static_cast<Eigen::Index>(i)) << normals[i].x, normals[i].y, normals[i].z;
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(planes, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(kLeastSingular);
+  const Eigen::Vector3d way = svd.solve(Eigen::VectorXd::Constant(planes.rows(), -margin));
+  const Vec3 found{way(0), way(1), way(2)};
+  const double size = length(found), most = kLongestMove * margin;
+  return size > most ? (most / size) * found : found;
+}
+
+std::vector<Vec3> ways_of(const TriangleMesh& mesh, double margin) {
+  std::vector<std::vector<Vec3>> normals(mesh.vertices.size());
+  const double kSame = std::cos(kFlatAngle);
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    const Vec3 doubled = doubled_normal(mesh, t);
+    if (!(squared_length(doubled) > 0)) continue;
+    const Vec3 n = normalised(doubled);
+    for (const std::int32_t v : mesh.triangles[static_cast<std::size_t>(t)]) {
+      std::vector<Vec3>& known = normals[static_cast<std::size_t>(v)];
+      if (std::none_of(known.begin(), known.end(), [&](const Vec3& other) { return dot(n, other) >= kSame; })) known.push_back(n);
+    }
+  }
+  std::vector<Vec3> ways;
+  for (const std::vector<Vec3>& of_vertex : normals) ways.push_back(way_of(of_vertex, margin));
+  return ways;
+}
+
+/// Shares of the ways, reduced until nothing is wrong.
+class Shares {
+ public:
+  Shares(const TriangleMesh& mesh, const std::vector<Vec3>& ways)
+      : mesh_(mesh), ways_(ways), share_(mesh.vertices.size(), 1.0), moved_(mesh), features_(find_features(mesh)) {
+    std::vector<std::int32_t> size(static_cast<std::size_t>(features_.region_count), 0);
+    for (const std::int32_t r : features_.region) ++size[static_cast<std::size_t>(r)];
+    for (std::size_t t = 0; t < features_.region.size(); ++t) in_flat_.push_back(size[static_cast<std::size_t>(features_.region[t])] > 1);
+  }
+
+  Inset find() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      move();
+      std::vector<double> factor(share_.size(), 1.0);
+      if (!reduce_turned(factor) && !reduce_crossing(factor)) return {std::move(moved_), std::move(share_)};
+      for (std::size_t v = 0; v < share_.size(); ++v) share_[v] *= factor[v];
+      even_out();
+      for (double& t : share_)
+        if (t < kLeastShare) t = 0;
+      hold_flat_regions();
+    }
+    std::fill(share_.begin(), share_.end(), 0.0);
+    return {mesh_, std::move(share_)};
+  }
+
+ private:
+  void move() {
+    for (std::size_t v = 0; v < share_.size(); ++v) moved_.vertices[v] = mesh_.vertices[v] + share_[v] * ways_[v];
+  }
+
+  bool moves(std::int32_t t) const {
+    const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
+    return std::any_of(corners.begin(), corners.end(), [&](std::int32_t v) { return share_[static_cast<std::size_t>(v)] > 0; });
+  }
+
+  void reduce(std::int32_t t, double by, std::vector<double>& factor) const {
+    for (const std::int32_t v : mesh_.triangles[static_cast<std::size_t>(t)]) factor[static_cast<std::size_t>(v)] = by;
+  }
+
+  bool reduce_turned(std::vector<double>& factor) const {
+    bool any = false;
+    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+      const Vec3 before = doubled_normal(mesh_, t), now = doubled_normal(moved_, t);
+      const double area_before = length(before), area = length(now);
+      if (!(area_before > 0) || !moves(t)) continue;
+      if (dot(before, now) >= kLeastCosine * area_before * area && area >= kLeastArea * area_before) continue;
+      reduce(t, kReducedByTurn, factor);
+      any = true;
+    }
+    return any;
+  }
+
+  bool reduce_crossing(std::vector<double>& factor) const {
+    bool any = false;
+    for (const CrossingPair& pair : find_crossing_pairs(moved_)) {
+      for (const std::int32_t t : {pair.first, pair.second}) {
+        if (!moves(t)) continue;
+        reduce(t, kReducedByCrossing, factor);
+        any = true;
+      }
+    }
+    return any;
+  }
+
+  /// A vertex goes at most half way between its share and the mean of its neighbours'.
+  void even_out() {
+    std::vector<double> sum(share_.size(), 0.0), count(share_.size(), 0.0);
+    for (const Triangle& t : mesh_.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(t[k]);
+        sum[v] += share_[static_cast<std::size_t>(t[(k + 1) % 3])];
+        count[v] += 1;
+      }
+    }
+    for (std::size_t v = 0; v < share_.size(); ++v)
+      if (count[v] > 0) share_[v] = std::min(share_[v], 0.5 * (share_[v] + sum[v] / count[v]));
+  }
+
+  void hold_flat_regions() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      std::vector<double> least(static_cast<std::size_t>(features_.region_count), 1.0);
+      const auto each = [&](auto&& action) {
+        for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+          if (!in_flat_[t]) continue;
+          for (const std::int32_t v : mesh_.triangles[t])
+            action(least[static_cast<std::size_t>(features_.region[t])], share_[static_cast<std::size_t>(v)]);
+        }
+      };
+      each([](double& of_region, double of_vertex) { of_region = std::min(of_region, of_vertex); });
+      each([&](double of_region, double& of_vertex) {
+        changed = changed || of_region < of_vertex;
+        of_vertex = std::min(of_vertex, of_region);
+      });
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<Vec3>& ways_;
+  std::vector<double> share_;
+  TriangleMesh moved_;
+  FeatureTable features_;
+  std::vector<char> in_flat_;  ///< of each triangle: others lie in one plane with it
+};
+
+}  // namespace
+
+Inset inset(const TriangleMesh& mesh, double margin) {
+  const std::vector<Vec3> ways = ways_of(mesh, margin);
+  return Shares(mesh, ways).find();
+}
+
+InsetDeviation deviation_of_inset(const TriangleMesh& drawn, const TriangleMesh& moved, double margin) {
+  const Bvh tree = build_bvh(moved);
+  // corners 1/20, middles of edges 2/15, centroid 9/20: exact for cubic functions on a triangle (Stroud 1971)
+  constexpr double kCorner = 1.0 / 20, kMiddle = 2.0 / 15, kCentroid = 9.0 / 20;
+  InsetDeviation result;
+  double area = 0;
+  for (std::int32_t t = 0; t < drawn.triangle_count(); ++t) {
+    const double size = 0.5 * length(doubled_normal(drawn, t));
+    const Vec3 p[3] = {drawn.corner(t, 0), drawn.corner(t, 1), drawn.corner(t, 2)};
+    const auto look = [&](const Vec3& at, double weight) {
+      Vec3 nearest;
+      std::int32_t triangle = -1;
+      const double off = std::abs(point_mesh_distance({&moved, &tree}, at, 1e300, nearest, triangle) - margin);
+      result.mean += weight * size * off;
+      result.largest = std::max(result.largest, off);
+    };
+    for (int k = 0; k < 3; ++k) {
+      look(p[k], kCorner);
+      look(0.5 * (p[k] + p[(k + 1) % 3]), kMiddle);
+    }
+    look((1.0 / 3) * (p[0] + p[1] + p[2]), kCentroid);
+    area += size;
+  }
+  if (area > 0) result.mean /= area;
+  return result;
+}
+
+}  // namespace scree
