@@ -15,7 +15,7 @@ DIMENSIONS = {
     "pairs.*.layer_modulus": (-1, 1, -2),
     "pairs.*.pull_off": (1, 1, -2), "pairs.*.adhesion": (0, 1, -2), "pairs.*.adhesion_range": (1, 0, 0), "pairs.*.separation_energy": (2, 1, -2),
     "pairs.*.surface_tension": (0, 1, -2), "pairs.*.contact_angle": (0, 0, 0), "pairs.*.bridge_volume": (3, 0, 0),
-    "contact.margin": (1, 0, 0), "contact.impact_speed": (1, 0, -1),
+    "contact.margin": (1, 0, 0), "contact.margin_ratio": (0, 0, 0), "contact.impact_speed": (1, 0, -1),
     "bodies.*.position": (1, 0, 0), "bodies.*.velocity": (1, 0, -1), "bodies.*.angular_velocity": (0, 0, -1),
     "populations.*.mass": (0, 1, 0), "populations.*.velocity": (1, 0, -1), "populations.*.angular_velocity": (0, 0, -1),
     "populations.*.size": (1, 0, 0), "populations.*.size.diameter": (1, 0, 0), "populations.*.size.mean": (1, 0, 0),

@@ -695,6 +695,10 @@ def contact(d):
         table["margin"] = 0.0
     elif given:
         table["margin"] = d.margin
+    if d.chance(0.3):
+        table["surface"] = "outside"
+    elif "margin" in table and d.meshed and gather != "area" and d.chance(0.3):
+        table["margin_ratio"] = table.pop("margin") / d.radius
     if d.chance(0.2):
         table["impact_speed"] = fastest(d) * d.between(0.9, 1.5)
     d.barrier = 0.0
@@ -716,6 +720,8 @@ def pressed_starts(d):
     if len(movers) > 1 and d.chance(0.6 if relax is not None else 0.1):
         a, b = d.random.sample(movers, 2)
         gap = d.margin * d.between(0.1, 1.9) if relax is not True else d.radius * d.between(-0.3, 0.1)
+        if relax is not True and table.get("surface") != "outside":
+            gap -= 2 * d.margin   # pressed where touch begins at the surfaces
         # as near as balls about both would be
         reach = sum(d.radius * body.get("scale", 1) if not body["shape"].startswith("ball")
                     else d.words["shapes"][body["shape"]]["sphere"]["radius"] * body.get("scale", 1) for body in (a, b))
@@ -743,6 +749,8 @@ def pairs(d):
     names = sorted(d.words["materials"])
     share = d.between(0.3, 0.7)
     depth = 2 * d.margin * share if d.words.get("contact", {}).get("margin", 1) > 0 else 0.02 * d.radius
+    if d.words.get("contact", {}).get("surface") != "outside":
+        depth *= 0.5   # mesh walls and balls have no margin of their own
     friction = d.pick({"none": 2, "some": 5})
     for i, a in enumerate(names):
         for b in names[i:]:

@@ -95,6 +95,11 @@ class Body:
         self.is_ball = self.shape["kind"] == 2
         self.triangles = None if self.is_ball else world_triangles(self.shape, self.position, self.quat, self.scale)
 
+    def shrink(self, share):
+        """A mesh about its centre; a ball touches where it ends."""
+        if not self.is_ball:
+            self.triangles = self.position + share * (self.triangles - self.position)
+
 
 def gap(a, b, shift):
     """Distance between two bodies, b moved by shift; below 0 or 0 where they overlap."""

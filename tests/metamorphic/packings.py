@@ -41,7 +41,12 @@ def packings_do_not_overlap(trial):
     if scene.count == 0:
         raise NotApplicable("no bodies")
     bodies = [Body(scene, i) for i in range(scene.count)]
-    margin = scene.general["margin"]
+    outside = scene.general.get("surface", "outside") == "outside"
+    margin = scene.general["margin"] if outside else 0.0
+    if not outside:
+        # edges and corners are rounded by margins that differ from shape to shape: half of each body must be clear of the others
+        for body in bodies:
+            body.shrink(0.5)
     population = scene.body("population")
     methods = [p.get("method", "random") for p in trial.case.populations]
     pressed = [k >= 0 and methods[k] in ("settle", "compact") for k in population]
@@ -154,7 +159,8 @@ def packings_as_asked(trial):
     for i, body in enumerate(asked):
         if relax is not True:
             # parted by at most two margins; balls without margins by what separates touch from overlap
-            most = 2 * scene.general["margin"] * 1.0001 + 1e-6 * scene.radii()[i] if relax == "shallow" else 0.0
+            margin = scene.general.get("margin_ratio", 0) * scene.radii()[i] if scene.general.get("surface") == "drawn" else scene.general["margin"]
+            most = 2 * margin * 1.0001 + 1e-6 * scene.radii()[i] if relax == "shallow" else 0.0
             way = float(numpy.linalg.norm(scene.body("position")[i] - body["position"]))
             require(way <= most, f"bodies[{i}] is at {scene.body('position')[i].tolist()}, {way:.6g} m from {body['position']} that was asked")
         require(numpy.array_equal(scene.body("velocity")[i], numpy.array(body.get("velocity", [0, 0, 0]), float)), f"bodies[{i}] has another velocity")

@@ -293,6 +293,7 @@ def restitution_scene(trial):
              "bodies": [{"shape": "ball", "material": "m", "position": [0, 0, start], "velocity": [0, 0, -speed]}],
              "walls": [{"shape": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}, "material": "m"}]}
     words["contact"].pop("relax", None)
+    words["contact"].pop("margin_ratio", None)
     words["time"]["duration"] = 3 * (start - radius) / speed
     words["output"] = {"every": words["time"]["duration"] / 4}
     return Case(words), pair["restitution"], speed, per_contact

@@ -32,7 +32,11 @@ def frozen(case, scene):
             body["lock_rotation"] = True
         result.words["bodies"].append(body)
     contact = result.table("contact")
-    contact["margin"], contact["relax"] = scene.general["margin"], False
+    contact.pop("margin", None)
+    contact.pop("margin_ratio", None)
+    # what the scene has to the last bit
+    key = "margin_ratio" if scene.general.get("margin_ratio", 0) > 0 else "margin"
+    contact[key], contact["relax"] = scene.general[key], False
     if scene.general.get("impact_speed", 0) > 0:
         contact["impact_speed"] = scene.general["impact_speed"]
     return result

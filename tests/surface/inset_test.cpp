@@ -1,0 +1,125 @@
+// Meshes moved inwards by a margin, and the bodies that they make with the margin around them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/placing/placed_body.hpp"
+#include "core/surface/inset.hpp"
+#include "core/surface/self_intersections.hpp"
+#include "core/surface/touch_surface.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace scree {
+namespace {
+
+Vec3 area_of(const TriangleMesh& mesh, std::int32_t t) {
+  return cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+}
+
+/// No triangle turned over by more than 60 degrees, none that crosses another.
+void expect_sound(const TriangleMesh& drawn, const TriangleMesh& moved) {
+  ASSERT_EQ(drawn.triangles, moved.triangles);
+  for (std::int32_t t = 0; t < drawn.triangle_count(); ++t)
+    EXPECT_GE(dot(normalised(area_of(drawn, t)), normalised(area_of(moved, t))), 0.5) << t;
+  EXPECT_TRUE(find_crossing_pairs(moved).empty());
+}
+
+TEST(Inset, of_a_box_is_the_smaller_box_however_its_faces_are_split) {
+  const Vec3 size{1, .8, .6};
+  const double margin = .03;
+  for (const int n : {1, 4}) {
+    const TriangleMesh drawn = test::grid_box(n, size);
+    const TriangleMesh moved = inset(drawn, margin).mesh;
+    for (std::size_t v = 0; v < drawn.vertices.size(); ++v) {
+      for (int k = 0; k < 3; ++k) {
+        const double half = .5 * size[k], p = drawn.vertices[v][k];
+        const bool at_side = std::abs(std::abs(p) - half) < 1e-12;
+        EXPECT_NEAR(moved.vertices[v][k], at_side ? std::copysign(half - margin, p) : p, 1e-15) << n;
+      }
+    }
+    const InsetDeviation off = deviation_of_inset(drawn, moved, margin);
+    EXPECT_NEAR(off.largest, (std::sqrt(3.0) - 1) * margin, 1e-12);  // of a corner
+  }
+}
+
+TEST(Inset, moves_both_sides_of_a_concave_corner_by_the_margin) {
+  const TriangleMesh drawn = test::l_shape();
+  const double margin = .01;
+  const TriangleMesh moved = inset(drawn, margin).mesh;
+  expect_sound(drawn, moved);
+  for (std::int32_t t = 0; t < drawn.triangle_count(); ++t) {
+    const Vec3 n = normalised(area_of(drawn, t));
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(dot(n, moved.corner(t, k) - drawn.corner(t, k)), -margin, 1e-14);
+  }
+}
+
+TEST(Inset, of_smooth_bodies_touches_where_they_are_drawn) {
+  for (const int level : {2, 3, 4}) {
+    const TriangleMesh drawn = test::icosphere(level);
+    for (const double margin : {.02, .1}) {
+      const TriangleMesh moved = inset(drawn, margin).mesh;
+      expect_sound(drawn, moved);
+      EXPECT_LT(deviation_of_inset(drawn, moved, margin).mean, .03 * margin) << level;
+    }
+  }
+}
+
+TEST(Inset, of_rough_rocks_is_sound_and_within_a_tenth_of_the_margin_on_average) {
+  for (const unsigned seed : {1, 2, 3, 4}) {
+    const TriangleMesh drawn = test::rock(seed, 3);
+    for (const double margin : {.02, .05, .1}) {
+      const Inset found = inset(drawn, margin);
+      expect_sound(drawn, found.mesh);
+      EXPECT_LT(deviation_of_inset(drawn, found.mesh, margin).mean, .1 * margin) << seed << ' ' << margin;
+    }
+  }
+}
+
+// A plate thinner than two margins: its faces stay flat and apart, and what is missing of the margin lies outside.
+TEST(Inset, of_what_is_thinner_than_two_margins_goes_as_far_as_it_can) {
+  const double thickness = .04, margin = .05;
+  const TriangleMesh drawn = test::grid_box(4, {1, 1, thickness});
+  const Inset found = inset(drawn, margin);
+  expect_sound(drawn, found.mesh);
+  double top = 0;
+  for (std::size_t v = 0; v < drawn.vertices.size(); ++v) {
+    if (drawn.vertices[v].z < 0) continue;
+    const double z = found.mesh.vertices[v].z;
+    if (std::abs(drawn.vertices[v].z - .5 * thickness) > 1e-12) continue;
+    EXPECT_GT(z, 0);
+    EXPECT_LT(found.share[v], 1);
+    if (top == 0) top = z;
+    EXPECT_NEAR(z, top, 1e-15);
+  }
+}
+
+TEST(Inset, caps_the_way_of_needle_corners) {
+  TriangleMesh needle;  // a pyramid of 5 degrees
+  needle.vertices = {{-.05, -.05, 0}, {.05, -.05, 0}, {.05, .05, 0}, {-.05, .05, 0}, {0, 0, 1}};
+  needle.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  const double margin = .005;
+  const TriangleMesh moved = inset(needle, margin).mesh;
+  expect_sound(needle, moved);
+  EXPECT_NEAR(length(moved.vertices[4] - needle.vertices[4]), kLongestMove * margin, 1e-12);
+}
+
+// Gaps of placed bodies are those of the drawn faces; pressed ones are below 0, and bodies deeper than their margins intersect.
+TEST(TouchSurface, gaps_are_those_of_the_drawn_surfaces) {
+  Settings settings;
+  settings.surface = TouchAt::drawn;
+  settings.margin_ratio = .08;
+  const PackShape cube = make_pack_shape(make_solid("cube", box_mesh({1, 1, 1})), settings);
+  const PackShape ball = make_pack_shape(make_sphere("ball", .3), settings);
+  EXPECT_NEAR(cube.margin, .08 * std::cbrt(3 / (4 * std::numbers::pi)), 1e-15);
+  const MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
+  for (const double gap : {.2, 1e-6, -1e-3, -1.9 * cube.margin}) {
+    EXPECT_NEAR(gap_between({&cube, 1, {}, {}}, {&cube, 1, {1 + gap, 0, 0}, {}}, 1, *scratch), gap, 1e-13);
+    if (gap > -cube.margin) EXPECT_NEAR(gap_between({&cube, 1, {}, {}}, {&ball, 1, {0, .8 + gap, 0}, {}}, 1, *scratch), gap, 1e-13);
+  }
+  EXPECT_EQ(gap_between({&cube, 1, {}, {}}, {&cube, 1, {1 - 2.1 * cube.margin, 0, 0}, {}}, 1, *scratch), kIntersect);
+  // a cube of twice the size has twice the margin
+  EXPECT_NEAR(gap_between({&cube, 1, {}, {}}, {&cube, 2, {1.5 + .01, 0, 0}, {}}, 1, *scratch), .01, 1e-13);
+}
+
+}  // namespace
+}  // namespace scree
