@@ -175,6 +175,7 @@ TEST_F(Command, compare_counts_the_ghosts_of_a_row_of_bodies) {
   BodyTable& b = scene.bodies;
   const double radius = 0.5 * std::sqrt(3.0) * b.scale[0];
   for (std::size_t i = 0; i < b.size(); ++i) b.position[i] = {2.1 * radius * static_cast<double>(i), 0, 0};
+  scene.settings.surface = TouchAt::outside;
   scene.settings.margin = 0.04 * radius;  // sums of reach: 2.08 radii: nobody touches
   write_scene_file((folder_ / "row.scene.h5").string(), scene);
   expect("compare row.scene.h5 --parts 2 --cuts rcb --skin 0", 0, {"rcb,2,1.0000,20.0,20,0.00,0,0.0,0,0,0"});

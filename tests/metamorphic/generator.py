@@ -695,9 +695,10 @@ def contact(d):
         table["margin"] = 0.0
     elif given:
         table["margin"] = d.margin
-    if d.chance(0.3):
-        table["surface"] = "outside"
-    elif "margin" in table and d.meshed and gather != "area" and d.chance(0.3):
+    surface = d.pick({None: 5, "outside": 3, "drawn": 2})
+    if surface is not None:
+        table["surface"] = surface
+    if surface != "outside" and "margin" in table and d.meshed and gather != "area" and d.chance(0.3):
         table["margin_ratio"] = table.pop("margin") / d.radius
     if d.chance(0.2):
         table["impact_speed"] = fastest(d) * d.between(0.9, 1.5)

@@ -65,7 +65,7 @@ class PostTest(InFolder):
                             theirs = float("nan")
                         scale = max(abs(theirs), 1e-3 * numbers["mean_speed"] ** 2 if quantity == "granular_temperature" else 0)
                         np.testing.assert_allclose(value, theirs, rtol=0, atol=1e-12 * scale, equal_nan=True, err_msg=f"{name} {group} {quantity}")
-            self.assertGreater(frame.measures()["coordination_number"], 0.5)
+            self.assertGreater(frame.measures()["coordination_number"], 0.2)
             self.assertEqual(set(frame.measures(region)), set(numbers) - set())
 
     def test_bodies_in_a_region_are_those_that_scree_post_writes(self):

@@ -1,0 +1,45 @@
+// Margins of a scene: what it needs of them, and how much room they leave.
+#include <algorithm>
+
+#include "core/base/error.hpp"
+#include "solver/scene/solver_scene.hpp"
+
+namespace scree {
+
+void SolverScene::check_margin(ShapeKind kind) const {
+  if (margins_by_size()) {
+    if (kind == ShapeKind::solid && !(scene_->settings.margin_ratio > 0))
+      throw UsageError("contact.margin_ratio = {:g}; meshes need a margin > 0 (typically .01 to .1)", scene_->settings.margin_ratio);
+    return;
+  }
+  if (kind != ShapeKind::sphere && !(margin_ > 0)) {
+    throw UsageError("contact.margin = {:g} m; meshes need a margin > 0 (typically 1 to 3 % of the body's size)", margin_);
+  }
+}
+
+void SolverScene::find_rooms() {
+  if (!margins_by_size()) {
+    least_room_ = largest_room_ = 2 * margin_;
+    return;
+  }
+  const bool has_mesh_walls =
+      std::any_of(scene_->walls.begin(), scene_->walls.end(), [](const Wall& w) { return w.kind == WallKind::mesh; });
+  const bool has_meshes = extremes_.largest_margin > 0, has_balls = extremes_.least_ball < BodyExtremes::kNone;
+  if (has_meshes) {
+    // mesh walls and balls have no margin beside that of the body
+    least_room_ = (has_mesh_walls || has_balls ? 1 : 2) * extremes_.least_margin;
+    largest_room_ = 2 * extremes_.largest_margin;
+  }
+  if (!has_balls || !(has_meshes || has_mesh_walls)) return;
+  least_room_ = has_meshes ? std::min(least_room_, extremes_.least_ball) : extremes_.least_ball;
+  largest_room_ = std::max(largest_room_, *std::max_element(extremes_.radius.begin(), extremes_.radius.end()));
+}
+
+PairLaw SolverScene::for_room(const PairLaw& law, double room) const {
+  PairLaw fitted = law;
+  fitted.margin = room;
+  if (scene_->settings.gather == Gathering::area && room > 0) fitted.stiffness = law.layer_modulus / room;
+  return fitted;
+}
+
+}  // namespace scree
