@@ -114,7 +114,7 @@ def x13(tools, table):
     c.floor()
     try:
         run = c.run(tools)
-        table.truth("1 x 1 x 1e-4 m, closed, falls on a plane", finite(run) and run.x[-1, 0, 2] > 4e-5 and run.log["contacts"].max() <= 4, f"rests at z = {run.x[-1, 0, 2]:.3g} m with {run.log['contacts'][-1]:.0f} contacts")
+        table.truth("1 x 1 x 1e-4 m, closed, falls on a plane", finite(run) and run.x[-1, 0, 2] > 4e-5 and run.log["contacts"][-1] <= 4, f"rests at z = {run.x[-1, 0, 2]:.3g} m with {run.log['contacts'][-1]:.0f} contacts")
     except ToolError as error:
         table.refusal("1 x 1 x 1e-4 m, closed, falls on a plane", error)
     table.must_refuse("open sheet as a body", lambda: import_mesh(tools, meshes.plate(1.0)), "the mesh is open")
@@ -294,10 +294,11 @@ def x25(tools, table):
         c.mesh("base", meshes.box((2, width, .1)))
         c.mesh("block", meshes.box((.1, .1, .1)))
         c.body("base", "m", (0, 0, 0), fixed=True)
-        c.body("block", "m", (-.5, 0, .1 - G / (k * (8 if width == .1 else 4)**.25)), velocity=(1.5, 0, 0), orientation=(1, 0, 0, 1e-16))
+        # beside a wider box of larger margin, whose rounded edge lies further in, its four corners alone carry
+        c.body("block", "m", (-.5, 0, .1 - G / (k * 4**.25)), velocity=(1.5, 0, 0), orientation=(1, 0, 0, 1e-16))
         run = c.run(tools)
         force, upward = [], 1.0
-        for contacts in run.contacts[2:]:
+        for contacts in run.contacts[10:]:  # lies still
             force.append(contacts["tangential_force"].sum(axis=0))
             # a feature at the rim of its edge has next to no force, and what it has is from its weight that fades: along the edge, not out of it
             carries = contacts["normal_force"] > 1e-6 * G
