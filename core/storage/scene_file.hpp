@@ -110,6 +110,7 @@ struct Wall {
   Quat orientation;             ///< mesh
   WallMotion motion;
   WallSurface surface;
+  bool load_map = false;  ///< mesh: what bodies do to each triangle is summed up and written to frames
 };
 
 /// A part of space: what a wall of that kind would hold (box_inside, cylinder_inside, sphere_inside), or the inside of a closed mesh. Only

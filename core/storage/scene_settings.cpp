@@ -75,6 +75,7 @@ json wall_json(const Wall& wall) {
   write_place(wall, j);
   j["motion"] = motion_json(wall.motion);
   if (wall.surface.is_given()) j["surface"] = motion_json(wall.surface.motion);
+  if (wall.load_map) j["load_map"] = true;
   return j;
 }
 
@@ -220,6 +221,9 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
                        Rotate::kWord);
     }
   }
+  if (o.has("load_map")) wall.load_map = o.boolean("load_map");  // added later
+  if (wall.load_map && (wall.kind != WallKind::mesh || shapes[static_cast<std::size_t>(wall.shape)].mesh.triangles.empty()))
+    throw InputError("{}: load_map of a wall without triangles; the file is damaged", o.where());
   return wall;
 }
 

@@ -231,6 +231,14 @@ void wall_shape_section(CaseKeys& k, CaseWall& w) {
   k.path({"file", "", "a surface that may be open, or a solid; coordinates of its file"}, w.file);
 }
 
+/// The form with triangles that stands for an analytic one.
+const char* mesh_form_of(const std::string& shape) {
+  if (shape == "plane") return "of shape = { plate = ... } or { disc = ... }";
+  if (shape == "box_inside") return "of shape = { box = ... }";
+  if (shape == "cylinder_inside") return "of shape = { cylinder = ... }";
+  return "from a file (scree-mesher generate sphere, then { file = ... })";
+}
+
 void wall_section(CaseKeys& k, Case& c) {
   CaseWall w;
   std::string shape;
@@ -258,6 +266,11 @@ void wall_section(CaseKeys& k, Case& c) {
     for (const char* key : {"position", "orientation", "scale", "cell_size"}) {
       if (t->has(key)) throw t->error(key, "is for walls that are meshes; a " + shape + " says itself where it is");
     }
+  }
+  if (k.when(w.wall.kind == WallKind::mesh)) {
+    k.boolean({"load_map", "", "of a mesh: sums up what bodies do to each triangle, for frames, ParaView and the report"}, w.wall.load_map);
+  } else if (t->has("load_map")) {
+    throw t->error("load_map", fmt::format("needs triangles, which a {} has none of; make the wall {}", shape, mesh_form_of(shape)));
   }
   k.section({"motion", "none", "prescribed, or in answer to force"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
   if (const std::optional<Drive> drive = w.wall.motion.drive();

@@ -250,6 +250,15 @@ void Plan::add_space() {
     }
   } else
     out("moving surfaces", "no wall has one");
+  if (scene_.mapped_triangles() > 0) {
+    for (const Wall& wall : source_.walls) {
+      if (!wall.load_map) continue;
+      const auto triangles = static_cast<double>(scene_.shape(wall.shape).mesh.triangle_count());
+      in("load map",
+         fmt::format("'{}': {:.0f} triangles, {:.1f} kB on each rank", wall.name, triangles, triangles * sizeof(TriangleLoad) / 1e3));
+    }
+  } else
+    out("load maps", "no wall has one");
   if (comm_.size() > 1)
     in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else

@@ -117,6 +117,8 @@ SolverScene::SolverScene(const Scene& scene)
     drives_.push_back(wall.motion.drive());
     levers_.push_back(drives_.back() ? lever_of(scene, wall, drives_.back()->guide) : 1.0);
     has_moving_surfaces_ = has_moving_surfaces_ || wall.surface.moves();
+    first_mapped_.push_back(wall.load_map ? mapped_triangles_ : -1);
+    if (wall.load_map) mapped_triangles_ += shape(wall.shape).mesh.triangle_count();
   }
   if (std::none_of(drives_.begin(), drives_.end(), [](const auto& drive) { return drive.has_value(); })) drives_.clear();
 }

@@ -99,6 +99,10 @@ class SolverScene {
   /// Of a wall that has an inertia, at a place in the world: 1 over the mass that a contact there meets [1/kg]; 0 of any other.
   double wall_mobility(std::size_t wall, const Vec3& at) const;
   bool has_moving_surfaces() const { return has_moving_surfaces_; }
+  /// Triangles of all walls with a load map, wall after wall; 0: none has one.
+  std::int32_t mapped_triangles() const { return mapped_triangles_; }
+  /// Of a wall with a load map, where its triangles begin among them; -1 of any other.
+  std::int32_t first_mapped(std::size_t wall) const { return first_mapped_[wall]; }
 
  private:
   void include_inlets();
@@ -125,6 +129,8 @@ class SolverScene {
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
+  std::vector<std::int32_t> first_mapped_;  ///< of each wall
+  std::int32_t mapped_triangles_ = 0;
   std::vector<double> levers_;                ///< of each wall
   std::vector<std::optional<Drive>> drives_;  ///< of each wall; empty where none answers to force
   std::shared_ptr<DensityWeights> weights_;   ///< null: all 1

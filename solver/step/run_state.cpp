@@ -16,6 +16,7 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
+  totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
 }
 
 void RunState::set_walls() {

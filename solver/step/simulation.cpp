@@ -8,6 +8,7 @@
 #include "solver/step/stability.hpp"
 #include "solver/step/start_from_run.hpp"
 #include "solver/step/wall_drives.hpp"
+#include "solver/step/wall_loads.hpp"
 
 namespace scree {
 
@@ -44,6 +45,7 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   if (start) book_starting_springs(state_);
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
+  book_loads(state_, 0.5 * state_.clock.dt, false, state_.totals.loads);
   add_dissipation(state_, 0.5 * state_.clock.dt);
   agree_on_failures();
 }
@@ -122,6 +124,7 @@ void Simulation::finish_motion() {
   end_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
   if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { respond_drives(state_); });
   add_wall_effects(state_, state_.clock.dt, state_.totals.walls);
+  book_loads(state_, state_.clock.dt, true, state_.totals.loads);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   add_dissipation(state_, state_.clock.dt);
 }
