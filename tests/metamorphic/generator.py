@@ -797,6 +797,16 @@ def cells_of_large_things(d):
 
 
 @feature
+def load_maps(d):
+    """From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"load maps {d.words['title']}")
+    for wall in d.case.walls:
+        if is_mesh_wall(wall) and d.chance(0.4):
+            wall["load_map"] = True
+    d.random = others
+
+
+@feature
 def fluid(d):
     if not d.chance(0.12):
         return

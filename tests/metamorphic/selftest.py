@@ -58,12 +58,15 @@ def scenes():
     less_than_one = population | {"mass": 1e-4}
     del less_than_one["count"]
     on_a_sheet = scene(falling, [sheet])
+    sheet["load_map"] = True
+    on_a_mapped_sheet = scene(falling, [{"shape": {"file": "@sheet"}, "material": "m", "load_map": True}])
+    on_a_mapped_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     feed = {"shape": "ball", "material": "m", "number_rate": 100.0, "region": {"box": [[-0.05, -0.05, 0.03], [0.05, 0.05, 0.06]]}, "velocity": [0, 0, -1]}
     end = {"region": {"box": [[-0.1, -0.1, -0.2], [0.1, 0.1, 0.0]]}}
     return [scene(falling, [floor]), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
             scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
-            on_a_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
+            on_a_sheet, on_a_mapped_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
 
 
 def every_relation_can_fail(tools):
