@@ -68,6 +68,12 @@ enum FrameUse : unsigned {
   column(double, contacts, "loads/contacts", "", "contacts", kFileOnly, "of bodies with the wall that began there") \
   column(double, impact_energy, "loads/impact_energy", "J", "impact_energy", kFileOnly, "of such contacts as they began")
 
+/// Vertices of the walls that wear, as they are, in the order of the walls and of their meshes: column(type, name, path, unit, csv, uses,
+/// what it is)
+#define SCREE_FRAME_WEAR(column) \
+  column(std::int64_t, wall, "wear/wall", "", "", kFileOnly, "id") \
+  column(Vec3, vertex, "wear/vertex", "m", "", kFileOnly, "axes and scale of the wall's mesh")
+
 /// Attributes of the group `frame`: column(type, name, unit, what it is)
 #define SCREE_FRAME_SCALARS(column) \
   column(std::int64_t, number, "", "of the frame") \

@@ -76,6 +76,7 @@ json wall_json(const Wall& wall) {
   j["motion"] = motion_json(wall.motion);
   if (wall.surface.is_given()) j["surface"] = motion_json(wall.surface.motion);
   if (wall.load_map) j["load_map"] = true;
+  if (wall.wear > 0) j["wear"] = {{"coefficient", wall.wear}, {"every", wall.wear_every}};
   return j;
 }
 
@@ -224,6 +225,12 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
   if (o.has("load_map")) wall.load_map = o.boolean("load_map");  // added later
   if (wall.load_map && (wall.kind != WallKind::mesh || shapes[static_cast<std::size_t>(wall.shape)].mesh.triangles.empty()))
     throw InputError("{}: load_map of a wall without triangles; the file is damaged", o.where());
+  if (o.has("wear")) {  // added later
+    const JsonObject wear = o.object("wear");
+    wall.wear = wear.positive("coefficient");
+    wall.wear_every = wear.positive("every");
+    if (!wall.load_map) throw InputError("{}: wear of a wall without a load map; the file is damaged", o.where());
+  }
   return wall;
 }
 

@@ -272,6 +272,20 @@ void wall_section(CaseKeys& k, Case& c) {
   } else if (t->has("load_map")) {
     throw t->error("load_map", fmt::format("needs triangles, which a {} has none of; make the wall {}", shape, mesh_form_of(shape)));
   }
+  if (t == nullptr || w.wall.kind == WallKind::mesh) {
+    k.section(
+        {"wear", "none", "of a mesh, Archard's: the wall recedes where bodies slide over it; brings its `load_map` along"},
+        [&](CaseKeys& below) {
+          below.number({"coefficient", kRequired, "volume per sliding work"}, w.wall.wear, Dimension::wear_coefficient, Range::positive);
+          below.number({"every", kRequired,
+                        "after which vertices are moved, counted from the start; each time by a tenth of the margin "
+                        "at most"},
+                       w.wall.wear_every, Dimension::time, Range::positive);
+          w.wall.load_map = true;
+        });
+  } else if (t->has("wear")) {
+    throw t->error("wear", fmt::format("needs triangles, which a {} has none of; make the wall {}", shape, mesh_form_of(shape)));
+  }
   k.section({"motion", "none", "prescribed, or in answer to force"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
   if (const std::optional<Drive> drive = w.wall.motion.drive();
       t != nullptr && w.wall.kind == WallKind::plane && drive && drive->guide.turns) {

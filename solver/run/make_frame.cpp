@@ -59,6 +59,28 @@ void add_frame_loads(const SolverScene& scene, const LoadMap& map, FrameLoads& l
   }
 }
 
+/// The same for each column of SCREE_FRAME_WEAR.
+struct ComputedOfVertex {
+  const Wall& of;
+  const Vec3& place;
+  std::int64_t wall() const { return of.id; }
+  Vec3 vertex() const { return place; }
+};
+
+void add_frame_wear(const SolverScene& scene, const WearState& state, FrameWear& wear) {
+  for (std::size_t w = 0; w < scene.source().walls.size(); ++w) {
+    const std::int32_t first = scene.first_worn(w);
+    if (first < 0) continue;
+    const Wall& wall = scene.source().walls[w];
+    for (std::int32_t v = 0; v < scene.shape(wall.shape).mesh.vertex_count(); ++v) {
+      const ComputedOfVertex computed{wall, state.vertices[static_cast<std::size_t>(first + v)]};
+#define SCREE_FILL_COMPUTED(type, name, path, unit, csv, uses, what) wear.name.push_back(computed.name());
+      SCREE_FRAME_WEAR(SCREE_FILL_COMPUTED)
+#undef SCREE_FILL_COMPUTED
+    }
+  }
+}
+
 }  // namespace
 
 void add_frame_body(const SolverScene& scene, const ParticleRecord& body, int rank, const Vec3& origin, FrameBodies& bodies) {
@@ -95,6 +117,7 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
     const LoadMap map = loads_now(simulation.state());
     if (rank == 0) add_frame_loads(simulation.state().scene, map, frame.loads);
   }
+  if (rank == 0) add_frame_wear(simulation.state().scene, simulation.state().totals.wear, frame.wear);
   return frame;
 }
 

@@ -60,6 +60,13 @@ ItemHash hash_of(const LoadMap& loads) {
   return h;
 }
 
+ItemHash hash_of(const WearState& wear) {
+  ItemHash h;
+  for (const Vec3& v : wear.vertices) h.add(v);
+  for (const double work : wear.work) h.add(work);
+  return h;
+}
+
 /// Calls action(pair, result) for the pairs in contact that this rank counts.
 template <class Action>
 void for_each_contact(const RunState& s, Action&& action) {
@@ -258,6 +265,7 @@ std::string state_hash(const RunState& s) {
     add_over_ranks(s.comm.get(), loads);
     if (s.comm.rank() == 0) add(hash_of(loads));
   }
+  if (s.comm.rank() == 0 && !s.totals.wear.vertices.empty()) add(hash_of(s.totals.wear));
   if (s.comm.rank() == 0) {
     for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));
     for (const DriveState& drive : s.totals.drives) add(hash_of(drive));

@@ -10,6 +10,7 @@
 #include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/run/run.hpp"
+#include "solver/step/wall_wear.hpp"
 
 namespace scree {
 
@@ -259,6 +260,15 @@ void Plan::add_space() {
     }
   } else
     out("load maps", "no wall has one");
+  if (scene_.worn_vertices() > 0) {
+    for (const Wall& wall : source_.walls) {
+      if (!(wall.wear > 0)) continue;
+      const std::int64_t steps = wear_steps(wall, simulation_.state().clock.size.step);
+      in("wear", fmt::format("'{}': {} per sliding work, every {} steps", wall.name,
+                             format_quantity(wall.wear, Dimension::wear_coefficient), steps));
+    }
+  } else
+    out("wear", "no wall wears");
   if (comm_.size() > 1)
     in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else

@@ -44,6 +44,13 @@ struct LoadMap {
   std::vector<TriangleLoad> triangles;
 };
 
+/// Of all walls that wear; the same on every rank.
+struct WearState {
+  std::vector<Vec3> vertices;  ///< as they are now, axes of their meshes, wall after wall (SolverScene::first_worn)
+  std::vector<double> work;    ///< of each triangle of a load map: the sliding work that its wall has been worn for [J]
+  bool operator==(const WearState&) const = default;
+};
+
 /// A contact's share in a triangle, world axes.
 struct LoadEntry {
   std::int32_t triangle;            ///< row of the map

@@ -156,3 +156,64 @@ def w4(tools, report):
     middle = areas_and_middles(plate)[1]
     under = (middle[:, 0] > -0.1) & (middle[:, 0] < slid + 0.1) & (abs(middle[:, 1]) < 0.1)
     report.at_most("elsewhere [J]", work[~under].sum(), 0)
+
+
+@case("W5", "U", "a block wears what it slides over", "Archard: coefficient times mu m g s; the volume of the mesh")
+def w5(tools, report):
+    mu, mass, way, coefficient, margin, stiffness = 0.3, 1.0, 1.0, 5e-7, 4e-4, 2e6
+    exact = coefficient * mu * mass * G * way
+    block = meshes.box((0.1, 0.1, 0.02))
+    top = numpy.array([1.6, 0.4, 0.0])
+    slab = meshes.box((1.6, 0.4, 0.1), n=16, shift=(0.5, 0, -0.05))
+    sheet = meshes.plate(1.6, 32)
+    sheet = meshes.rounded(sheet[0] * numpy.array([1, 0.25, 1]) + numpy.array([0.5, 0, 0])), sheet[1]
+    turned = sheet[0], sheet[1][:, ::-1]   # its normals point down, and what lies on it lies on its back
+    # Worn all at once at the end, it slides over a plane. Worn every 0.15 s, it slides over facets, and about 4 in 1000 of the energy goes
+    # into what is no sliding: impacts, and springs of features that come and go.
+    for name, wall, every, tolerance in (("closed", slab, 0.9, 1e-3), ("turned sheet", turned, 0.9, 1e-3), ("sheet", sheet, 0.15, 1e-2)):
+        c = Case(f"W5{name[0]}", duration=0.9, step=4e-5, every=0.15, gravity=(0, 0, -G), margin=margin)
+        c.mesh("block", block)
+        c.material("m", mass / meshes.mass_properties(block)[0])
+        c.pair_all(stiffness=stiffness, restitution=0.1, friction=mu)
+        c.body("block", "m", (0, 0, 0.01 + 2 * margin - mass * G / stiffness / 4**(1 / 8)), velocity=(math.sqrt(2 * mu * G * way), 0, 0))
+        c.mesh_wall(wall, "m", wear={"coefficient": coefficient, "every": every})
+        run = report.run(c.run(tools))
+        worn = run.wear[-1]["vertex"]
+        lost = run.record["wear"][0]
+        work = run.loads[-1]["sliding_work"].sum()
+        report.check(f"{name}: volume worn off [m^3]", lost["volume"], exact, tolerance)
+        report.check(f"{name}: the same from the work that the map has", lost["volume"], coefficient * work, 1e-9)
+        if name == "closed":
+            now = meshes.mass_properties((worn, wall[1]))[0]
+            report.check(f"{name}: volume of the mesh less by [m^3]", meshes.mass_properties(wall)[0] - now, exact, tolerance)
+            report.check(f"{name}: that, of what was worn off", meshes.mass_properties(wall)[0] - now, lost["volume"], 1e-6)
+        else:
+            # above the plane that it was: swept volume of the heights, a third of each vertex for each of its triangles
+            area, _ = areas_and_middles((worn * [1, 1, 0], wall[1]))
+            report.check(f"{name}: volume under the sheet less by [m^3]", -(area * worn[wall[1]][:, :, 2].mean(axis=1)).sum(), lost["volume"], 1e-4)
+        upper = abs(worn[:, 2]) < 0.005
+        deepest = -worn[upper][:, 2].min()
+        report.check(f"{name}: deepest place [m]", deepest, lost["depth"], 1e-2)
+        report.at_most(f"{name}: vertices that rose [m]", worn[upper][:, 2].max(), 1e-12)
+        report.check(f"{name}: the block slid [m]", run.x[-1, 0, 0] - run.x[0, 0, 0], way, 1e-2)
+        report.at_most(f"{name}: energy balance", run.record["energy"]["error_relative"], 2e-3)
+
+
+@case("W6", "U", "one interval of wear or another", "sum of the intervals; the same work, to the second order in the depth of one")
+def w6(tools, report):
+    volumes = {}
+    plate = meshes.plate(0.4, 16)
+    for every in (0.01, 0.02, 0.04):
+        c = Case("W6", duration=0.4, step=2e-5, every=0.04, gravity=(1.5, 0, -G), margin=4e-4)
+        c.sphere("ball", 0.02)
+        c.material("m", 3000.0)
+        c.pair_all(stiffness=2e5, restitution=0.3, friction=0.1, rolling_friction=0.1)
+        for k in range(5):
+            c.body("ball", "m", (-0.1, -0.1 + 0.05 * k, 0.02 + 3.9e-4), velocity=(0.2 + 0.1 * k, 0, 0))
+        c.mesh_wall(plate, "m", wear={"coefficient": 1e-6, "every": every})
+        run = report.run(c.run(tools))
+        volumes[every] = run.record["wear"][0]["volume"]
+        report.check(f"every {every} s: volume worn off, of the work", volumes[every], 1e-6 * run.loads[-1]["sliding_work"].sum(), 1e-9)
+        report.at_most(f"every {every} s: energy balance", run.record["energy"]["error_relative"], 5e-3)
+    report.check("volume at .02 s against .01 s", volumes[0.02], volumes[0.01], 2e-2)
+    report.check("volume at .04 s against .01 s", volumes[0.04], volumes[0.01], 4e-2)
