@@ -75,7 +75,9 @@ std::string picture_section(const Run& run, std::size_t frame, std::vector<std::
     add(network, "The contact network", fmt::format("Contact forces at {}: thickness and colour by normal force.", time));
   }
   if (has_load_maps(run.scene)) {
-    for (const char* name : {"pressure", "sliding_power", "impact_power"}) {
+    std::vector<const char*> names{"pressure", "sliding_power", "impact_power"};
+    if (has_wear(run.scene)) names.push_back("wear_depth");
+    for (const char* name : names) {
       PictureOptions load;
       load.load = name;
       const LoadQuantity& of = kLoadQuantities[load_quantity(name)];
@@ -157,20 +159,22 @@ std::vector<double> sum(const std::vector<double>& a, const std::vector<double>&
 }
 
 std::string load_section(const Run& run) {
-  const std::vector<WallLoads> loads = wall_loads(run.scene, Frame{}, load_frame(run, run.frames.size() - 1));
+  const Frame last = load_frame(run, run.frames.size() - 1);
+  const std::vector<WallLoads> loads = wall_loads(run.scene, Frame{}, last);
   std::string html =
       "<p>Of walls with a load map, from the start of the run to the last frame. Mean force: along the axes of the wall's mesh.</p>\n"
       "<div class=\"wide\"><table class=\"grid-table\"><thead><tr><th>wall</th><th>triangles</th><th>mean force [N]</th>"
       "<th>largest mean pressure [Pa]</th><th>sliding [W]</th><th>lost along the normal [W]</th><th>contacts [1/s]</th>"
-      "<th>energy of impacts [W]</th></tr></thead><tbody>\n";
+      "<th>energy of impacts [W]</th><th>worn off [m&sup3;]</th></tr></thead><tbody>\n";
   for (const WallLoads& l : loads) {
     const double per = l.time > 0 ? 1 / l.time : 0;
     html += fmt::format(
         "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}, {:.4g}, {:.4g}</td><td class=\"n\">{:.4g}</td><td "
-        "class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
+        "class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td "
+        "class=\"n\">{}</td></tr>\n",
         escaped(run.scene.walls[l.wall].name), l.area.size(), per * l.impulse.x, per * l.impulse.y, per * l.impulse.z,
         l.values[0].empty() ? 0.0 : *std::max_element(l.values[0].begin(), l.values[0].end()), l.total(2), l.total(3), l.total(4),
-        l.total(5));
+        l.total(5), run.scene.walls[l.wall].wear > 0 ? fmt::format("{:.4g}", volume_worn(run.scene.walls[l.wall], last)) : "");
   }
   return html + "</tbody></table></div>\n";
 }

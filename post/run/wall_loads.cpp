@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/error.hpp"
+#include "post/run/drawn_meshes.hpp"
 
 namespace scree {
 
@@ -29,6 +30,19 @@ void check(const FrameLoads& loads, std::int64_t wall, std::size_t begin, std::s
 
 }  // namespace
 
+/// By Archard, of the sliding work that a frame's map has; the mesh has lost it at the times when it is worn.
+double volume_worn(const Wall& wall, const Frame& frame) {
+  double work = 0;
+  for (std::size_t row = 0; row < frame.loads.size(); ++row) {
+    if (frame.loads.wall[row] == wall.id) work += frame.loads.sliding_work[row];
+  }
+  return wall.wear * work;
+}
+
+bool has_wear(const Scene& scene) {
+  return std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& wall) { return wall.wear > 0; });
+}
+
 bool has_load_maps(const Scene& scene) {
   return std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& wall) { return wall.load_map; });
 }
@@ -43,6 +57,7 @@ std::vector<WallLoads> wall_loads(const Scene& scene, const Frame& from, const F
     if (!wall.load_map) continue;
     const TriangleMesh& mesh = scene.shapes[static_cast<std::size_t>(wall.shape)].mesh;
     WallLoads of{w, to.time - from.time, {}, {}, {}, {}, {}};
+    const std::vector<Vec3> worn = wall.wear > 0 ? worn_vertices_of(wall, to) : std::vector<Vec3>{};
     check(from.loads, wall.id, row, mesh.triangles.size());
     check(to.loads, wall.id, row, mesh.triangles.size());
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t, ++row) {
@@ -62,8 +77,15 @@ std::vector<WallLoads> wall_loads(const Scene& scene, const Frame& from, const F
                                                      last.sliding - first.sliding,
                                                      last.damping - first.damping,
                                                      last.contacts - first.contacts,
-                                                     last.impact - first.impact};
-      for (std::size_t q = 0; q < of.values.size(); ++q) of.values[q].push_back(per * values[q]);
+                                                     last.impact - first.impact,
+                                                     0};
+      for (std::size_t q = 0; q + 1 < of.values.size(); ++q) of.values[q].push_back(per * values[q]);
+      Vec3 receded;
+      if (worn.size() == mesh.vertices.size()) {
+        for (const std::int32_t v : mesh.triangles[static_cast<std::size_t>(t)])
+          receded += (wall.scale / 3) * (worn[static_cast<std::size_t>(v)] - mesh.vertices[static_cast<std::size_t>(v)]);
+      }
+      of.values.back().push_back(std::abs(dot(receded, normal)));
     }
     all.push_back(std::move(of));
   }
@@ -117,7 +139,8 @@ std::vector<std::string> load_names() {
 std::vector<LoadTable> load_tables(const Run& run, const std::vector<std::size_t>& frames) {
   if (!has_load_maps(run.scene) || frames.empty()) return {};
   // of a wall: areas times densities; power in W, contacts in 1/s
-  LoadTable series{"wall_loads.csv", "time,wall,sliding_power,damping_power,contact_rate,impact_power\n# units: s,-,W,W,1/s,W\n"};
+  LoadTable series{"wall_loads.csv",
+                   "time,wall,sliding_power,damping_power,contact_rate,impact_power,volume_worn\n# units: s,-,W,W,1/s,W,m^3\n"};
   LoadTable map{"load_map.csv", "wall,triangle,x,y,z,area"};
   std::string units = "-,-,m,m,m,m^2";
   for (const LoadQuantity& q : kLoadQuantities) {
@@ -132,8 +155,8 @@ std::vector<LoadTable> load_tables(const Run& run, const std::vector<std::size_t
     Frame now = load_frame(run, frames[k]);
     for (const WallLoads& l : wall_loads(run.scene, before, now)) {
       series.text += fmt::format("{:.9g},{}", now.time, run.scene.walls[l.wall].id);
-      for (std::size_t q = 2; q < kLoadQuantities.size(); ++q) series.text += fmt::format(",{:.9g}", l.total(q));
-      series.text += "\n";
+      for (std::size_t q = 2; q + 1 < kLoadQuantities.size(); ++q) series.text += fmt::format(",{:.9g}", l.total(q));
+      series.text += fmt::format(",{:.9g}\n", volume_worn(run.scene.walls[l.wall], now));
     }
     before = std::move(now);
   }

@@ -14,13 +14,14 @@ struct LoadQuantity {
 };
 
 /// In the order of WallLoads::values. Names are those of cell data for ParaView and of columns.
-inline constexpr std::array<LoadQuantity, 6> kLoadQuantities{{
+inline constexpr std::array<LoadQuantity, 7> kLoadQuantities{{
     {"pressure", "Pa", "mean pressure [Pa]"},                          // of the mean force along the triangle's normal
     {"shear", "Pa", "mean shear [Pa]"},                                // of the mean force across it: what goes to and fro cancels
     {"sliding_power", "W/m^2", "sliding work [W/m^2]"},                // of friction on what slid
     {"damping_power", "W/m^2", "work lost along the normal [W/m^2]"},  // of damping
     {"contact_rate", "1/(m^2 s)", "contacts that began [1/(m^2 s)]"},  // of bodies with the wall
     {"impact_power", "W/m^2", "energy of impacts [W/m^2]"},            // of these contacts as they began
+    {"wear_depth", "m", "depth worn off since the start [m]"},         // along the normal of the triangle as it was; at the later frame
 }};
 
 /// Of a wall that has a load map.
@@ -51,6 +52,9 @@ std::size_t load_quantity(const std::string& name);
 std::vector<std::string> load_names();
 
 bool has_load_maps(const Scene& scene);
+bool has_wear(const Scene& scene);
+/// Of a wall, since the start [m^3].
+double volume_worn(const Wall& wall, const Frame& frame);
 
 /// Tables of a folder of statistics: what each wall bore from frame to frame, and each triangle over all of these frames. Empty without
 /// load maps. in   frames   indices, ascending

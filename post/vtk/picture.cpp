@@ -337,7 +337,7 @@ void add_loads(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
   const std::vector<WallPlace> places = wall_places(frame, scene);
   for (const WallLoads& l : loads) {
     const Wall& wall = scene.walls[l.wall];
-    TriangleMesh mesh = drawn_wall(wall, scene, room);
+    TriangleMesh mesh = drawn_wall(wall, scene, room, &frame);
     double pushed = 0;  // against the normals where bodies lie before the faces
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
       const auto row = static_cast<std::size_t>(t);
@@ -371,7 +371,7 @@ void add_loads(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 
 void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const Box3& room) {
   std::vector<TriangleMesh> walls;
-  for (const Wall& wall : scene.walls) walls.push_back(drawn_wall(wall, scene, room));
+  for (const Wall& wall : scene.walls) walls.push_back(drawn_wall(wall, scene, room, &frame));
   if (walls.empty()) return;
   const auto data = vtk_walls(scene, walls, wall_places(frame, scene));
   vtkNew<vtkPolyDataMapper> mapper;

@@ -44,8 +44,9 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     for (const Shape& shape : run.scene.shapes) shapes.push_back(drawn_shape(shape));
   }
   std::vector<TriangleMesh> walls;
+  Box3 room;
   if (wants("walls")) {
-    const Box3 room = room_of(load_frame(run, options.frames.front()).bodies, run.scene);
+    room = room_of(load_frame(run, options.frames.front()).bodies, run.scene);
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
   }
   const Periodicity period = periodicity_of(run.scene);
@@ -65,6 +66,9 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     if (wants("contacts")) write_contacts_vtp(path("contacts"), frame.contacts);
     if (wants("network")) write_network_vtp(path("network"), frame, period);
     if (!walls.empty()) {
+      for (std::size_t w = 0; w < walls.size(); ++w) {
+        if (run.scene.walls[w].wear > 0) walls[w] = drawn_wall(run.scene.walls[w], run.scene, room, &whole);
+      }
       // means since the frame before, of all that the run has
       const std::vector<WallLoads> loads =
           has_load_maps(run.scene) ? wall_loads(run.scene, f > 0 ? load_frame(run, f - 1) : Frame{}, whole) : std::vector<WallLoads>{};

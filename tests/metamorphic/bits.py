@@ -365,6 +365,8 @@ def a_load_map_is_no_physics(trial):
     meshes = [wall for wall in case.walls if next(iter(wall["shape"])) not in ("plane", "box_inside", "cylinder_inside", "sphere_inside")]
     if not meshes:
         raise NotApplicable("no wall of triangles")
+    if any("wear" in wall for wall in meshes):
+        raise NotApplicable("a wall wears, which is physics")
     for wall in meshes:
         wall["load_map"] = not wall.get("load_map", False)
     other = trial.solve_case(case)

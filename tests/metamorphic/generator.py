@@ -872,6 +872,19 @@ def duration(d):
 
 
 @feature
+def wear(d):
+    """From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"wear {d.words['title']}")
+    for wall in d.case.walls:
+        if is_mesh_wall(wall) and d.chance(0.15):
+            # a fall of a body rubs off a thousandth of its volume at most: by less than a tenth of the margin at a time, mostly
+            density = max(material["density"] for material in d.words["materials"].values())
+            wall["wear"] = {"coefficient": 1e-3 * d.log_between(0.01, 1) / (density * max(d.speed**2, d.g * d.radius)),
+                            "every": d.duration * d.log_between(0.01, 0.5)}
+    d.random = others
+
+
+@feature
 def output(d):
     table = {"every": d.duration / (40 if d.settles else d.random.randint(5, 12))}
     if d.chance(0.15):
