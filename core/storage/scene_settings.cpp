@@ -32,6 +32,9 @@ json motion_json(WallMotion motion) {
     j["start"] = motion.start;
     j["stop"] = motion.stop;
   }
+  if (const auto* several = std::get_if<Several>(&motion.kind)) {
+    for (const WallMotion& part : several->parts) j["parts"].push_back(motion_json(part));
+  }
   j["kind"] = motion.word();
   return j;
 }
@@ -154,6 +157,14 @@ Settings read_settings(const JsonObject& o) {
 WallMotion read_motion(const JsonObject& o) {
   WallMotion motion;
   const std::string word = o.text("kind");
+  if (word == Several::kWord) {  // added later
+    Several several;
+    for (const JsonObject& part : o.objects("parts")) several.parts.push_back(read_motion(part));
+    motion.kind = several;
+    if (several.parts.empty()) throw InputError("{}: several motions without any; the file is damaged", o.where());
+    if (const auto fault = motion.fault()) throw InputError("{}: {} {}", o.where(), fault->key, fault->text);
+    return motion;
+  }
   std::string known = Still::kWord;
   bool found = word == Still::kWord;
   for_each_motion([&](auto kind) {

@@ -191,8 +191,7 @@ class RunReader {
 
 /// The wall as it stands at a time of the run; nothing for a box_inside that is turned then.
 std::optional<Wall> wall_at(Wall wall, double time) {
-  wall.motion.start -= time;
-  wall.motion.stop -= time;
+  wall.motion.advance_clock(time);
   try {
     return wall_at_start(wall);
   } catch (const UsageError&) {

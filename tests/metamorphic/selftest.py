@@ -127,7 +127,8 @@ def schema_leaves(node, path=""):
             if isinstance(kind.get("additionalProperties"), dict):
                 yield from schema_leaves(kind["additionalProperties"], path + ".*")
         elif kind.get("type") == "array" and kind["items"].get("type") == "object":
-            yield from schema_leaves(kind["items"], path + ".*")
+            # a table, or a list of such tables: what is in the list has the keys of the one
+            yield from schema_leaves(kind["items"], path if any(k.get("type") == "object" for k in kinds) else path + ".*")
         elif kind.get("type") == "array":
             inner = kind["items"].get("items", kind["items"])
             yield path, inner.get("anyOf", [inner])[0]
@@ -143,6 +144,9 @@ def leaves_of(words, path=""):
     elif isinstance(words, list) and path in ("bodies", "walls", "populations", "pairs", "inlets", "outlets"):
         for entry in words:
             yield from leaves_of(entry, path + ".*")
+    elif isinstance(words, list) and words and all(isinstance(entry, dict) for entry in words):
+        for entry in words:
+            yield from leaves_of(entry, path)
     else:
         yield path, words
 
