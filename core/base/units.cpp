@@ -100,6 +100,7 @@ constexpr std::array kDimensions{
     DimensionFacts{Dimension::moment_of_inertia, "a moment of inertia", "kg m^2", "0.2 kg m^2", {1, 2, 0, 0}},
     DimensionFacts{Dimension::damping, "a force per velocity", "N s/m", "100 N s/m", {1, 0, -1, 0}},
     DimensionFacts{Dimension::rotational_damping, "a torque per angular velocity", "N m s", "0.5 N m s", {1, 2, -1, 0}},
+    DimensionFacts{Dimension::wear_coefficient, "a volume per energy", "m^3/J", "5e-13 m^3/J", {-1, 1, 2, 0}},
 };
 
 const DimensionFacts& facts_of(Dimension dimension) {

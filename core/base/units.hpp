@@ -30,7 +30,8 @@ enum class Dimension {
   torque,
   moment_of_inertia,
   damping,
-  rotational_damping
+  rotational_damping,
+  wear_coefficient
 };
 
 /// "a length [m]", for messages.

@@ -6,20 +6,26 @@
 
 namespace scree {
 
-bool faces_inward(const TriangleMesh& mesh) {
+bool is_closed(const TriangleMesh& mesh) {
   std::vector<std::pair<std::int32_t, std::int32_t>> forward, backward;
-  double volume = 0;
   for (const Triangle& t : mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       forward.emplace_back(t[k], t[(k + 1) % 3]);
       backward.emplace_back(t[(k + 1) % 3], t[k]);
     }
-    const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])] - mesh.vertices.front(); };
-    volume += dot(at(0), cross(at(1), at(2)));
   }
   std::sort(forward.begin(), forward.end());
   std::sort(backward.begin(), backward.end());
-  return volume < 0 && forward == backward;  // each edge has as many triangles on either side
+  return forward == backward;
+}
+
+bool faces_inward(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])] - mesh.vertices.front(); };
+    volume += dot(at(0), cross(at(1), at(2)));
+  }
+  return volume < 0 && is_closed(mesh);
 }
 
 }  // namespace scree

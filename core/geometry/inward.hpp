@@ -5,6 +5,9 @@
 
 namespace scree {
 
+/// Closed and oriented: each edge has as many triangles on either side. Cost: O(T log T).
+bool is_closed(const TriangleMesh& mesh);
+
 /// Closed and oriented, with normals that point to the inside: a container, whose outer edges are concave as seen from where its bodies
 /// are. Cost: O(T log T).
 bool faces_inward(const TriangleMesh& mesh);

@@ -57,6 +57,23 @@ enum FrameUse : unsigned {
   column(Vec3, force, "walls/force", "N", "", kFileOnly, "on the wall") \
   column(Vec3, torque, "walls/torque", "N m", "", kFileOnly, "on the wall, about the world origin")
 
+/// Of each triangle of the walls that have a load map, in the order of the walls and of their meshes; sums since the start of the run, so
+/// that what happened between two frames is their difference: column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_LOADS(column) \
+  column(std::int64_t, wall, "loads/wall", "", "wall", kFileOnly, "id") \
+  column(std::int32_t, triangle, "loads/triangle", "", "triangle", kFileOnly, "number in the mesh of the wall") \
+  column(Vec3, impulse, "loads/impulse", "N s", "impulse_x,impulse_y,impulse_z", kFileOnly, "on it, axes of the wall's mesh") \
+  column(double, sliding_work, "loads/sliding_work", "J", "sliding_work", kFileOnly, "of friction on what slid over it") \
+  column(double, damping_work, "loads/damping_work", "J", "damping_work", kFileOnly, "lost along the normal") \
+  column(double, contacts, "loads/contacts", "", "contacts", kFileOnly, "of bodies with the wall that began there") \
+  column(double, impact_energy, "loads/impact_energy", "J", "impact_energy", kFileOnly, "of such contacts as they began")
+
+/// Vertices of the walls that wear, as they are, in the order of the walls and of their meshes: column(type, name, path, unit, csv, uses,
+/// what it is)
+#define SCREE_FRAME_WEAR(column) \
+  column(std::int64_t, wall, "wear/wall", "", "", kFileOnly, "id") \
+  column(Vec3, vertex, "wear/vertex", "m", "", kFileOnly, "axes and scale of the wall's mesh")
+
 /// Attributes of the group `frame`: column(type, name, unit, what it is)
 #define SCREE_FRAME_SCALARS(column) \
   column(std::int64_t, number, "", "of the frame") \

@@ -79,6 +79,8 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   check_sizes(frame.bodies);
   check_sizes(frame.contacts);
   check_sizes(frame.walls);
+  check_sizes(frame.loads);
+  check_sizes(frame.wear);
   int rank = 0, size = 1;
   MPI_Comm_rank(communicator, &rank);
   MPI_Comm_size(communicator, &size);
@@ -86,19 +88,23 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   // what only rank 0 knows
   struct {
     FrameScalars scalars;
-    std::int64_t wall_count;
-  } header{frame, static_cast<std::int64_t>(frame.walls.size())};
+    std::int64_t wall_count, load_count, wear_count;
+  } header{frame, static_cast<std::int64_t>(frame.walls.size()), static_cast<std::int64_t>(frame.loads.size()),
+           static_cast<std::int64_t>(frame.wear.size())};
   static_assert(std::is_trivially_copyable_v<decltype(header)>);
   MPI_Bcast(&header, static_cast<int>(sizeof header), MPI_BYTE, 0, communicator);
   const std::string provenance = broadcast_text(communicator, rank == 0 ? json_text(frame.provenance) : std::string());
   const Rows bodies = distribute(communicator, static_cast<std::int64_t>(frame.bodies.size()));
   const Rows contacts = distribute(communicator, static_cast<std::int64_t>(frame.contacts.size()));
-  const Rows walls{rank == 0 ? header.wall_count : 0, rank == 0 ? 0 : header.wall_count, header.wall_count};
+  const auto of_root = [&](std::int64_t rows) { return Rows{rank == 0 ? rows : 0, rank == 0 ? 0 : rows, rows}; };
+  const Rows walls = of_root(header.wall_count), loads = of_root(header.load_count), wear = of_root(header.wear_count);
 
   // room on the disk, uncompressed
   const std::int64_t bytes = frame_rows_bytes(CollectiveFile::rows_on_disk(bodies.total), CollectiveFile::rows_on_disk(contacts.total)) +
-                             bytes_per_row<FrameWalls>() * walls.total + static_cast<std::int64_t>(provenance.size()) +
-                             kPieceOverhead * size;
+                             bytes_per_row<FrameWalls>() * walls.total +
+                             bytes_per_row<FrameLoads>() * CollectiveFile::rows_on_disk(loads.total) +
+                             bytes_per_row<FrameWear>() * CollectiveFile::rows_on_disk(wear.total) +
+                             static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
 
   CollectiveFile file(communicator, path, bytes, CollectiveFile::Kind::plain);
   const h5::Group& root = file.root();
@@ -108,6 +114,8 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   write_vtkhdf(file, communicator, frame.bodies, bodies);
   write_columns(file, root.create_group("contacts"), "contacts", frame.contacts, contacts);
   write_columns(file, root.create_group("walls"), "walls", rank == 0 ? frame.walls : FrameWalls{}, walls);
+  if (loads.total > 0) write_columns(file, root.create_group("loads"), "loads", rank == 0 ? frame.loads : FrameLoads{}, loads);
+  if (wear.total > 0) write_columns(file, root.create_group("wear"), "wear", rank == 0 ? frame.wear : FrameWear{}, wear);
   {
     const h5::Group scalars = root.create_group("frame");
     FrameScalars::visit(header.scalars, [&](const char* name, const auto& value) { scalars.write_attribute(name, value); });
@@ -184,6 +192,8 @@ Frame read_frame_file(const std::string& path) {
   frame.bodies = read_bodies(root);
   frame.contacts = read_contacts(root);
   frame.walls = read_columns<FrameWalls>(root);
+  if (root.has("loads")) frame.loads = read_columns<FrameLoads>(root);
+  if (root.has("wear")) frame.wear = read_columns<FrameWear>(root);
   frame.provenance = nlohmann::json::parse(root.read_text("provenance"), nullptr, false);
   return frame;
 }

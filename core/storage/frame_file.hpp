@@ -72,6 +72,26 @@ struct FrameWalls {
     SCREE_FRAME_WALLS(SCREE_FRAME_VISIT)
   }
 };
+/// Triangles of walls with load maps, in the order of the walls and of their meshes.
+struct FrameLoads {
+  SCREE_FRAME_LOADS(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return wall.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameLoads;
+    SCREE_FRAME_LOADS(SCREE_FRAME_VISIT)
+  }
+};
+/// Vertices of walls that wear, in the order of the walls and of their meshes.
+struct FrameWear {
+  SCREE_FRAME_WEAR(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return wall.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameWear;
+    SCREE_FRAME_WEAR(SCREE_FRAME_VISIT)
+  }
+};
 #undef SCREE_FRAME_MEMBER
 #undef SCREE_FRAME_STORED_MEMBER
 #undef SCREE_FRAME_VISIT
@@ -95,6 +115,8 @@ struct Frame : FrameScalars {
   FrameBodies bodies;
   FrameContacts contacts;
   FrameWalls walls;
+  FrameLoads loads;  ///< empty where no wall has a load map
+  FrameWear wear;    ///< empty where no wall wears
   nlohmann::json provenance;
 };
 
@@ -126,7 +148,7 @@ void take_rows(Rows& rows, const std::vector<std::size_t>& indices) {
   });
 }
 
-/// Collective: every rank gives its own bodies and contacts (possibly none); walls and scalars are rank 0's.
+/// Collective: every rank gives its own bodies and contacts (possibly none); walls, loads, wear and scalars are rank 0's.
 /// Written under a temporary name and renamed by rank 0 when complete. Throws SystemError on every rank.
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame);
 

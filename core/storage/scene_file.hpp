@@ -110,6 +110,9 @@ struct Wall {
   Quat orientation;             ///< mesh
   WallMotion motion;
   WallSurface surface;
+  bool load_map = false;  ///< mesh: what bodies do to each triangle is summed up and written to frames
+  double wear = 0;        ///< mesh with a load map: volume worn off per sliding work [m^3/J]; 0: none
+  double wear_every = 0;  ///< [s] of the run after which its vertices recede, again and again
 };
 
 /// A part of space: what a wall of that kind would hold (box_inside, cylinder_inside, sphere_inside), or the inside of a closed mesh. Only

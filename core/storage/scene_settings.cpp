@@ -32,6 +32,9 @@ json motion_json(WallMotion motion) {
     j["start"] = motion.start;
     j["stop"] = motion.stop;
   }
+  if (const auto* several = std::get_if<Several>(&motion.kind)) {
+    for (const WallMotion& part : several->parts) j["parts"].push_back(motion_json(part));
+  }
   j["kind"] = motion.word();
   return j;
 }
@@ -75,6 +78,8 @@ json wall_json(const Wall& wall) {
   write_place(wall, j);
   j["motion"] = motion_json(wall.motion);
   if (wall.surface.is_given()) j["surface"] = motion_json(wall.surface.motion);
+  if (wall.load_map) j["load_map"] = true;
+  if (wall.wear > 0) j["wear"] = {{"coefficient", wall.wear}, {"every", wall.wear_every}};
   return j;
 }
 
@@ -154,6 +159,14 @@ Settings read_settings(const JsonObject& o) {
 WallMotion read_motion(const JsonObject& o) {
   WallMotion motion;
   const std::string word = o.text("kind");
+  if (word == Several::kWord) {  // added later
+    Several several;
+    for (const JsonObject& part : o.objects("parts")) several.parts.push_back(read_motion(part));
+    motion.kind = several;
+    if (several.parts.empty()) throw InputError("{}: several motions without any; the file is damaged", o.where());
+    if (const auto fault = motion.fault()) throw InputError("{}: {} {}", o.where(), fault->key, fault->text);
+    return motion;
+  }
   std::string known = Still::kWord;
   bool found = word == Still::kWord;
   for_each_motion([&](auto kind) {
@@ -221,6 +234,15 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
       throw InputError("{}.kind: '{}' found, expected {} or {}", surface.where(), wall.surface.motion.word(), Translate::kWord,
                        Rotate::kWord);
     }
+  }
+  if (o.has("load_map")) wall.load_map = o.boolean("load_map");  // added later
+  if (wall.load_map && (wall.kind != WallKind::mesh || shapes[static_cast<std::size_t>(wall.shape)].mesh.triangles.empty()))
+    throw InputError("{}: load_map of a wall without triangles; the file is damaged", o.where());
+  if (o.has("wear")) {  // added later
+    const JsonObject wear = o.object("wear");
+    wall.wear = wear.positive("coefficient");
+    wall.wear_every = wear.positive("every");
+    if (!wall.load_map) throw InputError("{}: wear of a wall without a load map; the file is damaged", o.where());
   }
   return wall;
 }

@@ -27,15 +27,25 @@ struct SweptWall {
 
 SweptWall sweep(const Wall& wall, const TriangleMesh& mesh, int axis, double duration) {
   SweptWall swept;
-  const std::optional<TurnAxis> turning = wall.motion.turn_axis();
-  swept.turns = turning && wall.motion.moves() && duration > wall.motion.start && 1 - std::abs(turning->direction[axis]) > kAligned;
-  double farthest = 0;
+  std::vector<Vec3> placed;
   for (const Vec3& vertex : mesh.vertices) {
-    const Vec3 x = wall.position + wall.scale * rotate(wall.orientation, vertex);
-    swept.place.add(x[axis]);
-    if (swept.turns) farthest = std::max(farthest, length(x - turning->point));
+    placed.push_back(wall.position + wall.scale * rotate(wall.orientation, vertex));
+    swept.place.add(placed.back()[axis]);
   }
-  if (swept.turns) swept.place = {turning->point[axis] - farthest, turning->point[axis] + farthest};
+  // of several that turn it about other axes, each takes what those before it have swept
+  for (const WallMotion& part : wall.motion.parts()) {
+    const std::optional<TurnAxis> turning = part.turn_axis();
+    if (!turning || !part.moves() || !(duration > part.start) || !(1 - std::abs(turning->direction[axis]) > kAligned)) continue;
+    double farthest = 0;
+    for (const Vec3& x : placed) farthest = std::max(farthest, length(x - turning->point));
+    swept.place = {turning->point[axis] - farthest, turning->point[axis] + farthest};
+    swept.turns = true;
+    if (wall.motion.parts().size() == 1) break;
+    for (const Vec3& way : wall.motion.displacements(duration)) farthest = std::max(farthest, farthest + length(way));
+    placed.clear();
+    for (int corner = 0; corner < 8; ++corner)
+      placed.push_back(turning->point + farthest * Vec3{corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0});
+  }
   swept.shift.add(0);
   for (const Vec3& way : wall.motion.displacements(duration)) swept.shift.add(way[axis]);
   return swept;

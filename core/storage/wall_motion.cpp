@@ -347,10 +347,12 @@ std::optional<Drive> WallMotion::drive() const {
 double WallMotion::elapsed(double time) const { return std::clamp(time, start, std::max(start, stop)) - start; }
 
 bool WallMotion::moves() const {
+  if (const auto* several = std::get_if<Several>(&kind)) return several->last_change() > 0;
   return stop > start && std::visit([](const auto& m) { return m.last_change() > 0; }, kind);
 }
 
 double WallMotion::end() const {
+  if (const auto* several = std::get_if<Several>(&kind)) return several->last_change();
   const double end = std::min(stop, start + std::visit([](const auto& m) { return m.last_change(); }, kind));
   return moves() && end > start ? end : 0;
 }
@@ -359,7 +361,105 @@ const char* WallMotion::word() const {
   return std::visit([](const auto& m) { return std::decay_t<decltype(m)>::kWord; }, kind);
 }
 
+MotionState Several::state(double time, const Pose& pose) const {
+  MotionState s{pose, {}, {}};
+  for (const WallMotion& part : parts) {
+    MotionState next = part.state(time, s.pose);
+    const Quat turn = next.pose.orientation * conjugate(s.pose.orientation);
+    next.velocity += rotate(turn, s.velocity);
+    next.angular_velocity += rotate(turn, s.angular_velocity);
+    s = next;
+  }
+  return s;
+}
+
+/// The sum of what each part alone would give, with levers that reach as far as the other parts displace the wall while they last.
+double Several::fastest(std::span<const Vec3> points) const {
+  std::vector<Vec3> farther(points.begin(), points.end());
+  for (const WallMotion& part : parts) {
+    constexpr double kNever = 1e300;  // as WallMotion::stop
+    const double end = std::min(part.end(), part.stop);
+    if (std::holds_alternative<Translate>(part.kind) && !(end < kNever)) continue;  // nobody knows how far
+    for (const Vec3& way : part.displacements(end)) {
+      for (const Vec3& p : points) farther.push_back(p + way);
+    }
+  }
+  double sum = 0;
+  for (const WallMotion& part : parts) sum += part.fastest(farther);
+  return sum;
+}
+
+double Several::last_change() const {
+  double last = 0;
+  for (const WallMotion& part : parts) last = std::max(last, part.end());
+  return last;
+}
+
+/// Corners of the box that the sums of the parts' ways lie in: of a part that a later one turns, whatever its direction.
+std::vector<Vec3> Several::displacements(double, double last) const {
+  Vec3 lower, upper;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const bool turned = std::any_of(parts.begin() + static_cast<std::ptrdiff_t>(k), parts.end(),
+                                    [](const WallMotion& later) { return later.turn_axis().has_value(); });
+    Vec3 low, high;
+    for (const Vec3& way : parts[k].displacements(last)) {
+      const double size = length(way);
+      low = component_min(low, turned ? Vec3{-size, -size, -size} : way);
+      high = component_max(high, turned ? Vec3{size, size, size} : way);
+    }
+    lower += low;
+    upper += high;
+  }
+  std::vector<Vec3> corners;
+  for (int c = 0; c < 8; ++c) corners.push_back({(c & 1 ? upper : lower).x, (c & 2 ? upper : lower).y, (c & 4 ? upper : lower).z});
+  return corners;
+}
+
+std::string Several::text() const {
+  std::string all;
+  for (const WallMotion& part : parts) all += (all.empty() ? "" : ", then ") + part.text();
+  return all;
+}
+
+void Several::move_origin(const Vec3& origin) {
+  for (WallMotion& part : parts) part.move_origin(origin);
+}
+
+std::optional<KeyFault> Several::fault() const {
+  for (const WallMotion& part : parts) {
+    if (part.drive() || std::holds_alternative<Several>(part.kind))
+      return KeyFault{"motion", "answers to force, which goes with no other motion of the same wall"};
+    if (const auto fault = part.fault()) return fault;
+  }
+  return {};
+}
+
+Vec3 Several::pivot(double time, const Pose& placed) const {
+  for (std::size_t k = parts.size(); k-- > 0;) {
+    const std::optional<TurnAxis> axis = parts[k].turn_axis();
+    if (!axis) continue;
+    Pose carried{axis->point, {}};
+    for (std::size_t later = k + 1; later < parts.size(); ++later) carried = parts[later].state(time, carried).pose;
+    return carried.position;
+  }
+  return state(time, placed).pose.position;
+}
+
+void WallMotion::advance_clock(double by) {
+  start -= by;
+  stop -= by;
+  if (auto* several = std::get_if<Several>(&kind)) {
+    for (WallMotion& part : several->parts) part.advance_clock(by);
+  }
+}
+
+std::span<const WallMotion> WallMotion::parts() const {
+  if (const auto* several = std::get_if<Several>(&kind)) return several->parts;
+  return {this, 1};
+}
+
 MotionState WallMotion::state(double time, const Pose& pose) const {
+  if (const auto* several = std::get_if<Several>(&kind)) return several->state(time, pose);
   MotionState s = std::visit([&](const auto& m) { return m.state(elapsed(time), pose); }, kind);
   if (!(time >= start && time < stop)) s.velocity = s.angular_velocity = {};
   return s;
@@ -370,6 +470,7 @@ double WallMotion::fastest(std::span<const Vec3> points) const {
 }
 
 std::vector<Vec3> WallMotion::displacements(double duration) const {
+  if (const auto* several = std::get_if<Several>(&kind)) return several->displacements(0, duration);
   return std::visit([&](const auto& m) { return m.displacements(elapsed(0), elapsed(duration)); }, kind);
 }
 

@@ -218,7 +218,28 @@ struct Motor {
   Drive drive() const;
 };
 
-using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable, Servo, Free, Motor>;
+struct WallMotion;
+
+/// Several prescribed motions, applied in order: the second moves the wall from where the first has it, about axes and along directions
+/// that stay where the case draws them. Times are those of its parts.
+struct Several {
+  static constexpr const char* kWord = "several";
+  static constexpr const char* kMeaning = "";
+  std::vector<WallMotion> parts{};
+  void keys(KeyVisitor&) {}
+  MotionState state(double time, const Pose& pose) const;
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const;
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const;
+  void move_origin(const Vec3& origin);
+  std::optional<KeyFault> fault() const;
+  /// A point that the wall turns about at a time, carried along by the parts after the one that turns it last; where none turns, the wall's
+  /// origin.
+  Vec3 pivot(double time, const Pose& placed) const;
+};
+
+using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable, Servo, Free, Motor, Several>;
 
 /// A motion of a wall: before `start` and after `stop` it stands still.
 struct WallMotion {
@@ -247,12 +268,19 @@ struct WallMotion {
   std::optional<KeyFault> fault() const;
   /// Since its start, while it moves [s].
   double elapsed(double time) const;
+  /// The same motion, so much earlier [s].
+  void advance_clock(double by);
+  /// The parts of several motions, or this one.
+  std::span<const WallMotion> parts() const;
 };
 
-/// Calls action(Kind{}) for each kind of motion, that without any left out.
+/// Calls action(Kind{}) for each kind of motion, that without any and that of several left out.
 template <class Action>
 void for_each_motion(Action&& action) {
-  const auto call = [&]<class... Kinds>(const std::variant<Still, Kinds...>*) { (action(Kinds{}), ...); };
+  const auto one = [&](const auto& kind) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(kind)>, Several>) action(kind);
+  };
+  const auto call = [&]<class... Kinds>(const std::variant<Still, Kinds...>*) { (one(Kinds{}), ...); };
   call(static_cast<const MotionKind*>(nullptr));
 }
 

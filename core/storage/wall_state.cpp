@@ -20,7 +20,11 @@ WallState wall_state(const Wall& wall, double time, double step, const DriveStat
                                         : now;
   state.velocity_before = before.velocity;
   state.angular_velocity_before = before.angular_velocity;
-  if (const std::optional<TurnAxis> axis = wall.motion.turn_axis())
+  if (const auto* several = std::get_if<Several>(&wall.motion.kind)) {
+    state.pivot = several->pivot(time, placed);
+    const Vec3 was = several->pivot(time - 0.5 * step, placed);
+    state.pivot_velocity_before = before.velocity + cross(before.angular_velocity, was - before.pose.position);
+  } else if (const std::optional<TurnAxis> axis = wall.motion.turn_axis())
     state.pivot = axis->point;
   else
     state.pivot_velocity_before = before.velocity;

@@ -61,6 +61,7 @@ class Describer : public CaseKeys {
   void named_texts(const Key& key, std::vector<std::pair<std::string, std::string>>&) override { add(key, "named_texts", ""); }
   void section(const Key& key, const Section& keys) override { descend(key, "table", "", keys); }
   void sections(const Key& key, const Section& keys) override { descend(key, "tables", "[]", keys); }
+  void section_list(const Key& key, const Section&) override { add(key, "table_list", ""); }
   void named_sections(const Key& key, const std::function<void(CaseKeys&, const std::string&)>& keys) override {
     descend(key, "named_tables", ".*", [&](CaseKeys& k) { keys(k, ""); });
   }
@@ -202,6 +203,7 @@ class Reader : public CaseKeys {
       keys(below);
     }
   }
+  void section_list(const Key& key, const Section& keys) override { sections(key, keys); }
   void named_sections(const Key& key, const std::function<void(CaseKeys&, const std::string&)>& keys) override {
     if (!visit(key)) return;
     for (auto& [name, table] : t_.named_tables(key.name, names_of([&](CaseKeys& k) { keys(k, ""); }))) {

@@ -52,6 +52,8 @@ class CaseKeys : public KeyVisitor {
   virtual void section(const Key& key, const Section& keys) = 0;
   /// [[key]], each
   virtual void sections(const Key& key, const Section& keys) = 0;
+  /// key = [{ ... }, ...], where section() describes what each of them says
+  virtual void section_list(const Key& key, const Section& keys) = 0;
   /// [key.NAME], each in alphabetical order
   virtual void named_sections(const Key& key, const std::function<void(CaseKeys&, const std::string& name)>& keys) = 0;
 };

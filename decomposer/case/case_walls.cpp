@@ -30,6 +30,48 @@ void motion_section(CaseKeys& k, WallMotion& m) {
   if (k.table() != nullptr && !(m.start < m.stop)) throw k.table()->error("stop", "must come after start");
 }
 
+bool overlap(const WallMotion& a, const WallMotion& b) { return a.start < b.stop && b.start < a.stop; }
+
+/// Whether two motions of a wall say the same of it at the same time.
+bool conflict(const WallMotion& a, const WallMotion& b) {
+  if (!overlap(a, b)) return false;
+  const auto *turn = std::get_if<Rotate>(&a.kind), *again = std::get_if<Rotate>(&b.kind);
+  if (turn != nullptr && again != nullptr) {
+    constexpr double kSame = 1e-12;  // of a unit vector and of a length: rounding of the case file
+    const bool parallel = 1 - std::abs(dot(turn->axis, again->axis)) < kSame;
+    const Vec3 apart = cross(turn->axis, again->centre - turn->centre);
+    return parallel && length(apart) <= kSame * (length(turn->centre) + length(again->centre));
+  }
+  const auto *along = std::get_if<Translate>(&a.kind), *too = std::get_if<Translate>(&b.kind);
+  return along != nullptr && too != nullptr;
+}
+
+void several_motions(CaseKeys& k, WallMotion& m) {
+  Several several;
+  k.section_list({"motion", "none", ""}, [&](CaseKeys& below) {
+    WallMotion part;
+    motion_section(below, part);
+    const CaseTable* t = below.table();
+    if (t == nullptr) return;
+    if (part.drive())
+      throw t->error(part.word(), "answers to force, which goes with no other motion of the same wall; give it alone, as motion = { ... }");
+    for (const WallMotion& before : several.parts) {
+      if (!conflict(before, part)) continue;
+      throw t->error(part.word(),
+                     fmt::format("conflicts with another {} of this wall: both {} at the same time; make one of the two, or give "
+                                 "them `start` and `stop`",
+                                 part.word(), part.turn_axis() ? "turn it about the same axis" : "move it along a line"));
+    }
+    several.parts.push_back(part);
+  });
+  if (k.table() == nullptr) return;
+  if (several.parts.empty()) throw k.table()->error("motion", "is an empty list; expected motions, or leave it out");
+  if (several.parts.size() == 1)
+    m = several.parts.front();
+  else
+    m.kind = several;
+}
+
 void surface_section(CaseKeys& k, WallSurface& surface) {
   const bool along = k.one_of({"velocity", "rate"}) == "velocity";
   Translate belt;
@@ -231,6 +273,14 @@ void wall_shape_section(CaseKeys& k, CaseWall& w) {
   k.path({"file", "", "a surface that may be open, or a solid; coordinates of its file"}, w.file);
 }
 
+/// The form with triangles that stands for an analytic one.
+const char* mesh_form_of(const std::string& shape) {
+  if (shape == "plane") return "of shape = { plate = ... } or { disc = ... }";
+  if (shape == "box_inside") return "of shape = { box = ... }";
+  if (shape == "cylinder_inside") return "of shape = { cylinder = ... }";
+  return "from a file (scree-mesher generate sphere, then { file = ... })";
+}
+
 void wall_section(CaseKeys& k, Case& c) {
   CaseWall w;
   std::string shape;
@@ -259,7 +309,32 @@ void wall_section(CaseKeys& k, Case& c) {
       if (t->has(key)) throw t->error(key, "is for walls that are meshes; a " + shape + " says itself where it is");
     }
   }
-  k.section({"motion", "none", "prescribed, or in answer to force"}, [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
+  if (k.when(w.wall.kind == WallKind::mesh)) {
+    k.boolean({"load_map", "", "of a mesh: sums up what bodies do to each triangle, for frames, ParaView and the report"}, w.wall.load_map);
+  } else if (t->has("load_map")) {
+    throw t->error("load_map", fmt::format("needs triangles, which a {} has none of; make the wall {}", shape, mesh_form_of(shape)));
+  }
+  if (t == nullptr || w.wall.kind == WallKind::mesh) {
+    k.section(
+        {"wear", "none", "of a mesh, Archard's: the wall recedes where bodies slide over it; brings its `load_map` along"},
+        [&](CaseKeys& below) {
+          below.number({"coefficient", kRequired, "volume per sliding work"}, w.wall.wear, Dimension::wear_coefficient, Range::positive);
+          below.number({"every", kRequired,
+                        "after which vertices are moved, counted from the start; each time by a tenth of the margin "
+                        "at most"},
+                       w.wall.wear_every, Dimension::time, Range::positive);
+          w.wall.load_map = true;
+        });
+  } else if (t->has("wear")) {
+    throw t->error("wear", fmt::format("needs triangles, which a {} has none of; make the wall {}", shape, mesh_form_of(shape)));
+  }
+  const bool several = t != nullptr && t->is_list("motion");
+  if (k.when(!several))
+    k.section({"motion", "none",
+               "prescribed, or in answer to force; or a list of prescribed ones, applied in order, each from where those "
+               "before it have the wall"},
+              [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
+  if (k.when(several)) several_motions(k, w.wall.motion);
   if (const std::optional<Drive> drive = w.wall.motion.drive();
       t != nullptr && w.wall.kind == WallKind::plane && drive && drive->guide.turns) {
     throw t->error("motion", "turns a plane in answer to force, which has no end and so any lever; use a plate or another mesh");

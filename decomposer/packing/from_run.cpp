@@ -191,8 +191,7 @@ class RunReader {
 
 /// The wall as it stands at a time of the run; nothing for a box_inside that is turned then.
 std::optional<Wall> wall_at(Wall wall, double time) {
-  wall.motion.start -= time;
-  wall.motion.stop -= time;
+  wall.motion.advance_clock(time);
   try {
     return wall_at_start(wall);
   } catch (const UsageError&) {
@@ -272,6 +271,7 @@ std::vector<std::int32_t> partners_of_walls(const FromRun& from, const std::vect
   for (std::size_t k = 0; k < from.scene.walls.size(); ++k) {
     const Wall& wall = from.scene.walls[k];
     if (wall.motion.drive()) continue;  // where it stood then is not in the scene
+    if (wall.wear > 0) continue;        // nor how it was worn
     // its frame must not be turned: friction springs are kept in frames
     if (!(wall_state(wall, from.start.time).orientation == wall.orientation) && wall.kind != WallKind::mesh) continue;
     const std::optional<Wall> there = wall_at(wall, from.start.time);

@@ -17,7 +17,8 @@ RANGES = {"any": {}, "positive": {"exclusiveMinimum": 0}, "not_negative": {"mini
           "unit_interval": {"minimum": 0, "maximum": 1}, "fraction": {"exclusiveMinimum": 0, "exclusiveMaximum": 1}}
 RANGE_TEXTS = {"any": "", "positive": "> 0", "not_negative": ">= 0", "unit_interval": "0 to 1", "fraction": "between 0 and 1"}
 QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*[^\s].*$"   # a number and a unit
-SECTIONS = {"table": "", "tables": "[]", "named_tables": ".*"}
+SECTIONS = {"table": "", "table_list": "",   # a list of what the key's own table says
+             "tables": "[]", "named_tables": ".*"}
 
 
 def array(items, count=None):
@@ -74,7 +75,7 @@ def value_of(record, build_table):
     table = build_table(below(record))
     if kind == "named_tables":
         return {"type": "object", "additionalProperties": table}
-    return array(table) if kind == "tables" else table
+    return array(table) if kind in ("tables", "table_list") else table
 
 
 def make_schema(records):
@@ -116,6 +117,8 @@ def joined(*parts):
 
 def type_text(record, records):
     kind, unit, range_text = record["type"], unit_of(record), RANGE_TEXTS[record["range"]]
+    if kind == "table_list":
+        return "list of them"
     if kind in SECTIONS:
         return table_text(below(record), records)
     if kind == "word":

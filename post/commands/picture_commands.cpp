@@ -7,6 +7,7 @@
 #include "post/commands/commands.hpp"
 #include "post/run/body_colours.hpp"
 #include "post/run/choice.hpp"
+#include "post/run/wall_loads.hpp"
 #include "post/vtk/vtk_or_not.hpp"
 
 namespace scree {
@@ -25,6 +26,8 @@ struct LookOptions {
     command.add_option("--colour", picture.colour, "Of bodies: " + body_colour_list() + " (default shape)")
         ->check(CLI::IsMember(body_colour_names()));
     command.add_option("--range", range, "LOW HIGH: ends of the scale of colours, or of forces (default: those that occur)")->expected(2);
+    command.add_option("--load", picture.load, "Walls coloured by their load maps, means since the start of the run, without the bodies")
+        ->check(CLI::IsMember(load_names()));
     command.add_flag("--network", picture.network, "Contact forces as tubes, bodies translucent");
     command.add_option("--cut", cut, "Cut away what is before a plane, as seen from the camera: y=0, \"x=2 cm\"");
     command.add_flag("--no-walls", no_walls, "Bodies only");
@@ -67,6 +70,9 @@ struct LookOptions {
 
   /// Fails: UsageError where the run does not have what is to be drawn.
   static void check(const Run& run, const PictureOptions& look) {
+    if (!look.load.empty() && !has_load_maps(run.scene))
+      throw UsageError("--load {}: no wall of {} has a load map; set load_map = true in [[walls]] of the case and run it again", look.load,
+                       run.folder);
     if (look.network && !run.scene.settings.output_contacts)
       throw UsageError("--network: {} kept no contacts; set contacts = true in [output] of the case and run it again", run.folder);
   }

@@ -6,6 +6,7 @@
 #include "post/commands/commands.hpp"
 #include "post/run/apparatus.hpp"
 #include "post/run/choice.hpp"
+#include "post/run/wall_loads.hpp"
 #include "post/statistics/statistics.hpp"
 #include "post/studies/chart_files.hpp"
 
@@ -97,6 +98,10 @@ Command add_statistics(CLI::App& app) {
             options.pool = {o->run.jobs, o->run.skip_damaged};
             const Statistics statistics = run_statistics(run, options, o->output);
             std::vector<std::string> files = write_statistics(run, statistics, o->output);
+            for (const LoadTable& table : load_tables(run, options.frames)) {
+              h5::write_text_file(o->output + "/" + table.name, table.text);
+              files.push_back(table.name);
+            }
             if (!o->no_charts) {
               if (const std::string reason = png_obstacle(); !reason.empty()) result.notices.push_back("note: " + reason);
               for (const NamedChart& chart : charts_of(statistics)) {

@@ -24,6 +24,7 @@
 #include "post/report/verdicts.hpp"
 #include "post/run/choice.hpp"
 #include "post/run/provenance_chain.hpp"
+#include "post/run/wall_loads.hpp"
 #include "post/statistics/contact_statistics.hpp"
 #include "post/statistics/statistics.hpp"
 #include "post/vtk/view_data.hpp"
@@ -72,6 +73,19 @@ std::string picture_section(const Run& run, std::size_t frame, std::vector<std::
     PictureOptions network;
     network.network = true;
     add(network, "The contact network", fmt::format("Contact forces at {}: thickness and colour by normal force.", time));
+  }
+  if (has_load_maps(run.scene)) {
+    std::vector<const char*> names{"pressure", "sliding_power", "impact_power"};
+    if (has_wear(run.scene)) names.push_back("wear_depth");
+    for (const char* name : names) {
+      PictureOptions load;
+      load.load = name;
+      const LoadQuantity& of = kLoadQuantities[load_quantity(name)];
+      add(load, of.title,
+          fmt::format("Load map: {}, mean from the start to {}. Of a shell the near side is left out; the scale ends where "
+                      "99 % of the area that bears anything is below.",
+                      of.title, time));
+    }
   }
   return html;
 }
@@ -142,6 +156,27 @@ std::vector<double> sum(const std::vector<double>& a, const std::vector<double>&
   std::vector<double> c(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) c[i] = a[i] + b[i];
   return c;
+}
+
+std::string load_section(const Run& run) {
+  const Frame last = load_frame(run, run.frames.size() - 1);
+  const std::vector<WallLoads> loads = wall_loads(run.scene, Frame{}, last);
+  std::string html =
+      "<p>Of walls with a load map, from the start of the run to the last frame. Mean force: along the axes of the wall's mesh.</p>\n"
+      "<div class=\"wide\"><table class=\"grid-table\"><thead><tr><th>wall</th><th>triangles</th><th>mean force [N]</th>"
+      "<th>largest mean pressure [Pa]</th><th>sliding [W]</th><th>lost along the normal [W]</th><th>contacts [1/s]</th>"
+      "<th>energy of impacts [W]</th><th>worn off [m&sup3;]</th></tr></thead><tbody>\n";
+  for (const WallLoads& l : loads) {
+    const double per = l.time > 0 ? 1 / l.time : 0;
+    html += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}, {:.4g}, {:.4g}</td><td class=\"n\">{:.4g}</td><td "
+        "class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td "
+        "class=\"n\">{}</td></tr>\n",
+        escaped(run.scene.walls[l.wall].name), l.area.size(), per * l.impulse.x, per * l.impulse.y, per * l.impulse.z,
+        l.values[0].empty() ? 0.0 : *std::max_element(l.values[0].begin(), l.values[0].end()), l.total(2), l.total(3), l.total(4),
+        l.total(5), run.scene.walls[l.wall].wear > 0 ? fmt::format("{:.4g}", volume_worn(run.scene.walls[l.wall], last)) : "");
+  }
+  return html + "</tbody></table></div>\n";
 }
 
 std::string energy_section(const Run& run) {
@@ -341,16 +376,19 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
       escaped(run.name), escaped(title), run.scene.bodies.size(),
       run.scene.inlets.empty() ? "" : fmt::format(" at the start and {:.0f} that came in", run.outcome.value("inserted_bodies", 0.0)),
       run.frames.size(), run.frames.back().time, utc_now(), kVersion);
-  const std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
-                                                         {"case", "What was run", case_section(run)},
-                                                         {"picture", "Pictures", picture_section(run, shown, result.notes)},
-                                                         {"view", "3D view", view_section(run, shown)},
-                                                         {"statistics", "Statistics", statistics_section(statistics, options.apparatus)},
-                                                         {"energies", "Energies", energy_section(run)},
-                                                         {"contacts", "Contacts", contact_section(run)},
-                                                         {"cost", "Cost", cost_section(run)},
-                                                         {"provenance", "Where it comes from", provenance_section(record, files)},
-                                                         {"repeat", "To run it again", repeat_section(run, record)}};
+  std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
+                                                   {"case", "What was run", case_section(run)},
+                                                   {"picture", "Pictures", picture_section(run, shown, result.notes)},
+                                                   {"view", "3D view", view_section(run, shown)},
+                                                   {"statistics", "Statistics", statistics_section(statistics, options.apparatus)},
+                                                   {"energies", "Energies", energy_section(run)},
+                                                   {"contacts", "Contacts", contact_section(run)},
+                                                   {"cost", "Cost", cost_section(run)},
+                                                   {"provenance", "Where it comes from", provenance_section(record, files)},
+                                                   {"repeat", "To run it again", repeat_section(run, record)}};
+  if (has_load_maps(run.scene))
+    sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
+                    {"loads", "Loads on walls", load_section(run)});
   html += "<nav>";
   for (const auto& [id, name, content] : sections)
     html += fmt::format("<a href=\"#{}\">{}</a>", id, escaped(id == "verdicts" ? "Verdicts" : name));

@@ -74,7 +74,7 @@ void cut_to_cell(const Wall& wall, const Domain& domain, TriangleMesh& mesh) {
   }
 }
 
-TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room);
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame);
 
 }  // namespace
 
@@ -118,15 +118,23 @@ TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most) {
   return coarse;
 }
 
-TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room) {
-  TriangleMesh mesh = whole_wall(wall, scene, room);
+std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame) {
+  std::vector<Vec3> vertices;
+  for (std::size_t v = 0; v < frame.wear.size(); ++v) {
+    if (frame.wear.wall[v] == wall.id) vertices.push_back(frame.wear.vertex[v]);
+  }
+  return vertices;
+}
+
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame) {
+  TriangleMesh mesh = whole_wall(wall, scene, room, frame);
   cut_to_cell(wall, scene.settings.domain, mesh);
   return mesh;
 }
 
 namespace {
 
-TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room) {
+TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame) {
   const Vec3 extent = room.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   switch (wall.kind) {
@@ -162,6 +170,10 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room) 
       break;
   }
   TriangleMesh mesh = scene.shapes.at(static_cast<std::size_t>(wall.shape)).mesh;
+  if (frame != nullptr && wall.wear > 0) {
+    std::vector<Vec3> worn = worn_vertices_of(wall, *frame);
+    if (worn.size() == mesh.vertices.size()) mesh.vertices = std::move(worn);
+  }
   for (Vec3& p : mesh.vertices) p *= wall.scale;
   return mesh;
 }

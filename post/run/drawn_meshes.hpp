@@ -26,7 +26,11 @@ TriangleMesh coarse_mesh(const TriangleMesh& mesh, std::size_t most);
 ///
 /// How: a plane is drawn as a square, and a box, which may reach far above the pile, is cut, so that walls
 /// reach `room` and not much further. Drawn only: the solver's walls are what the case says.
-TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room);
+/// in   frame   where given, a wall that wears is drawn as it is there; else as it was at the start
+TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, const Frame* frame = nullptr);
+
+/// Vertices of a wall as worn in a frame, axes and scale of its mesh; none where it does not wear.
+std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);
 
 /// Box that holds the bounding spheres of all bodies.
 Box3 room_of(const FrameBodies& bodies, const Scene& scene);

@@ -60,6 +60,9 @@ std::vector<Quantity> group_quantities() {
                      {"force_chain_count", "-", "chains of three or more"},
                      {"force_chain_length", "-", "mean number of particles in a chain"},
                      {"mixing_index", "-", "Lacey: 0 segregated, 1 mixed at random"},
+                     {"segregation_fine", "-", "of the finest third of the particles: 1 apart from all others, 0 among them at random"},
+                     {"segregation_middle", "-", "of those between the finest and the coarsest third"},
+                     {"segregation_coarse", "-", "of the coarsest third"},
                      {"angle_of_repose", "deg", "of the free surface"},
                      {"discharged_mass", "kg", "passed through the level since the start, or removed at the sides of the domain"},
                      {"discharge_rate", "kg/s", "since the frame before"},
@@ -392,6 +395,7 @@ void StatisticsPlan::add_whole(const FrameView& view, const ForceChains& chains,
     if (id < kind.size()) kinds[i] = kind[id];
   }
   row.push_back(mixing_index(view, kinds));
+  for (const double segregation : size_segregation(view)) row.push_back(segregation);
   row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
   double above = 0;
   for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {

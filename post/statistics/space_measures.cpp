@@ -238,6 +238,31 @@ double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind
   return apart > random ? (apart - variance) / (apart - random) : kNaN;
 }
 
+std::array<double, 3> size_segregation(const FrameView& view) {
+  const FrameBodies& b = view.frame.bodies;
+  constexpr double kSameSize = 1e-9;  // of a diameter: rounding of scales
+  std::vector<double> diameter(b.size(), 0.0), sorted;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    diameter[i] = b.scale[i] * view.facts.run->scene.shapes[static_cast<std::size_t>(b.shape[i])].equivalent_diameter();
+    if (view.is_particle[i] != 0) sorted.push_back(diameter[i]);
+  }
+  std::array<double, 3> segregation{kNaN, kNaN, kNaN};
+  if (sorted.empty()) return segregation;
+  std::sort(sorted.begin(), sorted.end());
+  const double fine = sorted[(sorted.size() - 1) / 3], coarse = sorted[(2 * sorted.size()) / 3];
+  const bool one_size_rules = coarse <= fine * (1 + kSameSize);  // what is smaller is fine, and what is larger is coarse
+  const auto class_of = [&](double d) -> std::size_t {
+    if (one_size_rules) return d < fine * (1 - kSameSize) ? 0 : d > coarse * (1 + kSameSize) ? 2 : 1;
+    return d <= fine * (1 + kSameSize) ? 0 : d >= coarse * (1 - kSameSize) ? 2 : 1;
+  };
+  for (std::size_t size_class = 0; size_class < 3; ++size_class) {
+    std::vector<std::uint8_t> kind(b.size(), 0);
+    for (std::size_t i = 0; i < b.size(); ++i) kind[i] = size_class == class_of(diameter[i]) ? 1 : 0;
+    segregation[size_class] = 1 - mixing_index(view, kind);
+  }
+  return segregation;
+}
+
 namespace {
 
 /// Highest sample point of each column of the plan, columns one mean diameter wide.

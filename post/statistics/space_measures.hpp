@@ -1,6 +1,7 @@
 // Where the bodies of a frame are and how they move: solid fraction, profiles, pair correlation, mixing, slopes.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "post/statistics/contact_measures.hpp"
@@ -48,6 +49,12 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
 /// that hold about 12 particles; NaN with fewer than 60. Source: P. Lacey, J. Appl. Chem. 4 (1954) 257, weighted by the particles in each
 /// cell.
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind);
+
+/// How far each of three size classes is apart from the others: 1 less Lacey's index of the class against all other particles, 1 apart, 0
+/// at random. Classes are the finest third of the particles by number, the coarsest third, and those between; diameters are those of
+/// spheres of equal volume. Particles of one diameter are in one class: of two sizes, one class is empty, and where one size holds the
+/// whole middle third, that is the middle class. NaN for an empty class, and where all are of one size.
+std::array<double, 3> size_segregation(const FrameView& view);
 
 /// Angle of the free surface to the horizontal [degrees].
 /// cone: heights of the surface against the distance from the vertical line through the centre of mass, straight line through

@@ -337,6 +337,8 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
             true);
   over_time("force_chains", "Particles in force chains", "share of the particles", "", {{"force_chain_share", "in chains"}}, true);
   over_time("mixing_index", "Mixing index (Lacey)", "0 apart, 1 at random", "", {{"mixing_index", "mixing index"}}, true);
+  over_time("size_segregation", "Segregation by size", "1 apart, 0 at random", "",
+            {{"segregation_fine", "finest third"}, {"segregation_middle", "between"}, {"segregation_coarse", "coarsest third"}}, true);
   over_time("angle_of_repose", "Angle of the free surface", "angle [degrees]", "", {{"angle_of_repose", "angle"}}, false);
   over_time("discharged_mass", "Discharged mass", "mass [kg]", "", {{"discharged_mass", "mass"}}, true);
   over_time("discharge_rate", "Discharge rate", "mass per time [kg/s]", "", {{"discharge_rate", "since the frame before"}}, true);

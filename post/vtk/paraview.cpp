@@ -14,9 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool any_wall_moves(const Scene& scene) {
+/// Moves, or has loads that do.
+bool any_wall_changes(const Scene& scene) {
   for (const Wall& wall : scene.walls) {
-    if (wall.motion.is_prescribed()) return true;
+    if (wall.motion.is_prescribed() || wall.load_map) return true;
   }
   return false;
 }
@@ -29,7 +30,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   make_folder(result.folder);
   const fs::path folder(result.folder);
 
-  // shapes, and walls that stand still
+  // shapes, and walls that stay as they are
   std::vector<DrawnMesh> shapes;
   for (const Shape& shape : run.scene.shapes) {
     shapes.push_back(drawn_shape(shape));
@@ -43,13 +44,13 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
     for (const std::int32_t shape : load_frame(run, run.frames.size() - 1).bodies.shape)
       result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
   }
-  const bool moving = any_wall_moves(run.scene);
+  const bool moving = any_wall_changes(run.scene);
   if (!run.scene.walls.empty() && !moving) {
     const Frame first = load_frame(run, 0);
     const Box3 room = room_of(first.bodies, run.scene);
     std::vector<TriangleMesh> walls;
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
-    write_walls_vtp((folder / "walls.vtp").string(), run.scene, walls, wall_places(first, run.scene));
+    write_walls_vtp((folder / "walls.vtp").string(), run.scene, walls, wall_places(first, run.scene), {});
   }
 
   // frames

@@ -5,6 +5,7 @@
 
 #include "core/base/utf8.hpp"
 #include "post/run/drawn_meshes.hpp"
+#include "post/run/wall_loads.hpp"
 #include "post/vtk/paraview.hpp"
 
 namespace scree {
@@ -90,6 +91,18 @@ def show_surfaces(here, view):
     return reader, display, "CELLS"
 
 
+def show_loads(walls, view, what):
+    """Walls coloured by a quantity of their load maps, the mean since the frame before; bodies are out of the way."""
+    display = Show(walls, view)
+    display.Representation = "Surface"
+    display.Opacity = 1.0
+    ColorBy(display, ("CELLS", what))
+    table = GetColorTransferFunction(what)
+    table.ApplyPreset("Viridis (matplotlib)", True)
+    display.RescaleTransferFunctionToDataRange(True, False)
+    return table, LOADS[what], display
+
+
 def show_walls(here, view):
     path = os.path.join(here, "walls.pvd")
     if not os.path.exists(path):
@@ -133,6 +146,7 @@ def main():
     parser.add_argument("--surfaces", action="store_true", help="show the expanded surfaces instead of glyphs")
     parser.add_argument("--colour", choices=["shape", "velocity", "rank", "material"], default="shape", help="of the bodies (default shape)")
     parser.add_argument("--network", action="store_true", help="show the contact network as tubes, and the bodies translucent")
+    parser.add_argument("--load", choices=sorted(LOADS), help="colour the walls by what their load maps say, without the bodies")
     parser.add_argument("--plain", action="store_true", help="bodies only: no walls, no time, no legend")
     parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("W", "H"))
     options = parser.parse_known_args(getattr(sys, "argv", [])[1:])[0]
@@ -175,8 +189,17 @@ def main():
         if len(SHAPES) > 1 or options.colour != "shape":
             legend = table, title, display
 
+    if options.load:
+        if not HAS_LOADS:
+            raise SystemExit("open_in_paraview.py: no wall of this run has a load map (load_map = true in [[walls]] of the case)")
+        walls = show_walls(here, view)
+        walls.UpdatePipeline(scene.AnimationTime)
+        Render(view)
+        legend = show_loads(walls, view, options.load)
+        Hide(reader, view)
     if not options.plain:
-        show_walls(here, view)
+        if not options.load:
+            show_walls(here, view)
         annotation = AnnotateTimeFilter(Input=reader)
         annotation.Format = "t = {time:.4f} s"
         label = Show(annotation, view)
@@ -239,6 +262,7 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
       "#   paraview --script=open_in_paraview.py                          look at it\n"
       "#   pvbatch open_in_paraview.py --picture rocks.png --frame 10     a picture, without a window\n"
       "#   ... --colour velocity | rank | material                        other colours; --network: contact forces as tubes\n"
+      "#   ... --load pressure | shear | sliding_power ...                 walls by their load maps\n"
       "#\n"
       "# More frames may be added to the run later: they are found through its frames.hdf.series.\n"
       "import argparse\nimport os\nimport sys\n\nimport paraview.simple\nfrom paraview.simple import *\n\n";
@@ -249,6 +273,9 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
   text += fmt::format("MATERIALS = [{}]\n", materials);
   text += fmt::format("RANKS = {}\n", rank_count);
   text += fmt::format("COLOURS = [{}]\n", colours);
+  std::string loads;
+  for (const LoadQuantity& q : kLoadQuantities) loads += fmt::format("{}\"{}\": \"{}\"", loads.empty() ? "" : ", ", q.name, q.title);
+  text += fmt::format("LOADS = {{{}}}\nHAS_LOADS = {}\n", loads, has_load_maps(run.scene) ? "True" : "False");
   text += fmt::format("SIZE = {}  # mean equivalent diameter [m]\n", size);
   text += fmt::format("CENTRE, RADIUS = {}, {}  # of what is drawn [m]\n", list(view.centre), view.radius);
   text += fmt::format("FROM, UP = {}, {}  # direction to the camera; against gravity\n", list(view.from), list(view.up));

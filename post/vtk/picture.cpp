@@ -37,6 +37,7 @@
 #include "post/run/body_colours.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
+#include "post/run/wall_loads.hpp"
 #include "post/vtk/legend_ticks.hpp"
 #include "post/vtk/vtk_mesh.hpp"
 
@@ -326,9 +327,51 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene, 
   if (options.legend) add_legend(renderer, colours, "normal force [N]", options.height);
 }
 
+/// Walls with load maps, opaque, each coloured by a quantity since the start of the run. Of a shell such as a drum the side towards the
+/// camera is left out, so that the side that bears is seen.
+void add_loads(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const Box3& room, const PictureOptions& options) {
+  const std::size_t quantity = load_quantity(options.load);
+  const std::vector<WallLoads> loads = wall_loads(scene, Frame{}, frame);
+  const auto range = options.range.value_or(std::pair{0.0, end_of_scale(loads, quantity)});
+  const auto colours = number_scale(range.first, range.second);
+  const std::vector<WallPlace> places = wall_places(frame, scene);
+  for (const WallLoads& l : loads) {
+    const Wall& wall = scene.walls[l.wall];
+    TriangleMesh mesh = drawn_wall(wall, scene, room, &frame);
+    double pushed = 0;  // against the normals where bodies lie before the faces
+    for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+      const auto row = static_cast<std::size_t>(t);
+      const Vec3 n = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+      if (row < l.push.size()) pushed += dot(l.push[row], n) / std::max(length(n), 1e-300);
+    }
+    for (Vec3& p : mesh.vertices) p = places[l.wall].position + rotate(places[l.wall].orientation, p);
+    const auto data = vtk_triangles(mesh);
+    vtkNew<vtkDoubleArray> value;
+    value->SetName("value");
+    for (const double v : l.values[quantity]) value->InsertNextValue(v);
+    data->GetCellData()->AddArray(value);
+    vtkNew<vtkPolyDataMapper> mapper;
+    mapper->SetInputData(data);
+    mapper->SetScalarModeToUseCellFieldData();
+    mapper->SelectColorArray("value");
+    mapper->SetLookupTable(colours);
+    mapper->UseLookupTableScalarRangeOn();
+    vtkNew<vtkActor> actor;
+    actor->SetMapper(mapper);
+    vtkProperty* look = actor->GetProperty();
+    look->SetInterpolationToFlat();
+    look->SetAmbient(0.5);  // the colour is the number: light only shows the shape
+    look->SetDiffuse(0.5);
+    if (pushed != 0) look->SetBackfaceCulling(pushed < 0 ? 1 : 0);
+    if (pushed != 0) look->SetFrontfaceCulling(pushed < 0 ? 0 : 1);
+    renderer->AddActor(actor);
+  }
+  if (options.legend) add_legend(renderer, colours, kLoadQuantities[quantity].title, options.height);
+}
+
 void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const Box3& room) {
   std::vector<TriangleMesh> walls;
-  for (const Wall& wall : scene.walls) walls.push_back(drawn_wall(wall, scene, room));
+  for (const Wall& wall : scene.walls) walls.push_back(drawn_wall(wall, scene, room, &frame));
   if (walls.empty()) return;
   const auto data = vtk_walls(scene, walls, wall_places(frame, scene));
   vtkNew<vtkPolyDataMapper> mapper;
@@ -405,8 +448,11 @@ Image draw_frame(const Run& run, const Frame& frame, const PictureOptions& optio
   PictureOptions look = options;
   if (!look.range) look.range = stage.range;
   const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
-  add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network ? "shape" : look.colour),
-             look.range.value_or(std::pair{0.0, 1.0}), look, cut);
+  if (look.load.empty())
+    add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network ? "shape" : look.colour),
+               look.range.value_or(std::pair{0.0, 1.0}), look, cut);
+  else
+    add_loads(renderer, frame, run.scene, stage.room, options);
   if (look.network) add_network(renderer, frame, run.scene, look, cut);
   if (look.walls) add_walls(renderer, frame, run.scene, stage.room);
   if (look.time) add_time(renderer, frame.time, look.height);

@@ -128,7 +128,8 @@ std::string view_data(const Run& run, const Frame& frame) {
   // walls as edges, contacts as lines with their normal force
   std::vector<float> edges, lines, forces;
   const std::vector<WallPlace> places = wall_places(frame, scene);
-  for (std::size_t w = 0; w < scene.walls.size(); ++w) add_edges(drawn_wall(scene.walls[w], scene, room), places[w], view.centre, edges);
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    add_edges(drawn_wall(scene.walls[w], scene, room, &frame), places[w], view.centre, edges);
   std::vector<NetworkLine> strongest = network;
   if (strongest.size() > kMostLines) {
     std::nth_element(strongest.begin(), strongest.begin() + kMostLines, strongest.end(),

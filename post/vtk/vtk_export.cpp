@@ -44,8 +44,9 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     for (const Shape& shape : run.scene.shapes) shapes.push_back(drawn_shape(shape));
   }
   std::vector<TriangleMesh> walls;
+  Box3 room;
   if (wants("walls")) {
-    const Box3 room = room_of(load_frame(run, options.frames.front()).bodies, run.scene);
+    room = room_of(load_frame(run, options.frames.front()).bodies, run.scene);
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
   }
   const Periodicity period = periodicity_of(run.scene);
@@ -58,13 +59,21 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
     return (kind == "surfaces" ? "frame" : kind) + "_" + number_of(f) + ".vtp";
   };
   const auto task = [&](std::size_t f) {
-    const Frame frame = chosen.part_of(load_frame(run, f), run.boundary_ids);
+    const Frame whole = load_frame(run, f), frame = chosen.part_of(whole, run.boundary_ids);
     const auto path = [&](const char* kind) { return (folder / name_of(kind, f)).string(); };
     if (wants("surfaces")) write_surfaces_vtp(path("surfaces"), frame.bodies, shapes);
     if (wants("bodies")) write_bodies_vtp(path("bodies"), frame.bodies);
     if (wants("contacts")) write_contacts_vtp(path("contacts"), frame.contacts);
     if (wants("network")) write_network_vtp(path("network"), frame, period);
-    if (!walls.empty()) write_walls_vtp(path("walls"), run.scene, walls, wall_places(frame, run.scene));
+    if (!walls.empty()) {
+      for (std::size_t w = 0; w < walls.size(); ++w) {
+        if (run.scene.walls[w].wear > 0) walls[w] = drawn_wall(run.scene.walls[w], run.scene, room, &whole);
+      }
+      // means since the frame before, of all that the run has
+      const std::vector<WallLoads> loads =
+          has_load_maps(run.scene) ? wall_loads(run.scene, f > 0 ? load_frame(run, f - 1) : Frame{}, whole) : std::vector<WallLoads>{};
+      write_walls_vtp(path("walls"), run.scene, walls, wall_places(frame, run.scene), loads);
+    }
     return std::string();
   };
 

@@ -154,7 +154,8 @@ vtkSmartPointer<vtkPolyData> vtk_mesh(const DrawnMesh& drawn) {
   return data;
 }
 
-vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<TriangleMesh>& walls, const std::vector<WallPlace>& places) {
+vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<TriangleMesh>& walls, const std::vector<WallPlace>& places,
+                                       const std::vector<WallLoads>& loads) {
   std::size_t points = 0, triangles = 0;
   for (const TriangleMesh& wall : walls) {
     points += wall.vertices.size();
@@ -168,14 +169,21 @@ vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<Tri
   }
   auto data = all.poly_data();
   data->GetCellData()->AddArray(array_of<vtkTypeInt64Array>("wall", id.size(), 1, [&](std::size_t i, int) { return id[i]; }));
+  std::vector<std::size_t> count;
+  for (const TriangleMesh& wall : walls) count.push_back(wall.triangles.size());
+  for (std::size_t q = 0; q < kLoadQuantities.size() && !loads.empty(); ++q) {
+    const std::vector<double> values = on_drawn_walls(loads, q, count);
+    data->GetCellData()->AddArray(
+        array_of<vtkFloatArray>(kLoadQuantities[q].name, values.size(), 1, [&](std::size_t i, int) { return values[i]; }));
+  }
   return data;
 }
 
 void write_mesh_vtp(const std::string& path, const DrawnMesh& mesh) { write(path, vtk_mesh(mesh)); }
 
 void write_walls_vtp(const std::string& path, const Scene& scene, const std::vector<TriangleMesh>& walls,
-                     const std::vector<WallPlace>& places) {
-  write(path, vtk_walls(scene, walls, places));
+                     const std::vector<WallPlace>& places, const std::vector<WallLoads>& loads) {
+  write(path, vtk_walls(scene, walls, places, loads));
 }
 
 void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, const std::vector<DrawnMesh>& shapes) {

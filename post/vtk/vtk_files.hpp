@@ -8,15 +8,17 @@
 
 #include "core/geometry/periodic.hpp"
 #include "post/run/drawn_meshes.hpp"
+#include "post/run/wall_loads.hpp"
 
 namespace scree {
 
 /// One mesh. Throws SystemError when it cannot be written, as all functions here.
 void write_mesh_vtp(const std::string& path, const DrawnMesh& mesh);
 
-/// All walls in one file; cell data "wall" is the wall's id.
+/// All walls in one file; cell data "wall" is the wall's id, and where walls have load maps those of kLoadQuantities (float32, 0 on walls
+/// without one).
 void write_walls_vtp(const std::string& path, const Scene& scene, const std::vector<TriangleMesh>& walls,
-                     const std::vector<WallPlace>& places);
+                     const std::vector<WallPlace>& places, const std::vector<WallLoads>& loads);
 
 /// Every body's own triangles in world coordinates; cell data id (int64), shape, material, rank (int32), velocity (3 x
 /// float32) and speed (float32) [m/s].   Cost: bodies x triangles in memory.

@@ -5,11 +5,13 @@
 #include <vtkSmartPointer.h>
 
 #include "post/run/drawn_meshes.hpp"
+#include "post/run/wall_loads.hpp"
 
 namespace scree {
 
 vtkSmartPointer<vtkPolyData> vtk_mesh(const DrawnMesh& mesh);
-/// All walls placed in the world; cell data "wall" is the wall's id.
-vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<TriangleMesh>& walls, const std::vector<WallPlace>& places);
+/// All walls placed in the world; cell data "wall" is the wall's id, and those of `loads` have their names (kLoadQuantities).
+vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<TriangleMesh>& walls, const std::vector<WallPlace>& places,
+                                       const std::vector<WallLoads>& loads = {});
 
 }  // namespace scree

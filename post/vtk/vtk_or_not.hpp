@@ -25,6 +25,7 @@ struct PictureOptions {
   bool legend = true;                                ///< of kinds, where there are two or more, and of numbers
   bool network = false;                              ///< contact forces as tubes, bodies as ghosts
   std::string colour = "shape";                      ///< of bodies: one of body_colour_names
+  std::string load{};                                ///< of load_names: walls by their load maps since the start, without bodies
   std::optional<std::pair<double, double>> range{};  ///< of the scale of numbers; else from 0, or the smallest, to the largest
   std::optional<Vec3> from{}, at{}, up{};            ///< direction to the camera, point it looks at [m], up; else chosen to show all
   double zoom = 1;                                   ///< 2: twice as near

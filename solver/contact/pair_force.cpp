@@ -19,17 +19,6 @@ struct Workspace {
   std::vector<FrictionSpring> springs;
 };
 
-/// Effective inverse mass of a wrench Q (force F on A at A's centre with torque T, the opposite on B): Q M^-1 Q.
-double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torque) {
-  double sum = (m.inverse_mass_a + m.inverse_mass_b) * squared_length(force);
-  sum += torque.x * torque.x * m.inverse_inertia_a.x + torque.y * torque.y * m.inverse_inertia_a.y +
-         torque.z * torque.z * m.inverse_inertia_a.z;
-  // T_B = -T_A - (x_A - x_B) x F, with x_A = 0
-  const Vec3 on_b = transpose_times(m.b_to_a, cross(m.centre_b, force) - torque);
-  sum += on_b.x * on_b.x * m.inverse_inertia_b.x + on_b.y * on_b.y * m.inverse_inertia_b.y + on_b.z * on_b.z * m.inverse_inertia_b.z;
-  return sum;
-}
-
 /// A contact's record: the force without friction has the feature's direction, but for what a weight adds that changes with the pose.
 ContactOutput output_of(const Vec3& n, double normal_force, const Vec3& from_weight, const Vec3& tangential) {
   if (!(squared_length(from_weight) > 0)) return {n, normal_force, tangential};
@@ -208,6 +197,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     }
     Vec3 dissipative = (damped - forces.push[j]) * f.n;
     Vec3 tangential;
+    double slid = 0;
     if (frictional) {
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
       // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
@@ -220,7 +210,8 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       const Vec3 vt = slip - dot(slip, f.n) * f.n;
       const auto friction_of = [&](const ContactFeature& feature, double load) {
         return friction.force(feature, vt, vn, load, law.tangential_ratio * forces.push_per_overlap[j],
-                              tangential_share * damping.chi * forces.push[j], result.tangential_elastic);
+                              tangential_share * damping.chi * forces.push[j], result.tangential_elastic,
+                              outputs != nullptr ? &slid : nullptr);
       };
       if constexpr (NeckedLaw<Law>) {
         ContactFeature necked = f;
@@ -234,7 +225,12 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     }
     result.dissipative_force += dissipative;
     result.dissipative_torque += cross(f.x, dissipative);
-    if (outputs != nullptr) (*outputs)[j] = output_of(f.n, normal_force(j, damped), forces.from_weight[j], tangential);
+    if (outputs != nullptr) {
+      ContactOutput& out = (*outputs)[j];
+      out = output_of(f.n, normal_force(j, damped), forces.from_weight[j], tangential);
+      out.damping = damped - forces.push[j];
+      out.slid = slid;
+    }
   }
   if (rolls)
     add_rolling(law, motion, push_force, push.force, NeckedLaw<Law> ? forces.load : 1.0, forces.push_per_overlap,

@@ -44,6 +44,8 @@ struct ContactOutput {
   Vec3 normal;            ///< unit: n of the feature; where its weight changes with the pose, along the force without friction
   double normal_force;    ///< on A along `normal` [N], damping included; below 0 where a law pulls
   Vec3 tangential_force;  ///< on A, A frame [N]
+  double damping = 0;     ///< what damping adds to the force of the feature along its n [N]
+  double slid = 0;        ///< what friction took in the step from what slides: not what its spring stores, and so never below 0 [J]
 };
 
 /// What each feature of a pair presses and pulls with: filled by the potential of a contact model.
@@ -81,6 +83,17 @@ inline constexpr std::int64_t kTurnKey = std::int64_t{7} << 60;
 /// in   exponent   tangent stiffness of the push over its secant
 inline double tangential_damping_share(const PairLaw& law, double exponent) {
   return law.tangential_damping * std::sqrt(law.tangential_ratio / exponent);
+}
+
+/// Effective inverse mass of a wrench Q (force F on A at A's centre with torque T, the opposite on B): Q M^-1 Q.
+inline double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3& torque) {
+  double sum = (m.inverse_mass_a + m.inverse_mass_b) * squared_length(force);
+  sum += torque.x * torque.x * m.inverse_inertia_a.x + torque.y * torque.y * m.inverse_inertia_a.y +
+         torque.z * torque.z * m.inverse_inertia_a.z;
+  // T_B = -T_A - (x_A - x_B) x F, with x_A = 0
+  const Vec3 on_b = transpose_times(m.b_to_a, cross(m.centre_b, force) - torque);
+  sum += on_b.x * on_b.x * m.inverse_inertia_b.x + on_b.y * on_b.y * m.inverse_inertia_b.y + on_b.z * on_b.z * m.inverse_inertia_b.z;
+  return sum;
 }
 
 /// in   features     overlap > -PairLaw::reach

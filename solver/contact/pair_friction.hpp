@@ -54,15 +54,20 @@ class PairFriction {
   /// in   vt, vn    sliding and separation velocity [m/s]     in  push  of the feature, damping included [N]
   /// in   kappa     tangential stiffness [N/m]     in  damping  of sliding [N s/m]
   /// inout elastic  energy in springs [J]
+  /// out  slid   where not null and the feature slides: the work of friction on the way that its spring did not take up [J]
   [[gnu::always_inline]] Vec3 force(const ContactFeature& f, const Vec3& vt, double vn, double push, double kappa, double damping,
-                                    double& elastic) {
+                                    double& elastic, double* slid) {
     Vec3 spring = spring_of(f, vt, vn, kappa);
     const double limit = law_.friction * push, sliding = law_.friction_sliding * push;
     // (of a law that pulls too, its push alone: a contact at rest under its own attraction still presses)
     // squares: the root is taken only where something slides
     const double stretched = squared_length(spring);
     const bool slides = stretched > limit * limit;
-    if (slides) spring *= sliding / std::sqrt(stretched);
+    if (slides) {
+      const double stretch = std::sqrt(stretched);
+      spring *= sliding / stretch;
+      if (slid != nullptr && kappa > 0) *slid = sliding * (stretch - sliding) / kappa;
+    }
     Vec3 tangential = spring - damping * vt;
     const double total = squared_length(tangential), cap = slides ? sliding : limit;
     if (total > cap * cap) tangential *= cap / std::sqrt(total);

@@ -37,7 +37,7 @@ void view_wall(const SolverScene& scene, const std::vector<WallState>& walls, st
   view.cell_size = std::max(own_cells, wall_cells);
   if (view.cell_size > 0) view.cells = own_cells > wall_cells ? CellSide::a : CellSide::b;
   if (view.zone->kind == WallZone::Kind::mesh) {
-    view.b.shape = &scene.shape(wall.shape);
+    view.b.shape = &scene.wall_shape(view.zone->wall);
     view.b.scale = wall.scale;
     view.b.weights = scene.wall_weights(view.zone->wall);
     view.radius_b = std::max(view.radius_b, wall.scale * view.b.shape->radius);

@@ -23,7 +23,7 @@ bool near_zone(const SolverScene& scene, const WallZone& zone, const WallState& 
     case WallZone::Kind::sphere:
       return zone.radius - length(p - zone.point) < reach;
     case WallZone::Kind::mesh: {
-      const SolverShape& shape = scene.shape(wall.shape);
+      const SolverShape& shape = scene.wall_shape(zone.wall);
       Vec3 nearest;
       std::int32_t triangle = -1;
       const double bound = reach / wall.scale;

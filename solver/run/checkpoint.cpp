@@ -157,6 +157,17 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     const h5::Group drives = root.open_group("drives");
     c.totals.drives = read_rows<DriveTableColumns>(drives, 0, drives.row_count("way"));
   }
+  if (root.has("loads")) {
+    constexpr std::int64_t kRow = static_cast<std::int64_t>(kLoadSums * ShortSum::kWords);
+    const auto loads = root.read_array<std::int64_t>("loads", kRow);
+    c.totals.loads.triangles.resize(loads.size() / static_cast<std::size_t>(kRow));
+    set_words(loads, c.totals.loads);
+  }
+  if (root.has("wear")) {
+    const h5::Group wear = root.open_group("wear");
+    c.totals.wear.vertices = wear.read_vectors("vertices");
+    c.totals.wear.work = wear.read_array<double>("work", 1);
+  }
   if (root.has_attribute("largest_id")) {
     set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
     c.totals.largest_id = root.read_integer_attribute("largest_id");
@@ -173,7 +184,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   std::vector<WaitingState> states;
   collect_state(simulation, bodies, states);
   const RunTotals totals = overall_totals(simulation.state());
-  const std::vector<std::int64_t> words = words_of(totals);
+  const std::vector<std::int64_t> words = words_of(totals), loads = words_of(totals.loads);
   const std::string hash = state_hash(simulation.state());
   // attributes are written by all ranks alike, and each has measured other times
   RunRecord run = so_far.record;
@@ -184,8 +195,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   mpi::on_all(comm, [&] {
     const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
     const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
-    std::int64_t bytes = body_rows.total * bytes_per_row<BodyTableColumns>() +
-                         static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
+    std::int64_t bytes =
+        body_rows.total * bytes_per_row<BodyTableColumns>() +
+        static_cast<std::int64_t>((words.size() + loads.size() + totals.wear.work.size() + 3 * totals.wear.vertices.size()) *
+                                      sizeof(std::int64_t) +
+                                  record.size());
     for_each_kind(PairState{}, [&](const auto& kind) {
       using Row = typename std::decay_t<decltype(kind)>::value_type;
       bytes += comm.sum(static_cast<std::int64_t>(keyed_rows<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
@@ -221,6 +235,22 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         const std::vector<DriveState> drives = comm.rank() == 0 ? totals.drives : std::vector<DriveState>{};
         write_columns<DriveTableColumns>(file, root.create_group("drives"), drives,
                                          distribute(comm.get(), static_cast<std::int64_t>(drives.size())));
+      }
+      if (!loads.empty()) {
+        constexpr auto kRow = static_cast<std::int64_t>(kLoadSums * ShortSum::kWords);
+        const auto triangles = static_cast<std::int64_t>(loads.size()) / kRow;
+        file.write(root, "loads", loads.data(), comm.rank() == 0 ? Rows{triangles, 0, triangles} : Rows{0, triangles, triangles}, kRow,
+                   H5T_NATIVE_INT64, "");
+      }
+      if (!totals.wear.vertices.empty()) {
+        const h5::Group wear = root.create_group("wear");
+        const auto of_root = [&](const auto& values) {
+          const auto rows = static_cast<std::int64_t>(values.size());
+          return comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows};
+        };
+        const WearState mine = comm.rank() == 0 ? totals.wear : WearState{};
+        file.write(wear, "vertices", mine.vertices, of_root(totals.wear.vertices), "m");
+        file.write(wear, "work", mine.work, of_root(totals.wear.work), "J");
       }
       if (totals.largest_id >= 0) {
         root.write_attribute("largest_id", totals.largest_id);

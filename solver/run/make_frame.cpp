@@ -1,6 +1,7 @@
 #include "solver/run/make_frame.hpp"
 
 #include "solver/scene/origin.hpp"
+#include "solver/step/wall_loads.hpp"
 
 namespace scree {
 
@@ -29,6 +30,56 @@ struct ComputedOfWall {
   Vec3 force() const { return load.force; }
   Vec3 torque() const { return load.torque; }
 };
+
+/// The same for each column of SCREE_FRAME_LOADS.
+struct ComputedOfTriangle {
+  const Wall& of;
+  std::int32_t number;
+  const TriangleLoad& load;
+  std::int64_t wall() const { return of.id; }
+  std::int32_t triangle() const { return number; }
+  Vec3 impulse() const { return {load[kImpulseX].value(), load[kImpulseY].value(), load[kImpulseZ].value()}; }
+  double sliding_work() const { return load[kSlidingWork].value(); }
+  double damping_work() const { return load[kDampingWork].value(); }
+  double contacts() const { return load[kContacts].value(); }
+  double impact_energy() const { return load[kImpactEnergy].value(); }
+};
+
+void add_frame_loads(const SolverScene& scene, const LoadMap& map, FrameLoads& loads) {
+  for (std::size_t w = 0; w < scene.source().walls.size(); ++w) {
+    const std::int32_t first = scene.first_mapped(w);
+    if (first < 0) continue;
+    const Wall& wall = scene.source().walls[w];
+    for (std::int32_t t = 0; t < scene.shape(wall.shape).mesh.triangle_count(); ++t) {
+      const ComputedOfTriangle computed{wall, t, map.triangles[static_cast<std::size_t>(first + t)]};
+#define SCREE_FILL_COMPUTED(type, name, path, unit, csv, uses, what) loads.name.push_back(computed.name());
+      SCREE_FRAME_LOADS(SCREE_FILL_COMPUTED)
+#undef SCREE_FILL_COMPUTED
+    }
+  }
+}
+
+/// The same for each column of SCREE_FRAME_WEAR.
+struct ComputedOfVertex {
+  const Wall& of;
+  const Vec3& place;
+  std::int64_t wall() const { return of.id; }
+  Vec3 vertex() const { return place; }
+};
+
+void add_frame_wear(const SolverScene& scene, const WearState& state, FrameWear& wear) {
+  for (std::size_t w = 0; w < scene.source().walls.size(); ++w) {
+    const std::int32_t first = scene.first_worn(w);
+    if (first < 0) continue;
+    const Wall& wall = scene.source().walls[w];
+    for (std::int32_t v = 0; v < scene.shape(wall.shape).mesh.vertex_count(); ++v) {
+      const ComputedOfVertex computed{wall, state.vertices[static_cast<std::size_t>(first + v)]};
+#define SCREE_FILL_COMPUTED(type, name, path, unit, csv, uses, what) wear.name.push_back(computed.name());
+      SCREE_FRAME_WEAR(SCREE_FILL_COMPUTED)
+#undef SCREE_FILL_COMPUTED
+    }
+  }
+}
 
 }  // namespace
 
@@ -62,6 +113,11 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
     SCREE_FRAME_WALLS(SCREE_FILL_COMPUTED)
 #undef SCREE_FILL_COMPUTED
   }
+  if (simulation.state().scene.mapped_triangles() > 0) {
+    const LoadMap map = loads_now(simulation.state());
+    if (rank == 0) add_frame_loads(simulation.state().scene, map, frame.loads);
+  }
+  if (rank == 0) add_frame_wear(simulation.state().scene, simulation.state().totals.wear, frame.wear);
   return frame;
 }
 

@@ -7,6 +7,7 @@
 #include "core/storage/checksum.hpp"
 #include "solver/bodies/motion.hpp"
 #include "solver/step/domain.hpp"
+#include "solver/step/wall_loads.hpp"
 
 namespace scree {
 
@@ -50,6 +51,19 @@ ItemHash hash_of(const InletState& inlet) {
 ItemHash hash_of(const DriveState& drive) {
   ItemHash h;
   for (const double value : {drive.way, drive.rate, drive.rate_before}) h.add(value);
+  return h;
+}
+
+ItemHash hash_of(const LoadMap& loads) {
+  ItemHash h;
+  for (const std::int64_t word : words_of(loads)) h.add(word);
+  return h;
+}
+
+ItemHash hash_of(const WearState& wear) {
+  ItemHash h;
+  for (const Vec3& v : wear.vertices) h.add(v);
+  for (const double work : wear.work) h.add(work);
   return h;
 }
 
@@ -214,6 +228,7 @@ RunTotals overall_totals(const RunState& s) {
   totals.max_overlap_ratio = s.comm.max(s.totals.max_overlap_ratio);
   totals.arrived = over_ranks(s.comm.get(), s.totals.arrived);
   totals.outlets = over_ranks(s.comm.get(), s.totals.outlets);
+  add_over_ranks(s.comm.get(), totals.loads);
   totals.level = s.clock.level;
   return totals;
 }
@@ -245,6 +260,12 @@ std::string state_hash(const RunState& s) {
       }
     });
   }
+  if (!s.totals.loads.triangles.empty()) {
+    LoadMap loads = s.totals.loads;
+    add_over_ranks(s.comm.get(), loads);
+    if (s.comm.rank() == 0) add(hash_of(loads));
+  }
+  if (s.comm.rank() == 0 && !s.totals.wear.vertices.empty()) add(hash_of(s.totals.wear));
   if (s.comm.rank() == 0) {
     for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));
     for (const DriveState& drive : s.totals.drives) add(hash_of(drive));

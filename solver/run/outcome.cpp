@@ -9,6 +9,7 @@
 #include "core/storage/h5.hpp"
 #include "solver/run/idle_servos.hpp"
 #include "solver/scene/origin.hpp"
+#include "solver/step/wall_wear.hpp"
 
 namespace scree {
 
@@ -55,6 +56,20 @@ nlohmann::json inlet_json(const Inlet& inlet, const InletState& state, double ti
   j["times_blocked"] = state.blocked_looks;
   j["first_blocked"] = state.first_blocked < 0 ? nlohmann::json() : nlohmann::json(state.first_blocked);
   return j;
+}
+
+/// Of the walls that wear; each is written as a shape, as it is at the end.
+nlohmann::json worn_walls(const RunState& s, const std::string& folder, const nlohmann::json& provenance) {
+  nlohmann::json walls;
+  for (std::size_t w = 0; w < s.scene.source().walls.size(); ++w) {
+    const Wall& wall = s.scene.source().walls[w];
+    if (s.scene.first_worn(w) < 0) continue;
+    const std::string file = fmt::format("wall{}_worn.shape.h5", wall.id);
+    write_shape_file(folder + "/" + file, {make_surface(wall.name, s.scene.wall_shape(static_cast<std::int32_t>(w)).mesh)}, provenance);
+    const WornAway away = worn_away(s, w);
+    walls.push_back({{"wall", wall.id}, {"name", wall.name}, {"volume", away.volume}, {"depth", away.depth}, {"file", file}});
+  }
+  return walls;
 }
 
 /// What was measured while it ran.
@@ -112,6 +127,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     for (std::size_t k = 0; k < loaded.scene.inlets.size(); ++k)
       run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
     if (nlohmann::json drives = drives_json(simulation.state()); !drives.empty()) run["drives"] = std::move(drives);
+    if (simulation.state().scene.worn_vertices() > 0) run["wear"] = worn_walls(simulation.state(), options.run_folder, provenance);
     run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) + static_cast<std::int64_t>(arrived.count) - bodies -
                          static_cast<std::int64_t>(removed.count);
     run["bodies_outside_domain"] = outside;

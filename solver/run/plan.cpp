@@ -10,6 +10,7 @@
 #include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/run/run.hpp"
+#include "solver/step/wall_wear.hpp"
 
 namespace scree {
 
@@ -250,6 +251,24 @@ void Plan::add_space() {
     }
   } else
     out("moving surfaces", "no wall has one");
+  if (scene_.mapped_triangles() > 0) {
+    for (const Wall& wall : source_.walls) {
+      if (!wall.load_map) continue;
+      const auto triangles = static_cast<double>(scene_.shape(wall.shape).mesh.triangle_count());
+      in("load map",
+         fmt::format("'{}': {:.0f} triangles, {:.1f} kB on each rank", wall.name, triangles, triangles * sizeof(TriangleLoad) / 1e3));
+    }
+  } else
+    out("load maps", "no wall has one");
+  if (scene_.worn_vertices() > 0) {
+    for (const Wall& wall : source_.walls) {
+      if (!(wall.wear > 0)) continue;
+      const std::int64_t steps = wear_steps(wall, simulation_.state().clock.size.step);
+      in("wear", fmt::format("'{}': {} per sliding work, every {} steps", wall.name,
+                             format_quantity(wall.wear, Dimension::wear_coefficient), steps));
+    }
+  } else
+    out("wear", "no wall wears");
   if (comm_.size() > 1)
     in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else

@@ -100,6 +100,10 @@ const double* DensityWeights::of_wall(const SolverShape& shape, std::int32_t ind
   return find(shape, index, kDensityRadius * std::sqrt(body_radius * depth_) / scale);
 }
 
+std::vector<double> DensityWeights::of_worn_wall(const SolverShape& shape, double scale, double body_radius) const {
+  return density_weights(shape, kDensityRadius * std::sqrt(body_radius * depth_) / scale);
+}
+
 DensityWeights::Summary DensityWeights::summary() const {
   const std::lock_guard lock(mutex_);
   Summary s;

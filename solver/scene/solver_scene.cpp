@@ -119,7 +119,13 @@ SolverScene::SolverScene(const Scene& scene)
     drives_.push_back(wall.motion.drive());
     levers_.push_back(drives_.back() ? lever_of(scene, wall, drives_.back()->guide) : 1.0);
     has_moving_surfaces_ = has_moving_surfaces_ || wall.surface.moves();
+    first_mapped_.push_back(wall.load_map ? mapped_triangles_ : -1);
+    if (wall.load_map) mapped_triangles_ += shape(wall.shape).mesh.triangle_count();
+    first_worn_.push_back(wall.wear > 0 ? worn_vertices_ : -1);
+    if (wall.wear > 0) worn_vertices_ += shape(wall.shape).mesh.vertex_count();
+    wall_shapes_.push_back(wall.kind == WallKind::mesh ? &shape(wall.shape) : nullptr);
   }
+  worn_walls_.resize(scene.walls.size());
   if (std::none_of(drives_.begin(), drives_.end(), [](const auto& drive) { return drive.has_value(); })) drives_.clear();
 }
 
@@ -266,16 +272,22 @@ void SolverScene::prepare_weights() {
                                                 margins_by_size() ? DensityWeights::Depth::of_shape : DensityWeights::Depth::one);
   if (widest_range() > 0 && !law_choice_.necks)
     pull_weights_ = std::make_shared<DensityWeights>(pull_table_depth(), DensityWeights::Depth::one);
-  double radius = 0;
-  for (const double r : extremes_.radius) radius = std::max(radius, r);
-  if (!(radius > 0))
-    for (const SolverShape& s : shapes_) radius = std::max(radius, s.equivalent_radius);
+  const double radius = wall_weight_radius();
   for (std::size_t w = 0; w < scene_->walls.size(); ++w) {
     const Wall& wall = scene_->walls[w];
     if (wall.kind != WallKind::mesh) continue;
     if (weights_) wall_weights_[w] = weights_->of_wall(shape(wall.shape), wall.shape, wall.scale, radius);
     if (pull_weights_) wall_pull_weights_[w] = pull_weights_->of_wall(shape(wall.shape), wall.shape, wall.scale, radius);
   }
+}
+
+/// Of the largest body: a wall's surface has no radius of its own.
+double SolverScene::wall_weight_radius() const {
+  double radius = 0;
+  for (const double r : extremes_.radius) radius = std::max(radius, r);
+  if (!(radius > 0))
+    for (const SolverShape& s : shapes_) radius = std::max(radius, s.equivalent_radius);
+  return radius;
 }
 
 void SolverScene::prepare_barrier() {

@@ -31,6 +31,8 @@ class SolverScene {
  public:
   /// Throws UsageError for what this solver does not do yet, InputError for contradictions.
   explicit SolverScene(const Scene& scene);
+  SolverScene(const SolverScene&) = delete;
+  SolverScene& operator=(const SolverScene&) = delete;
 
   const Scene& source() const { return *scene_; }
   const SolverShape& shape(std::int32_t s) const { return shapes_[static_cast<std::size_t>(s)]; }
@@ -41,6 +43,15 @@ class SolverScene {
   /// Weights of the corners of a body's shape at a scale; null where all are 1. Made at the first call, which is that of a body's arrival.
   const double* weights(std::int32_t shape, double scale) const;
   const double* wall_weights(std::int32_t wall) const { return wall_weights_[static_cast<std::size_t>(wall)]; }
+  /// The shape of a mesh wall as it is now: that of the scene, until the wall is worn.
+  const SolverShape& wall_shape(std::int32_t wall) const { return *wall_shapes_[static_cast<std::size_t>(wall)]; }
+  /// Gives a mesh wall other places for its vertices. It is all that changes of a scene once it is made: between steps, on every rank
+  /// alike. Candidates and lists made before do not hold after.   Cost: that of a shape's tree and features.
+  void set_wall_vertices(std::int32_t wall, const std::vector<Vec3>& vertices) const;
+  /// Vertices of all walls that wear, wall after wall; 0: none does.
+  std::int32_t worn_vertices() const { return worn_vertices_; }
+  /// Of a wall that wears, where its vertices begin among them; -1 of any other.
+  std::int32_t first_worn(std::size_t wall) const { return first_worn_[wall]; }
   /// The same for an attraction, of crowds that lie within its widest range.
   const double* pull_weights(std::int32_t shape, double scale) const;
   const double* wall_pull_weights(std::int32_t wall) const { return wall_pull_weights_[static_cast<std::size_t>(wall)]; }
@@ -112,6 +123,10 @@ class SolverScene {
   /// Of a wall that has an inertia, at a place in the world: 1 over the mass that a contact there meets [1/kg]; 0 of any other.
   double wall_mobility(std::size_t wall, const Vec3& at) const;
   bool has_moving_surfaces() const { return has_moving_surfaces_; }
+  /// Triangles of all walls with a load map, wall after wall; 0: none has one.
+  std::int32_t mapped_triangles() const { return mapped_triangles_; }
+  /// Of a wall with a load map, where its triangles begin among them; -1 of any other.
+  std::int32_t first_mapped(std::size_t wall) const { return first_mapped_[wall]; }
 
  private:
   void include_inlets();
@@ -139,12 +154,24 @@ class SolverScene {
   BodyExtremes extremes_;
   LawChoice law_choice_;
   std::shared_ptr<const ContactExtent> contact_extent_;
+  std::vector<std::int32_t> first_mapped_;  ///< of each wall
+  std::int32_t mapped_triangles_ = 0;
+  std::vector<std::int32_t> first_worn_;  ///< of each wall
+  std::int32_t worn_vertices_ = 0;
+  /// What a worn wall has in place of what is the scene's.
+  struct WornWall {
+    SolverShape shape;
+    std::vector<double> weights, pull_weights;
+  };
+  mutable std::vector<std::unique_ptr<WornWall>> worn_walls_;  ///< of each wall; null: as it was
+  mutable std::vector<const SolverShape*> wall_shapes_;        ///< of each wall; null of one that is no mesh
+  double wall_weight_radius() const;
   std::vector<double> levers_;                ///< of each wall
   std::vector<std::optional<Drive>> drives_;  ///< of each wall; empty where none answers to force
   std::shared_ptr<DensityWeights> weights_;   ///< null: all 1
-  std::vector<const double*> wall_weights_;
+  mutable std::vector<const double*> wall_weights_;
   std::shared_ptr<DensityWeights> pull_weights_;
-  std::vector<const double*> wall_pull_weights_;
+  mutable std::vector<const double*> wall_pull_weights_;
   bool crowds_follow_ = true, has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false, laws_by_room_ = false;
 };
 

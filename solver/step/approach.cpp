@@ -115,7 +115,7 @@ double approach_of(const Mover& i, const WallZone& zone, const Wall& wall, const
       break;
     }
     case WallZone::Kind::mesh: {
-      const SolverShape& shape = scene.shape(wall.shape);
+      const SolverShape& shape = scene.wall_shape(zone.wall);
       Vec3 foot;
       std::int32_t triangle = -1;
       closing = speed_towards(shape, wall.scale, p, u, reach);

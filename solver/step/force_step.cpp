@@ -23,6 +23,7 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   Balance& balance = decomposition.balance();
   const bool refresh_ghosts = built_with::kRanks && refresh, overlap = decomposition.options().strategy == HaloStrategy::overlap;
   const bool timed = refresh_ghosts && balance.is_sample(s.clock.step);
+  s.loads.clear();
   if (timed) scratch_.pair_seconds.assign(s.pairs.pairs().size(), 0.0f);
 
   if (refresh_ghosts) halo.start_refresh(p, s.times);
@@ -56,6 +57,10 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
     for (ExactSum& released : scratch_.released) {
       s.totals.walls.dissipated.add(released);
       released = {};
+    }
+    for (std::vector<LoadEntry>& of_thread : scratch_.loads) {
+      s.loads.insert(s.loads.end(), of_thread.begin(), of_thread.end());
+      of_thread.clear();
     }
   });
 }

@@ -97,6 +97,7 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                 pair_holds_function(scene.law_choice()),
                 stop_ratio};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
+  if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
   Deepest deepest;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
   check_pass(pass, which, step, deepest);

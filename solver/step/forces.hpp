@@ -9,6 +9,7 @@
 #include "core/storage/frame_file.hpp"
 #include "solver/neighbours/pair_list.hpp"
 #include "solver/ranks/exact_sum.hpp"
+#include "solver/step/load_map.hpp"
 
 namespace scree {
 
@@ -18,6 +19,8 @@ struct ForceScratch {
   std::vector<float> pair_seconds;               ///< when not empty, one per pair: evaluate_pairs fills in what each took
   /// One per thread where necks or bridges may form: evaluate_pairs adds the energy that goes as they do, of the pairs counted here [J].
   std::vector<ExactSum> released;
+  /// One per thread where walls have load maps: evaluate_pairs appends the entries of their contacts.
+  std::vector<std::vector<LoadEntry>> loads;
   ForceScratch();
 };
 

@@ -11,6 +11,7 @@
 #include "solver/contact/contact_models.hpp"
 #include "solver/contact/pass_through.hpp"
 #include "solver/step/forces.hpp"
+#include "solver/step/wall_loads.hpp"
 
 namespace scree {
 
@@ -186,11 +187,12 @@ class PairEvaluation {
     }
     if (view.zone != nullptr && pass_.scene.has_answering_walls())
       motion.inverse_mass_b = pass_.scene.wall_mobility(static_cast<std::size_t>(view.zone->wall), view.a.x);
+    const bool is_mapped = view.zone != nullptr && pass_.scene.mapped_triangles() > 0 && !pass_.only_looks() && first_mapped_of(view) >= 0;
     // Looking must not change anything: it works on a copy of the springs.
     std::vector<FrictionSpring> copy;
     if (pass_.only_looks()) copy = pair.state.springs;
     const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, pass_.only_looks() ? copy : pair.state.springs,
-                                       pass_.out != nullptr ? &outputs_ : nullptr);
+                                       pass_.out != nullptr || is_mapped ? &outputs_ : nullptr);
     if (pass_.look != nullptr) (*pass_.look)({pair, features_, f, motion, law});
     result.active = true;
     result.contact_count = static_cast<std::int32_t>(features_.list.size());
@@ -208,7 +210,15 @@ class PairEvaluation {
     result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
+    if (is_mapped) map_loads(view, motion, a_to_world, pair);
     if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
+  }
+
+  std::int32_t first_mapped_of(const PairView& view) const { return pass_.scene.first_mapped(static_cast<std::size_t>(view.zone->wall)); }
+
+  [[gnu::noinline]] void map_loads(const PairView& view, const PairMotion& motion, const Mat3& a_to_world, const BodyPair& pair) {
+    append_loads({view, motion, features_, outputs_, pair.lists, a_to_world, pair.a, first_mapped_of(view), pass_.friction_dt}, distance_,
+                 pass_.scratch.loads[thread_]);
   }
 
   static inline const PullView kNoPull;

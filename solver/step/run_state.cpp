@@ -16,6 +16,15 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
+  totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
+  if (of.worn_vertices() > 0) {
+    totals.wear.work.resize(totals.loads.triangles.size());
+    for (const Wall& wall : of.source().walls) {
+      if (!(wall.wear > 0)) continue;
+      const std::vector<Vec3>& vertices = of.shape(wall.shape).mesh.vertices;
+      totals.wear.vertices.insert(totals.wear.vertices.end(), vertices.begin(), vertices.end());
+    }
+  }
 }
 
 void RunState::set_walls() {

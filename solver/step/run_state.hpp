@@ -56,7 +56,8 @@ struct RunState {
   BodyFacts facts;
   std::int64_t largest_id = -1;  ///< that a body or a wall has or had, at any time
   StepClock clock;
-  RunTotals totals;  ///< of this rank
+  RunTotals totals;              ///< of this rank
+  std::vector<LoadEntry> loads;  ///< of the present forces, on walls that have a load map
   PhaseTimes times{};
 
   const FluidForces* fluid_forces() const { return fluid ? &*fluid : nullptr; }

@@ -10,6 +10,7 @@
 #include "core/storage/wall_state.hpp"
 #include "solver/ranks/exact_sum.hpp"
 #include "solver/step/inlet_state.hpp"
+#include "solver/step/load_map.hpp"
 
 namespace scree {
 
@@ -51,6 +52,8 @@ struct RunTotals {
   ArrivalTotals arrived;
   std::vector<OutletTotals> outlets;
   std::vector<InletState> inlets;  ///< the same on every rank
+  LoadMap loads;                   ///< of the walls that have one
+  WearState wear;                  ///< the same on every rank; empty where no wall wears
   std::vector<DriveState> drives;  ///< of each wall, the same on every rank; empty where none answers to force
   std::int64_t largest_id = -1;    ///< of the bodies that joined, the same on every rank
   double max_overlap_ratio = 0;    ///< since it was last taken

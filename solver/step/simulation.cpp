@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solver/built_with.hpp"
 #include "solver/step/stability.hpp"
 #include "solver/step/start_from_run.hpp"
 #include "solver/step/wall_drives.hpp"
+#include "solver/step/wall_loads.hpp"
+#include "solver/step/wall_wear.hpp"
 
 namespace scree {
 
@@ -44,6 +47,7 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   if (start) book_starting_springs(state_);
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
+  book_loads(state_, 0.5 * state_.clock.dt, false, state_.totals.loads);
   add_dissipation(state_, 0.5 * state_.clock.dt);
   agree_on_failures();
 }
@@ -56,6 +60,7 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.totals.largest_id = totals.largest_id;
   state_.totals.inlets = totals.inlets;
   state_.totals.drives = totals.drives;
+  if (!totals.wear.vertices.empty()) state_.totals.wear = totals.wear;
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
@@ -76,6 +81,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   if (step_size > 0) clock.size.step = step_size;  // a run keeps the step that it began with
   clock.set_level(clock.level);
   state_.set_walls();
+  mpi::on_all(state_.comm, [&] { place_worn_vertices(state_); });
   if (step == 0) levels_.begin(state_, forces_.scratch(), failure_);
   lists_.begin(state_);
   if (!is_cut && state_.comm.size() > 1) decomposition_.cut_anew(p, state_.pairs, true);
@@ -88,6 +94,11 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
 void Simulation::advance() {
   const std::int64_t next = step() + 1;
   while (step() < next) advance_substep();
+  if (wear_is_due(state_)) {
+    agree_on_failures();
+    wear_walls(state_, forces_.scratch(), failure_);
+    walls_worn_ = true;
+  }
   levels_.review(state_, forces_.scratch(), failure_);
 }
 
@@ -95,7 +106,7 @@ void Simulation::advance_substep() {
   move_bodies();
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
   inlets_.feed(state_, arrivals_);
-  const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting());
+  const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting() || std::exchange(walls_worn_, false));
   requests_.hear(all);
   if (all.failed != 0) agree_on_failures();
   if (all.rebuild != 0) rebuild_lists(all);
@@ -122,6 +133,7 @@ void Simulation::finish_motion() {
   end_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
   if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { respond_drives(state_); });
   add_wall_effects(state_, state_.clock.dt, state_.totals.walls);
+  book_loads(state_, state_.clock.dt, true, state_.totals.loads);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   add_dissipation(state_, state_.clock.dt);
 }

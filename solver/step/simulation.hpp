@@ -83,6 +83,7 @@ class Simulation {
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;
+  bool walls_worn_ = false;  // since the last step: lists were made for other walls
 };
 
 }  // namespace scree

@@ -306,5 +306,28 @@ TEST(Refusals, attraction_through_a_body_or_its_margins_is_refused) {
   EXPECT_NO_THROW(pack(sticky("pull_off = 30e3\nadhesion_range = 1e-2", kMargin)));
 }
 
+TEST(Refusals, motions_of_a_wall_that_conflict_are_refused_with_their_line) {
+  const std::string body = "[[bodies]]\nshape = \"ball\"\nscale = 0.05\nmaterial = \"stone\"\nposition = [0, 0, 3]\n";
+  const std::string plate =
+      "[[walls]]\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] } }\nmotion = ";
+  const auto with = [&](const std::string& motion) { return kHead + kMargin + body + plate + motion + "\n"; };
+  const std::string turn = "{ rotate = { axis = [0, 0, 1], rate = 1 } }", along = "{ translate = { velocity = [0, 0, -1] } }";
+  EXPECT_EQ(pack(with("[" + turn + ", " + along + "]")).scene.walls[0].motion.parts().size(), 2u);
+  EXPECT_EQ(pack(with("[" + along + "]")).scene.walls[0].motion.parts().size(), 1u);
+  // the same axis later, another axis, and translations one after the other are no conflict
+  EXPECT_NO_THROW(pack(with("[" + turn + ", { rotate = { axis = [0, 1, 0], rate = 2 } }]")));
+  EXPECT_NO_THROW(
+      pack(with("[{ translate = { velocity = [0, 0, -1] }, stop = 0.5 }, { translate = { velocity = [1, 0, 0] }, start = 0.5 }]")));
+  expect_says(failure(with("[" + turn + ", { rotate = { axis = [0, 0, -2], centre = [0, 0, 5], rate = 2 } }]"), ExitCode::usage),
+              {"case.toml:", "motion[1].rotate", "conflicts", "same axis", "start"});
+  expect_says(failure(with("[" + along + ", " + turn + ", { translate = { velocity = [1, 0, 0] } }]"), ExitCode::usage),
+              {"case.toml:", "motion[2].translate", "conflicts"});
+  expect_says(failure(with("[" + turn + ", { motor = { axis = [0, 0, 1], torque = 3, inertia = 1 } }]"), ExitCode::usage),
+              {"case.toml:", "motion[1].motor", "answers to force", "alone"});
+  expect_says(failure(with("[{ rotate = { axis = [0, 0, 1], rate = 1 }, translate = { velocity = [1, 0, 0] } }]"), ExitCode::usage),
+              {"case.toml:", "motion[0]", "one of them"});
+  expect_says(failure(with("[]"), ExitCode::usage), {"case.toml:", "motion", "empty list"});
+}
+
 }  // namespace
 }  // namespace scree

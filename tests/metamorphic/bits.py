@@ -69,7 +69,7 @@ def invalid_step(run):
 
 
 def frame_difference(f, g):
-    for part in ("attributes", "bodies", "contacts", "walls"):
+    for part in ("attributes", "bodies", "contacts", "walls", "loads"):
         left, right = getattr(f, part), getattr(g, part)
         if sorted(left) != sorted(right):
             return f"{part} have other names"
@@ -356,6 +356,27 @@ def other_output(trial):
     require(other.hash == run.hash, f"other output settings {table} change the state at the end")
     where = frame_difference(without_contacts(run.frames[-1]), without_contacts(other.frames[-1]))
     require(where is None, f"other output settings {table}: last frame {where}")
+
+
+@relation("bits", another_last_digit)
+def a_load_map_is_no_physics(trial):
+    """Summing up what walls bear changes nothing of what bodies do."""
+    case = trial.case.copy()
+    meshes = [wall for wall in case.walls if next(iter(wall["shape"])) not in ("plane", "box_inside", "cylinder_inside", "sphere_inside")]
+    if not meshes:
+        raise NotApplicable("no wall of triangles")
+    if any("wear" in wall for wall in meshes):
+        raise NotApplicable("a wall wears, which is physics")
+    for wall in meshes:
+        wall["load_map"] = not wall.get("load_map", False)
+    other = trial.solve_case(case)
+    require(other.code == trial.run.code, f"exit {other.code} against {trial.run.code}: {last_line(other)}")
+    require(len(other.frames) == len(trial.run.frames), f"{len(other.frames)} frames against {len(trial.run.frames)}")
+    for f, g in zip(trial.run.frames, other.frames):
+        for name in f.bodies:
+            require(numpy.array_equal(f.bodies[name], g.bodies[name], equal_nan=True), f"a load map changes {name} in frame {f.number}")
+    for name in ("dissipated", "wall_work", "elastic", "critical_step"):
+        require(trial.run.log.get(name) == other.log.get(name), f"a load map changes {name} in the log")
 
 
 def without_contacts(frame):

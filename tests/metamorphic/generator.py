@@ -589,6 +589,30 @@ def motions(d):
 
 
 @feature
+def second_motions(d):
+    """Some walls that move do so in two ways, which come in either order. From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"second motions {d.words['title']}")
+    for wall in d.case.walls:
+        if "motion" not in wall or not d.chance(0.3):
+            continue
+        first, speed = wall["motion"], d.speed * d.between(0.02, 0.2)
+        way = d.direction()
+        for k, axis in enumerate("xyz"):
+            if axis in d.periodic:
+                way[k] = 0
+        if not numpy.linalg.norm(way) > 0.1:
+            continue
+        if "oscillate" in first or d.chance(0.5) and "translate" not in first:
+            second = {"translate": {"velocity": (speed * way).tolist()}, "stop": d.between(0.1, 0.6)}
+        else:
+            amplitude = d.radius * d.log_between(0.01, 0.5)
+            second = {"oscillate": {"direction": way.tolist(), "amplitude": amplitude, "frequency": speed / (2 * math.pi * amplitude)}}
+        wall["motion"] = [first, second] if d.chance(0.5) else [second, first]
+        d.extra_speed += speed
+    d.random = others
+
+
+@feature
 def drives(d):
     """Some walls that stand still otherwise answer to force. From numbers of its own, as surfaces."""
     others, d.random = d.random, random_numbers.Random(f"drives {d.words['title']}")
@@ -731,6 +755,12 @@ def pressed_starts(d):
         del d.words["contact"]
 
 
+def motions_of(wall):
+    """Of a wall of a case: none, one or several."""
+    motion = wall.get("motion", [])
+    return motion if isinstance(motion, list) else [motion]
+
+
 def is_mesh_wall(wall):
     return next(iter(wall["shape"])) not in ("plane", "box_inside", "cylinder_inside", "sphere_inside")
 
@@ -806,6 +836,16 @@ def cells_of_large_things(d):
 
 
 @feature
+def load_maps(d):
+    """From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"load maps {d.words['title']}")
+    for wall in d.case.walls:
+        if is_mesh_wall(wall) and d.chance(0.4):
+            wall["load_map"] = True
+    d.random = others
+
+
+@feature
 def fluid(d):
     if not d.chance(0.12):
         return
@@ -856,18 +896,33 @@ def duration(d):
         time["stop_when_empty"] = True
     d.words["time"] = time
     for wall in d.case.walls:
-        motion = wall.get("motion", {})
-        if "table" in motion:
+        motions = motions_of(wall)
+        for motion in motions:
+            if "table" not in motion:
+                continue
             times = motion["table"]["time"]
             lap = d.duration / len(times) * d.between(0.5, 1.5)
             most = max(numpy.linalg.norm(numpy.diff(numpy.array(motion["table"]["position"]), axis=0), axis=1).max(), 0.1)
             way = motion.pop("speed") * lap / most
             motion["table"]["time"] = [lap * t for t in times]
             motion["table"]["position"] = [[way * x for x in p] for p in motion["table"]["position"]]
-        for moves in (motion, wall.get("surface", {})):
+        for moves in (*motions, wall.get("surface", {})):
             for key in ("start", "stop"):
                 if key in moves:
                     moves[key] *= d.duration
+
+
+@feature
+def wear(d):
+    """From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"wear {d.words['title']}")
+    for wall in d.case.walls:
+        if is_mesh_wall(wall) and d.chance(0.15):
+            # a fall of a body rubs off a thousandth of its volume at most: by less than a tenth of the margin at a time, mostly
+            density = max(material["density"] for material in d.words["materials"].values())
+            wall["wear"] = {"coefficient": 1e-3 * d.log_between(0.01, 1) / (density * max(d.speed**2, d.g * d.radius)),
+                            "every": d.duration * d.log_between(0.01, 0.5)}
+    d.random = others
 
 
 @feature

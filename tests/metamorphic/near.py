@@ -213,6 +213,8 @@ def split_faces(trial):
     case = base(trial)
     if not case.meshes or case.value("contact", "gather", "potential") != "potential":
         raise NotApplicable("triangles are no more than a surface with gather = potential only")
+    if any("wear" in wall for wall in case.walls):
+        raise NotApplicable("a wall wears triangle by triangle")
     other = trial.solve_case(with_split_faces(case, trial.random))
     same_step(trial, other)
     near(trial, other, as_it_is, 0, "with split faces")

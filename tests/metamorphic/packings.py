@@ -81,6 +81,10 @@ def wall_at_start(wall):
     """A wall where its motion has it at 0 s: x -> displacement + turn about the centre."""
     motion = wall.get("motion") or {}
     kind = motion.get("kind", "none") if isinstance(motion, dict) else "none"
+    if kind == "several":
+        for part in motion["parts"]:
+            wall = wall_at_start(wall | {"motion": part})
+        return wall
     if kind in ("none", "servo", "free", "motor"):   # those that answer to force start where they are placed
         return wall
     elapsed = min(max(0.0, motion["start"]), max(motion["start"], motion["stop"])) - motion["start"]

@@ -58,12 +58,15 @@ def scenes():
     less_than_one = population | {"mass": 1e-4}
     del less_than_one["count"]
     on_a_sheet = scene(falling, [sheet])
+    sheet["load_map"] = True
+    on_a_mapped_sheet = scene(falling, [{"shape": {"file": "@sheet"}, "material": "m", "load_map": True}])
+    on_a_mapped_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     feed = {"shape": "ball", "material": "m", "number_rate": 100.0, "region": {"box": [[-0.05, -0.05, 0.03], [0.05, 0.05, 0.06]]}, "velocity": [0, 0, -1]}
     end = {"region": {"box": [[-0.1, -0.1, -0.2], [0.1, 0.1, 0.0]]}}
     return [scene(falling, [floor]), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
             scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
-            on_a_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
+            on_a_sheet, on_a_mapped_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
 
 
 def every_relation_can_fail(tools):
@@ -124,7 +127,8 @@ def schema_leaves(node, path=""):
             if isinstance(kind.get("additionalProperties"), dict):
                 yield from schema_leaves(kind["additionalProperties"], path + ".*")
         elif kind.get("type") == "array" and kind["items"].get("type") == "object":
-            yield from schema_leaves(kind["items"], path + ".*")
+            # a table, or a list of such tables: what is in the list has the keys of the one
+            yield from schema_leaves(kind["items"], path if any(k.get("type") == "object" for k in kinds) else path + ".*")
         elif kind.get("type") == "array":
             inner = kind["items"].get("items", kind["items"])
             yield path, inner.get("anyOf", [inner])[0]
@@ -140,6 +144,9 @@ def leaves_of(words, path=""):
     elif isinstance(words, list) and path in ("bodies", "walls", "populations", "pairs", "inlets", "outlets"):
         for entry in words:
             yield from leaves_of(entry, path + ".*")
+    elif isinstance(words, list) and words and all(isinstance(entry, dict) for entry in words):
+        for entry in words:
+            yield from leaves_of(entry, path)
     else:
         yield path, words
 

@@ -62,7 +62,7 @@ def step_at(run, end):
 def started_from_its_run(trial):
     """[start]: bodies, contact forces and energies are those of the end of the run; the same bits on any ranks."""
     run = trial.completed()
-    if any("motion" in wall or wall.get("surface", {}).keys() & {"start", "stop"} for wall in trial.case.walls):
+    if any("motion" in wall or "wear" in wall or wall.get("surface", {}).keys() & {"start", "stop"} for wall in trial.case.walls):
         raise NotApplicable("walls would stand where they began")
     end = run.frames[-1]
     if len(end.ids) == 0 or end.attributes["step"] != run.record["steps"]:

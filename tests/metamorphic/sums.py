@@ -211,6 +211,40 @@ def starts_unpressed(trial):
     require(stored <= 0 if attracts else stored == 0, f"{stored:.6g} J are stored in contacts at the start")
 
 
+def another_load(run):
+    for frame in run.frames:
+        if frame.loads:
+            frame.loads["impulse"] = frame.loads["impulse"] * (1 + 1e-9)
+
+
+@relation("sums", another_load)
+def load_maps_bear_what_walls_bear(trial):
+    """The impulses of a map's triangles add up to that of its wall; works, contacts and their energies never fall."""
+    run, compared = trial.run, 0
+    mapped = [wall["id"] for wall in trial.scene.walls if wall.get("load_map")]
+    if not mapped or not run.frames:
+        raise NotApplicable("no load map")
+    for before, frame in zip(run.frames[:-1], run.frames[1:]):
+        for name in ("sliding_work", "contacts", "impact_energy"):
+            fallen = (before.loads[name] - frame.loads[name]).max()
+            require(fallen <= 0, f"{name} of a triangle falls by {fallen:.3g} until t = {frame.time:.6g} s")
+    for row, frame in rows_at_frames(run):
+        for wall in mapped:
+            k = list(frame.walls["id"]).index(wall)
+            turned_by = [f.walls["orientation"][k] for f in run.frames if f.time <= frame.time]
+            if not all(numpy.array_equal(q, turned_by[0]) for q in turned_by):
+                continue   # the map goes round with the wall
+            of_wall = frame.loads["impulse"][frame.loads["wall"] == wall]
+            total = turned(turned_by[0], of_wall.sum(axis=0))
+            logged = numpy.array([float(run.log[f"wall{wall}_impulse_{axis}"][row]) for axis in "xyz"])
+            size = numpy.abs(of_wall).sum() + numpy.abs(logged).max()
+            compared += size > 0
+            require(numpy.abs(total - logged).max() <= kSumRounding * size,
+                    f"wall {wall} at t = {frame.time:.6g} s: its map adds up to {total.tolist()}, the log has {logged.tolist()}")
+    if not compared:
+        raise NotApplicable("no row of the log at a frame, or nothing bears")
+
+
 @relation("sums", another_wall_force)
 def contacts_make_wall_forces(trial):
     """The contacts of a frame add up to the force on each wall, in frame and log: exactly where nothing is damped and rubs, since contacts are

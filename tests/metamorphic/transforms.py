@@ -147,22 +147,7 @@ def mirrored_mesh(mesh):
     return Mesh(mesh.vertices * [-1, 1, 1] + 0.0, mesh.triangles[:, [0, 2, 1]], mesh.surface)
 
 
-def place_wall(wall, how):
-    kind, shape = next(iter(wall["shape"].items()))
-    if kind == "plane":
-        shape["point"], shape["normal"] = how.point(shape["point"]), how.vector(shape["normal"])
-    elif kind == "box_inside":
-        wall["shape"][kind] = how.box(shape)
-    elif kind == "cylinder_inside":
-        shape["start"], shape["end"] = how.point(shape["start"]), how.point(shape["end"])
-    elif kind == "sphere_inside":
-        shape["centre"] = how.point(shape["centre"])
-    else:
-        if how.mirrored and kind != "file":
-            mirror_form(wall, kind, shape)
-        wall["position"] = how.point(wall.get("position", [0, 0, 0]))
-        wall["orientation"] = how.orientation(wall.get("orientation", [1, 0, 0, 0]))
-    motion = wall.get("motion", {})
+def turn_motion(motion, how):
     if "rotate" in motion:
         motion["rotate"]["axis"] = how.spin(motion["rotate"]["axis"])
         motion["rotate"]["centre"] = how.point(motion["rotate"].get("centre", [0, 0, 0]))
@@ -184,6 +169,26 @@ def place_wall(wall, how):
                 motion[word][key] = how.spin(motion[word][key])
                 for point in points:
                     motion[word][point] = how.point(motion[word].get(point, [0, 0, 0]))
+
+
+def place_wall(wall, how):
+    kind, shape = next(iter(wall["shape"].items()))
+    if kind == "plane":
+        shape["point"], shape["normal"] = how.point(shape["point"]), how.vector(shape["normal"])
+    elif kind == "box_inside":
+        wall["shape"][kind] = how.box(shape)
+    elif kind == "cylinder_inside":
+        shape["start"], shape["end"] = how.point(shape["start"]), how.point(shape["end"])
+    elif kind == "sphere_inside":
+        shape["centre"] = how.point(shape["centre"])
+    else:
+        if how.mirrored and kind != "file":
+            mirror_form(wall, kind, shape)
+        wall["position"] = how.point(wall.get("position", [0, 0, 0]))
+        wall["orientation"] = how.orientation(wall.get("orientation", [1, 0, 0, 0]))
+    motions = wall.get("motion", [])
+    for motion in motions if isinstance(motions, list) else [motions]:
+        turn_motion(motion, how)
     surface = wall.get("surface", {})
     if "velocity" in surface:
         surface["velocity"] = how.vector(surface["velocity"])

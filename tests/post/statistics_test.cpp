@@ -600,6 +600,36 @@ TEST_F(StatisticsOfARun, kinds_of_the_mixing_index_are_sizes_or_populations) {
   EXPECT_LT(index(other, "size"), 0.05);
 }
 
+TEST_F(StatisticsOfARun, size_classes_that_lie_apart_are_segregated_and_those_that_alternate_are_not) {
+  // 512 balls in a cube: three sizes in layers along x, or drawn without regard to the place
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});
+  for (int i = 0; i < 512; ++i)
+    p.add(0.125 * Vec3{i % 8 + 0.5, i / 8 % 8 + 0.5, i / 64 + 0.5}, {}, 0, 0, i % 8 < 3 ? 0.8 : i % 8 < 5 ? 0.9 : 1);
+  Packing mixed = p, two = p;
+  std::mt19937 g(3);
+  for (std::size_t i = 0; i < 512; ++i) {
+    const double drawn = std::uniform_real_distribution<double>(0.8, 1)(g);
+    mixed.frame.bodies.scale[i] = mixed.run.scene.bodies.scale[i] = drawn;
+    two.frame.bodies.scale[i] = two.run.scene.bodies.scale[i] = i % 8 < 2 ? 0.8 : 1;
+  }
+  const auto of = [&](const scree::Run& run, const char* quantity) {
+    StatisticsOptions options;
+    options.frames = {0};
+    return run_statistics(run, options, "").of(quantity);
+  };
+  const scree::Run apart = written(folder / "apart.run", p, {p.frame}), drawn = written(folder / "drawn.run", mixed, {mixed.frame}),
+                   pair = written(folder / "pair.run", two, {two.frame});
+  for (const char* quantity : {"segregation_fine", "segregation_coarse"}) {
+    EXPECT_GT(of(apart, quantity).mean, 0.7) << quantity << ": cells are cut";
+    EXPECT_NEAR(of(drawn, quantity).mean, 0, 0.1) << quantity;
+  }
+  EXPECT_NEAR(of(drawn, "segregation_middle").mean, 0, 0.1);
+  // a quarter is small: all others are of the size that holds the middle third, and nothing is larger
+  EXPECT_NEAR(of(pair, "segregation_fine").mean, of(pair, "segregation_middle").mean, 1e-12);
+  EXPECT_GT(of(pair, "segregation_fine").mean, 0.4) << "the first cells hold a layer of large ones too";
+  EXPECT_EQ(of(pair, "segregation_coarse").count, 0u);
+}
+
 TEST_F(StatisticsOfARun, what_is_left_out_counts_in_no_contact) {
   constexpr int n = 4;
   Packing p(0.5, {0, 0, 0}, {n, n, n}, {0, 0, -9.81});

@@ -73,5 +73,40 @@ TEST(ExactSum, holds_the_smallest_and_the_largest_double_and_tells_what_is_no_nu
   EXPECT_TRUE(std::isnan(sum.value()));
 }
 
+TEST(ShortSum, has_the_same_words_in_any_order_and_the_value_of_the_exact_sum) {
+  std::mt19937_64 g(7);
+  std::uniform_real_distribution<double> mantissa(-1, 1);
+  std::uniform_int_distribution<int> exponent(-100, 60);
+  std::vector<double> terms;
+  for (int i = 0; i < 3000; ++i) terms.push_back(std::ldexp(mantissa(g), exponent(g)));
+  ShortSum forward, shuffled;
+  ExactSum exact;
+  for (const double t : terms) {
+    forward.add(t);
+    exact.add(t);
+  }
+  EXPECT_EQ(forward.value(), exact.value());
+  std::shuffle(terms.begin(), terms.end(), std::mt19937(5));
+  for (const double t : terms) shuffled.add(t);
+  EXPECT_EQ(forward.words(), shuffled.words());
+}
+
+TEST(ShortSum, cuts_off_what_is_below_its_last_bit_and_tells_what_is_too_large) {
+  ShortSum sum;
+  sum.add(std::ldexp(1.0, -160));
+  EXPECT_EQ(sum.value(), std::ldexp(1.0, -160));
+  sum.add(std::ldexp(1.9, -161));  // nothing of it reaches 2^-160
+  sum.add(-std::ldexp(1.9, -161));
+  sum.add(std::ldexp(1.0, -1074));
+  EXPECT_EQ(sum.value(), std::ldexp(1.0, -160));
+  sum.add(std::ldexp(1.75, -160));  // the fraction of the last bit goes
+  EXPECT_EQ(sum.value(), std::ldexp(2.0, -160));
+  sum.add(1e20);
+  sum.add(-1e20);
+  EXPECT_EQ(sum.value(), std::ldexp(2.0, -160));
+  sum.add(1e40);
+  EXPECT_TRUE(std::isnan(sum.value()));
+}
+
 }  // namespace
 }  // namespace scree

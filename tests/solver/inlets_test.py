@@ -349,7 +349,8 @@ region = { sphere = { centre = [0.05, 0, 0.4], radius = 0.05 } }
 name = "chute"
 shape = { plate = { corner = [-0.12, -0.15, 0.45], side_a = [0.3, 0, -0.3], side_b = [0, 0.3, 0] } }
 material = "m"
-motion = { oscillate = { direction = [1, 0, 0], amplitude = 0.004, frequency = 12 } }
+motion = [{ oscillate = { direction = [1, 0, 0], amplitude = 0.004, frequency = 12 } }, { rotate = { axis = [0, 1, 0], centre = [0, 0, 0.3], rate = 0.05 }, stop = 0.4 }]
+wear = { coefficient = 1e-8, every = 0.04 }
 surface = { velocity = [0.5, 0, -0.3], start = 0.15 }
 [[walls]]
 name = "flap"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/storage/scene_settings.hpp"
@@ -166,6 +167,89 @@ TEST(WallMotion, says_in_words_what_it_does) {
                                              "follows a table"}));
 }
 
+/// Pairs of the kinds above, in both orders, and three at once.
+std::vector<WallMotion> several() {
+  std::vector<WallMotion> all;
+  const std::vector<WallMotion> each = one_of_each();
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    for (std::size_t j = 0; j < each.size(); ++j) {
+      if (i != j) all.push_back({Several{{each[i], each[j]}}, 0, 1e300});
+    }
+  }
+  const Rotate other{.axis = normalised(Vec3{-1, 1, 0.5}), .centre = {0.4, 0.3, -0.2}, .rate = -3};
+  all.push_back({Several{{each[0], each[2], {other, 0.1, 0.7}}}, 0, 1e300});
+  return all;
+}
+
+TEST(SeveralMotions, have_the_velocity_with_which_their_pose_changes) {
+  const Pose start{{0.5, 0.1, 0}, quaternion_of(normalised(Vec3{0, 1, 1}), 0.3)};
+  for (const WallMotion& m : several()) {
+    for (double time = 0.0137; time < 1.2; time += 0.0371) {
+      constexpr double h = 1e-6;
+      const MotionState before = m.state(time - h, start), now = m.state(time, start), after = m.state(time + h, start);
+      EXPECT_LE(length((1 / (2 * h)) * (after.pose.position - before.pose.position) - now.velocity), 1e-6) << m.text() << " at " << time;
+      const Quat turn = after.pose.orientation * conjugate(before.pose.orientation);
+      EXPECT_LE(length((1 / h) * Vec3{turn.x, turn.y, turn.z} - now.angular_velocity), 1e-6) << m.text() << " at " << time;
+    }
+    EXPECT_EQ(m.end(), 0.9) << m.text();
+    EXPECT_TRUE(m.moves());
+  }
+}
+
+TEST(SeveralMotions, are_never_faster_than_they_say) {
+  for (const WallMotion& m : several()) {
+    double fastest = 0;
+    for (double time = 0; time < 1; time += 1e-3) {
+      const MotionState now = m.state(time, {});
+      for (const Vec3& p : kPoints)
+        fastest = std::max(fastest, length(now.velocity + cross(now.angular_velocity, rotate(now.pose.orientation, p))));
+    }
+    EXPECT_LE(fastest, m.fastest(kPoints) * (1 + 1e-12)) << m.text();
+  }
+}
+
+TEST(SeveralMotions, apply_the_second_to_where_the_first_has_the_wall) {
+  const Rotate quarter{.axis = {0, 0, 1}, .centre = {0, 0, 0}, .rate = std::numbers::pi / 2};
+  const Translate along{.axis = {1, 0, 0}, .rate = 2};
+  const Pose place{{1, 0, 0}, {}};
+  const WallMotion turned_first{Several{{{quarter, 0, 1}, {along, 0, 1}}}, 0, 1e300};
+  const WallMotion turned_last{Several{{{along, 0, 1}, {quarter, 0, 1}}}, 0, 1e300};
+  EXPECT_LT(length(turned_first.state(5, place).pose.position - Vec3{2, 1, 0}), 1e-15);
+  EXPECT_LT(length(turned_last.state(5, place).pose.position - Vec3{0, 3, 0}), 1e-15);
+}
+
+// A wheel that rolls: a cycloid; arms are taken to the hub, which goes along.
+TEST(SeveralMotions, carry_the_pivot_along) {
+  const double radius = 0.2, speed = 3;
+  Wall wheel;
+  wheel.position = {radius, 0, radius};
+  wheel.motion.kind = Several{{{Rotate{.axis = {0, 1, 0}, .centre = {0, 0, radius}, .rate = speed / radius}, 0, 1e300},
+                               {Translate{.axis = {1, 0, 0}, .rate = speed}, 0, 1e300}}};
+  for (const double time : {0.01, 0.3, 1.7}) {
+    const double angle = speed * time / radius, h = 1e-3;
+    const WallState s = wall_state(wheel, time, h);
+    EXPECT_LT(length(s.position - Vec3{speed * time + radius * std::cos(angle), 0, radius - radius * std::sin(angle)}), 1e-13);
+    EXPECT_LT(length(s.pivot - Vec3{speed * time, 0, radius}), 1e-13);
+    EXPECT_LT(length(s.pivot_velocity_before - Vec3{speed, 0, 0}), 1e-12);
+    const Vec3 foot{speed * time, 0, 0};  // where it touches the ground it stands still
+    EXPECT_LT(length(s.velocity + cross(s.angular_velocity, foot - s.position)), 1e-12);
+  }
+}
+
+TEST(SeveralMotions, move_with_the_origin_and_start_earlier) {
+  const Vec3 origin{3, -4, 5}, place{0.5, 0.1, 0};
+  for (const WallMotion& m : several()) {
+    WallMotion moved = m, earlier = m;
+    moved.move_origin(origin);
+    earlier.advance_clock(0.25);
+    for (const double time : {0.1, 0.3, 0.6, 2.0}) {
+      const Vec3 there = m.state(time, {place, {}}).pose.position, here = moved.state(time, {place - origin, {}}).pose.position;
+      EXPECT_LE(length(there - here - origin), 1e-13) << m.text();
+      EXPECT_LE(length(earlier.state(time - 0.25, {place, {}}).pose.position - there), 1e-13) << m.text();
+    }
+  }
+}
+
 nlohmann::json scene_text(const WallMotion& m) {
   Scene scene;
   scene.materials.push_back({"steel", 7800, 0, 0});
@@ -186,6 +270,7 @@ TEST(WallMotion, comes_back_from_a_file_bit_for_bit) {
   std::vector<WallMotion> all = one_of_each();
   all.emplace_back();
   for (const WallMotion& m : answering()) all.push_back(m);
+  for (const WallMotion& m : several()) all.push_back(m);
   for (const WallMotion& m : all) {
     const WallMotion again = read_again(nlohmann::json::parse(scene_text(m).dump()));
     EXPECT_STREQ(again.word(), m.word());

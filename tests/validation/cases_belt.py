@@ -5,7 +5,7 @@ import numpy
 
 import meshes
 from registry import case_of
-from scene import Case
+from scene import Case, rotated
 
 CASES = []
 case = case_of(CASES)
@@ -111,3 +111,40 @@ def k4(tools, report):
     way = sum(float(r["x"]) - came[r["id"]][1] for r in steady) / len(steady)
     report.check("load of the belt [kg/m]", there / way, rate / v, 0.02)
     report.check("mass that came in [kg]", math.fsum(mass.values()), rate * 4.2, 0.5 * max(mass.values()) / (rate * 4.2))
+
+
+@case("K5", "U", "a block on a turntable that travels, and one that orbits", "rests on it: slips by no more than its springs give way; the work that gives it its energy")
+def k5(tools, report):
+    rate, v, R, m_side = 4.0, 0.6, 0.15, 0.03
+    turn = {"rotate": {"axis": [0, 0, 1], "centre": [0, 0, 0], "rate": rate}}
+    along = {"translate": {"velocity": [v, 0, 0]}}
+    for name, motion in (("travels", [turn, along]), ("orbits", [along | {"stop": 0.25}, turn])):
+        c = Case(f"K5{name[0]}", duration=1.5, every=0.1, gravity=(0, 0, -G), margin=3e-4)
+        c.mesh("block", meshes.box((m_side, m_side, 0.01)))
+        c.material("m", 1000.0)
+        stiffness, mu = 1e5, 0.8
+        c.pair_all(stiffness=stiffness, restitution=0.1, friction=mu)
+        mass = 1000.0 * m_side**2 * 0.01
+        deep = mass * G / stiffness / 4**(1 / 8)
+        c.body("block", "m", (R, 0, 0.005 + 2 * 3e-4 - deep), velocity=(v, rate * R, 0), angular_velocity=(0, 0, rate))
+        c.wall({"plate": {"corner": [-0.4, -0.4, 0], "side_a": [0.8, 0, 0], "side_b": [0, 0.8, 0]}}, "m", motion=motion)
+        run = report.run(c.run(tools))
+        place, turned = numpy.array(run.wall_position)[:, 0], numpy.array(run.wall_orientation)[:, 0]
+        t = run.times
+        angle = rate * t
+        if name == "travels":
+            exact = numpy.stack([v * t, 0 * t, 0 * t], axis=1)
+        else:   # the plate goes first, and what it has gone turns about the centre that stays
+            gone = v * numpy.minimum(t, 0.25)
+            exact = numpy.stack([gone * numpy.cos(angle), gone * numpy.sin(angle), 0 * t], axis=1)
+        report.at_most(f"{name}: place of the plate [m]", abs(place - exact).max(), 1e-12)
+        apart = 2 * numpy.arctan2(turned[:, 3], turned[:, 0]) - angle
+        report.at_most(f"{name}: its turn [rad]", abs((apart + math.pi) % (2 * math.pi) - math.pi).max(), 1e-9)
+        if name == "orbits":   # it starts against what the plate does, and slides first: only the plate is told
+            continue
+        local = rotated(turned * [1, -1, -1, -1], run.x[:, 0] - place)
+        # friction carries it around: the springs of four corners give way by m w^2 r over their stiffness, some microns
+        give = mass * rate**2 * R / (2 / 7 * stiffness * 4**(1 / 8))
+        report.at_most(f"{name}: way of the block on the plate, over what its springs give way", numpy.linalg.norm(local[1:, :2] - local[1, :2], axis=1).max() / give, 2.5)
+        speed = numpy.linalg.norm(run.v[-1, 0] - [v, 0, 0])
+        report.check(f"{name}: its speed about the hub [m/s]", speed, rate * R, 1e-3)

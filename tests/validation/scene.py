@@ -241,7 +241,7 @@ class Run:
     """What a run wrote. Bodies are in the order of the case; ids N tells how contacts name them.
 
     times F; x, v, w F x N x 3 [m, m/s, rad/s, world]; q F x N x 4 (w x y z); contacts: one dict of arrays per frame;
-    wall_position F x W x 3; log: dict of columns (numbers); record: run.json.
+    wall_position F x W x 3; loads: of each frame a dict of arrays, one row for each triangle of walls with load maps; wear: the same for each vertex of walls that wear; log: dict of columns (numbers); record: run.json.
     """
 
     def __init__(self, folder, case=None, text="", seconds=0.0):
@@ -252,7 +252,7 @@ class Run:
         with open(os.path.join(folder, "frames.hdf.series")) as file:
             entries = json.load(file)["files"]
         self.times, self.contacts, columns = [], [], {"x": [], "v": [], "w": [], "q": []}
-        self.wall_position, self.wall_orientation = [], []
+        self.wall_position, self.wall_orientation, self.loads, self.wear = [], [], [], []
         for entry in entries:
             with h5py.File(os.path.join(folder, entry["name"]), "r") as file:
                 data = file["VTKHDF/PointData"]
@@ -265,6 +265,10 @@ class Run:
                 columns["q"].append(data["quat"][:][order])
                 if "contacts" in file:
                     self.contacts.append({name: file["contacts"][name][:] for name in file["contacts"]})
+                if "loads" in file:
+                    self.loads.append({name: file["loads"][name][:] for name in file["loads"]})
+                if "wear" in file:
+                    self.wear.append({name: file["wear"][name][:] for name in file["wear"]})
                 if "walls" in file:
                     self.wall_position.append(file["walls/position"][:])
                     self.wall_orientation.append(file["walls/orientation"][:])

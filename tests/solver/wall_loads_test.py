@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""Load maps and wear as a user meets them. usage: wall_loads_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import glob
+import os
+import shutil
+import subprocess
+import sys
+
+import h5py
+import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from tool_runs import BIN, ENV, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+
+DRUM = """
+seed = 2
+gravity = [0, 0, -9.81]
+[time]
+duration = 0.1
+step = 4e-5
+[contact]
+margin = "0.4 mm"
+[materials.m]
+density = 2500
+[[pairs]]
+between = ["m", "m"]
+stiffness = 2e4
+restitution = 0.5
+friction = 0.4
+[shapes.ball]
+sphere = { radius = "7 mm" }
+[shapes.rock]
+file = "rock.shape.h5"
+[[populations]]
+shapes = { ball = 2, rock = 1 }
+material = "m"
+count = 30
+region = { cylinder = { start = [0, 0.01, 0], end = [0, 0.05, 0], radius = 0.065 } }
+[[walls]]
+name = "drum"
+shape = { drum = { start = [0, 0, 0], end = [0, 0.06, 0], radius = 0.075, segments = 24, lifters = { count = 6, height = "6 mm", width = "8 mm" } } }
+material = "m"
+motion = { rotate = { axis = [0, 1, 0], centre = [0, 0, 0], rate = "60 rpm" } }
+WORN
+[[walls]]
+name = "lid"
+shape = { plate = { corner = [-0.04, 0.005, 0.0], side_a = [0.03, 0, 0.01], side_b = [0, 0.05, 0] } }
+material = "m"
+motion = { free = { guide = [0, 0, 1], mass = "0.2 kg", stroke = [-0.02, 0.03] } }
+load_map = true
+[output]
+every = 0.02
+contacts = false
+checkpoint = 0.03
+"""
+
+
+def pack(name, text, expect=0):
+    with open(name + ".toml", "w", encoding="utf-8") as file:
+        file.write(text)
+    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
+                            text=True, timeout=200)
+    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
+    return result.stderr
+
+
+def make_drum(name="drum", words='wear = { coefficient = 2e-7, every = "0.012 s" }', **changes):
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "12 mm, 10 mm, 9 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    text = DRUM.replace("WORN", words)
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    return pack(name, text)
+
+
+def frames(folder):
+    found = []
+    for path in sorted(glob.glob(f"{folder}/frame_*.hdf")):
+        with h5py.File(path) as file:
+            found.append({f"{group}/{name}": file[group][name][()] for group in ("loads", "wear") if group in file for name in file[group]})
+            found[-1]["x"] = file["VTKHDF/Points"][()][numpy.argsort(file["VTKHDF/PointData/id"][()])]
+    return found
+
+
+def same_frames(a, b, what):
+    a, b = frames(a), frames(b)
+    assert len(a) == len(b) > 3, (len(a), len(b))
+    for k, (f, g) in enumerate(zip(a, b)):
+        assert f.keys() == g.keys() and "loads/impulse" in f
+        for name in f:
+            assert numpy.array_equal(f[name], g[name]), f"{what}: {name} of frame {k}"
+
+
+def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
+    make_drum()
+    kept = None
+    for ranks, threads in ((1, 1), (2, 2), (3, 1)):
+        folder = f"r{ranks}.run"
+        run(ranks, "drum.scene.h5", "-o", folder, threads=threads)
+        found = outcome(folder)["state_hash"], physics_of_log(folder), outcome(folder)["wear"]
+        kept = kept or found
+        assert found == kept, f"{ranks} ranks: another run"
+        same_frames("r1.run", folder, f"{ranks} ranks")
+    worn = outcome("r1.run")["wear"]
+    assert len(worn) == 1 and worn[0]["volume"] > 1e-12 and 0 < worn[0]["depth"] < 4e-4, worn
+    shutil.copytree("r1.run", "again.run")
+    make_killed("again.run")
+    run(2, "drum.scene.h5", "-o", "again.run", "--restart", "latest")
+    assert outcome("again.run")["state_hash"] == kept[0] and physics_of_log("again.run") == kept[1]
+    same_frames("r1.run", "again.run", "after a restart")
+    said = run(2, "verify", "r1.run", "--from", "start").stdout
+    assert "the same, bit for bit" in said, said
+
+
+def a_load_map_changes_nothing_that_moves():
+    make_drum("with", 'load_map = true')
+    make_drum("without", "", **{"load_map = true": ""})
+    for name in ("with", "without"):
+        run(1, f"{name}.scene.h5", "-o", f"{name}.run")
+    for f, g in zip(frames("with.run"), frames("without.run")):
+        assert numpy.array_equal(f["x"], g["x"])
+
+
+def wear_does_not_depend_on_output():
+    make_drum("often")
+    make_drum("seldom", **{"every = 0.02": "every = 0.1", "checkpoint = 0.03": "checkpoint = 0"})
+    for name in ("often", "seldom"):
+        run(1, f"{name}.scene.h5", "-o", f"{name}.run")
+    assert outcome("often.run")["state_hash"] == outcome("seldom.run")["state_hash"]
+
+
+def a_worn_wall_can_be_used_again():
+    make_drum()
+    run(1, "drum.scene.h5", "-o", "drum.run")
+    worn = outcome("drum.run")["wear"][0]
+    with h5py.File(os.path.join("drum.run", worn["file"])) as file:
+        group = next(iter(file["shapes"].values())) if "shapes" in file else file
+        names = []
+        group.visit(names.append)
+        path = next(name for name in names if name.endswith("vertices"))
+        vertices = group[path][()]
+    assert numpy.array_equal(vertices, frames("drum.run")[-1]["wear/vertex"])
+    shape = 'shape = { drum = { start = [0, 0, 0], end = [0, 0.06, 0], radius = 0.075, segments = 24, lifters = { count = 6, height = "6 mm", width = "8 mm" } } }'
+    assert shape in DRUM
+    make_drum("next", **{shape: f'shape = {{ file = "drum.run/{worn["file"]}" }}'})
+    run(1, "next.scene.h5", "-o", "next.run")
+    assert outcome("next.run")["wear"][0]["volume"] > 0
+
+
+def too_much_wear_at_a_time_is_told():
+    make_drum(words='wear = { coefficient = 1e-4, every = "0.05 s" }')
+    said = run(1, "drum.scene.h5", "-o", "deep.run", expect=5).stderr
+    assert "wall 'drum' wears by" in said and "tenth of the margin" in said and "`every` of at most" in said, said
+
+
+def mistakes_are_told_with_their_line():
+    base = DRUM.replace("WORN", 'wear = { coefficient = 2e-7, every = "0.012 s" }')
+    wear = 'wear = { coefficient = 2e-7, every = "0.012 s" }'
+    plane = '[[walls]]\nshape = { plane = { point = [0, 0, -1], normal = [0, 0, 1] } }\nmaterial = "m"\n'
+    round_wall = '[[walls]]\nshape = { cylinder_inside = { start = [0, 0, -1], end = [0, 0, 1], radius = 1 } }\nmaterial = "m"\n'
+    wrong = [
+        ("analytic map", base + plane + "load_map = true\n", ["load_map", "plane", "{ plate = ... }"]),
+        ("analytic box", base + '[[walls]]\nshape = { box_inside = [[-1, -1, -1], [1, 1, 1]] }\nmaterial = "m"\nload_map = true\n',
+         ["load_map", "box_inside", "{ box = ... }"]),
+        ("analytic wear", base + round_wall + wear + "\n", ["wear", "cylinder_inside", "{ cylinder = ... }"]),
+        ("no coefficient", base.replace("coefficient = 2e-7, ", ""), ["wear", "coefficient", "missing"]),
+        ("no interval", base.replace(', every = "0.012 s"', ""), ["wear", "every", "missing"]),
+        ("negative", base.replace("2e-7", "-2e-7"), ["coefficient", "-2e-07"]),
+        ("unit", base.replace("2e-7", '"2e-7 m^3"'), ["coefficient", "a volume", "a volume per energy"]),
+        ("word", base.replace("load_map = true", 'load_map = "yes"'), ["load_map", "true or false"]),
+        ("unknown", base.replace("coefficient = 2e-7", "hardness = 3, coefficient = 2e-7"), ["hardness", "wear"]),
+    ]
+    for name, text, words in wrong:
+        assert text != base, name
+        said = pack("wrong", text, expect=2)
+        assert [word for word in said.split() if word.startswith("wrong.toml:")], f"{name}: no line in {said}"
+        for word in words:
+            assert word in said, f"{name}: no '{word}' in {said}"
+
+
+def the_plan_tells_maps_and_wear():
+    make_drum()
+    said = run(1, "drum.scene.h5", "--plan").stdout
+    assert "'drum': " in said and "triangles" in said and "every 300 steps" in said, said
+    make_drum("plain", "", **{"load_map = true": ""})
+    said = run(1, "plain.scene.h5", "--plan").stdout
+    assert "no wall has one" in said and "no wall wears" in said, said
+
+
+main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_load_map_changes_nothing_that_moves, wear_does_not_depend_on_output,
+      a_worn_wall_can_be_used_again, too_much_wear_at_a_time_is_told, mistakes_are_told_with_their_line, the_plan_tells_maps_and_wear])
