@@ -126,7 +126,7 @@ def k5(tools, report):
         c.pair_all(stiffness=stiffness, restitution=0.1, friction=mu)
         mass = 1000.0 * m_side**2 * 0.01
         deep = mass * G / stiffness / 4**(1 / 8)
-        c.body("block", "m", (R, 0, 0.005 + 2 * 3e-4 - deep), velocity=(v, rate * R, 0), angular_velocity=(0, 0, rate))
+        c.body("block", "m", (R, 0, 0.005 - deep), velocity=(v, rate * R, 0), angular_velocity=(0, 0, rate))
         c.wall({"plate": {"corner": [-0.4, -0.4, 0], "side_a": [0.8, 0, 0], "side_b": [0, 0.8, 0]}}, "m", motion=motion)
         run = report.run(c.run(tools))
         place, turned = numpy.array(run.wall_position)[:, 0], numpy.array(run.wall_orientation)[:, 0]

@@ -209,7 +209,7 @@ def w6(tools, report):
         c.material("m", 3000.0)
         c.pair_all(stiffness=2e5, restitution=0.3, friction=0.1, rolling_friction=0.1)
         for k in range(5):
-            c.body("ball", "m", (-0.1, -0.1 + 0.05 * k, 0.02 + 3.9e-4), velocity=(0.2 + 0.1 * k, 0, 0))
+            c.body("ball", "m", (-0.1, -0.1 + 0.05 * k, 0.02), velocity=(0.2 + 0.1 * k, 0, 0))
         c.mesh_wall(plate, "m", wear={"coefficient": 1e-6, "every": every})
         run = report.run(c.run(tools))
         volumes[every] = run.record["wear"][0]["volume"]
