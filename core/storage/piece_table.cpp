@@ -7,6 +7,7 @@ namespace scree {
 void write_piece_table(const h5::Group& group, const PieceTable& table) {
   group.write_attribute("body", table.body);
   group.write_attribute("volume", table.volume);
+  group.write_attribute("inset", table.inset);
   std::vector<std::int32_t> pieces, corners;
   std::vector<Vec3> centroid, normal, axis;
   std::vector<double> area, moments, height, rim;
@@ -38,6 +39,7 @@ PieceTable read_piece_table(const h5::Group& group, std::int64_t piece_count) {
   PieceTable table;
   table.body = group.read_text_attribute("body");
   table.volume = group.read_double_attribute("volume");
+  table.inset = group.read_double_attribute("inset");
   const auto pieces = group.read_array<std::int32_t>("pieces", 2);
   const std::size_t n = pieces.size() / 2;
   const auto expect = [&](const char* name, std::size_t found, std::size_t expected) {

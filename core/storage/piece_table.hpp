@@ -27,6 +27,7 @@ struct SharedFace {
 struct PieceTable {
   std::string body;                   ///< name of the shape that was cut
   double volume = 0;                  ///< [m^3] of it
+  double inset = 0;                   ///< [m] by which shared faces of the meshes of the pieces lie behind those of this table
   std::vector<SharedFace> faces;      ///< by piece_a, piece_b
   TriangleMesh face_mesh;             ///< the faces as triangles, for pictures; counter-clockwise seen from b
   std::vector<std::int32_t> face_of;  ///< T of face_mesh: index in faces

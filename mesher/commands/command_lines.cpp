@@ -136,6 +136,8 @@ MesherCommand fracture_line(CLI::App& app) {
   line->add_option("--cells", options->cells, "Number of cells, each around a random point in the body");
   line->add_option("--seed", options->seed, "The same seed gives the same cells");
   line->add_flag("--evenly", options->evenly, "Move the points to the centres of their cells: cells of more equal size");
+  line->add_option("--inset", options->inset,
+                   "Move the shared faces of each piece inwards by the margin of the case, so that pieces start in touch");
   line->add_option("--points", options->points, "CSV file with columns x, y, z [m] of the points, in place of random ones");
   line->add_option("-o,--output", options->output, "NAME.shape.h5: the pieces and their faces")->required();
   line->add_option("--picture", options->picture, "Draw the body, whole and exploded, into this PNG");

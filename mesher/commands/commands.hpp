@@ -104,6 +104,7 @@ struct FractureOptions {
   std::int32_t cells = 0;
   std::uint64_t seed = 1;
   bool evenly = false;
+  std::string inset;   ///< by which shared faces are moved inwards; empty: not at all
   std::string points;  ///< CSV of generators in place of random ones: columns x, y, z [m]; empty: none
   std::string output;
   std::string picture;  ///< PNG of the body, whole and exploded; empty: none

@@ -128,6 +128,10 @@ CommandResult fracture_command(const FractureOptions& options, const std::vector
   form.cells = options.cells;
   form.seed = options.seed;
   form.evenly = options.evenly;
+  if (!options.inset.empty()) {
+    form.inset = parse_quantity(options.inset, Dimension::length, "--inset");
+    if (!(form.inset > 0)) throw UsageError("--inset \"{}\": expected a length > 0", options.inset);
+  }
   if (!options.points.empty()) {
     form.generators = read_points(options.points, body);
     form.cells = static_cast<std::int32_t>(form.generators.size());
@@ -145,8 +149,8 @@ CommandResult fracture_command(const FractureOptions& options, const std::vector
         fmt::format("points were moved by parts of {:g} of the extent {} times, since planes of the cut passed through "
                     "vertices",
                     1e-5, cut.attempts - 1));
-  Provenance provenance = shape_provenance(
-      command, fmt::format("fracture cells={} seed={} evenly={} points={}", options.cells, options.seed, options.evenly, options.points));
+  Provenance provenance = shape_provenance(command, fmt::format("fracture cells={} seed={} evenly={} inset={} points={}", options.cells,
+                                                                options.seed, options.evenly, options.inset, options.points));
   provenance.seed = options.seed;
   provenance.inputs.push_back({options.file, sha256_of_file(options.file), file.provenance});
   if (!options.points.empty()) provenance.inputs.push_back({options.points, sha256_of_file(options.points), nullptr});

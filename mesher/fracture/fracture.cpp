@@ -211,6 +211,66 @@ void move_to_centres(const Fracture& cut, const PointsInside& inside, std::vecto
   }
 }
 
+/// What of a piece lies `inset` behind the planes of its shared faces: its part in the cell of its own centre among the mirror images of
+/// that centre in these planes.
+TriangleMesh moved_inwards(const Fracture& cut, std::int32_t piece, double inset) {
+  const Shape& shape = cut.pieces[at(piece)];
+  const double unit = unit_of(shape.mesh);
+  std::map<std::int32_t, Vec3> mirrored;  // by cell: several faces towards one cell lie in one plane
+  for (const SharedFace& face : cut.table.faces) {
+    if (face.piece_a != piece && face.piece_b != piece) continue;
+    const Vec3 outward = face.piece_a == piece ? face.normal : -face.normal;
+    const double distance = dot(outward, face.centroid - shape.origin_shift);
+    if (!(distance > inset)) {
+      throw InputError(
+          "'{}': its centre is {:.3g} m from a shared face, and faces should be moved inwards by {:.3g} m: ask for fewer cells, "
+          "--evenly, or a smaller --inset",
+          shape.name, distance, inset);
+    }
+    mirrored[cut.cell_of[at(face.piece_a == piece ? face.piece_b : face.piece_a)]] = (2 / unit) * (distance - inset) * outward;
+  }
+  if (mirrored.empty()) return shape.mesh;
+  for (std::uint64_t attempt = 0; attempt < kMostAttempts; ++attempt) {
+    std::vector<Vec3> points{Vec3{}};
+    for (const auto& [cell, point] : mirrored) {
+      // Rounding to the grid and the nudge move and tilt the plane: within the piece, whose extent is 1, by as much as this. Faces end up
+      // that further inside than requested.
+      const double size = length(point), nudge = attempt == 0 ? 0 : kNudge, slack = (Generators::kGrid + nudge * size) * (1 + 2 / size);
+      points.push_back((1 - slack / size) * point);
+      const RandomNumbers random(attempt, cell, 1);
+      for (int k = 0; attempt > 0 && k < 3; ++k) points.back()[k] += nudge * size * (random.uniform(static_cast<std::uint64_t>(k)) - 0.5);
+    }
+    try {
+      const CutMesh part = cut_mesh(shape.mesh, unit, Generators(std::move(points)));
+      std::vector<Triangle> own = part.skin[0];
+      for (const CutFace& face : part.faces) {
+        if (face.cell_a == 0) own.insert(own.end(), face.triangles.begin(), face.triangles.end());
+      }
+      TriangleMesh mesh = extracted(part.vertices, own);
+      clean_mesh(mesh, false);
+      if (check_mesh(mesh).is_solid()) return mesh;
+    } catch (const DegenerateCut&) {
+    }
+  }
+  throw InputError("'{}': nothing solid is left of it behind faces moved inwards by {:.3g} m; ask for a smaller --inset or fewer cells",
+                   shape.name, inset);
+}
+
+/// Moves the shared faces of all meshes inwards.
+Fracture with_inset(Fracture cut, double inset) {
+  if (!(inset > 0)) return cut;
+  std::vector<TriangleMesh> meshes;
+  for (std::size_t p = 0; p < cut.pieces.size(); ++p) meshes.push_back(moved_inwards(cut, static_cast<std::int32_t>(p), inset));
+  for (std::size_t p = 0; p < meshes.size(); ++p) {
+    Shape& shape = cut.pieces[p];
+    shape.mesh = std::move(meshes[p]);
+    shape.area = surface_area(shape.mesh);
+    shape.verdict = json_of(check_mesh(shape.mesh));
+  }
+  cut.table.inset = inset;
+  return cut;
+}
+
 /// Volume of each cell.
 std::vector<double> cell_volumes(const Fracture& cut, std::size_t cells) {
   std::vector<double> volume(cells, 0);
@@ -247,7 +307,7 @@ Fracture cut_at(const Shape& body, const FractureForm& form, const std::vector<V
 
 Fracture fracture(const Shape& body, const FractureForm& form) {
   const double unit = unit_of(body.mesh);
-  if (!form.generators.empty()) return cut_at(body, form, form.generators, unit);
+  if (!form.generators.empty()) return with_inset(cut_at(body, form, form.generators, unit), form.inset);
   const PointsInside inside(body, form);
   std::vector<Vec3> points;
   for (std::int32_t i = 0; i < form.cells; ++i) points.push_back(inside.draw(i, 0));
@@ -265,7 +325,7 @@ Fracture fracture(const Shape& body, const FractureForm& form) {
       has_sliver = true;
       ++redrawn;
     }
-    if (!has_sliver) return result;
+    if (!has_sliver) return with_inset(std::move(result), form.inset);
   }
   throw InputError(
       "'{}': after {} rounds some of {} cells still have less than {:g} of the mean volume; the body does not hold that many: ask for "

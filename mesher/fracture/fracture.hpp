@@ -14,6 +14,7 @@ struct FractureForm {
   std::uint64_t seed = 1;
   bool evenly = false;           ///< points move to the centres of their cells: cells of more equal size
   std::vector<Vec3> generators;  ///< [m] in place of random points
+  double inset = 0;              ///< [m] by which the shared faces of the pieces' meshes are moved inwards; 0: they lie on each other
 };
 
 struct Fracture {
@@ -32,6 +33,10 @@ inline constexpr double kSliverCell = 0.02;
 
 /// Cuts a solid into Voronoi cells of random points in it. What of a cell falls into several components becomes several pieces; a cavity
 /// belongs to the piece around it.
+///
+/// With an inset, the mesh of a piece is what of it lies as far behind its shared faces; mass, volume, inertia and the table of faces are
+/// those of the piece as it is cut. Two such pieces with margins as wide as the inset are just in touch. The surface of the body stays
+/// where it is.
 ///
 /// How: see cut_mesh.hpp. The volumes add up to that of the body to the rounding of coordinates.
 /// in   body   a solid that does not pass through itself

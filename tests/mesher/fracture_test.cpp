@@ -256,6 +256,42 @@ TEST(Fracture, no_cell_is_a_sliver_and_even_points_give_cells_of_more_equal_size
   EXPECT_LT(spread(true), 0.95 * spread(false));
 }
 
+// Each piece keeps its mass, its skin stays where it is, and faces that two pieces share are two insets apart.
+TEST(Fracture, with_an_inset_shared_faces_are_two_insets_apart) {
+  for (const auto& [name, body] : bodies()) {
+    const double inset = 0.01 * body.equivalent_diameter();
+    FractureForm form{8, 5, true, {}, 0};
+    const Fracture plain = fracture(body, form);
+    form.inset = inset;
+    const Fracture cut = fracture(body, form);
+    ASSERT_EQ(cut.pieces.size(), plain.pieces.size()) << name;
+    for (std::size_t p = 0; p < cut.pieces.size(); ++p) {
+      const Shape& piece = cut.pieces[p];
+      EXPECT_EQ(piece.mass.volume, plain.pieces[p].mass.volume) << name;
+      EXPECT_LT(mass_properties(piece.mesh).volume, plain.pieces[p].mass.volume) << name;
+      EXPECT_TRUE(check_mesh(piece.mesh).is_solid()) << name;
+      for (const SharedFace& face : cut.table.faces) {
+        if (face.piece_a != static_cast<std::int32_t>(p) && face.piece_b != static_cast<std::int32_t>(p)) continue;
+        const Vec3 outward = face.piece_a == static_cast<std::int32_t>(p) ? face.normal : -face.normal;
+        double nearest = 1e300;
+        for (const Vec3& v : piece.mesh.vertices) nearest = std::min(nearest, dot(outward, face.centroid - v - piece.origin_shift));
+        EXPECT_GE(nearest, inset * (1 - 1e-9)) << name;
+      }
+    }
+  }
+}
+
+TEST(Fracture, an_inset_of_a_bar_leaves_shorter_bars) {
+  const Shape bar = make_solid("bar", box_mesh({0.01, 0.01, 0.1}));
+  std::vector<Vec3> points;
+  for (int i = 0; i < 10; ++i) points.push_back({0, 0, 0.01 * (i - 4.5)});
+  const Fracture cut = fracture(bar, {0, 1, false, points, 1e-4});
+  EXPECT_NEAR(bounding_box(cut.pieces[4].mesh).extent().z, 0.0098, 1e-7);
+  EXPECT_NEAR(bounding_box(cut.pieces[4].mesh).extent().x, 0.01, 1e-15);
+  EXPECT_NEAR(bounding_box(cut.pieces[0].mesh).extent().z, 0.0099, 1e-7);
+  EXPECT_NEAR(cut.pieces[4].mass.volume, 1e-6, 1e-11);
+}
+
 TEST(Fracture, moments_of_a_triangle_are_the_known_ones) {
   // legs b along x and h along y: I about the axis parallel to the leg b is b h^3 / 36
   const std::vector<Vec3> vertices{{0, 0, 5}, {3, 0, 5}, {0, 3, 5}};
@@ -321,6 +357,8 @@ TEST(FractureCommand, bad_input_is_refused_with_numbers) {
   refused("box.shape.h5 --points twice.csv", 3, "twice.csv:3: the same point as number 1");
   refused("box.shape.h5 --points word.csv", 3, "word.csv:2: 'zero' is no coordinate");
   refused("box.shape.h5 --points plane.csv", 3, "has no column 'z'");
+  refused("box.shape.h5 --cells 30 --inset 4mm", 3, "and faces should be moved inwards by 0.004 m");
+  refused("box.shape.h5 --cells 30 --inset 4kg", 2, "--inset");
   refused("missing.shape.h5 --cells 3", 3, "missing.shape.h5");
 }
 
