@@ -12,6 +12,7 @@
 #include "core/placing/random_numbers.hpp"
 #include "core/storage/wall_state.hpp"
 #include "decomposer/packing/compact.hpp"
+#include "decomposer/packing/cut_bodies.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"
 #include "decomposer/packing/inlets.hpp"
@@ -61,6 +62,8 @@ class Builder {
     }
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
+    add_forces();
+    cut_bodies(case_, parts_, pieces_, scene(), report());
     look_into_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
@@ -107,6 +110,30 @@ class Builder {
         return static_cast<std::int32_t>(i);
     }
     return -1;
+  }
+
+  void load_pieces(std::size_t shape) {
+    const CaseShape& of = case_.shapes[shape];
+    if (of.pieces.empty()) return;
+    for (const CaseInlet& i : case_.inlets) {
+      for (const auto& share : i.shares) {
+        if (static_cast<std::size_t>(share.first) == shape)
+          throw InputError(
+              "{}: the shape '{}' starts as pieces, and bodies that come in later are whole; give the inlet a shape without pieces",
+              i.where, of.name);
+      }
+    }
+    const ShapeFile& file = open_shapes(of.pieces, of.where);
+    check_pieces(of, parts_.shapes[shape].shape, file);
+    pieces_.emplace(shape, file);
+  }
+
+  /// Of [[bodies]], which are the first of what this case adds.
+  void add_forces() {
+    for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
+      if (length(case_.bodies[b].force) > 0)
+        scene().forces.push_back({parts_.first_id + static_cast<std::int64_t>(b), case_.bodies[b].force});
+    }
   }
 
   void load_carried_shapes() {
@@ -182,6 +209,7 @@ class Builder {
       parts_.scene_shape[i] = static_cast<std::int32_t>(scene().shapes.size());
       scene().shapes.push_back(parts_.shapes[i].shape);
       scene().shapes.back().cell_size = case_.shapes[i].cell_size;
+      load_pieces(i);
     }
     if (parts_.carried) load_carried_shapes();
   }
@@ -410,6 +438,7 @@ class Builder {
   const ChildSolver& solver_;
   PackedScene out_;
   std::map<std::string, ShapeFile> files_;
+  PieceFiles pieces_;
   SceneParts parts_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/polygon_moments.hpp"
 #include "mesher/io/polygons.hpp"
 
 namespace scree {
@@ -16,22 +17,6 @@ using Ring = std::vector<std::int32_t>;
 
 struct Point {
   double x = 0, y = 0;
-};
-
-/// Axes in a plane, so that counter-clockwise is as seen against the normal.
-struct PlaneAxes {
-  Vec3 origin, u, v;
-  PlaneAxes(const Vec3& normal, const Vec3& o) : origin(o) {
-    int least = 0;
-    for (int k = 1; k < 3; ++k) {
-      if (std::abs(normal[k]) < std::abs(normal[least])) least = k;
-    }
-    Vec3 axis;
-    axis[least] = 1;
-    u = normalised(cross(normal, axis));
-    v = cross(normal, u);
-  }
-  Point operator()(const Vec3& p) const { return {dot(u, p - origin), dot(v, p - origin)}; }
 };
 
 /// Twice the area of the triangle, positive to the left.
@@ -64,7 +49,10 @@ class PlaneLoops {
  public:
   PlaneLoops(const std::vector<Vec3>& vertices, const Vec3& normal, const Vec3& origin) : vertices_(vertices), axes_(normal, origin) {}
 
-  Point place(std::int32_t v) const { return axes_(vertices_[at(v)]); }
+  Point place(std::int32_t v) const {
+    const Vec3 from = vertices_[at(v)] - axes_.origin;
+    return {dot(axes_.u, from), dot(axes_.v, from)};
+  }
 
   double area(const Ring& loop) const {
     double twice = 0;
@@ -195,34 +183,20 @@ void make_faces(const FaceRims& rims, const Generators& generators, CutMesh& cut
 }
 
 SharedFace face_measures(std::span<const Ring> loops, const std::vector<Vec3>& vertices, const Vec3& normal) {
-  const PlaneAxes axes(normal, vertices[at(loops[0][0])]);
-  double a = 0, sx = 0, sy = 0, xx = 0, xy = 0, yy = 0;
+  std::vector<std::vector<Vec3>> corners;
   for (const Ring& loop : loops) {
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const Point p = axes(vertices[at(loop[k])]), q = axes(vertices[at(loop[(k + 1) % loop.size()])]);
-      const double c = p.x * q.y - q.x * p.y;
-      a += c / 2;
-      sx += c * (p.x + q.x) / 6;
-      sy += c * (p.y + q.y) / 6;
-      xx += c * (p.x * p.x + p.x * q.x + q.x * q.x) / 12;
-      yy += c * (p.y * p.y + p.y * q.y + q.y * q.y) / 12;
-      xy += c * (2 * p.x * p.y + p.x * q.y + q.x * p.y + 2 * q.x * q.y) / 24;
-    }
+    corners.emplace_back();
+    for (std::int32_t v : loop) corners.back().push_back(vertices[at(v)]);
   }
+  const PolygonMoments m = polygon_moments(corners, normal);
   SharedFace face;
-  face.area = a;
+  face.area = m.area;
   face.normal = normal;
-  const double x = sx / a, y = sy / a;
-  face.centroid = axes.origin + x * axes.u + y * axes.v;
-  xx -= a * x * x, yy -= a * y * y, xy -= a * x * y;
-  // the squared distance from a principal axis is least for the axis of the largest spread
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy), mean = 0.5 * (xx + yy), half = std::hypot(0.5 * (xx - yy), xy);
-  face.axis = std::cos(angle) * axes.u + std::sin(angle) * axes.v;
-  face.moment_1 = mean - half;
-  face.moment_2 = mean + half;
-  for (const Ring& loop : loops) {
-    for (std::int32_t v : loop) face.rim_radius = std::max(face.rim_radius, length(vertices[at(v)] - face.centroid));
-  }
+  face.centroid = m.centroid;
+  face.axis = m.axis;
+  face.moment_1 = m.moment_1;
+  face.moment_2 = m.moment_2;
+  face.rim_radius = m.rim_radius;
   return face;
 }
 
