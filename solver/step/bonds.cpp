@@ -1,5 +1,7 @@
 #include "solver/step/bonds.hpp"
 
+#include "solver/step/pair_evaluation.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -61,10 +63,35 @@ void Breakage::decide(RunState& s, ForceStep& forces, FirstFailure& failure) {
   }
   std::sort(touching_.begin(), touching_.end());
   forces.compute_begun(s, failure, touching_);
+  forces.compute_begun(s, failure, shift_loaded(s));
   for (const std::int32_t k : touching_) {
     const PairResult& r = s.pairs.results()[at(k)];
     if (r.active && counts_here(s.pairs.pairs()[at(k)], s.particles)) s.totals.fracture.add(-r.elastic);
   }
+}
+
+/// A contact that begins loaded must not hold more than its bonds held along the normal: the bond's energy is all that there is. It counts
+/// its overlap from one that leaves it this much, until it has parted. Energies go with the square of the overlap, or a higher power, and
+/// the smaller overlaps of a contact lose a larger share of theirs: what is left is at most that. Returns the pairs that were changed.
+std::vector<std::int32_t> Breakage::shift_loaded(RunState& s) const {
+  std::vector<std::int32_t> changed;
+  for (const std::int32_t k : touching_) {
+    BodyPair& pair = s.pairs.pairs()[at(k)];
+    const PairResult& r = s.pairs.results()[at(k)];
+    if (!r.active || !(r.elastic > 0)) continue;
+    double held = 0;
+    for (const std::size_t n : broken_) {
+      const ListedBond& bond = s.bonds->listed()[n];
+      if (bond.a != pair.a || bond.b != pair.b) continue;
+      const double d = s.bonds->forces()[n].displacement.x;
+      if (d < 0) held += 0.5 * bond.law.push.x * d * d;
+    }
+    if (!(r.elastic > held)) continue;
+    const double deepest = r.overlap_ratio * 2 * s.scene.margin();
+    set_rest_overlap(pair.state.springs, deepest * (1 - std::sqrt(held / r.elastic)));
+    changed.push_back(k);
+  }
+  return changed;
 }
 
 void Breakage::replace_forces(RunState& s) {

@@ -28,6 +28,8 @@ class Breakage {
   void replace_forces(RunState& s);
 
  private:
+  std::vector<std::int32_t> shift_loaded(RunState& s) const;
+
   std::vector<std::size_t> broken_;     // listed bonds
   std::vector<std::int32_t> touching_;  // pairs
 };

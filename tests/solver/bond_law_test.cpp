@@ -1,7 +1,7 @@
 // The law of a bond: derivatives, conservation, objectivity, strengths, and what a cut body made of bonds resists with.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
