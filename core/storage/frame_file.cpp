@@ -79,6 +79,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   check_sizes(frame.bodies);
   check_sizes(frame.contacts);
   check_sizes(frame.walls);
+  check_sizes(frame.bonds);
   int rank = 0, size = 1;
   MPI_Comm_rank(communicator, &rank);
   MPI_Comm_size(communicator, &size);
@@ -95,10 +96,12 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const Rows contacts = distribute(communicator, static_cast<std::int64_t>(frame.contacts.size()));
   const Rows walls{rank == 0 ? header.wall_count : 0, rank == 0 ? 0 : header.wall_count, header.wall_count};
 
+  const Rows bonds = frame.has_bonds ? distribute(communicator, static_cast<std::int64_t>(frame.bonds.size())) : Rows{};
+
   // room on the disk, uncompressed
   const std::int64_t bytes = frame_rows_bytes(CollectiveFile::rows_on_disk(bodies.total), CollectiveFile::rows_on_disk(contacts.total)) +
-                             bytes_per_row<FrameWalls>() * walls.total + static_cast<std::int64_t>(provenance.size()) +
-                             kPieceOverhead * size;
+                             bytes_per_row<FrameWalls>() * walls.total + bytes_per_row<FrameBonds>() * bonds.total +
+                             static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
 
   CollectiveFile file(communicator, path, bytes, CollectiveFile::Kind::plain);
   const h5::Group& root = file.root();
@@ -108,6 +111,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   write_vtkhdf(file, communicator, frame.bodies, bodies);
   write_columns(file, root.create_group("contacts"), "contacts", frame.contacts, contacts);
   write_columns(file, root.create_group("walls"), "walls", rank == 0 ? frame.walls : FrameWalls{}, walls);
+  if (frame.has_bonds) write_columns(file, root.create_group("bonds"), "bonds", frame.bonds, bonds);
   {
     const h5::Group scalars = root.create_group("frame");
     FrameScalars::visit(header.scalars, [&](const char* name, const auto& value) { scalars.write_attribute(name, value); });
@@ -167,6 +171,12 @@ FrameContacts read_contacts(const h5::Group& root) {
   return c;
 }
 
+FrameBonds read_bonds(const h5::Group& root) {
+  FrameBonds b = read_columns<FrameBonds>(root);
+  sort_rows(b, [&](std::size_t i, std::size_t j) { return b.bond[i] < b.bond[j]; });
+  return b;
+}
+
 }  // namespace
 
 Frame read_frame_file(const std::string& path) {
@@ -184,6 +194,8 @@ Frame read_frame_file(const std::string& path) {
   frame.bodies = read_bodies(root);
   frame.contacts = read_contacts(root);
   frame.walls = read_columns<FrameWalls>(root);
+  frame.has_bonds = root.has("bonds");
+  if (frame.has_bonds) frame.bonds = read_bonds(root);
   frame.provenance = nlohmann::json::parse(root.read_text("provenance"), nullptr, false);
   return frame;
 }

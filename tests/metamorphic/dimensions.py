@@ -75,7 +75,7 @@ PLAIN = {
     "seed", "start.checkpoint", "start.frame", "time.steps_per_contact", "contact.barrier", "materials.*.poisson",
     "pairs.*.restitution", "pairs.*.friction", "pairs.*.friction_sliding", "pairs.*.tangential_ratio", "pairs.*.tangential_damping",
     "pairs.*.rolling_friction", "pairs.*.torsional_friction",
-    "bodies.*.orientation", "bodies.*.scale",
+    "bodies.*.orientation", "bodies.*.scale", "bonds.*.tangential_ratio", "bonds.*.damping", "bonds.*.strength_scatter.weibull_modulus",
     "populations.*.count", "populations.*.jitter", "populations.*.solid_fraction", "populations.*.orientation",
     "populations.*.orientation.align", "populations.*.orientation.axis", "populations.*.orientation.scatter",
     "populations.*.size.exponent", "populations.*.size.passing", "populations.*.size.shape", "populations.*.shapes.*",
@@ -104,7 +104,7 @@ def converted(value, key, units):
             result["sigma"] = value["sigma"] * units[0]
         return result
     if isinstance(value, list):
-        tables = key in ("bodies", "walls", "populations", "pairs", "inlets", "outlets")
+        tables = key in ("bodies", "walls", "populations", "pairs", "inlets", "outlets", "bonds")
         return [converted(entry, f"{key}.*" if tables else key, units) for entry in value]
     if isinstance(value, (str, bool)) or key in PLAIN:
         return value
