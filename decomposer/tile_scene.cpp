@@ -20,8 +20,8 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
                      scene.outlets.size());
   }
   if (!scene.bonds.empty() || !scene.forces.empty()) {
-    throw UsageError("tile: the scene has {} bonds and {} forces on bodies, which would not be repeated; tile a scene without", scene.bonds.size(),
-                     scene.forces.size());
+    throw UsageError("tile: the scene has {} bonds and {} forces on bodies, which would not be repeated; tile a scene without",
+                     scene.bonds.size(), scene.forces.size());
   }
   Scene result = scene;
   result.partition = {};

@@ -93,8 +93,9 @@ class Builder {
     CarriedBodies& carried = parts_.carried.emplace();
     carried.from = read_run(case_);
     if (!carried.from.scene.bonds.empty()) {
-      throw InputError("{}: the run has {} bonds, which this case would not take over: its bodies would be loose; begin with a run without bonds",
-                       case_.start->where, carried.from.scene.bonds.size());
+      throw InputError(
+          "{}: the run has {} bonds, which this case would not take over: its bodies would be loose; begin with a run without bonds",
+          case_.start->where, carried.from.scene.bonds.size());
     }
     parts_.first_id = carried.from.first_free_id;
     out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
