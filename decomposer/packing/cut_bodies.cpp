@@ -200,8 +200,9 @@ class Cutter {
 
   void tell(std::size_t bodies) {
     if (bodies > 0) {
-      report_.notices.push_back(fmt::format("{} {} start as {} pieces, held by {} bonds", bodies, bodies == 1 ? "body" : "bodies",
-                                            next_id_ - first_piece_, scene_.bonds.size()));
+      report_.notices.push_back(fmt::format("{} cut into {} pieces, held by {} bonds",
+                                            bodies == 1 ? "1 body" : fmt::format("{} bodies", bodies), next_id_ - first_piece_,
+                                            scene_.bonds.size()));
     }
     for (const std::int32_t material : loose_) {
       report_.notices.push_back(fmt::format("bodies of '{}' start as loose pieces: no [[bonds]] has within = \"{}\"",

@@ -97,7 +97,7 @@ def broken_at(folder):
 def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture():
     rock()
     said = pack("two", CASE.format(duration=1.2e-3, every=3e-4, bonds=BONDS) + TWO_ROCKS)
-    assert "2 bodies start as 28 pieces, held by" in said, said
+    assert "2 bodies cut into 28 pieces, held by" in said, said
     kept = None
     for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1), (4, 1)):
         folder = f"r{ranks}t{threads}.run"
