@@ -19,6 +19,10 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     throw UsageError("tile: the scene has {} inlets and {} outlets, which belong to one place; tile a scene without", scene.inlets.size(),
                      scene.outlets.size());
   }
+  if (!scene.bonds.empty() || !scene.forces.empty()) {
+    throw UsageError("tile: the scene has {} bonds and {} forces on bodies, which would not be repeated; tile a scene without",
+                     scene.bonds.size(), scene.forces.size());
+  }
   Scene result = scene;
   result.partition = {};
   Wall& box = result.walls[0];

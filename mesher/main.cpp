@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
        {"scree-mesher simplify scan.ply -o rock.shape.h5 --unit mm --triangles 500", "fewer triangles, and the distance from the original"},
        {"scree-mesher repair scan.stl -o scan.ply --unit mm --picture scan.png", "close and repair it, or report why not"},
        {"scree-mesher generate rock --diameter 2cm --elongation 0.6..0.9 --count 20 -o rocks.shape.h5", "a family"},
+       {"scree-mesher fracture rock.shape.h5 --cells 40 --seed 1 -o pieces.shape.h5", "pieces that share faces, for bonds that break"},
        {"scree-mesher info rock.shape.h5", "what is in a shape file"}},
       libraries);
   app->require_subcommand(1);

@@ -49,6 +49,13 @@ enum FrameUse : unsigned {
   column(double, normal_force, "contacts/normal_force", "N", "fn", kInParaView, "on a along the normal") \
   column(Vec3, tangential_force, "contacts/tangential_force", "N", "ftx,fty,ftz", kInParaView, "on a")
 
+/// Bonds that hold, of scenes that have some: column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_BONDS(column) \
+  column(std::int64_t, bond, "bonds/bond", "", "bond", kInParaView, "row of the scene's bonds") \
+  column(Vec3, force, "bonds/force", "N", "fx,fy,fz", kInParaView, "on a") \
+  column(double, energy, "bonds/energy", "J", "energy", kInParaView, "") \
+  column(double, load, "bonds/load", "", "load", kInParaView, "share of what it holds; breaks at 1")
+
 /// column(type, name, path, unit, csv, uses, what it is)
 #define SCREE_FRAME_WALLS(column) \
   column(std::int64_t, id, "walls/id", "", "", kFileOnly, "as in the scene") \

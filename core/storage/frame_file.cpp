@@ -81,6 +81,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   check_sizes(frame.walls);
   check_sizes(frame.loads);
   check_sizes(frame.wear);
+  check_sizes(frame.bonds);
   int rank = 0, size = 1;
   MPI_Comm_rank(communicator, &rank);
   MPI_Comm_size(communicator, &size);
@@ -99,9 +100,11 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const auto of_root = [&](std::int64_t rows) { return Rows{rank == 0 ? rows : 0, rank == 0 ? 0 : rows, rows}; };
   const Rows walls = of_root(header.wall_count), loads = of_root(header.load_count), wear = of_root(header.wear_count);
 
+  const Rows bonds = frame.has_bonds ? distribute(communicator, static_cast<std::int64_t>(frame.bonds.size())) : Rows{};
+
   // room on the disk, uncompressed
   const std::int64_t bytes = frame_rows_bytes(CollectiveFile::rows_on_disk(bodies.total), CollectiveFile::rows_on_disk(contacts.total)) +
-                             bytes_per_row<FrameWalls>() * walls.total +
+                             bytes_per_row<FrameWalls>() * walls.total + bytes_per_row<FrameBonds>() * bonds.total +
                              bytes_per_row<FrameLoads>() * CollectiveFile::rows_on_disk(loads.total) +
                              bytes_per_row<FrameWear>() * CollectiveFile::rows_on_disk(wear.total) +
                              static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
@@ -116,6 +119,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   write_columns(file, root.create_group("walls"), "walls", rank == 0 ? frame.walls : FrameWalls{}, walls);
   if (loads.total > 0) write_columns(file, root.create_group("loads"), "loads", rank == 0 ? frame.loads : FrameLoads{}, loads);
   if (wear.total > 0) write_columns(file, root.create_group("wear"), "wear", rank == 0 ? frame.wear : FrameWear{}, wear);
+  if (frame.has_bonds) write_columns(file, root.create_group("bonds"), "bonds", frame.bonds, bonds);
   {
     const h5::Group scalars = root.create_group("frame");
     FrameScalars::visit(header.scalars, [&](const char* name, const auto& value) { scalars.write_attribute(name, value); });
@@ -175,6 +179,12 @@ FrameContacts read_contacts(const h5::Group& root) {
   return c;
 }
 
+FrameBonds read_bonds(const h5::Group& root) {
+  FrameBonds b = read_columns<FrameBonds>(root);
+  sort_rows(b, [&](std::size_t i, std::size_t j) { return b.bond[i] < b.bond[j]; });
+  return b;
+}
+
 }  // namespace
 
 Frame read_frame_file(const std::string& path) {
@@ -194,6 +204,8 @@ Frame read_frame_file(const std::string& path) {
   frame.walls = read_columns<FrameWalls>(root);
   if (root.has("loads")) frame.loads = read_columns<FrameLoads>(root);
   if (root.has("wear")) frame.wear = read_columns<FrameWear>(root);
+  frame.has_bonds = root.has("bonds");
+  if (frame.has_bonds) frame.bonds = read_bonds(root);
   frame.provenance = nlohmann::json::parse(root.read_text("provenance"), nullptr, false);
   return frame;
 }

@@ -62,6 +62,17 @@ struct FrameContacts {
   }
 };
 
+/// Bonds that hold, in any order when written, by their rows in the scene when read.
+struct FrameBonds {
+  SCREE_FRAME_BONDS(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return bond.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameBonds;
+    SCREE_FRAME_BONDS(SCREE_FRAME_VISIT)
+  }
+};
+
 /// Walls of one frame, in the order of the scene.
 struct FrameWalls {
   SCREE_FRAME_WALLS(SCREE_FRAME_MEMBER)
@@ -115,8 +126,10 @@ struct Frame : FrameScalars {
   FrameBodies bodies;
   FrameContacts contacts;
   FrameWalls walls;
-  FrameLoads loads;  ///< empty where no wall has a load map
-  FrameWear wear;    ///< empty where no wall wears
+  FrameLoads loads;        ///< empty where no wall has a load map
+  FrameWear wear;          ///< empty where no wall wears
+  bool has_bonds = false;  ///< whether the scene has bonds, broken ones included; the same on every rank
+  FrameBonds bonds;
   nlohmann::json provenance;
 };
 

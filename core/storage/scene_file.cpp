@@ -104,6 +104,43 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
   return b;
 }
 
+void write_forces(const h5::Group& group, const std::vector<BodyForce>& forces) {
+  std::vector<std::int64_t> ids;
+  std::vector<Vec3> values;
+  for (const BodyForce& f : forces) {
+    ids.push_back(f.id);
+    values.push_back(f.force);
+  }
+  group.write_array("body", ids, 1, "");
+  group.write_array("force", values, "N");
+}
+
+std::vector<BodyForce> read_forces(const h5::Group& group) {
+  const auto ids = group.read_array<std::int64_t>("body", 1);
+  const std::vector<Vec3> values = group.read_vectors("force");
+  if (ids.size() != values.size()) throw InputError("{}: {} forces for {} bodies", group.path(), values.size(), ids.size());
+  std::vector<BodyForce> forces;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (!is_finite(values[i])) throw InputError("{}: the force on body {} is not a finite number", group.path(), ids[i]);
+    forces.push_back({ids[i], values[i]});
+  }
+  return forces;
+}
+
+/// Forces and bonds name bodies of the scene.
+void check_ids(const Scene& scene, const std::string& path) {
+  if (scene.forces.empty() && scene.bonds.empty()) return;
+  const std::set<std::int64_t> ids(scene.bodies.id.begin(), scene.bodies.id.end());
+  const auto expect = [&](std::int64_t id, const char* what) {
+    if (!ids.contains(id)) throw InputError("{}: a {} names body {}, which is not in the scene", path, what, id);
+  };
+  for (const BodyForce& f : scene.forces) expect(f.id, "force");
+  for (const Bond& bond : scene.bonds) {
+    expect(bond.a, "bond");
+    expect(bond.b, "bond");
+  }
+}
+
 }  // namespace
 
 void write_scene_file(const std::string& path, const Scene& scene) { write_scene_file(path, scene, {}); }
@@ -125,6 +162,8 @@ void write_scene_file(const std::string& path, const Scene& scene, const std::op
     partition.write_array("upper", scene.partition.upper, "m");
   }
   write_bodies(root.create_group("bodies"), scene.bodies);
+  if (!scene.forces.empty()) write_forces(root.create_group("forces"), scene.forces);
+  if (!scene.bonds.empty()) write_bonds(root.create_group("bonds"), scene.bonds);
   if (start) write_start_state(root.create_group("start"), *start);
   file.commit();
 }
@@ -159,6 +198,9 @@ Scene read_scene(const std::string& path) {
     }
   }
   scene.bodies = read_bodies(root.open_group("bodies"), scene);
+  if (root.has("forces")) scene.forces = read_forces(root.open_group("forces"));
+  if (root.has("bonds")) scene.bonds = read_bonds(root.open_group("bonds"));
+  check_ids(scene, root.path());
   return scene;
 }
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/storage/body_orientation.hpp"
+#include "core/storage/bond.hpp"
 #include "core/storage/feed_rate.hpp"
 #include "core/storage/scene_words.hpp"
 #include "core/storage/shape_file.hpp"
@@ -213,6 +214,12 @@ struct Partition {
   double predicted_imbalance = 1;  ///< largest over mean predicted work
 };
 
+/// A force that acts on a body at all times, at its centre and in a fixed direction.
+struct BodyForce {
+  std::int64_t id = 0;
+  Vec3 force;  ///< [N], world
+};
+
 struct Scene {
   Settings settings;
   std::vector<Shape> shapes;
@@ -222,6 +229,8 @@ struct Scene {
   std::vector<Inlet> inlets;
   std::vector<Outlet> outlets;
   BodyTable bodies;
+  std::vector<BodyForce> forces;  ///< by id; of few bodies, mostly of none
+  std::vector<Bond> bonds;
   Partition partition;
   nlohmann::json provenance;
 

@@ -150,12 +150,14 @@ std::vector<Shape> read_shapes(const h5::Group& group) {
   return shapes;
 }
 
-void write_shape_file(const std::string& path, const std::vector<Shape>& shapes, const nlohmann::json& provenance) {
+void write_shape_file(const std::string& path, const std::vector<Shape>& shapes, const nlohmann::json& provenance,
+                      const PieceTable* pieces) {
   h5::NewFile file(path);
   file.root().write_attribute("format", kShapeFormat);
   file.root().write_attribute("format_version", kShapeFormatVersion);
   file.root().write_text("provenance", json_text(provenance));
   write_shapes(file.root().create_group("shapes"), shapes);
+  if (pieces != nullptr) write_piece_table(file.root().create_group("pieces"), *pieces);
   file.commit();
 }
 
@@ -166,6 +168,8 @@ ShapeFile read_shape_file(const std::string& path) {
   result.shapes = read_shapes(file.root().open_group("shapes"));
   if (result.shapes.empty()) throw InputError("{}: holds no shape", path);
   result.provenance = nlohmann::json::parse(file.root().read_text("provenance"), nullptr, false);
+  if (file.root().has("pieces"))
+    result.pieces = read_piece_table(file.root().open_group("pieces"), static_cast<std::int64_t>(result.shapes.size()));
   return result;
 }
 

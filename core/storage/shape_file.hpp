@@ -8,6 +8,7 @@
 #include "core/geometry/mass_properties.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/storage/h5.hpp"
+#include "core/storage/piece_table.hpp"
 
 namespace scree {
 
@@ -46,12 +47,14 @@ Shape make_surface(const std::string& name, TriangleMesh mesh);
 /// An analytic ball.
 Shape make_sphere(const std::string& name, double radius);
 
-/// Writes whole or not at all. provenance as made by provenance_record().
-void write_shape_file(const std::string& path, const std::vector<Shape>& shapes, const nlohmann::json& provenance);
+/// Writes whole or not at all. provenance as made by provenance_record(); pieces where the shapes are those of a cut body.
+void write_shape_file(const std::string& path, const std::vector<Shape>& shapes, const nlohmann::json& provenance,
+                      const PieceTable* pieces = nullptr);
 
 struct ShapeFile {
   std::vector<Shape> shapes;
   nlohmann::json provenance;
+  std::optional<PieceTable> pieces;  ///< of a body that was cut: all shapes are its pieces
 };
 /// Throws InputError when the file is missing, damaged, of another kind or of a newer version, or when its
 /// contents cannot be a shape (index out of range, NaN).

@@ -26,9 +26,15 @@ void shape_section(CaseKeys& k, CaseShape& s) {
             "of a mesh at scale 1: for very large bodies, such as terrain that moves; contacts of one other body with it that are further "
             "apart than this do not share stiffness"},
            s.cell_size, Dimension::length, Range::positive);
+  k.path({"pieces", "none",
+          "a `*.shape.h5` from `scree-mesher fracture` of this solid: its bodies are packed as a whole and start as these "
+          "pieces, held by `[[bonds]]`"},
+         s.pieces);
   const CaseTable* t = k.table();
   if (t == nullptr) return;
   s.where = t->where();
+  if (!s.pieces.empty() && s.file.empty()) throw t->error("pieces", "are those of a mesh: a sphere has no file that could be cut");
+  if (!s.pieces.empty() && s.cell_size > 0) throw t->error("pieces", "do not go with cell_size");
   if (t->has("name") && s.file.empty()) throw t->error("name", "names one of several shapes in a file; a sphere has no file");
   if (s.cell_size > 0 && s.file.empty()) throw t->error("cell_size", "is for meshes: a sphere touches in one place");
 }
@@ -122,12 +128,14 @@ void body_section(CaseKeys& k, Case& c) {
   k.number({"scale", "", "of the shape"}, b.scale, Dimension::none, Range::positive);
   k.boolean({"fixed", "", "never moves; may stand in a wall"}, b.fixed);
   k.boolean({"lock_rotation", "", "translates only"}, b.lock_rotation);
+  k.vector({"force", "", "on its centre, at all times, beside gravity"}, b.force, Dimension::force);
   const CaseTable* t = k.table();
   if (t == nullptr) return;
   b.where = t->where();
   if (b.fixed && (length(b.velocity) > 0 || length(b.angular_velocity) > 0)) {
     throw t->error("fixed", "a fixed body cannot have a velocity; remove it, or use a wall with a motion");
   }
+  if (b.fixed && length(b.force) > 0) throw t->error("fixed", "a force does not move a fixed body; remove one of both");
   c.bodies.push_back(b);
 }
 
@@ -165,6 +173,7 @@ void case_keys(CaseKeys& k, Case& c) {
   population_sections(k, c);
   k.section({"start", "bodies of this case only"}, [&](CaseKeys& below) { start_section(below, c); });
   inlet_sections(k, c);
+  bond_sections(k, c);
 }
 
 std::vector<KeyDescription> describe_case() {

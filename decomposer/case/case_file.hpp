@@ -22,6 +22,23 @@ struct CaseShape {
   std::string name_in_file;  ///< which of several shapes; empty when the file holds one
   double sphere_radius = 0;  ///< [m]
   double cell_size = 0;      ///< [m], 0: none
+  std::string pieces;        ///< file of the pieces that its bodies start as; empty: as a whole
+};
+
+/// [[bonds]]: what holds the pieces of bodies of one material, or bodies placed face to face.
+struct CaseBond {
+  std::string where;
+  std::int32_t material = -1;                   ///< of bodies whose pieces it holds; -1: it holds bodies
+  std::int32_t between_a = -1, between_b = -1;  ///< of the bodies that it holds
+  double distance = 0;                          ///< [m] that faces may be apart
+  double young = 0;                             ///< [Pa]
+  double tangential_ratio = 0.25;               ///< [-] k_t / k_n
+  double tension = kNeverBreaks;                ///< [Pa]
+  double cohesion = kNeverBreaks;               ///< [Pa]
+  double friction_angle = 0;                    ///< [rad]
+  double fracture_energy = kNeverBreaks;        ///< [J/m^2]
+  double weibull_modulus = 0;                   ///< [-] of the strengths; 0: all alike
+  double damping = 0;                           ///< [-] share of critical damping
 };
 
 /// [[bodies]]
@@ -32,6 +49,7 @@ struct CaseBody {
   Quat orientation;
   double scale = 1;
   bool fixed = false, lock_rotation = false;
+  Vec3 force;  ///< [N] at all times, world
 };
 
 /// A part of space, such as where a population may lie: one of these.
@@ -128,6 +146,7 @@ struct Case {
   std::vector<CaseWall> walls;
   std::vector<CaseInlet> inlets;
   std::vector<CaseOutlet> outlets;
+  std::vector<CaseBond> bonds;
 };
 
 /// Reads and checks a case; opens no other file.

@@ -23,6 +23,9 @@ void start_section(CaseKeys& k, Case& c);
 /// [[inlets]] and [[outlets]]; after the walls as well
 void inlet_sections(CaseKeys& k, Case& c);
 
+/// [[bonds]]; after the shapes, whose pieces they hold
+void bond_sections(CaseKeys& k, Case& c);
+
 // What populations and inlets have in common.
 void share_keys(CaseKeys& k, const std::vector<std::string>& shapes, CaseSource& source);
 void size_key(CaseKeys& k, std::optional<SizeDistribution>& size);

@@ -14,6 +14,7 @@
 #include "core/surface/inset.hpp"
 #include "core/surface/touch_surface.hpp"
 #include "decomposer/packing/compact.hpp"
+#include "decomposer/packing/cut_bodies.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"
 #include "decomposer/packing/inlets.hpp"
@@ -64,6 +65,8 @@ class Builder {
     }
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
+    add_forces();
+    cut_bodies(case_, parts_, pieces_, scene(), report());
     look_into_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
@@ -115,6 +118,11 @@ class Builder {
   void take_bodies_of_run() {
     CarriedBodies& carried = parts_.carried.emplace();
     carried.from = read_run(case_);
+    if (!carried.from.scene.bonds.empty()) {
+      throw InputError(
+          "{}: the run has {} bonds, which this case would not take over: its bodies would be loose; begin with a run without bonds",
+          case_.start->where, carried.from.scene.bonds.size());
+    }
     parts_.first_id = carried.from.first_free_id;
     out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
     // only now is known who can meet whom
@@ -133,6 +141,30 @@ class Builder {
         return static_cast<std::int32_t>(i);
     }
     return -1;
+  }
+
+  void load_pieces(std::size_t shape) {
+    const CaseShape& of = case_.shapes[shape];
+    if (of.pieces.empty()) return;
+    for (const CaseInlet& i : case_.inlets) {
+      for (const auto& share : i.shares) {
+        if (static_cast<std::size_t>(share.first) == shape)
+          throw InputError(
+              "{}: the shape '{}' starts as pieces, and bodies that come in later are whole; give the inlet a shape without pieces",
+              i.where, of.name);
+      }
+    }
+    const ShapeFile& file = open_shapes(of.pieces, of.where);
+    check_pieces(of, parts_.shapes[shape].shape, file);
+    pieces_.emplace(shape, file);
+  }
+
+  /// Of [[bodies]], which are the first of what this case adds.
+  void add_forces() {
+    for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
+      if (length(case_.bodies[b].force) > 0)
+        scene().forces.push_back({parts_.first_id + static_cast<std::int64_t>(b), case_.bodies[b].force});
+    }
   }
 
   void load_carried_shapes() {
@@ -208,6 +240,7 @@ class Builder {
       parts_.scene_shape[i] = static_cast<std::int32_t>(scene().shapes.size());
       scene().shapes.push_back(parts_.shapes[i].shape);
       scene().shapes.back().cell_size = case_.shapes[i].cell_size;
+      load_pieces(i);
     }
     if (parts_.carried) load_carried_shapes();
   }
@@ -436,6 +469,7 @@ class Builder {
   const ChildSolver& solver_;
   PackedScene out_;
   std::map<std::string, ShapeFile> files_;
+  PieceFiles pieces_;
   SceneParts parts_;
 };
 

@@ -128,6 +128,22 @@ MesherCommand generate_line(CLI::App& app) {
   return {line, [options](const Words& words) { return generate_command(*options, words); }};
 }
 
+MesherCommand fracture_line(CLI::App& app) {
+  auto options = std::make_shared<FractureOptions>();
+  CLI::App* line = app.add_subcommand("fracture", "Cut a solid into Voronoi cells that share faces, for bonds that break");
+  line->add_option("FILE", options->file, "NAME.shape.h5")->required();
+  line->add_option("--shape", options->shape, "Name of the solid to cut, where the file holds several shapes");
+  line->add_option("--cells", options->cells, "Number of cells, each around a random point in the body");
+  line->add_option("--seed", options->seed, "The same seed gives the same cells");
+  line->add_flag("--evenly", options->evenly, "Move the points to the centres of their cells: cells of more equal size");
+  line->add_option("--inset", options->inset,
+                   "Move the shared faces of each piece inwards by the margin of the case, so that pieces start in touch");
+  line->add_option("--points", options->points, "CSV file with columns x, y, z [m] of the points, in place of random ones");
+  line->add_option("-o,--output", options->output, "NAME.shape.h5: the pieces and their faces")->required();
+  line->add_option("--picture", options->picture, "Draw the body, whole and exploded, into this PNG");
+  return {line, [options](const Words& words) { return fracture_command(*options, words); }};
+}
+
 MesherCommand info_line(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* line = app.add_subcommand("info", "Show the shapes in a shape file and where they come from");
@@ -139,8 +155,8 @@ MesherCommand info_line(CLI::App& app) {
 }  // namespace
 
 std::vector<MesherCommand> add_commands(CLI::App& app) {
-  return {check_line(app), import_line(app), repair_line(app),   simplify_line(app), refine_line(app),
-          hull_line(app),  remesh_line(app), describe_line(app), generate_line(app), info_line(app)};
+  return {check_line(app),  import_line(app),   repair_line(app),   simplify_line(app), refine_line(app), hull_line(app),
+          remesh_line(app), describe_line(app), generate_line(app), fracture_line(app), info_line(app)};
 }
 
 }  // namespace scree

@@ -99,6 +99,19 @@ struct GenerateOptions {
 const std::vector<std::string>& generated_shapes();
 CommandResult generate_command(const GenerateOptions& options, const std::vector<std::string>& command);
 
+struct FractureOptions {
+  std::string file, shape;  ///< shape file; name of the solid in it, empty where there is one only
+  std::int32_t cells = 0;
+  std::uint64_t seed = 1;
+  bool evenly = false;
+  std::string inset;   ///< by which shared faces are moved inwards; empty: not at all
+  std::string points;  ///< CSV of generators in place of random ones: columns x, y, z [m]; empty: none
+  std::string output;
+  std::string picture;  ///< PNG of the body, whole and exploded; empty: none
+};
+/// Cuts a solid into pieces that share faces.
+CommandResult fracture_command(const FractureOptions& options, const std::vector<std::string>& command);
+
 struct InfoOptions {
   std::string file;
   std::string picture;  ///< PNG of all shapes with a mesh side by side; empty: none

@@ -10,6 +10,9 @@
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/error.hpp"
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
@@ -20,6 +23,7 @@ namespace scree {
 namespace {
 
 constexpr int kPaneWidth = 640, kPaneHeight = 560;  // [pixels]
+constexpr double kApart = 0.6;                      // exploded pieces move out by this part of their distance from the origin
 constexpr std::int32_t kMostEdgesShown = 20'000;    // above this many triangles edges would blacken the picture
 
 vtkSmartPointer<vtkPolyData> open_edges(const TriangleMesh& mesh) {
@@ -55,6 +59,22 @@ void add(vtkRenderer* renderer, vtkPolyData* data, const Vec3& colour, double li
   renderer->AddActor(actor);
 }
 
+void add_title(vtkRenderer* renderer, const std::string& words) {
+  vtkNew<vtkTextActor> text;
+  text->SetInput(words.c_str());
+  text->GetTextProperty()->SetFontSize(36);
+  text->GetTextProperty()->SetColor(0.1, 0.1, 0.1);
+  text->SetPosition(24, 24);
+  renderer->AddActor2D(text);
+}
+
+/// Colours that differ between neighbours: hues in steps of the golden angle.
+Vec3 colour_of(std::size_t i) {
+  const double hue = 6 * std::fmod(0.1 + 0.6180339887498949 * static_cast<double>(i), 1.0);
+  const auto channel = [&](double shift) { return 0.45 + 0.45 * std::clamp(std::abs(std::fmod(hue + shift, 6.0) - 3) - 1, 0.0, 1.0); };
+  return {channel(0), channel(4), channel(2)};
+}
+
 }  // namespace
 
 std::string picture_obstacle() { return display_obstacle(); }
@@ -73,17 +93,35 @@ void draw_meshes(const std::vector<std::pair<std::string, const TriangleMesh*>>&
     renderer->SetViewport(share * static_cast<double>(i), 0, share * static_cast<double>(i + 1), 1);
     add(renderer, vtk_triangles(*mesh), {0.84, 0.70, 0.50}, 1, mesh->triangle_count() <= kMostEdgesShown);
     add(renderer, open_edges(*mesh), {0.85, 0.1, 0.1}, 6, false);
-    vtkNew<vtkTextActor> text;
-    text->SetInput(fmt::format("{}: {} triangles", title, mesh->triangle_count()).c_str());
-    text->GetTextProperty()->SetFontSize(36);
-    text->GetTextProperty()->SetColor(0.1, 0.1, 0.1);
-    text->SetPosition(24, 24);
-    renderer->AddActor2D(text);
+    add_title(renderer, fmt::format("{}: {} triangles", title, mesh->triangle_count()));
     set_camera(renderer, view);
     panes.push_back(renderer);
     drawn.push_back(renderer);
   }
   write_picture(drawn, kPaneWidth * static_cast<int>(meshes.size()), kPaneHeight, path);
+}
+
+void draw_pieces(const std::string& title, const std::vector<std::pair<TriangleMesh, Vec3>>& pieces, const std::string& path) {
+  if (const std::string reason = picture_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
+  Box3 room;
+  for (const auto& [mesh, centre] : pieces) room.add(bounding_box(mesh));
+  std::vector<vtkSmartPointer<vtkRenderer>> panes;
+  std::vector<vtkRenderer*> drawn;
+  for (const double apart : {0.0, kApart}) {
+    const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
+    const double left = apart == 0 ? 0 : 0.5;
+    renderer->SetViewport(left, 0, left + 0.5, 1);
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      TriangleMesh moved = pieces[i].first;
+      for (Vec3& p : moved.vertices) p += apart * pieces[i].second;
+      add(renderer, vtk_triangles(moved), colour_of(i), 1, false);
+    }
+    add_title(renderer, apart == 0 ? title : fmt::format("{} pieces, moved apart", pieces.size()));
+    set_camera(renderer, {room.centre(), 0.5 * (1 + 0.8 * kApart) * length(room.extent()), normalised(Vec3{0.55, -0.75, 0.45}), {0, 0, 1}});
+    panes.push_back(renderer);
+    drawn.push_back(renderer);
+  }
+  write_picture(drawn, 2 * kPaneWidth, kPaneHeight, path);
 }
 
 }  // namespace scree

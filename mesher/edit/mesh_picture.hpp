@@ -17,4 +17,8 @@ std::string picture_obstacle();
 /// Fails: SystemError when it cannot be drawn or written.
 void draw_meshes(const std::vector<std::pair<std::string, const TriangleMesh*>>& meshes, const std::string& path);
 
+/// Draws the pieces of a body side by side with themselves, moved apart from its origin by a part of their distance, each in a colour of
+/// its own, as draw_meshes does. in   pieces   mesh of each piece in the coordinates of the body, and its centre [m]
+void draw_pieces(const std::string& title, const std::vector<std::pair<TriangleMesh, Vec3>>& pieces, const std::string& path);
+
 }  // namespace scree

@@ -9,4 +9,8 @@ void draw_meshes(const std::vector<std::pair<std::string, const TriangleMesh*>>&
   throw SystemError("cannot draw a picture: {}", picture_obstacle());
 }
 
+void draw_pieces(const std::string&, const std::vector<std::pair<TriangleMesh, Vec3>>&, const std::string&) {
+  throw SystemError("cannot draw a picture: {}", picture_obstacle());
+}
+
 }  // namespace scree

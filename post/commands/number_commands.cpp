@@ -8,6 +8,7 @@
 #include "core/storage/h5.hpp"
 #include "post/commands/commands.hpp"
 #include "post/statistics/contact_statistics.hpp"
+#include "post/statistics/fragments.hpp"
 #include "post/statistics/tables.hpp"
 #include "post/studies/compare.hpp"
 #include "post/studies/error_vs_time.hpp"
@@ -66,6 +67,21 @@ Command add_contacts(CLI::App& app) {
             h5::write_text_file(path.string(), json_text(summary, 1) + "\n");
             result.output = table_of(last);
             result.notices.push_back("wrote " + o->output + " and " + path.string());
+            return result;
+          }};
+}
+
+Command add_fragments(CLI::App& app) {
+  const auto o = std::make_shared<TableOptions>();
+  const auto sizes = std::make_shared<std::string>();
+  CLI::App* command = o->add(app, "fragments", "Write number and share of the fragments that bonds hold together, frame by frame");
+  command->add_option("--sizes", *sizes, "Table of the fragments in the last frame (.csv)");
+  return {command, [o, sizes] {
+            expect_ending("-o", o->output, "a table", {".csv"});
+            if (!sizes->empty()) expect_ending("--sizes", *sizes, "a table", {".csv"});
+            CommandResult result;
+            result.output = write_fragments(o->run.open(result.notices), o->output, *sizes);
+            result.notices.push_back("wrote " + o->output + (sizes->empty() ? "" : " and " + *sizes));
             return result;
           }};
 }
@@ -145,7 +161,8 @@ Command add_error_vs_time(CLI::App& app) {
 }  // namespace
 
 std::vector<Command> add_number_commands(CLI::App& app) {
-  return {add_statistics(app), add_compare(app), add_error_vs_time(app), add_bodies(app), add_contacts(app), add_scaling(app)};
+  return {add_statistics(app), add_compare(app),   add_error_vs_time(app), add_bodies(app),
+          add_contacts(app),   add_fragments(app), add_scaling(app)};
 }
 
 }  // namespace scree

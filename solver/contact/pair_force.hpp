@@ -74,6 +74,8 @@ inline constexpr int kNorm = 8;
 
 /// Key of the spring of rolling resistance, after those of all features; its force is a moment [N m] over [N m/rad].
 inline constexpr std::int64_t kRollingKey = std::int64_t{3} << 60;
+/// Key of what is no spring: the overlap [m] (x of its force) from which a contact counts that took the place of a bond under pressure.
+inline constexpr std::int64_t kRestKey = std::int64_t{4} << 60;
 /// Key of an entry that is no spring: the two have a neck (laws/neck.hpp) or a liquid bridge (laws/attraction.hpp).
 inline constexpr std::int64_t kLinkKey = std::int64_t{5} << 60;
 /// Key of the last entry: no spring, but how B was turned against A when the springs were set, x y z and w of a quaternion.

@@ -122,8 +122,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const BodyPair& pair = pairs_[k];
     if (pair.key.zone >= 0) with_walls_.push_back(static_cast<std::int32_t>(k));
-    const bool ghost_b = pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned;
-    (static_cast<std::size_t>(pair.a) >= p.owned ? duplicated_ : ghost_b ? outer_ : inner_).push_back(static_cast<std::int32_t>(k));
+    list_of(pair, p).push_back(static_cast<std::int32_t>(k));
   }
   const PhaseTimer timer(times, Phase::sort);
   sort_sides(p);
@@ -224,6 +223,26 @@ void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
     p.dissipative_force[i] = dissipative_force;
     p.dissipative_torque[i] = dissipative_torque;
   }
+}
+
+void PairList::hold_apart(const std::function<bool(const PairKey&)>& which) {
+  for (std::vector<std::int32_t>* list : {&inner_, &outer_, &duplicated_})
+    std::erase_if(*list, [&](std::int32_t k) { return which(pairs_[static_cast<std::size_t>(k)].key); });
+}
+
+std::int32_t PairList::let_touch(const PairKey& key, const ParticleSet& p) {
+  const auto found =
+      std::lower_bound(pairs_.begin(), pairs_.end(), key, [](const BodyPair& pair, const PairKey& k) { return pair.key < k; });
+  if (found == pairs_.end() || found->key != key) return -1;
+  const auto k = static_cast<std::int32_t>(found - pairs_.begin());
+  std::vector<std::int32_t>& list = list_of(*found, p);
+  list.insert(std::lower_bound(list.begin(), list.end(), k), k);
+  return k;
+}
+
+std::vector<std::int32_t>& PairList::list_of(const BodyPair& pair, const ParticleSet& p) {
+  const bool ghost_b = pair.b >= 0 && static_cast<std::size_t>(pair.b) >= p.owned;
+  return static_cast<std::size_t>(pair.a) >= p.owned ? duplicated_ : ghost_b ? outer_ : inner_;
 }
 
 void PairList::forget_candidates() {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/search/multilevel_grid.hpp"
@@ -70,6 +71,11 @@ class PairList {
   /// Indices of pairs with a wall.
   const std::vector<std::int32_t>& with_walls() const { return with_walls_; }
 
+  /// Takes pairs out of these lists, so that they are not computed; rebuild() lists them again.
+  void hold_apart(const std::function<bool(const PairKey&)>& which);
+  /// Puts one back. Returns its index, or -1 when it is not among the pairs.
+  std::int32_t let_touch(const PairKey& key, const ParticleSet& p);
+
   /// Adds up what the pairs did to each owned body, in ascending order of partner: the same bits for any number of
   /// threads and ranks. Gravity included.
   void sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const;
@@ -84,6 +90,7 @@ class PairList {
   };
   std::vector<FoundPair> find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin) const;
   void sort_sides(const ParticleSet& p);
+  std::vector<std::int32_t>& list_of(const BodyPair& pair, const ParticleSet& p);
 
   std::vector<BodyPair> pairs_;
   std::vector<PairResult> results_;

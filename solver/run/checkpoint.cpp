@@ -39,6 +39,8 @@ void for_each_number(Record& r, Action&& action) {
   action("wall_work", r.energies.wall_work);
   action("removed", r.energies.removed);
   action("arrived", r.energies.arrived);
+  action("bond", r.energies.bond);
+  action("fracture", r.energies.fracture);
   action("imbalance_sum", r.imbalance_sum);
   action("log_rows", r.log_rows);
   action("list_renewals", r.list_renewals);
@@ -60,6 +62,13 @@ void read_record(const h5::Group& group, RunRecord& record) {
     else
       value = static_cast<Value>(group.read_integer_attribute(name));
   });
+}
+
+void set_sum(const std::vector<std::int64_t>& words, ExactSum& sum) {
+  ExactSum::Words w{};
+  if (words.size() != w.size()) throw InputError("a total of {} numbers instead of {}; the file is damaged", words.size(), w.size());
+  std::copy(words.begin(), words.end(), w.begin());
+  sum.set_words(w);
 }
 
 /// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
@@ -168,6 +177,12 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     c.totals.wear.vertices = wear.read_vectors("vertices");
     c.totals.wear.work = wear.read_array<double>("work", 1);
   }
+  if (root.has("bonds")) {
+    const h5::Group bonds = root.open_group("bonds");
+    c.totals.broken_at = bonds.read_array<std::int64_t>("broken_at", 1);
+    std::vector<std::int64_t> fracture = bonds.read_array<std::int64_t>("fracture", kWords);
+    set_sum(fracture, c.totals.fracture);
+  }
   if (root.has_attribute("largest_id")) {
     set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
     c.totals.largest_id = root.read_integer_attribute("largest_id");
@@ -252,6 +267,15 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         file.write(wear, "vertices", mine.vertices, of_root(totals.wear.vertices), "m");
         file.write(wear, "work", mine.work, of_root(totals.wear.work), "J");
       }
+      if (simulation.state().bonds) {
+        const h5::Group bonds = root.create_group("bonds");
+        const auto count = static_cast<std::int64_t>(totals.broken_at.size());
+        const Rows rows = comm.rank() == 0 ? Rows{count, 0, count} : Rows{0, count, count};
+        file.write(bonds, "broken_at", totals.broken_at.data(), rows, 1, H5T_NATIVE_INT64, "");
+        const ExactSum::Words words_of_fracture = ExactSum(totals.fracture).words();
+        file.write(bonds, "fracture", words_of_fracture.data(), comm.rank() == 0 ? Rows{1, 0, 1} : Rows{0, 1, 1},
+                   static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      }
       if (totals.largest_id >= 0) {
         root.write_attribute("largest_id", totals.largest_id);
         write_sums("arrivals", words_of(totals.arrived));
@@ -331,6 +355,9 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
           "{}: was computed about another origin than this version of the solver chooses; continue with the version that wrote it",
           checkpoint.path);
     }
+    const std::size_t bonds = simulation.state().scene.source().bonds.size();
+    if (checkpoint.totals.broken_at.size() != bonds)
+      throw InputError("{}: has {} bonds, the scene has {}", checkpoint.path, checkpoint.totals.broken_at.size(), bonds);
   });
   simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size,
                                 checkpoint.step_limited_by, checkpoint.totals);

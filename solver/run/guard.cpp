@@ -29,7 +29,7 @@ double Guard::add_row(const Energies& energies, double overlap_ratio, double imb
   r.kinetic_peak = std::max(r.kinetic_peak, energies.translational + energies.rotational);
   r.dissipated_peak = std::max(r.dissipated_peak, energies.dissipated);
   // of a law that pulls the energy is below 0 where bodies hold each other
-  r.elastic_peak = std::max(r.elastic_peak, std::abs(energies.elastic) + energies.tangential_elastic);
+  r.elastic_peak = std::max(r.elastic_peak, std::abs(energies.elastic) + energies.tangential_elastic + energies.bond);
   const double error = energies.balance() - r.energy_reference;
   r.energy_error = std::max(r.energy_error, std::abs(error));
   add_overlap(overlap_ratio);

@@ -104,6 +104,18 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
   for (std::size_t i = 0; i < p.owned; ++i) add_frame_body(simulation.state().scene, record_of(p, i), rank, origin, frame.bodies);
   if (with_contacts) frame.contacts = simulation.contacts();
   for (Vec3& point : frame.contacts.point) point += origin;
+  if (const auto& bonds = simulation.state().bonds) {
+    frame.has_bonds = true;
+    for (std::size_t k = 0; k < bonds->listed().size(); ++k) {
+      const ListedBond& bond = bonds->listed()[k];
+      if (bonds->is_broken(bond) || !bonds->counts_here(bond, p)) continue;
+      const BondForce& force = bonds->forces()[k];
+      frame.bonds.bond.push_back(bond.bond);
+      frame.bonds.force.push_back(force.force_a);
+      frame.bonds.energy.push_back(force.energy);
+      frame.bonds.load.push_back(bond_load(bonds->table()[static_cast<std::size_t>(bond.bond)], force));
+    }
+  }
   std::vector<WallLoad> loads = wall_loads_of(simulation.state());
   std::vector<WallState> walls = simulation.state().walls;
   move_loads_to_world(loads, walls, origin);

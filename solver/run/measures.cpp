@@ -6,6 +6,7 @@
 
 #include "core/storage/checksum.hpp"
 #include "solver/bodies/motion.hpp"
+#include "solver/step/bonds.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/wall_loads.hpp"
 
@@ -83,6 +84,17 @@ WallTotals wall_totals(const RunState& s) {
   return over_ranks(s.comm.get(), std::move(walls));
 }
 
+void add_bond_energies(const RunState& s, Energies& all) {
+  std::vector<ExactSum> e{{}, s.totals.fracture};
+  const std::vector<ListedBond>& bonds = s.bonds->listed();
+  for (std::size_t k = 0; k < bonds.size(); ++k) {
+    if (s.bonds->counts_here(bonds[k], s.particles)) e[0].add(s.bonds->forces()[k].energy);
+  }
+  add_over_ranks(s.comm.get(), e);
+  all.bond = e[0].value();
+  all.fracture = e[1].value();
+}
+
 }  // namespace
 
 Energies energies_of(const RunState& s) {
@@ -114,6 +126,7 @@ Energies energies_of(const RunState& s) {
   all.wall_work = walls.work.value();
   all.removed = departed.energy.value();
   all.arrived = over_ranks(s.comm.get(), s.totals.arrived).energy.value();
+  if (s.bonds) add_bond_energies(s, all);
   return all;
 }
 
@@ -192,6 +205,12 @@ std::int64_t contact_count(const RunState& s) {
   return s.comm.sum(count);
 }
 
+std::int64_t holding_bond_count(const RunState& s) {
+  if (!s.bonds) return 0;
+  const std::vector<std::int64_t> broken_at = all_broken_at(s);
+  return std::count(broken_at.begin(), broken_at.end(), kHolds);
+}
+
 std::int64_t active_pair_count(const RunState& s) {
   std::int64_t count = 0;
   for_each_contact(s, [&](const BodyPair&, const PairResult&) { ++count; });
@@ -230,6 +249,12 @@ RunTotals overall_totals(const RunState& s) {
   totals.outlets = over_ranks(s.comm.get(), s.totals.outlets);
   add_over_ranks(s.comm.get(), totals.loads);
   totals.level = s.clock.level;
+  if (s.bonds) {
+    std::vector<ExactSum> fracture{s.totals.fracture};
+    add_over_ranks(s.comm.get(), fracture);
+    totals.fracture = fracture[0];
+    totals.broken_at = all_broken_at(s);
+  }
   return totals;
 }
 
@@ -266,6 +291,14 @@ std::string state_hash(const RunState& s) {
     if (s.comm.rank() == 0) add(hash_of(loads));
   }
   if (s.comm.rank() == 0 && !s.totals.wear.vertices.empty()) add(hash_of(s.totals.wear));
+  const std::vector<std::int64_t> broken_at = s.bonds ? all_broken_at(s) : std::vector<std::int64_t>{};
+  for (std::size_t k = 0; s.comm.rank() == 0 && k < broken_at.size(); ++k) {
+    if (broken_at[k] == kHolds) continue;
+    ItemHash h;
+    h.add(static_cast<std::int64_t>(k));
+    h.add(broken_at[k]);
+    add(h);
+  }
   if (s.comm.rank() == 0) {
     for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));
     for (const DriveState& drive : s.totals.drives) add(hash_of(drive));

@@ -17,8 +17,11 @@ struct Energies {
   double wall_work = 0;   ///< done by driven walls on the bodies
   double removed = 0;     ///< kinetic and potential, taken away by bodies that left the domain
   double arrived = 0;     ///< kinetic and potential, brought by bodies that joined after the start
+  double bond = 0;        ///< of the bonds that hold
+  double fracture = 0;    ///< of bonds as they broke, less that of the contacts that took their place
   double balance() const {
-    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed - arrived;
+    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed - arrived + bond +
+           fracture;
   }
 };
 Energies energies_of(const RunState& s);
@@ -46,6 +49,7 @@ void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& w
 std::int64_t body_count(const RunState& s);
 std::int64_t free_body_count(const RunState& s);  ///< of those that are free to move
 std::int64_t contact_count(const RunState& s);
+std::int64_t holding_bond_count(const RunState& s);
 std::int64_t active_pair_count(const RunState& s);
 std::int64_t bodies_outside(const RunState& s);  ///< of the domain
 

@@ -239,6 +239,15 @@ std::string Plan::text_of(const Inlet& inlet) const {
 }
 
 void Plan::add_space() {
+  if (!source_.bonds.empty()) {
+    const CriticalStep critical = critical_step_of_bonds(scene_);
+    in("bonds", fmt::format("{}, {} bytes each; critical step of the {} {}", source_.bonds.size(),
+                            sizeof(Bond) + sizeof(ListedBond) + sizeof(BondForce), critical.name(),
+                            format_quantity(critical.step, Dimension::time)));
+  } else {
+    out("bonds", "no [[bonds]]: no bodies hold together");
+  }
+  if (!source_.forces.empty()) in("given forces", fmt::format("on {} bodies", source_.forces.size()));
   if (scene_.has_driven_walls()) {
     for (const Wall& wall : source_.walls) {
       if (wall.motion.is_prescribed()) in("driven walls", fmt::format("'{}' {}", wall.name, wall.motion.text()));

@@ -63,6 +63,11 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
     columns.push_back({"inserted_mass", "kg", exact(row.inserted.mass)});
     columns.push_back({"inserted", "J", exact(e.arrived)});
   }
+  if (!scene.bonds.empty()) {
+    columns.push_back({"bond", "J", exact(e.bond)});
+    columns.push_back({"fracture", "J", exact(e.fracture)});
+    columns.push_back({"bonds", "-", fmt::format("{}", row.bonds)});
+  }
   columns.push_back({"critical_step", "s", fmt::format("{:.6g}", row.critical.step)});
   columns.push_back({"state_hash", "-", row.state_hash});
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {

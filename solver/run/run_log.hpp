@@ -15,8 +15,8 @@ struct LogRow {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
   Energies energies;
-  double energy_error = 0;  ///< change of the balance since the start [J]
-  std::int64_t contacts = 0;
+  double energy_error = 0;                      ///< change of the balance since the start [J]
+  std::int64_t contacts = 0, bonds = 0;         ///< bonds that hold
   double max_overlap_ratio = 0, imbalance = 0;  ///< since the row before
   std::vector<RankMeasures> ranks;              ///< since the start of the run; the row has the mean of their times
   double steps_per_second = 0;

@@ -129,6 +129,12 @@ SolverScene::SolverScene(const Scene& scene)
   if (std::none_of(drives_.begin(), drives_.end(), [](const auto& drive) { return drive.has_value(); })) drives_.clear();
 }
 
+const BodyForce* SolverScene::given_force(std::int64_t id) const {
+  const std::vector<BodyForce>& forces = scene_->forces;
+  const auto found = std::lower_bound(forces.begin(), forces.end(), id, [](const BodyForce& f, std::int64_t key) { return f.id < key; });
+  return found != forces.end() && found->id == id ? &*found : nullptr;
+}
+
 double SolverScene::wall_mobility(std::size_t wall, const Vec3& at) const {
   const Drive* drive = this->drive(wall);
   if (drive == nullptr || !(drive->inertia > 0)) return 0;

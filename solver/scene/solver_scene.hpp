@@ -62,6 +62,9 @@ class SolverScene {
   bool crowds_follow() const { return crowds_follow_; }
   /// What there is of weights so far; null where all are 1.
   const DensityWeights* density_weights() const { return weights_.get(); }
+  bool has_bonds_or_forces() const { return !scene_->bonds.empty() || !scene_->forces.empty(); }
+  /// That the case gives to a body; null for most.
+  const BodyForce* given_force(std::int64_t id) const;
   const std::vector<WallZone>& zones() const { return zones_; }
   /// Of the scene's outlets, one for each.
   const std::vector<Region>& outlets() const { return outlets_; }
@@ -75,6 +78,10 @@ class SolverScene {
   /// Least and largest overlap at which two meshes, or a mesh and a wall, would meet [m]; 0 where there are none.
   double least_room() const { return least_room_; }
   double largest_room() const { return largest_room_; }
+  /// The same of two bodies with meshes.
+  double room_of(std::int32_t shape_a, double scale_a, std::int32_t shape_b, double scale_b) const {
+    return margins_by_size() ? scale_a * shape(shape_a).margin + scale_b * shape(shape_b).margin : 2 * margin_;
+  }
   /// D for which the crowds of mesh walls are told [m].
   double wall_table_depth() const { return margins_by_size() ? extremes_.largest_margin : margin_; }
   /// Whether laws have numbers that go with the room of a pair; then for_room() gives them.

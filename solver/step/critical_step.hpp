@@ -32,12 +32,16 @@ struct BodyBound {
   std::int64_t pairs = 0;        ///< how many pairs it touches in
 };
 
+/// In place of a zone in the key of what a bond joins.
+inline constexpr std::int32_t kBondZone = -2;
+
 struct CriticalStep {
   double step = std::numeric_limits<double>::infinity();  ///< [s]
   PairKey key{-1, -1, -1};
   /// "bodies 3 and 7", for the user.
   std::string name() const {
     if (key.a < 0) return "no contact";
+    if (key.zone == kBondZone) return fmt::format("bond of bodies {} and {}", key.a, key.b);
     return key.zone < 0 ? fmt::format("bodies {} and {}", key.a, key.b) : fmt::format("body {} and wall {}", key.a, key.b);
   }
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "solver/built_with.hpp"
+#include "solver/step/bonds.hpp"
 
 namespace scree {
 
@@ -43,6 +44,16 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
   s.pairs.sum_onto_bodies(s.scene.source().settings.gravity, p);
   if (s.fluid) s.fluid->add_buoyancy(p);
+  if (!s.given_forces.empty()) add_given_forces(s);
+  if (s.bonds) add_bonds(s);
+}
+
+void ForceStep::compute_begun(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which) {
+  if (failure.exists() || which.empty()) return;
+  failure.watch(s.clock.step, [&] {
+    double& largest = s.totals.max_overlap_ratio;
+    largest = std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, 0, s.clock.step, scratch_, s.pairs));
+  });
 }
 
 void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, std::span<const std::int32_t> which, double friction_dt,

@@ -95,7 +95,8 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                 look,
                 pair_force_function(scene.law_choice()),
                 pair_holds_function(scene.law_choice()),
-                stop_ratio};
+                stop_ratio,
+                !scene.source().bonds.empty()};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
   if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
   Deepest deepest;

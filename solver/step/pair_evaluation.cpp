@@ -34,6 +34,14 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
   return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b)) > limit * limit;
 }
 
+void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap) {
+  const auto at = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key >= kRestKey; });
+  if (at != springs.end() && at->key == kRestKey)
+    at->force.x = overlap;
+  else
+    springs.insert(at, {kRestKey, {overlap, 0, 0}, 0});
+}
+
 void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
                      const std::vector<ContactOutput>& outputs, FrameContacts& out) {
   // In files the lower id is A; a wall may have the lower id, then everything is mirrored.

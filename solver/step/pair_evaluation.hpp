@@ -28,6 +28,7 @@ struct PairPass {
   PairForceFunction force_of;
   PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
   double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
+  bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
 
   bool only_looks() const { return out != nullptr || look != nullptr; }
@@ -77,6 +78,9 @@ void prefetch(const void* begin) {
   prefetch<sizeof(PairResult)>(&result);
 }
 
+/// Notes the overlap that a pair counts from, in the order of keys.
+void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
+
 /// One thread's part of a pass.
 template <ContactModel Model>
 class PairEvaluation {
@@ -102,15 +106,17 @@ class PairEvaluation {
     Model::find_features(view, moved, pair.lists, features_);
     if (view.off_middle != 0)
       for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
+    const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;
     if (view.reach > view.margin)
       weigh_beyond_margin(view, moved, pair);
     else
       Model::weigh(view, kNoPull, moved, pair.lists, features_);
     if (features_.list.empty()) {
       if (!pass_.only_looks()) pair.state.keep_lasting();
-      return;
+    } else {
+      act(view, velocities, pair, result);
     }
-    act(view, velocities, pair, result);
+    if (rest_overlap > 0 && !pass_.only_looks()) set_rest_overlap(pair.state.springs, rest_overlap);
   }
 
   double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
@@ -140,6 +146,20 @@ class PairEvaluation {
     if (pass_.only_looks()) return;
     if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + (pair.lists.first_slack - moved);
     pair.state.keep_lasting();
+  }
+
+  /// Shifts overlaps by what the pair counts them from, until it has parted. Returns that [m].
+  double count_from_rest(const std::vector<FrictionSpring>& springs) {
+    const auto found = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key == kRestKey; });
+    if (found == springs.end() || features_.has_layer) return 0;
+    const double rest_overlap = found->force.x;
+    double deepest = 0;
+    for (ContactFeature& f : features_.list) {
+      deepest = std::max(deepest, f.overlap);
+      f.overlap -= rest_overlap;
+    }
+    std::erase_if(features_.list, [](const ContactFeature& f) { return !(f.overlap > 0); });
+    return deepest > 0 ? rest_overlap : 0;
   }
 
   /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is

@@ -15,6 +15,7 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
       totals(of.source().walls.size(), of.source().outlets.size(), of.source().inlets.size()) {
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
+  if (!of.source().bonds.empty()) bonds.emplace(of);
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
   totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
   if (of.worn_vertices() > 0) {
@@ -37,12 +38,16 @@ void RunState::set_walls() {
 double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body) {
   if (p.fixed[body]) return 0;
   const double mass = s.fluid ? s.fluid->weighed_mass(p, body) : p.mass[body];
-  return -mass * dot(s.scene.source().settings.gravity, s.scene.periodicity().way_of(p.x[body], p.image[body]));
+  const Vec3 way = s.scene.periodicity().way_of(p.x[body], p.image[body]);
+  const double of_gravity = -mass * dot(s.scene.source().settings.gravity, way);
+  const BodyForce* given = s.scene.given_force(p.id[body]);
+  return given == nullptr ? of_gravity : of_gravity - dot(given->force, way);
 }
 
 void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body) {
   if (s.integrator == Integrator::euler || p.fixed[body]) return;
   const Vec3 gravity = s.scene.source().settings.gravity;
+  if (const BodyForce* given = s.scene.given_force(p.id[body])) p.v[body] += (0.5 * s.clock.dt * p.inverse_mass[body]) * given->force;
   if (!s.fluid) {
     p.v[body] += (0.5 * s.clock.dt) * gravity;
     return;

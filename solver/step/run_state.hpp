@@ -9,6 +9,7 @@
 
 #include "solver/bodies/fluid.hpp"
 #include "solver/bodies/motion.hpp"
+#include "solver/neighbours/bond_list.hpp"
 #include "solver/neighbours/pair_list.hpp"
 #include "solver/phases.hpp"
 #include "solver/ranks/body_facts.hpp"
@@ -43,6 +44,12 @@ inline constexpr std::int64_t kReviewSteps = 16;
 /// Outlets take bodies out in these steps. A multiple of kReviewSteps, so that lists are rebuilt once for both.
 inline constexpr std::int64_t kExchangeSteps = 2 * kReviewSteps;
 
+/// A force that the case gives to a body.
+struct GivenForce {
+  std::size_t row;  ///< of an owned body
+  Vec3 force;       ///< [N]
+};
+
 struct RunState {
   RunState(const mpi::Communicator& on, const SolverScene& of);
 
@@ -52,6 +59,8 @@ struct RunState {
   const std::optional<FluidForces> fluid;  ///< of a scene that has one
   ParticleSet particles;
   PairList pairs;
+  std::optional<BondList> bonds;  ///< of a scene that has some
+  std::vector<GivenForce> given_forces;
   std::vector<WallState> walls;
   BodyFacts facts;
   std::int64_t largest_id = -1;  ///< that a body or a wall has or had, at any time

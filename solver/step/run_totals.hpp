@@ -50,6 +50,8 @@ struct RunTotals {
   WallTotals walls;
   DepartureTotals departed;
   ArrivalTotals arrived;
+  ExactSum fracture;                    ///< energy of bonds as they broke, less that of the contacts in their place [J]
+  std::vector<std::int64_t> broken_at;  ///< of all bonds, as checkpoints hold them (BondList); empty elsewhere
   std::vector<OutletTotals> outlets;
   std::vector<InletState> inlets;  ///< the same on every rank
   LoadMap loads;                   ///< of the walls that have one

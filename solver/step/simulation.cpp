@@ -61,6 +61,7 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.totals.inlets = totals.inlets;
   state_.totals.drives = totals.drives;
   if (!totals.wear.vertices.empty()) state_.totals.wear = totals.wear;
+  if (state_.bonds) state_.bonds->set_broken_at(totals.broken_at);
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
@@ -111,7 +112,9 @@ void Simulation::advance_substep() {
   if (all.failed != 0) agree_on_failures();
   if (all.rebuild != 0) rebuild_lists(all);
   forces_.compute(state_, decomposition_, failure_, state_.clock.dt, all.rebuild == 0);
+  if (state_.bonds) breakage_.decide(state_, forces_, failure_);
   finish_motion();
+  if (state_.bonds) breakage_.replace_forces(state_);
 }
 
 void Simulation::move_bodies() {
@@ -185,13 +188,17 @@ void Simulation::rebuild_lists(const StepReport& report) {
     const PhaseTimer timer(state_.times, Phase::migrate);
     if (!failure_.exists()) failure_.watch(step(), [&] { check_finite(state_); });
     agree_on_failures();
+    const bool has_bonds = state_.bonds.has_value();
+    const double further = has_bonds ? extra_reach(state_, lists_.rebuilds() == 0) : 0;
     decomposition_.distribute(p, state_.pairs, report);
     const bool left = domain_.remove(state_), came = arrivals_.join(state_, decomposition_.halo());
     if (left || came) agree_on_bodies(state_);
+    if (has_bonds) share_broken(state_, left);
     lists_.set_skin(state_, report.fastest);
-    if (built_with::kRanks) decomposition_.halo().make_ghosts(state_.scene, p, state_.facts.largest_radius, lists_.skin());
+    if (built_with::kRanks) decomposition_.halo().make_ghosts(state_.scene, p, state_.facts.largest_radius, lists_.skin() + further);
   }
   lists_.rebuild(state_, decomposition_.balance());
+  if (state_.scene.has_bonds_or_forces()) list_bonds(state_, failure_);
 }
 
 double Simulation::take_max_overlap_ratio() { return state_.comm.max(std::exchange(state_.totals.max_overlap_ratio, 0.0)); }

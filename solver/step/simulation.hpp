@@ -13,6 +13,7 @@
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/requests.hpp"
 #include "solver/step/arrivals.hpp"
+#include "solver/step/bonds.hpp"
 #include "solver/step/critical_step.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
@@ -84,6 +85,7 @@ class Simulation {
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;
   bool walls_worn_ = false;  // since the last step: lists were made for other walls
+  Breakage breakage_;
 };
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "solver/step/bonds.hpp"
 #include "solver/step/wall_drives.hpp"
 
 namespace scree {
@@ -31,13 +32,19 @@ void fetch_bounds_of_ghosts(const RunState& s, const std::vector<std::int32_t>& 
   const ParticleSet& p = s.particles;
   std::vector<NamedBound> shared;
   std::vector<std::uint8_t> is_shared(p.size(), 0);
-  for (const std::int32_t k : touching) {
-    const BodyPair& pair = s.pairs.pairs()[static_cast<std::size_t>(k)];
-    if (pair.b < 0) continue;
-    const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
-    if ((a < p.owned) == (b < p.owned)) continue;
+  const auto share = [&](std::int32_t row_a, std::int32_t row_b) {
+    if (row_b < 0) return;
+    const auto a = static_cast<std::size_t>(row_a), b = static_cast<std::size_t>(row_b);
+    if ((a < p.owned) == (b < p.owned)) return;
     const std::size_t own = a < p.owned ? a : b;
     if (std::exchange(is_shared[own], std::uint8_t{1}) == 0) shared.push_back({p.id[own], bounds.bound_of(own)});
+  };
+  for (const std::int32_t k : touching)
+    share(s.pairs.pairs()[static_cast<std::size_t>(k)].a, s.pairs.pairs()[static_cast<std::size_t>(k)].b);
+  if (s.bonds) {
+    for (const ListedBond& bond : s.bonds->listed()) {
+      if (!s.bonds->is_broken(bond)) share(bond.a, bond.b);
+    }
   }
   const auto ranks = static_cast<std::size_t>(s.comm.size());
   std::unordered_map<std::int64_t, BodyBound> of_id;
@@ -73,6 +80,11 @@ CriticalStep critical_step(RunState& s, ForceScratch& scratch) {
     bounds.add(linearise(pair, function), of_wall);
   };
   visit_pairs(s.scene, s.particles, s.walls, touching, s.clock.step, scratch, s.pairs, look);
+  if (s.bonds) {
+    for (const ListedBond& bond : s.bonds->listed()) {
+      if (!s.bonds->is_broken(bond)) bounds.add(linearise(*s.bonds, bond, s.particles));
+    }
+  }
   if (s.comm.size() > 1) fetch_bounds_of_ghosts(s, touching, bounds);
   const CriticalStep mine = bounds.critical_step(s.scene.law_choice().lag_corrected);
   return s.comm.size() > 1 ? smallest_of(s.comm, mine) : mine;

@@ -4,6 +4,7 @@
 #include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/step/approach.hpp"
+#include "solver/step/bonds.hpp"
 #include "solver/step/inlets.hpp"
 
 #include <algorithm>
@@ -251,6 +252,18 @@ void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
   }
 }
 
+/// Shortens the step to what the bonds of the scene ask for. Throws UsageError when a step that the case gives is not stable for them.
+void follow_bonds(const SolverScene& scene, StepSize& result) {
+  const CriticalStep critical = critical_step_of_bonds(scene);
+  if (result.given && result.step > critical.step) {
+    throw UsageError("time.step = {:g} s is {:.3g} times the critical step {:.4g} s of the {}; use at most {:.3g} s, or leave it out",
+                     result.step, result.step / critical.step, critical.step, critical.name(), kBondShare * critical.step);
+  }
+  if (result.given || !(kBondShare * critical.step < result.step)) return;
+  result.step = kBondShare * critical.step;
+  result.limited_by = "the " + critical.name();
+}
+
 /// The same for a body that comes in later: what it meets is taken to stand still.
 void follow_motion_of(const SolverScene& scene, const ParticleRecord& r, StepSize& result) {
   const double way = kMarginPerStep * scene.least_room(), speed = length(r.v), spin = length(r.w);
@@ -305,6 +318,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.given = true;
     check_given_step(result, limit);
     follow_ranges(scene, result);
+    follow_bonds(scene, result);
     return result;
   }
   if (can_touch) {
@@ -313,6 +327,7 @@ StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scen
     result.step = settings.duration > 0 ? settings.duration / 1000 : 1;
     result.limited_by = "no contact can occur: a thousandth of the duration";
   }
+  follow_bonds(scene, result);
   if (settings.step_control != StepControl::quantised) {  // else speed and spin choose the level
     if (can_touch) follow_ranges(scene, result);
     follow_motion_at_start(scene, result);

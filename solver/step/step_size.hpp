@@ -27,6 +27,9 @@ inline constexpr double kRangePerStep = 0.5;
 /// The same at the speed at which the attraction takes all motion of the lightest bodies, where that is slower: those that are faster pass
 /// through it with little change, and a range of nanometres need not be followed at metres a second (docs/work-precision.md, P9).
 inline constexpr double kStickingPerStep = 0.25;
+/// Share of the critical step of bonds that a step takes: the fastest motion that they can make then has 31 steps in its period, its
+/// frequency is right to 2e-3 and its energy to 1e-2; half of it costs twice the time and quarters both.
+inline constexpr double kBondShare = 0.1;
 /// Turn of a body in a step [rad] that keeps the rotor's error of phase below 1e-3.
 inline constexpr double kTurnPerStep = 0.1;
 

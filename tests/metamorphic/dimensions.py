@@ -17,6 +17,9 @@ DIMENSIONS = {
     "pairs.*.surface_tension": (0, 1, -2), "pairs.*.contact_angle": (0, 0, 0), "pairs.*.bridge_volume": (3, 0, 0),
     "contact.margin": (1, 0, 0), "contact.margin_ratio": (0, 0, 0), "contact.impact_speed": (1, 0, -1),
     "bodies.*.position": (1, 0, 0), "bodies.*.velocity": (1, 0, -1), "bodies.*.angular_velocity": (0, 0, -1),
+    "bodies.*.force": (1, 1, -2),
+    "bonds.*.young": (-1, 1, -2), "bonds.*.tension": (-1, 1, -2), "bonds.*.cohesion": (-1, 1, -2), "bonds.*.fracture_energy": (0, 1, -2),
+    "bonds.*.friction_angle": (0, 0, 0), "bonds.*.distance": (1, 0, 0),
     "populations.*.mass": (0, 1, 0), "populations.*.velocity": (1, 0, -1), "populations.*.angular_velocity": (0, 0, -1),
     "populations.*.size": (1, 0, 0), "populations.*.size.diameter": (1, 0, 0), "populations.*.size.mean": (1, 0, 0),
     "populations.*.size.median": (1, 0, 0), "populations.*.size.scale": (1, 0, 0), "populations.*.size.min": (1, 0, 0),
@@ -72,7 +75,7 @@ PLAIN = {
     "seed", "start.checkpoint", "start.frame", "time.steps_per_contact", "contact.barrier", "materials.*.poisson",
     "pairs.*.restitution", "pairs.*.friction", "pairs.*.friction_sliding", "pairs.*.tangential_ratio", "pairs.*.tangential_damping",
     "pairs.*.rolling_friction", "pairs.*.torsional_friction",
-    "bodies.*.orientation", "bodies.*.scale",
+    "bodies.*.orientation", "bodies.*.scale", "bonds.*.tangential_ratio", "bonds.*.damping", "bonds.*.strength_scatter.weibull_modulus",
     "populations.*.count", "populations.*.jitter", "populations.*.solid_fraction", "populations.*.orientation",
     "populations.*.orientation.align", "populations.*.orientation.axis", "populations.*.orientation.scatter",
     "populations.*.size.exponent", "populations.*.size.passing", "populations.*.size.shape", "populations.*.shapes.*",
@@ -101,7 +104,7 @@ def converted(value, key, units):
             result["sigma"] = value["sigma"] * units[0]
         return result
     if isinstance(value, list):
-        tables = key in ("bodies", "walls", "populations", "pairs", "inlets", "outlets")
+        tables = key in ("bodies", "walls", "populations", "pairs", "inlets", "outlets", "bonds")
         return [converted(entry, f"{key}.*" if tables else key, units) for entry in value]
     if isinstance(value, (str, bool)) or key in PLAIN:
         return value

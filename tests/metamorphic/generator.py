@@ -5,12 +5,14 @@ feature joins with one function here and, where it has numbers, lines in dimensi
 
 Sizes are chosen so that a run of at most 60 bodies takes a second at most.
 """
+import copy
 import math
 import random as random_numbers
 
 import numpy
 
 import solids
+from geometry import turned
 from model import Case
 from transforms import Placement, placed, right_angle_turns
 
@@ -1101,3 +1103,44 @@ def rotation(q):
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
                         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
                         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
+@feature
+def bonds(d):
+    """One of the bodies in two halves, face to face, that hold together until they do not."""
+    whole = [b for b in d.case.bodies if not b.get("fixed") and not b.get("lock_rotation")]
+    if not whole or not d.words.get("contact", {}).get("margin") or not d.chance(0.12):
+        return
+    body = d.random.choice(whole)
+    length, half = (float(numpy.float32(share * d.radius)) for share in (0.5, 0.35))
+    d.case.meshes["half"] = solids.clean_mesh(solids.library.box((length, 2 * half, 2 * half)))
+    d.words["shapes"]["half"] = {"file": "@half"}
+    body.pop("scale", None)
+    body["shape"] = "half"
+    along = turned(numpy.array(body.setdefault("orientation", d.quaternion())), numpy.array([[0.5 * length + d.margin, 0, 0]]))[0]
+    other = copy.deepcopy(body)
+    centre = numpy.array(body["position"])
+    body["position"], other["position"] = (centre - along).tolist(), (centre + along).tolist()
+    if "angular_velocity" in body:
+        spin = numpy.cross(body["angular_velocity"], along)
+        velocity = numpy.array(body.get("velocity", [0, 0, 0]))
+        body["velocity"], other["velocity"] = (velocity - spin).tolist(), (velocity + spin).tolist()
+    d.case.bodies.append(other)
+    area, height = 4 * half**2, length + 2 * d.margin
+    stress = d.stiffness * d.margin / area
+    bond = {"between": [body["material"]] * 2, "distance": 3 * d.margin, "young": d.stiffness * d.between(0.5, 2) * height / area}
+    if d.chance(0.5):
+        bond["tangential_ratio"] = d.between(0.2, 1)
+    if d.chance(0.7):
+        bond["tension"] = stress * d.log_between(0.01, 1)
+        if d.chance(0.7):
+            bond["cohesion"] = stress * d.log_between(0.01, 1)
+            if d.chance(0.7):
+                bond["friction_angle"] = d.between(0, 1)
+    if d.chance(0.3):
+        bond["fracture_energy"] = stress * d.margin * d.log_between(1e-3, 1)
+    if d.chance(0.3) and ("tension" in bond or "fracture_energy" in bond):
+        bond["strength_scatter"] = {"weibull_modulus": d.between(1, 10)}
+    if d.chance(0.5):
+        bond["damping"] = d.between(0, 0.3)
+    d.words["bonds"] = [bond]

@@ -13,6 +13,8 @@ kForceRounding = 1e-7   # of the largest force and of what is in motion: roundin
 
 def next_case(trial):
     """The case without its bodies, started from its own run; and whether from a frame."""
+    if trial.case.words.get("bonds"):
+        raise NotApplicable("bonds are not taken over from a run")
     run, case = trial.completed(), trial.case.copy()
     for key in ("bodies", "populations"):
         case.words.pop(key, None)

@@ -147,7 +147,8 @@ def energy_balance(trial):
     scale = max((kt + kr).max(), numpy.abs(dissipated).max(), numpy.abs(work).max(), numpy.abs(elastic + tangential).max())
     rounding = 1e-8 * scale + 1e-12 * numpy.abs(potential).max()
     took, brought = (run.column(name) if name in run.log else 0 * kt for name in ("removed", "inserted"))
-    balance = kt + kr + potential + elastic + tangential + dissipated - work + took - brought
+    bond, fracture = (run.column(name) if name in run.log else 0 * kt for name in ("bond", "fracture"))
+    balance = kt + kr + potential + elastic + tangential + dissipated - work + took - brought + bond + fracture
     off = numpy.abs(balance - balance[0] - error).max()
     rounding += 1e-12 * (numpy.abs(took).max() + numpy.abs(brought).max())
     require(off <= rounding, f"the energy columns leave {off:.3g} J that energy_error does not have ({scale:.3g} J in motion)")

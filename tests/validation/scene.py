@@ -117,6 +117,7 @@ class Case:
             self.tables["domain"] = domain
         self.shapes, self.solids, self.surfaces, self.files = {}, {}, {}, {}
         self.materials, self.pairs, self.bodies, self.walls, self.populations, self.inlets, self.outlets = {}, {}, [], [], [], [], []
+        self.bonds, self.fluid = [], None
 
     # shapes: each gives its name, so that a call can stand where a body is made
     def sphere(self, name, radius):
@@ -127,9 +128,12 @@ class Case:
         self.solids[name] = mesh
         return name
 
-    def shape_file(self, name, path, inner=None):
-        self.shapes[name] = {"file": path, **({"name": inner} if inner else {})}
+    def shape_file(self, name, path, inner=None, **more):
+        self.shapes[name] = {"file": path, **({"name": inner} if inner else {}), **more}
         return name
+
+    def bond(self, **words):
+        self.bonds.append(words)
 
     def material(self, name, density=1000.0, **more):
         self.materials[name] = {"density": density, **more}
@@ -194,7 +198,9 @@ class Case:
             if table["shape"].get("file") in self.surfaces:
                 table["shape"] = {"file": surface_of(table["shape"]["file"])}
             lines += ["[[walls]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
-        for name, tables in (("inlets", self.inlets), ("outlets", self.outlets)):
+        if self.fluid:
+            lines += ["[fluid]"] + [f"{key} = {toml(value)}" for key, value in self.fluid.items()]
+        for name, tables in (("inlets", self.inlets), ("outlets", self.outlets), ("bonds", self.bonds)):
             for table in tables:
                 lines += [f"[[{name}]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
         return "\n".join(lines) + "\n"

@@ -1,0 +1,122 @@
+#include "post/statistics/fragments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/base/long_work.hpp"
+#include "post/run/output_file.hpp"
+
+namespace scree {
+
+namespace {
+
+/// The lowest id of what each is connected with.
+class Connected {
+ public:
+  std::int64_t lowest(std::int64_t id) {
+    const auto found = parent_.try_emplace(id, id).first;
+    if (found->second == id) return id;
+    const std::int64_t root = lowest(found->second);
+    parent_[id] = root;
+    return root;
+  }
+  void join(std::int64_t a, std::int64_t b) {
+    const std::int64_t low = lowest(a), high = lowest(b);
+    parent_[std::max(low, high)] = std::min(low, high);
+  }
+
+ private:
+  std::map<std::int64_t, std::int64_t> parent_;
+};
+
+constexpr double kFine = 0.1;  // of the diameter of the parent: the 10 of t10
+
+}  // namespace
+
+std::vector<Fragment> fragments_of(const Scene& scene, const FrameBodies& bodies, const std::vector<std::int64_t>& holding) {
+  Connected start, now;
+  for (const Bond& bond : scene.bonds) start.join(bond.a, bond.b);
+  for (const std::int64_t k : holding) now.join(scene.bonds[static_cast<std::size_t>(k)].a, scene.bonds[static_cast<std::size_t>(k)].b);
+  std::vector<std::int64_t> bonded;
+  for (const Bond& bond : scene.bonds) bonded.insert(bonded.end(), {bond.a, bond.b});
+  std::sort(bonded.begin(), bonded.end());
+  std::map<std::int64_t, Fragment> by_id;
+  std::map<std::int64_t, double> volume;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!std::binary_search(bonded.begin(), bonded.end(), bodies.id[i])) continue;
+    const std::int64_t id = now.lowest(bodies.id[i]);
+    Fragment& f = by_id[id];
+    f.id = id;
+    f.parent = start.lowest(bodies.id[i]);
+    ++f.pieces;
+    const double s = bodies.scale[i];
+    f.mass += scene.mass(bodies.shape[i], bodies.material[i], s);
+    volume[id] += s * s * s * scene.shapes[static_cast<std::size_t>(bodies.shape[i])].mass.volume;
+  }
+  std::vector<Fragment> all;
+  for (auto& [id, f] : by_id) {
+    f.diameter = std::cbrt(6 * volume[id] / std::numbers::pi);
+    all.push_back(f);
+  }
+  std::sort(all.begin(), all.end(),
+            [](const Fragment& l, const Fragment& r) { return std::tuple(l.parent, -l.mass, l.id) < std::tuple(r.parent, -r.mass, r.id); });
+  return all;
+}
+
+FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::vector<Fragment>& at_start) {
+  std::map<std::int64_t, Fragment> parents;
+  double total = 0;
+  for (const Fragment& p : at_start) {
+    parents[p.parent] = p;
+    total += p.mass;
+  }
+  FragmentNumbers numbers;
+  numbers.fragments = fragments.size();
+  std::map<std::int64_t, double> largest;
+  double fine = 0, large = 0;
+  for (const Fragment& f : fragments) {
+    double& most = largest[f.parent];
+    most = std::max(most, f.mass);
+    if (f.diameter < kFine * parents.at(f.parent).diameter) fine += f.mass;
+  }
+  for (const auto& [parent, mass] : largest) large += mass;
+  if (total > 0) {
+    numbers.largest_share = large / total;
+    numbers.t10 = fine / total;
+  }
+  return numbers;
+}
+
+std::string write_fragments(const Run& run, const std::string& path, const std::string& sizes) {
+  if (run.scene.bonds.empty()) throw InputError("{}: the scene has no bonds, and nothing that could come apart", run.folder);
+  OutputFile file(path);
+  file.add("time,bonds,fragments,largest_share,t10\n");
+  std::vector<std::int64_t> all(run.scene.bonds.size());
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<std::int64_t>(k);
+  std::vector<Fragment> at_start, last;
+  FragmentNumbers numbers;
+  LongWork work("fragments", static_cast<double>(run.frames.size()));
+  for (std::size_t f = 0; f < run.frames.size(); ++f) {
+    work.advance();
+    const Frame frame = load_frame(run, f);
+    if (f == 0) at_start = fragments_of(run.scene, frame.bodies, all);
+    last = fragments_of(run.scene, frame.bodies, frame.bonds.bond);
+    numbers = numbers_of(last, at_start);
+    file.add(fmt::format("{},{},{},{},{}\n", frame.time, frame.bonds.size(), numbers.fragments, numbers.largest_share, numbers.t10));
+  }
+  file.commit();
+  if (!sizes.empty()) {
+    OutputFile table(sizes);
+    table.add("id,parent,pieces,mass,diameter\n");
+    for (const Fragment& f : last) table.add(fmt::format("{},{},{},{},{}\n", f.id, f.parent, f.pieces, f.mass, f.diameter));
+    table.commit();
+  }
+  return fmt::format("{} fragments of {} bodies in the last frame; the largest of each has {:.3g} of its mass; t10 {:.3g}\n",
+                     numbers.fragments, at_start.size(), numbers.largest_share, numbers.t10);
+}
+
+}  // namespace scree
