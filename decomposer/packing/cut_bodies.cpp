@@ -17,6 +17,8 @@ namespace {
 constexpr double kSameVolume = 1e-9;
 /// By as much may an inset fall short of the margin: rounding of both.
 constexpr double kInsetRounding = 1e-9;
+/// Of a body's radius: faces that are so near touch, since places and meshes are written down rounded.
+constexpr double kTouchingFaces = 1e-6;
 /// A face of less than this part of the largest face of both of its pieces holds nothing and carries no bond: cells that meet in a corner
 /// by chance have such faces.
 constexpr double kLeastFace = 1e-6;
@@ -90,7 +92,7 @@ class Cutter {
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
       largest =
           std::max(largest, scene_.bodies.scale[b] * scene_.shapes[static_cast<std::size_t>(scene_.bodies.shape[b])].bounding_radius());
-    return kInsetRounding * largest;
+    return kTouchingFaces * largest;
   }
 
   void add_pieces(const BodyRow& row, std::size_t shape) {

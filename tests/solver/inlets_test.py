@@ -287,7 +287,7 @@ motion = { translate = { velocity = [0.5, 0, 0] }, start = 0.9 }
 [[outlets]]
 region = { box = [[-0.2, -0.2, -2], [0.2, 0.2, -0.3]] }
 """
-    computed("gate", text.replace("margin = 0", "margin = 3e-4").replace("1000", "20000"))
+    computed("gate", text.replace("margin = 0", 'surface = "outside"\nmargin = 3e-4').replace("1000", "20000"))
     inlet = outcome("gate.run")["inlets"][0]
     assert inlet["times_blocked"] > 3 and inlet["first_blocked"] < 0.9 and inlet["shortfall"] == 0 and inlet["bodies"] == 80, inlet
 
