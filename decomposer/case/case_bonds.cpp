@@ -25,8 +25,8 @@ void bond_section(CaseKeys& k, Case& c) {
   const std::string what = k.one_of({"within", "between"});
   k.reference({"within", "or `between`", "material of bodies whose shape has `pieces`"}, b.material, names_of_materials(c), "material");
   k.texts({"between", "or `within`", "two materials: bodies of `[[bodies]]` and `[[populations]]` that lie face to face"}, between);
-  k.number({"distance", "two margins", "of `between`: faces that are this far apart, or less, are bonded"}, b.distance, Dimension::length,
-           Range::positive);
+  k.number({"distance", "faces that touch", "of `between`: faces that are this far apart, or less, are bonded"}, b.distance,
+           Dimension::length, Range::positive);
   if (t != nullptr && what == "between") {
     if (between.size() != 2) throw t->error("between", "expected two material names, for instance [\"brick\", \"brick\"]");
     b.between_a = t->find_name("between", between[0], names_of_materials(c), "material");

@@ -84,12 +84,13 @@ def w2(tools, report):
     lowest = wedge[0][wedge[0][:, 2] < 1e-9]
     density, stiffness, margin = 2000.0, 4e5, 4e-4
     mass = density * volume
-    c = Case("W2", duration=0.6, every=0.2, gravity=(0, 0, -G), margin=margin)
+    # its corners stand on the middles of triangles where they are not rounded
+    c = Case("W2", duration=0.6, every=0.2, gravity=(0, 0, -G), margin=margin, contact={"surface": "outside"})
     c.mesh("wedge", wedge)
     c.material("m", density)
     c.pair_all(stiffness=stiffness, restitution=0.2, friction=0.5)
     shift = numpy.array([x0, y0]) - lowest[:, :2].min(axis=0)
-    c.body("wedge", "m", (centre[0] + shift[0], centre[1] + shift[1], centre[2] - 1e-6))
+    c.body("wedge", "m", (centre[0] + shift[0], centre[1] + shift[1], centre[2] + 2 * margin - 1e-6))
     c.mesh_wall(plate, "m", load_map=True)
     run = report.run(c.run(tools))
     push = -between(run, -2, -1, "impulse")
@@ -160,7 +161,7 @@ def w4(tools, report):
 
 @case("W5", "U", "a block wears what it slides over", "Archard: coefficient times mu m g s; the volume of the mesh")
 def w5(tools, report):
-    mu, mass, way, coefficient, margin, stiffness = 0.3, 1.0, 1.0, 5e-7, 4e-4, 2e6
+    mu, mass, way, coefficient, margin, stiffness = 0.3, 1.0, 1.0, 5e-7, 8e-4, 2e6
     exact = coefficient * mu * mass * G * way
     block = meshes.box((0.1, 0.1, 0.02))
     top = numpy.array([1.6, 0.4, 0.0])
