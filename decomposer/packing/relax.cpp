@@ -89,8 +89,11 @@ class Relaxer {
   static std::string metres(double value) { return format_quantity(value, Dimension::length); }
   bool is_fixed(std::size_t i) const { return case_.bodies[i].fixed; }
   double inverse_mass(std::size_t i) const { return is_fixed(i) ? 0 : 1 / mass_[i]; }
-  /// Two margins of a body [m].
-  double layer(std::size_t i) const { return 2 * (common_margin(scene_.settings) + bodies_[i].margin()); }
+  /// Two margins of a body; of a ball that touches where it is drawn, what it may be pressed in [m].
+  double layer(std::size_t i) const {
+    if (scene_.settings.surface == TouchAt::drawn && bodies_[i].is_sphere()) return kPressedIn * bodies_[i].radius();
+    return 2 * (common_margin(scene_.settings) + bodies_[i].margin());
+  }
   /// How far a body may go in a shallow parting [m].
   double limit(std::size_t i) const { return layer(i) + 2 * (gap_.reached - gap_.least) + kWrittenRounding * bodies_[i].radius(); }
 

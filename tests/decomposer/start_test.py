@@ -33,7 +33,7 @@ friction = 0.5
 every = {every}
 checkpoint = {checkpoint}
 """
-MARGIN = "[contact]\nmargin = 2e-4\n"
+MARGIN = '[contact]\nsurface = "outside"\nmargin = 2e-4\n'   # what a run had is taken over with its margins
 BOX = """
 [[walls]]
 shape = { box_inside = [[-0.025, -0.025, 0], [0.025, 0.025, 0.2]] }
@@ -132,8 +132,7 @@ def a_bed_at_rest_rests_on_from_its_checkpoint():
     energy = kinetic + sum(column("on.run", name) for name in ("potential", "elastic", "elastic_tangential"))
     assert (energy - energy[0]).max() <= 1e-9 * fall, energy - energy[0]
     last, _ = state_of(frames_of("on.run")[-1])
-    # but for a ball that rolls on as it did
-    assert numpy.abs(last["x"] - after["x"]).max() <= 1e-5 * 0.01 + 1.01 * 0.02 * numpy.linalg.norm(after["v"], axis=1).max()
+    assert numpy.abs(last["x"] - after["x"]).max() <= 1e-5 * 0.01
 
 
 def without_springs_it_is_disturbed():
@@ -146,9 +145,8 @@ def without_springs_it_is_disturbed():
     run(1, "on.scene.h5", "-o", "on.run")
     moved = {}
     for name in ("frame", "on"):
-        first, last = (state_of(frames_of(f"{name}.run")[k])[0] for k in (0, -1))
-        # beside what a ball rolls on
-        moved[name] = numpy.abs(last["x"] - first["x"] - 0.02 * first["v"]).max()
+        first, last = (state_of(frames_of(f"{name}.run")[k])[0]["x"] for k in (0, -1))
+        moved[name] = numpy.abs(last - first).max()
     assert moved["frame"] > 100 * moved["on"], moved
 
 
