@@ -7,6 +7,7 @@
 
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/features.hpp"
+#include "core/surface/flat_faces.hpp"
 #include "core/surface/self_intersections.hpp"
 
 namespace scree {
@@ -39,14 +40,18 @@ Vec3 way_of(const std::vector<Vec3>& normals, double margin) {
   return size > most ? (most / size) * found : found;
 }
 
-std::vector<Vec3> ways_of(const TriangleMesh& mesh, double margin) {
+/// At corners; zero elsewhere. A face has one normal, whichever of its triangles are at the corner.
+std::vector<Vec3> ways_of(const TriangleMesh& mesh, const FlatFaces& faces, double margin) {
+  std::vector<Vec3> of_face(faces.face_count());
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) of_face[faces.face(t)] += doubled_normal(mesh, t);
   std::vector<std::vector<Vec3>> normals(mesh.vertices.size());
   const double kSame = std::cos(kFlatAngle);
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
-    const Vec3 doubled = doubled_normal(mesh, t);
+    const Vec3& doubled = of_face[faces.face(t)];
     if (!(squared_length(doubled) > 0)) continue;
     const Vec3 n = normalised(doubled);
     for (const std::int32_t v : mesh.triangles[static_cast<std::size_t>(t)]) {
+      if (!faces.is_corner(v)) continue;
       std::vector<Vec3>& known = normals[static_cast<std::size_t>(v)];
       if (std::none_of(known.begin(), known.end(), [&](const Vec3& other) { return dot(n, other) >= kSame; })) known.push_back(n);
     }
@@ -56,26 +61,22 @@ std::vector<Vec3> ways_of(const TriangleMesh& mesh, double margin) {
   return ways;
 }
 
-/// Shares of the ways, reduced until nothing is wrong.
+/// Shares of the ways of corners, reduced until nothing is wrong.
 class Shares {
  public:
-  Shares(const TriangleMesh& mesh, const std::vector<Vec3>& ways)
-      : mesh_(mesh), ways_(ways), share_(mesh.vertices.size(), 1.0), moved_(mesh), features_(find_features(mesh)) {
-    std::vector<std::int32_t> size(static_cast<std::size_t>(features_.region_count), 0);
-    for (const std::int32_t r : features_.region) ++size[static_cast<std::size_t>(r)];
-    for (std::size_t t = 0; t < features_.region.size(); ++t) in_flat_.push_back(size[static_cast<std::size_t>(features_.region[t])] > 1);
-  }
+  Shares(const TriangleMesh& mesh, double margin)
+      : mesh_(mesh), faces_(mesh), ways_(ways_of(mesh, faces_, margin)), share_(mesh.vertices.size(), 1.0), moved_(mesh) {}
 
   Inset find() {
     for (int round = 0; round < kMostRounds; ++round) {
       move();
       std::vector<double> factor(share_.size(), 1.0);
-      if (!reduce_turned(factor) && !reduce_crossing(factor)) return {std::move(moved_), std::move(share_)};
+      if (!reduce_turned(factor) && !reduce_crossing(factor)) return {std::move(moved_), of_all_vertices()};
       for (std::size_t v = 0; v < share_.size(); ++v) share_[v] *= factor[v];
       even_out();
       for (double& t : share_)
         if (t < kLeastShare) t = 0;
-      hold_flat_regions();
+      hold_flat_faces();
     }
     std::fill(share_.begin(), share_.end(), 0.0);
     return {mesh_, std::move(share_)};
@@ -83,16 +84,30 @@ class Shares {
 
  private:
   void move() {
-    for (std::size_t v = 0; v < share_.size(); ++v) moved_.vertices[v] = mesh_.vertices[v] + share_[v] * ways_[v];
+    std::vector<Vec3> way(share_.size());
+    for (const std::int32_t c : faces_.corners())
+      way[static_cast<std::size_t>(c)] = share_[static_cast<std::size_t>(c)] * ways_[static_cast<std::size_t>(c)];
+    faces_.spread(way);
+    for (std::size_t v = 0; v < share_.size(); ++v) moved_.vertices[v] = mesh_.vertices[v] + way[v];
+  }
+
+  std::vector<double> of_all_vertices() const {
+    std::vector<double> all = share_;
+    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t)
+      for (const std::int32_t v : mesh_.triangles[static_cast<std::size_t>(t)])
+        if (!faces_.is_corner(v))
+          for (const std::int32_t c : faces_.corners_of_face(t))
+            all[static_cast<std::size_t>(v)] = std::min(all[static_cast<std::size_t>(v)], share_[static_cast<std::size_t>(c)]);
+    return all;
   }
 
   bool moves(std::int32_t t) const {
-    const Triangle& corners = mesh_.triangles[static_cast<std::size_t>(t)];
+    const std::vector<std::int32_t>& corners = faces_.corners_of_face(t);
     return std::any_of(corners.begin(), corners.end(), [&](std::int32_t v) { return share_[static_cast<std::size_t>(v)] > 0; });
   }
 
   void reduce(std::int32_t t, double by, std::vector<double>& factor) const {
-    for (const std::int32_t v : mesh_.triangles[static_cast<std::size_t>(t)]) factor[static_cast<std::size_t>(v)] = by;
+    for (const std::int32_t v : faces_.corners_of_face(t)) factor[static_cast<std::size_t>(v)] = by;
   }
 
   bool reduce_turned(std::vector<double>& factor) const {
@@ -110,7 +125,7 @@ class Shares {
 
   bool reduce_crossing(std::vector<double>& factor) const {
     bool any = false;
-    for (const CrossingPair& pair : find_crossing_pairs(moved_)) {
+    for (const CrossingPair& pair : find_crossing_pairs(moved_, CrossingAt::corners_too)) {
       for (const std::int32_t t : {pair.first, pair.second}) {
         if (!moves(t)) continue;
         reduce(t, kReducedByCrossing, factor);
@@ -120,53 +135,44 @@ class Shares {
     return any;
   }
 
-  /// A vertex goes at most half way between its share and the mean of its neighbours'.
+  /// A corner goes at most half way between its share and the mean of those that edges join it with.
   void even_out() {
     std::vector<double> sum(share_.size(), 0.0), count(share_.size(), 0.0);
-    for (const Triangle& t : mesh_.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto v = static_cast<std::size_t>(t[k]);
-        sum[v] += share_[static_cast<std::size_t>(t[(k + 1) % 3])];
-        count[v] += 1;
-      }
+    for (const auto& [first, second] : faces_.edges()) {
+      const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
+      sum[a] += share_[b];
+      sum[b] += share_[a];
+      count[a] += 1;
+      count[b] += 1;
     }
     for (std::size_t v = 0; v < share_.size(); ++v)
       if (count[v] > 0) share_[v] = std::min(share_[v], 0.5 * (share_[v] + sum[v] / count[v]));
   }
 
-  void hold_flat_regions() {
+  void hold_flat_faces() {
     for (bool changed = true; changed;) {
       changed = false;
-      std::vector<double> least(static_cast<std::size_t>(features_.region_count), 1.0);
-      const auto each = [&](auto&& action) {
-        for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-          if (!in_flat_[t]) continue;
-          for (const std::int32_t v : mesh_.triangles[t])
-            action(least[static_cast<std::size_t>(features_.region[t])], share_[static_cast<std::size_t>(v)]);
+      for (const std::vector<std::int32_t>& corners : faces_.rigid_faces()) {
+        double least = 1;
+        for (const std::int32_t v : corners) least = std::min(least, share_[static_cast<std::size_t>(v)]);
+        for (const std::int32_t v : corners) {
+          changed = changed || least < share_[static_cast<std::size_t>(v)];
+          share_[static_cast<std::size_t>(v)] = least;
         }
-      };
-      each([](double& of_region, double of_vertex) { of_region = std::min(of_region, of_vertex); });
-      each([&](double of_region, double& of_vertex) {
-        changed = changed || of_region < of_vertex;
-        of_vertex = std::min(of_vertex, of_region);
-      });
+      }
     }
   }
 
   const TriangleMesh& mesh_;
-  const std::vector<Vec3>& ways_;
-  std::vector<double> share_;
+  FlatFaces faces_;
+  std::vector<Vec3> ways_;
+  std::vector<double> share_;  ///< of corners; 1 of other vertices
   TriangleMesh moved_;
-  FeatureTable features_;
-  std::vector<char> in_flat_;  ///< of each triangle: others lie in one plane with it
 };
 
 }  // namespace
 
-Inset inset(const TriangleMesh& mesh, double margin) {
-  const std::vector<Vec3> ways = ways_of(mesh, margin);
-  return Shares(mesh, ways).find();
-}
+Inset inset(const TriangleMesh& mesh, double margin) { return Shares(mesh, margin).find(); }
 
 InsetDeviation deviation_of_inset(const TriangleMesh& drawn, const TriangleMesh& moved, double margin) {
   const Bvh tree = build_bvh(moved);

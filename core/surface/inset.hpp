@@ -3,9 +3,11 @@
 // Every vertex moves by the shortest way delta with n_i . delta = -eps for the distinct normals n_i of its faces: exact for three or fewer,
 // so that flat faces stay flat and cubes cubes; least squares for more. No vertex moves by more than kLongestMove eps: needle corners
 // would ask for 60.
-// What is thinner than two margins cannot be inset fully: vertex i goes t_i of its way, from 1 down, reduced around every triangle that
-// turns over or crosses another and evened out over neighbours, until nothing does. All vertices of a flat region have one t, and so it
+// What is thinner than two margins cannot be inset fully: corner i goes t_i of its way, from 1 down, reduced around every triangle that
+// turns over or crosses another and evened out over neighbours, until nothing does. All corners of a flat face have one t, and so it
 // stays flat. t = 0 is the mesh as drawn, so this ends.
+// Only corners have ways and shares; what lies between them on straight edges and flat faces follows (flat_faces.hpp), so that how finely a
+// surface is split does not matter.
 // Source: docs/reference/contact-law.md section 7; sphero-polyhedra: Pournin & Liebling, Powders and Grains 2005, 1375.
 #pragma once
 
@@ -19,7 +21,7 @@ inline constexpr double kLongestMove = 4;  ///< of a vertex, over the margin
 
 struct Inset {
   TriangleMesh mesh;          ///< triangles as they were
-  std::vector<double> share;  ///< t of each vertex
+  std::vector<double> share;  ///< V: t of each corner; of other vertices the least of their faces' corners
 };
 
 /// in   mesh   closed, outward; what it crosses itself with stays where it is drawn     in   margin   [m], > 0

@@ -36,20 +36,36 @@ bool boxes_overlap(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
   return true;
 }
 
-bool share_a_vertex(const Triangle& s, const Triangle& t) {
-  return std::any_of(s.begin(), s.end(), [&](std::int32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); });
+std::size_t shared_vertices(const Triangle& s, const Triangle& t) {
+  return static_cast<std::size_t>(
+      std::count_if(s.begin(), s.end(), [&](std::int32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }));
+}
+
+/// Whether the edge of `s` that is opposite to the vertex which it shares with `t` meets `t`.
+bool opposite_edge_meets(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
+  const Triangle &of_s = mesh.triangles[static_cast<std::size_t>(s)], &of_t = mesh.triangles[static_cast<std::size_t>(t)];
+  int k = 0;
+  while (std::find(of_t.begin(), of_t.end(), of_s[static_cast<std::size_t>(k)]) == of_t.end()) ++k;
+  const Vec3 a = mesh.corner(s, (k + 1) % 3), b = mesh.corner(s, (k + 2) % 3);
+  const Vec3 edge[3] = {a, b, b}, triangle[3] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
+  return triangle_distance(edge, triangle).intersecting;
 }
 
 }  // namespace
 
-std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh) {
+std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh, CrossingAt where) {
   const Bvh bvh = build_bvh(mesh);
   std::vector<CrossingPair> found;
   if (bvh.nodes.empty()) return found;
   const auto test = [&](std::int32_t s, std::int32_t t) {
     if (s > t) std::swap(s, t);
-    if (share_a_vertex(mesh.triangles[static_cast<std::size_t>(s)], mesh.triangles[static_cast<std::size_t>(t)])) return;
+    const std::size_t shared = shared_vertices(mesh.triangles[static_cast<std::size_t>(s)], mesh.triangles[static_cast<std::size_t>(t)]);
+    if (shared > 1 || (shared == 1 && where == CrossingAt::no_corner)) return;
     if (!boxes_overlap(mesh, s, t)) return;
+    if (shared == 1) {
+      if (opposite_edge_meets(mesh, s, t) || opposite_edge_meets(mesh, t, s)) found.push_back({s, t});
+      return;
+    }
     const Vec3 a[3] = {mesh.corner(s, 0), mesh.corner(s, 1), mesh.corner(s, 2)};
     const Vec3 b[3] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
     if (triangle_distance(a, b).intersecting) found.push_back({s, t});

@@ -12,12 +12,17 @@ struct CrossingPair {
   std::int32_t first, second;  ///< triangle indices, first < second
 };
 
-/// Pairs of triangles that share no vertex and yet intersect or touch.
+enum class CrossingAt {
+  no_corner,    ///< pairs that share a vertex are not looked at
+  corners_too,  ///< pairs that share one vertex cross where the edge opposite of it meets the other triangle
+};
+
+/// Pairs of triangles that intersect or touch, other than at vertices that they share.
 ///
 /// How: a bounding volume hierarchy descends against itself; the exact triangle test decides.
 /// in   mesh   finite, welded, without zero-area triangles
 /// Fails: never.   Cost: O(T log T) for surfaces that do not crowd.
-/// Limits: triangles that share a vertex are not tested; a fold right at an edge goes unseen.
-std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh);
+/// Limits: triangles that share two vertices are not tested; a fold right at an edge goes unseen.
+std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh, CrossingAt where = CrossingAt::no_corner);
 
 }  // namespace scree

@@ -1,7 +1,9 @@
 // Meshes moved inwards by a margin, and the bodies that they make with the margin around them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "core/placing/placed_body.hpp"
 #include "core/surface/inset.hpp"
@@ -25,21 +27,69 @@ void expect_sound(const TriangleMesh& drawn, const TriangleMesh& moved) {
   EXPECT_TRUE(find_crossing_pairs(moved).empty());
 }
 
+// Also where faces are split into triangles smaller than the margin.
 TEST(Inset, of_a_box_is_the_smaller_box_however_its_faces_are_split) {
   const Vec3 size{1, .8, .6};
   const double margin = .03;
-  for (const int n : {1, 4}) {
+  for (const int n : {1, 4, 40}) {
     const TriangleMesh drawn = test::grid_box(n, size);
-    const TriangleMesh moved = inset(drawn, margin).mesh;
+    const Inset found = inset(drawn, margin);
     for (std::size_t v = 0; v < drawn.vertices.size(); ++v) {
       for (int k = 0; k < 3; ++k) {
         const double half = .5 * size[k], p = drawn.vertices[v][k];
         const bool at_side = std::abs(std::abs(p) - half) < 1e-12;
-        EXPECT_NEAR(moved.vertices[v][k], at_side ? std::copysign(half - margin, p) : p, 1e-15) << n;
+        if (at_side)
+          EXPECT_NEAR(found.mesh.vertices[v][k], std::copysign(half - margin, p), 1e-14) << n;
+        else
+          EXPECT_LT(std::abs(found.mesh.vertices[v][k]), half - margin) << n;
+      }
+      EXPECT_EQ(found.share[v], 1) << n;
+    }
+    for (std::int32_t t = 0; t < drawn.triangle_count(); ++t)
+      EXPECT_NEAR(dot(normalised(area_of(drawn, t)), normalised(area_of(found.mesh, t))), 1, 1e-9) << n;
+    if (n > 4) continue;
+    const InsetDeviation off = deviation_of_inset(drawn, found.mesh, margin);
+    EXPECT_NEAR(off.largest, (std::sqrt(3.0) - 1) * margin, 1e-12);  // of a corner
+  }
+}
+
+/// The same surface with a part of its edges cut in the middle, with the triangles on both sides.
+TriangleMesh split(TriangleMesh mesh, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto triangle_count = mesh.triangle_count();
+  for (std::int32_t t = 0; t < triangle_count; ++t) {
+    if (random() % 3 != 0) continue;
+    const std::int32_t a = mesh.triangles[static_cast<std::size_t>(t)][0], b = mesh.triangles[static_cast<std::size_t>(t)][1];
+    const std::int32_t middle = mesh.vertex_count();
+    mesh.vertices.push_back(.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+    for (std::size_t i = 0, before = mesh.triangles.size(); i < before; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Triangle old = mesh.triangles[i];
+        const std::int32_t from = old[k], to = old[(k + 1) % 3], opposite = old[(k + 2) % 3];
+        if (!((from == a && to == b) || (from == b && to == a))) continue;
+        mesh.triangles[i] = {from, middle, opposite};
+        mesh.triangles.push_back({middle, to, opposite});
+        break;
       }
     }
-    const InsetDeviation off = deviation_of_inset(drawn, moved, margin);
-    EXPECT_NEAR(off.largest, (std::sqrt(3.0) - 1) * margin, 1e-12);  // of a corner
+  }
+  return mesh;
+}
+
+// A rough rock with a margin so wide that it is moved in only partly: the same surface when its faces are split.
+TEST(Inset, of_rough_rocks_does_not_depend_on_how_faces_are_split) {
+  for (const unsigned seed : {1, 2, 3}) {
+    const TriangleMesh drawn = test::rock(seed, 3), finer = split(drawn, seed);
+    ASSERT_GT(finer.triangle_count(), drawn.triangle_count() + 100);
+    for (const double margin : {.02, .3}) {
+      const Inset coarse = inset(drawn, margin), fine = inset(finer, margin);
+      for (std::size_t v = 0; v < drawn.vertices.size(); ++v) {
+        EXPECT_EQ(coarse.share[v], fine.share[v]) << seed << ' ' << v;
+        EXPECT_LT(length(coarse.mesh.vertices[v] - fine.mesh.vertices[v]), 1e-12) << seed << ' ' << v;
+      }
+      const double least = *std::min_element(coarse.share.begin(), coarse.share.end());
+      EXPECT_EQ(least<1, margin> .1) << seed;
+    }
   }
 }
 

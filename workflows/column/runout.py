@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far columns ran. usage: runout.py TABLE.md CHART.svg CHART.png NAME...
 
-Lengths are those of grains with their margins, where contact starts. The radius r_0 of a column is that of its tube, its height twice that of its
+The radius r_0 of a column is that of its tube, its height twice that of its
 centre of mass just before the tube moves. Seen from above, the deposit ends where grains cover less than half of the floor: r_end is the
 outermost ring, half a grain wide, of which they cover half. What lies further out is single grains that rolled away. The interval (95 %) is that
 of the mean over eight sectors.
@@ -54,10 +54,10 @@ def edges_of(positions, grain):
 def measure(name):
     record = record_of(name)
     case = case_of(record)
-    margin, size = si(case["contact"]["margin"]), case["populations"][0]["size"]
-    grain = 0.5 * (si(size["min"]) + si(size["max"])) + 2 * margin
+    size = case["populations"][0]["size"]
+    grain = 0.5 * (si(size["min"]) + si(size["max"]))
     tube = case["walls"][1]
-    r_0 = si(tube["shape"]["cylinder"]["radius"]) - margin
+    r_0 = si(tube["shape"]["cylinder"]["radius"])
     column, end = frame_at(name, si(tube["motion"]["start"])), frame_at(name)
     r_end, edges = edges_of(end, grain)
     return {"name": name, "a": 2 * column[:, 2].mean() / r_0, "grain": grain / r_0, "count": len(column), "r_0": r_0, "run_out": r_end / r_0 - 1,

@@ -2,8 +2,7 @@
 """Solid fraction of dice, at rest and after taps. usage: dice.py TABLE.csv SUMMARY.md CHART.svg CHART.png RUN...
 
 RUN is SHAPE-SEED; RUN.scene.h5 and RUN.run are read. The fraction is counted by random points between one and a half diameters above
-the floor and one diameter below the top of the bed, where neither orders the dice. A die ends where its margin does: that is where dice
-touch. Published values: J. Baker and A. Kudrolli, Phys. Rev. E 82 (2010) 061304, standard deviation 0.01.
+the floor and one diameter below the top of the bed, where neither orders the dice. Published values: J. Baker and A. Kudrolli, Phys. Rev. E 82 (2010) 061304, standard deviation 0.01.
 """
 import csv
 import json
@@ -23,7 +22,7 @@ COLOURS = {"tetrahedron": "#D55E00", "cube": "#0072B2", "octahedron": "#009E73"}
 SAMPLES = 100_000   # the fraction is then within 0.002
 
 
-def bulk_fraction(solid, width, diameter, margin, x, q):
+def bulk_fraction(solid, width, diameter, x, q):
     """solid: unit normals and offsets of the faces; x, q: N x 3 and N x 4, centres and turns (w x y z)."""
     normal, offset, reach = solid
     low, high = 1.5 * diameter, np.quantile(x[:, 2], 0.95) - diameter
@@ -35,10 +34,10 @@ def bulk_fraction(solid, width, diameter, margin, x, q):
     for centre, turn in zip(x, q):
         d = points - centre
         d[:, :2] -= width * np.round(d[:, :2] / width)
-        near = np.where(np.sum(d * d, axis=1) < (reach + 2 * margin) ** 2)[0]
+        near = np.where(np.sum(d * d, axis=1) < reach ** 2)[0]
         t = 2 * np.cross(-turn[1:], d[near])
         local = d[near] + turn[0] * t + np.cross(-turn[1:], t)
-        inside[near] |= np.all(local @ normal.T <= offset + margin, axis=1)
+        inside[near] |= np.all(local @ normal.T <= offset, axis=1)
     return float(inside.mean())
 
 
@@ -50,7 +49,7 @@ def read(run):
         volume = float(file["shapes/shape_0000"].attrs["volume"])
         settings = json.loads(file["settings"][()])
     density, friction = settings["materials"][0]["density"], settings["pairs"][0]["friction"]
-    margin, wall = settings["settings"]["margin"], settings["walls"][0]["motion"]
+    wall = settings["walls"][0]["motion"]
     width = settings["settings"]["domain"]["max"][0]
     normal = np.cross(vertex[triangle[:, 1]] - vertex[triangle[:, 0]], vertex[triangle[:, 2]] - vertex[triangle[:, 0]])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
@@ -70,7 +69,7 @@ def read(run):
         with h5py.File(path, "r") as file:
             x, q = file["VTKHDF/Points"][:], file["VTKHDF/PointData/quat"][:]
         count = len(x)
-        fractions[taps] = bulk_fraction(solid, width, diameter, margin, x, q)
+        fractions[taps] = bulk_fraction(solid, width, diameter, x, q)
     with open(f"{run}.run/log.csv", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if not row["step"].startswith("#")]
     before = min(rows, key=lambda row: abs(float(row["time"]) - start))

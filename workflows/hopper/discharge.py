@@ -3,8 +3,7 @@
 usage: discharge.py TABLE.md CHART.svg CHART.png NAME...
 
 The flow W is the slope of the mass that was taken out below the hole, between a fifth of it and all of it: the first grains fall
-before there is a steady flow. Contact starts one margin before the surface, so a grain is two margins larger and the opening two
-margins smaller than drawn. With k fixed at 1.4, the slope of ln W over ln(D - k d) is the exponent n; its interval is that of the fit.
+before there is a steady flow. With k fixed at 1.4, the slope of ln W over ln(D - k d) is the exponent n; its interval is that of the fit.
 """
 import math
 import os
@@ -32,10 +31,9 @@ def run(name):
 rows = []
 for name in NAMES:
     record, case, time, mass = run(name)
-    margin = si(case["contact"]["margin"])
     size = case["populations"][0]["size"]
-    grain = 0.5 * (si(size["min"]) + si(size["max"])) + 2 * margin
-    opening = 2 * si(case["walls"][1]["shape"]["disc"]["hole"]) - 2 * margin
+    grain = 0.5 * (si(size["min"]) + si(size["max"]))
+    opening = 2 * si(case["walls"][1]["shape"]["disc"]["hole"])
     total = np.cumsum(mass)
     steady = total >= 0.2 * total[-1]
     flow = np.polyfit(time[steady], total[steady], 1)[0] if steady.sum() > 2 else math.nan
