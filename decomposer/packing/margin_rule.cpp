@@ -154,6 +154,7 @@ struct Sizing {
   double lightest = 0;               ///< [kg]
   double softest = 0;                ///< [N/m]
   double speed = 0;                  ///< of the fastest impact [m/s]
+  bool balls_alone = false;          ///< which have no margins: what is derived is their overlap
 };
 
 /// Sets of stiffness, margin and speed that go together, each with the step that it asks for.
@@ -163,7 +164,9 @@ std::string choices(const Sizing& s) {
     const double step = std::numbers::pi * std::sqrt(s.lightest / (2 * stiffness)) / s.settings.steps_per_contact;
     return fmt::format("a step of about {}, {:.2g} steps", format_quantity(step, Dimension::time), s.settings.duration / step);
   };
-  const std::string margin = fmt::format("a margin of {} ({:.0f} % of the smallest body)", metres(good), 100 * kNoticeShare);
+  const std::string margin = s.balls_alone
+                                 ? fmt::format("overlaps of {:.0f} % of the smallest ball", 100 * 2 * kOverlapShare * kNoticeShare)
+                                 : fmt::format("a margin of {} ({:.0f} % of the smallest body)", metres(good), 100 * kNoticeShare);
   std::string text = "  what goes together:";
   const double stiffer = s.softest * deeper * deeper;
   if (s.settings.law == ContactLaw::hertz_mindlin)
@@ -173,7 +176,9 @@ std::string choices(const Sizing& s) {
   text += fmt::format("\n  - contact.impact_speed = \"{}\", where nothing meets faster than that: {}, {}",
                       format_quantity(s.speed / deeper, Dimension::velocity), margin, cost(s.softest));
   constexpr double kMostShare = 0.5;
-  if (s.derived < kMostShare * s.smallest) {
+  if (s.balls_alone) {
+    text += fmt::format("\n  - contact.margin = 0: {}", cost(s.softest));
+  } else if (s.derived < kMostShare * s.smallest) {
     text += fmt::format("\n  - contact.margin = \"{}\", {:.0f} % of the smallest body, whose shape is then rounded by as much: {}",
                         metres(s.derived), 100 * s.derived / s.smallest, cost(s.softest));
   }
@@ -324,7 +329,8 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     if (derived > kLargestShare * smallest && !is_free_of_limits) {
       throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}\n{}", c.path, advice,
                        from_touch ? " (0: run it as it is)" : "",
-                       choices({c.settings, derived, smallest, lightest, softest, report.fastest_impact}));
+                       choices({c.settings, from_touch ? depth / (2 * kOverlapShare) : derived, smallest, lightest, softest,
+                                report.fastest_impact, from_touch}));
     }
     if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
     if (!from_touch) margin = by_size && !meshes.empty() ? derived / least.radius * median.radius : derived;
@@ -336,7 +342,12 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   }
   if (by_size) settings.margin_ratio = median.radius > 0 ? margin / median.radius : 0;
   if (by_size && has_meshes && !(settings.margin_ratio > 0)) settings.margin_ratio = kRatioOfFixed;
-  if (by_size && !(settings.margin_ratio > 0)) margin = 0;
+  if (by_size && !(settings.margin_ratio > 0)) {
+    if (margin > 0 && c.margin_given)
+      report.notices.push_back(
+          fmt::format("contact.margin = {} is of no effect: all bodies are balls, which touch where they are drawn", metres(margin)));
+    margin = 0;
+  }
   const double layer = by_size ? sides * settings.margin_ratio * largest.radius : 2 * margin;
   if (layer > 0) report.overlap_share = depth / layer;
   constexpr double kWarnShare = 0.8;

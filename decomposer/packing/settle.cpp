@@ -180,6 +180,7 @@ class Settler {
       Scene softer = stage;
       if (softness_ < 1) soften(softer, softness_);
       if (expands_) damp(softer);
+      stop_spins(softer);
       try {
         return run_solver(solver_, softer, progress);
       } catch (const RunInvalid& e) {

@@ -94,4 +94,11 @@ void damp(Scene& scene) {
   }
 }
 
+void stop_spins(Scene& scene) {
+  constexpr double kTorsion = 0.01;  // of R* times the normal force: a spin of 10 rad/s of a ball of a millimetre ends within a millisecond
+  const bool has_balls = std::any_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& s) { return s.kind == ShapeKind::sphere; });
+  for (MaterialPair& p : scene.pairs)
+    if (has_balls && !(p.torsional_friction > 0)) p.torsional_friction = kTorsion;
+}
+
 }  // namespace scree

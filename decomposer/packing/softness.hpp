@@ -17,4 +17,8 @@ void soften(Scene& scene, double share);
 /// Contacts that lose most of what they store.
 void damp(Scene& scene);
 
+/// Balls lose their spin about a contact's normal, which no friction ends in a case without torsional friction: it moves no surface, and a
+/// bed would never be at rest for it.
+void stop_spins(Scene& scene);
+
 }  // namespace scree
