@@ -313,7 +313,9 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
           std::max({depth / (sides * kOverlapShare * largest.radius), pinch / (sides * kOverlapShare * least.radius), 2 * kSmallestShare});
       derived = ratio * least.radius;
     }
-    const double needed = heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2);
+    // the depth of a blow goes with the root of the stiffness, that of what lies on a body with the stiffness: less would do for that
+    const double needed = from_touch ? heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2)
+                                     : softest * std::pow(derived / (kNoticeShare * smallest), 2);
     const std::string from = fmt::format(
         "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest, Dimension::mass),
         format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness), pulled);
