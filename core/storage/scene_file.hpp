@@ -30,7 +30,8 @@ struct Material {
 /// How two materials meet. Only pairs that can occur are present.
 struct MaterialPair {
   std::int32_t a = 0, b = 0;      ///< material indices, a <= b
-  double stiffness = 0;           ///< [N/m]
+  double stiffness = 0;           ///< [N/m]; 0: by size, from `modulus`, or the law has none
+  double modulus = 0;             ///< [Pa] see spring()
   double restitution = 1;         ///< [-], from 0 to 1
   double friction = 0;            ///< [-] static
   double friction_sliding = -1;   ///< [-], < 0: as static
@@ -52,6 +53,10 @@ struct MaterialPair {
   double contact_angle = 0;          ///< [rad] of the liquid on both surfaces
   double bridge_volume = 0;          ///< [m^3]
   BridgeRupture bridge_rupture = BridgeRupture::willett;
+
+  /// Of a contact with the radius R* [N/m]. By size it is modulus times 2 R_a R_b / (R_a + R_b), R_b infinite for a wall: overlaps over
+  /// radii are then the same for all sizes at one speed, and a step goes with the radius.   Source: convention of Yade and PFC.
+  double spring(double radius) const { return stiffness + 2 * modulus * radius; }
 };
 
 /// E* [Pa] of two materials: 1/E* = sum of (1 - poisson^2) / young.

@@ -132,8 +132,15 @@ void material_keys(KeyVisitor& k, Material& m) {
 void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   // a Hertz contact and a layer have no stiffness of their own: it comes from the materials
   const bool has_spring = s.law != ContactLaw::hertz_mindlin && s.gather != Gathering::area;
-  k.number({"stiffness", "required, but for `hertz-mindlin` and `area`", "of one contact", kAlways, has_spring}, p.stiffness,
-           Dimension::stiffness, Range::positive);
+  k.number({"modulus", "none",
+            "in place of `stiffness`, a stiffness that goes with size: of one contact, `modulus` times 2 R_a R_b / (R_a + R_b) of the "
+            "spheres of "
+            "equal volume, R_b infinite for a wall. Overlaps are the same share of all sizes at one speed, and the step goes with the "
+            "smallest radius"},
+           p.modulus, Dimension::pressure, Range::positive);
+  k.number({"stiffness", "required, but for `hertz-mindlin` and `area`, or `modulus`", "of one contact", kAlways,
+            has_spring && !(p.modulus > 0)},
+           p.stiffness, Dimension::stiffness, Range::positive);
   k.number({"restitution", kRequired, "ratio of normal speeds after and before an impact; less than 0.01 is computed as 0.01", kAlways},
            p.restitution, Dimension::none, Range::unit_interval);
   k.number({"restitution_speed", "required for `hunt-crossley` below 1", "approach speed at which `restitution` holds"},

@@ -32,7 +32,7 @@ Inset inset(const TriangleMesh& mesh, double margin);
 struct InsetDeviation {
   double mean = 0, largest = 0;
 };
-/// Cost: seven distances a triangle.
+/// Cost: seven distances a triangle; more along edges of triangles that are larger than the margin.
 InsetDeviation deviation_of_inset(const TriangleMesh& drawn, const TriangleMesh& moved, double margin);
 
 }  // namespace scree

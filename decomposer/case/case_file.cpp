@@ -53,6 +53,18 @@ void refuse_unused(const CaseTable& t, const Settings& s) {
         "is not used with contact.law = \"hertz-mindlin\", whose stiffness follows from young and poisson of the materials; remove it");
   }
   const bool area = s.gather == Gathering::area;
+  if (t.has("modulus") && t.has("stiffness"))
+    throw t.error("modulus", "is the stiffness by size, in place of stiffness; remove one of them");
+  if (t.has("modulus") && s.law == ContactLaw::hertz_mindlin) {
+    throw t.error(
+        "modulus",
+        "is not used with contact.law = \"hertz-mindlin\", whose stiffness follows from young and poisson of the materials; remove it");
+  }
+  if (t.has("modulus") && area)
+    throw t.error("modulus", "is not used with contact.gather = \"area\", where layer_modulus takes its place; remove it");
+  if (t.has("modulus") && s.barrier > 0) {
+    throw t.error("modulus", "does not go with contact.barrier, which is one for all sizes; give stiffness, or leave out the barrier");
+  }
   if (area && t.has("stiffness")) {
     throw t.error(
         "stiffness",
@@ -63,6 +75,10 @@ void refuse_unused(const CaseTable& t, const Settings& s) {
 
 /// What they ask of a pair beyond its own ranges.
 void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
+  if (t.has("modulus") && attracts(p)) {
+    throw t.error("modulus",
+                  "does not go with pull_off, adhesion or surface_tension, whose range follows from one stiffness; give stiffness");
+  }
   const bool hertz = c.settings.law == ContactLaw::hertz_mindlin, hunt_crossley = c.settings.law == ContactLaw::hunt_crossley;
   if (t.has("friction_sliding") && !(p.friction_sliding >= 0 && p.friction_sliding <= p.friction)) {
     throw t.error("friction_sliding", fmt::format("expected a value from 0 to friction ({:g})", p.friction));

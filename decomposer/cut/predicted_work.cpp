@@ -39,13 +39,15 @@ bool has_equal_moments(const Shape& shape) {
 /// About the step that the solver will take [s]: contacts of the lightest body by the stiffest pair. 0 where a law has no stiffness.
 double about_step(const Scene& scene, const std::vector<PackShape>& shapes) {
   if (scene.settings.step > 0) return scene.settings.step;
-  double lightest = 1e300, stiffest = 0;
+  double lightest = 1e300, smallest = 0, stiffest = 0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const double scale = scene.bodies.scale[i], density = scene.materials[static_cast<std::size_t>(scene.bodies.material[i])].density;
     const double mass = density * shapes[static_cast<std::size_t>(scene.bodies.shape[i])].shape.mass.volume * scale * scale * scale;
-    if (scene.bodies.fixed[i] == 0) lightest = std::min(lightest, mass);
+    if (scene.bodies.fixed[i] != 0 || !(mass < lightest)) continue;
+    lightest = mass;
+    smallest = std::cbrt(mass / density * 3 / (4 * std::numbers::pi));
   }
-  for (const MaterialPair& pair : scene.pairs) stiffest = std::max(stiffest, pair.stiffness);
+  for (const MaterialPair& pair : scene.pairs) stiffest = std::max(stiffest, pair.spring(0.5 * smallest));
   return stiffest > 0 && lightest < 1e300 ? std::numbers::pi * std::sqrt(0.5 * lightest / stiffest) / scene.settings.steps_per_contact : 0;
 }
 

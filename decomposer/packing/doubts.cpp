@@ -225,7 +225,11 @@ void doubt_surfaces(const Case& c, const Scene& scene, std::vector<std::string>&
 /// A contact of the lightest body by the stiffest pair [s]; 0 where a law has no stiffness.
 double shortest_contact(const Case& c, const Movers& movers) {
   double stiffest = 0;
-  for (const CasePair& p : c.pairs) stiffest = std::max(stiffest, p.pair.stiffness);
+  for (const CasePair& p : c.pairs) {
+    // of two of the lightest bodies, by size
+    const double volume = movers.lightest / c.materials[static_cast<std::size_t>(p.pair.a)].density;
+    stiffest = std::max(stiffest, p.pair.spring(0.5 * std::cbrt(volume * 3 / (4 * std::numbers::pi))));
+  }
   return stiffest > 0 ? std::numbers::pi * std::sqrt(movers.lightest / (2 * stiffest)) : 0;
 }
 
@@ -259,7 +263,8 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
       density = scene.materials[static_cast<std::size_t>(m)].density;
     }
     const double weight = body.mass * length(s.gravity) * (s.fluid ? std::abs(1 - s.fluid->density / density) : 1.0);
-    double depth = p.pair.stiffness > 0 ? weight / p.pair.stiffness : 0;
+    const double spring = p.pair.spring(0.5 * body.diameter);
+    double depth = spring > 0 ? weight / spring : 0;
     if (s.law == ContactLaw::hertz_mindlin && body.diameter > 0) {
       const double modulus =
           effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);

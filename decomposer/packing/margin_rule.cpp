@@ -154,6 +154,7 @@ struct Sizing {
   double lightest = 0;               ///< [kg]
   double softest = 0;                ///< [N/m]
   double speed = 0;                  ///< of the fastest impact [m/s]
+  bool by_modulus = false;           ///< stiffness goes with size
   bool balls_alone = false;          ///< which have no margins: what is derived is their overlap
 };
 
@@ -171,6 +172,8 @@ std::string choices(const Sizing& s) {
   const double stiffer = s.softest * deeper * deeper;
   if (s.settings.law == ContactLaw::hertz_mindlin)
     text += fmt::format("\n  - materials.young {:.3g} times as large: {}, {}", std::pow(deeper, 2.5), margin, cost(stiffer));
+  else if (s.by_modulus)
+    text += fmt::format("\n  - pairs.modulus {:.3g} times as large: {}", deeper * deeper, margin);
   else
     text += fmt::format("\n  - pairs.stiffness = \"{}\": {}, {}", format_quantity(stiffer, Dimension::stiffness), margin, cost(stiffer));
   text += fmt::format("\n  - contact.impact_speed = \"{}\", where nothing meets faster than that: {}, {}",
@@ -269,7 +272,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   } else {
     // a layer has no stiffness of one contact; its margin is given
     if (c.settings.gather != Gathering::area) {
-      for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.stiffness);
+      for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.spring(0.25 * widest));  // by size: two of the largest
     }
   }
   double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
@@ -308,7 +311,10 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     double derived = std::max(depth / (sides * kOverlapShare), kSmallestShare * smallest);
     if (by_size && !meshes.empty()) {
       // margins go with size: the largest body decides for blows, the smallest for what lies on it
-      const double pinch = kLoadOfSmallest * largest.mass * length(settings.gravity) / softest;
+      double between = softest;  // of the largest body on the smallest
+      for (const CasePair& p : c.pairs)
+        if (p.pair.modulus > 0) between = std::min(between, p.pair.spring(1 / (1 / largest.radius + 1 / least.radius)));
+      const double pinch = kLoadOfSmallest * largest.mass * length(settings.gravity) / between;
       const double ratio =
           std::max({depth / (sides * kOverlapShare * largest.radius), pinch / (sides * kOverlapShare * least.radius), 2 * kSmallestShare});
       derived = ratio * least.radius;
@@ -319,7 +325,9 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
     const std::string from = fmt::format(
         "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest, Dimension::mass),
         format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness), pulled);
-    const std::string cure = fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
+    const bool by_modulus = std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return p.pair.modulus > 0; });
+    const std::string cure = by_modulus ? fmt::format("a modulus {:.3g} times as large would bring it to", needed / softest)
+                                        : fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
     // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
     // Hertz contacts: what is soft there is so by its material, not by choice.
     const bool is_free_of_limits = from_touch && c.settings.law == ContactLaw::hertz_mindlin;
@@ -332,7 +340,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
       throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}\n{}", c.path, advice,
                        from_touch ? " (0: run it as it is)" : "",
                        choices({c.settings, from_touch ? depth / (2 * kOverlapShare) : derived, smallest, lightest, softest,
-                                report.fastest_impact, from_touch}));
+                                report.fastest_impact, by_modulus, from_touch}));
     }
     if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
     if (!from_touch) margin = by_size && !meshes.empty() ? derived / least.radius * median.radius : derived;

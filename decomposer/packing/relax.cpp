@@ -192,7 +192,7 @@ class Relaxer {
     }
     // a layer is pressed over some area, at most about the cross-section of the smaller body
     const double area = std::numbers::pi * std::pow(std::min(r, other), 2);
-    const double stiffness = s.gather == Gathering::area ? pair.layer_modulus * area / layer(p.body) : pair.stiffness;
+    const double stiffness = s.gather == Gathering::area ? pair.layer_modulus * area / layer(p.body) : pair.spring(1 / (1 / r + 1 / other));
     return 0.5 * stiffness * p.depth * p.depth;
   }
 

@@ -27,7 +27,7 @@ double softest_force(const Case& c, const Scene& scene, double smallest, double 
   double softest = 1e300;
   for (const CasePair& p : c.pairs) {
     if (c.settings.law != ContactLaw::hertz_mindlin) {
-      softest = std::min(softest, p.pair.stiffness * overlap);
+      softest = std::min(softest, p.pair.spring(0.25 * smallest) * overlap);
       continue;
     }
     const double modulus =
@@ -83,7 +83,10 @@ double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& 
 
 void soften(Scene& scene, double share) {
   for (Material& m : scene.materials) m.young *= share;
-  for (MaterialPair& p : scene.pairs) p.stiffness *= share;
+  for (MaterialPair& p : scene.pairs) {
+    p.stiffness *= share;
+    p.modulus *= share;
+  }
   scene.settings.step = 0;
 }
 

@@ -115,10 +115,13 @@ std::string case_section(const Run& run) {
       "class=\"grid-table\"><thead><tr><th>between</th><th>stiffness</th><th>restitution</th><th>friction</th>"
       "</tr></thead><tbody>\n";
   for (const MaterialPair& p : scene.pairs) {
-    html += fmt::format(
-        "<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
-        escaped(scene.materials[static_cast<std::size_t>(p.a)].name), escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
-        p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness) : "by the materials", p.restitution, p.friction);
+    html += fmt::format("<tr><td>{} &ndash; {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>\n",
+                        escaped(scene.materials[static_cast<std::size_t>(p.a)].name),
+                        escaped(scene.materials[static_cast<std::size_t>(p.b)].name),
+                        p.modulus > 0     ? format_quantity(p.modulus, Dimension::pressure) + " by size"
+                        : p.stiffness > 0 ? format_quantity(p.stiffness, Dimension::stiffness)
+                                          : "by the materials",
+                        p.restitution, p.friction);
   }
   html += "</tbody></table>\n";
   if (!scene.walls.empty()) {

@@ -40,7 +40,7 @@ struct LayerLaw {
   double stiffness(double D) const { return 2 * c * D; }
 };
 
-/// U = k D^2 / 2.
+/// U = k D^2 / 2, where k may go with R* (MaterialPair::spring).
 struct LinearLaw {
   static constexpr bool kNeedsRadius = false;
   using InLayer = LayerLaw;
@@ -48,9 +48,12 @@ struct LinearLaw {
   double k;  ///< [N/m]
   static void prepare(const LawInput& in, PairLaw& law) {
     law.stiffness = in.pair.stiffness;
-    law.step_stiffness = LinearLaw(law, 0).stiffness(0);
+    law.size_stiffness = 2 * in.pair.modulus;
+    // by size: that of the largest bodies; which pair sets the step is found where steps are derived
+    const double radius = !(in.pair.modulus > 0) ? 0 : in.pair.contact_radius > 0 ? in.pair.contact_radius : in.largest_impact().radius;
+    law.step_stiffness = LinearLaw(law, radius).stiffness(0);
   }
-  LinearLaw(const PairLaw& law, double /*radius*/) : k(law.stiffness) {}
+  LinearLaw(const PairLaw& law, double radius) : k(law.stiffness + law.size_stiffness * radius) {}
   double energy(double D) const { return 0.5 * k * D * D; }
   double force(double D) const { return k * D; }
   double stiffness(double /*D*/) const { return k; }

@@ -10,6 +10,7 @@ inline constexpr double kTangentialStiffnessRatio = 2.0 / 7.0;
 
 struct PairLaw {
   double stiffness = 0;                                 ///< linear: k of one contact [N/m]; Hertz: E* [Pa]; layer: kappa [N/m^3]
+  double size_stiffness = 0;                            ///< linear: what k has for each metre of R* beside it [N/m^2]
   double damping_ratio = 0;                             ///< viscous: zeta from restitution by the exact map
   double damping_slope = 0;                             ///< Hunt-Crossley: chi [s/m], from restitution at the user's speed
   double friction = 0;                                  ///< mu, static

@@ -94,8 +94,10 @@ void Plan::add_contact() {
     in("triangles", "hierarchies, triangle distance and feature pairs of the meshes");
   else
     out("triangles", "all bodies are analytic spheres");
-  in("normal contact", fmt::format("{} law, {} gathering, margin {} per body", word_of(settings_.law), word_of(settings_.gather),
-                                   format_quantity(settings_.margin, Dimension::length)));
+  const bool by_size = std::any_of(source_.pairs.begin(), source_.pairs.end(), [](const MaterialPair& p) { return p.modulus > 0; });
+  in("normal contact",
+     fmt::format("{} law{}, {} gathering, margin {} per body", word_of(settings_.law), by_size ? ", stiffness by size" : "",
+                 word_of(settings_.gather), format_quantity(settings_.margin, Dimension::length)));
   if (const DensityWeights* weights = scene_.density_weights()) {
     const DensityWeights::Summary s = weights->summary();
     if (s.tables > 0)

@@ -139,14 +139,14 @@ class Estimates {
       double softest = 1e300;
       for (const MaterialPair& p : scene_.pairs) softest = std::min(softest, p.stiffness);
       std::string cost;
-      if (settings_.margin > 0 && settings_.impact_speed > 0 && softest < 1e300) {
+      if (!by_size() && settings_.margin > 0 && settings_.impact_speed > 0 && softest < 1e300) {
         const double overlap = settings_.impact_speed * std::sqrt(2 * masses_.back() / softest), share = overlap / (2 * settings_.margin);
         constexpr double kMost = 0.8;  // beyond, pack warns
         cost = share <= kMost
                    ? fmt::format("; the fastest impact then takes {:.2f} of the margins", share)
                    : fmt::format("; margins of {} then, for the fastest impact", format_quantity(overlap / 1.6, Dimension::length));
       }
-      line("would help", "half the stiffness of all pairs: 1.41 times fewer steps" + cost);
+      line("would help", fmt::format("half the {} of all pairs: 1.41 times fewer steps", by_size() ? "modulus" : "stiffness") + cost);
     }
     add_help_of_sizes();
   }
@@ -161,7 +161,7 @@ class Estimates {
       out += masses_[n];
       if (out > kMostMass * all) break;
       const double left = static_cast<double>(masses_.size() - n - 1) / static_cast<double>(masses_.size());
-      const double gain = std::sqrt(masses_[n + 1] / masses_[0]) / left;
+      const double gain = std::pow(masses_[n + 1] / masses_[0], by_size() ? 1.0 / 3 : 0.5) / left;  // a step goes with R, or R^(3/2)
       if (gain > best) {
         best = gain;
         best_count = n + 1;
@@ -171,6 +171,11 @@ class Estimates {
     if (best < kWorthTelling) return;
     line("", fmt::format("leaving out the {} lightest bodies, below {} ({:.2g} % of the mass): about {:.1f} times faster", best_count,
                          format_quantity(masses_[best_count], Dimension::mass), 100 * best_out / all, best));
+  }
+
+  /// Whether the stiffness of some pair goes with size.
+  bool by_size() const {
+    return std::any_of(scene_.pairs.begin(), scene_.pairs.end(), [](const MaterialPair& p) { return p.modulus > 0; });
   }
 
   const mpi::Communicator& comm_;

@@ -218,7 +218,9 @@ void SolverScene::prepare_laws() {
   for (const MaterialPair& pair : scene_->pairs) {
     const PairLaw law = make_pair_law(pair, extremes_);
     law_choice_.friction = law_choice_.friction || law.friction > 0;
-    law_choice_.needs_radius = law_choice_.needs_radius || law.pull_off_per_radius > 0;
+    law_choice_.needs_radius = law_choice_.needs_radius || law.pull_off_per_radius > 0 || law.size_stiffness > 0;
+    if (law.size_stiffness > 0 && (attracts(pair) || scene_->settings.barrier > 0))
+      throw UsageError("pairs: a modulus does not go with attraction or a barrier; give a stiffness");
     law_choice_.necks = law_choice_.necks || law.neck_adhesion > 0;
     law_choice_.remembers = law_choice_.remembers || remembers(pair);
     law_choice_.rolling = law_choice_.rolling || law.rolling_friction > 0 || law.torsional_friction > 0;

@@ -23,7 +23,16 @@ struct Touchable {
   std::array<std::int64_t, 2> body{-1, -1};  ///< whose
   double least = 1e300;                      ///< mobility of the most sluggish moving body [1/kg]
   std::int64_t still = 0;                    ///< fixed bodies and walls
+  // for stiffness by size, radius times mobility [m/kg]: k (w_a + w_b) of a pair is at most 2 modulus times the larger of its two
+  double sized = 0, least_sized = 1e300;
+  std::int64_t sized_body = -1;
 
+  void add_sized(double radius, double w, std::int64_t id) {
+    least_sized = std::min(least_sized, radius * w);
+    if (!(radius * w > sized || (radius * w == sized && (sized_body < 0 || id < sized_body)))) return;
+    sized = radius * w;
+    sized_body = id;
+  }
   void add(double w, std::int64_t id) {
     for (std::size_t i = 0; i < 2; ++i) {
       if (body[i] == id) return;
@@ -73,6 +82,7 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
     else {
       const double mobility = mobility_of(scene, p, i, tangential[static_cast<std::size_t>(p.material[i])]);
       t.add(mobility, p.id[i]);
+      t.add_sized(p.scale[i] * scene.shape(p.shape[i]).equivalent_radius, mobility, p.id[i]);
       t.least = std::min(t.least, mobility);
     }
   };
@@ -84,6 +94,8 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
     for (std::size_t k = 0; k < block.size(); ++k) {
       all[k].still += block[k].still;
       all[k].least = std::min(all[k].least, block[k].least);
+      all[k].least_sized = std::min(all[k].least_sized, block[k].least_sized);
+      if (block[k].sized_body >= 0) all[k].add_sized(1, block[k].sized, block[k].sized_body);
       for (std::size_t i = 0; i < 2; ++i) {
         if (block[k].body[i] >= 0) all[k].add(block[k].mobility[i], block[k].body[i]);
       }
@@ -96,7 +108,10 @@ std::vector<Touchable> touchables(const mpi::Communicator& comm, const SolverSce
     // of a layer, the area that a wall has in contact is not known before: what is too light is found as it runs
     const Drive* drive = scene.drive(w);
     if (drive == nullptr || !(drive->inertia > 0) || source.settings.gather == Gathering::area) continue;
-    t.add(scene.lever(w) * scene.lever(w) / drive->inertia, wall.id);
+    const double mobility = scene.lever(w) * scene.lever(w) / drive->inertia;
+    t.add(mobility, wall.id);
+    const std::vector<double>& radii = scene.extremes().radius;
+    t.add_sized(radii.empty() ? 0 : *std::max_element(radii.begin(), radii.end()), mobility, wall.id);
   }
   return all;
 }
@@ -150,6 +165,19 @@ class ContactLimits {
       if (t.body[i] >= kIdToCome) return fmt::format("a body to come ({})", name_of(material));
       return fmt::format("body {} ({})", t.body[i], name_of(material));
     };
+    if (pair.modulus > 0 && !(pair.contact_radius > 0) && stiffness > 0) {  // each with whatever it can touch
+      const auto by_size = [&](const Touchable& t, std::int32_t material, const Touchable& other, std::int32_t against) {
+        const bool touches = &t == &other ? t.body[1] >= 0 || t.still > 0 : other.body[0] >= 0 || other.still > 0;
+        if (t.sized_body < 0 || !touches) return;
+        Touchable named;
+        named.body[0] = t.sized_body;
+        consider(2 * pair.modulus / stiffness * t.sized, body(named, 0, material) + " on " + name_of(against));
+        softest_ = std::min(softest_, 2 * pair.modulus * features * t.least_sized);
+      };
+      by_size(a, pair.a, b, pair.b);
+      if (&a != &b) by_size(b, pair.b, a, pair.a);
+      return;
+    }
     const auto still = [&](std::int32_t material) { return "fixed " + name_of(material); };
     if (a.body[0] >= 0 && (b.body[0] >= 0 || b.still > 0)) softest_ = std::min(softest_, stiffness * features * a.least);
     if (&a == &b) {

@@ -13,6 +13,7 @@ DIMENSIONS = {
     "materials.*.density": (-3, 1, 0), "materials.*.young": (-1, 1, -2),
     "pairs.*.stiffness": (0, 1, -2), "pairs.*.restitution_speed": (1, 0, -1), "pairs.*.contact_radius": (1, 0, 0),
     "pairs.*.layer_modulus": (-1, 1, -2),
+    "pairs.*.modulus": (-1, 1, -2),
     "pairs.*.pull_off": (1, 1, -2), "pairs.*.adhesion": (0, 1, -2), "pairs.*.adhesion_range": (1, 0, 0), "pairs.*.separation_energy": (2, 1, -2),
     "pairs.*.surface_tension": (0, 1, -2), "pairs.*.contact_angle": (0, 0, 0), "pairs.*.bridge_volume": (3, 0, 0),
     "contact.margin": (1, 0, 0), "contact.margin_ratio": (0, 0, 0), "contact.impact_speed": (1, 0, -1),

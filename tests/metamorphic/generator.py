@@ -1144,3 +1144,14 @@ def bonds(d):
     if d.chance(0.5):
         bond["damping"] = d.between(0, 0.3)
     d.words["bonds"] = [bond]
+
+
+@feature
+def stiffness_by_size(d):
+    """From numbers of its own, as surfaces. About the same stiffness for two bodies of the scene's size."""
+    others, d.random = d.random, random_numbers.Random(f"stiffness by size {d.words['title']}")
+    for pair in d.words["pairs"]:
+        attracts = any(word in pair for word in ("pull_off", "adhesion", "surface_tension"))
+        if "stiffness" in pair and not attracts and not d.barrier and d.chance(0.2):
+            pair["modulus"] = pair.pop("stiffness") / d.radius
+    d.random = others

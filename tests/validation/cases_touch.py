@@ -87,3 +87,53 @@ def t4(tools, report):
     run = report.run(c.run(tools))
     report.at_most("overlap over the margins, margins derived", run.max_depth_ratio, .97)
     report.at_least("the small one is loaded: largest overlap over the margins", run.max_depth_ratio, .01)
+
+
+@case("T5", "U", "stiffness by size: k = modulus 2 R_a R_b / (R_a + R_b) of balls, walls and cubes", "v / w sin(w t), m g / (k n^(1/4))")
+def t5(tools, report):
+    small, modulus, density, speed = .01, 2e6, 2500.0, .1
+    pairs = ((1.0, 1.0), (1.0, 4.0), (4.0, 4.0), (1.0, None), (4.0, None))   # radii over the small one's; None: a wall
+
+    def spring(a, b):
+        return modulus * small * (2 * a if b is None else 2 * a * b / (a + b))
+
+    def mass(a):
+        return density * 4 / 3 * math.pi * (a * small)**3
+
+    def rate(a, b):
+        return math.sqrt(spring(a, b) * (1 / mass(a) + (0 if b is None else 1 / mass(b))))
+    longest = math.pi / rate(4.0, 4.0)
+    c = Case("T5", duration=1.25 * longest, steps_per_contact=2000, gravity=(0, 0, 0), every=longest / 40)
+    c.sphere("ball", small)
+    c.material("m", density)
+    c.pair_all(modulus=modulus, restitution=1.0)
+    c.floor()
+    for i, (a, b) in enumerate(pairs):
+        x, height = .3 * i, a * small if b is None else .2
+        c.body("ball", "m", (x, 0, height), scale=a, velocity=(0, 0, -speed if b is None else speed))
+        if b is not None:
+            c.body("ball", "m", (x, 0, height + (a + b) * small), scale=b)
+    run = report.run(c.run(tools))
+    first = 0
+    for a, b in pairs:
+        w = rate(a, b)
+        times = run.times[(run.times > 0) & (run.times < .98 * math.pi / w)]
+        pressed = [a * small - run.x[k, first, 2] if b is None else (a + b) * small - (run.x[k, first + 1, 2] - run.x[k, first, 2])
+                   for k in range(len(run.times)) if 0 < run.times[k] < .98 * math.pi / w]
+        name = f"R {a:g} on " + ("a wall" if b is None else f"{b:g}")
+        report.at_most(f"{name}: overlap off v / w sin(w t), over v / w", abs(numpy.array(pressed) - speed / w * numpy.sin(w * times)).max() * w / speed, 3e-6)
+        first += 1 if b is None else 2
+    report.check("step: that of a small ball's contact [s]", run.step, math.pi * math.sqrt(mass(1) / (2 * modulus * small)) / 2000, 1e-3)
+
+    side, scales = .03125, (1.0, 3.0)
+    c = Case("T5-cubes", duration=.4, gravity=(0, 0, -G), every=.1, contact={"margin_ratio": .06})
+    c.mesh("cube", meshes.box((side, side, side)))
+    c.material("m", density)
+    c.pair_all(modulus=5 * modulus, restitution=.2, friction=.5)
+    c.floor()
+    depths = [density * (s * side)**3 * G / (5 * modulus * 2 * s * side * (3 / (4 * math.pi))**(1 / 3) * 4**.25) for s in scales]
+    for i, (s, depth) in enumerate(zip(scales, depths)):
+        c.body("cube", "m", (.2 * i, 0, s * side / 2 - depth), scale=s)
+    run = report.run(c.run(tools))
+    for i, (s, depth) in enumerate(zip(scales, depths)):
+        report.check(f"a cube of scale {s:g} sinks by [m]", s * side / 2 - run.x[-1, i, 2], depth, 1e-6)
