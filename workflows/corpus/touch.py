@@ -86,7 +86,8 @@ for number, (name, command) in enumerate(SHAPES.items()):
     rows.append((name, deviations(path)))
 for folder in words.shapes:
     for path in sorted(glob.glob(os.path.join(folder, "**", "*.shape.h5"), recursive=True)):
-        rows.append((os.path.basename(path).removesuffix(".shape.h5"), deviations(path)))
+        name = os.path.basename(path).removesuffix(".shape.h5")
+        rows.append((os.path.basename(os.path.dirname(path)) if name == "result" else name, deviations(path)))
 
 text = ["# Where bodies touch, and where they were drawn", "",
         "For contacts a mesh is moved inwards by its margin, and has the margin around it: edges and corners are rounded by it, and what is too thin is moved in",
