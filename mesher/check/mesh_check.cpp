@@ -9,7 +9,7 @@
 
 #include "core/base/units.hpp"
 #include "core/surface/self_intersections.hpp"
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 
 namespace scree {
 

@@ -12,7 +12,7 @@
 #include "mesher/commands/certificate.hpp"
 #include "mesher/edit/convex_hull.hpp"
 #include "mesher/edit/mesh_picture.hpp"
-#include "mesher/edit/mesh_refine.hpp"
+#include "core/geometry/mesh_refine.hpp"
 #include "mesher/edit/mesh_simplify.hpp"
 #include "mesher/io/mesh_file.hpp"
 

@@ -16,7 +16,7 @@
 #include "core/base/error.hpp"
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 
 namespace scree {
 

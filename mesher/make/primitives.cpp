@@ -7,7 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "mesher/edit/convex_hull.hpp"
-#include "mesher/edit/mesh_refine.hpp"
+#include "core/geometry/mesh_refine.hpp"
 
 namespace scree {
 

@@ -8,7 +8,7 @@
 #include "core/geometry/mass_properties.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/check/mesh_deviation.hpp"
-#include "mesher/edit/mesh_refine.hpp"
+#include "core/geometry/mesh_refine.hpp"
 #include "mesher/edit/mesh_simplify.hpp"
 #include "tests/support/shapes.hpp"
 

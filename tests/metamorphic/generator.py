@@ -938,6 +938,13 @@ def output(d):
 
 
 @feature
+def impacts(d):
+    """From numbers of its own: what other features draw stays."""
+    if random_numbers.Random(f"impacts {d.words['title']}").random() < 0.3:
+        d.words["output"]["impacts"] = True
+
+
+@feature
 def inlets_and_outlets(d):
     """Bodies that come in somewhere in the room, and places where they leave. Draws of its own: what other features draw stays."""
     own = random_numbers.Random(f"openings {d.case.note}")
