@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The load of a mill: its angles, the power it draws, what wears the liner, impacts. usage: mill.py TABLE.md CHART.svg CHART.png NAME ...
 
-Angles are counted with the turn of the mill from its top; means over the last turn at least, after the load is steady (the second half of the run).
+Angles are counted with the turn of the mill from its top; means over the second half of the run, two turns at most.
 shoulder  where the load leaves the liner: the last direction in which the ring along the liner, two balls wide, holds half of what it holds in the
-          bed (median over the quarter before the lowest point of the shoulder's side)
+          bed (median from 180 to 270 degrees)
 toe       the first such direction
 chord     how steep the line from the toe to the shoulder is, if both lie on one circle: (shoulder + toe) / 2 - 180
 centre    direction of the centre of mass below the axis, from the vertical
@@ -29,19 +29,14 @@ ROCKY = {"shoulder": 295.0, "toe": 132.0, "third angle": 36.05}     # Rocky DEM,
 SECTORS = 360
 
 
-def rate_of(text):
-    value, unit = text.split()
-    return float(value) * 2 * np.pi / 60 if unit == "rpm" else si(text)
-
-
 def read(name):
     case, run = case_of(record_of(name)), scree.open(f"{name}.run")
     wall = case["walls"][0]
     drum = wall["shape"]["drum"]
     rim = si(drum["radius"]) - si(drum["lifters"]["height"])
-    rate = rate_of(wall["motion"]["rotate"]["rate"])
+    rate = si(wall["motion"]["rotate"]["rate"])
     end = run.frames[-1].time
-    since = max(0.5 * end, end - 4 * np.pi / rate)   # two turns at most
+    since = max(0.5 * end, end - 4 * np.pi / rate)
     frames = [frame for frame in run.frames if frame.time > since]
     length = si(case["domain"]["max"][1]) - si(case["domain"]["min"][1])
     masses = frames[-1].bodies.mass
@@ -57,7 +52,7 @@ def read(name):
         centres.append(np.average(x, axis=0, weights=frame.bodies.mass))
         density += np.histogram2d(x[:, 0], x[:, 2], bins=cells, range=[[-reach, reach]] * 2)[0]
     ring *= volume / len(frames) / (np.pi / SECTORS * (rim ** 2 - (rim - wide) ** 2) * length)
-    around = 15   # sectors of a mean: less than the angle of a ball and its neighbour in the small mill
+    around = 2 * int(0.5 * np.degrees(0.5 * wide / rim)) + 1   # sectors: a ball as seen from the axis
     smooth = np.convolve(np.r_[ring, ring, ring], np.ones(around) / around, "same")[SECTORS:2 * SECTORS]
     bed = np.median(smooth[180:270])
     filled = smooth > 0.5 * bed
@@ -128,7 +123,7 @@ for name, r in found.items():
 figure, axes = plt.subplots(1, 3, figsize=(12, 3.7), gridspec_kw={"width_ratios": [1, 1.1, 1.2]})
 first = found[NAMES[0]]
 reach = first["reach"]
-image = axes[0].imshow(first["density"].T, origin="lower", extent=[-reach, reach] * 2, cmap="magma_r", vmin=0, vmax=0.65)
+image = axes[0].imshow(np.ma.masked_less(first["density"].T, 1e-3), origin="lower", extent=[-reach, reach] * 2, cmap="magma_r", vmin=0, vmax=0.65)
 figure.colorbar(image, ax=axes[0], label="solid fraction", shrink=0.8)
 turn = np.linspace(0, 2 * np.pi, 200)
 axes[0].plot(reach * np.sin(turn), reach * np.cos(turn), color="#444444", linewidth=1)
@@ -154,8 +149,9 @@ for name, r in found.items():
     times = [frame.time for frame in r["run"].frames if frame.time > r["from"]]
     bins = impacts(r["run"], r["from"])
     for pair in sorted({key[:2] for key in bins}):
+        largest = max(high for (a, b, low, high), counts in bins.items() if counts[0] > 0)
         rows = sorted((np.sqrt(low * high), counts[0] / (times[-1] - times[0]) / np.log2(high / low)) for (a, b, low, high), counts in bins.items()
-                      if (a, b) == pair and counts[0] > 0)
+                      if (a, b) == pair and counts[0] > 0 and high > 1e-9 * largest)
         if rows:
             what = "on the liner" if pair[0] != pair[1] else "among bodies"
             axes[2].plot(*zip(*rows), next(styles), linewidth=1, label=f"{name}, {what}")
