@@ -446,7 +446,7 @@ def every_feature_of_equipment_in_one_scene_is_the_same_run_on_any_ranks_and_thr
     kept = None
     for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1), (4, 1)):
         folder = f"r{ranks}t{threads}.run"
-        run(ranks, "everything.scene.h5", "-o", folder, threads=threads)
+        run(ranks, "everything.scene.h5", "-o", folder, threads=threads, limit=800)   # four ranks on two cores wait for each other
         found = all_of_it(folder)
         kept = kept or found
         assert found == kept, f"{folder}: another run than on one rank"
@@ -460,7 +460,7 @@ def every_feature_of_equipment_in_one_scene_is_the_same_run_on_any_ranks_and_thr
         folder = f"killed{moment}.run"
         shutil.copytree("r3t1.run", folder)
         make_killed(folder, keep=moment + 1)
-        run(ranks, "everything.scene.h5", "-o", folder, "--restart", "latest")
+        run(ranks, "everything.scene.h5", "-o", folder, "--restart", "latest", limit=800)
         assert all_of_it(folder) == kept, f"{folder}: another run than without a kill"
 
 
