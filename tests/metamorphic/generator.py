@@ -844,6 +844,8 @@ def load_maps(d):
     for wall in d.case.walls:
         if is_mesh_wall(wall) and d.chance(0.4):
             wall["load_map"] = True
+        if is_mesh_wall(wall) and "file" not in wall["shape"] and d.chance(0.15):
+            wall["triangle_size"] = d.radius * d.between(1, 4)
     d.random = others
 
 

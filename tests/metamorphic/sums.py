@@ -258,6 +258,7 @@ def losses_by_cause_make_all_losses(trial):
     run, case = trial.run, trial.case
     if not case.table("output").get("impacts") or not run.frames:
         raise NotApplicable("impacts are not recorded")
+    trial.seen(run)
     names = ("material_a", "material_b", "energy_from", "normal_count", "shear_count")
     counts = [{row[:3]: row[3:] for row in zip(*(f.impacts[name].tolist() for name in names))} if f.impacts else {} for f in run.frames]
     for before, now, frame in zip(counts, counts[1:], run.frames[1:]):
