@@ -81,6 +81,26 @@ enum FrameUse : unsigned {
   column(std::int64_t, wall, "wear/wall", "", "", kFileOnly, "id") \
   column(Vec3, vertex, "wear/vertex", "m", "", kFileOnly, "axes and scale of the wall's mesh")
 
+/// Where impacts are recorded, of pairs of materials by bin of energy, those that have some; sums since the start of the run:
+/// column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_IMPACTS(column) \
+  column(std::int32_t, material_a, "impacts/material_a", "", "", kFileOnly, "index in the scene") \
+  column(std::int32_t, material_b, "impacts/material_b", "", "", kFileOnly, "index in the scene") \
+  column(double, energy_from, "impacts/energy_from", "J", "", kFileOnly, "lower end of the bin") \
+  column(double, energy_to, "impacts/energy_to", "J", "", kFileOnly, "upper end of the bin") \
+  column(std::int64_t, normal_count, "impacts/normal_count", "", "", kFileOnly, "contacts that began with such an energy along the normal") \
+  column(double, normal_energy, "impacts/normal_energy", "J", "", kFileOnly, "of these") \
+  column(std::int64_t, shear_count, "impacts/shear_count", "", "", kFileOnly, "contacts that began with such an energy along the surfaces") \
+  column(double, shear_energy, "impacts/shear_energy", "J", "", kFileOnly, "of these")
+
+/// The same of what contacts have dissipated, a row for each pair of materials: column(type, name, path, unit, csv, uses, what it is)
+#define SCREE_FRAME_LOSSES(column) \
+  column(std::int32_t, material_a, "losses/material_a", "", "", kFileOnly, "index in the scene") \
+  column(std::int32_t, material_b, "losses/material_b", "", "", kFileOnly, "index in the scene") \
+  column(double, damping, "losses/damping", "J", "", kFileOnly, "along the normal") \
+  column(double, friction, "losses/friction", "J", "", kFileOnly, "of sliding, its damping included") \
+  column(double, rolling, "losses/rolling", "J", "", kFileOnly, "of rolling and torsional resistance")
+
 /// Attributes of the group `frame`: column(type, name, unit, what it is)
 #define SCREE_FRAME_SCALARS(column) \
   column(std::int64_t, number, "", "of the frame") \

@@ -81,6 +81,8 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   check_sizes(frame.walls);
   check_sizes(frame.loads);
   check_sizes(frame.wear);
+  check_sizes(frame.impacts);
+  check_sizes(frame.losses);
   check_sizes(frame.bonds);
   int rank = 0, size = 1;
   MPI_Comm_rank(communicator, &rank);
@@ -89,9 +91,13 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   // what only rank 0 knows
   struct {
     FrameScalars scalars;
-    std::int64_t wall_count, load_count, wear_count;
-  } header{frame, static_cast<std::int64_t>(frame.walls.size()), static_cast<std::int64_t>(frame.loads.size()),
-           static_cast<std::int64_t>(frame.wear.size())};
+    std::int64_t wall_count, load_count, wear_count, impact_count, loss_count;
+  } header{frame,
+           static_cast<std::int64_t>(frame.walls.size()),
+           static_cast<std::int64_t>(frame.loads.size()),
+           static_cast<std::int64_t>(frame.wear.size()),
+           static_cast<std::int64_t>(frame.impacts.size()),
+           static_cast<std::int64_t>(frame.losses.size())};
   static_assert(std::is_trivially_copyable_v<decltype(header)>);
   MPI_Bcast(&header, static_cast<int>(sizeof header), MPI_BYTE, 0, communicator);
   const std::string provenance = broadcast_text(communicator, rank == 0 ? json_text(frame.provenance) : std::string());
@@ -99,6 +105,7 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const Rows contacts = distribute(communicator, static_cast<std::int64_t>(frame.contacts.size()));
   const auto of_root = [&](std::int64_t rows) { return Rows{rank == 0 ? rows : 0, rank == 0 ? 0 : rows, rows}; };
   const Rows walls = of_root(header.wall_count), loads = of_root(header.load_count), wear = of_root(header.wear_count);
+  const Rows impacts = of_root(header.impact_count), losses = of_root(header.loss_count);
 
   const Rows bonds = frame.has_bonds ? distribute(communicator, static_cast<std::int64_t>(frame.bonds.size())) : Rows{};
 
@@ -106,6 +113,8 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   const std::int64_t bytes = frame_rows_bytes(CollectiveFile::rows_on_disk(bodies.total), CollectiveFile::rows_on_disk(contacts.total)) +
                              bytes_per_row<FrameWalls>() * walls.total + bytes_per_row<FrameBonds>() * bonds.total +
                              bytes_per_row<FrameLoads>() * CollectiveFile::rows_on_disk(loads.total) +
+                             bytes_per_row<FrameImpacts>() * CollectiveFile::rows_on_disk(impacts.total) +
+                             bytes_per_row<FrameLosses>() * CollectiveFile::rows_on_disk(losses.total) +
                              bytes_per_row<FrameWear>() * CollectiveFile::rows_on_disk(wear.total) +
                              static_cast<std::int64_t>(provenance.size()) + kPieceOverhead * size;
 
@@ -119,6 +128,10 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
   write_columns(file, root.create_group("walls"), "walls", rank == 0 ? frame.walls : FrameWalls{}, walls);
   if (loads.total > 0) write_columns(file, root.create_group("loads"), "loads", rank == 0 ? frame.loads : FrameLoads{}, loads);
   if (wear.total > 0) write_columns(file, root.create_group("wear"), "wear", rank == 0 ? frame.wear : FrameWear{}, wear);
+  if (losses.total > 0) {
+    write_columns(file, root.create_group("losses"), "losses", rank == 0 ? frame.losses : FrameLosses{}, losses);
+    write_columns(file, root.create_group("impacts"), "impacts", rank == 0 ? frame.impacts : FrameImpacts{}, impacts);
+  }
   if (frame.has_bonds) write_columns(file, root.create_group("bonds"), "bonds", frame.bonds, bonds);
   {
     const h5::Group scalars = root.create_group("frame");
@@ -204,6 +217,8 @@ Frame read_frame_file(const std::string& path) {
   frame.walls = read_columns<FrameWalls>(root);
   if (root.has("loads")) frame.loads = read_columns<FrameLoads>(root);
   if (root.has("wear")) frame.wear = read_columns<FrameWear>(root);
+  if (root.has("losses")) frame.losses = read_columns<FrameLosses>(root);
+  if (root.has("impacts")) frame.impacts = read_columns<FrameImpacts>(root);
   frame.has_bonds = root.has("bonds");
   if (frame.has_bonds) frame.bonds = read_bonds(root);
   frame.provenance = nlohmann::json::parse(root.read_text("provenance"), nullptr, false);

@@ -103,6 +103,26 @@ struct FrameWear {
     SCREE_FRAME_WEAR(SCREE_FRAME_VISIT)
   }
 };
+/// Bins of energy that have impacts, by pair of materials.
+struct FrameImpacts {
+  SCREE_FRAME_IMPACTS(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return material_a.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameImpacts;
+    SCREE_FRAME_IMPACTS(SCREE_FRAME_VISIT)
+  }
+};
+/// What contacts have dissipated, by pair of materials.
+struct FrameLosses {
+  SCREE_FRAME_LOSSES(SCREE_FRAME_MEMBER)
+  std::size_t size() const { return material_a.size(); }
+  template <class Action>
+  static void visit(Action&& action) {
+    using Self = FrameLosses;
+    SCREE_FRAME_LOSSES(SCREE_FRAME_VISIT)
+  }
+};
 #undef SCREE_FRAME_MEMBER
 #undef SCREE_FRAME_STORED_MEMBER
 #undef SCREE_FRAME_VISIT
@@ -127,6 +147,8 @@ struct Frame : FrameScalars {
   FrameContacts contacts;
   FrameWalls walls;
   FrameLoads loads;        ///< empty where no wall has a load map
+  FrameImpacts impacts;    ///< empty before the first impact, and where none are recorded
+  FrameLosses losses;      ///< empty where impacts are not recorded
   FrameWear wear;          ///< empty where no wall wears
   bool has_bonds = false;  ///< whether the scene has bonds, broken ones included; the same on every rank
   FrameBonds bonds;
@@ -161,7 +183,7 @@ void take_rows(Rows& rows, const std::vector<std::size_t>& indices) {
   });
 }
 
-/// Collective: every rank gives its own bodies and contacts (possibly none); walls, loads, wear and scalars are rank 0's.
+/// Collective: every rank gives its own bodies and contacts (possibly none); walls, loads, impacts, losses, wear and scalars are rank 0's.
 /// Written under a temporary name and renamed by rank 0 when complete. Throws SystemError on every rank.
 void write_frame_file(MPI_Comm communicator, const std::string& path, const Frame& frame);
 

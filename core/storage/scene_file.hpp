@@ -207,6 +207,7 @@ struct Settings {
   Integrator integrator = Integrator::kdk_dlm;
   double output_every = 0;  ///< [s]
   bool output_contacts = true;
+  bool output_impacts = false;      ///< record impacts and what contacts dissipate, by pair of materials
   double checkpoint_every = 0;      ///< [s], 0: by the clock, or only at the end
   bool checkpoint_by_clock = true;  ///< of the machine, when checkpoint_every is 0
 };

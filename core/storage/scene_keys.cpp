@@ -115,6 +115,8 @@ void motion_keys(KeyVisitor& k, Settings& s) {
 void output_keys(KeyVisitor& k, Settings& s) {
   k.number({"every", "duration / 100", "between frames", {"output_every", true}}, s.output_every, Dimension::time, Range::positive);
   k.boolean({"contacts", "", "in the frames", {"output_contacts", true}}, s.output_contacts);
+  k.boolean({"impacts", "", "in the frames: energies of impacts and what contacts dissipate, by pair of materials", {"output_impacts"}},
+            s.output_impacts);
   k.number({"checkpoint",
             "every 30 min of run time",
             "between checkpoints, in simulated time; 0: one at the end only",

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/mesh_refine.hpp"
 #include "decomposer/case/case_sections.hpp"
 
 namespace scree {
@@ -281,6 +282,20 @@ const char* mesh_form_of(const std::string& shape) {
   return "from a file (scree-mesher generate sphere, then { file = ... })";
 }
 
+void refine_form(const CaseTable& t, double size, WallForm& form) {
+  constexpr std::int64_t kMostTriangles = 4'000'000;  // 0.3 GB of mesh; a load map of them is 2 GB on each rank
+  double area = 0;
+  const TriangleMesh& mesh = form.surface;
+  for (std::int32_t i = 0; i < mesh.triangle_count(); ++i)
+    area += 0.5 * length(cross(mesh.corner(i, 1) - mesh.corner(i, 0), mesh.corner(i, 2) - mesh.corner(i, 0)));
+  // one with all its edges of this length is the largest triangle that there can be
+  const double least = area / (0.25 * std::sqrt(3.0) * size * size);
+  if (least > static_cast<double>(kMostTriangles))
+    throw t.error("triangle_size", fmt::format("makes {:.2g} triangles or more of this wall, above the limit of {}; give a larger size",
+                                               least, kMostTriangles));
+  refine_mesh(form.surface, size, 16 * kMostTriangles);
+}
+
 void wall_section(CaseKeys& k, Case& c) {
   CaseWall w;
   std::string shape;
@@ -308,6 +323,17 @@ void wall_section(CaseKeys& k, Case& c) {
     for (const char* key : {"position", "orientation", "scale", "cell_size"}) {
       if (t->has(key)) throw t->error(key, "is for walls that are meshes; a " + shape + " says itself where it is");
     }
+  }
+  if (t == nullptr || w.form) {
+    double size = 0;
+    k.number({"triangle_size", "none",
+              "of a form of this list: no edge of its triangles is longer, so that `load_map` and `wear` have as much detail"},
+             size, Dimension::length, Range::positive);
+    if (t != nullptr && size > 0) refine_form(*t, size, *w.form);
+  } else if (t->has("triangle_size")) {
+    throw t->error("triangle_size", shape == "file"
+                                        ? "is for forms that the case makes; give the triangles of a file with scree-mesher refine"
+                                        : fmt::format("a {} has no triangles; make the wall {}", shape, mesh_form_of(shape)));
   }
   if (k.when(w.wall.kind == WallKind::mesh)) {
     k.boolean({"load_map", "", "of a mesh: sums up what bodies do to each triangle, for frames, ParaView and the report"}, w.wall.load_map);

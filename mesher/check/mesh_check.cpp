@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/base/units.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "core/surface/self_intersections.hpp"
-#include "mesher/check/half_edges.hpp"
 
 namespace scree {
 

@@ -8,11 +8,11 @@
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/geometry/mesh_refine.hpp"
 #include "mesher/check/mesh_deviation.hpp"
 #include "mesher/commands/certificate.hpp"
 #include "mesher/edit/convex_hull.hpp"
 #include "mesher/edit/mesh_picture.hpp"
-#include "mesher/edit/mesh_refine.hpp"
 #include "mesher/edit/mesh_simplify.hpp"
 #include "mesher/io/mesh_file.hpp"
 

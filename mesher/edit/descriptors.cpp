@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "mesher/edit/convex_hull.hpp"
 
 namespace scree {

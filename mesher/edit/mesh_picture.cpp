@@ -14,9 +14,9 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
-#include "mesher/check/half_edges.hpp"
 
 namespace scree {
 

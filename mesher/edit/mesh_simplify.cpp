@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/long_work.hpp"
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "mesher/repair/mesh_repair.hpp"
 
 namespace scree {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
+#include "core/geometry/mesh_refine.hpp"
 #include "mesher/edit/convex_hull.hpp"
-#include "mesher/edit/mesh_refine.hpp"
 
 namespace scree {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/long_work.hpp"
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "mesher/repair/heal_mesh.hpp"
 
 namespace scree {

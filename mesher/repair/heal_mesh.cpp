@@ -8,8 +8,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "core/geometry/half_edges.hpp"
 #include "core/surface/self_intersections.hpp"
-#include "mesher/check/half_edges.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/repair/mesh_repair.hpp"
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "mesher/check/mesh_check.hpp"
 
 namespace scree {

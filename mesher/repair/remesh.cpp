@@ -13,7 +13,7 @@
 #include "core/base/long_work.hpp"
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/bvh.hpp"
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "mesher/repair/winding_field.hpp"
 
 namespace scree {

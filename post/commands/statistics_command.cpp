@@ -6,6 +6,7 @@
 #include "post/commands/commands.hpp"
 #include "post/run/apparatus.hpp"
 #include "post/run/choice.hpp"
+#include "post/run/impacts.hpp"
 #include "post/run/wall_loads.hpp"
 #include "post/statistics/statistics.hpp"
 #include "post/studies/chart_files.hpp"
@@ -102,10 +103,22 @@ Command add_statistics(CLI::App& app) {
               h5::write_text_file(o->output + "/" + table.name, table.text);
               files.push_back(table.name);
             }
+            for (const LoadTable& table : impact_tables(run, options.frames)) {
+              h5::write_text_file(o->output + "/" + table.name, table.text);
+              files.push_back(table.name);
+            }
             if (!o->no_charts) {
               if (const std::string reason = png_obstacle(); !reason.empty()) result.notices.push_back("note: " + reason);
               for (const NamedChart& chart : charts_of(statistics)) {
                 for (const std::string& name : write_chart(o->output, chart.name, chart.chart)) files.push_back(name);
+              }
+              if (has_impacts(run.scene)) {
+                const Frame first = options.frames.size() > 1 ? load_frame(run, options.frames.front()) : Frame{};
+                const Frame last = load_frame(run, options.frames.back());
+                const LineChart chart = impact_chart(impacts_between(run.scene, first, last), last.time - first.time);
+                if (!chart.lines.empty()) {
+                  for (const std::string& name : write_chart(o->output, "impacts", chart)) files.push_back(name);
+                }
               }
             }
             for (const std::string& message : statistics.skipped) result.notices.push_back("left out: " + message);

@@ -23,6 +23,7 @@
 #include "post/report/report_style.hpp"
 #include "post/report/verdicts.hpp"
 #include "post/run/choice.hpp"
+#include "post/run/impacts.hpp"
 #include "post/run/provenance_chain.hpp"
 #include "post/run/wall_loads.hpp"
 #include "post/statistics/contact_statistics.hpp"
@@ -176,6 +177,38 @@ std::string load_section(const Run& run) {
         l.values[0].empty() ? 0.0 : *std::max_element(l.values[0].begin(), l.values[0].end()), l.total(2), l.total(3), l.total(4),
         l.total(5), run.scene.walls[l.wall].wear > 0 ? fmt::format("{:.4g}", volume_worn(run.scene.walls[l.wall], last)) : "");
   }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string impact_section(const Run& run) {
+  const Frame last = load_frame(run, run.frames.size() - 1);
+  const std::vector<MaterialPairImpacts> pairs = impacts_between(run.scene, Frame{}, last);
+  if (pairs.empty()) return "<p class=\"missing\">Nothing has touched yet.</p>\n";
+  std::string html =
+      "<p>From the start of the run to the last frame. An impact is a contact that begins; its energy is that of the motion that the "
+      "contact "
+      "takes up, along the normals and along the surfaces. What is dissipated is that of all contacts, also of those that last.</p>\n" +
+      figure(impact_chart(pairs, last.time)) +
+      "<div class=\"wide\"><table class=\"grid-table\"><thead><tr><th>materials</th><th>impacts</th><th>their energy along the normal "
+      "[J]</th>"
+      "<th>along the surfaces [J]</th><th>dissipated by damping [J]</th><th>by friction [J]</th><th>by rolling [J]</th><th>of all</th>"
+      "</tr></thead><tbody>\n";
+  double lost = 0;
+  for (const MaterialPairImpacts& p : pairs) {
+    lost += p.lost();
+    html += fmt::format(
+        "<tr><td>{} - {}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td "
+        "class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.1f} %</td></tr>\n",
+        escaped(p.material_a), escaped(p.material_b), p.normal_count, p.normal_energy, p.shear_energy, p.damping, p.friction, p.rolling,
+        last.dissipated > 0 ? 100 * p.lost() / last.dissipated : 0.0);
+  }
+  constexpr double kRounding = 1e-9;  // of what the frame says, whose sums are other sums
+  const double others = last.dissipated - lost;
+  if (std::abs(others) > kRounding * std::abs(last.dissipated))
+    html += fmt::format(
+        "<tr><td>not of contacts: drag, bonds, necks, wear</td><td></td><td></td><td></td><td class=\"n\" colspan=\"3\">{:.4g}</td>"
+        "<td class=\"n\">{:.1f} %</td></tr>\n",
+        others, last.dissipated > 0 ? 100 * others / last.dissipated : 0.0);
   return html + "</tbody></table></div>\n";
 }
 
@@ -389,6 +422,9 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   if (has_load_maps(run.scene))
     sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
                     {"loads", "Loads on walls", load_section(run)});
+  if (has_impacts(run.scene))
+    sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
+                    {"impacts", "Impacts", impact_section(run)});
   html += "<nav>";
   for (const auto& [id, name, content] : sections)
     html += fmt::format("<a href=\"#{}\">{}</a>", id, escaped(id == "verdicts" ? "Verdicts" : name));

@@ -15,13 +15,13 @@ struct LoadQuantity {
 
 /// In the order of WallLoads::values. Names are those of cell data for ParaView and of columns.
 inline constexpr std::array<LoadQuantity, 7> kLoadQuantities{{
-    {"pressure", "Pa", "mean pressure [Pa]"},                          // of the mean force along the triangle's normal
-    {"shear", "Pa", "mean shear [Pa]"},                                // of the mean force across it: what goes to and fro cancels
-    {"sliding_power", "W/m^2", "sliding work [W/m^2]"},                // of friction on what slid
-    {"damping_power", "W/m^2", "work lost along the normal [W/m^2]"},  // of damping
-    {"contact_rate", "1/(m^2 s)", "contacts that began [1/(m^2 s)]"},  // of bodies with the wall
-    {"impact_power", "W/m^2", "energy of impacts [W/m^2]"},            // of these contacts as they began
-    {"wear_depth", "m", "depth worn off since the start [m]"},         // along the normal of the triangle as it was; at the later frame
+    {"pressure", "Pa", "mean pressure [Pa]"},                     // of the mean force along the triangle's normal
+    {"shear", "Pa", "mean shear [Pa]"},                           // of the mean force across it: what goes to and fro cancels
+    {"sliding_power", "W/m^2", "sliding work [W/m^2]"},           // of friction on what slid
+    {"damping_power", "W/m^2", "lost by damping [W/m^2]"},        // of damping
+    {"contact_rate", "1/(m^2 s)", "contacts begun [1/(m^2 s)]"},  // of bodies with the wall
+    {"impact_power", "W/m^2", "energy of impacts [W/m^2]"},       // of these contacts as they began
+    {"wear_depth", "m", "depth worn off [m]"},                    // along the normal of the triangle as it was; at the later frame
 }};
 
 /// Of a wall that has a load map.

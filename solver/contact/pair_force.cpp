@@ -54,10 +54,12 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
   old.force = turned(old.force);
   const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
   result.dissipative_torque += moment.moment;
+  result.rolling_moment = moment.moment;
   if (m.surface != nullptr) result.surface_power += dot(moment.moment, surface_twist);
   if (!law.rolling_spring) return;
   next.push_back({kRollingKey, moment.spring, moment.stiffness});
-  if (moment.stiffness > 0) result.tangential_elastic += 0.5 * squared_length(moment.spring) / moment.stiffness;
+  if (moment.stiffness > 0) result.rolling_elastic = 0.5 * squared_length(moment.spring) / moment.stiffness;
+  result.tangential_elastic += result.rolling_elastic;
 }
 
 constexpr FrictionSpring kLink{kLinkKey, {}, 0};

@@ -33,7 +33,9 @@ struct PairForce {
   Vec3 force, torque;                          ///< on A, everything
   Vec3 dissipative_force, dissipative_torque;  ///< on A, from damping and friction alone
   double elastic = 0;                          ///< U [J]; below 0 where a law pulls
-  double tangential_elastic = 0;               ///< stored in friction springs [J]
+  double tangential_elastic = 0;               ///< stored in friction springs, that of rolling included [J]
+  double rolling_elastic = 0;                  ///< of that, in the spring of rolling [J]
+  Vec3 rolling_moment;                         ///< on A, of rolling and torsional resistance; part of `torque`
   double largest_overlap = 0;                  ///< largest overlap [m]
   double surface_power = 0;                    ///< of friction on A where the wall's surface moves: its work on both [W]
   double damping = 0;                          ///< chi: the damping force of a feature is its push times chi times its speed [s/m]

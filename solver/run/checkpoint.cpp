@@ -172,6 +172,12 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     c.totals.loads.triangles.resize(loads.size() / static_cast<std::size_t>(kRow));
     set_words(loads, c.totals.loads);
   }
+  if (root.has("impacts")) {
+    constexpr auto kRow = static_cast<std::int64_t>(kImpactWords);
+    const auto impacts = root.read_array<std::int64_t>("impacts", kRow);
+    c.totals.impacts.pairs.resize(impacts.size() / kImpactWords);
+    set_words(impacts, c.totals.impacts);
+  }
   if (root.has("wear")) {
     const h5::Group wear = root.open_group("wear");
     c.totals.wear.vertices = wear.read_vectors("vertices");
@@ -199,7 +205,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   std::vector<WaitingState> states;
   collect_state(simulation, bodies, states);
   const RunTotals totals = overall_totals(simulation.state());
-  const std::vector<std::int64_t> words = words_of(totals), loads = words_of(totals.loads);
+  const std::vector<std::int64_t> words = words_of(totals), loads = words_of(totals.loads), impacts = words_of(totals.impacts);
   const std::string hash = state_hash(simulation.state());
   // attributes are written by all ranks alike, and each has measured other times
   RunRecord run = so_far.record;
@@ -210,11 +216,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   mpi::on_all(comm, [&] {
     const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
     const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
-    std::int64_t bytes =
-        body_rows.total * bytes_per_row<BodyTableColumns>() +
-        static_cast<std::int64_t>((words.size() + loads.size() + totals.wear.work.size() + 3 * totals.wear.vertices.size()) *
-                                      sizeof(std::int64_t) +
-                                  record.size());
+    std::int64_t bytes = body_rows.total * bytes_per_row<BodyTableColumns>() +
+                         static_cast<std::int64_t>(
+                             (words.size() + loads.size() + impacts.size() + totals.wear.work.size() + 3 * totals.wear.vertices.size()) *
+                                 sizeof(std::int64_t) +
+                             record.size());
     for_each_kind(PairState{}, [&](const auto& kind) {
       using Row = typename std::decay_t<decltype(kind)>::value_type;
       bytes += comm.sum(static_cast<std::int64_t>(keyed_rows<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
@@ -256,6 +262,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         const auto triangles = static_cast<std::int64_t>(loads.size()) / kRow;
         file.write(root, "loads", loads.data(), comm.rank() == 0 ? Rows{triangles, 0, triangles} : Rows{0, triangles, triangles}, kRow,
                    H5T_NATIVE_INT64, "");
+      }
+      if (!impacts.empty()) {
+        const auto pairs = static_cast<std::int64_t>(totals.impacts.pairs.size());
+        file.write(root, "impacts", impacts.data(), comm.rank() == 0 ? Rows{pairs, 0, pairs} : Rows{0, pairs, pairs},
+                   static_cast<std::int64_t>(kImpactWords), H5T_NATIVE_INT64, "");
       }
       if (!totals.wear.vertices.empty()) {
         const h5::Group wear = root.create_group("wear");

@@ -1,6 +1,7 @@
 #include "solver/run/make_frame.hpp"
 
 #include "solver/scene/origin.hpp"
+#include "solver/step/impacts.hpp"
 #include "solver/step/wall_loads.hpp"
 
 namespace scree {
@@ -55,6 +56,34 @@ void add_frame_loads(const SolverScene& scene, const LoadMap& map, FrameLoads& l
 #define SCREE_FILL_COMPUTED(type, name, path, unit, csv, uses, what) loads.name.push_back(computed.name());
       SCREE_FRAME_LOADS(SCREE_FILL_COMPUTED)
 #undef SCREE_FILL_COMPUTED
+    }
+  }
+}
+
+void add_frame_impacts(const SolverScene& scene, const ImpactTotals& totals, Frame& frame) {
+  const std::size_t materials = scene.source().materials.size();
+  for (std::size_t b = 0; b < materials; ++b) {
+    for (std::size_t a = 0; a <= b; ++a) {
+      const MaterialPairTotals& of = totals.pairs[material_pair(a, b)];
+      FrameLosses& losses = frame.losses;
+      losses.material_a.push_back(static_cast<std::int32_t>(a));
+      losses.material_b.push_back(static_cast<std::int32_t>(b));
+      losses.damping.push_back(of.lost[kDampingLoss].value());
+      losses.friction.push_back(of.lost[kFrictionLoss].value());
+      losses.rolling.push_back(of.lost[kRollingLoss].value());
+      for (std::size_t k = 0; k < kImpactBins; ++k) {
+        const ImpactBin& bin = of.bins[k];
+        if (bin.count[kNormalImpact] == 0 && bin.count[kShearImpact] == 0) continue;
+        FrameImpacts& impacts = frame.impacts;
+        impacts.material_a.push_back(static_cast<std::int32_t>(a));
+        impacts.material_b.push_back(static_cast<std::int32_t>(b));
+        impacts.energy_from.push_back(impact_bin_end(k));
+        impacts.energy_to.push_back(impact_bin_end(k + 1));
+        impacts.normal_count.push_back(bin.count[kNormalImpact]);
+        impacts.normal_energy.push_back(bin.energy[kNormalImpact].value());
+        impacts.shear_count.push_back(bin.count[kShearImpact]);
+        impacts.shear_energy.push_back(bin.energy[kShearImpact].value());
+      }
     }
   }
 }
@@ -128,6 +157,10 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
   if (simulation.state().scene.mapped_triangles() > 0) {
     const LoadMap map = loads_now(simulation.state());
     if (rank == 0) add_frame_loads(simulation.state().scene, map, frame.loads);
+  }
+  if (simulation.state().scene.source().settings.output_impacts) {
+    const ImpactTotals totals = impacts_now(simulation.state());
+    if (rank == 0) add_frame_impacts(simulation.state().scene, totals, frame);
   }
   if (rank == 0) add_frame_wear(simulation.state().scene, simulation.state().totals.wear, frame.wear);
   return frame;

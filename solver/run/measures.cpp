@@ -61,6 +61,12 @@ ItemHash hash_of(const LoadMap& loads) {
   return h;
 }
 
+ItemHash hash_of(const ImpactTotals& impacts) {
+  ItemHash h;
+  for (const std::int64_t word : words_of(impacts)) h.add(word);
+  return h;
+}
+
 ItemHash hash_of(const WearState& wear) {
   ItemHash h;
   for (const Vec3& v : wear.vertices) h.add(v);
@@ -248,6 +254,7 @@ RunTotals overall_totals(const RunState& s) {
   totals.arrived = over_ranks(s.comm.get(), s.totals.arrived);
   totals.outlets = over_ranks(s.comm.get(), s.totals.outlets);
   add_over_ranks(s.comm.get(), totals.loads);
+  add_over_ranks(s.comm.get(), totals.impacts);
   totals.level = s.clock.level;
   if (s.bonds) {
     std::vector<ExactSum> fracture{s.totals.fracture};
@@ -289,6 +296,11 @@ std::string state_hash(const RunState& s) {
     LoadMap loads = s.totals.loads;
     add_over_ranks(s.comm.get(), loads);
     if (s.comm.rank() == 0) add(hash_of(loads));
+  }
+  if (!s.totals.impacts.pairs.empty()) {
+    ImpactTotals impacts = s.totals.impacts;
+    add_over_ranks(s.comm.get(), impacts);
+    if (s.comm.rank() == 0) add(hash_of(impacts));
   }
   if (s.comm.rank() == 0 && !s.totals.wear.vertices.empty()) add(hash_of(s.totals.wear));
   const std::vector<std::int64_t> broken_at = s.bonds ? all_broken_at(s) : std::vector<std::int64_t>{};

@@ -307,6 +307,12 @@ void Plan::add_output() {
     in("contacts in frames", "output.contacts = true");
   else
     out("contacts in frames", "output.contacts = false");
+  if (settings_.output_impacts)
+    in("impacts",
+       fmt::format("energies and losses by {} pairs of materials, {:.1f} kB on each rank", material_pairs(source_.materials.size()),
+                   material_pairs(source_.materials.size()) * sizeof(MaterialPairTotals) / 1e3));
+  else
+    out("impacts", "output.impacts = false");
   if (settings_.checkpoint_every > 0)
     in("checkpoints", fmt::format("output.checkpoint = {}", format_quantity(settings_.checkpoint_every, Dimension::time)));
   else if (settings_.checkpoint_by_clock)

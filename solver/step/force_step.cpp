@@ -25,6 +25,7 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   const bool refresh_ghosts = built_with::kRanks && refresh, overlap = decomposition.options().strategy == HaloStrategy::overlap;
   const bool timed = refresh_ghosts && balance.is_sample(s.clock.step);
   s.loads.clear();
+  s.impacts.clear();
   if (timed) scratch_.pair_seconds.assign(s.pairs.pairs().size(), 0.0f);
 
   if (refresh_ghosts) halo.start_refresh(p, s.times);
@@ -53,6 +54,7 @@ void ForceStep::compute_begun(RunState& s, FirstFailure& failure, std::span<cons
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;
     largest = std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, 0, s.clock.step, scratch_, s.pairs));
+    for (std::vector<ImpactEntry>& of_thread : scratch_.impacts) of_thread.clear();  // bodies do not get these forces
   });
 }
 
@@ -71,6 +73,10 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
     }
     for (std::vector<LoadEntry>& of_thread : scratch_.loads) {
       s.loads.insert(s.loads.end(), of_thread.begin(), of_thread.end());
+      of_thread.clear();
+    }
+    for (std::vector<ImpactEntry>& of_thread : scratch_.impacts) {
+      s.impacts.insert(s.impacts.end(), of_thread.begin(), of_thread.end());
       of_thread.clear();
     }
   });

@@ -96,9 +96,11 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                 pair_force_function(scene.law_choice()),
                 pair_holds_function(scene.law_choice()),
                 stop_ratio,
+                scene.source().settings.output_impacts,
                 !scene.source().bonds.empty()};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
   if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
+  if (pass.has_impacts) scratch.impacts.resize(scratch.distance.size());
   Deepest deepest;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
   check_pass(pass, which, step, deepest);

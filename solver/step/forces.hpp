@@ -9,6 +9,7 @@
 #include "core/storage/frame_file.hpp"
 #include "solver/neighbours/pair_list.hpp"
 #include "solver/ranks/exact_sum.hpp"
+#include "solver/step/impacts.hpp"
 #include "solver/step/load_map.hpp"
 
 namespace scree {
@@ -21,6 +22,8 @@ struct ForceScratch {
   std::vector<ExactSum> released;
   /// One per thread where walls have load maps: evaluate_pairs appends the entries of their contacts.
   std::vector<std::vector<LoadEntry>> loads;
+  /// One per thread where impacts are recorded: evaluate_pairs appends the pairs in contact.
+  std::vector<std::vector<ImpactEntry>> impacts;
   ForceScratch();
 };
 

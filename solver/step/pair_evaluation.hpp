@@ -11,6 +11,7 @@
 #include "solver/contact/contact_models.hpp"
 #include "solver/contact/pass_through.hpp"
 #include "solver/step/forces.hpp"
+#include "solver/step/impacts.hpp"
 #include "solver/step/wall_loads.hpp"
 
 namespace scree {
@@ -28,6 +29,7 @@ struct PairPass {
   PairForceFunction force_of;
   PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
   double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
+  bool has_impacts;         ///< impacts and losses are recorded
   bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
 
@@ -183,10 +185,13 @@ class PairEvaluation {
 
   double radius_of(const PairView& view, const PairLaw& law) const { return law.radius > 0 ? law.radius : contact_radius(view); }
 
+  std::int32_t material_of_b(const PairView& view, const BodyPair& pair) const {
+    return view.zone == nullptr ? pass_.p.material[static_cast<std::size_t>(pair.b)]
+                                : pass_.scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
+  }
+
   const PairLaw& law_of(const PairView& view, const BodyPair& pair) {
-    const std::int32_t material_b = view.zone == nullptr ? pass_.p.material[static_cast<std::size_t>(pair.b)]
-                                                         : pass_.scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
-    const PairLaw& law = pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_b);
+    const PairLaw& law = pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_of_b(view, pair));
     if (!pass_.scene.laws_by_room()) return law;
     fitted_ = pass_.scene.for_room(law, view.room);
     return fitted_;
@@ -208,11 +213,12 @@ class PairEvaluation {
     if (view.zone != nullptr && pass_.scene.has_answering_walls())
       motion.inverse_mass_b = pass_.scene.wall_mobility(static_cast<std::size_t>(view.zone->wall), view.a.x);
     const bool is_mapped = view.zone != nullptr && pass_.scene.mapped_triangles() > 0 && !pass_.only_looks() && first_mapped_of(view) >= 0;
+    const bool is_recorded = pass_.has_impacts && !pass_.only_looks();
     // Looking must not change anything: it works on a copy of the springs.
     std::vector<FrictionSpring> copy;
     if (pass_.only_looks()) copy = pair.state.springs;
     const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, pass_.only_looks() ? copy : pair.state.springs,
-                                       pass_.out != nullptr || is_mapped ? &outputs_ : nullptr);
+                                       pass_.out != nullptr || is_mapped || is_recorded ? &outputs_ : nullptr);
     if (pass_.look != nullptr) (*pass_.look)({pair, features_, f, motion, law});
     result.active = true;
     result.contact_count = static_cast<std::int32_t>(features_.list.size());
@@ -231,6 +237,7 @@ class PairEvaluation {
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
     if (is_mapped) map_loads(view, motion, a_to_world, pair);
+    if (is_recorded) record_impact(view, motion, f, a_to_world, pair);
     if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
   }
 
@@ -239,6 +246,14 @@ class PairEvaluation {
   [[gnu::noinline]] void map_loads(const PairView& view, const PairMotion& motion, const Mat3& a_to_world, const BodyPair& pair) {
     append_loads({view, motion, features_, outputs_, pair.lists, a_to_world, pair.a, first_mapped_of(view), pass_.friction_dt}, distance_,
                  pass_.scratch.loads[thread_]);
+  }
+
+  [[gnu::noinline]] void record_impact(const PairView& view, const PairMotion& motion, const PairForce& force, const Mat3& a_to_world,
+                                       const BodyPair& pair) {
+    const std::size_t materials = material_pair(static_cast<std::size_t>(pass_.p.material[static_cast<std::size_t>(pair.a)]),
+                                                static_cast<std::size_t>(material_of_b(view, pair)));
+    pass_.scratch.impacts[thread_].push_back(impact_entry(
+        {view, motion, features_, outputs_, force, a_to_world, pair, materials, counts_here(pair, pass_.p), pass_.friction_dt}));
   }
 
   static inline const PullView kNoPull;

@@ -18,6 +18,7 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
   if (!of.source().bonds.empty()) bonds.emplace(of);
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
   totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
+  if (of.source().settings.output_impacts) totals.impacts.pairs.resize(material_pairs(of.source().materials.size()));
   if (of.worn_vertices() > 0) {
     totals.wear.work.resize(totals.loads.triangles.size());
     for (const Wall& wall : of.source().walls) {

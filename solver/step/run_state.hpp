@@ -65,8 +65,9 @@ struct RunState {
   BodyFacts facts;
   std::int64_t largest_id = -1;  ///< that a body or a wall has or had, at any time
   StepClock clock;
-  RunTotals totals;              ///< of this rank
-  std::vector<LoadEntry> loads;  ///< of the present forces, on walls that have a load map
+  RunTotals totals;                  ///< of this rank
+  std::vector<LoadEntry> loads;      ///< of the present forces, on walls that have a load map
+  std::vector<ImpactEntry> impacts;  ///< of the present forces, where impacts are recorded
   PhaseTimes times{};
 
   const FluidForces* fluid_forces() const { return fluid ? &*fluid : nullptr; }

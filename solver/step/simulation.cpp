@@ -48,6 +48,7 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
   book_loads(state_, 0.5 * state_.clock.dt, false, state_.totals.loads);
+  book_impacts(state_, 0.5 * state_.clock.dt, false, state_.totals.impacts);
   add_dissipation(state_, 0.5 * state_.clock.dt);
   agree_on_failures();
 }
@@ -137,6 +138,7 @@ void Simulation::finish_motion() {
   if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { respond_drives(state_); });
   add_wall_effects(state_, state_.clock.dt, state_.totals.walls);
   book_loads(state_, state_.clock.dt, true, state_.totals.loads);
+  book_impacts(state_, state_.clock.dt, true, state_.totals.impacts);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   add_dissipation(state_, state_.clock.dt);
 }

@@ -1,47 +1,15 @@
 #include "solver/step/wall_loads.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error.hpp"
 #include "solver/contact/wall_triangles.hpp"
+#include "solver/step/impacts.hpp"
 
 namespace scree {
 
-namespace {
-
-/// A contact that begins, and how much of it each feature is.
-struct Beginning {
-  double energy = 0;    ///< [J]
-  double overlaps = 0;  ///< sum of those above 0 [m]; 0: nothing begins
-};
-
-Beginning beginning_of(const MappedContact& c) {
-  Beginning begins;
-  if (!(c.friction_dt > 0)) return begins;
-  const PairMotion& m = c.motion;
-  Vec3 force, torque;
-  double speed = 0;
-  for (const ContactFeature& f : c.features.list) {
-    if (!(f.overlap > 0)) continue;
-    const Vec3 velocity = m.v_a + cross(m.w_a, f.x) - m.pivot_v_b - cross(m.w_b, f.x - m.pivot_b);
-    const double vn = dot(velocity, f.n);
-    // bodies drift by these velocities: one step before, the overlap was this much less
-    if (f.overlap + vn * c.friction_dt > 0) return {};
-    begins.overlaps += f.overlap;
-    speed += f.overlap * vn;
-    force += f.overlap * f.n;
-    torque += cross(f.x, f.overlap * f.n);
-  }
-  const double mobility = wrench_mobility(m, force, torque);
-  if (mobility > 0) begins.energy = 0.5 * speed * speed / mobility;
-  return begins;
-}
-
-}  // namespace
-
 void append_loads(const MappedContact& c, MeshDistanceScratch& scratch, std::vector<LoadEntry>& entries) {
-  const Beginning begins = beginning_of(c);
+  const Beginning begins = beginning_of(c.features, c.motion, c.friction_dt);
   thread_local std::vector<std::int32_t> triangles;
   for (std::size_t j = 0; j < c.features.list.size(); ++j) {
     const ContactFeature& f = c.features.list[j];
@@ -58,7 +26,7 @@ void append_loads(const MappedContact& c, MeshDistanceScratch& scratch, std::vec
     entry.damping = (share * out.damping) * (c.a_to_world * f.n);
     entry.slid = share * out.slid;
     entry.contacts = part;
-    entry.impact = part * begins.energy;
+    entry.impact = part * begins.energy[kNormalImpact];
     for (const std::int32_t t : triangles) {
       entry.triangle = c.first_mapped + t;
       entries.push_back(entry);

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "core/geometry/mass_properties.hpp"
+#include "core/geometry/mesh_refine.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/check/mesh_deviation.hpp"
-#include "mesher/edit/mesh_refine.hpp"
 #include "mesher/edit/mesh_simplify.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -69,7 +69,7 @@ def invalid_step(run):
 
 
 def frame_difference(f, g):
-    for part in ("attributes", "bodies", "contacts", "walls", "loads"):
+    for part in ("attributes", "bodies", "contacts", "walls", "loads", "impacts", "losses"):
         left, right = getattr(f, part), getattr(g, part)
         if sorted(left) != sorted(right):
             return f"{part} have other names"
@@ -377,6 +377,22 @@ def a_load_map_is_no_physics(trial):
             require(numpy.array_equal(f.bodies[name], g.bodies[name], equal_nan=True), f"a load map changes {name} in frame {f.number}")
     for name in ("dissipated", "wall_work", "elastic", "critical_step"):
         require(trial.run.log.get(name) == other.log.get(name), f"a load map changes {name} in the log")
+
+
+@relation("bits", another_last_digit)
+def recording_impacts_is_no_physics(trial):
+    """Recording impacts and losses changes nothing of what bodies do."""
+    case = trial.case.copy()
+    table = case.table("output")
+    table["impacts"] = not table.get("impacts", False)
+    other = trial.solve_case(case)
+    require(other.code == trial.run.code, f"exit {other.code} against {trial.run.code}: {last_line(other)}")
+    require(len(other.frames) == len(trial.run.frames), f"{len(other.frames)} frames against {len(trial.run.frames)}")
+    for f, g in zip(trial.run.frames, other.frames):
+        for name in f.bodies:
+            require(numpy.array_equal(f.bodies[name], g.bodies[name], equal_nan=True), f"recording impacts changes {name} in frame {f.number}")
+    for name in ("dissipated", "wall_work", "elastic", "critical_step"):
+        require(trial.run.log.get(name) == other.log.get(name), f"recording impacts changes {name} in the log")
 
 
 def without_contacts(frame):

@@ -38,7 +38,7 @@ DIMENSIONS = {
     "inlets.*.rate": (0, 1, -1), "inlets.*.rate.time": (0, 0, 1), "inlets.*.rate.rate": (0, 1, -1),
     "inlets.*.number_rate": (0, 0, -1), "inlets.*.number_rate.time": (0, 0, 1), "inlets.*.number_rate.rate": (0, 0, -1),
     "inlets.*.start": (0, 0, 1), "inlets.*.stop": (0, 0, 1), "inlets.*.limit": (0, 1, 0),
-    "walls.*.wear.coefficient": (1, -1, 2), "walls.*.wear.every": (0, 0, 1), "walls.*.cell_size": (1, 0, 0), "walls.*.position": (1, 0, 0),
+    "walls.*.wear.coefficient": (1, -1, 2), "walls.*.wear.every": (0, 0, 1), "walls.*.cell_size": (1, 0, 0), "walls.*.triangle_size": (1, 0, 0), "walls.*.position": (1, 0, 0),
     "walls.*.motion.oscillate.amplitude": (1, 0, 0), "walls.*.motion.oscillate.frequency": (0, 0, -1),
     "walls.*.motion.rotate.centre": (1, 0, 0), "walls.*.motion.rotate.rate": (0, 0, -1),
     "walls.*.motion.start": (0, 0, 1), "walls.*.motion.stop": (0, 0, 1),

@@ -844,6 +844,8 @@ def load_maps(d):
     for wall in d.case.walls:
         if is_mesh_wall(wall) and d.chance(0.4):
             wall["load_map"] = True
+        if is_mesh_wall(wall) and "file" not in wall["shape"] and d.chance(0.15):
+            wall["triangle_size"] = d.radius * d.between(1, 4)
     d.random = others
 
 
@@ -935,6 +937,13 @@ def output(d):
     if d.chance(0.2):
         table["checkpoint"] = d.duration / d.random.randint(2, 5)
     d.words["output"] = table
+
+
+@feature
+def impacts(d):
+    """From numbers of its own: what other features draw stays."""
+    if random_numbers.Random(f"impacts {d.words['title']}").random() < 0.3:
+        d.words["output"]["impacts"] = True
 
 
 @feature

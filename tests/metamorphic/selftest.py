@@ -64,7 +64,7 @@ def scenes():
     on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     feed = {"shape": "ball", "material": "m", "number_rate": 100.0, "region": {"box": [[-0.05, -0.05, 0.03], [0.05, 0.05, 0.06]]}, "velocity": [0, 0, -1]}
     end = {"region": {"box": [[-0.1, -0.1, -0.2], [0.1, 0.1, 0.0]]}}
-    return [scene(falling, [floor]), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
+    return [scene(falling, [floor], output={"every": 0.01, "impacts": True}), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
             scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
             on_a_sheet, on_a_mapped_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
 

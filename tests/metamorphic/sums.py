@@ -246,6 +246,36 @@ def load_maps_bear_what_walls_bear(trial):
         raise NotApplicable("no row of the log at a frame, or nothing bears")
 
 
+def another_loss(run):
+    for frame in run.frames:
+        if frame.losses:
+            frame.losses["friction"] = frame.losses["friction"] - 1e-6 * (abs(frame.attributes["dissipated"]) + run.record["energy"]["kinetic_peak"]) - 1e-300
+
+
+@relation("sums", another_loss)
+def losses_by_cause_make_all_losses(trial):
+    """What contacts dissipate, by pair of materials and cause, adds up to all that is dissipated where nothing else takes energy; impacts never grow fewer."""
+    run, case = trial.run, trial.case
+    if not case.table("output").get("impacts") or not run.frames:
+        raise NotApplicable("impacts are not recorded")
+    trial.seen(run)
+    names = ("material_a", "material_b", "energy_from", "normal_count", "shear_count")
+    counts = [{row[:3]: row[3:] for row in zip(*(f.impacts[name].tolist() for name in names))} if f.impacts else {} for f in run.frames]
+    for before, now, frame in zip(counts, counts[1:], run.frames[1:]):
+        for key, (normal, shear) in before.items():
+            require(key in now and now[key][0] >= normal and now[key][1] >= shear, f"impacts of {key} grow fewer until t = {frame.time:.6g} s")
+    others = "fluid" in trial.scene.general or "bonds" in case.words or any("wear" in wall for wall in case.walls) or \
+        any(key in pair for pair in case.words.get("pairs", []) for key in ("pull_off", "adhesion", "surface_tension", "neck_adhesion", "bridge"))
+    if others:
+        raise NotApplicable("a fluid, bonds, wear, necks or bridges take energy too")
+    for frame in run.frames:
+        parts = numpy.concatenate([frame.losses[cause] for cause in ("damping", "friction", "rolling")])
+        all_lost = frame.attributes["dissipated"]
+        # sums of forces on bodies against sums of forces of contacts: rounding of what goes to and fro between bodies
+        scale = numpy.abs(parts).sum() + abs(all_lost) + run.record["energy"]["kinetic_peak"]
+        require(abs(parts.sum() - all_lost) <= 1e-9 * scale, f"t = {frame.time:.6g} s: contacts have dissipated {parts.sum():.12g} J, all together {all_lost:.12g} J")
+
+
 @relation("sums", another_wall_force)
 def contacts_make_wall_forces(trial):
     """The contacts of a frame add up to the force on each wall, in frame and log: exactly where nothing is damped and rubs, since contacts are

@@ -216,6 +216,7 @@ class Frame:
                 order = numpy.lexsort([self.contacts[name] for name in ("feature", "body_b", "body_a")])
                 self.contacts = {name: values[order] for name, values in self.contacts.items()}
             self.walls = {name: file["walls"][name][()] for name in file["walls"]} if "walls" in file else {}
+            self.impacts, self.losses = ({name: file[group][name][()] for name in file[group]} if group in file else {} for group in ("impacts", "losses"))
             self.loads = {name: file["loads"][name][()] for name in file["loads"]} if "loads" in file else {}
             self.attributes = {name: value.item() if hasattr(value, "item") else value for name, value in file["frame"].attrs.items()}
         self.time, self.number = float(self.attributes["time"]), int(self.attributes["number"])

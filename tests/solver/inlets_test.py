@@ -406,6 +406,64 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed():
     assert "the same, bit for bit" in said, said
 
 
+WHEEL = """
+[[walls]]
+name = "wheel"
+shape = { plate = { corner = [0.06, -0.06, 0.2], side_a = [0.1, 0, 0], side_b = [0, 0.12, 0] } }
+material = "m"
+triangle_size = 0.03
+load_map = true
+motion = { motor = { axis = [0, 1, 0], centre = [0.11, 0, 0.2], torque = 0.02, inertia = 2e-4, max_rate = "60 rpm" } }
+[start]
+run = "before.run"
+"""
+
+
+def make_everything():
+    """A scene with all that equipment has: inlets by number and by mass, outlets with and without a way back, a belt, several motions, a servo, a part
+    on a hinge, a motor, load maps, wear, impacts, and bodies from an earlier run."""
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "20 mm, 15 mm, 12 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    settings = {"margin": "2e-3", "stiffness": "5000"}
+    first, rest = LOOP.split("[[inlets]]", 1)
+    chute = rest[rest.index("[[walls]]"):rest.index("motion =")]   # it stands still
+    computed("before", head(0.03, checkpoint="0.01", **settings) + first + chute)
+    rock = first[:first.index("[[populations]]")]
+    text = head(0.45, checkpoint="0.09", **settings).replace("contacts = false", "contacts = true\nimpacts = true") + rock + "[[inlets]]" + rest + WHEEL
+    pack("everything", text)
+
+
+def all_of_it(folder):
+    """What a run left, apart from times: last frame with all its groups, tables, log, hash."""
+    with h5py.File(sorted(glob.glob(f"{folder}/frame_*.hdf"))[-1]) as file:
+        groups = {f"{group}/{name}": file[group][name][()].tolist() for group in ("loads", "wear", "impacts", "losses", "walls") for name in file[group]}
+    return (groups, physics_of_log(folder), table(folder, "inserted.csv"), table(folder, "removed.csv"),
+            *(outcome(folder)[name] for name in ("state_hash", "step_limited_by", "inlets", "outlets", "wear")))
+
+
+def every_feature_of_equipment_in_one_scene_is_the_same_run_on_any_ranks_and_threads_and_after_a_kill():
+    make_everything()
+    kept = None
+    for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1), (4, 1)):
+        folder = f"r{ranks}t{threads}.run"
+        run(ranks, "everything.scene.h5", "-o", folder, threads=threads, limit=800)   # four ranks on two cores wait for each other
+        found = all_of_it(folder)
+        kept = kept or found
+        assert found == kept, f"{folder}: another run than on one rank"
+    groups, record = kept[0], outcome("r1t1.run")
+    log = table("r1t1.run", "log.csv")
+    ways = {name: [float(row[name]) for row in log] for name in log[0] if name.endswith("_way")}
+    assert len(ways) == 3 and all(max(way) - min(way) > 0.01 for way in ways.values()), "flap, pusher and wheel move"
+    assert record["inlets"][0]["came_in_again"] > 3 and record["outlets"][1]["bodies"] > 0 and record["wear"][0]["volume"] > 0, record
+    assert sum(groups["impacts/normal_count"]) > 50 and max(groups["loads/contacts"]) > 0 and record["lost_bodies"] == 0
+    for moment, ranks in ((0, 2), (1, 1)):
+        folder = f"killed{moment}.run"
+        shutil.copytree("r3t1.run", folder)
+        make_killed(folder, keep=moment + 1)
+        run(ranks, "everything.scene.h5", "-o", folder, "--restart", "latest", limit=800)
+        assert all_of_it(folder) == kept, f"{folder}: another run than without a kill"
+
+
 def the_reason_of_the_step_stays_after_a_restart():
     """At the start the step follows from bodies to come; after a restart there are bodies as light."""
     computed("reason", head(0.6, checkpoint="0.2") + FEED.format(rate='number_rate = "50 /s"\n') + END)
@@ -519,6 +577,7 @@ def the_plan_tells_what_is_to_come():
 main([an_outlet_takes_out_what_falls_into_it, what_comes_in_is_the_integral_of_the_rate_and_what_is_there_is_in_minus_out,
       shapes_and_sizes_follow_what_was_asked, a_limit_ends_an_inlet_to_a_body, a_blocked_inlet_waits_and_says_so_once_or_ends_the_run,
       what_it_owes_comes_as_soon_as_there_is_room, bodies_come_in_clear_of_all_others_and_of_walls,
-      the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed, what_leaves_comes_in_again_with_its_shape_size_and_id,
+      the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_feed,
+      every_feature_of_equipment_in_one_scene_is_the_same_run_on_any_ranks_and_threads_and_after_a_kill, what_leaves_comes_in_again_with_its_shape_size_and_id,
       the_reason_of_the_step_stays_after_a_restart,
       the_mean_number_is_the_rate_times_the_residence_time, mistakes_are_told_with_their_line, the_plan_tells_what_is_to_come])

@@ -147,6 +147,20 @@ def a_worn_wall_can_be_used_again():
     assert outcome("next.run")["wear"][0]["volume"] > 0
 
 
+def triangles_as_small_as_asked_for_change_no_flat_wall():
+    """A plate of 100 triangles bears what one of two does, and its map has so many cells."""
+    found = {}
+    for name, words in (("coarse", "load_map = true"), ("fine", 'load_map = true\ntriangle_size = "9 mm"')):
+        make_drum(name, "", **{"load_map = true": words})
+        run(1, f"{name}.scene.h5", "-o", f"{name}.run")
+        found[name] = frames(f"{name}.run")[-1]
+    coarse, fine = found["coarse"], found["fine"]
+    assert len(coarse["loads/triangle"]) == 2 and len(fine["loads/triangle"]) >= 50, len(fine["loads/triangle"])
+    assert numpy.abs(coarse["x"] - fine["x"]).max() < 1e-7
+    total = [f["loads/impulse"].sum(axis=0) for f in (coarse, fine)]
+    assert numpy.abs(total[0] - total[1]).max() < 1e-4 * numpy.abs(total[0]).max() > 0, total
+
+
 def too_much_wear_at_a_time_is_told():
     make_drum(words='wear = { coefficient = 1e-4, every = "0.05 s" }')
     said = run(1, "drum.scene.h5", "-o", "deep.run", expect=5).stderr
@@ -163,6 +177,10 @@ def mistakes_are_told_with_their_line():
         ("analytic box", base + '[[walls]]\nshape = { box_inside = [[-1, -1, -1], [1, 1, 1]] }\nmaterial = "m"\nload_map = true\n',
          ["load_map", "box_inside", "{ box = ... }"]),
         ("analytic wear", base + round_wall + wear + "\n", ["wear", "cylinder_inside", "{ cylinder = ... }"]),
+        ("analytic triangles", base + plane + 'triangle_size = "1 mm"\n', ["triangle_size", "plane", "{ plate = ... }"]),
+        ("triangles of a file", base + '[[walls]]\nshape = { file = "rock.shape.h5" }\nmaterial = "m"\ntriangle_size = "1 mm"\n', ["triangle_size", "scree-mesher refine"]),
+        ("too many triangles", base.replace("load_map = true", 'load_map = true\ntriangle_size = "1 um"'), ["triangle_size", "triangles", "larger size"]),
+        ("no size", base.replace("load_map = true", "load_map = true\ntriangle_size = 0"), ["triangle_size", "> 0"]),
         ("no coefficient", base.replace("coefficient = 2e-7, ", ""), ["wear", "coefficient", "missing"]),
         ("no interval", base.replace(', every = "0.012 s"', ""), ["wear", "every", "missing"]),
         ("negative", base.replace("2e-7", "-2e-7"), ["coefficient", "-2e-07"]),
@@ -188,4 +206,4 @@ def the_plan_tells_maps_and_wear():
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_load_map_changes_nothing_that_moves, wear_does_not_depend_on_output,
-      a_worn_wall_can_be_used_again, too_much_wear_at_a_time_is_told, mistakes_are_told_with_their_line, the_plan_tells_maps_and_wear])
+      a_worn_wall_can_be_used_again, triangles_as_small_as_asked_for_change_no_flat_wall, too_much_wear_at_a_time_is_told, mistakes_are_told_with_their_line, the_plan_tells_maps_and_wear])

@@ -218,3 +218,49 @@ def w6(tools, report):
         report.at_most(f"every {every} s: energy balance", run.record["energy"]["error_relative"], 5e-3)
     report.check("volume at .02 s against .01 s", volumes[0.02], volumes[0.01], 2e-2)
     report.check("volume at .04 s against .01 s", volumes[0.04], volumes[0.01], 4e-2)
+
+
+@case("W7", "U", "one impact recorded: a ball on a wall, two balls, a ball that slides as it lands", "m v^2 / 2, of it 1 - e^2 lost; mu (1 + e) m v s of friction")
+def w7(tools, report):
+    radius = 0.05
+    density = 1.0 / (4 / 3 * math.pi * radius**3)   # 1 kg
+    for name, e, mu, others, energy, lost in (("wall", 0.5, 0.0, False, 0.5, 0.375), ("two balls", 0.5, 0.0, True, 1.0, 0.75),
+                                              ("wall, e = .9", 0.9, 0.0, False, 0.5, 0.095)):
+        c = Case(f"W7{name[0]}{e}", duration=0.03, every=0.01, gravity=(0, 0, 0), margin=0, steps_per_contact=200, impacts=True)
+        c.sphere("ball", radius)
+        c.material("m", density)
+        c.material("w", 1000.0)
+        c.pair("m", "m", stiffness=1e6, restitution=e, friction=mu)
+        c.pair("m", "w", stiffness=1e6, restitution=e, friction=mu)
+        c.body("ball", "m", (0, 0, radius + 0.005), velocity=(0, 0, -1))
+        if others:
+            c.body("ball", "m", (0, 0, -radius - 0.005), velocity=(0, 0, 1))
+        else:
+            c.wall({"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}, "w")
+        run = report.run(c.run(tools))
+        impacts, losses = run.impacts[-1], run.losses[-1]
+        row = 0 if others else 1   # m with m, m with w
+        report.check(f"{name}: impacts", impacts["normal_count"].sum(), 1, 0)
+        report.check(f"{name}: energy in [J]", impacts["normal_energy"].sum(), energy, 1e-9)
+        report.at_most(f"{name}: energy in, of the ends of its bin", max(impacts["energy_from"][0] / energy, energy / impacts["energy_to"][0]), 1)
+        report.check(f"{name}: lost by damping [J]", losses["damping"][row], lost, 2e-3)
+        report.check(f"{name}: that, of what the log has", losses["damping"].sum(), run.log["dissipated"][-1], 1e-12)
+        report.at_most(f"{name}: by friction and rolling [J]", abs(losses["friction"]).sum() + abs(losses["rolling"]).sum(), 0)
+    # a ball without spin comes at an angle and slides until it leaves: it loses its normal energy as above, and by friction what is missing
+    # from the energy of its motion along the wall and of its spin
+    e, mu, vx = 0.5, 0.1, 3.0
+    c = Case("W7s", duration=0.03, every=0.01, gravity=(0, 0, 0), margin=0, steps_per_contact=200, impacts=True)
+    c.sphere("ball", radius)
+    c.material("m", density)
+    c.pair_all(stiffness=1e6, restitution=e, friction=mu)
+    c.body("ball", "m", (0, 0, radius + 0.005), velocity=(vx, 0, -1))
+    c.wall({"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}, "m")
+    run = report.run(c.run(tools))
+    impacts, losses = run.impacts[-1], run.losses[-1]
+    push = mu * (1 + e)   # change of momentum along the wall over m v
+    slid = 0.5 * vx**2 - 0.5 * (vx - push)**2 - 0.5 * 2.5 * push**2   # spin: torque impulse push R on 0.4 m R^2
+    # to the first overlap, by which the lever is shorter than the radius: a step at 1 m/s
+    report.check("sliding: energy along the surface [J]", impacts["shear_energy"].sum(), 0.5 * vx**2 * 2 / 7, run.step / radius)
+    report.check("sliding: energy along the normal [J]", impacts["normal_energy"].sum(), 0.5, 1e-9)
+    report.check("sliding: lost by friction [J]", losses["friction"][0], slid, 5e-3)
+    report.check("sliding: all that is lost, of what the log has", losses["friction"].sum() + losses["damping"].sum(), run.log["dissipated"][-1], 1e-12)

@@ -101,13 +101,13 @@ class Case:
     """The words of one case file. Keyword arguments of the constructor go to [time], [contact], [motion], [output]."""
 
     def __init__(self, name, duration, step=None, steps_per_contact=None, gravity=(0, 0, 0), margin=None, law=None, gather=None,
-                 integrator=None, every=None, contacts=False, seed=0, domain=None, time=None, contact=None):
+                 integrator=None, every=None, contacts=False, seed=0, domain=None, time=None, contact=None, impacts=None):
         self.name = name
         self.top = {"title": name, "seed": seed, "gravity": list(gravity)}
         self.tables = {"time": {"duration": duration}, "contact": {}, "motion": {}, "output": {"contacts": contacts}}
         for table, key, value in [("time", "step", step), ("time", "steps_per_contact", steps_per_contact), ("contact", "margin", margin),
                                   ("contact", "law", law), ("contact", "gather", gather), ("motion", "integrator", integrator),
-                                  ("output", "every", every)]:
+                                  ("output", "every", every), ("output", "impacts", impacts)]:
             if value is not None:
                 self.tables[table][key] = value
         self.tables["contact"]["relax"] = False  # many cases start pressed as in equilibrium
@@ -247,7 +247,7 @@ class Run:
     """What a run wrote. Bodies are in the order of the case; ids N tells how contacts name them.
 
     times F; x, v, w F x N x 3 [m, m/s, rad/s, world]; q F x N x 4 (w x y z); contacts: one dict of arrays per frame;
-    wall_position F x W x 3; loads: of each frame a dict of arrays, one row for each triangle of walls with load maps; wear: the same for each vertex of walls that wear; log: dict of columns (numbers); record: run.json.
+    wall_position F x W x 3; loads: of each frame a dict of arrays, one row for each triangle of walls with load maps; wear: the same for each vertex of walls that wear; impacts, losses: the same for what is recorded of them; log: dict of columns (numbers); record: run.json.
     """
 
     def __init__(self, folder, case=None, text="", seconds=0.0):
@@ -259,6 +259,7 @@ class Run:
             entries = json.load(file)["files"]
         self.times, self.contacts, columns = [], [], {"x": [], "v": [], "w": [], "q": []}
         self.wall_position, self.wall_orientation, self.loads, self.wear = [], [], [], []
+        self.impacts, self.losses = [], []
         for entry in entries:
             with h5py.File(os.path.join(folder, entry["name"]), "r") as file:
                 data = file["VTKHDF/PointData"]
@@ -273,6 +274,9 @@ class Run:
                     self.contacts.append({name: file["contacts"][name][:] for name in file["contacts"]})
                 if "loads" in file:
                     self.loads.append({name: file["loads"][name][:] for name in file["loads"]})
+                for group, rows in (("impacts", self.impacts), ("losses", self.losses)):
+                    if group in file:
+                        rows.append({name: file[group][name][:] for name in file[group]})
                 if "wear" in file:
                     self.wear.append({name: file["wear"][name][:] for name in file["wear"]})
                 if "walls" in file:

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose, drum, conveyor, triaxial, press, sticky, impact, silo, shape-dial and dice in their small size: from nothing to their answers, a sweep, and each killed half way and resumed.
+# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, impact, silo, shape-dial and dice in their small size: from nothing to their answers, a sweep, and each killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -27,6 +27,14 @@ run press
 holds press/press.md "| press-small | 1.000. | 1.000. |"   # smooth sides: what presses on the lid comes down to the floor
 holds press/press-small.report.html "Loads on walls"
 [[ -s "$scratch/press/press-small.run/wall5_worn.shape.h5" ]]
+run mill
+holds mill/mill.md "178 bodies"
+holds mill/mill-small.report.html "Impacts by energy"
+[[ -s "$scratch/mill/mill.png" && -s "$scratch/mill/mill-small.statistics/impacts.csv" ]]
+run screen
+holds screen/screen.md "| coarse, 20 mm | [0-9]* | 0 |"   # none is small enough to pass
+holds screen/screen.md "Mass in, less what left and what is there: \(0.0e+00\|-\?[0-9.]*e-[12][0-9]\) kg"
+[[ -s "$scratch/screen/screen.png" ]]
 run sticky
 holds sticky/sticky.md "| ball | 20 | "
 run impact
@@ -40,13 +48,13 @@ holds shape-dial/dial.csv "^ball-rolling-0.3,"
 run dice
 holds dice/dice.md "| cube | 0\.[56][0-9]* | 0\.54 |"   # looser or denser is no bed of cubes
 [[ -s "$scratch/dice/dice.png" ]]
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large shape-dial/dial-hull; do
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done
 
 "$(dirname "$0")/resume_test.py" "$runner" "$SCREE_BIN" "$scratch" "$scratch/killed" \
-  hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large shape-dial/dial-hull dice/cube-1
+  hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large shape-dial/dial-hull dice/cube-1
 
 # two frictions and two seeds: four runs, one table, and the seed matters
 run drum "sweep=pairs.*.friction=0.2|0.6;time.duration=20 ms" replicas=2 plot=mean_speed

@@ -1,9 +1,9 @@
-#include "mesher/edit/mesh_refine.hpp"
+#include "core/geometry/mesh_refine.hpp"
 
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "mesher/check/half_edges.hpp"
+#include "core/geometry/half_edges.hpp"
 
 namespace scree {
 

@@ -1,4 +1,4 @@
-// Sorted half edges: the one structure from which the mesher reads topology.
+// Sorted half edges: the one structure from which topology is read.
 #pragma once
 
 #include <algorithm>

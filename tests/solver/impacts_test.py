@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""Impacts by energy and losses by cause as a user meets them. usage: impacts_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import csv
+import glob
+import os
+import shutil
+import subprocess
+import sys
+
+import h5py
+import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from tool_runs import BIN, ENV, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+
+# balls and rocks on a turning drum with lifters and a belt: damping, friction and rolling, among three materials
+CASE = """
+seed = 3
+gravity = [0, 0, -9.81]
+[time]
+duration = 0.12
+step = 4e-5
+[contact]
+margin = "0.4 mm"
+[materials.stone]
+density = 2500
+[materials.glass]
+density = 2200
+[materials.steel]
+density = 7800
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = 2e4
+restitution = 0.4
+friction = 0.5
+rolling_friction = 0.05
+[[pairs]]
+between = ["stone", "glass"]
+stiffness = 2e4
+restitution = 0.5
+friction = 0.4
+[[pairs]]
+between = ["stone", "steel"]
+stiffness = 2e4
+restitution = 0.5
+friction = 0.4
+rolling_friction = 0.1
+[[pairs]]
+between = ["glass", "glass"]
+stiffness = 2e4
+restitution = 0.8
+friction = 0.2
+[[pairs]]
+between = ["glass", "steel"]
+stiffness = 2e4
+restitution = 0.7
+friction = 0.3
+[shapes.ball]
+sphere = { radius = "7 mm" }
+[shapes.rock]
+file = "rock.shape.h5"
+[[populations]]
+shape = "ball"
+material = "glass"
+count = 15
+region = { cylinder = { start = [0, 0.01, 0], end = [0, 0.05, 0], radius = 0.065 } }
+[[populations]]
+shapes = { ball = 1, rock = 1 }
+material = "stone"
+count = 15
+region = { cylinder = { start = [0, 0.01, 0], end = [0, 0.05, 0], radius = 0.065 } }
+[[walls]]
+name = "drum"
+shape = { drum = { start = [0, 0, 0], end = [0, 0.06, 0], radius = 0.075, segments = 24, lifters = { count = 6, height = "6 mm", width = "8 mm" } } }
+material = "steel"
+motion = { rotate = { axis = [0, 1, 0], centre = [0, 0, 0], rate = "90 rpm" } }
+[[walls]]
+name = "belt"
+shape = { plate = { corner = [-0.04, 0.005, -0.03], side_a = [0.03, 0, 0.01], side_b = [0, 0.05, 0] } }
+material = "steel"
+surface = { velocity = ["0.3 m/s", 0, "0.1 m/s"] }
+[output]
+every = 0.02
+contacts = false
+checkpoint = 0.03
+impacts = true
+"""
+
+
+def pack(name, text, expect=0):
+    with open(name + ".toml", "w", encoding="utf-8") as file:
+        file.write(text)
+    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
+                            text=True, timeout=200)
+    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
+    return result.stderr
+
+
+def make(name="drum", **changes):
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "12 mm, 10 mm, 9 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    text = CASE
+    for old, new in changes.items():
+        assert old in text, old
+        text = text.replace(old, new)
+    pack(name, text)
+
+
+def frames(folder):
+    found = []
+    for path in sorted(glob.glob(f"{folder}/frame_*.hdf")):
+        with h5py.File(path) as file:
+            found.append({f"{group}/{name}": file[group][name][()] for group in ("impacts", "losses") if group in file for name in file[group]})
+            found[-1]["x"] = file["VTKHDF/Points"][()][numpy.argsort(file["VTKHDF/PointData/id"][()])]
+            found[-1]["dissipated"] = file["frame"].attrs["dissipated"]
+    return found
+
+
+def same_frames(a, b, what):
+    a, b = frames(a), frames(b)
+    assert len(a) == len(b) > 3, (len(a), len(b))
+    for k, (f, g) in enumerate(zip(a, b)):
+        assert f.keys() == g.keys() and "losses/damping" in f
+        for name in f:
+            assert numpy.array_equal(f[name], g[name]), f"{what}: {name} of frame {k}"
+
+
+def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
+    make()
+    kept = None
+    for ranks, threads in ((1, 1), (2, 2), (3, 1)):
+        folder = f"r{ranks}.run"
+        run(ranks, "drum.scene.h5", "-o", folder, threads=threads)
+        found = outcome(folder)["state_hash"], physics_of_log(folder)
+        kept = kept or found
+        assert found == kept, f"{ranks} ranks: another run"
+        same_frames("r1.run", folder, f"{ranks} ranks")
+    assert frames("r1.run")[-1]["impacts/normal_count"].sum() > 30
+    shutil.copytree("r1.run", "again.run")
+    make_killed("again.run")
+    run(2, "drum.scene.h5", "-o", "again.run", "--restart", "latest")
+    assert outcome("again.run")["state_hash"] == kept[0] and physics_of_log("again.run") == kept[1]
+    same_frames("r1.run", "again.run", "after a restart")
+    said = run(2, "verify", "r1.run", "--from", "start").stdout
+    assert "the same, bit for bit" in said, said
+
+
+def all_losses_together_are_those_of_the_log():
+    make()
+    run(1, "drum.scene.h5", "-o", "drum.run")
+    last = None
+    for frame in frames("drum.run"):
+        parts = numpy.array([frame[f"losses/{cause}"] for cause in ("damping", "friction", "rolling")])
+        assert abs(parts.sum() - frame["dissipated"]) <= 1e-12 * (abs(parts).sum() + abs(frame["dissipated"])), (parts.sum(), frame["dissipated"])
+        last = parts
+    # all three causes, and no rolling where the pair has none; materials stand in the order of their names
+    glass, steel, stone = 0, 1, 2
+    end = frames("drum.run")[-1]
+    of = {pair: last[:, k] for k, pair in enumerate(zip(end["losses/material_a"].tolist(), end["losses/material_b"].tolist()))}
+    assert of[(stone, stone)][2] > 0 and of[(steel, stone)][2] > 0 and of[(glass, glass)][2] == 0 and of[(glass, steel)][2] == 0, of
+    assert of[(glass, stone)][0] > 0 and of[(glass, stone)][1] > 0 and (of[(steel, steel)] == 0).all(), of
+
+
+def recording_changes_nothing_that_moves():
+    make("with")
+    make("without", **{"impacts = true": ""})
+    for name in ("with", "without"):
+        run(1, f"{name}.scene.h5", "-o", f"{name}.run")
+    for f, g in zip(frames("with.run"), frames("without.run")):
+        assert numpy.array_equal(f["x"], g["x"])
+        assert "losses/damping" not in g
+
+
+def tables_and_report_say_it():
+    make()
+    run(1, "drum.scene.h5", "-o", "drum.run")
+    post = os.path.join(BIN, "scree-post")
+    subprocess.run([post, "statistics", "drum.run", "-o", "statistics"], check=True, env=ENV, capture_output=True, timeout=200)
+    last = frames("drum.run")[-1]
+    with open("statistics/losses.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(line for line in file if not line.startswith("#"))]
+    end = rows[-1]["time"]
+    assert numpy.isclose(sum(float(row["friction"]) for row in rows if row["time"] == end), last["losses/friction"].sum(), rtol=1e-8)
+    with open("statistics/impacts.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(line for line in file if not line.startswith("#"))]
+    first = frames("drum.run")[0]
+    assert sum(int(row["normal_count"]) for row in rows) == last["impacts/normal_count"].sum() - sum(first.get("impacts/normal_count", [0]))
+    assert {row["material_a"] for row in rows} | {row["material_b"] for row in rows} == {"stone", "glass", "steel"}
+    assert os.path.getsize("statistics/impacts.svg") > 2000
+    subprocess.run([post, "report", "drum.run", "-o", "report.html"], check=True, env=ENV, capture_output=True, timeout=200)
+    with open("report.html", encoding="utf-8") as file:
+        page = file.read()
+    assert "Impacts by energy" in page and "glass - steel" in page
+
+
+def mistakes_and_plan_are_told():
+    make()
+    said = run(1, "drum.scene.h5", "--plan").stdout
+    assert "energies and losses by 6 pairs of materials" in said, said
+    said = pack("wrong", CASE.replace("impacts = true", 'impacts = "all"'), expect=2)
+    assert "wrong.toml:" in said and "impacts" in said and "true or false" in said, said
+
+
+main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, all_losses_together_are_those_of_the_log, recording_changes_nothing_that_moves,
+      tables_and_report_say_it, mistakes_and_plan_are_told])
