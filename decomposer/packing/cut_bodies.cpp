@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/placing/random_numbers.hpp"
+#include "decomposer/packing/child_tool.hpp"
 #include "decomposer/packing/faces_between.hpp"
 
 namespace scree {
@@ -245,6 +246,22 @@ void check_pieces(const CaseShape& shape, const Shape& whole, const ShapeFile& p
     throw InputError("{}: pieces = \"{}\": are those of a body '{}' of {:.9g} m^3, and '{}' has {:.9g} m^3; cut {} again", shape.where,
                      shape.pieces, pieces.pieces->body, pieces.pieces->volume, shape.name, whole.mass.volume, shape.file);
   }
+}
+
+ShapeFile cut_shape(const CaseShape& shape, double inset) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "pieces.shape.h5";
+  std::vector<std::string> words{
+      tool_beside("scree-mesher"),       "fracture", shape.file, "--cells", fmt::format("{}", shape.cells), "--seed",
+      fmt::format("{}", shape.cut_seed), "-o",       path};
+  if (shape.cut_evenly) words.emplace_back("--evenly");
+  if (!shape.name_in_file.empty()) words.insert(words.end(), {"--shape", shape.name_in_file});
+  if (inset > 0) words.insert(words.end(), {"--inset", fmt::format("{:.17g} m", inset)});
+  std::string said;
+  const int code = run_tool(words, "pieces = { cells = ... }", "install it beside scree-decomposer, or give a file of pieces",
+                            [&](const char* bytes, std::size_t size) { said.append(bytes, size); });
+  if (code != 0) throw InputError("{}: pieces = {{ cells = {} }}: {}", shape.where, shape.cells, error_said(said));
+  return read_shape_file(path);
 }
 
 void cut_bodies(const Case& c, const SceneParts& parts, const PieceFiles& pieces, Scene& scene, PackingReport& report) {
