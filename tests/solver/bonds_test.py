@@ -215,6 +215,11 @@ def mistakes_are_told_with_numbers():
     refused(good, "cut rock.shape.h5 again", 3)
     rock()
     refused(good.replace("within", "between").replace('between = "stone"', 'between = ["stone", "stone"]'), "no two faces of bodies", 3)
+    said = pack("weak", good.replace('tension = "1 MPa"', 'tension = "0.3 kPa"').replace('cohesion = "2 MPa"', 'cohesion = "0.6 kPa"'))
+    # 2600 kg/m^3 x 9.81 m/s^2 x 2 cm = 510 Pa: most of the bonds drawn around 300 Pa are below, and of 1 MPa none
+    weak = int(said.split(" bonds hold less tension")[0].split()[-3])
+    assert 0.7 * 46 < weak <= 46 and "510.1 Pa" in said, said
+    assert "less tension" not in pack("good", good)
     said = pack("loose", CASE.format(duration=1e-3, every=1e-3, bonds="") + body)
     assert "start as loose pieces" in said, said
     pack("step", good.replace("duration = 0.001", "duration = 0.001\nstep = 1e-5"))
