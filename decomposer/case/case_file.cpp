@@ -26,15 +26,25 @@ void shape_section(CaseKeys& k, CaseShape& s) {
             "of a mesh at scale 1: for very large bodies, such as terrain that moves; contacts of one other body with it that are further "
             "apart than this do not share stiffness"},
            s.cell_size, Dimension::length, Range::positive);
-  k.path({"pieces", "none",
-          "a `*.shape.h5` from `scree-mesher fracture` of this solid: its bodies are packed as a whole and start as these "
-          "pieces, held by `[[bonds]]`"},
-         s.pieces);
   const CaseTable* t = k.table();
+  const bool is_cut_here = t != nullptr && t->is_table("pieces");
+  if (k.when(!is_cut_here)) {
+    k.path({"pieces", "none",
+            "a `*.shape.h5` from `scree-mesher fracture` of this solid: its bodies are packed as a whole and start as these "
+            "pieces, held by `[[bonds]]`"},
+           s.pieces);
+  }
+  if (k.when(is_cut_here)) {
+    k.section({"pieces", "none", "the same, with the cut made here"}, [&](CaseKeys& below) {
+      below.integer({"cells", kRequired, "how many Voronoi cells it is cut into"}, s.cells, 2);
+      below.integer({"seed", "", "of their points"}, s.cut_seed, 0);
+      below.boolean({"evenly", "", "points move to the centres of their cells: cells of more equal size"}, s.cut_evenly);
+    });
+  }
   if (t == nullptr) return;
   s.where = t->where();
-  if (!s.pieces.empty() && s.file.empty()) throw t->error("pieces", "are those of a mesh: a sphere has no file that could be cut");
-  if (!s.pieces.empty() && s.cell_size > 0) throw t->error("pieces", "do not go with cell_size");
+  if (s.falls_apart() && s.file.empty()) throw t->error("pieces", "are those of a mesh: a sphere has no file that could be cut");
+  if (s.falls_apart() && s.cell_size > 0) throw t->error("pieces", "do not go with cell_size");
   if (t->has("name") && s.file.empty()) throw t->error("name", "names one of several shapes in a file; a sphere has no file");
   if (s.cell_size > 0 && s.file.empty()) throw t->error("cell_size", "is for meshes: a sphere touches in one place");
 }

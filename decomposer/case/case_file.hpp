@@ -23,6 +23,10 @@ struct CaseShape {
   double sphere_radius = 0;  ///< [m]
   double cell_size = 0;      ///< [m], 0: none
   std::string pieces;        ///< file of the pieces that its bodies start as; empty: as a whole
+  std::int64_t cells = 0;    ///< in place of a file, how many cells it is cut into; 0: none
+  std::int64_t cut_seed = 1;
+  bool cut_evenly = true;
+  bool falls_apart() const { return !pieces.empty() || cells > 0; }
 };
 
 /// [[bonds]]: what holds the pieces of bodies of one material, or bodies placed face to face.

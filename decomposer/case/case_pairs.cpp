@@ -20,14 +20,14 @@ std::map<std::int32_t, Users> users_of_materials(const Case& c, const std::vecto
   for (const CaseBody& b : c.bodies) {
     Users& u = users[b.material];
     (b.fixed ? u.still : u.mover) = b.where;
-    const bool falls_apart = !c.shapes[static_cast<std::size_t>(b.shape)].pieces.empty();
+    const bool falls_apart = c.shapes[static_cast<std::size_t>(b.shape)].falls_apart();
     if (!b.fixed) u.movers += falls_apart ? 2 : 1;  // pieces meet each other
     if (b.fixed) u.fixed_body = b.where;
   }
   for (const CasePopulation& p : c.populations) {
     users[p.material].mover = p.where;
     const bool fall_apart = std::any_of(p.shares.begin(), p.shares.end(),
-                                        [&](const auto& s) { return !c.shapes[static_cast<std::size_t>(s.first)].pieces.empty(); });
+                                        [&](const auto& s) { return c.shapes[static_cast<std::size_t>(s.first)].falls_apart(); });
     users[p.material].movers += p.amount == CasePopulation::Amount::count && !fall_apart ? p.value : 2;
   }
   for (const CaseInlet& i : c.inlets) {

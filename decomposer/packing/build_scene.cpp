@@ -66,6 +66,7 @@ class Builder {
     check_none_is_empty(placements);
     add_placed(placed, parts_, placements, scene());
     add_forces();
+    for (std::size_t s = 0; s < case_.shapes.size(); ++s) cut_here(s);
     cut_bodies(case_, parts_, pieces_, scene(), report());
     look_into_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
@@ -145,7 +146,7 @@ class Builder {
 
   void load_pieces(std::size_t shape) {
     const CaseShape& of = case_.shapes[shape];
-    if (of.pieces.empty()) return;
+    if (!of.falls_apart()) return;
     for (const CaseInlet& i : case_.inlets) {
       for (const auto& share : i.shares) {
         if (static_cast<std::size_t>(share.first) == shape)
@@ -154,9 +155,25 @@ class Builder {
               i.where, of.name);
       }
     }
+    if (of.cells > 0) return;  // cut when margin and sizes are known
     const ShapeFile& file = open_shapes(of.pieces, of.where);
     check_pieces(of, parts_.shapes[shape].shape, file);
     pieces_.emplace(shape, file);
+  }
+
+  /// Pieces that the case has cut here: inset by the margin, at the scale of the smallest body.
+  void cut_here(std::size_t shape) {
+    const CaseShape& of = case_.shapes[shape];
+    if (of.cells == 0) return;
+    double smallest = 0;
+    const BodyTable& bodies = scene().bodies;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies.shape[b] == parts_.scene_shape[shape]) smallest = smallest > 0 ? std::min(smallest, bodies.scale[b]) : bodies.scale[b];
+    }
+    if (!(smallest > 0)) return;
+    ShapeFile file = cut_shape(of, scene().settings.surface == TouchAt::drawn ? 0 : scene().settings.margin / smallest);
+    check_pieces(of, parts_.shapes[shape].shape, file);
+    pieces_.emplace(shape, std::move(file));
   }
 
   /// Of [[bodies]], which are the first of what this case adds.

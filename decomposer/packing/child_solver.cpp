@@ -1,58 +1,16 @@
 #include "decomposer/packing/child_solver.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <filesystem>
-#include <optional>
 
-#include "core/base/child_process.hpp"
+#include "core/base/error.hpp"
+#include "decomposer/packing/child_tool.hpp"
 
 namespace scree {
 
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A folder that lives as long as this.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "scree-packing-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw SystemError("cannot make a temporary folder {}: {}", name, std::strerror(errno));
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string operator/(const char* name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
-
-/// Variables by which Open MPI would take the child for a rank of this program's own job. The user's settings stay.
-bool is_of_this_job(const std::string& variable) {
-  for (const char* kept : {"OMPI_ALLOW_RUN_AS_ROOT"}) {
-    if (variable.starts_with(kept)) return false;
-  }
-  for (const char* own : {"PMIX_", "ORTE_", "PRTE_", "OMPI_MCA_orte_", "OMPI_MCA_ess", "OMPI_MCA_pmix", "OMPI_MCA_initial_wdir"}) {
-    if (variable.starts_with(own)) return true;
-  }
-  return variable.starts_with("OMPI_") && !variable.starts_with("OMPI_MCA_");
-}
-
 std::vector<std::string> solver_words(const ChildSolver& solver) {
-  if (!solver.command.empty()) return solver.command;
-  std::error_code failed;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", failed).parent_path() / "scree-solver";
-  return {!failed && fs::exists(beside) ? beside.string() : "scree-solver"};
+  return solver.command.empty() ? std::vector<std::string>{tool_beside("scree-solver")} : solver.command;
 }
 
 /// What the solver says while it runs, line by line.
@@ -102,27 +60,13 @@ Frame run_solver(const ChildSolver& solver, const Scene& scene, const std::funct
   const std::string scene_path = folder / "packing.scene.h5", run = folder / "packing.run";
   write_scene_file(scene_path, scene);
 
-  std::vector<std::string> words = solver_words(solver), variables;
+  std::vector<std::string> words = solver_words(solver);
   words.insert(words.end(), {scene_path, "-o", run});
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    if (!is_of_this_job(*variable)) variables.emplace_back(*variable);
-  }
-  std::optional<ChildProcess> child;
-  try {
-    child.emplace(ChildProcess::start(words, variables, true));
-  } catch (const StartError& error) {
-    throw SystemError("cannot start {}, which this packing needs: {}; give its command with --solver", words.front(), error.reason());
-  }
   Talk talk(progress);
-  constexpr int kAgain = 1000;  // [ms] a run that says nothing new is still told of: the time goes on
-  std::vector<char> bytes;
-  for (auto state = ChildProcess::Read::data; state != ChildProcess::Read::end; bytes.clear()) {
-    state = child->read(bytes, kAgain);
-    if (state == ChildProcess::Read::nothing_yet) talk.tell();
-    talk.add(bytes.data(), bytes.size());
-  }
-  const ProcessEnd end = child->wait();
-  const int code = end.signal == 0 ? end.code : 128 + end.signal;
+  const int code = run_tool(words, "this packing", "give its command with --solver", [&](const char* bytes, std::size_t size) {
+    if (size == 0) talk.tell();  // a run that says nothing new is still told of: the time goes on
+    talk.add(bytes, size);
+  });
   if (code == 2 || code == 3 || code == 5) throw RunInvalid(talk.error());
   if (code != 0) throw SystemError("{} ended with {}: {}", words.front(), code, talk.error());
   return read_frame_file(list_frames(run).back().path);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
 #include "core/placing/random_numbers.hpp"
+#include "decomposer/packing/child_tool.hpp"
 #include "decomposer/packing/faces_between.hpp"
 
 namespace scree {
@@ -158,7 +160,10 @@ class Cutter {
       for (const std::int32_t p : {f.piece_a, f.piece_b})
         largest[static_cast<std::size_t>(p)] = std::max(largest[static_cast<std::size_t>(p)], f.area);
     }
-    const double s = row.scale;
+    const double s = row.scale, height = 2 * s * std::cbrt(0.75 * file.pieces->volume / std::numbers::pi);
+    const double density = scene_.materials[static_cast<std::size_t>(row.material)].density;
+    for (std::size_t p = 0; p < file.shapes.size(); ++p)
+      own_weight_[first_id + static_cast<std::int64_t>(p)] = density * length(scene_.settings.gravity) * height;
     for (const SharedFace& f : file.pieces->faces) {
       const auto a = static_cast<std::size_t>(f.piece_a), b = static_cast<std::size_t>(f.piece_b);
       if (f.area < kLeastFace * std::max(largest[a], largest[b])) continue;
@@ -217,6 +222,21 @@ class Cutter {
                                             bodies == 1 ? "1 body" : fmt::format("{} bodies", bodies), next_id_ - first_piece_,
                                             scene_.bonds.size()));
     }
+    std::size_t weak = 0, bonds = 0;
+    double heaviest = 0;
+    for (const Bond& bond : scene_.bonds) {
+      const auto found = own_weight_.find(bond.a);
+      if (found == own_weight_.end()) continue;
+      ++bonds;
+      weak += bond.tension < found->second ? 1 : 0;
+      heaviest = std::max(heaviest, found->second);
+    }
+    if (weak > 0) {
+      report_.notices.push_back(fmt::format(
+          "{} of {} bonds hold less tension than the stress of their body's own weight over its height, {} at most: they may break as "
+          "soon as it lies on something; raise tension",
+          weak, bonds, format_quantity(heaviest, Dimension::pressure)));
+    }
     for (const std::int32_t material : loose_) {
       report_.notices.push_back(fmt::format("bodies of '{}' start as loose pieces: no [[bonds]] has within = \"{}\"",
                                             case_.materials[static_cast<std::size_t>(material)].name,
@@ -232,6 +252,7 @@ class Cutter {
   std::int64_t next_id_ = 0, first_piece_ = 0;
   std::map<std::size_t, std::int32_t> first_shape_;
   std::set<std::int32_t> loose_;
+  std::map<std::int64_t, double> own_weight_;  // of each piece: density times gravity times height of its body [Pa]
 };
 
 }  // namespace
@@ -245,6 +266,22 @@ void check_pieces(const CaseShape& shape, const Shape& whole, const ShapeFile& p
     throw InputError("{}: pieces = \"{}\": are those of a body '{}' of {:.9g} m^3, and '{}' has {:.9g} m^3; cut {} again", shape.where,
                      shape.pieces, pieces.pieces->body, pieces.pieces->volume, shape.name, whole.mass.volume, shape.file);
   }
+}
+
+ShapeFile cut_shape(const CaseShape& shape, double inset) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "pieces.shape.h5";
+  std::vector<std::string> words{
+      tool_beside("scree-mesher"),       "fracture", shape.file, "--cells", fmt::format("{}", shape.cells), "--seed",
+      fmt::format("{}", shape.cut_seed), "-o",       path};
+  if (shape.cut_evenly) words.emplace_back("--evenly");
+  if (!shape.name_in_file.empty()) words.insert(words.end(), {"--shape", shape.name_in_file});
+  if (inset > 0) words.insert(words.end(), {"--inset", fmt::format("{:.17g} m", inset)});
+  std::string said;
+  const int code = run_tool(words, "pieces = { cells = ... }", "install it beside scree-decomposer, or give a file of pieces",
+                            [&](const char* bytes, std::size_t size) { said.append(bytes, size); });
+  if (code != 0) throw InputError("{}: pieces = {{ cells = {} }}: {}", shape.where, shape.cells, error_said(said));
+  return read_shape_file(path);
 }
 
 void cut_bodies(const Case& c, const SceneParts& parts, const PieceFiles& pieces, Scene& scene, PackingReport& report) {

@@ -17,6 +17,11 @@ using PieceFiles = std::map<std::size_t, ShapeFile>;
 /// Fails: InputError naming both.
 void check_pieces(const CaseShape& shape, const Shape& whole, const ShapeFile& pieces);
 
+/// Runs scree-mesher fracture on the file of a shape.
+/// in   inset   by which shared faces are moved inwards [m]; 0: not
+/// Fails: InputError with what it said.
+ShapeFile cut_shape(const CaseShape& shape, double inset);
+
 /// Replaces the bodies of these shapes in a packed scene by their pieces, which move as the whole did, with ids from one above the largest;
 /// adds bonds where [[bonds]] names their material, and forces of [[bodies]].
 ///

@@ -13,6 +13,14 @@
 
 namespace scree {
 
+/// What a contact moves on a body that bonds hold to others: the whole fragment. In the body's principal axes, origin at its centre.
+struct BondedMass {
+  double inverse_mass = 0;  ///< [1/kg]
+  Vec3 centre;              ///< of mass [m]
+  Mat3 inverse_inertia;     ///< about it [1/(kg m^2)]
+  std::int32_t fragment = -1;
+};
+
 struct ParticleSet {
 #define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) std::vector<type> name;
 #define SCREE_COLUMN_DERIVED(type, name, what) std::vector<type> name;
@@ -22,6 +30,8 @@ struct ParticleSet {
 #undef SCREE_COLUMN_DERIVED
 
   std::size_t owned = 0;  ///< rows [0, owned) are ours
+  /// Of every row the fragment that it is part of, null where it is none; empty in a scene without bonds (neighbours/fragment_masses.hpp).
+  std::vector<const BondedMass*> bonded;
 
   std::size_t size() const { return id.size(); }
   std::size_t ghost_count() const { return size() - owned; }

@@ -80,13 +80,20 @@ class PairDamping {
  public:
   PairDamping(const PairFeatures& features, const PairLaw& pair_law, const Law& law, const PairMotion& motion, const PairForce& elastic,
               const FeatureForces& forces, const PushSum& push, double dt)
-      : pair_law_(pair_law), law_(law), forces_(forces), dt_(dt), reduced_(motion.inverse_mass_a + motion.inverse_mass_b) {
+      : pair_law_(pair_law),
+        law_(law),
+        forces_(forces),
+        dt_(dt),
+        own_(motion.inverse_mass_a + motion.inverse_mass_b),
+        reduced_(motion.is_bonded() ? of_bonded(motion) : own_) {
     if (!Damp::acts(pair_law)) return;
     if (push.force > 0) {
-      double mobility = reduced_;
+      double mobility = own_;
       if constexpr (!Model::kDampsEachFeature)
         mobility = std::max(mobility, wrench_mobility(motion, elastic.force, elastic.torque) / (push.force * push.force));
-      if (mobility > 0) {
+      if (motion.is_bonded()) {
+        damp_bonded(motion, elastic, push, mobility);
+      } else if (mobility > 0) {
         const double chi = Damp::chi(pair_law, push.energy, mobility);
         pair_rate_ = chi * push.force * mobility * dt;
         of_pair_ = Damp::in_step(chi, pair_rate_, pair_rate_);
@@ -96,7 +103,7 @@ class PairDamping {
       // each contact damps by its own energy and the reduced mass: n coincident ones have sqrt(n) times the damping ratio
       pair_rate_ = 0;
       for (std::size_t j = 0; j < features.list.size(); ++j)
-        if (forces.push[j] > 0) pair_rate_ += chi_of(features.list[j]) * forces.push[j] * reduced_ * dt;
+        if (forces.push[j] > 0) pair_rate_ += chi_of(features.list[j]) * forces.push[j] * own_ * dt;
     }
   }
   const Damping& of_pair() const { return of_pair_; }
@@ -111,12 +118,27 @@ class PairDamping {
   }
 
  private:
+  static double of_bonded(const PairMotion& m) {
+    return (m.bonded_a != nullptr ? m.bonded_a->inverse_mass : m.inverse_mass_a) +
+           (m.bonded_b != nullptr ? m.bonded_b->inverse_mass : m.inverse_mass_b);
+  }
+  /// Fragments turn round as a whole; within a step it is the piece that damping must not turn round.
+  /// in   own   mobility of the two bodies [1/kg]
+  [[gnu::noinline]] void damp_bonded(const PairMotion& motion, const PairForce& elastic, const PushSum& push, double own) {
+    double mobility = reduced_;
+    if constexpr (!Model::kDampsEachFeature)
+      mobility = std::max(mobility, wrench_mobility_of_bonded(motion, elastic.force, elastic.torque) / (push.force * push.force));
+    if (!(mobility > 0)) return;
+    const double chi = Damp::chi(pair_law_, push.energy, mobility), damping = chi * push.force * dt_;
+    pair_rate_ = damping * own;
+    of_pair_ = Damp::in_step(chi, damping * mobility, pair_rate_);
+  }
   double chi_of(const ContactFeature& f) const { return Damp::chi(pair_law_, law_.energy(f.overlap), reduced_); }
 
   const PairLaw& pair_law_;
   const Law& law_;
   const FeatureForces& forces_;
-  double dt_, reduced_, pair_rate_ = 0;
+  double dt_, own_, reduced_, pair_rate_ = 0;  // own_, reduced_: of both bodies [1/kg], and of the fragments that they are part of
   Damping of_pair_;
 };
 

@@ -100,6 +100,22 @@ inline double wrench_mobility(const PairMotion& m, const Vec3& force, const Vec3
   return sum;
 }
 
+/// The same of two fragments, or of a fragment and a body: a wrench on a body is one on what bonds hold to it.
+inline double wrench_mobility_of_bonded(const PairMotion& m, const Vec3& force, const Vec3& torque) {
+  const auto bonded = [](const BondedMass& body, const Vec3& f, const Vec3& t) {
+    const Vec3 about_centre = t - cross(body.centre, f);
+    return body.inverse_mass * squared_length(f) + dot(about_centre, body.inverse_inertia * about_centre);
+  };
+  const auto alone = [](double inverse_mass, const Vec3& w, const Vec3& f, const Vec3& t) {
+    return inverse_mass * squared_length(f) + t.x * t.x * w.x + t.y * t.y * w.y + t.z * t.z * w.z;
+  };
+  const Vec3 force_b = transpose_times(m.b_to_a, -force), torque_b = transpose_times(m.b_to_a, cross(m.centre_b, force) - torque);
+  const double of_a =
+      m.bonded_a != nullptr ? bonded(*m.bonded_a, force, torque) : alone(m.inverse_mass_a, m.inverse_inertia_a, force, torque);
+  return of_a +
+         (m.bonded_b != nullptr ? bonded(*m.bonded_b, force_b, torque_b) : alone(m.inverse_mass_b, m.inverse_inertia_b, force_b, torque_b));
+}
+
 /// in   features     overlap > -PairLaw::reach
 /// in   dt           step of the run [s], for damping (laws/damping.hpp); 0: no correction for the step
 /// in   friction_dt  step of the friction update [s]: dt, or 0 to leave the springs as they are

@@ -98,6 +98,18 @@ PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32
   return pull;
 }
 
+namespace {
+
+[[gnu::noinline]] void see_bonded(const ParticleSet& p, std::size_t a, std::int32_t b, PairMotion& m) {
+  const BondedMass *of_a = p.bonded[a], *of_b = b >= 0 ? p.bonded[static_cast<std::size_t>(b)] : nullptr;
+  // pieces of one fragment move with respect to each other, not as a whole
+  if (of_a != nullptr && of_b != nullptr && of_a->fragment == of_b->fragment) return;
+  m.bonded_a = of_a;
+  m.bonded_b = of_b;
+}
+
+}  // namespace
+
 PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,
                      const Mat3& a_to_world) {
   PairMotion m;
@@ -122,6 +134,7 @@ PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const
     m.inverse_mass_b = p.inverse_mass[j];
     m.inverse_inertia_b = p.inverse_inertia[j];
   }
+  if (!p.bonded.empty()) see_bonded(p, i, b, m);
   return m;
 }
 

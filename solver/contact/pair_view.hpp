@@ -85,6 +85,9 @@ struct PairMotion {
   Quat turn;                                ///< the same rotation, B to A
   double radius = 0;                        ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
   const SurfaceBeneath* surface = nullptr;  ///< of a wall whose surface moves
+  /// Where bonds hold a body to others: what damping reckons with in place of the body; null for both pieces of one fragment.
+  const BondedMass *bonded_a = nullptr, *bonded_b = nullptr;
+  bool is_bonded() const { return bonded_a != nullptr || bonded_b != nullptr; }
 };
 
 PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,

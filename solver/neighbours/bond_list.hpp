@@ -60,6 +60,7 @@ class BondList {
   const std::vector<Bond>& table() const { return scene_.source().bonds; }
   /// Bonds that were marked as broken since the last call.
   std::vector<std::int32_t> take_news() { return std::exchange(news_, {}); }
+  bool has_news() const { return !news_.empty(); }
   /// Of each listed bond, whether it was counted here when the list was made.
   const std::vector<std::uint8_t>& counted() const { return counted_; }
   bool counts_here(const ListedBond& bond, const ParticleSet& p) const { return static_cast<std::size_t>(bond.a) < p.owned; }

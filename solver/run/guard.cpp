@@ -14,8 +14,19 @@ constexpr double kUnstableGain = 0.1, kAnyGain = 0.5;
 // of the energy: 5e-3 at 8 steps a contact. More than this of all that was in motion or stored is a force that works the wrong way.
 constexpr double kMostReturned = 0.05;
 constexpr double kEnergyRounding = 1e-12;  // of the potential energy, which cancels in the balance
+// Of a bond's height: the stretch that rounding of places leaves, of bodies up to some thousand heights from the origin. Pieces at rest
+// have the energy of that and no other.
+constexpr double kPlaceRounding = 1e-12;
 
 }  // namespace
+
+Guard::Guard(const mpi::Communicator& comm, const SolverScene& scene, const RunRecord& before)
+    : comm_(comm), scene_(scene), record_(before) {
+  for (const Bond& bond : scene.source().bonds) {
+    const double stretch = kPlaceRounding * bond.height;
+    bond_rounding_ += bond.area * bond.normal_stiffness * stretch * stretch;
+  }
+}
 
 void Guard::begin(const Simulation& simulation, bool is_fresh) {
   // after a restart the forces of the last step are not known before the next one
@@ -44,7 +55,7 @@ void Guard::add_overlap(double ratio) { record_.max_overlap_ratio = std::max(rec
 double Guard::energy_scale() const {
   const RunRecord& r = record_;
   return std::max({r.kinetic_peak, r.energies.dissipated, r.elastic_peak, std::abs(r.energies.wall_work)}) +
-         kEnergyRounding * std::abs(r.energies.potential);
+         kEnergyRounding * std::abs(r.energies.potential) + bond_rounding_;
 }
 
 void Guard::check(const Simulation& simulation, double energy_error) const {

@@ -9,7 +9,7 @@ namespace scree {
 class Guard {
  public:
   /// in   before   the record of the parts of this run before this one; empty for a run from the scene
-  Guard(const mpi::Communicator& comm, const SolverScene& scene, const RunRecord& before) : comm_(comm), scene_(scene), record_(before) {}
+  Guard(const mpi::Communicator& comm, const SolverScene& scene, const RunRecord& before);
 
   /// Takes the energies that the run begins with. Collective.
   /// in   is_fresh   the run begins at the scene: they are what the balance is measured from
@@ -34,6 +34,7 @@ class Guard {
   const mpi::Communicator& comm_;
   const SolverScene& scene_;
   RunRecord record_;
+  double bond_rounding_ = 0;  // that rounded places leave in bonds [J]
 };
 
 }  // namespace scree

@@ -150,6 +150,32 @@ double extra_reach(const RunState& s, bool is_begin) {
   return std::max(0.0, s.comm.max(gap) - 2 * s.scene.contact_range());
 }
 
+namespace {
+
+/// Tells all ranks which bonds broke since they were told last. Collective.
+void exchange_broken(RunState& s) {
+  struct Broken {
+    std::int32_t bond;
+    std::int64_t step;
+  };
+  std::vector<Broken> mine;
+  for (const std::int32_t bond : s.bonds->take_news()) mine.push_back({bond, s.bonds->broken_at()[at(bond)]});
+  for (const auto& block : s.comm.exchange(std::vector<std::vector<Broken>>(static_cast<std::size_t>(s.comm.size()), mine))) {
+    for (const Broken& b : block) s.bonds->mark_broken(b.bond, b.step);
+  }
+  s.bonds->take_news();  // those of others
+}
+
+}  // namespace
+
+void review_fragments(RunState& s) {
+  if (s.clock.substep != 0 || s.clock.step % kReviewSteps != 0) return;
+  if (s.comm.size() > 1 && s.comm.max(s.bonds->has_news() ? 1.0 : 0.0) > 0) exchange_broken(s);
+  if (s.fragments->update(s.bonds->broken_at(), s.clock.step)) s.fragments->assign_to(s.particles);
+}
+
+void begin_fragments(RunState& s) { s.fragments->update(s.bonds->broken_at(), s.clock.step - s.clock.step % kReviewSteps); }
+
 std::vector<std::int64_t> all_broken_at(const RunState& s) {
   std::vector<std::int64_t> all = s.bonds->broken_at();
   MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_INT64_T, MPI_MAX, s.comm.get());
@@ -161,19 +187,10 @@ void share_broken(RunState& s, bool left) {
   const auto count = s.bonds->listed().size();
   std::vector<bool> held(count);
   for (std::size_t k = 0; k < count; ++k) held[k] = !s.bonds->is_broken(s.bonds->listed()[k]);
-  if (s.comm.size() > 1) {
-    struct Broken {
-      std::int32_t bond;
-      std::int64_t step;
-    };
-    std::vector<Broken> mine;
-    for (const std::int32_t bond : s.bonds->take_news()) mine.push_back({bond, s.bonds->broken_at()[at(bond)]});
-    for (const auto& block : s.comm.exchange(std::vector<std::vector<Broken>>(static_cast<std::size_t>(s.comm.size()), mine))) {
-      for (const Broken& b : block) s.bonds->mark_broken(b.bond, b.step);
-    }
-  } else {
+  if (s.comm.size() > 1)
+    exchange_broken(s);
+  else
     s.bonds->take_news();
-  }
   if (!left) return;
   const std::vector<std::int64_t>& bonded = s.bonds->bodies();
   std::vector<std::uint8_t> is_here(bonded.size(), 0);
@@ -201,6 +218,7 @@ void list_bonds(RunState& s, FirstFailure& failure) {
   if (s.bonds) {
     failure.watch(s.clock.step, [&] { s.bonds->list(s.particles); });
     s.pairs.hold_apart([&](const PairKey& key) { return key.zone < 0 && s.bonds->holds(key); });
+    s.fragments->assign_to(s.particles);
   }
   s.given_forces.clear();
   const std::vector<BodyForce>& given = s.scene.source().forces;

@@ -39,6 +39,10 @@ double extra_reach(const RunState& s, bool is_begin);
 /// Tells all ranks which bonds broke since lists were made; those of bodies that left break too. Before ghosts are made. Collective.
 /// in   left   whether bodies left since
 void share_broken(RunState& s, bool left);
+/// Every kReviewSteps steps: all ranks hear which bonds broke before, and find the fragments that are left. Collective.
+void review_fragments(RunState& s);
+/// The same fragments as a run begins, from the bonds that broke until then.
+void begin_fragments(RunState& s);
 /// After lists were rebuilt.
 void list_bonds(RunState& s, FirstFailure& failure);
 

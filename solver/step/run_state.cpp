@@ -15,7 +15,10 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
       totals(of.source().walls.size(), of.source().outlets.size(), of.source().inlets.size()) {
   for (const std::int64_t id : of.source().bodies.id) largest_id = std::max(largest_id, id);
   for (const Wall& wall : of.source().walls) largest_id = std::max(largest_id, wall.id);
-  if (!of.source().bonds.empty()) bonds.emplace(of);
+  if (!of.source().bonds.empty()) {
+    bonds.emplace(of);
+    fragments.emplace(of);
+  }
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
   totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
   if (of.source().settings.output_impacts) totals.impacts.pairs.resize(material_pairs(of.source().materials.size()));

@@ -10,6 +10,7 @@
 #include "solver/bodies/fluid.hpp"
 #include "solver/bodies/motion.hpp"
 #include "solver/neighbours/bond_list.hpp"
+#include "solver/neighbours/fragment_masses.hpp"
 #include "solver/neighbours/pair_list.hpp"
 #include "solver/phases.hpp"
 #include "solver/ranks/body_facts.hpp"
@@ -59,7 +60,8 @@ struct RunState {
   const std::optional<FluidForces> fluid;  ///< of a scene that has one
   ParticleSet particles;
   PairList pairs;
-  std::optional<BondList> bonds;  ///< of a scene that has some
+  std::optional<BondList> bonds;            ///< of a scene that has some
+  std::optional<FragmentMasses> fragments;  ///< the same
   std::vector<GivenForce> given_forces;
   std::vector<WallState> walls;
   BodyFacts facts;

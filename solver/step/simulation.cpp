@@ -82,6 +82,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   mpi::on_all(state_.comm, [&] { clock.size = derive_step_size(state_.comm, state_.scene, p); });
   if (step_size > 0) clock.size.step = step_size;  // a run keeps the step that it began with
   clock.set_level(clock.level);
+  if (state_.bonds) begin_fragments(state_);
   state_.set_walls();
   mpi::on_all(state_.comm, [&] { place_worn_vertices(state_); });
   if (step == 0) levels_.begin(state_, forces_.scratch(), failure_);
@@ -107,6 +108,7 @@ void Simulation::advance() {
 void Simulation::advance_substep() {
   move_bodies();
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
+  if (state_.bonds) review_fragments(state_);
   inlets_.feed(state_, arrivals_);
   const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting() || std::exchange(walls_worn_, false));
   requests_.hear(all);

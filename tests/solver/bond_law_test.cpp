@@ -210,11 +210,16 @@ TEST(BondLaw, an_affine_displacement_loads_no_inner_cell_of_any_cut) {
   }
 }
 
+/// A unit cube in 1500 cells of random points.
+const Fracture& random_cut() {
+  static const Fracture cut = fracture(make_solid("box", box_mesh({1, 1, 1})), {1500, 8, false, {}, 0});
+  return cut;
+}
+
 // Volume: each face with its height is a third of an octahedron-like part of the body, so that sum A h = 3 V but for the body's surface;
 // averaged over directions the energy of affine motion gives E / young = (2 + 3 ratio) / (4 + ratio) and nu = (1 - ratio) / (4 + ratio).
 TEST(BondLaw, affine_motion_of_a_random_cut_has_the_moduli_of_the_isotropic_average) {
-  const Shape body = make_solid("box", box_mesh({1, 1, 1}));
-  const Fracture cut = fracture(body, {1500, 8, false, {}, 0});
+  const Fracture& cut = random_cut();
   const std::vector<bool> inner = inner_pieces(cut);
   for (const double ratio : {1.0, 0.25}) {
     // energy of affine strain in inner cells: half of each of their faces
@@ -243,6 +248,152 @@ TEST(BondLaw, affine_motion_of_a_random_cut_has_the_moduli_of_the_isotropic_aver
     EXPECT_NEAR(young, (2 + 3 * ratio) / (4 + ratio), 0.02 * young) << ratio;
     EXPECT_NEAR(nu, (1 - ratio) / (4 + ratio), 0.02) << ratio;
   }
+}
+
+/// Small motions of the pieces of a cut: the inner ones are free, the others move as they are told, without turning.
+class LinearPieces {
+ public:
+  using Motion = std::vector<std::pair<Vec3, Vec3>>;  // displacement and turn of each piece; or force and torque
+
+  LinearPieces(const Fracture& cut, double ratio) : inner_(inner_pieces(cut)), diagonal_(cut.pieces.size()) {
+    for (const SharedFace& face : cut.table.faces) {
+      const Bond bond = bond_of(cut, face, 1.0, ratio);
+      const BondLaw law = law_of(bond);
+      const Mat3 axes = matrix_of(bond.frame_a);
+      Link link{static_cast<std::size_t>(face.piece_a), static_cast<std::size_t>(face.piece_b), bond.point_a, bond.point_b, {}, {}};
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          for (int k = 0; k < 3; ++k) {
+            link.push[i][j] += axes[i][k] * law.push[k] * axes[j][k];
+            link.turn[i][j] += axes[i][k] * law.turn[k] * axes[j][k];
+          }
+        }
+      }
+      links_.push_back(link);
+      for (const auto& [piece, arm] : {std::pair(link.a, link.arm_a), std::pair(link.b, link.arm_b)}) {
+        diagonal_[piece].first += law.push.x + law.push.y + law.push.z;
+        diagonal_[piece].second += law.turn.x + law.turn.y + law.turn.z + squared_length(arm) * law.push.x;
+      }
+    }
+  }
+
+  /// Forces on the pieces; with `stress`, the sum of arm x force of each piece is added to it.
+  Motion forces(const Motion& m, std::vector<Mat3>* stress = nullptr) const {
+    Motion on(m.size());
+    for (const Link& link : links_) {
+      const auto& [ua, ta] = m[link.a];
+      const auto& [ub, tb] = m[link.b];
+      const Vec3 f = link.push * (ub + cross(tb, link.arm_b) - ua - cross(ta, link.arm_a)), moment = link.turn * (tb - ta);
+      on[link.a].first += f;
+      on[link.a].second += cross(link.arm_a, f) + moment;
+      on[link.b].first -= f;
+      on[link.b].second -= cross(link.arm_b, f) + moment;
+      for (int i = 0; stress != nullptr && i < 3; ++i) {
+        (*stress)[link.a][i] += link.arm_a[i] * f;
+        (*stress)[link.b][i] -= link.arm_b[i] * f;
+      }
+    }
+    return on;
+  }
+
+  /// Equilibrium of the inner pieces by conjugate gradients, from `m` on.
+  void relax(Motion& m) const {
+    Motion rest = forces(m), direction(m.size());
+    double before = 0, first = 0;
+    for (int step = 0; step < 2000; ++step) {
+      double now = 0;
+      for (std::size_t p = 0; p < m.size(); ++p) {
+        if (!inner_[p]) continue;
+        now += squared_length(rest[p].first) / diagonal_[p].first + squared_length(rest[p].second) / diagonal_[p].second;
+      }
+      if (step == 0) first = now;
+      if (now <= 1e-20 * first) return;
+      for (std::size_t p = 0; p < m.size(); ++p) {
+        if (!inner_[p]) continue;
+        const double keep = step > 0 ? now / before : 0;
+        direction[p] = {(1 / diagonal_[p].first) * rest[p].first + keep * direction[p].first,
+                        (1 / diagonal_[p].second) * rest[p].second + keep * direction[p].second};
+      }
+      const Motion answer = forces(direction);
+      double work = 0;
+      for (std::size_t p = 0; p < m.size(); ++p)
+        work -= dot(direction[p].first, answer[p].first) + dot(direction[p].second, answer[p].second);
+      const double way = now / work;
+      for (std::size_t p = 0; p < m.size(); ++p) {
+        m[p].first += way * direction[p].first;
+        m[p].second += way * direction[p].second;
+        rest[p].first += way * answer[p].first;
+        rest[p].second += way * answer[p].second;
+      }
+      before = now;
+    }
+    ADD_FAILURE() << "conjugate gradients did not reach equilibrium";
+  }
+
+ private:
+  struct Link {
+    std::size_t a, b;
+    Vec3 arm_a, arm_b;
+    Mat3 push, turn;
+  };
+  std::vector<bool> inner_;
+  std::vector<std::pair<double, double>> diagonal_;
+  std::vector<Link> links_;
+};
+
+// Cells that are free to move and turn relax: relaxed periodic cells of random points have E / young = 0.591 +- 0.005 and nu = 0.204 +-
+// 0.003 at ratio 0.25 (300 and 1000 cells). Here the outer cells of a cube move affinely; stress and strain are those of the cells in its
+// middle, three layers from the outer ones.
+TEST(BondLaw, relaxed_cells_of_a_random_cut_have_the_moduli_of_periodic_ones) {
+  const Fracture& cut = random_cut();
+  const LinearPieces pieces(cut, 0.25);
+  // sigma_ii = 2 mu eps_ii + lambda tr eps over three stretches, least squares
+  double aa = 0, ab = 0, bb = 0, ay = 0, by = 0;
+  for (int k = 0; k < 3; ++k) {
+    LinearPieces::Motion m(cut.pieces.size());
+    for (std::size_t p = 0; p < m.size(); ++p) m[p].first[k] = cut.generators[static_cast<std::size_t>(cut.cell_of[p])][k];
+    pieces.relax(m);
+    std::vector<Mat3> sums(m.size());
+    pieces.forces(m, &sums);
+    Mat3 stress;
+    double volume = 0;
+    Vec3 mean_x, mean_u;
+    std::vector<std::size_t> core;
+    for (std::size_t p = 0; p < m.size(); ++p) {
+      const Vec3& x = cut.pieces[p].origin_shift;
+      if (std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) > 0.27) continue;
+      core.push_back(p);
+      volume += cut.pieces[p].mass.volume;
+      for (int i = 0; i < 3; ++i) stress[i] += sums[p][i];
+      mean_x += x;
+      mean_u += m[p].first;
+    }
+    ASSERT_GT(core.size(), 150u);
+    const double share = 1.0 / static_cast<double>(core.size());
+    Vec3 strain;
+    for (int i = 0; i < 3; ++i) {
+      double xx = 0, xu = 0;  // of a cube of cells the other coordinates do not correlate
+      for (const std::size_t p : core) {
+        const double x = cut.pieces[p].origin_shift[i] - share * mean_x[i];
+        xx += x * x;
+        xu += x * (m[p].first[i] - share * mean_u[i]);
+      }
+      strain[i] = xu / xx;
+    }
+    const double trace = strain.x + strain.y + strain.z;
+    for (int i = 0; i < 3; ++i) {
+      const double a = 2 * strain[i], b = trace, y = stress[i][i] / volume;
+      aa += a * a;
+      ab += a * b;
+      bb += b * b;
+      ay += a * y;
+      by += b * y;
+    }
+  }
+  const double mu = (ay * bb - by * ab) / (aa * bb - ab * ab), lambda = (by * aa - ay * ab) / (aa * bb - ab * ab);
+  // two hundred random cells in the middle: a few percent
+  EXPECT_NEAR(mu * (3 * lambda + 2 * mu) / (lambda + mu), 0.591, 0.04 * 0.591);
+  EXPECT_NEAR(lambda / (2 * (lambda + mu)), 0.204, 0.015);
 }
 
 TEST(BondLaw, a_bond_is_loaded_by_tension_at_its_rim_shear_and_energy) {

@@ -152,6 +152,32 @@ def bonds_of_bodies_that_leave_break():
     assert len(hashes) == 1, hashes
 
 
+def a_case_cuts_its_shape_as_the_mesher_does():
+    rock()
+    by_file = CASE.format(duration=1e-3, every=1e-3, bonds=BONDS) + '[[bodies]]\nshape = "rock"\nmaterial = "stone"\nposition = [0, 0, 1]\n'
+    here = by_file.replace('pieces = "pieces.shape.h5"', "pieces = { cells = 14, seed = 2 }")
+    pack("by_file", by_file)
+    pack("here", here)
+    with h5py.File("by_file.scene.h5") as first, h5py.File("here.scene.h5") as second:
+        for name in ("bodies/position", "bonds/area", "bonds/point_a", "bonds/tension"):
+            assert (first[name][:] == second[name][:]).all(), name
+    assert "expected a whole number of at least 2" in pack("one", here.replace("cells = 14", "cells = 1"), 2)
+    assert "--cells 200000: expected from 2" in pack("many", here.replace("cells = 14", "cells = 200000"), 3)
+    assert "do not go with cell_size" in pack("size", here.replace("[shapes.rock]", '[shapes.rock]\ncell_size = "1 mm"'), 2)
+    # a body of half the size has margins twice as wide beside its pieces: the cut follows the smallest
+    half = here + '[[bodies]]\nshape = "rock"\nmaterial = "stone"\nposition = [0, 0, 2]\nscale = 0.5\n'
+    assert "2 bodies cut into 28 pieces" in pack("half", half)
+
+
+def pieces_at_rest_stay_at_rest():
+    """Rounding of places is all the energy that they have: no growth of it stops the run."""
+    rock()
+    pack("rest", CASE.format(duration=2e-4, every=1e-6, bonds=BONDS).replace("gravity = [0, 0, -9.81]", "gravity = [0, 0, 0]")
+         + '[[bodies]]\nshape = "rock"\nmaterial = "stone"\nposition = [0, 0, 1]\n')
+    run(1, "rest.scene.h5", "-o", "rest.run")
+    assert outcome("rest.run")["outcome"] == "completed"
+
+
 def a_case_without_bonds_has_none_of_it():
     mesher("generate", "rock", "--diameter", "2cm", "--triangles", "120", "--seed", "4", "-o", "rock.shape.h5")
     text = CASE.format(duration=1e-4, every=5e-5, bonds="").replace('pieces = "pieces.shape.h5"\n', "") + TWO_ROCKS
@@ -189,6 +215,11 @@ def mistakes_are_told_with_numbers():
     refused(good, "cut rock.shape.h5 again", 3)
     rock()
     refused(good.replace("within", "between").replace('between = "stone"', 'between = ["stone", "stone"]'), "no two faces of bodies", 3)
+    said = pack("weak", good.replace('tension = "1 MPa"', 'tension = "0.3 kPa"').replace('cohesion = "2 MPa"', 'cohesion = "0.6 kPa"'))
+    # 2600 kg/m^3 x 9.81 m/s^2 x 2 cm = 510 Pa: most of the bonds drawn around 300 Pa are below, and of 1 MPa none
+    weak = int(said.split(" bonds hold less tension")[0].split()[-3])
+    assert 0.7 * 46 < weak <= 46 and "510.1 Pa" in said, said
+    assert "less tension" not in pack("good", good)
     said = pack("loose", CASE.format(duration=1e-3, every=1e-3, bonds="") + body)
     assert "start as loose pieces" in said, said
     pack("step", good.replace("duration = 0.001", "duration = 0.001\nstep = 1e-5"))
@@ -197,4 +228,4 @@ def mistakes_are_told_with_numbers():
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture, what_breaks_takes_energy_and_never_gives_any,
-      bonds_of_bodies_that_leave_break, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])
+      bonds_of_bodies_that_leave_break, a_case_cuts_its_shape_as_the_mesher_does, pieces_at_rest_stay_at_rest, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])

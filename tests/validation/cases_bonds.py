@@ -151,6 +151,49 @@ def cut_rock(tools, name, cells, inset):
     return rock, pieces
 
 
+@case("J8", "U", "a cut body dropped unbroken, against the uncut one: speeds after the impact", "the same body without cuts; restitution as requested")
+def j8(tools, report):
+    margin, speed = 2e-4, .8
+
+    def left(name, turn, restitution, height, shape, pieces=None):
+        """Root of the share of the kinetic energy that an impact on a plane leaves, and the share that bonds hold after it."""
+        duration = (height - .0075) / speed
+        c = Case(name, duration=duration, margin=margin, every=duration)
+        c.tables["contact"]["surface"] = "outside"   # pieces end a margin short
+        c.gravity = (0, 0, 0)
+        c.shape_file("body", shape, **({"pieces": pieces} if pieces else {}))
+        c.material("stone", 2600.0)
+        c.pair("stone", "stone", stiffness=4e5, restitution=restitution)
+        if pieces:
+            c.bond(within="stone", young=2e9)   # a contact lasts 22 times as long as a wave takes through the body
+        c.body("body", "stone", (0, 0, height), orientation=turn, velocity=(0, 0, -speed))
+        c.floor("stone")
+        log = report.run(c.run(tools)).log
+        kinetic = log["kinetic_translational"] + log["kinetic_rotational"]
+        return math.sqrt(kinetic[-1] / kinetic[0]), log["bond"][-1] / kinetic[0] if pieces else 0.0
+
+    rock, pieces = cut_rock(tools, "J8", 20, margin)
+    turns = numpy.random.default_rng(1).normal(size=(4, 4))
+    turns /= numpy.linalg.norm(turns, axis=1)[:, None]
+    ratios = []
+    for k, turn in enumerate(turns):
+        for e in (1.0, .5) if k < 2 else (.5,):
+            whole, cut = left("J8-whole", turn, e, .0125, rock)[0], left("J8-cut", turn, e, .0125, rock, pieces)[0]
+            if e == 1:
+                report.check(f"rock {k} of 20 cells, restitution 1: root of its energy, cut over whole", cut / whole, 1, .02)
+            else:
+                ratios.append(cut / whole)
+    report.check("rocks, restitution 0.5: root of their energy, cut over whole, mean", float(numpy.mean(ratios)), 1, .04)
+    report.check("the worst of them: where two or three pieces touch at once", max(ratios, key=lambda r: abs(r - 1)), 1, .08)
+    box, pieces = (os.path.join(tools.scratch, f"J8-box{kind}.shape.h5") for kind in ("", "-pieces"))
+    tools.call("scree-mesher", "generate", "box", "--size", "2cm,2cm,2cm", "-o", box)
+    tools.call("scree-mesher", "fracture", box, "--cells", "20", "--seed", "2", "--evenly", "--inset", f"{margin!r} m", "-o", pieces)
+    straight = numpy.array([1.0, 0, 0, 0])
+    report.check("box on its face, whole, restitution 0.5", left("J8-box", straight, .5, .0105, box)[0], .5, .002)
+    # each of n pieces damps by its own contact: sqrt(n) times the damping ratio. The fragment's mass is that of all of them
+    report.at_least("the same of 20 cells: several press at once, each with its own damping", left("J8-box-cut", straight, .5, .0105, box, pieces)[0], .3)
+
+
 def thrown(tools, name, bond, speed, restitution=.5, duration=.004, contact=None):
     margin = 2e-4
     rock, pieces = cut_rock(tools, name, 20, margin)
