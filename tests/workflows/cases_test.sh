@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, impact, silo, shape-dial and dice in their small size: from nothing to their answers, a sweep, and each killed half way and resumed.
+# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, impact, silo, crush, brazilian, rockfall, shape-dial and dice in their small size: from nothing to their answers, a sweep, and each killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -42,19 +42,27 @@ holds impact/impact.md "| impact-250 | Scree | 0.0 |"
 [[ -s "$scratch/impact/impact.png" && -s "$scratch/impact/bed-250.run/run.json" ]]
 run silo
 holds silo/silo.md "| silo-large | [1-9][0-9]* | [1-9]"   # balls come out, at a rate
+run crush
+holds crush/crush.md "^| 3 | 3 | "   # all three split
+grep -q "^| 3 | 4.5 | 1.000 |" "$scratch/crush/crush.md" || { cat "$scratch/crush/crush.md"; exit 1; }   # 4.5 J/kg leaves no cell at another
+run brazilian
+holds brazilian/brazilian.md "stress along the load | -[23]"
+run rockfall
+holds rockfall/rockfall.md "^| boulder-1 | "
+for chart in crush/crush brazilian/brazilian rockfall/rockfall; do [[ -s "$scratch/$chart.png" && -s "$scratch/$chart.svg" ]]; done
 run shape-dial
 holds shape-dial/dial.csv "^ball-rolling-0.3,"
 [[ -s "$scratch/shape-dial/dial.png" ]]
 run dice
 holds dice/dice.md "| cube | 0\.[56][0-9]* | 0\.54 |"   # looser or denser is no bed of cubes
 [[ -s "$scratch/dice/dice.png" ]]
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large shape-dial/dial-hull; do
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large crush/press-01 brazilian/split rockfall/boulder-1 shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done
 
 "$(dirname "$0")/resume_test.py" "$runner" "$SCREE_BIN" "$scratch" "$scratch/killed" \
-  hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large shape-dial/dial-hull dice/cube-1
+  hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large rockfall/boulder-1 shape-dial/dial-hull dice/cube-1
 
 # two frictions and two seeds: four runs, one table, and the seed matters
 run drum "sweep=pairs.*.friction=0.2|0.6;time.duration=20 ms" replicas=2 plot=mean_speed
