@@ -30,7 +30,7 @@ bool AreaModel::list(const PairView& view, double skin, MeshDistanceScratch& scr
   return true;
 }
 
-void AreaModel::find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
+void AreaModel::find_features(const PairView& view, double moved, CandidateLists& lists, PairFeatures& features) {
   features.has_layer = has_layer(view);
   if (!features.has_layer) {
     find_closed_form(view, moved, lists, features.list);

@@ -18,7 +18,7 @@ struct AreaModel {
 
   static bool list(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists);
   static void weigh(const PairView& view, const PullView& pull, double moved, const CandidateLists& lists, PairFeatures& features);
-  static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features);
+  static void find_features(const PairView& view, double moved, CandidateLists& lists, PairFeatures& features);
 
   template <class Law>
   static PushSum potential(const PairFeatures& features, const PairLaw& pair_law, const Law& law, FeatureForces& forces,

@@ -7,7 +7,7 @@
 //   NormalLaw<Law>      what a law of laws.hpp is under this model; void where they do not go together
 //   list                makes the candidates of a pair; returns false when its meshes intersect
 //   find_features       features below the reach of a view at the present pose, in ascending key order, and what they share; overlaps
-//                       count from the reach
+//                       count from the reach; candidates may get other slacks
 //   weigh               what features count for by the crowd that they lie in, given the attraction of the pair (range 0: none); they
 //                       are those of the pair's law alone now, and overlaps count from the margins. A model may add what is within the
 //                       range of the attraction alone, from the candidates

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/contact/candidate_slack.hpp"
+
 namespace scree {
 
 namespace {
@@ -26,6 +28,9 @@ Vec3 into_face(const SolverShape& shape, std::int32_t edge, int side) {
   // two of the three lie on the edge: they add nothing across it
   return (shape.mesh.corner(face, 0) - start) + (shape.mesh.corner(face, 1) - start) + (shape.mesh.corner(face, 2) - start);
 }
+
+/// Motion over the size of the smaller body that the slack of a wedge is made for.
+constexpr double kLeanLook = 0.01;
 
 /// Two edges of a candidate at the present pose, A frame. Letters of docs/reference/contact-law.md section 3.2: u, v edge vectors, s, t
 /// parameters, r = x_A - x_B = g n.
@@ -106,42 +111,34 @@ bool fade(const EdgePair& e, ContactFeature& f) {
 
 }  // namespace
 
-void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
-                   const std::vector<EdgeCandidate>& candidates, std::vector<ContactFeature>& features) {
-  for (const EdgeCandidate& candidate : candidates) {
-    if (candidate.slack > motion) continue;
-    const ShapeEdge ea = a.shape->edge(candidate.edge_a);
-    const ShapeEdge eb = b.shape->edge(candidate.edge_b);
-    const Vec3 pa = a.scale * ea.start, u = a.scale * ea.along;
-    const Vec3 pb = pose.a_from_b(b.scale * eb.start), v = pose.rotation * (b.scale * eb.along);
-    const Vec3 r0 = pa - pb;
-    const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r0), vr = dot(v, r0);
-    const double det = uu * vv - uv * uv;
-    const double sine2 = det / (uu * vv);
-    // Below this the fade S(sine2 / kFadeParallel) is under 1e-11 of a contact: nothing is lost by leaving it out.
-    constexpr double kParallelCutoff = 1e-8;
-    if (!(sine2 > kParallelCutoff)) continue;
-    const double s = (uv * vr - vv * ur) / det, t = (uu * vr - uv * ur) / det;
-    if (s <= 0 || s >= 1 || t <= 0 || t >= 1) continue;
-    const Vec3 xa = pa + s * u, xb = pb + t * v;
-    const Vec3 r = xa - xb;
-    const double g = length(r);
-    if (g >= margin || !(g > 0)) continue;
-    EdgePair e{candidate.edge_a, candidate.edge_b, u, v, uu, uv, vv, det, sine2, s, t, xa, r, (1 / g) * r, g, {}, {}};
-    if (!find_lean(a, b, pose, e)) continue;
+double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+                     const EdgeCandidate& candidate, std::vector<ContactFeature>& features) {
+  const EdgeLines lines(a, b, pose, candidate.edge_a, candidate.edge_b);
+  const auto& [pa, u, pb, v, r0, uu, uv, vv, ur, vr, det, sine2] = lines;
+  // Below this the fade S(sine2 / kFadeParallel) is under 1e-11 of a contact: nothing is lost by leaving it out.
+  constexpr double kParallelCutoff = 1e-8;
+  if (!(sine2 > kParallelCutoff)) return 0;
+  const double s = lines.s(), t = lines.t();
+  if (s <= 0 || s >= 1 || t <= 0 || t >= 1) return std::max(lines.distance() - margin, slack_of_ends(lines, s, t, margin, size));
+  const Vec3 xa = pa + s * u, xb = pb + t * v;
+  const Vec3 r = xa - xb;
+  const double g = length(r);
+  if (g >= margin || !(g > 0)) return g - margin;
+  EdgePair e{candidate.edge_a, candidate.edge_b, u, v, uu, uv, vv, det, sine2, s, t, xa, r, (1 / g) * r, g, {}, {}};
+  if (!find_lean(a, b, pose, e))
+    return slack_of_wedge(a, b, pose, candidate.edge_a, candidate.edge_b, lines, margin, size, kLeanLook * size);
 
-    ContactFeature f{};
-    f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
-    f.x = 0.5 * (xa + xb);
-    f.n = e.n;
-    f.overlap = margin - g;
-    f.weight = 1;
-    if (a.weights != nullptr || b.weights != nullptr)
-      f.crowd = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
-    const bool fades = e.leans || std::min({s, 1 - s, t, 1 - t}) < kFadeEnd || sine2 < kFadeParallel;
-    if (fades && !fade(e, f)) continue;
-    features.push_back(f);
-  }
+  ContactFeature f{};
+  f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
+  f.x = 0.5 * (xa + xb);
+  f.n = e.n;
+  f.overlap = margin - g;
+  f.weight = 1;
+  if (a.weights != nullptr || b.weights != nullptr)
+    f.crowd = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
+  const bool fades = e.leans || std::min({s, 1 - s, t, 1 - t}) < kFadeEnd || sine2 < kFadeParallel;
+  if (!fades || fade(e, f)) features.push_back(f);
+  return 0;
 }
 
 }  // namespace scree

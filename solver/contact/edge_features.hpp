@@ -13,8 +13,10 @@ inline constexpr double kFadeEnd = 0.15;
 inline constexpr double kFadeParallel = 0.01;
 inline constexpr double kFadeWedge = 0.2;
 
-/// Appends the features of edges below `margin` at the present pose, in the order of the candidates. `motion` is motion_since_listed.
-void edge_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
-                   const std::vector<EdgeCandidate>& candidates, std::vector<ContactFeature>& features);
+/// Appends the feature below `margin` that two edges are at the present pose, if they are one. Returns the motion before which they are
+/// none [m]; 0 where they are.
+/// in   size   bounding radius of the smaller body [m]
+double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+                     const EdgeCandidate& candidate, std::vector<ContactFeature>& features);
 
 }  // namespace scree

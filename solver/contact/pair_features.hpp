@@ -3,7 +3,9 @@
 //
 // All arithmetic is in the principal frame of body A with its centre as origin, so a scene far from the world's
 // origin behaves as one at it. Candidates carry the slack that the pair's relative motion must use up before they
-// can come within the margin; a step looks at those few whose slack is used up.
+// can come within the margin; a step looks at those few whose slack is used up. A candidate of two meshes that was looked at and
+// is no feature gets a new slack, by what it lacks now (candidate_slack.hpp): those that are near but do not touch are looked at
+// rarely.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +55,7 @@ struct RelativePose {
 /// Corner of one side against one triangle of the other (triangle -1: an analytic zone or a sphere's point).
 struct CornerCandidate {
   std::int32_t corner, triangle;
-  float slack;  ///< [m]: distance beyond the margin sum when listed, rounded down
+  float slack;  ///< motion since it was listed before which it is no feature, rounded down [m]
 };
 
 struct EdgeCandidate {
@@ -69,6 +71,12 @@ struct CandidateLists {
   Quat turn;                                          ///< B to A, when listed
   double skin = -1;                                   ///< [m]; < 0: no lists yet
   double first_slack = 0;  ///< motion at which the first candidate, or what is not listed, can come within the margin [m]
+  // the way of the pair: motion from step to step since listed, so that slacks can count from any step
+  std::vector<float> slacks;  ///< of all candidates of two meshes, as they are now (due_candidates.hpp) [m]
+  double way = 0;             ///< [m]
+  double next_look = 0;       ///< way at which the first candidate of two meshes that have no feature is to be looked at [m]
+  Vec3 last_centre;           ///< as `centre` and `turn`, at the end of the way
+  Quat last_turn;
 };
 
 /// One feature below the margin.
@@ -106,6 +114,8 @@ inline FeatureIndices indices_of_key(std::int64_t key) {
 /// Motion that a pair has made since its lists were made: no point of the smaller body has moved further against
 /// the larger one [m].
 double motion_since_listed(const CandidateLists& lists, const RelativePose& pose, double radius_a, double radius_b);
+/// The same, and adds to the way of the pair what it has moved since the last call or since its lists were made.
+double follow_motion(CandidateLists& lists, const RelativePose& pose, double radius_a, double radius_b);
 
 /// Makes the lists of two meshes: every feature pair that can come below `margin` (sum of both) while the motion
 /// stays within `skin`. Returns false when triangles of the two bodies intersect.
@@ -133,9 +143,11 @@ void end_lists(CandidateLists& lists);
 bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
                            MeshDistanceScratch& scratch, CandidateLists& lists);
 
-/// Features below the margin at the present pose, in ascending key order. `motion` is motion_since_listed.
-void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double motion,
-                        const CandidateLists& lists, std::vector<ContactFeature>& features);
+/// Features below the margin at the present pose, to which the way of the pair leads, in ascending key order. Gives the candidates that
+/// it looks at new slacks.   in   size   bounding radius of the smaller body [m]
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
+                        std::vector<ContactFeature>& features);
+/// `motion` is motion_since_listed.
 void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
 /// Every local minimum of the distance between the centre and the surface: flat regions, convex edges and corners whose

@@ -19,7 +19,7 @@ struct PairsModel {
   }
 
   static void weigh(const PairView&, const PullView&, double, const CandidateLists&, PairFeatures&) {}
-  static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
+  static void find_features(const PairView& view, double moved, CandidateLists& lists, PairFeatures& features) {
     if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
       triangle_contact_features(view.a, view.b, view.reach, moved, lists, features.list);
     else

@@ -79,9 +79,9 @@ struct PotentialModel {
     return list_mesh_pair(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, scratch, lists);
   }
 
-  static void find_features(const PairView& view, double moved, const CandidateLists& lists, PairFeatures& features) {
+  static void find_features(const PairView& view, double moved, CandidateLists& lists, PairFeatures& features) {
     if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
-      mesh_pair_features(view.a, view.b, view.pose, view.reach, moved, lists, features.list);
+      mesh_pair_features(view.a, view.b, view.pose, view.reach, std::min(view.radius_a, view.radius_b), lists, features.list);
     else
       find_closed_form(view, moved, lists, features.list);
     share_among_cells(view, features);

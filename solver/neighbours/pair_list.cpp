@@ -54,7 +54,7 @@ void sort_in_parallel(std::vector<Item>& items, const Less& less) {
 std::size_t memory_of(const BodyPair& pair) {
   return sizeof(BodyPair) + sizeof(PairResult) + sizeof(IdlePair) +
          (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
-         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.state.memory();
+         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.lists.slacks.capacity() * sizeof(float) + pair.state.memory();
 }
 
 void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,

@@ -326,8 +326,8 @@ void Plan::add_numbers() {
   const std::size_t pairs = simulation_.state().pairs.pairs().size();
   std::size_t candidate_bytes = 0;
   for (const BodyPair& p : simulation_.state().pairs.pairs()) {
-    candidate_bytes +=
-        (p.lists.corners_a.size() + p.lists.corners_b.size()) * sizeof(CornerCandidate) + p.lists.edges.size() * sizeof(EdgeCandidate);
+    candidate_bytes += (p.lists.corners_a.size() + p.lists.corners_b.size()) * sizeof(CornerCandidate) +
+                       p.lists.edges.size() * sizeof(EdgeCandidate) + p.lists.slacks.size() * sizeof(float);
   }
   const double steps = settings_.duration / step.step;
   text_ += fmt::format("\n  step          {} ({}; contact time {}, {:.3g} steps per contact)\n",

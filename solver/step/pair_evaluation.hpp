@@ -76,6 +76,7 @@ void prefetch(const void* begin) {
   prefetch<1>(pair.lists.corners_a.data());  // the rest of a list follows by itself
   prefetch<1>(pair.lists.corners_b.data());
   prefetch<1>(pair.lists.edges.data());
+  prefetch<1>(pair.lists.slacks.data());
   prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
   prefetch<sizeof(PairResult)>(&result);
 }
@@ -103,9 +104,13 @@ class PairEvaluation {
     const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
     double moved = 0;
     if (!keep_candidates(k, view, velocities, pair, moved)) return;
-    if (moved < pair.lists.first_slack) return rest(view, moved, pair, idle);
+    if (moved < pair.lists.first_slack) return rest(view, pair.lists.first_slack - moved, pair, idle);
     idle.way = kNeverIdle;
     Model::find_features(view, moved, pair.lists, features_);
+    if (features_.list.empty() && pair.lists.next_look > pair.lists.way) {
+      const double left = std::min(pair.lists.next_look - pair.lists.way, pair.lists.skin - moved);
+      return rest(view, left, pair, idle);
+    }
     if (view.off_middle != 0)
       for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
     const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;
@@ -128,7 +133,7 @@ class PairEvaluation {
   /// Looks whether the bodies could have passed through each other, and lists candidates anew where the pair has used up its skin.
   /// Returns false when its meshes intersect.
   bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, BodyPair& pair, double& moved) {
-    if (pair.lists.skin >= 0) moved = motion_since_listed(pair.lists, view.pose, view.radius_a, view.radius_b);
+    if (pair.lists.skin >= 0) moved = motion_of_pair(view, pair.lists);
     // a body behind a plane or in a cylinder is still seen
     if (built_with::kMeshes && view.has_mesh() && pass_.dt > 0 && moved > pair.lists.first_slack && is_fast(view, velocities, pass_.dt)) {
       const PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, matrix_of(view.a.q));
@@ -143,10 +148,16 @@ class PairEvaluation {
     return false;
   }
 
-  /// Nothing can be within the margin before both have gone what is left.
-  void rest(const PairView& view, double moved, BodyPair& pair, IdlePair& idle) {
+  /// Since the lists were made.
+  static double motion_of_pair(const PairView& view, CandidateLists& lists) {
+    return view.geometry == PairGeometry::two_meshes ? follow_motion(lists, view.pose, view.radius_a, view.radius_b)
+                                                     : motion_since_listed(lists, view.pose, view.radius_a, view.radius_b);
+  }
+
+  /// Nothing can be within the margin before both have gone what is left [m].
+  void rest(const PairView& view, double left, BodyPair& pair, IdlePair& idle) {
     if (pass_.only_looks()) return;
-    if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + (pair.lists.first_slack - moved);
+    if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + left;
     pair.state.keep_lasting();
   }
 

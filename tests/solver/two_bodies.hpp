@@ -49,13 +49,11 @@ class TwoBodies {
   }
   PairForce force(double dt) {
     const RelativePose pose(body[0], body[1]);
-    const double motion = lists_.skin < 0 ? 1e300 : motion_since_listed(lists_, pose, radius(0), radius(1));
-    double used = motion;
+    const double motion = lists_.skin < 0 ? 1e300 : follow_motion(lists_, pose, radius(0), radius(1));
     if (motion > lists_.skin) {
       EXPECT_TRUE(list_mesh_pair(body[0], body[1], reach_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
-      used = 0;
     }
-    mesh_pair_features(body[0], body[1], pose, reach_, used, lists_, features);
+    mesh_pair_features(body[0], body[1], pose, reach_, std::min(radius(0), radius(1)), lists_, features);
     if (reach_ > margin_) {
       for (ContactFeature& f : features) f.overlap -= reach_ - margin_;
     }
