@@ -31,7 +31,6 @@ struct Material {
 struct MaterialPair {
   std::int32_t a = 0, b = 0;      ///< material indices, a <= b
   double stiffness = 0;           ///< [N/m]; 0: by size, from `modulus`, or the law has none
-  double modulus = 0;             ///< [Pa] see spring()
   double restitution = 1;         ///< [-], from 0 to 1
   double friction = 0;            ///< [-] static
   double friction_sliding = -1;   ///< [-], < 0: as static
@@ -53,6 +52,7 @@ struct MaterialPair {
   double contact_angle = 0;          ///< [rad] of the liquid on both surfaces
   double bridge_volume = 0;          ///< [m^3]
   BridgeRupture bridge_rupture = BridgeRupture::willett;
+  double modulus = 0;  ///< [Pa] see spring()
 
   /// Of a contact with the radius R* [N/m]. By size it is modulus times 2 R_a R_b / (R_a + R_b), R_b infinite for a wall: overlaps over
   /// radii are then the same for all sizes at one speed, and a step goes with the radius.   Source: convention of Yade and PFC.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, impact, silo, crush, brazilian, rockfall, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
+# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crush, brazilian, rockfall, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -37,6 +37,8 @@ holds screen/screen.md "Mass in, less what left and what is there: \(0.0e+00\|-\
 [[ -s "$scratch/screen/screen.png" ]]
 run sticky
 holds sticky/sticky.md "| ball | 20 | "
+run granuheap
+holds granuheap/granuheap.md "^| 0.01 | [0-9]* | "
 run impact
 holds impact/impact.md "| impact-250 | Scree | 0.0 |"
 [[ -s "$scratch/impact/impact.png" && -s "$scratch/impact/bed-250.run/run.json" ]]
@@ -56,7 +58,7 @@ holds shape-dial/dial.csv "^ball-rolling-0.3,"
 run dice
 holds dice/dice.md "| cube | 0\.[56][0-9]* | 0\.54 |"   # looser or denser is no bed of cubes
 [[ -s "$scratch/dice/dice.png" ]]
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 impact/impact-250 silo/silo-large crush/press-01 brazilian/split rockfall/boulder-1 shape-dial/dial-hull; do
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crush/press-01 brazilian/split rockfall/boulder-1 shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done
