@@ -87,6 +87,7 @@ PLAIN = {
     "walls.*.motion.servo.direction", "walls.*.motion.servo.axis", "walls.*.motion.servo.share", "walls.*.motion.servo.swing",
     "walls.*.motion.free.guide", "walls.*.motion.free.hinge", "walls.*.motion.free.swing", "walls.*.motion.motor.axis",
     "walls.*.shape.plane.normal", "walls.*.shape.disc.normal", "walls.*.shape.hopper.half_angle",
+    "shapes.*.pieces.cells", "shapes.*.pieces.seed",
     "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
     "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",
 }

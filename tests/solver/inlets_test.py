@@ -429,7 +429,7 @@ def make_everything():
     chute = rest[rest.index("[[walls]]"):rest.index("motion =")]   # it stands still
     computed("before", head(0.03, checkpoint="0.01", **settings) + first + chute)
     rock = first[:first.index("[[populations]]")]
-    text = head(0.45, checkpoint="0.09", **settings).replace("contacts = false", "contacts = true\nimpacts = true") + rock + "[[inlets]]" + rest + WHEEL
+    text = head(0.55, checkpoint="0.11", **settings).replace("contacts = false", "contacts = true\nimpacts = true") + rock + "[[inlets]]" + rest + WHEEL
     pack("everything", text)
 
 
