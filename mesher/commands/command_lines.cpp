@@ -113,6 +113,8 @@ MesherCommand generate_line(CLI::App& app) {
                    "Box, ellipsoid, superellipsoid: \"x, y, z\"; hook, u: \"width, left leg, right leg\"; Platonic: edge");
   line->add_option("--tube-radius", options->tube_radius, "Of the torus and of the rod of hook and u");
   line->add_option("--upper-radius", options->upper_radius, "Of the cone; without it the cone has a tip");
+  line->add_option("--rounding", options->rounding,
+                   "Box, Platonic: radius of its edges and corners; --edge-length is then that of the rounding");
   line->add_option("--exponents", options->exponents, "Of the superellipsoid: \"e, n\", from 0.1 (a box) over 1 to 2");
   line->add_option("--diameter", options->diameter, "Rock, stone: of the ball of equal volume");
   line->add_option("--elongation", options->elongation, "Rock, stone: I / L, a number or a range 0.6..0.9");

@@ -86,7 +86,7 @@ CommandResult describe_command(const DescribeOptions& options);
 struct GenerateOptions {
   std::string what;  ///< one of generated_shapes()
   // texts with or without units; empty when not given
-  std::string radius, height, size, edge_length, tube_radius, upper_radius, exponents, diameter;
+  std::string radius, height, size, edge_length, tube_radius, upper_radius, exponents, diameter, rounding;
   std::string elongation = "0.8", flatness = "0.8";  ///< of rocks and stones: a number, or a range "0.6..0.9"
   double roughness = 0.1;
   std::int32_t triangles = 0;  ///< 0: what suits the shape

@@ -12,6 +12,7 @@
 #include "mesher/make/generate.hpp"
 #include "mesher/make/primitives.hpp"
 #include "mesher/make/random_rock.hpp"
+#include "mesher/make/rounded.hpp"
 
 namespace scree {
 
@@ -20,6 +21,8 @@ namespace {
 /// Default edge length of round shapes: about 25 edges around and 550 triangles on a sphere, whose volume is
 /// then 2 % short. Finer is asked for, since every triangle costs time in each step.
 constexpr double kEdgePerRadius = 0.25;
+/// Default edge length of rounded edges: steps of at most an eighth of a circle, which leave out 8 % of the radius.
+constexpr double kEdgePerRounding = 0.25 * std::numbers::pi;
 /// Most triangles that a generated shape may have, by estimate from its area.
 constexpr double kMostTriangles = 5e6;
 constexpr double kPi = std::numbers::pi;
@@ -74,16 +77,18 @@ void refuse_others(const GenerateOptions& options) {
   const std::vector<std::string> platonic{"tetrahedron", "cube", "octahedron", "dodecahedron", "icosahedron"};
   std::vector<std::string> sized{"box", "ellipsoid", "superellipsoid", "hook", "u"};
   sized.insert(sized.end(), platonic.begin(), platonic.end());
-  for (const Use& use :
-       {Use{options.radius, "--radius", {"sphere", "cylinder", "capsule", "cone", "torus"}},
-        Use{options.height, "--height", {"cylinder", "capsule", "cone"}}, Use{options.size, "--size", sized},
-        Use{options.tube_radius, "--tube-radius", {"torus", "hook", "u"}}, Use{options.upper_radius, "--upper-radius", {"cone"}},
-        Use{options.exponents, "--exponents", {"superellipsoid"}}, Use{options.diameter, "--diameter", {"rock", "stone"}}}) {
+  std::vector<std::string> edged{"box"};
+  edged.insert(edged.end(), platonic.begin(), platonic.end());
+  for (const Use& use : {Use{options.radius, "--radius", {"sphere", "cylinder", "capsule", "cone", "torus"}},
+                         Use{options.height, "--height", {"cylinder", "capsule", "cone"}}, Use{options.size, "--size", sized},
+                         Use{options.tube_radius, "--tube-radius", {"torus", "hook", "u"}},
+                         Use{options.upper_radius, "--upper-radius", {"cone"}}, Use{options.exponents, "--exponents", {"superellipsoid"}},
+                         Use{options.rounding, "--rounding", edged}, Use{options.diameter, "--diameter", {"rock", "stone"}}}) {
     if (!use.value.empty() && !is_one_of(options.what, use.shapes))
       throw UsageError("generate {}: {} has no meaning for it", options.what, use.option);
   }
   const bool is_random = is_one_of(options.what, {"rock", "stone"});
-  if ((is_random || is_one_of(options.what, platonic)) && !options.edge_length.empty())
+  if ((is_random || (is_one_of(options.what, platonic) && options.rounding.empty())) && !options.edge_length.empty())
     throw UsageError("generate {}: --edge-length has no meaning for it", options.what);
   if (!is_random && (options.count != 1 || options.triangles != 0))
     throw UsageError("generate {}: --count and --triangles are for rock and stone", options.what);
@@ -109,6 +114,16 @@ int level_for(double radius, double edge_length) {
   return std::clamp(static_cast<int>(std::ceil(std::log2(1.1 * radius / edge_length))), 0, 9);
 }
 
+/// A box or Platonic solid with its edges and corners rounded, where that is asked for.
+TriangleMesh rounded_as_asked(const TriangleMesh& solid, const GenerateOptions& options) {
+  if (options.rounding.empty()) return solid;
+  const double radius = positive_length(options.rounding, "--rounding");
+  const double edge_length =
+      options.edge_length.empty() ? kEdgePerRounding * radius : positive_length(options.edge_length, "--edge-length");
+  check_triangle_count(4 * kPi * radius * radius, edge_length);
+  return rounded(solid, radius, edge_length);
+}
+
 TriangleMesh make_mesh(const GenerateOptions& options) {
   const std::string& what = options.what;
   const auto radius = [&] { return positive_length(options.radius, "--radius"); };
@@ -124,7 +139,7 @@ TriangleMesh make_mesh(const GenerateOptions& options) {
   }
   if (what == "box") {
     const Vec3 size = size_of(options.size);
-    if (options.edge_length.empty()) return box_mesh(size);
+    if (options.edge_length.empty() || !options.rounding.empty()) return rounded_as_asked(box_mesh(size), options);
     return generate_box(size, edge_length(0, 2 * (size.x * size.y + size.y * size.z + size.z * size.x)));
   }
   if (what == "cylinder") {
@@ -168,7 +183,7 @@ TriangleMesh make_mesh(const GenerateOptions& options) {
   TriangleMesh mesh = platonic_solid(what);
   const double edge = positive_length(options.size, "--size");
   for (Vec3& p : mesh.vertices) p *= edge;
-  return mesh;
+  return rounded_as_asked(mesh, options);
 }
 
 using NamedMesh = std::pair<std::string, TriangleMesh>;
@@ -240,10 +255,10 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
   }
   Provenance provenance = shape_provenance(
       command, fmt::format("generate {} radius={} height={} size={} edge-length={} tube-radius={} upper-radius={} "
-                           "exponents={} diameter={} elongation={} flatness={} roughness={} triangles={} count={} analytic={}",
+                           "exponents={} rounding={} diameter={} elongation={} flatness={} roughness={} triangles={} count={} analytic={}",
                            options.what, options.radius, options.height, options.size, options.edge_length, options.tube_radius,
-                           options.upper_radius, options.exponents, options.diameter, options.elongation, options.flatness,
-                           options.roughness, options.triangles, options.count, options.analytic));
+                           options.upper_radius, options.exponents, options.rounding, options.diameter, options.elongation,
+                           options.flatness, options.roughness, options.triangles, options.count, options.analytic));
   provenance.seed = options.seed;
   write_shape_file(options.output, shapes, provenance_record(provenance));
   result.output += report + fmt::format("wrote {}\n", options.output);

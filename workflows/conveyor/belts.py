@@ -54,6 +54,7 @@ for frame in run.frames:
             passed[i] = t + (end[2] - y0) / (y - y0) * (frame.time - t) - came_at[i]
         before[i] = (frame.time, y)
 times, loads, stream = np.array(times), {belt: np.array(load) for belt, load in loads.items()}, np.array(stream).reshape(-1, 2)
+fed_until = inserted["time"].max()   # the feed may end before the run
 log = run.log
 ids = {wall.name: wall.id for wall in run.scene.walls.in_order}
 
@@ -75,12 +76,12 @@ there = sum(mass_of[int(i)] for i in run.frames[-1].bodies.id)
 lines.append(f"| mass that came in, left, is there | {total_in:.4g}, {total_out:.4g}, {there:.4g} kg | in - out = there | {total_in - total_out - there:.1e} kg |")
 for belt, gives in ((1, speed[1] - fed_at), (2, speed[2])):
     since = steady_from(belt)
-    late = times > since
+    late = (times > since) & (times <= fed_until)
     if late.sum() < 4:
         lines.append(f"| belt {belt} | not long enough loaded | | |")
         continue
     told(f"load of belt {belt}", loads[belt][late].mean(), rate / speed[belt], "kg/m")
-    rows = log["time"] > since
+    rows = (log["time"] > since) & (log["time"] <= fed_until)
     told(f"power of belt {belt}", log[f"wall{ids[f'belt {belt}']}_power"][rows].mean(), rate * gives * speed[belt], "W")
 thrown = stream[stream[:, 0] > end[1] + 0.02] if len(stream) else stream
 if len(thrown) > 20:

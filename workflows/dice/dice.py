@@ -16,9 +16,9 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-LOOSE = {"tetrahedron": 0.51, "cube": 0.54, "octahedron": 0.52}
-DENSEST = {"tetrahedron": 0.64, "cube": 0.67, "octahedron": 0.64}
-COLOURS = {"tetrahedron": "#D55E00", "cube": "#0072B2", "octahedron": "#009E73"}
+LOOSE = {"tetrahedron": 0.51, "cube": 0.54, "octahedron": 0.52, "dodecahedron": 0.51, "icosahedron": 0.50}
+DENSEST = {"tetrahedron": 0.64, "cube": 0.67, "octahedron": 0.64, "dodecahedron": 0.63, "icosahedron": 0.59}
+COLOURS = {"tetrahedron": "#D55E00", "cube": "#0072B2", "octahedron": "#009E73", "dodecahedron": "#CC79A7", "icosahedron": "#56B4E9"}
 SAMPLES = 100_000   # the fraction is then within 0.002
 
 
@@ -46,7 +46,8 @@ def read(run):
     shape, seed = run.rsplit("-", 1)
     with h5py.File(f"{run}.scene.h5", "r") as file:
         vertex, triangle = file["shapes/shape_0000/vertices"][:], file["shapes/shape_0000/triangles"][:]
-        volume = float(file["shapes/shape_0000"].attrs["volume"])
+        scale = float(file["bodies/scale"][0])   # of all dice
+        vertex, volume = scale * vertex, scale**3 * float(file["shapes/shape_0000"].attrs["volume"])
         settings = json.loads(file["settings"][()])
     density, friction = settings["materials"][0]["density"], settings["pairs"][0]["friction"]
     wall = settings["walls"][0]["motion"]
