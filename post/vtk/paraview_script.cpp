@@ -1,7 +1,9 @@
 // The text of open_in_paraview.py. It needs nothing but ParaView 5.11 or newer.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/base/utf8.hpp"
 #include "post/run/drawn_meshes.hpp"
@@ -47,8 +49,9 @@ def colour_by(display, what, association):
     table.InterpretValuesAsCategories = 1
     names = {"shape": SHAPES, "material": MATERIALS}.get(what) or ["rank %d" % k for k in range(RANKS)]
     colours = [COLOURS[k % len(COLOURS)] for k in range(len(names))]
-    table.Annotations = [text for k, name in enumerate(names) for text in (str(k), name)]
-    table.IndexedColors = [c for colour in colours for c in colour]
+    shown = {"shape": SHAPES_OF_BODIES, "material": MATERIALS_OF_BODIES}.get(what) or range(len(names))   # those of walls alone are left out
+    table.Annotations = [text for k in shown for text in (str(k), names[k])]
+    table.IndexedColors = [c for k in shown for c in colours[k]]
     return table, what
 
 
@@ -91,15 +94,34 @@ def show_surfaces(here, view):
     return reader, display, "CELLS"
 
 
-def show_loads(walls, view, what):
-    """Walls coloured by a quantity of their load maps, the mean since the frame before; bodies are out of the way."""
-    display = Show(walls, view)
+def as_glass(display, opacity):
     display.Representation = "Surface"
-    display.Opacity = 1.0
+    display.ColorArrayName = [None, ""]
+    display.AmbientColor = display.DiffuseColor = [0.45, 0.52, 0.60]
+    display.Opacity = opacity
+
+
+def show_loads(walls, view, what):
+    """Walls with load maps coloured by a quantity, the mean since the frame before; the others stay glass, and bodies are out of the way."""
+    Hide(walls, view)
+    parts = []
+    for name, low in (("walls with load maps", 0.5), ("other walls", -0.5)):
+        part = Threshold(Input=walls)
+        RenameSource(name, part)
+        part.Scalars = ["CELLS", "has_load_map"]
+        part.LowerThreshold, part.UpperThreshold = low, low + 1
+        parts.append(part)
+    mapped, others = parts
+    as_glass(Show(others, view), 0.10)
+    display = Show(mapped, view)
+    display.Representation = "Surface"
     ColorBy(display, ("CELLS", what))
     table = GetColorTransferFunction(what)
     table.ApplyPreset("Viridis (matplotlib)", True)
-    display.RescaleTransferFunctionToDataRange(True, False)
+    values = servermanager.Fetch(mapped).GetCellData().GetArray(what)
+    borne = sorted(v for v in (values.GetValue(k) for k in range(values.GetNumberOfTuples())) if v > 0)
+    if borne:
+        table.RescaleTransferFunction(0.0, borne[int(0.99 * (len(borne) - 1))])   # a scale that one triangle does not set
     return table, LOADS[what], display
 
 
@@ -111,15 +133,10 @@ def show_walls(here, view):
         return None
     walls = OpenDataFile(path)
     RenameSource("walls", walls)
-    display = Show(walls, view)
-    display.Representation = "Surface"
+    as_glass(Show(walls, view), 0.10)
     edges = FeatureEdges(Input=walls)
     RenameSource("wall edges", edges)
-    lines = Show(edges, view)
-    for item, opacity in ((display, 0.10), (lines, 1.0)):
-        item.ColorArrayName = [None, ""]
-        item.AmbientColor = item.DiffuseColor = [0.45, 0.52, 0.60]
-        item.Opacity = opacity
+    as_glass(Show(edges, view), 1.0)
     return walls
 
 
@@ -186,7 +203,7 @@ def main():
         display.Opacity = 0.12
     else:
         table, title = colour_by(display, options.colour, association)
-        if len(SHAPES) > 1 or options.colour != "shape":
+        if len(SHAPES_OF_BODIES) > 1 or options.colour != "shape":
             legend = table, title, display
 
     if options.load:
@@ -194,7 +211,6 @@ def main():
             raise SystemExit("open_in_paraview.py: no wall of this run has a load map (load_map = true in [[walls]] of the case)")
         walls = show_walls(here, view)
         walls.UpdatePipeline(scene.AnimationTime)
-        Render(view)
         legend = show_loads(walls, view, options.load)
         Hide(reader, view)
     if not options.plain:
@@ -216,7 +232,7 @@ def main():
             bar.TitleColor = [0.1, 0.1, 0.1]
             bar.LabelColor = [0.1, 0.1, 0.1]
     view.CameraFocalPoint = CENTRE
-    view.CameraPosition = [c + 3.4 * RADIUS * d for c, d in zip(CENTRE, FROM)]
+    view.CameraPosition = [c + 3.9 * RADIUS * d for c, d in zip(CENTRE, FROM)]
     view.CameraViewUp = UP
     view.CameraViewAngle = 30.0
     view.CenterOfRotation = CENTRE
@@ -249,6 +265,12 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
   };
   add_sizes(run.scene.bodies.shape, run.scene.bodies.scale);
   if (run.scene.bodies.size() == 0) add_sizes(last.bodies.shape, last.bodies.scale);  // all came in later
+  std::set<std::int32_t> body_shapes(run.scene.bodies.shape.begin(), run.scene.bodies.shape.end());
+  std::set<std::int32_t> body_materials(run.scene.bodies.material.begin(), run.scene.bodies.material.end());
+  for (const Inlet& inlet : run.scene.inlets) {
+    for (const auto& share : inlet.shares) body_shapes.insert(share.shape);
+    body_materials.insert(inlet.material);
+  }
   Box3 room = room_of(load_frame(run, 0).bodies, run.scene);
   room.add(room_of(last.bodies, run.scene));
   std::int32_t rank_count = 1;
@@ -271,6 +293,8 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
   text += fmt::format("FOLDER_WHEN_WRITTEN = {}  # used only when nothing else tells where the script is\n", quoted(script_folder));
   text += fmt::format("SHAPES = [{}]\n", shapes);
   text += fmt::format("MATERIALS = [{}]\n", materials);
+  text += fmt::format("SHAPES_OF_BODIES, MATERIALS_OF_BODIES = [{}], [{}]  # the others are of walls\n", fmt::join(body_shapes, ", "),
+                      fmt::join(body_materials, ", "));
   text += fmt::format("RANKS = {}\n", rank_count);
   text += fmt::format("COLOURS = [{}]\n", colours);
   std::string loads;

@@ -10,6 +10,7 @@
 #include <vtkPolyData.h>
 #include <vtkTypeInt32Array.h>
 #include <vtkTypeInt64Array.h>
+#include <vtkTypeInt8Array.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <cstdio>
@@ -169,6 +170,12 @@ vtkSmartPointer<vtkPolyData> vtk_walls(const Scene& scene, const std::vector<Tri
   }
   auto data = all.poly_data();
   data->GetCellData()->AddArray(array_of<vtkTypeInt64Array>("wall", id.size(), 1, [&](std::size_t i, int) { return id[i]; }));
+  if (!loads.empty()) {
+    std::vector<std::int8_t> mapped;
+    for (std::size_t w = 0; w < walls.size(); ++w) mapped.insert(mapped.end(), walls[w].triangles.size(), scene.walls[w].load_map ? 1 : 0);
+    data->GetCellData()->AddArray(
+        array_of<vtkTypeInt8Array>("has_load_map", mapped.size(), 1, [&](std::size_t i, int) { return mapped[i]; }));
+  }
   std::vector<std::size_t> count;
   for (const TriangleMesh& wall : walls) count.push_back(wall.triangles.size());
   for (std::size_t q = 0; q < kLoadQuantities.size() && !loads.empty(); ++q) {
