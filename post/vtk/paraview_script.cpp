@@ -176,6 +176,7 @@ def main():
     view.UseColorPaletteForBackground = 0
     view.Background = [1.0, 1.0, 1.0]
     view.OrientationAxesVisibility = 0 if options.plain else 1
+    view.OrientationAxesLabelColor = [0.1, 0.1, 0.1]
     if options.picture:
         view.ViewSize = options.size
     reader, display, association = (show_surfaces if options.surfaces else show_glyphs)(here, view)
