@@ -21,9 +21,10 @@ TABLE, *NAMES = sys.argv[1:]
 RINGS, G = 8, 9.81
 
 
-def outline(x, size, radius):
-    """Slope [degrees] and height of the grains above the support."""
-    x, size = x[x[:, 2] > 0], size[x[:, 2] > 0]
+def outline(x, size, radius, edge):
+    """Slope [degrees] and height of the grains above the support, and their number. Grains above the lower edge of the tube hang on it."""
+    there = (x[:, 2] > 0) & (x[:, 2] < edge)
+    x, size = x[there], size[there]
     r, top = np.hypot(x[:, 0], x[:, 1]), x[:, 2] + 0.5 * size
     edges = np.linspace(0, radius, RINGS + 1)
     rings = [(0.5 * (low + high), top[(r >= low) & (r < high)].max()) for low, high in zip(edges, edges[1:]) if ((r >= low) & (r < high)).any()]
@@ -37,11 +38,13 @@ for name in NAMES:
     case, run = case_of(record), scree.open(f"{name}.run")
     w, density = si(case["pairs"][0]["adhesion"]), si(case["materials"]["powder"]["density"])
     radius = si(case["walls"][0]["shape"]["cylinder"]["radius"])
+    tube = case["walls"][1]
+    starts, rises, low = (si(value) for value in (tube["motion"]["start"], tube["motion"]["translate"]["velocity"][2], tube["shape"]["cylinder"]["start"][2]))
     late = [frame for frame in run.frames if frame.time >= 0.9 * record["time"]]
     values = []
     for frame in late:
         size = (6 * frame.bodies.mass / (math.pi * density)) ** (1 / 3)
-        values.append(outline(frame.bodies.position, size, radius))
+        values.append(outline(frame.bodies.position, size, radius, low + rises * max(0.0, frame.time - starts)))
     slope, height, count = np.mean(values, axis=0)
     mean = float(np.mean(size))
     bond = 1.5 * math.pi * w * 0.25 * mean / (density * math.pi / 6 * mean**3 * G)
