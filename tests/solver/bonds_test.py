@@ -169,6 +169,35 @@ def a_case_cuts_its_shape_as_the_mesher_does():
     assert "2 bodies cut into 28 pieces" in pack("half", half)
 
 
+def pieces_are_glued_to_what_lies_against_their_body():
+    """Two cut bricks on top of each other, the lower one on a plate: faces of pieces of different bodies are bonded, once, over what they have in
+    common: all of it but an inset along their seams."""
+    mesher("generate", "box", "--size", "20mm,20mm,20mm", "-o", "rock.shape.h5")
+    mesher("fracture", "rock.shape.h5", "--cells", "8", "--seed", "2", "--inset", "0.2 um", "-o", "pieces.shape.h5")
+    mesher("generate", "box", "--size", "30mm,30mm,2mm", "-o", "plate.shape.h5")
+    glue = '[[bonds]]\nbetween = ["stone", "{}"]\ndistance = "0.5 um"\nyoung = "1 GPa"\ntension = "7 MPa"\ncohesion = "9 MPa"\n'
+    text = CASE.format(duration=1e-4, every=1e-4, bonds=BONDS + glue.format("stone") + glue.format("steel")).replace('"0.2 mm"', '"0.2 um"')
+    text += '[shapes.plate]\nfile = "plate.shape.h5"\n[[pairs]]\nbetween = ["steel", "steel"]\nstiffness = 2e6\nrestitution = 0.5\n'
+    for shape, material, z, more in (("rock", "stone", 0, ""), ("rock", "stone", 0.0200004, ""), ("plate", "steel", -0.0110004, "fixed = true\n")):
+        text += f'[[bodies]]\nshape = "{shape}"\nmaterial = "{material}"\nposition = [0, 0, {z}]\n{more}'
+    pack("glued", text)
+    with h5py.File("pieces.shape.h5") as file:
+        faces = len(file["pieces/area"][:])
+    with h5py.File("glued.scene.h5") as file:
+        bond = {name: file["bonds"][name][:] for name in file["bonds"]}
+        z = dict(zip(file["bodies/id"][:], file["bodies/position"][:, 2]))
+    bricks = numpy.array([[0 if z[b] < -0.0101 else 1 if z[b] < 0.01 else 2 for b in bond[side]] for side in "ab"])
+    within = bricks[0] == bricks[1]
+    assert within.sum() == 2 * faces, (within.sum(), faces)
+    for pair in ((0, 1), (1, 2)):
+        common = (numpy.sort(bricks, axis=0).T == pair).all(axis=1)
+        assert 0.9998 < bond["area"][common].sum() / 4e-4 < 1, (pair, bond["area"][common])
+        assert (bond["tension"][common] == 7e6).all()   # not scattered: that is of the other section
+    assert len(set(bond["tension"][within])) == 2 * faces
+    run(1, "glued.scene.h5", "-o", "glued.run")
+    assert outcome("glued.run")["outcome"] == "completed"
+
+
 def pieces_at_rest_stay_at_rest():
     """Rounding of places is all the energy that they have: no growth of it stops the run."""
     rock()
@@ -228,4 +257,4 @@ def mistakes_are_told_with_numbers():
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture, what_breaks_takes_energy_and_never_gives_any,
-      bonds_of_bodies_that_leave_break, a_case_cuts_its_shape_as_the_mesher_does, pieces_at_rest_stay_at_rest, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])
+      bonds_of_bodies_that_leave_break, a_case_cuts_its_shape_as_the_mesher_does, pieces_are_glued_to_what_lies_against_their_body, pieces_at_rest_stay_at_rest, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])
