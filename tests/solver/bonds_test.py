@@ -123,6 +123,40 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture()
     assert "the same, bit for bit" in said, said
 
 
+def pieces_that_press_together_are_damped_together_on_any_ranks_and_after_a_restart():
+    """A cut box lands on its face, unbroken: it leaves with the restitution, and a restart in the middle of the contact takes over what each piece's contact knows of
+    the others."""
+    mesher("generate", "box", "--size", "2cm,2cm,2cm", "-o", "rock.shape.h5")
+    mesher("fracture", "rock.shape.h5", "--cells", "8", "--seed", "2", "--evenly", "--inset", "0.2 mm", "-o", "pieces.shape.h5")
+    text = CASE.format(duration=6e-4, every=3e-4, bonds='[[bonds]]\nwithin = "stone"\nyoung = "1 GPa"\n').replace("-9.81", "0")
+    text = text.replace("stiffness = 2e6\nrestitution = 0.5\nfriction = 0.4", "stiffness = 2e5\nrestitution = 0.5\nfriction = 0")
+    text += '[[bodies]]\nshape = "rock"\nmaterial = "stone"\nposition = [0, 0, 0.0105]\nvelocity = [0, 0, -0.5]\n'
+    text += '[[walls]]\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\nmaterial = "steel"\n'
+    pack("box", text)
+    kept = None
+    for ranks in (1, 3):   # in touch from 0.2 to 0.8 ms
+        run(ranks, "box.scene.h5", "-o", f"r{ranks}.run")
+        found = (outcome(f"r{ranks}.run")["state_hash"], physics_of_log(f"r{ranks}.run"))
+        kept = kept or found
+        assert found == kept, f"{ranks} ranks: another run than on one"
+    with h5py.File(sorted(glob.glob("r1.run/checkpoint_*.h5"))[0]) as file:
+        shared = file["springs/force"][:, 0][file["springs/feature"][:] == 6 << 60]
+    assert len(shared) == 4 and (shared > 1).all(), shared
+    shutil.copytree("r3.run", "restart.run")
+    make_killed("restart.run", keep=1)
+    run(2, "box.scene.h5", "-o", "restart.run", "--restart", "latest")
+    assert (outcome("restart.run")["state_hash"], physics_of_log("restart.run")) == kept, "another run than without a restart"
+    pack("whole", text.replace("duration = 0.0006", "duration = 0.0012"))
+    run(1, "whole.scene.h5", "-o", "whole.run")
+    with h5py.File(sorted(glob.glob("whole.run/checkpoint_*.h5"))[-1]) as file:
+        assert len(file["springs/feature"][:]) == 0, "it has left, and nothing is kept of its contacts"
+    log = physics_of_log("whole.run")
+    rows = [row for row in log[1:] if not row[0].startswith("#")]
+    kinetic = [sum(float(row[log[0].index(f"kinetic_{kind}")]) for kind in ("translational", "rotational")) for row in (rows[0], rows[-1])]
+    left = (kinetic[1] / kinetic[0]) ** 0.5
+    assert abs(left - 0.5) < 0.03, left   # each for itself: below 0.4
+
+
 def what_breaks_takes_energy_and_never_gives_any():
     rock()
     pack("two", CASE.format(duration=1.2e-3, every=2e-5, bonds=BONDS) + TWO_ROCKS)
@@ -256,5 +290,6 @@ def mistakes_are_told_with_numbers():
     assert "times the critical step" in said and "bond of bodies" in said, said
 
 
-main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture, what_breaks_takes_energy_and_never_gives_any,
+main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture,
+      pieces_that_press_together_are_damped_together_on_any_ranks_and_after_a_restart, what_breaks_takes_energy_and_never_gives_any,
       bonds_of_bodies_that_leave_break, a_case_cuts_its_shape_as_the_mesher_does, pieces_are_glued_to_what_lies_against_their_body, pieces_at_rest_stay_at_rest, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])
