@@ -43,7 +43,7 @@ struct BondQuantity {
 };
 inline constexpr std::array<BondQuantity, 3> kBondQuantities{{{"normal_stress", "normal stress of bonds [Pa]", &BondFace::normal_stress},
                                                               {"shear_stress", "shear stress of bonds [Pa]", &BondFace::shear_stress},
-                                                              {"load", "load of bonds; they break at 1", &BondFace::load}}};
+                                                              {"load", "share of strength", &BondFace::load}}};
 std::vector<std::string> bond_quantity_names();
 /// Fails: UsageError for another name.
 const BondQuantity& bond_quantity(const std::string& name);
