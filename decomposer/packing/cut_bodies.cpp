@@ -60,10 +60,10 @@ class Cutter {
       }
       cut_rows.push_back(row);
     }
+    for (const BodyRow& row : cut_rows) add_pieces(row, static_cast<std::size_t>(index_in_case(parts_, row.shape)));
     for (const CaseBond& between : case_.bonds) {
       if (between.between_a >= 0) bond_faces(between);
     }
-    for (const BodyRow& row : cut_rows) add_pieces(row, static_cast<std::size_t>(index_in_case(parts_, row.shape)));
     // several faces may join two pieces: they stay in the order of the file
     std::stable_sort(scene_.bonds.begin(), scene_.bonds.end(),
                      [](const Bond& l, const Bond& r) { return std::pair(l.a, l.b) < std::pair(r.a, r.b); });
@@ -74,7 +74,7 @@ class Cutter {
  private:
   void bond_faces(const CaseBond& between) {
     const double distance = between.distance > 0 ? between.distance : touch_distance();
-    const std::size_t count = bond_faces_between(between, distance, scene_);
+    const std::size_t count = bond_faces_between(between, distance, whole_, scene_);
     if (count == 0) {
       throw InputError(
           "{}: no two faces of bodies of '{}' and '{}' lie within {} of each other: nothing is bonded; give a larger distance, or place "
@@ -106,6 +106,7 @@ class Cutter {
       BodyRow piece = row;
       const Vec3 arm = rotate(row.orientation, row.scale * file.shapes[p].origin_shift);
       piece.id = next_id_++;
+      whole_[piece.id] = row.id;
       piece.shape = first_shape + static_cast<std::int32_t>(p);
       piece.position = row.position + arm;
       piece.velocity = row.velocity + cross(row.angular_velocity, arm);
@@ -196,8 +197,8 @@ class Cutter {
     const auto modulus_of = [&](const Bond& bond) {
       const auto [low, high] = std::minmax(material_of.at(bond.a), material_of.at(bond.b));
       for (const CaseBond& b : case_.bonds) {
-        const bool is_of_pieces = bond.a >= first_piece_ && bond.b >= first_piece_;
-        if (is_of_pieces ? b.material == low : b.between_a == low && b.between_b == high) return b.weibull_modulus;
+        if (are_of_one_body(whole_, bond.a, bond.b) ? b.material == low : b.between_a == low && b.between_b == high)
+          return b.weibull_modulus;
       }
       return 0.0;
     };
@@ -252,6 +253,7 @@ class Cutter {
   std::int64_t next_id_ = 0, first_piece_ = 0;
   std::map<std::size_t, std::int32_t> first_shape_;
   std::set<std::int32_t> loose_;
+  WholeBodies whole_;
   std::map<std::int64_t, double> own_weight_;  // of each piece: density times gravity times height of its body [Pa]
 };
 

@@ -114,7 +114,7 @@ void fill_bond(const CaseBond& given, Bond& bond) {
   bond.damping = given.damping;
 }
 
-std::size_t bond_faces_between(const CaseBond& given, double distance, Scene& scene) {
+std::size_t bond_faces_between(const CaseBond& given, double distance, const WholeBodies& whole, Scene& scene) {
   const Domain& domain = scene.settings.domain;
   const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
   std::map<std::int32_t, std::vector<FlatFace>> faces;
@@ -143,6 +143,7 @@ std::size_t bond_faces_between(const CaseBond& given, double distance, Scene& sc
       const std::int32_t low = std::min(scene.bodies.material[a], scene.bodies.material[b]);
       const std::int32_t high = std::max(scene.bodies.material[a], scene.bodies.material[b]);
       if (low != given.between_a || high != given.between_b || (scene.bodies.fixed[a] && scene.bodies.fixed[b])) continue;
+      if (are_of_one_body(whole, scene.bodies.id[a], scene.bodies.id[b])) continue;
       const BodyRow row_a = scene.bodies.row(a), row_b = scene.bodies.row(b);
       const Vec3 branch = periodicity.nearest(row_b.position - row_a.position);
       if (length(branch) > radius(a) + radius(b) + distance) continue;

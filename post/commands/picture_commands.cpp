@@ -6,6 +6,7 @@
 #include "core/base/units.hpp"
 #include "post/commands/commands.hpp"
 #include "post/run/body_colours.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/choice.hpp"
 #include "post/run/wall_loads.hpp"
 #include "post/vtk/vtk_or_not.hpp"
@@ -29,6 +30,11 @@ struct LookOptions {
     command.add_option("--load", picture.load, "Walls coloured by their load maps, means since the start of the run, without the bodies")
         ->check(CLI::IsMember(load_names()));
     command.add_flag("--network", picture.network, "Contact forces as tubes, bodies translucent");
+    command.add_option("--bonds", picture.bonds, "Faces of the bonds that hold, coloured by what they bear; bodies translucent")
+        ->check(CLI::IsMember(bond_quantity_names()));
+    command
+        .add_option("--apart", picture.apart, "Fragments apart: moved from the middle of their body by this share of their way (default 0)")
+        ->check(CLI::Range(0.0, 100.0));
     command.add_option("--cut", cut, "Cut away what is before a plane, as seen from the camera: y=0, \"x=2 cm\"");
     command.add_flag("--no-walls", no_walls, "Bodies only");
     command.add_flag("--no-legend", no_legend, "Without names of kinds and without a scale");
@@ -73,6 +79,9 @@ struct LookOptions {
     if (!look.load.empty() && !has_load_maps(run.scene))
       throw UsageError("--load {}: no wall of {} has a load map; set load_map = true in [[walls]] of the case and run it again", look.load,
                        run.folder);
+    if ((!look.bonds.empty() || look.apart > 0) && run.scene.bonds.empty())
+      throw UsageError("{}: the scene of {} has no bonds", look.bonds.empty() ? "--apart" : "--bonds " + look.bonds, run.folder);
+    if (look.network && !look.bonds.empty()) throw UsageError("--network, --bonds: give one of them");
     if (look.network && !run.scene.settings.output_contacts)
       throw UsageError("--network: {} kept no contacts; set contacts = true in [output] of the case and run it again", run.folder);
   }

@@ -103,10 +103,10 @@ Command add_vtk(CLI::App& app) {
   command->add_option("-o,--output", o->files.folder, "Folder")->required();
   command
       ->add_option("--what", o->files.kinds,
-                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls (default surfaces,"
+                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls, bonds (default surfaces,"
                    "contacts,network,walls)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"surfaces", "bodies", "contacts", "network", "walls"}));
+      ->check(CLI::IsMember({"surfaces", "bodies", "contacts", "network", "walls", "bonds"}));
   o->bodies.add_to(*command);
   return {command, [o] {
             require_vtk();

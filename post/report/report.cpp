@@ -47,6 +47,9 @@ std::string figure(const Chart& chart) {
       svg_of(chart), name, base64(csv_of(chart)));
 }
 
+/// Share of their way that fragments are moved by in the picture that shows them apart.
+constexpr double kApart = 0.5;
+
 std::string picture_section(const Run& run, std::size_t frame, std::vector<std::string>& notes) {
   const std::string obstacle = picture_obstacle();
   if (!obstacle.empty()) {
@@ -74,6 +77,16 @@ std::string picture_section(const Run& run, std::size_t frame, std::vector<std::
     PictureOptions network;
     network.network = true;
     add(network, "The contact network", fmt::format("Contact forces at {}: thickness and colour by normal force.", time));
+  }
+  if (!run.scene.bonds.empty()) {
+    PictureOptions fragments;
+    fragments.colour = "fragment";
+    fragments.apart = kApart;
+    add(fragments, "Fragments",
+        fmt::format("Fragments at {}, a colour each, moved from the middle of their body by {:g} of their way.", time, kApart));
+    PictureOptions bonds;
+    bonds.bonds = "load";
+    add(bonds, "Bonds", fmt::format("Faces of the bonds that hold at {}, coloured by how much of their strength they bear.", time));
   }
   if (has_load_maps(run.scene)) {
     std::vector<const char*> names{"pressure", "sliding_power", "impact_power"};

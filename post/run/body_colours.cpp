@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/base/error.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/contact_network.hpp"
 
 namespace scree {
@@ -78,6 +79,7 @@ const std::vector<Field>& fields() {
       {"material", "", nullptr},
       {"population", "", nullptr},
       {"rank", "", nullptr},
+      {"fragment", "", nullptr},
       {"velocity", "speed [m/s]", speed_of},
       {"velocity-x", "velocity x [m/s]", [](const Source& s, std::size_t i) { return s.frame.bodies.velocity[i].x; }},
       {"velocity-y", "velocity y [m/s]", [](const Source& s, std::size_t i) { return s.frame.bodies.velocity[i].y; }},
@@ -97,6 +99,29 @@ const std::vector<Field>& fields() {
       {"force", "sum of normal forces [N]", nullptr},
       {"id", "id", [](const Source& s, std::size_t i) { return static_cast<double>(s.frame.bodies.id[i]); }}};
   return all;
+}
+
+/// Fragments by the lowest id of their bodies, counted from 0 among all bodies with bonds: what breaks off keeps the colour of the rest.
+BodyColours fragments_of_frame(const Run& run, const Frame& frame) {
+  if (run.scene.bonds.empty()) throw UsageError("--colour fragment: the scene of {} has no bonds", run.folder);
+  std::vector<std::int64_t> bonded;
+  for (const Bond& bond : run.scene.bonds) bonded.insert(bonded.end(), {bond.a, bond.b});
+  std::sort(bonded.begin(), bonded.end());
+  bonded.erase(std::unique(bonded.begin(), bonded.end()), bonded.end());
+  BodyColours colours{"fragment", true, {}, {}};
+  std::map<int, std::size_t> pieces;
+  for (const std::int64_t id : fragment_ids(run.scene, frame.bodies, frame.bonds.bond)) {
+    const auto kind =
+        static_cast<int>(id < 0 ? bonded.end() - bonded.begin() : std::lower_bound(bonded.begin(), bonded.end(), id) - bonded.begin());
+    colours.value.push_back(kind);
+    ++pieces[kind];
+  }
+  for (const auto& [kind, count] : pieces) {
+    colours.kinds[kind] = kind == static_cast<int>(bonded.size()) ? "without bonds"
+                          : count == 1                            ? "1 piece"
+                                                                  : fmt::format("{} pieces", count);
+  }
+  return colours;
 }
 
 BodyColours kinds_of(const Run& run, const Source& source, const std::string& name) {
@@ -123,6 +148,7 @@ BodyColours kinds_of(const Run& run, const Source& source, const std::string& na
     }
     return colours;
   }
+  if (name == "fragment") return fragments_of_frame(run, source.frame);
   const std::vector<std::int32_t>& now = name == "shape" ? b.shape : (name == "material" ? b.material : b.rank);
   colours.value.assign(now.begin(), now.end());
   for (const std::int32_t kind : name == "shape" ? first.shape : (name == "material" ? first.material : b.rank))

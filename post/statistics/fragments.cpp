@@ -8,50 +8,27 @@
 #include <numbers>
 
 #include "core/base/long_work.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/output_file.hpp"
 
 namespace scree {
 
 namespace {
 
-/// The lowest id of what each is connected with.
-class Connected {
- public:
-  std::int64_t lowest(std::int64_t id) {
-    const auto found = parent_.try_emplace(id, id).first;
-    if (found->second == id) return id;
-    const std::int64_t root = lowest(found->second);
-    parent_[id] = root;
-    return root;
-  }
-  void join(std::int64_t a, std::int64_t b) {
-    const std::int64_t low = lowest(a), high = lowest(b);
-    parent_[std::max(low, high)] = std::min(low, high);
-  }
-
- private:
-  std::map<std::int64_t, std::int64_t> parent_;
-};
-
 constexpr double kFine = 0.1;  // of the diameter of the parent: the 10 of t10
 
 }  // namespace
 
 std::vector<Fragment> fragments_of(const Scene& scene, const FrameBodies& bodies, const std::vector<std::int64_t>& holding) {
-  Connected start, now;
-  for (const Bond& bond : scene.bonds) start.join(bond.a, bond.b);
-  for (const std::int64_t k : holding) now.join(scene.bonds[static_cast<std::size_t>(k)].a, scene.bonds[static_cast<std::size_t>(k)].b);
-  std::vector<std::int64_t> bonded;
-  for (const Bond& bond : scene.bonds) bonded.insert(bonded.end(), {bond.a, bond.b});
-  std::sort(bonded.begin(), bonded.end());
+  const std::vector<std::int64_t> now = fragment_ids(scene, bodies, holding), parent = fragment_ids(scene, bodies, all_bonds(scene));
   std::map<std::int64_t, Fragment> by_id;
   std::map<std::int64_t, double> volume;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!std::binary_search(bonded.begin(), bonded.end(), bodies.id[i])) continue;
-    const std::int64_t id = now.lowest(bodies.id[i]);
+    if (now[i] < 0) continue;
+    const std::int64_t id = now[i];
     Fragment& f = by_id[id];
     f.id = id;
-    f.parent = start.lowest(bodies.id[i]);
+    f.parent = parent[i];
     ++f.pieces;
     const double s = bodies.scale[i];
     f.mass += scene.mass(bodies.shape[i], bodies.material[i], s);
@@ -95,15 +72,13 @@ std::string write_fragments(const Run& run, const std::string& path, const std::
   if (run.scene.bonds.empty()) throw InputError("{}: the scene has no bonds, and nothing that could come apart", run.folder);
   OutputFile file(path);
   file.add("time,bonds,fragments,largest_share,t10\n");
-  std::vector<std::int64_t> all(run.scene.bonds.size());
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<std::int64_t>(k);
   std::vector<Fragment> at_start, last;
   FragmentNumbers numbers;
   LongWork work("fragments", static_cast<double>(run.frames.size()));
   for (std::size_t f = 0; f < run.frames.size(); ++f) {
     work.advance();
     const Frame frame = load_frame(run, f);
-    if (f == 0) at_start = fragments_of(run.scene, frame.bodies, all);
+    if (f == 0) at_start = fragments_of(run.scene, frame.bodies, all_bonds(run.scene));
     last = fragments_of(run.scene, frame.bodies, frame.bonds.bond);
     numbers = numbers_of(last, at_start);
     file.add(fmt::format("{},{},{},{},{}\n", frame.time, frame.bonds.size(), numbers.fragments, numbers.largest_share, numbers.t10));

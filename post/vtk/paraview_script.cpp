@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/utf8.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/wall_loads.hpp"
 #include "post/vtk/paraview.hpp"
@@ -47,6 +48,10 @@ def colour_by(display, what, association):
     ColorBy(display, (association, what))
     table = GetColorTransferFunction(what)
     table.InterpretValuesAsCategories = 1
+    if what == "fragment":   # the lowest id of its bodies; those without bonds are -1
+        table.Annotations = [text for k in [-1] + BONDED for text in (str(k), "without bonds" if k < 0 else "fragment %d" % k)]
+        table.IndexedColors = [0.6, 0.6, 0.6] + [c for k in range(len(BONDED)) for c in COLOURS[k % len(COLOURS)]]
+        return table, what
     names = {"shape": SHAPES, "material": MATERIALS}.get(what) or ["rank %d" % k for k in range(RANKS)]
     colours = [COLOURS[k % len(COLOURS)] for k in range(len(names))]
     shown = {"shape": SHAPES_OF_BODIES, "material": MATERIALS_OF_BODIES}.get(what) or range(len(names))   # those of walls alone are left out
@@ -125,6 +130,26 @@ def show_loads(walls, view, what):
     return table, LOADS[what], display
 
 
+def taken_apart(source, share):
+    """Fragments moved from the middle of their body by a share of their way."""
+    warp = WarpByVector(Input=source)
+    warp.Vectors = ["POINTS", "apart"]
+    warp.ScaleFactor = share
+    RenameSource("fragments apart", warp)
+    return warp
+
+
+def show_bonds(here, view, share):
+    """Faces of the bonds that hold, as rectangles of their area, coloured by what they bear."""
+    bonds = OpenDataFile(os.path.join(here, "bonds.pvd"))
+    RenameSource("bonds", bonds)
+    Hide(bonds, view)
+    shown = taken_apart(bonds, share) if share > 0 else bonds
+    display = Show(shown, view)
+    display.Representation = "Surface"
+    return shown, display
+
+
 def show_walls(here, view):
     path = os.path.join(here, "walls.pvd")
     if not os.path.exists(path):
@@ -161,8 +186,11 @@ def main():
     parser.add_argument("--picture", help="save a PNG and leave")
     parser.add_argument("--frame", type=int, default=-1, help="which frame to show, from 0; -1 is the last")
     parser.add_argument("--surfaces", action="store_true", help="show the expanded surfaces instead of glyphs")
-    parser.add_argument("--colour", choices=["shape", "velocity", "rank", "material"], default="shape", help="of the bodies (default shape)")
+    parser.add_argument("--colour", choices=["shape", "velocity", "rank", "material", "fragment"], default="shape",
+                        help="of the bodies (default shape); fragment: what bonds hold together")
     parser.add_argument("--network", action="store_true", help="show the contact network as tubes, and the bodies translucent")
+    parser.add_argument("--bonds", choices=sorted(BONDS), help="show the faces of the bonds that hold by what they bear, and the bodies translucent")
+    parser.add_argument("--apart", type=float, default=0.0, help="fragments moved from the middle of their body by this share of their way")
     parser.add_argument("--load", choices=sorted(LOADS), help="colour the walls by what their load maps say, without the bodies")
     parser.add_argument("--plain", action="store_true", help="bodies only: no walls, no time, no legend")
     parser.add_argument("--size", type=int, nargs=2, default=[1280, 960], metavar=("W", "H"))
@@ -171,6 +199,11 @@ def main():
     here = own_folder()
     if options.network and not os.path.exists(os.path.join(here, "network.pvd")):  # before there is a view: ParaView does not survive an exit with one
         raise SystemExit("open_in_paraview.py: no network.pvd beside it; the run kept no contacts (contacts = true in [output] of the case)")
+    if (options.bonds or options.apart > 0 or options.colour == "fragment") and not BONDED:
+        raise SystemExit("open_in_paraview.py: this run has no bonds")
+    surfaces = options.surfaces or options.apart > 0 or options.colour == "fragment"   # glyphs know nothing of fragments
+    if surfaces and not os.path.exists(os.path.join(here, NAME + ".pvd")):
+        raise SystemExit("open_in_paraview.py: no %s.pvd beside it; write the surfaces with scree-post paraview --surfaces all" % NAME)
     paraview.simple._DisableFirstRenderCameraReset()
     view = GetActiveViewOrCreate("RenderView")
     view.UseColorPaletteForBackground = 0
@@ -179,12 +212,18 @@ def main():
     view.OrientationAxesLabelColor = [0.1, 0.1, 0.1]
     if options.picture:
         view.ViewSize = options.size
-    reader, display, association = (show_surfaces if options.surfaces else show_glyphs)(here, view)
+    reader, display, association = (show_surfaces if surfaces else show_glyphs)(here, view)
 
     scene = GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
     times = list(getattr(reader, "TimestepValues", []) or [0.0])
     scene.AnimationTime = times[options.frame if -len(times) <= options.frame < len(times) else -1]
+
+    if options.apart > 0:
+        whole, reader = reader, taken_apart(reader, options.apart)
+        Hide(whole, view)
+        display = Show(reader, view)
+        display.Representation = "Surface"
 
     Render(view)  # data ranges are known from here on
     legend = None
@@ -202,9 +241,22 @@ def main():
         display.ColorArrayName = [None, ""]
         display.AmbientColor = display.DiffuseColor = [0.60, 0.62, 0.65]
         display.Opacity = 0.12
+    elif options.bonds:
+        bonds, bond_display = show_bonds(here, view, options.apart)
+        bonds.UpdatePipeline(scene.AnimationTime)
+        if bonds.GetDataInformation().GetNumberOfCells() == 0:
+            Hide(bonds, view)  # none holds in this frame
+        else:
+            ColorBy(bond_display, ("CELLS", options.bonds))
+            legend = GetColorTransferFunction(options.bonds), BONDS[options.bonds], bond_display
+            legend[0].ApplyPreset("Viridis (matplotlib)", True)
+            bond_display.RescaleTransferFunctionToDataRange(True, False)
+        display.ColorArrayName = [None, ""]
+        display.AmbientColor = display.DiffuseColor = [0.60, 0.62, 0.65]
+        display.Opacity = 0.12
     else:
         table, title = colour_by(display, options.colour, association)
-        if len(SHAPES_OF_BODIES) > 1 or options.colour != "shape":
+        if (len(SHAPES_OF_BODIES) > 1 or options.colour != "shape") and options.colour != "fragment":   # a legend of all pieces would cover the picture
             legend = table, title, display
 
     if options.load:
@@ -285,6 +337,8 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
       "#   paraview --script=open_in_paraview.py                          look at it\n"
       "#   pvbatch open_in_paraview.py --picture rocks.png --frame 10     a picture, without a window\n"
       "#   ... --colour velocity | rank | material                        other colours; --network: contact forces as tubes\n"
+      "#   ... --colour fragment --apart 0.5                              fragments of bonded bodies, apart\n"
+      "#   ... --bonds normal_stress | shear_stress | load                 faces of bonds by what they bear\n"
       "#   ... --load pressure | shear | sliding_power ...                 walls by their load maps\n"
       "#\n"
       "# More frames may be added to the run later: they are found through its frames.hdf.series.\n"
@@ -301,6 +355,15 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
   std::string loads;
   for (const LoadQuantity& q : kLoadQuantities) loads += fmt::format("{}\"{}\": \"{}\"", loads.empty() ? "" : ", ", q.name, q.title);
   text += fmt::format("LOADS = {{{}}}\nHAS_LOADS = {}\n", loads, has_load_maps(run.scene) ? "True" : "False");
+  std::string bonded, quantities;
+  std::vector<std::int64_t> ids;
+  for (const Bond& bond : run.scene.bonds) ids.insert(ids.end(), {bond.a, bond.b});
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  for (const std::int64_t id : ids) bonded += fmt::format("{}{}", bonded.empty() ? "" : ", ", id);
+  for (const BondQuantity& q : kBondQuantities)
+    quantities += fmt::format("{}\"{}\": \"{}\"", quantities.empty() ? "" : ", ", q.name, q.title);
+  text += fmt::format("BONDED = [{}]  # bodies with bonds\nBONDS = {{{}}}\n", bonded, quantities);
   text += fmt::format("SIZE = {}  # mean equivalent diameter [m]\n", size);
   text += fmt::format("CENTRE, RADIUS = {}, {}  # of what is drawn [m]\n", list(view.centre), view.radius);
   text += fmt::format("FROM, UP = {}, {}  # direction to the camera; against gravity\n", list(view.from), list(view.up));

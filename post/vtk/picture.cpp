@@ -24,6 +24,7 @@
 #include <vtkProperty2D.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
+#include <vtkShrinkPolyData.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 #include <vtkTubeFilter.h>
@@ -35,6 +36,7 @@
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
 #include "post/run/body_colours.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/wall_loads.hpp"
@@ -242,7 +244,8 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   }
   const auto colour = colour_scale(colours, range);
   mapper->SetLookupTable(colour);
-  if (options.legend && !options.network) {
+  const bool are_ghosts = options.network || !options.bonds.empty();  // around what is drawn inside them
+  if (options.legend && !are_ghosts) {
     if (colours.are_kinds)
       add_kinds(renderer, colours.kinds, options.width, options.height);
     else
@@ -262,13 +265,13 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   actor->SetMapper(mapper);
   vtkProperty* look = actor->GetProperty();
   set_look(look);
-  if (options.network) {  // ghosts around their forces
+  if (are_ghosts) {
     mapper->ScalarVisibilityOff();
     look->SetColor(0.6, 0.62, 0.65);
     look->SetOpacity(0.10);
   }
   renderer->AddActor(actor);
-  if (cut && !options.network) add_cut_bodies(renderer, bodies, scene, crossing, colours.value, *cut, colour);
+  if (cut && !are_ghosts) add_cut_bodies(renderer, bodies, scene, crossing, colours.value, *cut, colour);
 }
 
 /// Tubes from centre to centre, radius and colour by normal force.
@@ -325,6 +328,42 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene, 
   actor->GetProperty()->SetAmbient(0.2);
   renderer->AddActor(actor);
   if (options.legend) add_legend(renderer, colours, "normal force [N]", options.height);
+}
+
+/// Ends of the scale of a quantity of bonds: stress along the normal has two signs, all else begins at 0.
+std::pair<double, double> bond_range(const std::vector<BondFace>& faces, const BondQuantity& of) {
+  std::pair<double, double> range{0, 0};
+  for (const BondFace& face : faces) range = {std::min(range.first, face.*of.value), std::max(range.second, face.*of.value)};
+  return range;
+}
+
+/// Faces of the bonds that hold, by what they bear.
+void add_bond_faces(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const PictureOptions& options,
+                    const std::pair<double, double>& range, const std::optional<Cut>& cut) {
+  const BondQuantity& of = bond_quantity(options.bonds);
+  const auto colours = number_scale(range.first, range.second);
+  vtkNew<vtkPolyDataMapper> mapper;
+  vtkNew<vtkShrinkPolyData> apart;  // else those of many cells are one wall
+  apart->SetInputData(vtk_bonds(bond_faces(scene, frame)));
+  apart->SetShrinkFactor(0.6);
+  mapper->SetInputConnection(apart->GetOutputPort());
+  mapper->SetScalarModeToUseCellFieldData();
+  mapper->SelectColorArray(of.name);
+  mapper->SetLookupTable(colours);
+  mapper->UseLookupTableScalarRangeOn();
+  if (cut) {  // keeps the side that its normal points to
+    vtkNew<vtkPlane> plane;
+    plane->SetOrigin(cut->point.x, cut->point.y, cut->point.z);
+    plane->SetNormal(-cut->normal.x, -cut->normal.y, -cut->normal.z);
+    mapper->AddClippingPlane(plane);
+  }
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetInterpolationToFlat();
+  actor->GetProperty()->SetAmbient(0.5);  // the colour is the number: light only shows the shape
+  actor->GetProperty()->SetDiffuse(0.5);
+  renderer->AddActor(actor);
+  if (options.legend) add_legend(renderer, colours, of.title, options.height);
 }
 
 /// Walls with load maps, opaque, each coloured by a quantity since the start of the run. Of a shell such as a drum the side towards the
@@ -402,13 +441,27 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 
 }  // namespace
 
-void Stage::add(const Run& run, const Frame& frame, const PictureOptions& options) {
+namespace {
+
+Frame as_shown(const Run& run, const Frame& frame, const PictureOptions& options) {
+  return options.apart > 0 ? taken_apart(run.scene, frame, options.apart) : frame;
+}
+
+}  // namespace
+
+void Stage::add(const Run& run, const Frame& given, const PictureOptions& options) {
+  const Frame frame = as_shown(run, given, options);
   const Box3 seen = seen_room(frame, run.scene);
   room.add(seen.lower);
   room.add(seen.upper);
   if (options.network) {
     for (const NetworkLine& line : network_of(frame, periodicity_of(run.scene)))
       range = {0, std::max(range ? range->second : 0, std::abs(line.normal_force))};
+    return;
+  }
+  if (!options.bonds.empty()) {
+    const auto of_frame = bond_range(bond_faces(run.scene, frame), bond_quantity(options.bonds));
+    range = range ? std::pair{std::min(range->first, of_frame.first), std::max(range->second, of_frame.second)} : of_frame;
     return;
   }
   const BodyColours colours = body_colours(run, frame, options.colour);
@@ -443,20 +496,22 @@ std::optional<Cut> cut_of(const View& view, const PictureOptions& options) {
   return cut;
 }
 
-Image draw_frame(const Run& run, const Frame& frame, const PictureOptions& options, const Stage& stage, const View& view,
+Image draw_frame(const Run& run, const Frame& given, const PictureOptions& options, const Stage& stage, const View& view,
                  const std::optional<Cut>& cut) {
+  const Frame frame = as_shown(run, given, options);
   PictureOptions look = options;
   if (!look.range) look.range = stage.range;
   const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
   if (look.load.empty())
-    add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network ? "shape" : look.colour),
+    add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network || !look.bonds.empty() ? "shape" : look.colour),
                look.range.value_or(std::pair{0.0, 1.0}), look, cut);
   else
     add_loads(renderer, frame, run.scene, stage.room, options);
   if (look.network) add_network(renderer, frame, run.scene, look, cut);
+  if (!look.bonds.empty()) add_bond_faces(renderer, frame, run.scene, look, look.range.value_or(std::pair{0.0, 1.0}), cut);
   if (look.walls) add_walls(renderer, frame, run.scene, stage.room);
   if (look.time) add_time(renderer, frame.time, look.height);
-  if (look.network) {  // ghosts need their true order in overlap
+  if (look.network || !look.bonds.empty()) {  // ghosts need their true order in overlap
     renderer->SetUseDepthPeeling(1);
     renderer->SetMaximumNumberOfPeels(8);
   }

@@ -34,6 +34,7 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
         "it again",
         run.folder);
   }
+  if (wants("bonds") && run.scene.bonds.empty()) throw UsageError("{}: the scene has no bonds; leave 'bonds' away", run.folder);
   const ChosenBodies chosen(options.bodies, run.scene);
   make_folder(options.folder);
   const fs::path folder(options.folder);
@@ -61,9 +62,10 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
   const auto task = [&](std::size_t f) {
     const Frame whole = load_frame(run, f), frame = chosen.part_of(whole, run.boundary_ids);
     const auto path = [&](const char* kind) { return (folder / name_of(kind, f)).string(); };
-    if (wants("surfaces")) write_surfaces_vtp(path("surfaces"), frame.bodies, shapes);
+    if (wants("surfaces")) write_surfaces_vtp(path("surfaces"), frame, run.scene, shapes);
     if (wants("bodies")) write_bodies_vtp(path("bodies"), frame.bodies);
     if (wants("contacts")) write_contacts_vtp(path("contacts"), frame.contacts);
+    if (wants("bonds")) write_bonds_vtp(path("bonds"), frame, run.scene);
     if (wants("network")) write_network_vtp(path("network"), frame, period);
     if (!walls.empty()) {
       for (std::size_t w = 0; w < walls.size(); ++w) {

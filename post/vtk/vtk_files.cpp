@@ -20,6 +20,7 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/vtk/vtk_mesh.hpp"
 
@@ -193,7 +194,8 @@ void write_walls_vtp(const std::string& path, const Scene& scene, const std::vec
   write(path, vtk_walls(scene, walls, places, loads));
 }
 
-void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, const std::vector<DrawnMesh>& shapes) {
+void write_surfaces_vtp(const std::string& path, const Frame& frame, const Scene& scene, const std::vector<DrawnMesh>& shapes) {
+  const FrameBodies& bodies = frame.bodies;
   const auto shape_of = [&](std::size_t i) -> const DrawnMesh& { return shapes[static_cast<std::size_t>(bodies.shape[i])]; };
   std::size_t points = 0, triangles = 0;
   bool curved = true;  // point normals belong to curved surfaces only, so a scene of balls has them and one with rocks has none
@@ -222,6 +224,16 @@ void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, cons
   }
   const auto data = all.poly_data();
   add_body_arrays(data->GetCellData(), bodies, kOnSurfaces, body);
+  if (!scene.bonds.empty()) {
+    const std::vector<std::int64_t> fragment = fragment_ids(scene, bodies, frame.bonds.bond);
+    data->GetCellData()->AddArray(array_of<vtkTypeInt64Array>(
+        "fragment", body.size(), 1, [&](std::size_t i, int) { return fragment[static_cast<std::size_t>(body[i])]; }));
+    const std::vector<Vec3> ways = ways_apart(scene, frame);
+    std::vector<std::size_t> body_of_point;
+    for (std::size_t i = 0; i < bodies.size(); ++i) body_of_point.insert(body_of_point.end(), shape_of(i).mesh.vertices.size(), i);
+    data->GetPointData()->AddArray(
+        array_of<vtkFloatArray>("apart", points, 3, [&](std::size_t i, int c) { return ways[body_of_point[i]][c]; }));
+  }
   if (curved)
     data->GetPointData()->SetNormals(
         array_of<vtkFloatArray>("Normals", normals.size(), 3, [&](std::size_t i, int c) { return normals[i][c]; }));
@@ -241,6 +253,36 @@ void write_contacts_vtp(const std::string& path, const FrameContacts& c) {
   add_columns(arrays, c, kInParaView, all_rows(n));
   arrays->AddArray(array_of<vtkFloatArray>(
       "force", n, 3, [&](std::size_t i, int k) { return c.normal_force[i] * c.normal[i][k] + c.tangential_force[i][k]; }));
+  write(path, data);
+}
+
+vtkSmartPointer<vtkPolyData> vtk_bonds(const std::vector<BondFace>& faces) {
+  const std::size_t n = faces.size();
+  vtkNew<vtkPoints> points;
+  points->SetData(array_of<vtkFloatArray>("Points", 4 * n, 3, [&](std::size_t i, int c) { return faces[i / 4].corners[i % 4][c]; }));
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(array_of<vtkTypeInt32Array>("offsets", n + 1, 1, [](std::size_t i, int) { return 4 * i; }),
+                 array_of<vtkTypeInt32Array>("connectivity", 4 * n, 1, [](std::size_t i, int) { return i; }));
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  vtkCellData* arrays = data->GetCellData();
+  arrays->AddArray(array_of<vtkTypeInt64Array>("body_a", n, 1, [&](std::size_t i, int) { return faces[i].body_a; }));
+  arrays->AddArray(array_of<vtkTypeInt64Array>("body_b", n, 1, [&](std::size_t i, int) { return faces[i].body_b; }));
+  for (const BondQuantity& q : kBondQuantities)
+    arrays->AddArray(array_of<vtkFloatArray>(q.name, n, 1, [&](std::size_t i, int) { return faces[i].*q.value; }));
+  arrays->AddArray(array_of<vtkFloatArray>("energy", n, 1, [&](std::size_t i, int) { return faces[i].energy; }));
+  return data;
+}
+
+void write_bonds_vtp(const std::string& path, const Frame& frame, const Scene& scene) {
+  const std::vector<BondFace> faces = bond_faces(scene, frame);
+  const auto data = vtk_bonds(faces);
+  const std::vector<Vec3> ways = ways_apart(scene, frame);
+  const BodyRows row_of(frame.bodies);
+  // both bodies of a bond that holds are of one fragment
+  data->GetPointData()->AddArray(array_of<vtkFloatArray>(
+      "apart", 4 * faces.size(), 3, [&](std::size_t i, int c) { return ways[static_cast<std::size_t>(row_of(faces[i / 4].body_a))][c]; }));
   write(path, data);
 }
 

@@ -21,8 +21,9 @@ void write_walls_vtp(const std::string& path, const Scene& scene, const std::vec
                      const std::vector<WallPlace>& places, const std::vector<WallLoads>& loads);
 
 /// Every body's own triangles in world coordinates; cell data id (int64), shape, material, rank (int32), velocity (3 x
-/// float32) and speed (float32) [m/s].   Cost: bodies x triangles in memory.
-void write_surfaces_vtp(const std::string& path, const FrameBodies& bodies, const std::vector<DrawnMesh>& shapes);
+/// float32) and speed (float32) [m/s]. In scenes with bonds also fragment (int64, see fragment_ids) and the point data apart (3 x
+/// float32 [m], see ways_apart).   Cost: bodies x triangles in memory.
+void write_surfaces_vtp(const std::string& path, const Frame& frame, const Scene& scene, const std::vector<DrawnMesh>& shapes);
 
 /// One point per body, to put glyphs on: id (int64), shape, material, rank (int32), scale, quat (w x y z), velocity,
 /// angular_velocity, speed (float32).
@@ -31,6 +32,10 @@ void write_bodies_vtp(const std::string& path, const FrameBodies& bodies);
 /// One point per contact point: body_a, body_b (int64), normal (from b to a), overlap, normal_force, force (on a, whole),
 /// tangential_force (float32). SI.
 void write_contacts_vtp(const std::string& path, const FrameContacts& contacts);
+
+/// The faces of the bonds that hold, as rectangles (BondFace); cell data body_a, body_b (int64), normal_stress, shear_stress [Pa], load,
+/// energy [J] (float32), and point data apart as of surfaces.
+void write_bonds_vtp(const std::string& path, const Frame& frame, const Scene& scene);
 
 /// The contact network (contact_network.hpp): a line from centre to centre of each pair that presses, and from a centre to each
 /// contact point with a wall. Point data, the same at both ends, so that a tube can take its radius from them: normal_force (sum over the

@@ -24,6 +24,8 @@ struct PictureOptions {
   bool time = false;                                 ///< written into the corner
   bool legend = true;                                ///< of kinds, where there are two or more, and of numbers
   bool network = false;                              ///< contact forces as tubes, bodies as ghosts
+  std::string bonds{};                               ///< of bond_quantity_names: faces of bonds by it, bodies as ghosts
+  double apart = 0;                                  ///< fragments moved from the middle of their parent by this share of their way
   std::string colour = "shape";                      ///< of bodies: one of body_colour_names
   std::string load{};                                ///< of load_names: walls by their load maps since the start, without bodies
   std::optional<std::pair<double, double>> range{};  ///< of the scale of numbers; else from 0, or the smallest, to the largest

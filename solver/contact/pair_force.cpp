@@ -5,6 +5,7 @@
 
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
+#include "solver/contact/damping_share.hpp"
 #include "solver/contact/pair_friction.hpp"
 
 namespace scree {
@@ -79,7 +80,7 @@ template <class Model, class Damp, class Law>
 class PairDamping {
  public:
   PairDamping(const PairFeatures& features, const PairLaw& pair_law, const Law& law, const PairMotion& motion, const PairForce& elastic,
-              const FeatureForces& forces, const PushSum& push, double dt)
+              const FeatureForces& forces, const PushSum& push, double dt, const std::vector<FrictionSpring>& springs)
       : pair_law_(pair_law),
         law_(law),
         forces_(forces),
@@ -92,7 +93,7 @@ class PairDamping {
       if constexpr (!Model::kDampsEachFeature)
         mobility = std::max(mobility, wrench_mobility(motion, elastic.force, elastic.torque) / (push.force * push.force));
       if (motion.is_bonded()) {
-        damp_bonded(motion, elastic, push, mobility);
+        damp_bonded(motion, elastic, push, mobility, springs);
       } else if (mobility > 0) {
         const double chi = Damp::chi(pair_law, push.energy, mobility);
         pair_rate_ = chi * push.force * mobility * dt;
@@ -123,13 +124,15 @@ class PairDamping {
            (m.bonded_b != nullptr ? m.bonded_b->inverse_mass : m.inverse_mass_b);
   }
   /// Fragments turn round as a whole; within a step it is the piece that damping must not turn round.
-  /// in   own   mobility of the two bodies [1/kg]
-  [[gnu::noinline]] void damp_bonded(const PairMotion& motion, const PairForce& elastic, const PushSum& push, double own) {
+  /// in   own       mobility of the two bodies [1/kg]
+  /// in   springs   of the pair, with what other pieces add that press on the same partner
+  [[gnu::noinline]] void damp_bonded(const PairMotion& motion, const PairForce& elastic, const PushSum& push, double own,
+                                     const std::vector<FrictionSpring>& springs) {
     double mobility = reduced_;
     if constexpr (!Model::kDampsEachFeature)
       mobility = std::max(mobility, wrench_mobility_of_bonded(motion, elastic.force, elastic.torque) / (push.force * push.force));
     if (!(mobility > 0)) return;
-    const double chi = Damp::chi(pair_law_, push.energy, mobility), damping = chi * push.force * dt_;
+    const double chi = Damp::chi(pair_law_, push.energy * damping_share(springs), mobility), damping = chi * push.force * dt_;
     pair_rate_ = damping * own;
     of_pair_ = Damp::in_step(chi, damping * mobility, pair_rate_);
   }
@@ -166,7 +169,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   bool linked = false;
   if constexpr (NeckedLaw<Law> || AttractingLaw<Law>) linked = remembers(law);
 
-  const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt);
+  const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt, springs);
   Damping damping = dampings.of_pair();
   result.damping = damping.chi;
   const Vec3 push_force = result.force;

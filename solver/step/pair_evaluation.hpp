@@ -9,6 +9,7 @@
 
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
+#include "solver/contact/damping_share.hpp"
 #include "solver/contact/pass_through.hpp"
 #include "solver/step/forces.hpp"
 #include "solver/step/impacts.hpp"
@@ -114,6 +115,7 @@ class PairEvaluation {
     if (view.off_middle != 0)
       for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
     const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;
+    const double share = pass_.has_bonds ? damping_share(pair.state.springs) : 1;
     if (view.reach > view.margin)
       weigh_beyond_margin(view, moved, pair);
     else
@@ -123,6 +125,7 @@ class PairEvaluation {
     } else {
       act(view, velocities, pair, result);
     }
+    if (share != 1 && result.active && !pass_.only_looks()) set_damping_share(pair.state.springs, share);
     if (rest_overlap > 0 && !pass_.only_looks()) set_rest_overlap(pair.state.springs, rest_overlap);
   }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solver/built_with.hpp"
+#include "solver/step/shared_damping.hpp"
 #include "solver/step/stability.hpp"
 #include "solver/step/start_from_run.hpp"
 #include "solver/step/wall_drives.hpp"
@@ -118,6 +119,7 @@ void Simulation::advance_substep() {
   if (state_.bonds) breakage_.decide(state_, forces_, failure_);
   finish_motion();
   if (state_.bonds) breakage_.replace_forces(state_);
+  share_damping(state_);
 }
 
 void Simulation::move_bodies() {

@@ -1156,6 +1156,49 @@ def bonds(d):
 
 
 @feature
+def pieces(d):
+    """One of the bodies starts as pieces of a cut mesh. From numbers of its own, as surfaces."""
+    own = random_numbers.Random(f"pieces {d.case.note}")
+    contact = d.words.get("contact", {})
+    # pieces ask for surface = "outside", which is their default, and must be wider than their margins
+    fits = contact.get("margin") and contact["margin"] < 0.05 * d.radius and contact.get("surface") != "drawn"
+    whole = [b for b in d.case.bodies if not b.get("fixed") and not b.get("lock_rotation") and b["shape"] != "half"]
+    if not fits or not whole or own.random() >= 0.35:
+        return
+    kept, d.random = d.random, own
+    body = own.choice(whole)
+    d.case.meshes["cut"] = solids.SOLIDS[own.choice(["angle", "brick", "cube", "octahedron", "prism", "rock"])](own, 0.9 * d.radius)
+    cut = {"cells": own.randint(2, 4)}
+    if d.chance(0.7):
+        cut["seed"] = own.randint(1, 1000)
+    if d.chance(0.5):
+        cut["evenly"] = d.chance(0.5)
+    d.words["shapes"]["cut"] = {"file": "@cut", "pieces": cut}
+    body["shape"] = "cut"
+    body.pop("scale", None)
+    # of a face as wide as the body's radius
+    stress = d.stiffness * contact["margin"] / d.radius**2
+    bond = {"within": body["material"], "young": d.stiffness * d.between(0.3, 1) / d.radius}
+    if d.chance(0.5):
+        bond["tangential_ratio"] = d.between(0.2, 1)
+    if d.chance(0.7):
+        bond["tension"] = stress * d.log_between(0.01, 1)
+        if d.chance(0.7):
+            bond["cohesion"] = stress * d.log_between(0.01, 1)
+            if d.chance(0.7):
+                bond["friction_angle"] = d.between(0, 1)
+    if d.chance(0.3):
+        bond["fracture_energy"] = stress * contact["margin"] * d.log_between(1e-3, 1)
+    if d.chance(0.3) and ("tension" in bond or "fracture_energy" in bond):
+        bond["strength_scatter"] = {"weibull_modulus": d.between(1, 10)}
+    if d.chance(0.5):
+        bond["damping"] = d.between(0, 0.3)
+    if d.chance(0.9):   # without, its pieces are loose from the start
+        d.words["bonds"] = d.words.get("bonds", []) + [bond]
+    d.random = kept
+
+
+@feature
 def stiffness_by_size(d):
     """From numbers of its own, as surfaces. About the same stiffness for two bodies of the scene's size."""
     others, d.random = d.random, random_numbers.Random(f"stiffness by size {d.words['title']}")

@@ -51,12 +51,15 @@ def packings_do_not_overlap(trial):
     methods = [p.get("method", "random") for p in trial.case.populations]
     pressed = [k >= 0 and methods[k] in ("settle", "compact") for k in population]
     shifts, fixed = periodic_shifts(scene.general), ~scene.moving()
+    piece = [scene.shapes[s]["name"].startswith("cut_") for s in scene.body("shape")]
     drawn, relax = [k >= 0 for k in population], trial.case.value("contact", "relax", "shallow")
     for i, a in enumerate(bodies):
         for j in range(i, len(bodies)):
             b = bodies[j]
             if fixed[i] and fixed[j]:
                 continue
+            if piece[i] and piece[j]:
+                continue   # cells that share an edge alone are nearer where it is sharp; bonds take the contacts of the others
             for shift in shifts:
                 if (i == j and not shift.any()) or numpy.linalg.norm(a.position - b.position - shift) > a.reach + b.reach + 2 * margin:
                     continue
@@ -158,7 +161,20 @@ def packings_as_asked(trial):
     trial.seen(scene)
     words = trial.case.words
     asked, of_population = words.get("bodies", []), scene.body("population")
-    require((of_population < 0).sum() == len(asked), f"{(of_population < 0).sum()} bodies of [[bodies]] in the scene, {len(asked)} in the case")
+    whole = [body for body in asked if "pieces" not in words["shapes"][body["shape"]]]
+    pieces = numpy.array([scene.shapes[s]["name"].startswith("cut_") for s in scene.body("shape")], bool)
+    there = int(((of_population < 0) & ~pieces).sum())
+    require(there == len(whole), f"{there} bodies of [[bodies]] in the scene, {len(whole)} in the case")
+    require(pieces.any() == (len(whole) < len(asked)), f"{pieces.sum()} pieces in the scene")
+    if pieces.any():
+        # all pieces of the one body that is cut: its mass, about where it is placed
+        (body,) = [body for body in asked if "pieces" in words["shapes"][body["shape"]]]
+        mesh = trial.case.meshes[words["shapes"][body["shape"]]["file"][1:]]
+        p, q, r = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+        mass = words["materials"][body["material"]]["density"] * float(numpy.einsum("ij,ij->i", p, numpy.cross(q, r)).sum()) / 6
+        found = scene.masses()[pieces]
+        require(abs(found.sum() / mass - 1) <= 1e-9, f"pieces of {found.sum()!r} kg of a body of {mass!r} kg")
+        asked = whole
     relax = words.get("contact", {}).get("relax", "shallow")
     for i, body in enumerate(asked):
         if relax is not True:

@@ -13,9 +13,19 @@ from tools import NotApplicable
 TURNED_BY_PLACE = ("file", "hopper", "drum", "plate", "disc", "box", "cone", "cylinder")   # walls that are meshes
 
 
+def is_cut(case):
+    """Whether bodies start as pieces."""
+    return any("pieces" in shape for shape in case.words.get("shapes", {}).values())
+
+
 def frozen(case, scene):
-    """Every body of the scene in [[bodies]], in the order of their ids, with the margin and speed that the decomposer chose."""
+    """Every body of the scene in [[bodies]], in the order of their ids, with the margin and speed that the decomposer chose. Bodies that are cut stay
+    as the case has them."""
     result = case.copy()
+    if is_cut(case):
+        if case.populations:
+            raise NotApplicable("populations beside a body that is cut")
+        return with_margins(result, scene)
     result.words.pop("populations", None)
     rows = {name: scene.body(name) for name in scene.bodies}
     result.words["bodies"] = []
@@ -31,6 +41,10 @@ def frozen(case, scene):
         if rows["lock_rotation"][i]:
             body["lock_rotation"] = True
         result.words["bodies"].append(body)
+    return with_margins(result, scene)
+
+
+def with_margins(result, scene):
     contact = result.table("contact")
     contact.pop("margin", None)
     contact.pop("margin_ratio", None)

@@ -15,10 +15,12 @@
 
 #include "core/picture/display.hpp"
 #include "core/picture/picture.hpp"
+#include "post/run/bonds_in_frame.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/vtk/legend_ticks.hpp"
 #include "post/vtk/paraview.hpp"
 #include "post/vtk/picture.hpp"
+#include "post/vtk/vtk_files.hpp"
 #include "tests/post/sample_run.hpp"
 
 namespace scree {
@@ -120,6 +122,50 @@ TEST(ParaviewFiles, a_driven_wall_moves_and_the_times_are_listed) {
   std::stringstream text;
   text << std::ifstream(folder / "paraview" / "sample.pvd").rdbuf();
   EXPECT_NE(text.str().find("timestep=\"0.2\" part=\"0\" file=\"frame_000002.vtp\""), std::string::npos) << text.str();
+}
+
+TEST(VtkFiles, faces_of_bonds_and_fragments_are_written_with_what_they_bear) {
+  const fs::path folder = sample("bonds");
+  scree::Run run = open_run(folder.string());
+  Frame frame = load_frame(run, 0);
+  for (const std::int64_t a : {0, 1}) {  // 0-1-2
+    Bond bond;
+    bond.a = a;
+    bond.b = a + 1;
+    bond.area = 4e-6;
+    bond.moment_1 = bond.moment_2 = 4e-6 * 4e-6 / 12;
+    run.scene.bonds.push_back(bond);
+  }
+  frame.bonds.bond = {1};  // 0 broke off
+  frame.bonds.force = {rotate(frame.bodies.orientation[1], Vec3{8, 0, 2})};
+  frame.bonds.energy = {1e-3};
+  frame.bonds.load = {0.5};
+  write_bonds_vtp((folder / "bonds.vtp").string(), frame, run.scene);
+  const auto faces = read_vtp(folder / "bonds.vtp");
+  ASSERT_EQ(faces->GetNumberOfCells(), 1);
+  ASSERT_EQ(faces->GetNumberOfPoints(), 4);
+  const auto cell = [&](const char* name) { return faces->GetCellData()->GetArray(name)->GetComponent(0, 0); };
+  EXPECT_EQ(cell("body_a"), 1);
+  EXPECT_EQ(cell("body_b"), 2);
+  EXPECT_NEAR(cell("normal_stress"), 2e6, 1);
+  EXPECT_NEAR(cell("shear_stress"), 0.5e6, 1);
+  EXPECT_EQ(cell("load"), 0.5);
+  const std::vector<Vec3> ways = ways_apart(run.scene, frame);
+  EXPECT_GT(length(ways[1]), 0);
+  std::vector<DrawnMesh> shapes;
+  for (const Shape& shape : run.scene.shapes) shapes.push_back(drawn_shape(shape));
+  write_surfaces_vtp((folder / "surfaces.vtp").string(), frame, run.scene, shapes);
+  const auto surfaces = read_vtp(folder / "surfaces.vtp");
+  vtkDataArray *id = surfaces->GetCellData()->GetArray("id"), *fragment = surfaces->GetCellData()->GetArray("fragment");
+  for (vtkIdType c = 0; c < surfaces->GetNumberOfCells(); ++c) {
+    const double body = id->GetComponent(c, 0);
+    ASSERT_EQ(fragment->GetComponent(c, 0), body > 2 ? -1 : std::min(body, 1.0));
+    const vtkIdType point = surfaces->GetCell(c)->GetPointId(0);
+    for (int k = 0; k < 3; ++k)
+      ASSERT_NEAR(surfaces->GetPointData()->GetArray("apart")->GetComponent(point, k), ways[static_cast<std::size_t>(body)][k], 1e-7);
+  }
+  const std::string script = paraview_script(run, "..", "here");
+  EXPECT_NE(script.find("BONDED = [0, 1, 2]"), std::string::npos);
 }
 
 TEST(ParaviewFiles, the_script_names_its_run_relative_to_itself) {

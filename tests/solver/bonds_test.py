@@ -123,6 +123,40 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture()
     assert "the same, bit for bit" in said, said
 
 
+def pieces_that_press_together_are_damped_together_on_any_ranks_and_after_a_restart():
+    """A cut box lands on its face, unbroken: it leaves with the restitution, and a restart in the middle of the contact takes over what each piece's contact knows of
+    the others."""
+    mesher("generate", "box", "--size", "2cm,2cm,2cm", "-o", "rock.shape.h5")
+    mesher("fracture", "rock.shape.h5", "--cells", "8", "--seed", "2", "--evenly", "--inset", "0.2 mm", "-o", "pieces.shape.h5")
+    text = CASE.format(duration=6e-4, every=3e-4, bonds='[[bonds]]\nwithin = "stone"\nyoung = "1 GPa"\n').replace("-9.81", "0")
+    text = text.replace("stiffness = 2e6\nrestitution = 0.5\nfriction = 0.4", "stiffness = 2e5\nrestitution = 0.5\nfriction = 0")
+    text += '[[bodies]]\nshape = "rock"\nmaterial = "stone"\nposition = [0, 0, 0.0105]\nvelocity = [0, 0, -0.5]\n'
+    text += '[[walls]]\nshape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\nmaterial = "steel"\n'
+    pack("box", text)
+    kept = None
+    for ranks in (1, 3):   # in touch from 0.2 to 0.8 ms
+        run(ranks, "box.scene.h5", "-o", f"r{ranks}.run")
+        found = (outcome(f"r{ranks}.run")["state_hash"], physics_of_log(f"r{ranks}.run"))
+        kept = kept or found
+        assert found == kept, f"{ranks} ranks: another run than on one"
+    with h5py.File(sorted(glob.glob("r1.run/checkpoint_*.h5"))[0]) as file:
+        shared = file["springs/force"][:, 0][file["springs/feature"][:] == 6 << 60]
+    assert len(shared) == 4 and (shared > 1).all(), shared
+    shutil.copytree("r3.run", "restart.run")
+    make_killed("restart.run", keep=1)
+    run(2, "box.scene.h5", "-o", "restart.run", "--restart", "latest")
+    assert (outcome("restart.run")["state_hash"], physics_of_log("restart.run")) == kept, "another run than without a restart"
+    pack("whole", text.replace("duration = 0.0006", "duration = 0.0012"))
+    run(1, "whole.scene.h5", "-o", "whole.run")
+    with h5py.File(sorted(glob.glob("whole.run/checkpoint_*.h5"))[-1]) as file:
+        assert len(file["springs/feature"][:]) == 0, "it has left, and nothing is kept of its contacts"
+    log = physics_of_log("whole.run")
+    rows = [row for row in log[1:] if not row[0].startswith("#")]
+    kinetic = [sum(float(row[log[0].index(f"kinetic_{kind}")]) for kind in ("translational", "rotational")) for row in (rows[0], rows[-1])]
+    left = (kinetic[1] / kinetic[0]) ** 0.5
+    assert abs(left - 0.5) < 0.03, left   # each for itself: below 0.4
+
+
 def what_breaks_takes_energy_and_never_gives_any():
     rock()
     pack("two", CASE.format(duration=1.2e-3, every=2e-5, bonds=BONDS) + TWO_ROCKS)
@@ -167,6 +201,35 @@ def a_case_cuts_its_shape_as_the_mesher_does():
     # a body of half the size has margins twice as wide beside its pieces: the cut follows the smallest
     half = here + '[[bodies]]\nshape = "rock"\nmaterial = "stone"\nposition = [0, 0, 2]\nscale = 0.5\n'
     assert "2 bodies cut into 28 pieces" in pack("half", half)
+
+
+def pieces_are_glued_to_what_lies_against_their_body():
+    """Two cut bricks on top of each other, the lower one on a plate: faces of pieces of different bodies are bonded, once, over what they have in
+    common: all of it but an inset along their seams."""
+    mesher("generate", "box", "--size", "20mm,20mm,20mm", "-o", "rock.shape.h5")
+    mesher("fracture", "rock.shape.h5", "--cells", "8", "--seed", "2", "--inset", "0.2 um", "-o", "pieces.shape.h5")
+    mesher("generate", "box", "--size", "30mm,30mm,2mm", "-o", "plate.shape.h5")
+    glue = '[[bonds]]\nbetween = ["stone", "{}"]\ndistance = "0.5 um"\nyoung = "1 GPa"\ntension = "7 MPa"\ncohesion = "9 MPa"\n'
+    text = CASE.format(duration=1e-4, every=1e-4, bonds=BONDS + glue.format("stone") + glue.format("steel")).replace('"0.2 mm"', '"0.2 um"')
+    text += '[shapes.plate]\nfile = "plate.shape.h5"\n[[pairs]]\nbetween = ["steel", "steel"]\nstiffness = 2e6\nrestitution = 0.5\n'
+    for shape, material, z, more in (("rock", "stone", 0, ""), ("rock", "stone", 0.0200004, ""), ("plate", "steel", -0.0110004, "fixed = true\n")):
+        text += f'[[bodies]]\nshape = "{shape}"\nmaterial = "{material}"\nposition = [0, 0, {z}]\n{more}'
+    pack("glued", text)
+    with h5py.File("pieces.shape.h5") as file:
+        faces = len(file["pieces/area"][:])
+    with h5py.File("glued.scene.h5") as file:
+        bond = {name: file["bonds"][name][:] for name in file["bonds"]}
+        z = dict(zip(file["bodies/id"][:], file["bodies/position"][:, 2]))
+    bricks = numpy.array([[0 if z[b] < -0.0101 else 1 if z[b] < 0.01 else 2 for b in bond[side]] for side in "ab"])
+    within = bricks[0] == bricks[1]
+    assert within.sum() == 2 * faces, (within.sum(), faces)
+    for pair in ((0, 1), (1, 2)):
+        common = (numpy.sort(bricks, axis=0).T == pair).all(axis=1)
+        assert 0.9998 < bond["area"][common].sum() / 4e-4 < 1, (pair, bond["area"][common])
+        assert (bond["tension"][common] == 7e6).all()   # not scattered: that is of the other section
+    assert len(set(bond["tension"][within])) == 2 * faces
+    run(1, "glued.scene.h5", "-o", "glued.run")
+    assert outcome("glued.run")["outcome"] == "completed"
 
 
 def pieces_at_rest_stay_at_rest():
@@ -227,5 +290,6 @@ def mistakes_are_told_with_numbers():
     assert "times the critical step" in said and "bond of bodies" in said, said
 
 
-main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture, what_breaks_takes_energy_and_never_gives_any,
-      bonds_of_bodies_that_leave_break, a_case_cuts_its_shape_as_the_mesher_does, pieces_at_rest_stay_at_rest, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])
+main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart_in_mid_fracture,
+      pieces_that_press_together_are_damped_together_on_any_ranks_and_after_a_restart, what_breaks_takes_energy_and_never_gives_any,
+      bonds_of_bodies_that_leave_break, a_case_cuts_its_shape_as_the_mesher_does, pieces_are_glued_to_what_lies_against_their_body, pieces_at_rest_stay_at_rest, a_case_without_bonds_has_none_of_it, mistakes_are_told_with_numbers])

@@ -183,15 +183,15 @@ def j8(tools, report):
                 report.check(f"rock {k} of 20 cells, restitution 1: root of its energy, cut over whole", cut / whole, 1, .02)
             else:
                 ratios.append(cut / whole)
-    report.check("rocks, restitution 0.5: root of their energy, cut over whole, mean", float(numpy.mean(ratios)), 1, .04)
-    report.check("the worst of them: where two or three pieces touch at once", max(ratios, key=lambda r: abs(r - 1)), 1, .08)
+    report.check("rocks, restitution 0.5: root of their energy, cut over whole, mean", float(numpy.mean(ratios)), 1, .03)
+    report.check("the worst of them: where two or three pieces touch at once", max(ratios, key=lambda r: abs(r - 1)), 1, .05)
     box, pieces = (os.path.join(tools.scratch, f"J8-box{kind}.shape.h5") for kind in ("", "-pieces"))
     tools.call("scree-mesher", "generate", "box", "--size", "2cm,2cm,2cm", "-o", box)
     tools.call("scree-mesher", "fracture", box, "--cells", "20", "--seed", "2", "--evenly", "--inset", f"{margin!r} m", "-o", pieces)
     straight = numpy.array([1.0, 0, 0, 0])
     report.check("box on its face, whole, restitution 0.5", left("J8-box", straight, .5, .0105, box)[0], .5, .002)
-    # each of n pieces damps by its own contact: sqrt(n) times the damping ratio. The fragment's mass is that of all of them
-    report.at_least("the same of 20 cells: several press at once, each with its own damping", left("J8-box-cut", straight, .5, .0105, box, pieces)[0], .3)
+    # each of n contacts for itself would have sqrt(n) times the damping ratio, and leave .36
+    report.check("the same of 20 cells: several press at once, and are damped together", left("J8-box-cut", straight, .5, .0105, box, pieces)[0], .5, .03)
 
 
 def thrown(tools, name, bond, speed, restitution=.5, duration=.004, contact=None):

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crush, brazilian, rockfall, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
+# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crush, brazilian, beam, rockfall, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -49,16 +49,19 @@ holds crush/crush.md "^| 3 | 3 | "   # all three split
 grep -q "^| 3 | 4.5 | 1.000 |" "$scratch/crush/crush.md" || { cat "$scratch/crush/crush.md"; exit 1; }   # 4.5 J/kg leaves no cell at another
 run brazilian
 holds brazilian/brazilian.md "stress along the load | -[23]"
+run beam
+holds beam/beam.md "^| 40 cells, tangential_ratio 1 | 1 | 0.9[5-9]"   # cells two across hardly shear: near Euler and Bernoulli
+holds beam/beam.md "modulus of rupture over the tension of a bond | 0\.[5-8]"
 run rockfall
 holds rockfall/rockfall.md "^| boulder-1 | "
-for chart in crush/crush brazilian/brazilian rockfall/rockfall; do [[ -s "$scratch/$chart.png" && -s "$scratch/$chart.svg" ]]; done
+for chart in crush/crush brazilian/brazilian beam/beam rockfall/rockfall; do [[ -s "$scratch/$chart.png" && -s "$scratch/$chart.svg" ]]; done
 run shape-dial
 holds shape-dial/dial.csv "^ball-rolling-0.3,"
 [[ -s "$scratch/shape-dial/dial.png" ]]
 run dice
 holds dice/dice.md "| cube | 0\.[56][0-9]* | 0\.54 |"   # looser or denser is no bed of cubes
 [[ -s "$scratch/dice/dice.png" ]]
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crush/press-01 brazilian/split rockfall/boulder-1 shape-dial/dial-hull; do
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crush/press-01 brazilian/split beam/bend-1 rockfall/boulder-1 shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done
