@@ -1,0 +1,148 @@
+#include "solver/step/ball_evaluation.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace scree {
+
+namespace {
+
+const std::int64_t kSpringKey = make_key(kCornerOfA, 0, 0);  ///< of the one contact of such a pair
+
+void store(const FrictionSpring& s, double* four) {
+  four[0] = s.force.x;
+  four[1] = s.force.y;
+  four[2] = s.force.z;
+  four[3] = s.stiffness;
+}
+FrictionSpring spring_of(std::int64_t key, const double* four) { return {key, {four[0], four[1], four[2]}, four[3]}; }
+
+BallWall ball_wall(const WallZone& zone, const WallState& wall) {
+  BallWall w;
+  w.x = wall.position;
+  w.q = wall.orientation;
+  w.v = wall.velocity_before;
+  w.w = wall.angular_velocity_before;
+  w.pivot = wall.pivot;
+  w.pivot_v = wall.pivot == wall.position ? w.v : wall.pivot_velocity_before;
+  w.point = zone.point;
+  w.direction = zone.direction;
+  w.radius = zone.kind == WallZone::Kind::cylinder ? zone.radius : 0;
+  return w;
+}
+
+}  // namespace
+
+bool has_ball_way(const PairPass& pass) {
+  return pass.scene.ball_laws().kind != BallLawKind::none && pass.friction_dt > 0 && pass.friction_dt == pass.dt && !pass.only_looks() &&
+         !pass.has_impacts;
+}
+
+BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws(), {}} {
+  for (const WallZone& zone : pass.scene.zones()) {
+    const Wall& wall = pass.scene.source().walls[static_cast<std::size_t>(zone.wall)];
+    const bool is_plane = zone.kind == WallZone::Kind::plane, is_round = zone.kind == WallZone::Kind::cylinder;
+    const bool goes = (is_plane || (is_round && zone.radius > 0)) && !wall.surface.moves() && !pass.scene.has_answering_walls();
+    material_of_zone_.push_back(goes ? wall.material : -1);
+    scene_.walls.push_back(ball_wall(zone, pass.walls[static_cast<std::size_t>(zone.wall)]));
+    scene_.has_cylinders = scene_.has_cylinders || is_round;
+  }
+}
+
+void BallEvaluation::evaluate(Due& due) {
+  std::vector<float>& seconds = pass_.scratch.pair_seconds;
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = seconds.empty() ? Clock::time_point{} : Clock::now();
+  find_ball_gaps(balls_.scene(), due.pairs, gap_.data());
+  find_touching(due);
+  if (touching_.pairs.count > 0) {
+    find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
+    for (std::size_t n = 0; n < touching_.pairs.count; ++n) act(n);
+  }
+  if (!seconds.empty()) {
+    const float each = std::chrono::duration<float>(Clock::now() - start).count() / static_cast<float>(due.pairs.count);
+    for (std::size_t n = 0; n < due.pairs.count; ++n) seconds[static_cast<std::size_t>(due.index[n])] = each;
+  }
+  due.pairs.count = 0;
+}
+
+/// Of the pairs that are due those that touch, with their springs.
+void BallEvaluation::find_touching(const Due& due) {
+  const BallLaws& laws = balls_.scene().laws;
+  const ParticleSet& p = pass_.p;
+  const bool at_wall = due.pairs.with_walls;
+  touching_.pairs.count = 0;
+  touching_.pairs.with_walls = at_wall;
+  for (std::size_t n = 0; n < due.pairs.count; ++n) {
+    const std::int32_t k = due.index[n];
+    const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
+    if (gap_[n] >= laws.margin) {
+      part(k, at_wall, gap_[n] - laws.margin, p.ball_radius[a] + (at_wall ? 0 : p.ball_radius[b]));
+      continue;
+    }
+    const std::size_t law = laws.row(p.material[a], at_wall ? balls_.material_of_zone(static_cast<std::int32_t>(b)) : p.material[b]);
+    if (laws.holds[law] == 0 || !load_springs(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs)) {
+      left_.push_back(k);
+      continue;
+    }
+    const std::size_t t = touching_.pairs.count++;
+    touching_.pairs.a[t] = due.pairs.a[n];
+    touching_.pairs.b[t] = due.pairs.b[n];
+    touching_.index[t] = k;
+    springs_.law[t] = static_cast<std::int64_t>(law);
+  }
+}
+
+/// The springs of the next pair that touches.   Returns false for others than one of friction and the turn that goes with it.
+bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs) {
+  const std::size_t t = touching_.pairs.count;
+  springs_.kept[t] = 0;
+  if (springs.empty()) return true;
+  if (springs.size() != 2 || springs[0].key != kSpringKey || springs[1].key != kTurnKey || !balls_.scene().laws.friction) return false;
+  springs_.kept[t] = 1;
+  store(springs[0], &springs_.spring[4 * t]);
+  store(springs[1], &springs_.turn[4 * t]);
+  return true;
+}
+
+/// A pair that does not touch.   in   lacks   before it does [m]     in  size   of both, for the rounding of that [m]
+void BallEvaluation::part(std::int32_t k, bool at_wall, double lacks, double size) {
+  PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+  result.active = false;
+  result.contact_count = 0;
+  IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
+  // the way of a wall that moves is in no bound
+  idle.way = at_wall && pass_.scene.has_driven_walls() ? kNeverIdle : pass_.way_of(idle) + slack_below(lacks, 0, size);
+  pass_.list.pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
+}
+
+/// The n-th pair that touches, as it was computed.
+void BallEvaluation::act(std::size_t n) {
+  const std::int32_t k = touching_.index[n];
+  if (forces_.left[n] != 0) return left_.push_back(k);
+  pass_.list.idle()[static_cast<std::size_t>(k)].way = kNeverIdle;
+  PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+  result.active = true;
+  result.contact_count = 1;
+  const auto four = [&](std::size_t which) { return &forces_.fours[which][4 * n]; };
+  const double *first = four(0), *on_a = four(1), *on_b = four(2), *lost = four(3), *lost_a = four(4), *lost_b = four(5);
+  result.overlap_ratio = first[0];
+  result.elastic = first[1];
+  result.tangential_elastic = first[2];
+  result.surface_power = first[3];
+  result.force_a = {on_a[0], on_a[1], on_a[2]};
+  result.torque_a = {on_a[3], on_b[0], on_b[1]};
+  result.torque_b = {on_b[2], on_b[3], lost[0]};
+  result.dissipative_force_a = {lost[1], lost[2], lost[3]};
+  result.dissipative_torque_a = {lost_a[0], lost_a[1], lost_a[2]};
+  result.dissipative_torque_b = {lost_a[3], lost_b[0], lost_b[1]};
+  largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
+  if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
+  if (!balls_.scene().laws.friction) return;
+  std::vector<FrictionSpring>& springs = pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs;
+  springs.resize(2);
+  springs[0] = spring_of(kSpringKey, &forces_.spring[4 * n]);
+  springs[1] = spring_of(kTurnKey, &forces_.turn[4 * n]);
+}
+
+}  // namespace scree
