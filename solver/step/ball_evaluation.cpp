@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
 
 namespace scree {
 
@@ -9,13 +12,17 @@ namespace {
 
 const std::int64_t kSpringKey = make_key(kCornerOfA, 0, 0);  ///< of the one contact of such a pair
 
-void store(const FrictionSpring& s, double* four) {
-  four[0] = s.force.x;
-  four[1] = s.force.y;
-  four[2] = s.force.z;
-  four[3] = s.stiffness;
-}
-FrictionSpring spring_of(std::int64_t key, const double* four) { return {key, {four[0], four[1], four[2]}, four[3]}; }
+// What lanes read and write in fours lies in the same order in the structures that keep it: it is copied as it is.
+constexpr std::size_t kFour = 4 * sizeof(double), kOfSpring = offsetof(FrictionSpring, force),
+                      kNumbers = offsetof(PairResult, overlap_ratio);
+static_assert(sizeof(FrictionSpring) == kOfSpring + kFour && offsetof(FrictionSpring, stiffness) == kOfSpring + 3 * sizeof(double));
+static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(double) && offsetof(PairResult, force_a) == kNumbers + kFour &&
+              offsetof(PairResult, torque_b) == kNumbers + 10 * sizeof(double) &&
+              offsetof(PairResult, dissipative_torque_b) == kNumbers + 19 * sizeof(double) &&
+              sizeof(PairResult) == kNumbers + 22 * sizeof(double) && std::is_trivially_copyable_v<PairResult>);
+
+void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
+void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
 
 BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   BallWall w;
@@ -124,25 +131,17 @@ void BallEvaluation::act(std::size_t n) {
   PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
   result.active = true;
   result.contact_count = 1;
-  const auto four = [&](std::size_t which) { return &forces_.fours[which][4 * n]; };
-  const double *first = four(0), *on_a = four(1), *on_b = four(2), *lost = four(3), *lost_a = four(4), *lost_b = four(5);
-  result.overlap_ratio = first[0];
-  result.elastic = first[1];
-  result.tangential_elastic = first[2];
-  result.surface_power = first[3];
-  result.force_a = {on_a[0], on_a[1], on_a[2]};
-  result.torque_a = {on_a[3], on_b[0], on_b[1]};
-  result.torque_b = {on_b[2], on_b[3], lost[0]};
-  result.dissipative_force_a = {lost[1], lost[2], lost[3]};
-  result.dissipative_torque_a = {lost_a[0], lost_a[1], lost_a[2]};
-  result.dissipative_torque_b = {lost_a[3], lost_b[0], lost_b[1]};
+  char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
+  constexpr std::size_t kWhole = 5;  // the sixth four is half of one
+  for (std::size_t f = 0; f < kWhole; ++f) std::memcpy(numbers + f * kFour, &forces_.fours[f][4 * n], kFour);
+  std::memcpy(numbers + kWhole * kFour, &forces_.fours[kWhole][4 * n], kFour / 2);
   largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
   if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
   if (!balls_.scene().laws.friction) return;
   std::vector<FrictionSpring>& springs = pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs;
-  springs.resize(2);
-  springs[0] = spring_of(kSpringKey, &forces_.spring[4 * n]);
-  springs[1] = spring_of(kTurnKey, &forces_.turn[4 * n]);
+  if (springs.size() != 2) springs.assign({{kSpringKey, {}, 0}, {kTurnKey, {}, 0}});
+  load(&forces_.spring[4 * n], springs[0]);
+  load(&forces_.turn[4 * n], springs[1]);
 }
 
 }  // namespace scree
