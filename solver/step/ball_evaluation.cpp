@@ -10,7 +10,7 @@ namespace scree {
 
 namespace {
 
-const std::int64_t kSpringKey = make_key(kCornerOfA, 0, 0);  ///< of the one contact of such a pair
+constexpr std::int64_t kSpringKey = kCornerOfA << 60;  ///< of the one contact of such a pair
 
 // What lanes read and write in fours lies in the same order in the structures that keep it: it is copied as it is.
 constexpr std::size_t kFour = 4 * sizeof(double), kOfSpring = offsetof(FrictionSpring, force),
@@ -22,6 +22,7 @@ static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(doubl
               sizeof(PairResult) == kNumbers + 22 * sizeof(double) && std::is_trivially_copyable_v<PairResult>);
 
 void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
+[[gnu::noinline]] void begin_springs(std::vector<FrictionSpring>& springs) { springs.assign({{kSpringKey, {}, 0}, {kTurnKey, {}, 0}}); }
 void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
 
 BallWall ball_wall(const WallZone& zone, const WallState& wall) {
@@ -64,7 +65,7 @@ void BallEvaluation::evaluate(Due& due) {
   find_touching(due);
   if (touching_.pairs.count > 0) {
     find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
-    for (std::size_t n = 0; n < touching_.pairs.count; ++n) act(n);
+    hand_out();
   }
   if (!seconds.empty()) {
     const float each = std::chrono::duration<float>(Clock::now() - start).count() / static_cast<float>(due.pairs.count);
@@ -73,43 +74,47 @@ void BallEvaluation::evaluate(Due& due) {
   due.pairs.count = 0;
 }
 
+/// The springs of the n-th pair that touches.   Returns false for others than one of friction and the turn that goes with it.
+[[gnu::always_inline]] inline bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs, std::size_t n) {
+  springs_.kept[n] = 0;
+  if (springs.empty()) return true;
+  const FrictionSpring* const kept = springs.data();
+  if (springs.size() != 2 || kept[0].key != kSpringKey || kept[1].key != kTurnKey || !balls_.scene().laws.friction) return false;
+  springs_.kept[n] = 1;
+  store(kept[0], &springs_.spring[4 * n]);
+  store(kept[1], &springs_.turn[4 * n]);
+  return true;
+}
+
 /// Of the pairs that are due those that touch, with their springs.
 void BallEvaluation::find_touching(const Due& due) {
   const BallLaws& laws = balls_.scene().laws;
   const ParticleSet& p = pass_.p;
-  const bool at_wall = due.pairs.with_walls;
-  touching_.pairs.count = 0;
-  touching_.pairs.with_walls = at_wall;
+  const BodyPair* const pairs = pass_.list.pairs().data();
+  const bool at_wall = due.pairs.with_walls, one_law = laws.laws.size() == 1;
+  const double margin = laws.margin;
+  std::size_t count = 0;
   for (std::size_t n = 0; n < due.pairs.count; ++n) {
     const std::int32_t k = due.index[n];
     const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
-    if (gap_[n] >= laws.margin) {
-      part(k, at_wall, gap_[n] - laws.margin, p.ball_radius[a] + (at_wall ? 0 : p.ball_radius[b]));
+    if (gap_[n] >= margin) {
+      part(k, at_wall, gap_[n] - margin, p.ball_radius[a] + (at_wall ? 0 : p.ball_radius[b]));
       continue;
     }
-    const std::size_t law = laws.row(p.material[a], at_wall ? balls_.material_of_zone(static_cast<std::int32_t>(b)) : p.material[b]);
-    if (laws.holds[law] == 0 || !load_springs(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs)) {
+    std::size_t law = 0;
+    if (!one_law) law = laws.row(p.material[a], at_wall ? balls_.material_of_zone(static_cast<std::int32_t>(b)) : p.material[b]);
+    if (laws.holds[law] == 0 || !load_springs(pairs[k].state.springs, count)) {
       left_.push_back(k);
       continue;
     }
-    const std::size_t t = touching_.pairs.count++;
-    touching_.pairs.a[t] = due.pairs.a[n];
-    touching_.pairs.b[t] = due.pairs.b[n];
-    touching_.index[t] = k;
-    springs_.law[t] = static_cast<std::int64_t>(law);
+    touching_.pairs.a[count] = due.pairs.a[n];
+    touching_.pairs.b[count] = due.pairs.b[n];
+    touching_.index[count] = k;
+    springs_.law[count] = static_cast<std::int64_t>(law);
+    ++count;
   }
-}
-
-/// The springs of the next pair that touches.   Returns false for others than one of friction and the turn that goes with it.
-bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs) {
-  const std::size_t t = touching_.pairs.count;
-  springs_.kept[t] = 0;
-  if (springs.empty()) return true;
-  if (springs.size() != 2 || springs[0].key != kSpringKey || springs[1].key != kTurnKey || !balls_.scene().laws.friction) return false;
-  springs_.kept[t] = 1;
-  store(springs[0], &springs_.spring[4 * t]);
-  store(springs[1], &springs_.turn[4 * t]);
-  return true;
+  touching_.pairs.count = count;
+  touching_.pairs.with_walls = at_wall;
 }
 
 /// A pair that does not touch.   in   lacks   before it does [m]     in  size   of both, for the rounding of that [m]
@@ -123,25 +128,44 @@ void BallEvaluation::part(std::int32_t k, bool at_wall, double lacks, double siz
   pass_.list.pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
 }
 
-/// The n-th pair that touches, as it was computed.
-void BallEvaluation::act(std::size_t n) {
-  const std::int32_t k = touching_.index[n];
-  if (forces_.left[n] != 0) return left_.push_back(k);
-  pass_.list.idle()[static_cast<std::size_t>(k)].way = kNeverIdle;
-  PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
-  result.active = true;
-  result.contact_count = 1;
-  char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
-  constexpr std::size_t kWhole = 5;  // the sixth four is half of one
-  for (std::size_t f = 0; f < kWhole; ++f) std::memcpy(numbers + f * kFour, &forces_.fours[f][4 * n], kFour);
-  std::memcpy(numbers + kWhole * kFour, &forces_.fours[kWhole][4 * n], kFour / 2);
-  largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
-  if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
-  if (!balls_.scene().laws.friction) return;
-  std::vector<FrictionSpring>& springs = pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs;
-  if (springs.size() != 2) springs.assign({{kSpringKey, {}, 0}, {kTurnKey, {}, 0}});
-  load(&forces_.spring[4 * n], springs[0]);
-  load(&forces_.turn[4 * n], springs[1]);
+/// Gives the pairs that touch what was computed. One loop with all that it reads at hand: it is a tenth of a step of balls.
+void BallEvaluation::hand_out() {
+  const bool has_springs = balls_.scene().laws.friction;
+  BodyPair* const pairs = pass_.list.pairs().data();
+  PairResult* const results = pass_.list.results().data();
+  IdlePair* const idle = pass_.list.idle().data();
+  const double stop_ratio = pass_.stop_ratio;
+  double largest = largest_overlap_;
+  bool too_deep = too_deep_;
+  for (std::size_t n = 0; n < touching_.pairs.count; ++n) {
+    const auto k = static_cast<std::size_t>(touching_.index[n]);
+    if (forces_.left[n] != 0) {
+      left_.push_back(touching_.index[n]);
+      continue;
+    }
+    idle[k].way = kNeverIdle;
+    PairResult& result = results[k];
+    result.active = true;
+    result.contact_count = 1;
+    char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
+    const auto four = [&](std::size_t which) { return &forces_.fours[which][4 * n]; };
+    std::memcpy(numbers, four(0), kFour);
+    std::memcpy(numbers + kFour, four(1), kFour);
+    std::memcpy(numbers + 2 * kFour, four(2), kFour);
+    std::memcpy(numbers + 3 * kFour, four(3), kFour);
+    std::memcpy(numbers + 4 * kFour, four(4), kFour);
+    std::memcpy(numbers + 5 * kFour, four(5), kFour / 2);
+    largest = std::max(largest, *four(0));
+    too_deep = too_deep || !(*four(0) < stop_ratio);  // or not a number
+    if (!has_springs) continue;
+    std::vector<FrictionSpring>& springs = pairs[k].state.springs;
+    if (springs.size() != 2) begin_springs(springs);
+    FrictionSpring* const kept = springs.data();
+    load(&forces_.spring[4 * n], kept[0]);
+    load(&forces_.turn[4 * n], kept[1]);
+  }
+  largest_overlap_ = largest;
+  too_deep_ = too_deep;
 }
 
 }  // namespace scree

@@ -82,9 +82,9 @@ class BallEvaluation {
   }
   void evaluate(Due& due);
   void find_touching(const Due& due);
-  bool load_springs(const std::vector<FrictionSpring>& springs);
+  bool load_springs(const std::vector<FrictionSpring>& springs, std::size_t n);
   void part(std::int32_t k, bool at_wall, double lacks, double size);
-  void act(std::size_t n);
+  void hand_out();
 
   const BallPass& balls_;
   PairPass& pass_;
