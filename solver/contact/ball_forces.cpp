@@ -21,6 +21,7 @@
 #include <hwy/highway.h>
 
 #include "solver/contact/ball_lanes-inl.hpp"
+#include "solver/contact/ball_rolling-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
@@ -118,12 +119,37 @@ HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, 
   for (std::size_t k = 0; k < pairs.count; k += kLanes) meet<false>(scene, pairs, k).gap.store(gap + k);
 }
 
-template <BallLawKind kKind, bool kFriction, bool kWall>
+/// What turns springs with both bodies (MeanTurn); at rest, to the last bit, not at all.
+class LaneTurn {
+ public:
+  HWY_INLINE LaneTurn(const LaneQuat& before, const LaneQuat& turn) {
+    const Lane zero(0.0), half(0.5), one(1.0);
+    const LaneQuat by = turn * conjugate(before);
+    const auto at_rest = equal(before, turn), is_other = by.w < zero;
+    const Lane share = sqrt(half * (one + select(is_other, -by.w, by.w)));
+    const Lane3 axis{by.x, by.y, by.z};
+    w_ = select(at_rest, one, share);
+    u_ = select(at_rest, Lane3{zero, zero, zero}, (half / share) * select(is_other, -axis, axis));
+  }
+  HWY_INLINE Lane3 of(const Lane3& s) const {
+    const Lane3 t = cross(Lane(2.0) * u_, s);
+    return s + w_ * t + cross(u_, t);
+  }
+
+ private:
+  Lane3 u_;
+  Lane w_;
+};
+
+/// What pairs keep no spring for, what they keep one for, and what two.
+enum class Rubs { no, slides, slides_and_rolls };
+
+template <BallLawKind kKind, Rubs kRubs, bool kWall>
 HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, std::size_t k,
                                 BallForces& out) {
   const ParticleSet& p = scene.p;
   const BallLaws& laws = scene.laws;
-  const LawRows law(laws.laws.data(), springs.law.data() + k);
+  const LawRows<BallLaw> law(laws.laws.data(), springs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
   const Rows a(pairs.a.data() + k);
   const Meeting m = meet<kWall>(scene, pairs, k);
@@ -170,8 +196,6 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     const Lane most(kMostDistance);
     fits = fits & (m.distance > zero) & (m.distance < most * a.of(p.ball_radius)) & (m.distance < most * m.radius_b);
   }
-  select(fits, zero, one).store(out.left.data() + k);
-
   const LaneMatrix a_to_world(m.qa);
   const Lane3 w_a = a_to_world.transpose_times(a.of(p.w)), w_b = a_to_world.transpose_times(m.w_b);
   const Lane3 v_a = a_to_world.transpose_times(a.of(p.v)), v_b = a_to_world.transpose_times(m.pivot_v_b);
@@ -184,22 +208,15 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
 
   // friction
   Lane stored = zero;
-  if constexpr (kFriction) {
+  Lane3 moment{zero, zero, zero};
+  if constexpr (kRubs != Rubs::no) {
     const Lane3 slip = velocity - (half * step) * (cross(w_a, turning_a) - cross(w_b, turning_b)), vt = slip - dot(slip, n) * n;
     const Lane kept = Lane::load(springs.kept.data() + k);
     const auto is_kept = kept > zero;
     const auto [old, before] = load_fours(springs.spring, k);
-    // turned with both bodies (MeanTurn); at rest, to the last bit, not at all
     const auto [turn_v, turn_w] = load_fours(springs.turn, k);
-    const LaneQuat turned_before{turn_w, turn_v.x, turn_v.y, turn_v.z};
-    const LaneQuat by = m.turn * conjugate(turned_before);
-    const auto at_rest = equal(turned_before, m.turn);
-    const Lane by_w = select(by.w < zero, -by.w, by.w);
-    const Lane turn_share = sqrt(half * (one + by_w)), to_half = half / turn_share, cosine = select(at_rest, one, turn_share);
-    const Lane3 by_v = select(by.w < zero, -Lane3{by.x, by.y, by.z}, Lane3{by.x, by.y, by.z});
-    const Lane3 u = select(at_rest, Lane3{zero, zero, zero}, to_half * by_v);
-    const Lane3 t = cross(Lane(2.0) * u, old);
-    Lane3 s = old + cosine * t + cross(u, t);
+    const LaneTurn turned(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn);
+    Lane3 s = turned.of(old);
     // back into the tangent plane at its own length
     s = s - dot(s, n) * n;
     const Lane flat = dot(s, s);
@@ -225,11 +242,34 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     stored = select(kappa > zero, half * dot(spring, spring) / kappa, zero);
     dissipative = dissipative + tangential;
     store_fours(spring, kappa, k, out.spring);
+    if constexpr (kRubs == Rubs::slides_and_rolls) {
+      const LawRows<BallRolling> rolling(scene.rolling.data(), springs.law.data() + k);
+      const Lane size = length(force), tangential_damping = law.at(&BallLaw::tangential_damping) * chi;
+      const LaneRolling state{(one / size) * force,
+                              w_a - w_b,
+                              push,
+                              push / (push / overlap),
+                              radius,
+                              tangential_damping,
+                              rolling.at(&BallRolling::friction) * radius * push,
+                              rolling.at(&BallRolling::torsional) * radius * push,
+                              law.at(&BallLaw::tangential_ratio)};
+      const auto [old_roll, old_stiffness] = load_fours(springs.rolling, k);
+      const Lane3 none{zero, zero, zero};
+      const LaneMoment rolls =
+          rolling_moment(state, select(is_kept, turned.of(old_roll), none), select(is_kept, old_stiffness, zero), step);
+      moment = rolls.moment;
+      stored = stored + select(rolls.stiffness > zero, half * dot(rolls.spring, rolls.spring) / rolls.stiffness, zero);
+      fits = fits & (size > zero);
+      store_fours(rolls.spring, rolls.stiffness, k, out.rolling);
+    }
     store_fours(Lane3{m.turn.x, m.turn.y, m.turn.z}, m.turn.w, k, out.turn);
   }
 
   // onto the bodies
-  const Lane3 dissipative_torque = cross(x, dissipative);
+  select(fits, zero, one).store(out.left.data() + k);
+  Lane3 dissipative_torque = cross(x, dissipative);
+  if constexpr (kRubs == Rubs::slides_and_rolls) dissipative_torque = dissipative_torque + moment;
   const Lane3 force_a = a_to_world.times(force + dissipative), torque_a = a_to_world.times(torque + dissipative_torque);
   const Lane3 lost_a = a_to_world.times(dissipative), lost_torque_a = a_to_world.times(dissipative_torque);
   const Lane3 torque_b = cross(m.branch, force_a) - torque_a, lost_torque_b = cross(m.branch, lost_a) - lost_torque_a;
@@ -246,19 +286,22 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   store_fours(Lane3{lost_torque_b.y, lost_torque_b.z, zero}, zero, k, out.fours[5]);
 }
 
-template <BallLawKind kKind, bool kFriction, bool kWall>
+template <BallLawKind kKind, Rubs kRubs, bool kWall>
 HWY_NOINLINE void forces_of(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
-  for (std::size_t k = 0; k < pairs.count; k += kLanes) forces_in_lanes<kKind, kFriction, kWall>(scene, dt, pairs, springs, k, out);
+  for (std::size_t k = 0; k < pairs.count; k += kLanes) forces_in_lanes<kKind, kRubs, kWall>(scene, dt, pairs, springs, k, out);
+}
+
+template <BallLawKind kKind, Rubs kRubs>
+void forces_with(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+  return pairs.with_walls ? forces_of<kKind, kRubs, true>(scene, dt, pairs, springs, out)
+                          : forces_of<kKind, kRubs, false>(scene, dt, pairs, springs, out);
 }
 
 template <BallLawKind kKind>
 void forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
-  if (scene.laws.friction) {
-    return pairs.with_walls ? forces_of<kKind, true, true>(scene, dt, pairs, springs, out)
-                            : forces_of<kKind, true, false>(scene, dt, pairs, springs, out);
-  }
-  return pairs.with_walls ? forces_of<kKind, false, true>(scene, dt, pairs, springs, out)
-                          : forces_of<kKind, false, false>(scene, dt, pairs, springs, out);
+  if (!scene.laws.friction) return forces_with<kKind, Rubs::no>(scene, dt, pairs, springs, out);
+  if (scene.rolling.empty()) return forces_with<kKind, Rubs::slides>(scene, dt, pairs, springs, out);
+  return forces_with<kKind, Rubs::slides_and_rolls>(scene, dt, pairs, springs, out);
 }
 
 HWY_NOINLINE void forces_of_any(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {

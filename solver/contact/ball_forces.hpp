@@ -33,13 +33,19 @@ struct alignas(256) BallWall {
   double radius = 0;  ///< of a cylinder [m]; 0: a plane
 };
 
+/// What two materials have against rolling, a row beside that of BallLaws.
+struct BallRolling {
+  double friction = 0, torsional = 0;  ///< mu_r, mu_t
+};
+
 /// What pairs are of: A always a ball, B a ball or a wall.
 struct BallScene {
   const ParticleSet& p;
   const Periodicity& periodicity;
   const BallLaws& laws;
-  std::vector<BallWall> walls;  ///< one for each zone of the scene
+  std::vector<BallWall> walls{};  ///< one for each zone of the scene
   bool has_cylinders = false;
+  std::vector<BallRolling> rolling{};  ///< empty: no two materials have any
 };
 
 /// Some pairs, A and B as in BodyPair; all with balls or all with walls.
@@ -52,12 +58,12 @@ struct BallPairs {
 /// Four numbers of each pair, next to each other.
 using BallFours = std::array<double, 4 * kBallPairs>;
 
-/// What pairs that touch have kept and will keep: their spring as in FrictionSpring (x, y, z, stiffness), and how B was turned against A
-/// when it was set (x, y, z, w).
+/// What pairs that touch have kept and will keep: their springs as in FrictionSpring (x, y, z, stiffness), and how B was turned against A
+/// when they were set (x, y, z, w).
 struct BallSprings {
   alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of BallLaws
   alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
-  alignas(64) BallFours spring, turn;
+  alignas(64) BallFours spring, turn, rolling;
 };
 
 /// What pairs do to their bodies, world axes; as in PairResult.
@@ -66,7 +72,7 @@ struct BallForces {
   /// dissipative; two places are left.
   static constexpr std::size_t kFours = 6;
   alignas(64) std::array<BallFours, kFours> fours;
-  alignas(64) BallFours spring, turn;
+  alignas(64) BallFours spring, turn, rolling;
   alignas(64) std::array<double, kBallPairs> left;  ///< 1: the general path is to compute the pair, what is here is nothing
 };
 

@@ -89,16 +89,18 @@ class WallRows {
   hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
 
-/// Rows of BallLaws, one in each lane.
+/// Rows of BallLaws, and of what goes with it, one in each lane.
+template <class Law>
 class LawRows {
  public:
-  HWY_INLINE LawRows(const BallLaw* laws, const std::int64_t* rows)
-      : laws_(laws), first_(hn::ShiftLeft<3>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows))) {}
-  HWY_INLINE Lane at(double BallLaw::*number) const { return hn::GatherIndex(Tag<double>(), &(laws_->*number), first_); }
+  HWY_INLINE LawRows(const Law* laws, const std::int64_t* rows)
+      : laws_(laws), first_(hn::ShiftLeft<kShift>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows))) {}
+  HWY_INLINE Lane at(double Law::*number) const { return hn::GatherIndex(Tag<double>(), &(laws_->*number), first_); }
 
  private:
-  static_assert(sizeof(BallLaw) == 8 * sizeof(double));
-  const BallLaw* laws_;
+  static constexpr int kShift = sizeof(Law) == 8 * sizeof(double) ? 3 : 1;
+  static_assert(sizeof(Law) == (std::size_t{1} << kShift) * sizeof(double));
+  const Law* laws_;
   hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
 

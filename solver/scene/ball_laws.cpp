@@ -56,11 +56,13 @@ BallLaws make_ball_laws(const SolverScene& scene) {
       table.kind = kind_of<Entry>();
       for (std::size_t row = 0; row < table.materials * table.materials; ++row) {
         const PairLaw& law = scene.law(static_cast<std::int32_t>(row / table.materials), static_cast<std::int32_t>(row % table.materials));
-        // without friction in a scene that has it, and without any loss, a pair keeps no spring
-        const bool rolls = built_with::kFriction && (law.rolling_friction > 0 || law.torsional_friction > 0);
+        // pairs keep as many springs as others of the scene: one of friction, two where materials roll (with a spring), or none
+        const bool rolls = law.rolling_friction > 0 || law.torsional_friction > 0;
+        const bool like_others =
+            !built_with::kFriction || (rolls == choice.rolling && (!rolls || (law.rolling_spring && law.friction > 0)));
         const bool rubs = table.friction ? law.friction > 0 : Entry::Damp::acts(law);
         table.laws.push_back(ball_law<Entry>(law));
-        table.holds.push_back(!rolls && rubs ? 1 : 0);
+        table.holds.push_back(like_others && rubs ? 1 : 0);
       }
     }
   });

@@ -22,7 +22,11 @@ static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(doubl
               sizeof(PairResult) == kNumbers + 22 * sizeof(double) && std::is_trivially_copyable_v<PairResult>);
 
 void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
-[[gnu::noinline]] void begin_springs(std::vector<FrictionSpring>& springs) { springs.assign({{kSpringKey, {}, 0}, {kTurnKey, {}, 0}}); }
+[[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
+  springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
+  springs.front().key = kSpringKey;
+  springs.back().key = kTurnKey;
+}
 void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
 
 BallWall ball_wall(const WallZone& zone, const WallState& wall) {
@@ -46,7 +50,7 @@ bool has_ball_way(const PairPass& pass) {
          !pass.has_impacts;
 }
 
-BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws(), {}} {
+BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
   for (const WallZone& zone : pass.scene.zones()) {
     const Wall& wall = pass.scene.source().walls[static_cast<std::size_t>(zone.wall)];
     const bool is_plane = zone.kind == WallZone::Kind::plane, is_round = zone.kind == WallZone::Kind::cylinder;
@@ -55,6 +59,17 @@ BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.peri
     scene_.walls.push_back(ball_wall(zone, pass.walls[static_cast<std::size_t>(zone.wall)]));
     scene_.has_cylinders = scene_.has_cylinders || is_round;
   }
+  if (!built_with::kFriction || !pass.scene.law_choice().rolling) return;
+  const auto materials = static_cast<std::int32_t>(scene_.laws.materials);
+  for (std::int32_t a = 0; a < materials; ++a) {
+    for (std::int32_t b = 0; b < materials; ++b)
+      scene_.rolling.push_back({pass.scene.law(a, b).rolling_friction, pass.scene.law(a, b).torsional_friction});
+  }
+}
+
+BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
+  at_walls_.pairs.with_walls = true;
+  if (balls.scene().laws.friction) spring_count_ = balls.scene().rolling.empty() ? kMostSprings - 1 : kMostSprings;
 }
 
 void BallEvaluation::evaluate(Due& due) {
@@ -74,15 +89,20 @@ void BallEvaluation::evaluate(Due& due) {
   due.pairs.count = 0;
 }
 
-/// The springs of the n-th pair that touches.   Returns false for others than one of friction and the turn that goes with it.
+/// The springs of the n-th pair that touches.   Returns false for others than those of friction and rolling and the turn that goes with
+/// them.
 [[gnu::always_inline]] inline bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs, std::size_t n) {
   springs_.kept[n] = 0;
   if (springs.empty()) return true;
   const FrictionSpring* const kept = springs.data();
-  if (springs.size() != 2 || kept[0].key != kSpringKey || kept[1].key != kTurnKey || !balls_.scene().laws.friction) return false;
+  if (springs.size() != spring_count_ || kept[0].key != kSpringKey || springs.back().key != kTurnKey) return false;
   springs_.kept[n] = 1;
   store(kept[0], &springs_.spring[4 * n]);
-  store(kept[1], &springs_.turn[4 * n]);
+  store(springs.back(), &springs_.turn[4 * n]);
+  if (spring_count_ == kMostSprings) {
+    if (kept[1].key != kRollingKey) return false;
+    store(kept[1], &springs_.rolling[4 * n]);
+  }
   return true;
 }
 
@@ -130,7 +150,7 @@ void BallEvaluation::part(std::int32_t k, bool at_wall, double lacks, double siz
 
 /// Gives the pairs that touch what was computed. One loop with all that it reads at hand: it is a tenth of a step of balls.
 void BallEvaluation::hand_out() {
-  const bool has_springs = balls_.scene().laws.friction;
+  const std::size_t spring_count = spring_count_;
   BodyPair* const pairs = pass_.list.pairs().data();
   PairResult* const results = pass_.list.results().data();
   IdlePair* const idle = pass_.list.idle().data();
@@ -157,12 +177,13 @@ void BallEvaluation::hand_out() {
     std::memcpy(numbers + 5 * kFour, four(5), kFour / 2);
     largest = std::max(largest, *four(0));
     too_deep = too_deep || !(*four(0) < stop_ratio);  // or not a number
-    if (!has_springs) continue;
+    if (spring_count == 0) continue;
     std::vector<FrictionSpring>& springs = pairs[k].state.springs;
-    if (springs.size() != 2) begin_springs(springs);
+    if (springs.size() != spring_count) begin_springs(spring_count, springs);
     FrictionSpring* const kept = springs.data();
     load(&forces_.spring[4 * n], kept[0]);
-    load(&forces_.turn[4 * n], kept[1]);
+    load(&forces_.turn[4 * n], kept[spring_count - 1]);
+    if (spring_count == kMostSprings) load(&forces_.rolling[4 * n], kept[1]);
   }
   largest_overlap_ = largest;
   too_deep_ = too_deep;

@@ -36,7 +36,7 @@ class BallPass {
 /// One thread's part of a pass.
 class BallEvaluation {
  public:
-  explicit BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) { at_walls_.pairs.with_walls = true; }
+  explicit BallEvaluation(const BallPass& balls);
 
   /// Takes a pair.   Returns false for one that it cannot take.
   bool take(std::int32_t k) {
@@ -86,8 +86,11 @@ class BallEvaluation {
   void part(std::int32_t k, bool at_wall, double lacks, double size);
   void hand_out();
 
+  static constexpr std::size_t kMostSprings = 3;  ///< of friction, of rolling, and the turn that goes with them
+
   const BallPass& balls_;
   PairPass& pass_;
+  std::size_t spring_count_ = 0;  ///< that each pair in contact keeps
   Due two_balls_, at_walls_, touching_;
   alignas(64) std::array<double, kBallPairs> gap_;
   BallSprings springs_;
