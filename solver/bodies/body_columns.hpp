@@ -52,6 +52,8 @@ enum BodyUse : unsigned {
 /// What follows from the state, the scene and the step: made anew where the body arrives.
 #define SCREE_BODY_DERIVED(column)                                                                           \
   column(double, radius, "bounding, scaled [m]")                                                             \
+  column(double, ball_radius, "of an analytic sphere without cells and margin, scaled [m]; 0 of any other")  \
+  column(double, equivalent_radius, "of the ball of its volume, scaled [m]")                                 \
   column(double, mass, "[kg]")                                                                               \
   column(double, inverse_mass, "[1/kg]; 0 for a fixed body")                                                 \
   column(Vec3, inertia, "principal [kg m^2]")                                                                \

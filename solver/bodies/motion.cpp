@@ -1,8 +1,12 @@
 #include "solver/bodies/motion.hpp"
 
+#include <omp.h>
+
+#include <algorithm>
 #include <limits>
 
 #include "solver/bodies/fluid.hpp"
+#include "solver/bodies/motion_lanes.hpp"
 #include "solver/built_with.hpp"
 
 namespace scree {
@@ -167,33 +171,50 @@ void rotate_by(const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic,
   w = angular_velocity(q, inverse_inertia, L);
 }
 
-void kick(ParticleSet& p, double h) {
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t k = 0; k < count; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (p.fixed[i]) continue;
-    p.v[i] += (h * p.inverse_mass[i]) * p.force[i];
-    if (!built_with::kRotation || p.lock_rotation[i]) continue;
-    p.L[i] += h * p.torque[i];
-    p.w[i] = angular_velocity(p.q[i], p.inverse_inertia[i], p.L[i]);
+void kick_row(ParticleSet& p, double h, std::size_t i) {
+  if (p.fixed[i]) return;
+  p.v[i] += (h * p.inverse_mass[i]) * p.force[i];
+  if (!built_with::kRotation || p.lock_rotation[i]) return;
+  p.L[i] += h * p.torque[i];
+  p.w[i] = angular_velocity(p.q[i], p.inverse_inertia[i], p.L[i]);
+}
+
+/// Calls action(begin, end) with each thread's rows.
+template <class Action>
+void for_rows_of_threads(std::size_t count, Action&& action) {
+#pragma omp parallel
+  {
+    const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
+    action(count * thread / threads, count * (thread + 1) / threads);
   }
+}
+
+void kick(ParticleSet& p, double h) {
+  for_rows_of_threads(p.owned, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = kick_in_lanes(p, h, begin, end); i < end; ++i) kick_row(p, h, i);
+  });
+}
+
+template <class Rotor>
+void kick_and_drift_row(ParticleSet& p, double kick_time, double h, std::size_t i) {
+  if (p.fixed[i]) return;
+  p.v[i] += (kick_time * p.inverse_mass[i]) * p.force[i];
+  advance(p.x[i], p.x_remainder[i], h * p.v[i]);
+  if (!built_with::kRotation || p.lock_rotation[i]) return;
+  p.L[i] += kick_time * p.torque[i];
+  rotate_by<Rotor>(p.inertia[i], p.inverse_inertia[i], p.isotropic[i] != 0, h, p.L[i], p.q[i], p.q_remainder[i], p.w[i]);
 }
 
 /// A kick over `kick_time`, then the drift over h: in one pass, since the angular velocity in between is not needed.
 template <class Rotor>
 void kick_and_drift(ParticleSet& p, double kick_time, double h) {
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t k = 0; k < count; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (p.fixed[i]) continue;
-    p.v[i] += (kick_time * p.inverse_mass[i]) * p.force[i];
-    advance(p.x[i], p.x_remainder[i], h * p.v[i]);
-    if (!built_with::kRotation || p.lock_rotation[i]) continue;
-    p.L[i] += kick_time * p.torque[i];
-    rotate_by<Rotor>(p.inertia[i], p.inverse_inertia[i], p.isotropic[i] != 0, h, p.L[i], p.q[i], p.q_remainder[i], p.w[i]);
-  }
+  for_rows_of_threads(p.owned, [&](std::size_t begin, std::size_t end) {
+    while (begin < end) {
+      begin = drift_in_lanes(p, kick_time, h, begin, end);
+      for (const std::size_t plain = std::min(end, begin + kMostDriftLanes); begin < plain; ++begin)
+        kick_and_drift_row<Rotor>(p, kick_time, h, begin);
+    }
+  });
 }
 
 }  // namespace

@@ -49,6 +49,8 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
   const double density = scene.source().materials[static_cast<std::size_t>(r.material)].density;
   const double s3 = r.scale * r.scale * r.scale;
   p.radius[i] = r.scale * shape.radius;
+  p.ball_radius[i] = shape.kind == ShapeKind::sphere && !(shape.cell_size > 0) && !(shape.margin > 0) ? r.scale * shape.rounding : 0.0;
+  p.equivalent_radius[i] = r.scale * shape.equivalent_radius;
   p.mass[i] = body_mass(scene, r.shape, r.material, r.scale);
   p.inertia[i] = (density * s3 * r.scale * r.scale) * shape.inertia;
   p.isotropic[i] = shape.isotropic ? 1 : 0;

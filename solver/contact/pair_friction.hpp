@@ -36,6 +36,11 @@ class MeanTurn {
   double w_ = 1;
 };
 
+/// Share of itself by which rounding moves the stiffness of a feature, times the overlap over the distance of the two bodies: the
+/// stiffness goes with powers of the overlap up to the seventh, and the overlap is a difference of places. The worst of 1e7 values in a
+/// stiff heap at rest is 35 epsilon.
+inline constexpr double kStiffnessRounding = 64 * std::numeric_limits<double>::epsilon();
+
 /// Friction of the features of one pair, taken in ascending order of their keys.
 class PairFriction {
  public:
@@ -77,11 +82,6 @@ class PairFriction {
   }
 
  private:
-  /// Share of itself by which rounding moves the stiffness of a feature, times the overlap over the distance of the two bodies: the
-  /// stiffness goes with powers of the overlap up to the seventh, and the overlap is a difference of places. The worst of 1e7 values in a
-  /// stiff heap at rest is 35 epsilon.
-  static constexpr double kStiffnessRounding = 64 * std::numeric_limits<double>::epsilon();
-
   [[gnu::always_inline]] Vec3 spring_of(const ContactFeature& f, const Vec3& vt, double vn, double& kappa) {
     while (old_ < springs_.size() && springs_[old_].key < f.key) ++old_;
     if (old_ == springs_.size() || springs_[old_].key != f.key) {

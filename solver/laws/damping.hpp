@@ -44,6 +44,9 @@ inline double share_in_step(double beyond, double share, double slope) {
 /// Restitution independent of speed: chi = 2 zeta sqrt(m* / 2U), a linear oscillator in pseudo-time for every U.
 struct ViscousDamping {
   static constexpr bool kLagCorrected = true;
+  /// The rate of the least restitution at 30 steps a contact: up to it the correction of the lag is right.
+  static constexpr double kFreeRate = 1.05;
+  static constexpr double kMostOnset = 1.5;  ///< a whole step in touch, and the half step after it
   static void prepare(const LawInput&, PairLaw& law) { law.damping_ratio = law.step_damping; }
   static bool acts(const PairLaw& law) { return law.damping_ratio > 0; }
   /// in   elastic  U of the push [J], > 0    in  mobility  1/m* [1/kg], > 0
@@ -53,7 +56,6 @@ struct ViscousDamping {
   /// in   rate       chi times the sum of the elastic forces that it damps, times mobility and step [1]
   /// in   pair_rate  the same of the whole pair: more than `rate` where features damp on their own (gather = "pairs")
   static Damping in_step(double chi, double rate, double pair_rate) {
-    constexpr double kMostOnset = 1.5;  // a whole step in touch, and the half step after it
     if (pair_rate > kFreeRate) {
       const double share = share_in_step(pair_rate - kFreeRate, kFreeShare, kFreeSlope);
       return {chi * (share / pair_rate), std::clamp(1 / share, 1.0, kMostOnset)};
@@ -65,14 +67,14 @@ struct ViscousDamping {
   }
 
  private:
-  /// The rate of the least restitution at 30 steps a contact: up to it the correction of the lag is right.
-  static constexpr double kFreeRate = 1.05;
   static constexpr double kDivisor = 1 + 0.25 * kFreeRate, kFreeShare = kFreeRate / kDivisor, kFreeSlope = 1 / (kDivisor * kDivisor);
 };
 
 /// Force without a jump at touch: chi is a constant, restitution falls with speed and is as asked at the speed given for it.
 struct HuntCrossleyDamping {
   static constexpr bool kLagCorrected = false;
+  /// Up to here restitution has no error of the lag that can be seen (1e-4).
+  static constexpr double kFreeRate = 0.75;
   static void prepare(const LawInput& in, PairLaw& law) {
     if (!(in.pair.restitution < 1)) return;
     if (!(in.pair.restitution_speed > 0)) {
@@ -89,10 +91,6 @@ struct HuntCrossleyDamping {
     if (pair_rate > kFreeRate) chi *= share_in_step(pair_rate - kFreeRate, kFreeRate, 1) / pair_rate;
     return {chi, 1};
   }
-
- private:
-  /// Up to here restitution has no error of the lag that can be seen (1e-4).
-  static constexpr double kFreeRate = 0.75;
 };
 
 /// Share of a step that the force on a feature stands for.

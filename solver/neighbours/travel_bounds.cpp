@@ -15,12 +15,16 @@ void TravelBounds::add_motion(const ParticleSet& p, const Periodicity& periodici
   for (std::size_t i = begin; i < end; ++i) {
     Vec3 shift = p.x[i] - x_[i];
     if (wraps) shift = periodicity.nearest(shift);
+    x_[i] = p.x[i];
+    if (p.ball_radius[i] > 0) {  // as it turns, its surface stays where it is
+      way_[i] += kRounding * length(shift);
+      continue;
+    }
     // A point at R from the centre moves by 2 R sin(angle / 2), two unit quaternions differ by 2 sin(angle / 4).
     const Quat &q = p.q[i], &old = q_[i];
     const double w = q.w - old.w, x = q.x - old.x, y = q.y - old.y, z = q.z - old.z;
     way_[i] += kRounding * (length(shift) + 2 * p.radius[i] * std::sqrt(w * w + x * x + y * y + z * z));
-    x_[i] = p.x[i];
-    q_[i] = p.q[i];
+    q_[i] = q;
   }
 }
 

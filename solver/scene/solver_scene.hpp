@@ -15,6 +15,7 @@
 #include "core/storage/wall_state.hpp"
 #include "core/storage/wall_zones.hpp"
 #include "solver/laws/laws.hpp"
+#include "solver/scene/ball_laws.hpp"
 #include "solver/scene/body_extremes.hpp"
 #include "solver/scene/contact_extent.hpp"
 #include "solver/scene/density_weights.hpp"
@@ -115,6 +116,8 @@ class SolverScene {
   /// Lines about mesh walls that end near a seam, see check_meshes_at_seams.
   const std::vector<std::string>& seam_gaps() const { return seam_gaps_; }
   const LawChoice& law_choice() const { return law_choice_; }
+  /// What pairs of balls read of the laws, where they have a path of their own (step/ball_evaluation.hpp).
+  const BallLaws& ball_laws() const { return ball_laws_; }
   /// How stiffness grows with what touches at once.
   const ContactExtent& contact_extent() const { return *contact_extent_; }
   double extent_of_rough_pair(const BodyExtremes& extremes) const { return contact_extent_->of_rough_pair(shapes_, extremes); }
@@ -160,6 +163,7 @@ class SolverScene {
   double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0, least_room_ = 0, largest_room_ = 0;
   BodyExtremes extremes_;
   LawChoice law_choice_;
+  BallLaws ball_laws_;
   std::shared_ptr<const ContactExtent> contact_extent_;
   std::vector<std::int32_t> first_mapped_;  ///< of each wall
   std::int32_t mapped_triangles_ = 0;

@@ -2,9 +2,13 @@
 
 #include <omp.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "core/geometry/inward.hpp"
 #include "solver/built_with.hpp"
 #include "solver/neighbours/work_shares.hpp"
+#include "solver/step/ball_evaluation.hpp"
 #include "solver/step/pair_evaluation.hpp"
 
 namespace scree {
@@ -27,13 +31,27 @@ template <ContactModel Model>
 Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   double overlap = 0;
   bool too_deep = false;
+  std::optional<BallPass> of_balls;
+  if (has_ball_way(pass)) of_balls.emplace(pass);
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
 #pragma omp parallel if (!pass.only_looks()) reduction(max : overlap) reduction(|| : too_deep)
   {
-    PairEvaluation<Model> evaluation(pass, omp_get_thread_num());
-    shares.take(omp_get_thread_num(), [&](std::size_t n) { evaluation.evaluate(which[n]); });
-    overlap = evaluation.largest_overlap();
-    too_deep = evaluation.too_deep();
+    const int thread = omp_get_thread_num();
+    PairEvaluation<Model> evaluation(pass, thread);
+    if (of_balls) {
+      BallEvaluation balls(*of_balls);
+      shares.take(thread, [&](std::size_t n) {
+        if (!balls.take(which[n])) evaluation.evaluate(which[n]);
+      });
+      balls.finish();
+      for (const std::int32_t k : balls.left()) evaluation.evaluate(k);
+      overlap = balls.largest_overlap();
+      too_deep = balls.too_deep();
+    } else {
+      shares.take(thread, [&](std::size_t n) { evaluation.evaluate(which[n]); });
+    }
+    overlap = std::max(overlap, evaluation.largest_overlap());
+    too_deep = too_deep || evaluation.too_deep();
   }
   return {overlap, too_deep};
 }

@@ -1,0 +1,85 @@
+// Forces of pairs of balls (analytic spheres), and of balls on planes and in cylinders of walls, one pair in each lane of a vector.
+//
+// Such a pair has one contact and one spring. Nothing that meshes need is made for them: no lists of candidates, no features, no frame of
+// the pair but what the law asks for. The bits are those of the general path (sphere_pair.cpp, pair_view.cpp, pair_force.cpp) in every
+// lane, on every instruction set: each lane does the same operations in the same order, no product and sum are fused, and only
+// operations that IEEE 754 rounds exactly occur. So a pair may go either way in any step, and does: what a lane has no formula for (a
+// step in which damping is limited, a spring of another kind, numbers that are none) it leaves to the general path.
+//
+// Two terms of the general path are not computed since they never change its result; ball_forces.cpp says why.
+// Source of the law: docs/reference/contact-law.md sections 3.2 to 3.4.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "solver/bodies/particle_set.hpp"
+#include "solver/scene/ball_laws.hpp"
+
+namespace scree {
+
+/// Pairs that are taken at once. A multiple of the lanes of every vector.
+inline constexpr std::size_t kBallPairs = 64;
+
+/// A plane or cylinder of a wall as a ball meets it. Aligned so that a row is found by its index alone.
+struct alignas(256) BallWall {
+  Vec3 x;  ///< of the wall frame's origin [m]
+  Quat q;
+  Vec3 v, w;            ///< half a step before
+  Vec3 pivot, pivot_v;  ///< see PairVelocities
+  Vec3 point, direction;
+  double radius = 0;  ///< of a cylinder [m]; 0: a plane
+};
+
+/// What two materials have against rolling, a row beside that of BallLaws.
+struct BallRolling {
+  double friction = 0, torsional = 0;  ///< mu_r, mu_t
+};
+
+/// What pairs are of: A always a ball, B a ball or a wall.
+struct BallScene {
+  const ParticleSet& p;
+  const Periodicity& periodicity;
+  const BallLaws& laws;
+  std::vector<BallWall> walls{};  ///< one for each zone of the scene
+  bool has_cylinders = false;
+  std::vector<BallRolling> rolling{};  ///< empty: no two materials have any
+};
+
+/// Some pairs, A and B as in BodyPair; all with balls or all with walls.
+struct BallPairs {
+  std::size_t count = 0;
+  bool with_walls = false;
+  alignas(64) std::array<std::int64_t, kBallPairs> a, b;  ///< rows of the particle set; b of `walls` where they are with walls
+};
+
+/// Four numbers of each pair, next to each other.
+using BallFours = std::array<double, 4 * kBallPairs>;
+
+/// What pairs that touch have kept and will keep: their springs as in FrictionSpring (x, y, z, stiffness), and how B was turned against A
+/// when they were set (x, y, z, w).
+struct BallSprings {
+  alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of BallLaws
+  alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
+  alignas(64) BallFours spring, turn, rolling;
+};
+
+/// What pairs do to their bodies, world axes; as in PairResult.
+struct BallForces {
+  /// In fours: overlap over room, elastic and tangential energy, 0; then force, torque on A, torque on B, and the same three of what is
+  /// dissipative; two places are left.
+  static constexpr std::size_t kFours = 6;
+  alignas(64) std::array<BallFours, kFours> fours;
+  alignas(64) BallFours spring, turn, rolling;
+  alignas(64) std::array<double, kBallPairs> left;  ///< 1: the general path is to compute the pair, what is here is nothing
+};
+
+/// Gaps between the surfaces of pairs [m].   out  gap   kBallPairs numbers
+void find_ball_gaps(const BallScene& scene, BallPairs& pairs, double* gap);
+
+/// The forces of pairs that touch.   in   dt   of the run, and of springs [s], > 0
+void find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces);
+
+}  // namespace scree

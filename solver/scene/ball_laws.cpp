@@ -1,0 +1,72 @@
+#include "solver/scene/ball_laws.hpp"
+
+#include <cmath>
+#include <type_traits>
+
+#include "solver/built_with.hpp"
+#include "solver/scene/solver_scene.hpp"
+
+namespace scree {
+
+namespace {
+
+/// A law that is not named here goes the general way.
+template <class Entry>
+constexpr BallLawKind kind_of() {
+  constexpr bool linear = std::is_same_v<typename Entry::Normal, LinearLaw>, hertz = std::is_same_v<typename Entry::Normal, HertzLaw>;
+  constexpr bool viscous = std::is_same_v<typename Entry::Damp, ViscousDamping>;
+  if (linear && viscous) return BallLawKind::linear_viscous;
+  if (linear && std::is_same_v<typename Entry::Damp, HuntCrossleyDamping>) return BallLawKind::linear_hunt_crossley;
+  return hertz && viscous ? BallLawKind::hertz_viscous : BallLawKind::none;
+}
+
+template <class Entry>
+BallLaw ball_law(const PairLaw& law) {
+  constexpr BallLawKind kind = kind_of<Entry>();
+  BallLaw row;
+  // products in the order of HertzLaw and ViscousDamping: the bits are theirs
+  row.stiffness = kind == BallLawKind::hertz_viscous ? 4.0 / 3 * law.stiffness : law.stiffness;
+  row.size_stiffness = law.size_stiffness;
+  row.damping = kind == BallLawKind::linear_hunt_crossley ? law.damping_slope : 2 * law.damping_ratio;
+  row.friction = law.friction;
+  row.friction_sliding = law.friction_sliding;
+  row.tangential_ratio = law.tangential_ratio;
+  row.tangential_damping = law.tangential_damping * std::sqrt(law.tangential_ratio / Entry::Normal::kExponent);
+  row.radius = law.radius;
+  return row;
+}
+
+}  // namespace
+
+BallLaws make_ball_laws(const SolverScene& scene) {
+  BallLaws table;
+  const LawChoice& choice = scene.law_choice();
+  bool has_balls = false;
+  for (const SolverShape& s : scene.shapes()) has_balls = has_balls || s.kind == ShapeKind::sphere;
+  if (!has_balls || choice.gathering != Gathering::potential || choice.attraction || scene.reach() > 0 ||
+      scene.source().settings.barrier > 0 || !scene.source().bonds.empty() || scene.laws_by_room())
+    return table;
+  table.friction = built_with::kFriction && choice.friction;
+  table.needs_radius = choice.needs_radius;
+  table.room_by_size = scene.margins_by_size();
+  table.margin = table.room_by_size ? 0 : 2 * scene.margin();
+  table.materials = scene.source().materials.size();
+  for_law(choice.law, [&]<class Entry>() {
+    if constexpr (kind_of<Entry>() != BallLawKind::none) {
+      table.kind = kind_of<Entry>();
+      for (std::size_t row = 0; row < table.materials * table.materials; ++row) {
+        const PairLaw& law = scene.law(static_cast<std::int32_t>(row / table.materials), static_cast<std::int32_t>(row % table.materials));
+        // pairs keep as many springs as others of the scene: one of friction, two where materials roll (with a spring), or none
+        const bool rolls = law.rolling_friction > 0 || law.torsional_friction > 0;
+        const bool like_others =
+            !built_with::kFriction || (rolls == choice.rolling && (!rolls || (law.rolling_spring && law.friction > 0)));
+        const bool rubs = table.friction ? law.friction > 0 : Entry::Damp::acts(law);
+        table.laws.push_back(ball_law<Entry>(law));
+        table.holds.push_back(like_others && rubs ? 1 : 0);
+      }
+    }
+  });
+  return table;
+}
+
+}  // namespace scree

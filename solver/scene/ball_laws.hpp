@@ -1,0 +1,44 @@
+// The laws of a scene as pairs of balls read them side by side: numbers alone, a row for each two materials.
+//
+// Pairs of balls (analytic spheres) have one contact each and a path of their own through a step (step/ball_evaluation.hpp), with the bits
+// of the general one. What it does not have (rolling resistance of constant moment, attraction, a barrier, bonds, other ways of gathering)
+// goes the general way: the scene as a whole, or the pairs of two materials.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace scree {
+
+class SolverScene;
+
+/// Which formulas the lanes have.
+enum class BallLawKind : std::uint8_t { none, linear_viscous, linear_hunt_crossley, hertz_viscous };
+
+/// Of two materials: what of PairLaw a pair of balls reads. Eight numbers, so that rows are found by their index alone.
+struct BallLaw {
+  double stiffness = 0;           ///< linear: k [N/m]; Hertz: 4/3 E* [Pa]
+  double size_stiffness = 0;      ///< linear: what k has for each metre of R* [N/m^2]
+  double damping = 0;             ///< viscous: 2 zeta; Hunt-Crossley: chi [s/m]
+  double friction = 0;            ///< mu, static
+  double friction_sliding = 0;    ///< mu, sliding
+  double tangential_ratio = 0;    ///< rho
+  double tangential_damping = 0;  ///< damping of sliding over chi times push
+  double radius = 0;              ///< R* [m] as given; 0: that of the bodies
+};
+
+struct BallLaws {
+  BallLawKind kind = BallLawKind::none;  ///< none: no pair of the scene goes this way
+  bool friction = false;
+  bool needs_radius = false;
+  bool room_by_size = false;        ///< overlap may go to the smaller radius; else to `margin`
+  double margin = 0;                ///< gap at which touch begins [m]
+  std::vector<BallLaw> laws;        ///< [material of A][material of B]
+  std::vector<std::uint8_t> holds;  ///< whether pairs of these materials go this way
+  std::size_t materials = 0;
+  std::size_t row(std::int32_t a, std::int32_t b) const { return static_cast<std::size_t>(a) * materials + static_cast<std::size_t>(b); }
+};
+
+BallLaws make_ball_laws(const SolverScene& scene);
+
+}  // namespace scree

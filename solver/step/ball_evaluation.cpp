@@ -1,0 +1,192 @@
+#include "solver/step/ball_evaluation.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+
+namespace scree {
+
+namespace {
+
+constexpr std::int64_t kSpringKey = kCornerOfA << 60;  ///< of the one contact of such a pair
+
+// What lanes read and write in fours lies in the same order in the structures that keep it: it is copied as it is.
+constexpr std::size_t kFour = 4 * sizeof(double), kOfSpring = offsetof(FrictionSpring, force),
+                      kNumbers = offsetof(PairResult, overlap_ratio);
+static_assert(sizeof(FrictionSpring) == kOfSpring + kFour && offsetof(FrictionSpring, stiffness) == kOfSpring + 3 * sizeof(double));
+static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(double) && offsetof(PairResult, force_a) == kNumbers + kFour &&
+              offsetof(PairResult, torque_b) == kNumbers + 10 * sizeof(double) &&
+              offsetof(PairResult, dissipative_torque_b) == kNumbers + 19 * sizeof(double) &&
+              sizeof(PairResult) == kNumbers + 22 * sizeof(double) && std::is_trivially_copyable_v<PairResult>);
+
+void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
+[[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
+  springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
+  springs.front().key = kSpringKey;
+  springs.back().key = kTurnKey;
+}
+void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
+
+BallWall ball_wall(const WallZone& zone, const WallState& wall) {
+  BallWall w;
+  w.x = wall.position;
+  w.q = wall.orientation;
+  w.v = wall.velocity_before;
+  w.w = wall.angular_velocity_before;
+  w.pivot = wall.pivot;
+  w.pivot_v = wall.pivot == wall.position ? w.v : wall.pivot_velocity_before;
+  w.point = zone.point;
+  w.direction = zone.direction;
+  w.radius = zone.kind == WallZone::Kind::cylinder ? zone.radius : 0;
+  return w;
+}
+
+}  // namespace
+
+bool has_ball_way(const PairPass& pass) {
+  return pass.scene.ball_laws().kind != BallLawKind::none && pass.friction_dt > 0 && pass.friction_dt == pass.dt && !pass.only_looks() &&
+         !pass.has_impacts;
+}
+
+BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
+  for (const WallZone& zone : pass.scene.zones()) {
+    const Wall& wall = pass.scene.source().walls[static_cast<std::size_t>(zone.wall)];
+    const bool is_plane = zone.kind == WallZone::Kind::plane, is_round = zone.kind == WallZone::Kind::cylinder;
+    const bool goes = (is_plane || (is_round && zone.radius > 0)) && !wall.surface.moves() && !pass.scene.has_answering_walls();
+    material_of_zone_.push_back(goes ? wall.material : -1);
+    scene_.walls.push_back(ball_wall(zone, pass.walls[static_cast<std::size_t>(zone.wall)]));
+    scene_.has_cylinders = scene_.has_cylinders || is_round;
+  }
+  if (!built_with::kFriction || !pass.scene.law_choice().rolling) return;
+  const auto materials = static_cast<std::int32_t>(scene_.laws.materials);
+  for (std::int32_t a = 0; a < materials; ++a) {
+    for (std::int32_t b = 0; b < materials; ++b)
+      scene_.rolling.push_back({pass.scene.law(a, b).rolling_friction, pass.scene.law(a, b).torsional_friction});
+  }
+}
+
+BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
+  at_walls_.pairs.with_walls = true;
+  if (balls.scene().laws.friction) spring_count_ = balls.scene().rolling.empty() ? kMostSprings - 1 : kMostSprings;
+}
+
+void BallEvaluation::evaluate(Due& due) {
+  std::vector<float>& seconds = pass_.scratch.pair_seconds;
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = seconds.empty() ? Clock::time_point{} : Clock::now();
+  find_ball_gaps(balls_.scene(), due.pairs, gap_.data());
+  find_touching(due);
+  if (touching_.pairs.count > 0) {
+    find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
+    hand_out();
+  }
+  if (!seconds.empty()) {
+    const float each = std::chrono::duration<float>(Clock::now() - start).count() / static_cast<float>(due.pairs.count);
+    for (std::size_t n = 0; n < due.pairs.count; ++n) seconds[static_cast<std::size_t>(due.index[n])] = each;
+  }
+  due.pairs.count = 0;
+}
+
+/// The springs of the n-th pair that touches.   Returns false for others than those of friction and rolling and the turn that goes with
+/// them.
+[[gnu::always_inline]] inline bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs, std::size_t n) {
+  springs_.kept[n] = 0;
+  if (springs.empty()) return true;
+  const FrictionSpring* const kept = springs.data();
+  if (springs.size() != spring_count_ || kept[0].key != kSpringKey || springs.back().key != kTurnKey) return false;
+  springs_.kept[n] = 1;
+  store(kept[0], &springs_.spring[4 * n]);
+  store(springs.back(), &springs_.turn[4 * n]);
+  if (spring_count_ == kMostSprings) {
+    if (kept[1].key != kRollingKey) return false;
+    store(kept[1], &springs_.rolling[4 * n]);
+  }
+  return true;
+}
+
+/// Of the pairs that are due those that touch, with their springs.
+void BallEvaluation::find_touching(const Due& due) {
+  const BallLaws& laws = balls_.scene().laws;
+  const ParticleSet& p = pass_.p;
+  const BodyPair* const pairs = pass_.list.pairs().data();
+  const bool at_wall = due.pairs.with_walls, one_law = laws.laws.size() == 1;
+  const double margin = laws.margin;
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < due.pairs.count; ++n) {
+    const std::int32_t k = due.index[n];
+    const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
+    if (gap_[n] >= margin) {
+      part(k, at_wall, gap_[n] - margin, p.ball_radius[a] + (at_wall ? 0 : p.ball_radius[b]));
+      continue;
+    }
+    std::size_t law = 0;
+    if (!one_law) law = laws.row(p.material[a], at_wall ? balls_.material_of_zone(static_cast<std::int32_t>(b)) : p.material[b]);
+    if (laws.holds[law] == 0 || !load_springs(pairs[k].state.springs, count)) {
+      left_.push_back(k);
+      continue;
+    }
+    touching_.pairs.a[count] = due.pairs.a[n];
+    touching_.pairs.b[count] = due.pairs.b[n];
+    touching_.index[count] = k;
+    springs_.law[count] = static_cast<std::int64_t>(law);
+    ++count;
+  }
+  touching_.pairs.count = count;
+  touching_.pairs.with_walls = at_wall;
+}
+
+/// A pair that does not touch.   in   lacks   before it does [m]     in  size   of both, for the rounding of that [m]
+void BallEvaluation::part(std::int32_t k, bool at_wall, double lacks, double size) {
+  PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+  result.active = false;
+  result.contact_count = 0;
+  IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
+  // the way of a wall that moves is in no bound
+  idle.way = at_wall && pass_.scene.has_driven_walls() ? kNeverIdle : pass_.way_of(idle) + slack_below(lacks, 0, size);
+  pass_.list.pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
+}
+
+/// Gives the pairs that touch what was computed. One loop with all that it reads at hand: it is a tenth of a step of balls.
+void BallEvaluation::hand_out() {
+  const std::size_t spring_count = spring_count_;
+  BodyPair* const pairs = pass_.list.pairs().data();
+  PairResult* const results = pass_.list.results().data();
+  IdlePair* const idle = pass_.list.idle().data();
+  const double stop_ratio = pass_.stop_ratio;
+  double largest = largest_overlap_;
+  bool too_deep = too_deep_;
+  for (std::size_t n = 0; n < touching_.pairs.count; ++n) {
+    const auto k = static_cast<std::size_t>(touching_.index[n]);
+    if (forces_.left[n] != 0) {
+      left_.push_back(touching_.index[n]);
+      continue;
+    }
+    idle[k].way = kNeverIdle;
+    PairResult& result = results[k];
+    result.active = true;
+    result.contact_count = 1;
+    char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
+    const auto four = [&](std::size_t which) { return &forces_.fours[which][4 * n]; };
+    std::memcpy(numbers, four(0), kFour);
+    std::memcpy(numbers + kFour, four(1), kFour);
+    std::memcpy(numbers + 2 * kFour, four(2), kFour);
+    std::memcpy(numbers + 3 * kFour, four(3), kFour);
+    std::memcpy(numbers + 4 * kFour, four(4), kFour);
+    std::memcpy(numbers + 5 * kFour, four(5), kFour / 2);
+    largest = std::max(largest, *four(0));
+    too_deep = too_deep || !(*four(0) < stop_ratio);  // or not a number
+    if (spring_count == 0) continue;
+    std::vector<FrictionSpring>& springs = pairs[k].state.springs;
+    if (springs.size() != spring_count) begin_springs(spring_count, springs);
+    FrictionSpring* const kept = springs.data();
+    load(&forces_.spring[4 * n], kept[0]);
+    load(&forces_.turn[4 * n], kept[spring_count - 1]);
+    if (spring_count == kMostSprings) load(&forces_.rolling[4 * n], kept[1]);
+  }
+  largest_overlap_ = largest;
+  too_deep_ = too_deep;
+}
+
+}  // namespace scree

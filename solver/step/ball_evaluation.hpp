@@ -1,0 +1,103 @@
+// What the loop over pairs does with pairs of balls, and of balls with planes and cylinders of walls: collects those that are due, and
+// finds the forces of many of them at once (contact/ball_forces.hpp). The bits are those of PairEvaluation, which computes what is left
+// to it.
+//
+// Such a pair keeps no candidates. Its gap tells whether it touches, and if not, how far both may go before it can: until then it is
+// idle, as other pairs are (neighbours/travel_bounds.hpp).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "solver/contact/ball_forces.hpp"
+#include "solver/step/pair_evaluation.hpp"
+
+namespace scree {
+
+/// Whether pairs of balls go their own way in this pass: not where more is asked for than forces.
+bool has_ball_way(const PairPass& pass);
+
+/// Pairs of balls of a pass, and what all threads read of the walls that they meet.
+class BallPass {
+ public:
+  explicit BallPass(PairPass& pass);
+  PairPass& pass() const { return pass_; }
+  const BallScene& scene() const { return scene_; }
+  /// Of a zone of the scene the material, -1 where balls meet it by the general path.
+  std::int32_t material_of_zone(std::int32_t zone) const { return material_of_zone_[static_cast<std::size_t>(zone)]; }
+
+ private:
+  PairPass& pass_;
+  BallScene scene_;
+  std::vector<std::int32_t> material_of_zone_;
+};
+
+/// One thread's part of a pass.
+class BallEvaluation {
+ public:
+  explicit BallEvaluation(const BallPass& balls);
+
+  /// Takes a pair.   Returns false for one that it cannot take.
+  bool take(std::int32_t k) {
+    const IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
+    if (pass_.way_of(idle) < idle.way) return true;  // its result says so already
+    if (!(pass_.p.ball_radius[static_cast<std::size_t>(idle.a)] > 0)) return false;
+    if (idle.b >= 0) {
+      if (!(pass_.p.ball_radius[static_cast<std::size_t>(idle.b)] > 0)) return false;
+      add(k, idle.a, idle.b, two_balls_);
+    } else {
+      const std::int32_t zone = pass_.list.pairs()[static_cast<std::size_t>(k)].key.zone;
+      if (balls_.material_of_zone(zone) < 0) return false;
+      add(k, idle.a, zone, at_walls_);
+    }
+    return true;
+  }
+
+  /// Computes what has been taken and not yet been.
+  void finish() {
+    if (two_balls_.pairs.count > 0) evaluate(two_balls_);
+    if (at_walls_.pairs.count > 0) evaluate(at_walls_);
+  }
+
+  /// Pairs that were taken, and that the general path is to compute.
+  const std::vector<std::int32_t>& left() const { return left_; }
+  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
+  bool too_deep() const { return too_deep_; }
+
+ private:
+  struct Due {
+    BallPairs pairs;
+    std::array<std::int32_t, kBallPairs> index;  ///< in the list of pairs
+  };
+
+  void add(std::int32_t k, std::int32_t a, std::int32_t b, Due& due) {
+    prefetch<sizeof(PairState)>(&pass_.list.pairs()[static_cast<std::size_t>(k)].state);
+    prefetch<sizeof(PairResult)>(&pass_.list.results()[static_cast<std::size_t>(k)]);
+    const std::size_t n = due.pairs.count++;
+    due.pairs.a[n] = a;
+    due.pairs.b[n] = b;
+    due.index[n] = k;
+    if (due.pairs.count == kBallPairs) evaluate(due);
+  }
+  void evaluate(Due& due);
+  void find_touching(const Due& due);
+  bool load_springs(const std::vector<FrictionSpring>& springs, std::size_t n);
+  void part(std::int32_t k, bool at_wall, double lacks, double size);
+  void hand_out();
+
+  static constexpr std::size_t kMostSprings = 3;  ///< of friction, of rolling, and the turn that goes with them
+
+  const BallPass& balls_;
+  PairPass& pass_;
+  std::size_t spring_count_ = 0;  ///< that each pair in contact keeps
+  Due two_balls_, at_walls_, touching_;
+  alignas(64) std::array<double, kBallPairs> gap_;
+  BallSprings springs_;
+  BallForces forces_;
+  std::vector<std::int32_t> left_;
+  double largest_overlap_ = 0;
+  bool too_deep_ = false;
+};
+
+}  // namespace scree

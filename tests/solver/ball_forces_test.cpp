@@ -1,0 +1,206 @@
+// Pairs of balls side by side in lanes against the general path, which runs where impacts are recorded: the same bits, of bodies, springs
+// and what each pair did, on every instruction set.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/distance/triangle_distance.hpp"
+#include "solver/step/ball_evaluation.hpp"
+#include "tests/support/parallel_scenes.hpp"
+#include "tests/support/test_run.hpp"
+
+namespace scree {
+namespace {
+
+using namespace test;
+
+/// Balls of several sizes and two materials, some fixed or locked, that fall into each other in a box and rub.
+Scene falling_balls(ContactLaw law, double friction, bool periodic) {
+  Scene scene = empty_scene(law == ContactLaw::hertz_mindlin ? 0 : 2e3, 0.4, friction, 0);
+  scene.settings.gravity = {1, 0, -9.81};
+  scene.settings.law = law;
+  scene.settings.impact_speed = 2;
+  scene.materials = {{"glass", 2500, 1e6, 0.3}, {"light", 700, 4e5, 0.2}};
+  const MaterialPair first = scene.pairs[0];
+  for (std::int32_t b : {0, 1}) {
+    MaterialPair pair = first;
+    pair.a = b;
+    pair.b = 1;
+    pair.friction *= 0.5;  // one pair keeps none where there is none
+    pair.restitution = b == 0 ? 0.4 : 0.9;
+    if (b == 1 && law == ContactLaw::linear) {
+      pair.stiffness = 0;
+      pair.modulus = 4e5;  // stiffness that goes with size
+    }
+    scene.pairs.push_back(pair);
+  }
+  for (MaterialPair& pair : scene.pairs) pair.restitution_speed = 0.5;
+  scene.shapes = {make_sphere("small", 0.01), make_sphere("large", 0.017)};
+  add_box_walls(scene, {0, 0, 0}, {0.18, 0.18, 1});
+  if (periodic) {
+    scene.settings.domain.bounded = true;
+    scene.settings.domain.upper = {0.18, 0.18, 1};
+    scene.settings.domain.periodic = {true, true, false};
+  }
+  fill_lattice(scene, 5, 5, 4, {0, 0, 0.002}, 0.0355, {0.8, 0.5, -1.5});
+  BodyTable& b = scene.bodies;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    b.material[i] = static_cast<std::int32_t>(i % 3 == 0);
+    b.scale[i] = 1 - 0.1 * static_cast<double>(i % 4);
+    b.fixed[i] = i % 17 == 5;
+    b.lock_rotation[i] = i % 11 == 3;
+    if (b.fixed[i]) b.velocity[i] = b.angular_velocity[i] = {};
+  }
+  return scene;
+}
+
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+void expect_same_bodies(const ParticleSet& a, const ParticleSet& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (const auto column : {&ParticleSet::x, &ParticleSet::x_remainder, &ParticleSet::v, &ParticleSet::L, &ParticleSet::w,
+                              &ParticleSet::force, &ParticleSet::torque, &ParticleSet::dissipative_force, &ParticleSet::dissipative_torque})
+      EXPECT_TRUE(same_bits((a.*column)[i], (b.*column)[i])) << i;
+    for (const auto column : {&ParticleSet::q, &ParticleSet::q_remainder}) EXPECT_TRUE(same_bits((a.*column)[i], (b.*column)[i])) << i;
+  }
+}
+
+/// Runs of both ways; gives the hash of the last state.
+std::string expect_same_bits(const Scene& scene, int steps) {
+  Scene recorded = scene;
+  recorded.settings.output_impacts = true;
+  TestRun lanes(scene), general(recorded);
+  lanes.start();
+  general.start();
+  EXPECT_NE(lanes.prepared->ball_laws().kind, BallLawKind::none);
+  std::int64_t contacts = 0, springs = 0;
+  for (int n = 1; n <= steps; ++n) {
+    lanes.simulation->advance();
+    general.simulation->advance();
+    if (n % 20 != 0) continue;
+    const PairList &mine = lanes.simulation->state().pairs, &other = general.simulation->state().pairs;
+    EXPECT_EQ(mine.pairs().size(), other.pairs().size());
+    for (std::size_t k = 0; k < mine.pairs().size(); ++k) {
+      const PairResult &r = mine.results()[k], &s = other.results()[k];
+      EXPECT_EQ(r.active, s.active);
+      if (r.active && s.active) {
+        ++contacts;
+        EXPECT_EQ(r.contact_count, s.contact_count);
+        EXPECT_EQ(r.overlap_ratio, s.overlap_ratio);
+        EXPECT_EQ(r.elastic, s.elastic);
+        EXPECT_EQ(r.tangential_elastic, s.tangential_elastic);
+        EXPECT_EQ(r.surface_power, s.surface_power);
+        for (const auto part : {&PairResult::force_a, &PairResult::torque_a, &PairResult::torque_b, &PairResult::dissipative_force_a,
+                                &PairResult::dissipative_torque_a, &PairResult::dissipative_torque_b})
+          EXPECT_EQ(r.*part, s.*part) << k << " in step " << n;
+      }
+      const auto &kept = mine.pairs()[k].state.springs, &wanted = other.pairs()[k].state.springs;
+      EXPECT_EQ(kept.size(), wanted.size());
+      for (std::size_t j = 0; j < std::min(kept.size(), wanted.size()); ++j) {
+        ++springs;
+        EXPECT_TRUE(same_bits(kept[j], wanted[j])) << k << " in step " << n;
+      }
+    }
+    if (testing::Test::HasFailure()) break;
+  }
+  EXPECT_GT(contacts, 1000);
+  if (scene.pairs[0].friction > 0) {
+    EXPECT_GT(springs, 1000);
+  }
+  expect_same_bodies(lanes.simulation->state().particles, general.simulation->state().particles);
+  return state_hash(lanes.simulation->state());  // that of the other has what it recorded in it
+}
+
+class EveryBallLaw : public testing::TestWithParam<ContactLaw> {};
+
+TEST_P(EveryBallLaw, has_the_bits_of_the_general_path) {
+  for (const double friction : {0.0, 0.5}) {
+    for (const bool periodic : {false, true}) {
+      SCOPED_TRACE(fmt::format("friction {}, periodic {}", friction, periodic));
+      expect_same_bits(falling_balls(GetParam(), friction, periodic), 1200);
+    }
+  }
+}
+
+TEST_P(EveryBallLaw, has_the_same_bits_on_every_instruction_set) {
+  const Scene scene = falling_balls(GetParam(), 0.5, false);
+  std::vector<std::string> hashes;
+  for (const char* name : {"best", "avx512", "avx2", "sse4", "scalar"}) {
+    try {
+      limit_simd(name);
+    } catch (const UsageError&) {
+      continue;
+    }
+    hashes.push_back(expect_same_bits(scene, 800));
+  }
+  limit_simd("best");
+  for (const std::string& hash : hashes) EXPECT_EQ(hash, hashes[0]);
+}
+
+INSTANTIATE_TEST_SUITE_P(BallForces, EveryBallLaw,
+                         testing::Values(ContactLaw::linear, ContactLaw::hunt_crossley, ContactLaw::hertz_mindlin));
+
+// Faster impacts than the step was made for limit damping, which lanes leave to the general path.
+TEST(BallForces, have_the_same_bits_where_damping_is_limited) {
+  for (const ContactLaw law : {ContactLaw::hunt_crossley, ContactLaw::hertz_mindlin}) {
+    Scene scene = falling_balls(law, 0.5, false);
+    scene.settings.impact_speed = law == ContactLaw::hertz_mindlin ? 0.01 : 0.02;
+    for (MaterialPair& pair : scene.pairs) {
+      pair.restitution = 0.1;
+      pair.restitution_speed = 0.02;
+    }
+    expect_same_bits(scene, 800);
+  }
+}
+
+TEST(BallForces, have_the_same_bits_with_rolling_and_torsional_resistance) {
+  for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hunt_crossley, ContactLaw::hertz_mindlin}) {
+    Scene scene = falling_balls(law, 0.5, false);
+    for (MaterialPair& pair : scene.pairs) {
+      pair.rolling_friction = 0.05;
+      pair.torsional_friction = 0.02;
+    }
+    const SolverScene prepared(scene);
+    for (const std::uint8_t holds : prepared.ball_laws().holds) EXPECT_NE(holds, 0);
+    expect_same_bits(scene, 1200);
+  }
+}
+
+// A drum that turns about an axis beside its origin, and a lid that comes down.
+TEST(BallForces, have_the_same_bits_at_walls_that_move) {
+  for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hertz_mindlin}) {
+    Scene scene = falling_balls(law, 0.5, false);
+    scene.walls.clear();
+    Wall& drum = add_wall(scene, WallKind::cylinder_inside);
+    drum.axis_start = {0.09, 0, 0.09};
+    drum.axis_end = {0.09, 0.2, 0.09};
+    drum.radius = 0.15;
+    drum.motion.kind = Rotate{.axis = {0, 1, 0}, .centre = {0.09, 0, 0.09}, .rate = 5};
+    drum.motion.stop = 1e300;
+    add_plane(scene, {0, 0, 0.16}, {0, 0, -1});
+    scene.walls.back().motion.kind = Translate{.axis = {0, 0.6, -0.8}, .rate = 0.3};
+    scene.walls.back().motion.stop = 1e300;
+    expect_same_bits(scene, 3000);
+  }
+}
+
+TEST(BallForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
+  Scene scene = falling_balls(ContactLaw::linear, 0.5, false);
+  EXPECT_NE(SolverScene(scene).ball_laws().kind, BallLawKind::none);
+  scene.pairs[0].rolling_friction = 0.1;
+  const SolverScene rolling(scene);
+  EXPECT_NE(rolling.ball_laws().holds[rolling.ball_laws().row(0, 0)], 0);
+  EXPECT_EQ(rolling.ball_laws().holds[rolling.ball_laws().row(0, 1)], 0) << "some roll, others do not";
+  expect_same_bits(scene, 1200);
+  scene = falling_balls(ContactLaw::linear, 0.5, false);
+  scene.settings.gather = Gathering::pairs;
+  EXPECT_EQ(SolverScene(scene).ball_laws().kind, BallLawKind::none);
+  EXPECT_EQ(SolverScene(necked_heap()).ball_laws().kind, BallLawKind::none);
+  EXPECT_EQ(SolverScene(dense_heap()).ball_laws().kind, BallLawKind::none) << "there are no balls";
+}
+
+}  // namespace
+}  // namespace scree
