@@ -88,7 +88,7 @@ def lammps_polyhedra(shapes, start, length, work, before, steps):
 
 def spheres(program, writer):
     def work_of(count, work, settle, steps):
-        state, length = scene.lattice(count, scene.RADIUS)
+        state, length = scene.spheres(count)
         height = 1.3 * max(row[3] for row in state) + 3 * scene.RADIUS
         folder = work / re.sub(r"\W+", "-", writer.__name__)
         files = [("clump.txt", "".join(" ".join(map(repr, s)) + "\n" for s in sphere_codes.clump()))]
@@ -98,6 +98,21 @@ def spheres(program, writer):
         verdict = sphere_codes.judge_spheres(sphere_codes.read_dump(folder / "end.dump"), length, sphere_codes.MASS, owner)
         return {"steps": steps, "step": scene.STEP, "cpu": cpu - idle, "bodies": count, **verdict}
     return work_of
+
+
+def scree_spheres(count, work, settle, steps):
+    """The same, by Scree: the time is that of the steps after those that settle the bed, as of the others."""
+    folder = work / "scree"
+    folder.mkdir(parents=True, exist_ok=True)
+    state, length = scene.spheres(count)
+    times = []
+    for name, until in (("settle", settle), ("steps", settle + steps)):
+        scene.write_sphere_case(folder / f"{name}.toml", state, length, until)
+        scene.run_tool(["scree-decomposer", "pack", folder / f"{name}.toml", "-o", folder / f"{name}.scene.h5"])
+        scene.run_tool(["rm", "-rf", folder / f"{name}.run"])
+        times.append(scene.run_tool(["scree-solver", folder / f"{name}.scene.h5", "-o", folder / f"{name}.run"], env=scene.one_core())[1])
+    rows = [[i] + row[1:4] + row[8:11] + [scene.RADIUS] for i, row in enumerate(scene.read_frame(folder / "steps.run", 1))]
+    return {"steps": steps, "step": scene.STEP, "cpu": times[1] - times[0], "bodies": count, **sphere_codes.judge_spheres(rows, length, sphere_codes.MASS)}
 
 
 # Steps that are timed: 0.05 s of the scene in Scree and in Bullet with its long steps; less in Yade and LAMMPS, which would need
@@ -110,6 +125,7 @@ ROCK_PROGRAMS = {
     "LAMMPS polyhedra": (lammps_polyhedra, 20),
 }
 SPHERE_PROGRAMS = {
+    "Scree": (scree_spheres, 30000),
     "LIGGGHTS spheres": (spheres("liggghts", sphere_codes.liggghts_spheres), 30000),
     "LAMMPS spheres": (spheres("lmp", sphere_codes.lammps_spheres), 30000),
     "LIGGGHTS clumps of 14": (spheres("liggghts", sphere_codes.liggghts_clumps), 5000),

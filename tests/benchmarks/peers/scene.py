@@ -23,6 +23,7 @@ SHAPE_COUNT = 4
 MARGIN = 0.02 * RADIUS
 STIFFNESS = 3e5      # [N/m]
 STEP = 2e-5          # of every penalty code [s]
+YOUNG, POISSON = 1e7, 0.3  # of spheres [Pa]
 
 
 @dataclass(frozen=True)
@@ -90,11 +91,10 @@ def rotation_matrix(q):
             (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
 
 
-def lattice(count, bounding_radius, seed=7):
-    """A state of bodies at rest in a lattice 4 cells wide, turned at random, and the length of the box that it fills.
+def lattice(count, bounding_radius, seed=7, side=4):
+    """A state of bodies at rest in a lattice of `side` cells, turned at random, and the length of the box that it fills.
 
-    200 bodies settle to a bed about as high as it is wide, so that most have neighbours on all sides."""
-    side = 4
+    200 bodies settle to a bed about as high as 4 are wide, so that most have neighbours on all sides."""
     spacing = 2.05 * bounding_radius + 2 * MARGIN
     numbers = random.Random(seed)
     state = []
@@ -102,6 +102,24 @@ def lattice(count, bounding_radius, seed=7):
         cell = (i % side, i // side % side, i // side ** 2)
         state.append([i % SHAPE_COUNT] + [(c + 0.5) * spacing for c in cell] + random_quaternion(numbers) + [0.0] * 6)
     return state, side * spacing
+
+
+def spheres(count):
+    """The same of spheres, as wide as the bed will be high, each moved aside at random, since a lattice of spheres would stand as it is."""
+    state, length = lattice(count, RADIUS, side=max(4, round((count / 1.6) ** (1 / 3))))
+    numbers = random.Random(11)
+    return [row[:1] + [x + numbers.uniform(-0.03, 0.03) * RADIUS for x in row[1:3]] + row[3:] for row in state], length
+
+
+def write_sphere_case(path: Path, state, length, steps):
+    """A case of spheres for scree-decomposer: Hertz and Mindlin, as the other programs have them."""
+    text = [f"gravity = [0, 0, {-GRAVITY}]\n[time]\nduration = {steps * STEP!r}\nstep = {STEP!r}\n[shapes.ball]\nsphere = {{ radius = {RADIUS!r} }}",
+            f"[materials.rock]\ndensity = {DENSITY}\nyoung = {YOUNG!r}\npoisson = {POISSON!r}",
+            f'[[pairs]]\nbetween = ["rock", "rock"]\nrestitution = {RESTITUTION}\nfriction = {FRICTION}', '[contact]\nlaw = "hertz-mindlin"']
+    text += [f'[[bodies]]\nshape = "ball"\nmaterial = "rock"\nposition = {[float(x) for x in row[1:4]]}' for row in state]
+    text.append(f"[[walls]]\nshape = {{ box_inside = [[0, 0, 0], [{length!r}, {length!r}, {20 * length!r}]] }}\n" 'material = "rock"')
+    text.append(f"[output]\nevery = {steps * STEP!r}\ncontacts = false\n")
+    path.write_text("\n".join(text))
 
 
 def write_state(path: Path, state):

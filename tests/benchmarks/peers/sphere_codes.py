@@ -40,8 +40,8 @@ neigh_modify delay 0
 def liggghts_physics(length):
     walls = "".join(f"fix w{i} all wall/gran model hertz tangential history primitive type 1 {axis} {at}\n"
                     for i, (axis, at) in enumerate(planes(length)))
-    return f"""fix m1 all property/global youngsModulus peratomtype 1.e7
-fix m2 all property/global poissonsRatio peratomtype 0.3
+    return f"""fix m1 all property/global youngsModulus peratomtype {scene.YOUNG}
+fix m2 all property/global poissonsRatio peratomtype {scene.POISSON}
 fix m3 all property/global coefficientRestitution peratomtypepair 1 {scene.RESTITUTION}
 fix m4 all property/global coefficientFriction peratomtypepair 1 {scene.FRICTION}
 pair_style gran model hertz tangential history
@@ -95,7 +95,8 @@ fix move all multisphere
 
 
 def lammps_spheres(state, length, height, settle, steps):
-    stiffness, damping = 1e8, 3e6  # a restitution near 0.3 at an overlap of 1 % of the radius
+    # 4/3 of the effective modulus, as in LIGGGHTS and Scree; a restitution near 0.3 at an overlap of 1 % of the radius
+    stiffness, damping = 2 * scene.YOUNG / (3 * (1 - scene.POISSON**2)), 1.2e6
     model = f"hertz/history {stiffness} NULL {damping} NULL {scene.FRICTION} 1"
     walls = "".join(f"fix w{i} all wall/gran {model} {axis} {at} NULL\n" if axis == "zplane" else "" for i, (axis, at) in enumerate(planes(length)))
     walls += f"fix wx all wall/gran {model} xplane 0.0 {length}\nfix wy all wall/gran {model} yplane 0.0 {length}\n"
