@@ -206,13 +206,20 @@ def multiply(p, q):
 def judge_spheres(rows, length, moving_mass, owner=None):
     """Deepest overlap over R and kinetic energy per body over m g R. rows: id x y z vx vy vz ... radius; owner: column of the clump."""
     deepest = 0.0
-    for i, a in enumerate(rows):
+    width = 2 * max(row[-1] for row in rows)
+    cells = {}   # spheres that overlap lie in the same or in neighbouring cells
+    for a in rows:
         deepest = max(deepest, a[-1] - a[1], a[1] + a[-1] - length, a[-1] - a[2], a[2] + a[-1] - length, a[-1] - a[3])
-        for b in rows[:i]:
-            if owner is not None and a[owner] == b[owner]:
-                continue
-            gap2 = sum((a[k] - b[k]) ** 2 for k in (1, 2, 3))
-            if gap2 < (a[-1] + b[-1]) ** 2:
-                deepest = max(deepest, a[-1] + b[-1] - math.sqrt(gap2))
+        cell = tuple(math.floor(a[k] / width) for k in (1, 2, 3))
+        for x in (-1, 0, 1):
+            for y in (-1, 0, 1):
+                for z in (-1, 0, 1):
+                    for b in cells.get((cell[0] + x, cell[1] + y, cell[2] + z), ()):
+                        if owner is not None and a[owner] == b[owner]:
+                            continue
+                        gap2 = sum((a[k] - b[k]) ** 2 for k in (1, 2, 3))
+                        if gap2 < (a[-1] + b[-1]) ** 2:
+                            deepest = max(deepest, a[-1] + b[-1] - math.sqrt(gap2))
+        cells.setdefault(cell, []).append(a)
     kinetic = sum(0.5 * moving_mass * sum(v * v for v in row[4:7]) for row in rows) / len(rows)
     return {"depth_share": deepest / R, "kinetic_share": kinetic / (moving_mass * scene.GRAVITY * R)}
