@@ -360,6 +360,18 @@ def other_output(trial):
     require(where is None, f"other output settings {table}: last frame {where}")
 
 
+def bodies_go_the_same_way(trial, case, what):
+    """A case that differs in what is recorded alone."""
+    other = trial.solve_case(case)
+    require(other.code == trial.run.code, f"exit {other.code} against {trial.run.code}: {last_line(other)}")
+    require(len(other.frames) == len(trial.run.frames), f"{len(other.frames)} frames against {len(trial.run.frames)}")
+    for f, g in zip(trial.run.frames, other.frames):
+        for name in f.bodies:
+            require(numpy.array_equal(f.bodies[name], g.bodies[name], equal_nan=True), f"{what} changes {name} in frame {f.number}")
+    for name in ("dissipated", "wall_work", "elastic", "critical_step"):
+        require(trial.run.log.get(name) == other.log.get(name), f"{what} changes {name} in the log")
+
+
 @relation("bits", another_last_digit)
 def a_load_map_is_no_physics(trial):
     """Summing up what walls bear changes nothing of what bodies do."""
@@ -371,14 +383,7 @@ def a_load_map_is_no_physics(trial):
         raise NotApplicable("a wall wears, which is physics")
     for wall in meshes:
         wall["load_map"] = not wall.get("load_map", False)
-    other = trial.solve_case(case)
-    require(other.code == trial.run.code, f"exit {other.code} against {trial.run.code}: {last_line(other)}")
-    require(len(other.frames) == len(trial.run.frames), f"{len(other.frames)} frames against {len(trial.run.frames)}")
-    for f, g in zip(trial.run.frames, other.frames):
-        for name in f.bodies:
-            require(numpy.array_equal(f.bodies[name], g.bodies[name], equal_nan=True), f"a load map changes {name} in frame {f.number}")
-    for name in ("dissipated", "wall_work", "elastic", "critical_step"):
-        require(trial.run.log.get(name) == other.log.get(name), f"a load map changes {name} in the log")
+    bodies_go_the_same_way(trial, case, "a load map")
 
 
 @relation("bits", another_last_digit)
@@ -387,14 +392,7 @@ def recording_impacts_is_no_physics(trial):
     case = trial.case.copy()
     table = case.table("output")
     table["impacts"] = not table.get("impacts", False)
-    other = trial.solve_case(case)
-    require(other.code == trial.run.code, f"exit {other.code} against {trial.run.code}: {last_line(other)}")
-    require(len(other.frames) == len(trial.run.frames), f"{len(other.frames)} frames against {len(trial.run.frames)}")
-    for f, g in zip(trial.run.frames, other.frames):
-        for name in f.bodies:
-            require(numpy.array_equal(f.bodies[name], g.bodies[name], equal_nan=True), f"recording impacts changes {name} in frame {f.number}")
-    for name in ("dissipated", "wall_work", "elastic", "critical_step"):
-        require(trial.run.log.get(name) == other.log.get(name), f"recording impacts changes {name} in the log")
+    bodies_go_the_same_way(trial, case, "recording impacts")
 
 
 def without_contacts(frame):

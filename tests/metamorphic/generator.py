@@ -1114,6 +1114,24 @@ def rotation(q):
                         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
+def draw_strength(d, bond, stress, depth):
+    """What bonds may have beside their stiffness; of strengths about a stress, and of its work over a depth."""
+    if d.chance(0.5):
+        bond["tangential_ratio"] = d.between(0.2, 1)
+    if d.chance(0.7):
+        bond["tension"] = stress * d.log_between(0.01, 1)
+        if d.chance(0.7):
+            bond["cohesion"] = stress * d.log_between(0.01, 1)
+            if d.chance(0.7):
+                bond["friction_angle"] = d.between(0, 1)
+    if d.chance(0.3):
+        bond["fracture_energy"] = stress * depth * d.log_between(1e-3, 1)
+    if d.chance(0.3) and ("tension" in bond or "fracture_energy" in bond):
+        bond["strength_scatter"] = {"weibull_modulus": d.between(1, 10)}
+    if d.chance(0.5):
+        bond["damping"] = d.between(0, 0.3)
+
+
 @feature
 def bonds(d):
     """One of the bodies in two halves, face to face, that hold together until they do not."""
@@ -1138,20 +1156,7 @@ def bonds(d):
     area, height = 4 * half**2, length + 2 * d.margin
     stress = d.stiffness * d.margin / area
     bond = {"between": [body["material"]] * 2, "distance": 3 * d.margin, "young": d.stiffness * d.between(0.5, 2) * height / area}
-    if d.chance(0.5):
-        bond["tangential_ratio"] = d.between(0.2, 1)
-    if d.chance(0.7):
-        bond["tension"] = stress * d.log_between(0.01, 1)
-        if d.chance(0.7):
-            bond["cohesion"] = stress * d.log_between(0.01, 1)
-            if d.chance(0.7):
-                bond["friction_angle"] = d.between(0, 1)
-    if d.chance(0.3):
-        bond["fracture_energy"] = stress * d.margin * d.log_between(1e-3, 1)
-    if d.chance(0.3) and ("tension" in bond or "fracture_energy" in bond):
-        bond["strength_scatter"] = {"weibull_modulus": d.between(1, 10)}
-    if d.chance(0.5):
-        bond["damping"] = d.between(0, 0.3)
+    draw_strength(d, bond, stress, d.margin)
     d.words["bonds"] = [bond]
 
 
@@ -1179,20 +1184,7 @@ def pieces(d):
     # of a face as wide as the body's radius
     stress = d.stiffness * contact["margin"] / d.radius**2
     bond = {"within": body["material"], "young": d.stiffness * d.between(0.3, 1) / d.radius}
-    if d.chance(0.5):
-        bond["tangential_ratio"] = d.between(0.2, 1)
-    if d.chance(0.7):
-        bond["tension"] = stress * d.log_between(0.01, 1)
-        if d.chance(0.7):
-            bond["cohesion"] = stress * d.log_between(0.01, 1)
-            if d.chance(0.7):
-                bond["friction_angle"] = d.between(0, 1)
-    if d.chance(0.3):
-        bond["fracture_energy"] = stress * contact["margin"] * d.log_between(1e-3, 1)
-    if d.chance(0.3) and ("tension" in bond or "fracture_energy" in bond):
-        bond["strength_scatter"] = {"weibull_modulus": d.between(1, 10)}
-    if d.chance(0.5):
-        bond["damping"] = d.between(0, 0.3)
+    draw_strength(d, bond, stress, contact["margin"])
     if d.chance(0.9):   # without, its pieces are loose from the start
         d.words["bonds"] = d.words.get("bonds", []) + [bond]
     d.random = kept

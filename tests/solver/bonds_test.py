@@ -11,7 +11,7 @@ import h5py
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, main, make_killed, outcome, pack, physics_of_log, run  # noqa: E402
 
 CASE = """
 seed = 3
@@ -74,15 +74,6 @@ material = "steel"
 def mesher(*words, expect=0):
     result = subprocess.run([os.path.join(BIN, "scree-mesher"), *words], env=ENV, capture_output=True, text=True, timeout=200)
     assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
-
-
-def pack(name, text, expect=0):
-    with open(name + ".toml", "w", encoding="utf-8") as file:
-        file.write(text)
-    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
-                            text=True, timeout=200)
-    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
-    return result.stderr
 
 
 def rock(cells=14, inset="0.2 mm", seed=2):

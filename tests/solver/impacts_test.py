@@ -1,17 +1,15 @@
 #!/usr/bin/env python3
 """Impacts by energy and losses by cause as a user meets them. usage: impacts_test.py BIN_FOLDER MPIEXEC [TEST...]"""
 import csv
-import glob
 import os
 import shutil
 import subprocess
 import sys
 
-import h5py
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, frames_of, main, make_killed, outcome, pack, physics_of_log, run, same_frames  # noqa: E402
 
 # balls and rocks on a turning drum with lifters and a belt: damping, friction and rolling, among three materials
 CASE = """
@@ -87,15 +85,6 @@ impacts = true
 """
 
 
-def pack(name, text, expect=0):
-    with open(name + ".toml", "w", encoding="utf-8") as file:
-        file.write(text)
-    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
-                            text=True, timeout=200)
-    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
-    return result.stderr
-
-
 def make(name="drum", **changes):
     subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "12 mm, 10 mm, 9 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
                    capture_output=True)
@@ -107,22 +96,7 @@ def make(name="drum", **changes):
 
 
 def frames(folder):
-    found = []
-    for path in sorted(glob.glob(f"{folder}/frame_*.hdf")):
-        with h5py.File(path) as file:
-            found.append({f"{group}/{name}": file[group][name][()] for group in ("impacts", "losses") if group in file for name in file[group]})
-            found[-1]["x"] = file["VTKHDF/Points"][()][numpy.argsort(file["VTKHDF/PointData/id"][()])]
-            found[-1]["dissipated"] = file["frame"].attrs["dissipated"]
-    return found
-
-
-def same_frames(a, b, what):
-    a, b = frames(a), frames(b)
-    assert len(a) == len(b) > 3, (len(a), len(b))
-    for k, (f, g) in enumerate(zip(a, b)):
-        assert f.keys() == g.keys() and "losses/damping" in f
-        for name in f:
-            assert numpy.array_equal(f[name], g[name]), f"{what}: {name} of frame {k}"
+    return frames_of(folder, ("impacts", "losses"))
 
 
 def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
@@ -134,13 +108,13 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
         found = outcome(folder)["state_hash"], physics_of_log(folder)
         kept = kept or found
         assert found == kept, f"{ranks} ranks: another run"
-        same_frames("r1.run", folder, f"{ranks} ranks")
+        same_frames(frames("r1.run"), frames(folder), "losses/damping", f"{ranks} ranks")
     assert frames("r1.run")[-1]["impacts/normal_count"].sum() > 30
     shutil.copytree("r1.run", "again.run")
     make_killed("again.run")
     run(2, "drum.scene.h5", "-o", "again.run", "--restart", "latest")
     assert outcome("again.run")["state_hash"] == kept[0] and physics_of_log("again.run") == kept[1]
-    same_frames("r1.run", "again.run", "after a restart")
+    same_frames(frames("r1.run"), frames("again.run"), "losses/damping", "after a restart")
     said = run(2, "verify", "r1.run", "--from", "start").stdout
     assert "the same, bit for bit" in said, said
 

@@ -12,7 +12,7 @@ import h5py
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, main, make_killed, outcome, pack, physics_of_log, run  # noqa: E402
 
 G = 9.81
 EXCHANGE = 32  # steps between two looks at inlets and outlets
@@ -43,15 +43,6 @@ sphere = {{ radius = 0.01 }}
 
 def head(duration, time="", margin="0", stiffness="1000", every=None, checkpoint="0"):
     return HEAD.format(duration=duration, time=time, margin=margin, stiffness=stiffness, every=every or duration / 4, checkpoint=checkpoint)
-
-
-def pack(name, text, expect=0):
-    with open(name + ".toml", "w", encoding="utf-8") as file:
-        file.write(text)
-    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
-                            text=True, timeout=200)
-    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
-    return result.stderr
 
 
 def computed(name, text, ranks=1, **options):

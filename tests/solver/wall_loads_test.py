@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """Load maps and wear as a user meets them. usage: wall_loads_test.py BIN_FOLDER MPIEXEC [TEST...]"""
-import glob
 import os
 import shutil
 import subprocess
@@ -10,7 +9,7 @@ import h5py
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, main, make_killed, outcome, physics_of_log, run  # noqa: E402
+from tool_runs import BIN, ENV, frames_of, main, make_killed, outcome, pack, physics_of_log, run, same_frames  # noqa: E402
 
 DRUM = """
 seed = 2
@@ -55,15 +54,6 @@ checkpoint = 0.03
 """
 
 
-def pack(name, text, expect=0):
-    with open(name + ".toml", "w", encoding="utf-8") as file:
-        file.write(text)
-    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
-                            text=True, timeout=200)
-    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
-    return result.stderr
-
-
 def make_drum(name="drum", words='wear = { coefficient = 2e-7, every = "0.012 s" }', **changes):
     subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "12 mm, 10 mm, 9 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
                    capture_output=True)
@@ -74,21 +64,7 @@ def make_drum(name="drum", words='wear = { coefficient = 2e-7, every = "0.012 s"
 
 
 def frames(folder):
-    found = []
-    for path in sorted(glob.glob(f"{folder}/frame_*.hdf")):
-        with h5py.File(path) as file:
-            found.append({f"{group}/{name}": file[group][name][()] for group in ("loads", "wear") if group in file for name in file[group]})
-            found[-1]["x"] = file["VTKHDF/Points"][()][numpy.argsort(file["VTKHDF/PointData/id"][()])]
-    return found
-
-
-def same_frames(a, b, what):
-    a, b = frames(a), frames(b)
-    assert len(a) == len(b) > 3, (len(a), len(b))
-    for k, (f, g) in enumerate(zip(a, b)):
-        assert f.keys() == g.keys() and "loads/impulse" in f
-        for name in f:
-            assert numpy.array_equal(f[name], g[name]), f"{what}: {name} of frame {k}"
+    return frames_of(folder, ("loads", "wear"))
 
 
 def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
@@ -100,14 +76,14 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
         found = outcome(folder)["state_hash"], physics_of_log(folder), outcome(folder)["wear"]
         kept = kept or found
         assert found == kept, f"{ranks} ranks: another run"
-        same_frames("r1.run", folder, f"{ranks} ranks")
+        same_frames(frames("r1.run"), frames(folder), "loads/impulse", f"{ranks} ranks")
     worn = outcome("r1.run")["wear"]
     assert len(worn) == 1 and worn[0]["volume"] > 1e-12 and 0 < worn[0]["depth"] < 4e-4, worn
     shutil.copytree("r1.run", "again.run")
     make_killed("again.run")
     run(2, "drum.scene.h5", "-o", "again.run", "--restart", "latest")
     assert outcome("again.run")["state_hash"] == kept[0] and physics_of_log("again.run") == kept[1]
-    same_frames("r1.run", "again.run", "after a restart")
+    same_frames(frames("r1.run"), frames("again.run"), "loads/impulse", "after a restart")
     said = run(2, "verify", "r1.run", "--from", "start").stdout
     assert "the same, bit for bit" in said, said
 

@@ -1,5 +1,6 @@
 """What the end-to-end tests of scree-solver share. usage of a test: TEST.py BIN_FOLDER MPIEXEC [TEST...]"""
 import csv
+import glob
 import json
 import os
 import shutil
@@ -26,6 +27,16 @@ def run(ranks, *arguments, threads=1, expect=0, env=None, limit=280, **options):
                             **options)
     assert result.returncode == expect, f"{words}: exit {result.returncode}, expected {expect}\n{result.stdout}\n{result.stderr}"
     return result
+
+
+def pack(name, text, expect=0):
+    """Packs a case into NAME.scene.h5; what was said."""
+    with open(name + ".toml", "w", encoding="utf-8") as file:
+        file.write(text)
+    result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", name + ".toml", "-o", name + ".scene.h5"], env=ENV, capture_output=True,
+                            text=True, timeout=200)
+    assert result.returncode == expect, f"exit {result.returncode}, expected {expect}\n{result.stderr}"
+    return result.stderr
 
 
 def children(pid):
@@ -63,6 +74,28 @@ def physics_of_log(folder):
     names = [rows[0][i] for i in kept]
     assert {"contacts", "max_depth_ratio", "critical_step", "state_hash"} < set(names), names
     return [[row[i] for i in kept] for row in rows]
+
+
+def frames_of(folder, groups):
+    """Of each frame: the groups that it has, by GROUP/NAME, where bodies are by id, and what was dissipated."""
+    import h5py
+    found = []
+    for path in sorted(glob.glob(f"{folder}/frame_*.hdf")):
+        with h5py.File(path) as file:
+            found.append({f"{group}/{name}": file[group][name][()] for group in groups if group in file for name in file[group]})
+            found[-1]["x"] = file["VTKHDF/Points"][()][file["VTKHDF/PointData/id"][()].argsort()]
+            found[-1]["dissipated"] = file["frame"].attrs["dissipated"]
+    return found
+
+
+def same_frames(a, b, needed, what):
+    """Two results of frames_of agree to the bit, and have what is needed."""
+    import numpy
+    assert len(a) == len(b) > 3, (len(a), len(b))
+    for k, (f, g) in enumerate(zip(a, b)):
+        assert f.keys() == g.keys() and needed in f
+        for name in f:
+            assert numpy.array_equal(f[name], g[name]), f"{what}: {name} of frame {k}"
 
 
 class Skipped(Exception):
