@@ -9,6 +9,8 @@
 #   STATISTICS  words for scree-post statistics, for instance "--from 2 --repose slope"; or such words for each run by its name
 #   PLOT        the quantity of the statistics that a sweep draws, for instance "angle_of_repose"
 #   PACK_INPUTS further files that the cases are made of
+#   BESIDE      name -> (file of the case, words, files that it begins with): runs without statistics and report, which the cases begin with
+#               or are judged by
 #   RANKS       of each run, where --config has none and there is no sweep; else they are chosen as below
 #
 # Runs go side by side, each with its share of the cores. How many of those it uses depends on its size (ranks.py): a small one runs on one rank,
@@ -37,6 +39,7 @@ THREADS = int(config.get("threads", 1))  # of each rank
 
 STATISTICS = config.get("statistics", globals().get("STATISTICS", ""))
 PACK_INPUTS = globals().get("PACK_INPUTS", [])
+BESIDE = globals().get("BESIDE", {})
 SWEEP = [part.strip() for part in str(config.get("sweep", "")).split(";") if part.strip()]
 REPLICAS = int(config.get("replicas", 1))
 
@@ -98,6 +101,7 @@ def cores_of_run(wildcards):
 wildcard_constraints:
     shape="|".join(map(re.escape, SHAPES)) or "no_shape",
     run="|".join(map(re.escape, RUNS)),
+    beside="|".join(map(re.escape, BESIDE)) or "no_run",
 
 
 # The record of the run is asked for by name: Snakemake does not rebuild a missing file in the middle of a chain.
@@ -190,6 +194,18 @@ rule solve:
         if [ $code -ne 0 ] && [ -f {params.run}/run.json ]; then cp {params.run}/run.json {params.failed}; fi
         exit $code
         """
+
+
+rule beside:
+    input:
+        case=lambda wildcards: os.path.join(workflow.basedir, BESIDE[wildcards.beside][0]),
+        others=lambda wildcards: BESIDE[wildcards.beside][2],
+        shapes=expand("{shape}.shape.h5", shape=SHAPES),
+    output: "{beside}.run/run.json"
+    params: words=lambda wildcards: BESIDE[wildcards.beside][1]
+    shell:
+        "cp {input.case:q} {wildcards.beside}.toml && scree-decomposer pack {wildcards.beside}.toml -o {wildcards.beside}.scene.h5 {params.words} && "
+        "rm -rf {wildcards.beside}.run && scree-solver {wildcards.beside}.scene.h5 -o {wildcards.beside}.run"
 
 
 rule paraview:

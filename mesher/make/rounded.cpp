@@ -47,8 +47,8 @@ Faces faces_of(const TriangleMesh& solid) {
 /// Makes the rounded solid: vertices are a corner of the inner solid plus the radius in a direction, each once.
 class Rounding {
  public:
-  Rounding(const TriangleMesh& solid, double radius, double edge_length)
-      : solid_(solid), radius_(radius), edge_length_(edge_length), flat_(faces_of(solid)) {}
+  Rounding(const TriangleMesh& solid, Faces faces, double radius, double edge_length)
+      : solid_(solid), radius_(radius), edge_length_(edge_length), flat_(std::move(faces)) {}
 
   TriangleMesh make() {
     place_corners();
@@ -168,13 +168,14 @@ class Rounding {
 }  // namespace
 
 TriangleMesh rounded(const TriangleMesh& solid, double radius, double edge_length) {
+  Faces faces = faces_of(solid);
   double inside = std::numeric_limits<double>::infinity();
-  for (const Face& face : faces_of(solid).faces) inside = std::min(inside, face.distance);
+  for (const Face& face : faces.faces) inside = std::min(inside, face.distance);
   if (!(radius < inside)) {
     throw UsageError("--rounding: a radius of {} found, expected one below that of the largest ball inside, {}",
                      format_quantity(radius, Dimension::length), format_quantity(inside, Dimension::length));
   }
-  return Rounding(solid, radius, edge_length).make();
+  return Rounding(solid, std::move(faces), radius, edge_length).make();
 }
 
 }  // namespace scree

@@ -47,6 +47,15 @@ namespace scree {
 
 namespace {
 
+/// Leaves away what lies before the cut: a plane of VTK keeps the side that its normal points to.
+void cut_away(vtkPolyDataMapper* mapper, const std::optional<Cut>& cut) {
+  if (!cut) return;
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(cut->point.x, cut->point.y, cut->point.z);
+  plane->SetNormal(-cut->normal.x, -cut->normal.y, -cut->normal.z);
+  mapper->AddClippingPlane(plane);
+}
+
 /// A scale for numbers: viridis, which rises evenly in brightness, so that it reads in grey and for the colour-blind.
 /// Source: N. Smith, S. van der Walt, E. Firing, matplotlib 2.0, CC0.
 vtkSmartPointer<vtkColorTransferFunction> number_scale(double low, double high) {
@@ -317,17 +326,26 @@ void add_network(vtkRenderer* renderer, const Frame& frame, const Scene& scene, 
   mapper->SelectColorArray("force");
   mapper->SetLookupTable(colours);
   mapper->UseLookupTableScalarRangeOn();
-  if (cut) {  // keeps the side that its normal points to
-    vtkNew<vtkPlane> plane;
-    plane->SetOrigin(cut->point.x, cut->point.y, cut->point.z);
-    plane->SetNormal(-cut->normal.x, -cut->normal.y, -cut->normal.z);
-    mapper->AddClippingPlane(plane);
-  }
+  cut_away(mapper, cut);
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   actor->GetProperty()->SetAmbient(0.2);
   renderer->AddActor(actor);
   if (options.legend) add_legend(renderer, colours, "normal force [N]", options.height);
+}
+
+/// Faces by a number of theirs, flat.
+vtkSmartPointer<vtkActor> coloured_faces(vtkPolyDataMapper* mapper, const char* number, vtkColorTransferFunction* colours) {
+  mapper->SetScalarModeToUseCellFieldData();
+  mapper->SelectColorArray(number);
+  mapper->SetLookupTable(colours);
+  mapper->UseLookupTableScalarRangeOn();
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetInterpolationToFlat();
+  actor->GetProperty()->SetAmbient(0.5);  // the colour is the number: light only shows the shape
+  actor->GetProperty()->SetDiffuse(0.5);
+  return actor;
 }
 
 /// Ends of the scale of a quantity of bonds: stress along the normal has two signs, all else begins at 0.
@@ -347,22 +365,8 @@ void add_bond_faces(vtkRenderer* renderer, const Frame& frame, const Scene& scen
   apart->SetInputData(vtk_bonds(bond_faces(scene, frame)));
   apart->SetShrinkFactor(0.6);
   mapper->SetInputConnection(apart->GetOutputPort());
-  mapper->SetScalarModeToUseCellFieldData();
-  mapper->SelectColorArray(of.name);
-  mapper->SetLookupTable(colours);
-  mapper->UseLookupTableScalarRangeOn();
-  if (cut) {  // keeps the side that its normal points to
-    vtkNew<vtkPlane> plane;
-    plane->SetOrigin(cut->point.x, cut->point.y, cut->point.z);
-    plane->SetNormal(-cut->normal.x, -cut->normal.y, -cut->normal.z);
-    mapper->AddClippingPlane(plane);
-  }
-  vtkNew<vtkActor> actor;
-  actor->SetMapper(mapper);
-  actor->GetProperty()->SetInterpolationToFlat();
-  actor->GetProperty()->SetAmbient(0.5);  // the colour is the number: light only shows the shape
-  actor->GetProperty()->SetDiffuse(0.5);
-  renderer->AddActor(actor);
+  cut_away(mapper, cut);
+  renderer->AddActor(coloured_faces(mapper, of.name, colours));
   if (options.legend) add_legend(renderer, colours, of.title, options.height);
 }
 
@@ -391,16 +395,8 @@ void add_loads(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
     data->GetCellData()->AddArray(value);
     vtkNew<vtkPolyDataMapper> mapper;
     mapper->SetInputData(data);
-    mapper->SetScalarModeToUseCellFieldData();
-    mapper->SelectColorArray("value");
-    mapper->SetLookupTable(colours);
-    mapper->UseLookupTableScalarRangeOn();
-    vtkNew<vtkActor> actor;
-    actor->SetMapper(mapper);
+    const auto actor = coloured_faces(mapper, "value", colours);
     vtkProperty* look = actor->GetProperty();
-    look->SetInterpolationToFlat();
-    look->SetAmbient(0.5);  // the colour is the number: light only shows the shape
-    look->SetDiffuse(0.5);
     if (pushed != 0) look->SetBackfaceCulling(pushed < 0 ? 1 : 0);
     if (pushed != 0) look->SetFrontfaceCulling(pushed < 0 ? 0 : 1);
     renderer->AddActor(actor);

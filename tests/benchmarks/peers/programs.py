@@ -108,10 +108,9 @@ def scree_spheres(count, work, settle, steps):
     times = []
     for name, until in (("settle", settle), ("steps", settle + steps)):
         scene.write_sphere_case(folder / f"{name}.toml", state, length, until)
-        scene.run_tool(["scree-decomposer", "pack", folder / f"{name}.toml", "-o", folder / f"{name}.scene.h5"])
-        scene.run_tool(["rm", "-rf", folder / f"{name}.run"])
-        times.append(scene.run_tool(["scree-solver", folder / f"{name}.scene.h5", "-o", folder / f"{name}.run"], env=scene.one_core())[1])
-    rows = [[i] + row[1:4] + row[8:11] + [scene.RADIUS] for i, row in enumerate(scene.read_frame(folder / "steps.run", 1))]
+        run, cpu = scene.solve(folder, name)
+        times.append(cpu)
+    rows = [[i] + row[1:4] + row[8:11] + [scene.RADIUS] for i, row in enumerate(scene.read_frame(run, 1))]
     return {"steps": steps, "step": scene.STEP, "cpu": times[1] - times[0], "bodies": count, **sphere_codes.judge_spheres(rows, length, sphere_codes.MASS)}
 
 

@@ -157,6 +157,11 @@ def run_scree(folder: Path, name, shapes: Path, state, length, duration, every=N
     """Packs and runs; returns the folder of the run and the CPU seconds of the solver, start and files included."""
     folder.mkdir(parents=True, exist_ok=True)
     write_case(folder / f"{name}.toml", shapes, state, length, duration, every or duration, friction)
+    return solve(folder, name)
+
+
+def solve(folder: Path, name):
+    """Packs and runs a case that is there; the folder of the run, and the CPU seconds of the solver."""
     run_tool(["scree-decomposer", "pack", folder / f"{name}.toml", "-o", folder / f"{name}.scene.h5"])
     run = folder / f"{name}.run"
     run_tool(["rm", "-rf", run])
