@@ -76,6 +76,8 @@ void BallEvaluation::evaluate(Due& due) {
   std::vector<float>& seconds = pass_.scratch.pair_seconds;
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = seconds.empty() ? Clock::time_point{} : Clock::now();
+  for (std::size_t n = 0; n < due.pairs.count; ++n)  // where they lie is known by now; they arrive while the gaps are found
+    prefetch<kMostSprings * sizeof(FrictionSpring)>(pass_.list.pairs()[static_cast<std::size_t>(due.index[n])].state.springs.data());
   find_ball_gaps(balls_.scene(), due.pairs, gap_.data());
   find_touching(due);
   if (touching_.pairs.count > 0) {
