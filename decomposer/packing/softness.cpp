@@ -10,10 +10,10 @@ namespace scree {
 
 namespace {
 
-// Of the smallest diameter, how far balls without margins may overlap while they are poured: as far as makes the step of stiff small ones
-// several times as long (glass of 2 mm: 6 times), and no more than a tenth of a radius. Bodies with margins may use up kOverlapShare of
+// Of the smallest diameter, how far the fastest impact may press balls without margins into each other while they are poured: what they
+// weigh presses them a hundredth of that. Glass of 2 mm then takes steps 15 times as long. Bodies with margins may use up kOverlapShare of
 // them.
-constexpr double kOverlapOfDiameter = 0.05;
+constexpr double kOverlapOfDiameter = 0.1;
 // The largest force in a bed over that of its mean pressure on the area of a body: forces are distributed exponentially.
 constexpr double kLargestForce = 5;
 // A softer bed takes steps that are longer by the root of this and then has to be made stiff: below, it is not worth it.
