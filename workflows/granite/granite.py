@@ -92,7 +92,7 @@ for kind, colour in zip(cuts, ("#0072B2", "#56B4E9", "#009E73")):
     axes[1].plot(1e3 * disc.time, disc.force / DISC / 1e6, color=colour, label=f"cut {kind}")
 axes[0].axline((0, 0), slope=69, color="0.5", lw=0.8, ls="--")
 axes[0].axhline(200, color="0.5", lw=0.8)
-axes[0].set(xlabel="strain [1e-3]", ylabel="stress [MPa]", title="compression, up to the largest force", xlim=(0, None), ylim=(0, None))
+axes[0].set(xlabel="strain [1e-3]", ylabel="stress [MPa]", title="compression, up to the largest force", xlim=(0, None), ylim=(0, 1.1 * max(200, *(rows[kind][2] for kind in cuts))))
 axes[1].axhline(9.3, color="0.5", lw=0.8)
 axes[1].set(xlabel="time [ms]", ylabel="2 P / (π D t) [MPa]", title="Brazilian test", ylim=(0, None))
 for a in axes[:2]:
@@ -101,7 +101,8 @@ marks = {"cohesion": "s", "friction": "^", "tangential": "D"}
 for kind in KINDS:
     axes[2].plot(rows[kind][3], rows[kind][2], marks.get(kind, "o"), color="#D55E00" if kind in marks else "#0072B2", label=NAMES.get(kind, "calibrated" if kind == cuts[0] else None))
 axes[2].plot(9.3, 200, "k*", ms=12, label="granite")
-axes[2].set(xlabel="Brazilian strength [MPa]", ylabel="compressive strength [MPa]", title="both strengths", xlim=(0, None), ylim=(0, None))
+axes[2].set(xlabel="Brazilian strength [MPa]", ylabel="compressive strength [MPa]", title="both strengths", xlim=(0, 1.15 * max(9.3, *(r[3] for r in rows.values()))),
+            ylim=(0, 1.15 * max(200, *(r[2] for r in rows.values()))))
 axes[2].legend(frameon=False, fontsize=8)
 figure.tight_layout()
 figure.savefig(SVG)
