@@ -72,8 +72,7 @@ def line(name, values, failed):
 
     def mean(x, digits):
         return f"{x.mean():.{digits}f}" + (f" +- {x.std(ddof=1):.{digits}f}" if len(x) > 1 else "")
-    return (f"| {name} | {mean(young, 1)} | {mean(poisson, 3)} | {mean(compressive, 0)} | {mean(tensile, 1)} | {mean(compressive / tensile, 1)} |"
-            + ("" if failed else " has not failed") + "\n")
+    return f"| {name}{'' if failed else ', not failed'} | {mean(young, 1)} | {mean(poisson, 3)} | {mean(compressive, 0)} | {mean(tensile, 1)} | {mean(compressive / tensile, 1)} |\n"
 
 
 with open(TABLE, "w", encoding="utf-8") as file:
