@@ -7,6 +7,7 @@
 
 #include "solver/bodies/fluid.hpp"
 #include "solver/bodies/motion_lanes.hpp"
+#include "solver/bodies/sine_cosine.hpp"
 #include "solver/built_with.hpp"
 
 namespace scree {
@@ -20,18 +21,11 @@ Vec3 spin_rate(const Vec3& inertia, const Vec3& inverse_inertia, const Vec3& w) 
   return scaled(inverse_inertia, cross(scaled(inertia, w), w));
 }
 
-/// Sine and cosine. Half the turn of a body in a step is at most 0.05 (kTurnPerStep): there five terms of the series are exact to
-/// rounding, and take a tenth of the library's time.
-void sine_and_cosine(double a, double& sine, double& cosine) {
-  constexpr double kSmall = 1.0 / 16;  // the terms left out are below 3e-19
-  if (!(std::abs(a) <= kSmall)) {
-    sine = std::sin(a);
-    cosine = std::cos(a);
-    return;
-  }
-  const double aa = a * a;
-  sine = a - a * aa * (1.0 / 6 - aa * (1.0 / 120 - aa * (1.0 / 5040 - aa * (1.0 / 362880))));
-  cosine = 1 - aa * (0.5 - aa * (1.0 / 24 - aa * (1.0 / 720 - aa * (1.0 / 40320))));
+/// As quaternion_of(), of the turn in a step.
+Quat turn_about(const Vec3& axis, double angle) {
+  double sine, cosine;
+  sine_and_cosine(0.5 * angle, sine, cosine);
+  return {cosine, sine * axis.x, sine * axis.y, sine * axis.z};
 }
 
 // Rotation by `angle` about a principal axis i, with j and k after it: q turns, and the angular momentum seen from the body
@@ -164,7 +158,8 @@ void rotate_by(const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic,
   if (isotropic) {  // w is constant: one exact rotation about it
     w = inverse_inertia.x * L;
     const double rate = length(w);
-    if (rate > 0) turn_in_world(q, remainder, quaternion_of((1 / rate) * w, rate * h));
+    if (!(rate > 0)) return;
+    turn_in_world(q, remainder, turn_about((1 / rate) * w, rate * h));
     return;
   }
   Rotor::advance(inertia, inverse_inertia, h, L, q, remainder);
@@ -268,7 +263,7 @@ Quat rotation_by(const Vec3& theta) {
   const double angle = length(theta);
   // Below the square root of the smallest double the squares in length() vanish, and sin(a/2) = a/2 exactly.
   if (!(angle > 1e-150)) return {1, 0.5 * theta.x, 0.5 * theta.y, 0.5 * theta.z};
-  return quaternion_of((1 / angle) * theta, angle);
+  return turn_about((1 / angle) * theta, angle);
 }
 
 double translational_energy(const ParticleSet& p, std::size_t i) { return p.fixed[i] ? 0.0 : 0.5 * p.mass[i] * squared_length(p.v[i]); }

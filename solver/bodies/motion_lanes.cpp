@@ -1,11 +1,10 @@
 // Compiled once for every instruction set (Highway's foreach_target), for the baseline, never with -march=native. A body that is fixed or
-// does not turn keeps what it has: 1/m and I^-1 say which these are, they are 0 then and never otherwise. Sines and cosines are those of
-// the library, lane by lane, as in the plain code.
+// does not turn keeps what it has: 1/m and I^-1 say which these are, they are 0 then and never otherwise.
 #include "solver/bodies/motion_lanes.hpp"
 
-#include <cmath>
 #include <limits>
 
+#include "solver/bodies/sine_cosine.hpp"
 #include "solver/built_with.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -68,6 +67,21 @@ HWY_NOINLINE std::size_t kick_rows(ParticleSet& p, double h, std::size_t begin, 
   return i;
 }
 
+/// As sine_and_cosine() of one angle.
+HWY_INLINE void sine_and_cosine(Lane a, Lane& sine, Lane& cosine) {
+  if (!any(abs(a) > Lane(kSmallAngle))) {
+    const Lane aa = a * a, one(1.0);
+    sine = a - a * aa * (Lane(1.0 / 6) - aa * (Lane(1.0 / 120) - aa * (Lane(1.0 / 5040) - aa * Lane(1.0 / 362880))));
+    cosine = one - aa * (Lane(0.5) - aa * (Lane(1.0 / 24) - aa * (Lane(1.0 / 720) - aa * Lane(1.0 / 40320))));
+    return;
+  }
+  alignas(64) double angle[kLanes], sines[kLanes], cosines[kLanes];
+  a.store(angle);
+  for (std::size_t k = 0; k < kLanes; ++k) scree::sine_and_cosine(angle[k], sines[k], cosines[k]);
+  sine = Lane::load(sines);
+  cosine = Lane::load(cosines);
+}
+
 /// Bodies whose moments are equal: one exact rotation about w.
 HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_t i) {
   constexpr double kUnitError = 8 * std::numeric_limits<double>::epsilon();  // as in keep_unit() of motion.cpp
@@ -79,13 +93,8 @@ HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_
   store(select(turns, w, load(&p.w[i])), &p.w[i]);
   const Lane rate = length(w);
   const auto rotates = turns & (rate > zero);
-  alignas(64) double angle[kLanes], sine[kLanes], cosine[kLanes];
-  (half * (rate * Lane(h))).store(angle);
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    sine[k] = std::sin(angle[k]);
-    cosine[k] = std::cos(angle[k]);
-  }
-  const Lane s = Lane::load(sine), c = Lane::load(cosine);
+  Lane s, c;
+  sine_and_cosine(half * (rate * Lane(h)), s, c);
   const Lane3 axis = (one / rate) * w;
   LaneQuat q = load(&p.q[i]), remainder = load(&p.q_remainder[i]);
   const LaneQuat before = q, remainder_before = remainder;

@@ -82,7 +82,7 @@ HWY_INLINE Meeting meet_wall(const BallScene& scene, const Rows& a, const WallRo
   const Lane along = dot(r, direction);
   Lane3 normal = direction;
   Lane height = along;
-  if (scene.has_cylinders) {
+  if (scene.laws.has_cylinders) {
     const Lane radius = b.of(&BallWall::radius);
     const auto is_round = radius > zero;
     const Lane3 radial = r - along * direction;
@@ -243,7 +243,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     dissipative = dissipative + tangential;
     store_fours(spring, kappa, k, out.spring);
     if constexpr (kRubs == Rubs::slides_and_rolls) {
-      const LawRows<BallRolling> rolling(scene.rolling.data(), springs.law.data() + k);
+      const LawRows<BallRolling> rolling(scene.laws.rolling.data(), springs.law.data() + k);
       const Lane size = length(force), tangential_damping = law.at(&BallLaw::tangential_damping) * chi;
       const LaneRolling state{(one / size) * force,
                               w_a - w_b,
@@ -300,7 +300,7 @@ void forces_with(const BallScene& scene, double dt, const BallPairs& pairs, cons
 template <BallLawKind kKind>
 void forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
   if (!scene.laws.friction) return forces_with<kKind, Rubs::no>(scene, dt, pairs, springs, out);
-  if (scene.rolling.empty()) return forces_with<kKind, Rubs::slides>(scene, dt, pairs, springs, out);
+  if (scene.laws.rolling.empty()) return forces_with<kKind, Rubs::slides>(scene, dt, pairs, springs, out);
   return forces_with<kKind, Rubs::slides_and_rolls>(scene, dt, pairs, springs, out);
 }
 

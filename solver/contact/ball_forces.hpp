@@ -33,19 +33,12 @@ struct alignas(256) BallWall {
   double radius = 0;  ///< of a cylinder [m]; 0: a plane
 };
 
-/// What two materials have against rolling, a row beside that of BallLaws.
-struct BallRolling {
-  double friction = 0, torsional = 0;  ///< mu_r, mu_t
-};
-
 /// What pairs are of: A always a ball, B a ball or a wall.
 struct BallScene {
   const ParticleSet& p;
   const Periodicity& periodicity;
   const BallLaws& laws;
-  std::vector<BallWall> walls{};  ///< one for each zone of the scene
-  bool has_cylinders = false;
-  std::vector<BallRolling> rolling{};  ///< empty: no two materials have any
+  std::vector<BallWall> walls{};  ///< one for each of laws.zones
 };
 
 /// Some pairs, A and B as in BodyPair; all with balls or all with walls.

@@ -5,9 +5,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "solver/neighbours/prefetch.hpp"
+
 namespace scree {
 
 namespace {
+
+// Bodies read the results of their pairs in an order that is nearly that of the list for one side, and scattered for the other: so many
+// entries earlier a result is asked for, about as long as a line takes from the last cache.
+constexpr std::int32_t kAhead = 12;
 
 /// Whether a ball may come within `reach` of a wall zone.
 bool near_zone(const SolverScene& scene, const WallZone& zone, const WallState& state, const Vec3& centre, double reach) {
@@ -198,12 +204,15 @@ void PairList::sort_sides(const ParticleSet& p) {
 
 void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
   const auto count = static_cast<std::ptrdiff_t>(p.owned);
+  const auto last = static_cast<std::int32_t>(entry_.size()) - 1;
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t n = 0; n < count; ++n) {
     const auto i = static_cast<std::size_t>(n);
     Vec3 force, torque, dissipative_force, dissipative_torque;
     for (std::int32_t s = start_[i]; s < start_[i + 1]; ++s) {
       const std::int32_t entry = entry_[static_cast<std::size_t>(s)];
+      const std::int32_t later = entry_[static_cast<std::size_t>(std::min(s + kAhead, last))];
+      prefetch<sizeof(PairResult)>(&results_[static_cast<std::size_t>(later / 2)]);
       const PairResult& r = results_[static_cast<std::size_t>(entry / 2)];
       if (!r.active) continue;
       if (entry % 2 == 0) {

@@ -36,6 +36,18 @@ BallLaw ball_law(const PairLaw& law) {
   return row;
 }
 
+void add_zones(const SolverScene& scene, BallLaws& table) {
+  for (std::size_t n = 0; n < scene.zones().size(); ++n) {
+    const WallZone& zone = scene.zones()[n];
+    const Wall& wall = scene.source().walls[static_cast<std::size_t>(zone.wall)];
+    const bool is_plane = zone.kind == WallZone::Kind::plane, is_round = zone.kind == WallZone::Kind::cylinder;
+    const bool goes = (is_plane || (is_round && zone.radius > 0)) && !wall.surface.moves() && !scene.has_answering_walls();
+    table.row_of_zone.push_back(goes ? static_cast<std::int32_t>(table.zones.size()) : -1);
+    if (goes) table.zones.push_back({static_cast<std::int32_t>(n), wall.material});
+    table.has_cylinders = table.has_cylinders || (goes && is_round);
+  }
+}
+
 }  // namespace
 
 BallLaws make_ball_laws(const SolverScene& scene) {
@@ -63,9 +75,11 @@ BallLaws make_ball_laws(const SolverScene& scene) {
         const bool rubs = table.friction ? law.friction > 0 : Entry::Damp::acts(law);
         table.laws.push_back(ball_law<Entry>(law));
         table.holds.push_back(like_others && rubs ? 1 : 0);
+        if (built_with::kFriction && choice.rolling) table.rolling.push_back({law.rolling_friction, law.torsional_friction});
       }
     }
   });
+  if (table.kind != BallLawKind::none) add_zones(scene, table);
   return table;
 }
 

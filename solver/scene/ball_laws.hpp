@@ -27,15 +27,30 @@ struct BallLaw {
   double radius = 0;              ///< R* [m] as given; 0: that of the bodies
 };
 
+/// What two materials have against rolling, a row beside that of BallLaw.
+struct BallRolling {
+  double friction = 0, torsional = 0;  ///< mu_r, mu_t
+};
+
+/// A zone of a wall, a plane or a cylinder, that balls meet this way.
+struct BallZone {
+  std::int32_t zone = 0;
+  std::int32_t material = 0;
+};
+
 struct BallLaws {
   BallLawKind kind = BallLawKind::none;  ///< none: no pair of the scene goes this way
   bool friction = false;
   bool needs_radius = false;
-  bool room_by_size = false;        ///< overlap may go to the smaller radius; else to `margin`
-  double margin = 0;                ///< gap at which touch begins [m]
-  std::vector<BallLaw> laws;        ///< [material of A][material of B]
-  std::vector<std::uint8_t> holds;  ///< whether pairs of these materials go this way
+  bool room_by_size = false;         ///< overlap may go to the smaller radius; else to `margin`
+  double margin = 0;                 ///< gap at which touch begins [m]
+  std::vector<BallLaw> laws;         ///< [material of A][material of B]
+  std::vector<std::uint8_t> holds;   ///< whether pairs of these materials go this way
+  std::vector<BallRolling> rolling;  ///< empty: no two materials have any
   std::size_t materials = 0;
+  std::vector<BallZone> zones;
+  std::vector<std::int32_t> row_of_zone;  ///< in `zones`, of each zone of the scene; -1 where balls meet it by the general path
+  bool has_cylinders = false;
   std::size_t row(std::int32_t a, std::int32_t b) const { return static_cast<std::size_t>(a) * materials + static_cast<std::size_t>(b); }
 };
 

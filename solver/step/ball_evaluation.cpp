@@ -51,31 +51,24 @@ bool has_ball_way(const PairPass& pass) {
 }
 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
-  for (const WallZone& zone : pass.scene.zones()) {
-    const Wall& wall = pass.scene.source().walls[static_cast<std::size_t>(zone.wall)];
-    const bool is_plane = zone.kind == WallZone::Kind::plane, is_round = zone.kind == WallZone::Kind::cylinder;
-    const bool goes = (is_plane || (is_round && zone.radius > 0)) && !wall.surface.moves() && !pass.scene.has_answering_walls();
-    material_of_zone_.push_back(goes ? wall.material : -1);
+  scene_.walls.reserve(scene_.laws.zones.size());
+  for (const BallZone& z : scene_.laws.zones) {
+    const WallZone& zone = pass.scene.zones()[static_cast<std::size_t>(z.zone)];
     scene_.walls.push_back(ball_wall(zone, pass.walls[static_cast<std::size_t>(zone.wall)]));
-    scene_.has_cylinders = scene_.has_cylinders || is_round;
-  }
-  if (!built_with::kFriction || !pass.scene.law_choice().rolling) return;
-  const auto materials = static_cast<std::int32_t>(scene_.laws.materials);
-  for (std::int32_t a = 0; a < materials; ++a) {
-    for (std::int32_t b = 0; b < materials; ++b)
-      scene_.rolling.push_back({pass.scene.law(a, b).rolling_friction, pass.scene.law(a, b).torsional_friction});
   }
 }
 
 BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
   at_walls_.pairs.with_walls = true;
-  if (balls.scene().laws.friction) spring_count_ = balls.scene().rolling.empty() ? kMostSprings - 1 : kMostSprings;
+  if (balls.scene().laws.friction) spring_count_ = balls.scene().laws.rolling.empty() ? kMostSprings - 1 : kMostSprings;
 }
 
 void BallEvaluation::evaluate(Due& due) {
   std::vector<float>& seconds = pass_.scratch.pair_seconds;
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = seconds.empty() ? Clock::time_point{} : Clock::now();
+  for (std::size_t n = 0; n < due.pairs.count; ++n)  // where they lie is known by now; they arrive while the gaps are found
+    prefetch<kMostSprings * sizeof(FrictionSpring)>(pass_.list.pairs()[static_cast<std::size_t>(due.index[n])].state.springs.data());
   find_ball_gaps(balls_.scene(), due.pairs, gap_.data());
   find_touching(due);
   if (touching_.pairs.count > 0) {
@@ -122,7 +115,7 @@ void BallEvaluation::find_touching(const Due& due) {
       continue;
     }
     std::size_t law = 0;
-    if (!one_law) law = laws.row(p.material[a], at_wall ? balls_.material_of_zone(static_cast<std::int32_t>(b)) : p.material[b]);
+    if (!one_law) law = laws.row(p.material[a], at_wall ? laws.zones[b].material : p.material[b]);
     if (laws.holds[law] == 0 || !load_springs(pairs[k].state.springs, count)) {
       left_.push_back(k);
       continue;

@@ -24,13 +24,10 @@ class BallPass {
   explicit BallPass(PairPass& pass);
   PairPass& pass() const { return pass_; }
   const BallScene& scene() const { return scene_; }
-  /// Of a zone of the scene the material, -1 where balls meet it by the general path.
-  std::int32_t material_of_zone(std::int32_t zone) const { return material_of_zone_[static_cast<std::size_t>(zone)]; }
 
  private:
   PairPass& pass_;
   BallScene scene_;
-  std::vector<std::int32_t> material_of_zone_;
 };
 
 /// One thread's part of a pass.
@@ -48,8 +45,9 @@ class BallEvaluation {
       add(k, idle.a, idle.b, two_balls_);
     } else {
       const std::int32_t zone = pass_.list.pairs()[static_cast<std::size_t>(k)].key.zone;
-      if (balls_.material_of_zone(zone) < 0) return false;
-      add(k, idle.a, zone, at_walls_);
+      const std::int32_t row = balls_.scene().laws.row_of_zone[static_cast<std::size_t>(zone)];
+      if (row < 0) return false;
+      add(k, idle.a, row, at_walls_);
     }
     return true;
   }

@@ -11,6 +11,7 @@
 #include "solver/contact/contact_models.hpp"
 #include "solver/contact/damping_share.hpp"
 #include "solver/contact/pass_through.hpp"
+#include "solver/neighbours/prefetch.hpp"
 #include "solver/step/forces.hpp"
 #include "solver/step/impacts.hpp"
 #include "solver/step/wall_loads.hpp"
@@ -64,12 +65,6 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt);
 /// Appends the contacts of a pair as they stand in frames.
 void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
                      const std::vector<ContactOutput>& outputs, FrameContacts& out);
-
-template <std::size_t kBytes>
-void prefetch(const void* begin) {
-  constexpr std::size_t kCacheLine = 64;
-  for (std::size_t n = 0; n < kBytes; n += kCacheLine) __builtin_prefetch(static_cast<const char*>(begin) + n);
-}
 
 /// What a pair keeps lies in several places: asked for together and first, it arrives while the pose is worked out. A bed of 10 000
 /// rocks is more than the caches hold; there this takes a twentieth off a step.

@@ -1,6 +1,7 @@
 // Whole steps with every integrator: what an impact makes of them, and that they agree in the limit.
 #include <gtest/gtest.h>
 
+#include "solver/bodies/sine_cosine.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 
@@ -23,6 +24,21 @@ double rebound(Integrator integrator, double steps, double phase) {
   run.start();
   run.run_for(0.2);
   return run.velocity(0).z;
+}
+
+// Small angles to a unit in the last place; each halving of a larger one at most doubles the error.
+TEST(SineAndCosine, are_those_of_long_doubles) {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  double allowed = kEpsilon, largest = kSmallAngle;
+  for (int doublings = 0; doublings < 8; ++doublings, allowed *= 2, largest *= 2) {
+    for (int n = -1000; n <= 1000; ++n) {
+      const double a = largest * n / 1000;
+      double sine = 0, cosine = 0;
+      sine_and_cosine(a, sine, cosine);
+      EXPECT_NEAR(sine, static_cast<double>(std::sin(static_cast<long double>(a))), allowed * std::min(1.0, std::abs(a))) << a;
+      EXPECT_NEAR(cosine, static_cast<double>(std::cos(static_cast<long double>(a))), allowed) << a;
+    }
+  }
 }
 
 // docs/reference/validation-plan.md C1 and D5: the default errs by at most 2.6e-4 at 20 steps a contact over all phases; explicit Euler

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crush, brazilian, beam, rockfall, granite, unbroken, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
+# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crater, crush, brazilian, beam, rockfall, granite, unbroken, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -44,6 +44,9 @@ holds impact/impact.md "| impact-250 | Scree | 0.0 |"
 [[ -s "$scratch/impact/impact.png" && -s "$scratch/impact/bed-250.run/run.json" ]]
 run silo
 holds silo/silo.md "| silo-large | [1-9][0-9]* | [1-9]"   # balls come out, at a rate
+run crater
+holds crater/crater.md "^| density-7800 | 10[0-9.]* | 7800 | [2-5][.]"   # it goes in, and not to the floor
+[[ -s "$scratch/crater/crater.png" ]]
 run crush
 holds crush/crush.md "^| 3 | 3 | "   # all three split
 grep -q "^| 3 | 4.5 | 1.000 |" "$scratch/crush/crush.md" || { cat "$scratch/crush/crush.md"; exit 1; }   # 4.5 J/kg leaves no cell at another
@@ -65,7 +68,7 @@ holds shape-dial/dial.csv "^ball-rolling-0.3,"
 run dice
 holds dice/dice.md "| cube | 0\.[56][0-9]* | 0\.54 |"   # looser or denser is no bed of cubes
 [[ -s "$scratch/dice/dice.png" ]]
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crush/press-01 brazilian/split beam/bend-1 rockfall/boulder-1 granite/compress-1 unbroken/cut-1 shape-dial/dial-hull; do
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crater/density-7800 crush/press-01 brazilian/split beam/bend-1 rockfall/boulder-1 granite/compress-1 unbroken/cut-1 shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done

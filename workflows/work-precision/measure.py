@@ -148,22 +148,40 @@ def collision(study):
             study.add(lambda name=name, steps=steps: make(name, steps), error, case="rocks", curve=name, steps_per_contact=steps)
 
 
+SCAN = "/usr/share/glmark2/models/bunny.obj"  # Debian package glmark2-data
+
+
+def scan(tools, triangles, width=1.0):
+    """The scanned rabbit of Stanford, 69 666 triangles, simplified by scree-mesher: (vertices, triangles) about its centre, so wide."""
+    path = os.path.join(tools.out, f"scan-{triangles}.off")
+    tools.run("scree-mesher", "simplify", SCAN, "-o", path, "--triangles", triangles)
+    with open(path) as file:
+        words = [line.split() for line in file if line.strip() and not line.startswith("#")]
+    count, faces = (int(word) for word in words[1][:2])
+    vertices = numpy.array(words[2:2 + count], float)
+    vertices *= width / numpy.ptp(vertices, axis=0).max()
+    return meshes.centred((vertices, numpy.array([row[1:4] for row in words[2 + count:2 + count + faces]], int)))
+
+
 def mesh(study):
-    """Restitution and duration of impacts against the number of triangles: locked icospheres, cube on its face (M9)."""
+    """Restitution and duration of impacts against the number of triangles: locked icospheres and a scan, a cube on its face (M9)."""
     e = .5
     # the elastic layer: as stiff as the spring when a face lies flat; its force on a ball grows with depth squared, so it has to be harder
-    layer = {"cube": 1e4 * .02, "icosphere": 1e6 * .02}
+    layer = {"cube": 1e4 * .02, "icosphere": 1e6 * .02, "scan": 1e6 * .02}
+    scans = {triangles: scan(study.tools, triangles) for triangles in (300, 1000, 3000, 10000, 30000)}
     for gather, finenesses in (("potential", (30, 100, 400)), ("area", (400,)), ("pairs", (400,))):
         for steps in finenesses:
-            for kind, levels in (("icosphere", range(6)), ("cube", (1, 2, 4, 8, 16))):
+            # level 6 and the finest scan for the default alone: the others take minutes for them
+            finest = gather == "potential"
+            for kind, levels in (("icosphere", range(7 if finest else 6)), ("scan", tuple(scans)[:5 if finest else 3]), ("cube", (1, 2, 4, 8, 16))):
                 for level in levels:
-                    body = meshes.icosphere(level, .5) if kind == "icosphere" else meshes.box((1, 1, 1), level)
+                    body = meshes.icosphere(level, .5) if kind == "icosphere" else scans[level] if kind == "scan" else meshes.box((1, 1, 1), level)
                     density = 1 / meshes.mass_properties(body)[0]
 
                     def make(body=body, density=density, kind=kind, level=level, gather=gather, steps=steps):
                         dt = math.pi / math.sqrt(1e4) / steps
                         c = Case(f"mesh-{gather}-{kind}-{level}-{steps}", duration=.08, step=dt, margin=.01, every=.08 if steps < 400 else 8 * dt, gather=gather)
-                        q = quaternion((1, 2, 3), .4) if kind == "icosphere" else (1, 0, 0, 0)
+                        q = (1, 0, 0, 0) if kind == "cube" else quaternion((1, 2, 3), .4)
                         c.mesh("body", body)
                         c.material("m", density)
                         c.pair_all(restitution=e, **({"layer_modulus": layer[kind]} if gather == "area" else {"stiffness": 1e4}))

@@ -101,8 +101,8 @@ def p1_p2():
 def p4():
     rows = load("mesh")
     finest = max(row["steps_per_contact"] for row in rows)
-    figure, axes = plt.subplots(2, 2, figsize=(9.5, 7.4))
-    for ax, kind in zip(axes[0], ("icosphere", "cube")):
+    figure, axes = plt.subplots(2, 3, figsize=(14, 7.4))
+    for ax, kind in zip(axes[0], ("icosphere", "scan", "cube")):
         own = [dict(row, curve=f"{row['curve']}, {row['steps_per_contact']} steps") for row in rows if row["case"] == kind]
         draw(ax, own, "triangles", "error_e")
         ax.set_title(f"{kind}, rotation locked: |e - 0.5|, by steps a contact")
@@ -110,7 +110,7 @@ def p4():
         ax.set_ylim(top=1e3)  # room for the legend above the curves
         ax.legend(loc="upper left", ncol=2)
     own = [dict(row, curve=row["curve"]) for row in rows if row["steps_per_contact"] == finest]
-    for n, (kind, style) in enumerate((("icosphere", "-"), ("cube", "--"))):
+    for n, (kind, style) in enumerate((("icosphere", "-"), ("scan", ":"), ("cube", "--"))):
         for name in curves(own):
             points = sorted((row["triangles"], row["duration"]) for row in own if row["case"] == kind and row["curve"] == name)
             if not points:
@@ -124,7 +124,7 @@ def p4():
     own = [dict(row, curve=f"{row['case']}, " + (f"{row['steps_per_contact']} steps" if row["curve"] == "potential" else row["curve"])) for row in rows
            if row["curve"] != "pairs"]
     draw(axes[1, 1], own, "seconds", "error_e")
-    for kind, label in (("icosphere", "fronts"), ("cube", None)):
+    for kind, label in (("icosphere", "fronts"), ("scan", None), ("cube", None)):
         mark_front(axes[1, 1], f"mesh {kind}", "error_e", without="pairs", label=label)
     axes[1, 1].set_title("|e - 0.5| against time, all refinements")
     axes[1, 1].set_xlabel("time of the steps [s]")
