@@ -40,10 +40,12 @@ struct BondQuantity {
   const char* name;
   const char* title;
   double BondFace::*value;
+  bool has_signs;  ///< tension and pressure
 };
-inline constexpr std::array<BondQuantity, 3> kBondQuantities{{{"normal_stress", "normal stress of bonds [Pa]", &BondFace::normal_stress},
-                                                              {"shear_stress", "shear stress of bonds [Pa]", &BondFace::shear_stress},
-                                                              {"load", "share of strength", &BondFace::load}}};
+inline constexpr std::array<BondQuantity, 3> kBondQuantities{
+    {{"normal_stress", "normal stress of bonds [Pa]", &BondFace::normal_stress, true},
+     {"shear_stress", "shear stress of bonds [Pa]", &BondFace::shear_stress, false},
+     {"load", "share of strength", &BondFace::load, false}}};
 std::vector<std::string> bond_quantity_names();
 /// Fails: UsageError for another name.
 const BondQuantity& bond_quantity(const std::string& name);

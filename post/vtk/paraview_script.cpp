@@ -140,14 +140,28 @@ def taken_apart(source, share):
 
 
 def show_bonds(here, view, share):
-    """Faces of the bonds that hold, as rectangles of their area, coloured by what they bear."""
+    """Faces of the bonds that hold, as rectangles smaller than they are: else those of many cells are one wall."""
     bonds = OpenDataFile(os.path.join(here, "bonds.pvd"))
     RenameSource("bonds", bonds)
     Hide(bonds, view)
-    shown = taken_apart(bonds, share) if share > 0 else bonds
-    display = Show(shown, view)
+    faces = Shrink(Input=taken_apart(bonds, share) if share > 0 else bonds)
+    faces.ShrinkFactor = 0.6
+    RenameSource("faces of bonds", faces)
+    return faces, Show(faces, view)
+
+
+def colour_bonds(faces, display, what):
+    """By what they bear, on a scale that one face in a hundred exceeds. Along the normal it has two signs: tension red, pressure blue, and white in the middle."""
     display.Representation = "Surface"
-    return shown, display
+    ColorBy(display, ("CELLS", what))
+    table = GetColorTransferFunction(what)
+    signed = what == "normal_stress"
+    table.ApplyPreset("Cool to Warm" if signed else "Viridis (matplotlib)", True)
+    values = servermanager.Fetch(faces).GetCellData().GetArray(what)
+    sizes = sorted(abs(values.GetValue(k)) for k in range(values.GetNumberOfTuples()))
+    end = sizes[int(0.99 * (len(sizes) - 1))] or 1.0
+    table.RescaleTransferFunction(-end if signed else 0.0, end)
+    return table, BONDS[what], display
 
 
 def show_walls(here, view):
@@ -247,10 +261,7 @@ def main():
         if bonds.GetDataInformation().GetNumberOfCells() == 0:
             Hide(bonds, view)  # none holds in this frame
         else:
-            ColorBy(bond_display, ("CELLS", options.bonds))
-            legend = GetColorTransferFunction(options.bonds), BONDS[options.bonds], bond_display
-            legend[0].ApplyPreset("Viridis (matplotlib)", True)
-            bond_display.RescaleTransferFunctionToDataRange(True, False)
+            legend = colour_bonds(bonds, bond_display, options.bonds)
         display.ColorArrayName = [None, ""]
         display.AmbientColor = display.DiffuseColor = [0.60, 0.62, 0.65]
         display.Opacity = 0.12
@@ -280,6 +291,7 @@ def main():
             bar = GetScalarBar(legend[0], view)
             bar.Title = legend[1]
             bar.ComponentTitle = ""
+            bar.RangeLabelFormat = "%.3g"
             bar.WindowLocation = "Lower Right Corner"
             bar.ScalarBarLength = 0.3
             bar.TitleColor = [0.1, 0.1, 0.1]

@@ -77,6 +77,16 @@ vtkSmartPointer<vtkColorTransferFunction> number_scale(double low, double high) 
   return scale;
 }
 
+/// A scale for numbers of two signs: blue below zero, red above, grey between.
+/// Source: K. Moreland, Diverging color maps for scientific visualization, ISVC 2009.
+vtkSmartPointer<vtkColorTransferFunction> signed_scale(double low, double high) {
+  auto scale = vtkSmartPointer<vtkColorTransferFunction>::New();
+  scale->SetColorSpaceToDiverging();
+  scale->AddRGBPoint(low, 0.230, 0.299, 0.754);
+  scale->AddRGBPoint(high > low ? high : low + 1, 0.706, 0.016, 0.150);
+  return scale;
+}
+
 /// Of letters, in a picture of a height [pixels]: readable in small ones, the same share of large ones.
 double text_scale(int height) { return std::max(0.6, height / 960.0); }
 
@@ -348,18 +358,21 @@ vtkSmartPointer<vtkActor> coloured_faces(vtkPolyDataMapper* mapper, const char* 
   return actor;
 }
 
-/// Ends of the scale of a quantity of bonds: stress along the normal has two signs, all else begins at 0.
+/// Ends of the scale of a quantity of bonds, which one in a hundred exceeds: about zero where it has two signs, else from zero.
 std::pair<double, double> bond_range(const std::vector<BondFace>& faces, const BondQuantity& of) {
-  std::pair<double, double> range{0, 0};
-  for (const BondFace& face : faces) range = {std::min(range.first, face.*of.value), std::max(range.second, face.*of.value)};
-  return range;
+  if (faces.empty()) return {0, 0};
+  std::vector<double> sizes;
+  for (const BondFace& face : faces) sizes.push_back(std::abs(face.*of.value));
+  const auto end = sizes.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), end, sizes.end());
+  return {of.has_signs ? -*end : 0, *end};
 }
 
 /// Faces of the bonds that hold, by what they bear.
 void add_bond_faces(vtkRenderer* renderer, const Frame& frame, const Scene& scene, const PictureOptions& options,
                     const std::pair<double, double>& range, const std::optional<Cut>& cut) {
   const BondQuantity& of = bond_quantity(options.bonds);
-  const auto colours = number_scale(range.first, range.second);
+  const auto colours = of.has_signs ? signed_scale(range.first, range.second) : number_scale(range.first, range.second);
   vtkNew<vtkPolyDataMapper> mapper;
   vtkNew<vtkShrinkPolyData> apart;  // else those of many cells are one wall
   apart->SetInputData(vtk_bonds(bond_faces(scene, frame)));

@@ -18,7 +18,7 @@ GROUPS = {
     "guide": ["docs/guide/start-here.md", "docs/guide/cookbook.md"],
     "tools": ["README.md", "mesher/README.md", "decomposer/README.md", "solver/README.md", "post/README.md", "post/STATISTICS.md", "post/python/README.md"],
     "workflows": ["docs/distance-study.md", "docs/workflows.md", *(f"workflows/{name}/README.md" for name in (
-        "beam", "boulders", "brazilian", "calibrate", "column", "conveyor", "crater", "crush", "dice", "distance-study", "drum", "granuheap", "hopper", "impact", "mill", "peers", "press", "repose", "rockfall", "scaling", "screen", "shape-dial", "silo", "stability", "sticky", "triaxial", "validation", "work-precision"))],
+        "beam", "boulders", "brazilian", "calibrate", "column", "conveyor", "crater", "crush", "dice", "distance-study", "drum", "granite", "granuheap", "hopper", "impact", "mill", "peers", "press", "repose", "rockfall", "scaling", "screen", "shape-dial", "silo", "stability", "sticky", "triaxial", "unbroken", "validation", "work-precision"))],
     "tests": ["tests/sanitizers/README.md", "tests/validation/README.md", "tests/metamorphic/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
         "broad_phase", "candidates", "distance", "leave_out", "peers", "steps"))],
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crater, crush, brazilian, beam, rockfall, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
+# The cases hopper, column, repose, drum, conveyor, triaxial, press, mill, screen, sticky, granuheap, impact, silo, crater, crush, brazilian, beam, rockfall, granite, unbroken, shape-dial and dice in their small size: from nothing to their answers, a sweep, and most killed half way and resumed.
 # usage: cases_test.sh RUNNER BIN SCRATCH
 set -euo pipefail
 runner=$1; export SCREE_BIN=$2; scratch=$3
@@ -57,14 +57,18 @@ holds beam/beam.md "^| 40 cells, tangential_ratio 1 | 1 | 0.9[5-9]"   # cells tw
 holds beam/beam.md "modulus of rupture over the tension of a bond | 0\.[5-8]"
 run rockfall
 holds rockfall/rockfall.md "^| boulder-1 | "
-for chart in crush/crush brazilian/brazilian beam/beam rockfall/rockfall; do [[ -s "$scratch/$chart.png" && -s "$scratch/$chart.svg" ]]; done
+run granite
+holds granite/granite.md "^| cells, calibrated, 1 cut, not failed | [5-9][0-9]\.[0-9] | 0\.[1-3]"   # Young's modulus near 69 GPa, Poisson's ratio near 0.26
+run unbroken
+holds unbroken/unbroken.md "^| cut | [0-9]* | [0-9]* | [0-9.e-]* | 0.000 | 0 |"   # nothing breaks
+for chart in crush/crush brazilian/brazilian beam/beam rockfall/rockfall granite/granite unbroken/unbroken; do [[ -s "$scratch/$chart.png" && -s "$scratch/$chart.svg" ]]; done
 run shape-dial
 holds shape-dial/dial.csv "^ball-rolling-0.3,"
 [[ -s "$scratch/shape-dial/dial.png" ]]
 run dice
 holds dice/dice.md "| cube | 0\.[56][0-9]* | 0\.54 |"   # looser or denser is no bed of cubes
 [[ -s "$scratch/dice/dice.png" ]]
-for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crater/density-7800 crush/press-01 brazilian/split beam/bend-1 rockfall/boulder-1 shape-dial/dial-hull; do
+for page in hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small conveyor/conveyor-small triaxial/triaxial-small press/press-small mill/mill-small screen/screen-small sticky/sticky-ball-20 granuheap/granuheap-1e-2 impact/impact-250 silo/silo-large crater/density-7800 crush/press-01 brazilian/split beam/bend-1 rockfall/boulder-1 granite/compress-1 unbroken/cut-1 shape-dial/dial-hull; do
   holds "$page.report.html" "</html>"
   [[ -s "$scratch/$page.png" && -s "$scratch/$page.run/paraview/$(basename "$page").pvd" ]] || { echo "no picture or ParaView files of $page"; exit 1; }
 done

@@ -4,9 +4,9 @@
 strength   of one rock: the largest mean force of both plates until half of its bonds are broken, over the square of its diameter. Corners
            that chip off before make small peaks of their own
 modulus    of Weibull, by maximum likelihood with an interval of two standard errors (0.78 m / sqrt n: A. C. Cohen, Technometrics 7, 1965)
-t4         share of the mass in fragments of less than a quarter of the rock's diameter (t2: a half, where cells are coarser). Cells are the
-           finest fragments that there are, a fifth of the diameter for 125 of them; t10 takes more than a thousand cells. Fitted with
-           t = A (1 - exp(-b E)), E half the square of the speed (T. J. Napier-Munn et al., Mineral Comminution Circuits, 1996)
+t10        share of the mass in fragments of less than a tenth of the rock's diameter; t4 and t2 of a quarter and a half. Cells are the finest
+           fragments that there are: a tenth takes more than a thousand of them, and is left out below. Fitted with t = A (1 - exp(-b E)), E
+           half the square of the speed (T. J. Napier-Munn et al., Mineral Comminution Circuits, 1996)
 """
 import csv
 import os
@@ -78,21 +78,23 @@ for name in THROWN:
         rows = list(csv.DictReader(file))
     mass, diameter = np.array([float(r["mass"]) for r in rows]), np.array([float(r["diameter"]) for r in rows])
     cell = DIAMETER / sum(int(r["pieces"]) for r in rows) ** (1 / 3)
-    part = max(n for n in (1, 2, 4, 10) if cell < 0.9 * DIAMETER / n)
+    parts = [n for n in (2, 4, 10) if cell < 0.9 * DIAMETER / n]
     energy.append(0.5 * speed**2)
-    fine.append(mass[diameter < DIAMETER / part].sum() / mass.sum())
+    fine.append([mass[diameter < DIAMETER / n].sum() / mass.sum() for n in parts])
     largest.append(mass.max() / mass.sum())
 energy, fine = np.array(energy), np.array(fine)
 has_fit = len(energy) > 2
 with open(TABLE, "w", encoding="utf-8") as file:
     file.write("| rocks | split | median of F/d^2 [kPa] | Weibull modulus of F/d^2 | of the bonds |\n|---|---|---|---|---|\n")
     file.write(f"| {len(strengths)} | {peaks} | {np.median(strengths) / 1e3:.1f} | {modulus:.1f} +- {error:.1f} | {asked} |\n\n")
-    file.write(f"| speed [m/s] | specific energy [J/kg] | t{part} | largest fragment |\n|---|---|---|---|\n")
+    file.write(f"| speed [m/s] | specific energy [J/kg] | {' | '.join(f't{n}' for n in parts)} | largest fragment |\n|---|---|{'---|' * len(parts)}---|\n")
     for e, t, m in zip(energy, fine, largest):
-        file.write(f"| {np.sqrt(2 * e):g} | {e:g} | {t:.3f} | {m:.3f} |\n")
+        file.write(f"| {np.sqrt(2 * e):g} | {e:g} | {' | '.join(f'{x:.3f}' for x in t)} | {m:.3f} |\n")
+    fits = [saturation(energy, fine[:, k]) for k in range(len(parts))] if has_fit else []
     if has_fit:
-        a, b, rest = saturation(energy, fine)
-        file.write(f"\nt{part} = A (1 - exp(-b E)): A = {a:.3f}, b = {b:.3f} kg/J, root mean square of what is left {rest:.3f}\n")
+        file.write("\n| t = A (1 - exp(-b E)) | A | b [kg/J] | root mean square of what is left |\n|---|---|---|---|\n")
+        for n, (a, b, rest) in zip(parts, fits):
+            file.write(f"| t{n} | {a:.3f} | {b:.3f} | {rest:.3f} |\n")
 
 figure, axes = plt.subplots(1, 3, figsize=(13, 3.8))
 axes[0].plot(curve[0], curve[1], color="#0072B2")
@@ -104,11 +106,12 @@ line = np.array([x[0], x[-1]])
 axes[1].plot(np.log(line / 1e3), modulus * np.log(line / scale), color="#D55E00", label=f"m = {modulus:.1f}")
 axes[1].set(xlabel="ln F/d², in kPa", ylabel="ln ln 1/(1 - P)", title=f"{len(x)} rocks")
 axes[1].legend(frameon=False)
-axes[2].plot(energy, fine, "o", color="#0072B2", label=f"t{part}")
-if has_fit:
-    e = np.linspace(0, energy.max(), 200)
-    axes[2].plot(e, a * (1 - np.exp(-b * e)), color="#D55E00", label="A (1 - exp(-b E))")
-axes[2].set(xlabel="specific energy [J/kg]", ylabel=f"t{part}", ylim=(0, 1.02), title="thrown against an anvil")
+for k, (n, mark, colour) in enumerate(zip(parts, "so^", ("#009E73", "#D55E00", "#0072B2"))):
+    axes[2].plot(energy, fine[:, k], mark, color=colour, label=f"t{n}")
+    if has_fit:
+        e = np.linspace(0, energy.max(), 200)
+        axes[2].plot(e, fits[k][0] * (1 - np.exp(-fits[k][1] * e)), color=colour)
+axes[2].set(xlabel="specific energy [J/kg]", ylabel="share of the mass", ylim=(0, 1.02), title="thrown against an anvil, A (1 - exp(-b E))")
 axes[2].legend(frameon=False)
 figure.tight_layout()
 figure.savefig(SVG)
