@@ -19,6 +19,8 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
     bonds.emplace(of);
     fragments.emplace(of);
   }
+  // without gravity nothing has a weight to compare a force with
+  if (of.source().settings.sleep && length(of.source().settings.gravity) > 0) sleep.emplace();
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
   totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
   if (of.source().settings.output_impacts) totals.impacts.pairs.resize(material_pairs(of.source().materials.size()));
@@ -153,12 +155,7 @@ double contact_dissipation(const ParticleSet& p, std::size_t body, double dt) {
 
 void add_dissipation(RunState& s, double dt) {
   ParticleSet& p = s.particles;
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    p.dissipated[i] += contact_dissipation(p, i, dt);
-  }
+  for_each_awake_row(p, [&](std::size_t i) { p.dissipated[i] += contact_dissipation(p, i, dt); });
 }
 
 }  // namespace scree
