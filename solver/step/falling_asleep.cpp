@@ -28,7 +28,7 @@ class Islands {
     std::iota(root_.begin(), root_.end(), std::size_t{0});
     const ParticleSet& p = s.particles;
     for (std::size_t k = 0; k < s.pairs.results().size(); ++k) {
-      const BodyPair& pair = s.pairs.pairs()[k];
+      const IdlePair& pair = s.pairs.idle()[k];
       if (pair.b < 0 || !s.pairs.results()[k].active || !is_awake(p, at(pair.a)) || !is_awake(p, at(pair.b))) continue;
       root_[of(at(pair.a))] = of(at(pair.b));
     }

@@ -64,7 +64,7 @@ bool Sleep::find_restless_walls(const RunState& s) {
 
 Sleep::Kind Sleep::kind_of_pair(const RunState& s, std::size_t k) const {
   const ParticleSet& p = s.particles;
-  const BodyPair& pair = s.pairs.pairs()[k];
+  const IdlePair& pair = s.pairs.idle()[k];
   const bool a_sleeps = sleeps(p, pair.a);
   if (pair.b < 0) {
     if (!a_sleeps) return Kind::awake;
