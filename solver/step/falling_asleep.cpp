@@ -1,7 +1,6 @@
-// Sleep::review: who is ready, and which islands fall asleep.
+// Sleep::review: who is ready, and who of these falls asleep.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "solver/bodies/motion.hpp"
 #include "solver/step/run_state.hpp"
@@ -13,34 +12,13 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Beside the number of looks while ranks agree who may sleep: the body is ready, and nobody in its island is known not to be.
+/// Beside the number of looks during a review: the body is ready.
 constexpr std::int32_t kReady = 1 << 30;
 constexpr std::int32_t kMostLooks = kReady - 1;
 
 bool is_awake(const ParticleSet& p, std::size_t i) { return p.rest[i] != kAsleep && !p.fixed[i]; }
 
 double kinetic_energy(const ParticleSet& p, std::size_t i) { return translational_energy(p, i) + rotational_energy(p, i); }
-
-/// Islands of rows: who touches whom, directly or through others that are awake.
-class Islands {
- public:
-  explicit Islands(const RunState& s) : root_(s.particles.size()) {
-    std::iota(root_.begin(), root_.end(), std::size_t{0});
-    const ParticleSet& p = s.particles;
-    for (std::size_t k = 0; k < s.pairs.results().size(); ++k) {
-      const IdlePair& pair = s.pairs.idle()[k];
-      if (pair.b < 0 || !s.pairs.results()[k].active || !is_awake(p, at(pair.a)) || !is_awake(p, at(pair.b))) continue;
-      root_[of(at(pair.a))] = of(at(pair.b));
-    }
-  }
-  std::size_t of(std::size_t row) {
-    while (root_[row] != row) row = root_[row] = root_[root_[row]];
-    return row;
-  }
-
- private:
-  std::vector<std::size_t> root_;
-};
 
 }  // namespace
 
@@ -69,29 +47,21 @@ bool Sleep::count_quiet(RunState& s) const {
   return any;
 }
 
-/// Takes the mark from those that touch one without it, until nobody does. Collective.
-void Sleep::keep_islands_awake(RunState& s, Halo& halo) const {
+/// Takes the mark from those that touch one without it.
+void Sleep::stay_with_neighbours(RunState& s) const {
   ParticleSet& p = s.particles;
-  Islands islands(s);
-  bool changed = true;
-  while (changed) {
-    halo.start_refresh(p, s.times);
-    halo.finish_refresh(p, s.times);
-    std::vector<std::uint8_t> stays_awake(p.size(), 0);
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      if (is_awake(p, i) && (p.rest[i] & kReady) == 0) stays_awake[islands.of(i)] = 1;
-    }
-    changed = false;
-    for (std::size_t i = 0; i < p.owned; ++i) {
-      if (!is_awake(p, i) || (p.rest[i] & kReady) == 0 || stays_awake[islands.of(i)] == 0) continue;
-      p.rest[i] &= ~kReady;
-      changed = true;
-    }
-    changed = s.comm.size() > 1 && s.comm.max(changed ? 1.0 : 0.0) > 0;
+  const auto is_ready = [&](std::int32_t row) { return (p.rest[at(row)] & kReady) != 0; };
+  std::vector<std::int32_t> stay;
+  for (std::size_t k = 0; k < s.pairs.results().size(); ++k) {
+    const IdlePair& pair = s.pairs.idle()[k];
+    if (pair.b < 0 || !s.pairs.results()[k].active || !is_awake(p, at(pair.a)) || !is_awake(p, at(pair.b))) continue;
+    if (is_ready(pair.a) != is_ready(pair.b)) stay.push_back(is_ready(pair.a) ? pair.a : pair.b);
   }
+  // marks go once all pairs are looked at: else their order would enter
+  for (const std::int32_t row : stay) p.rest[at(row)] &= ~kReady;
 }
 
-/// All that are marked. Returns whether somebody was.
+/// All that are left with a mark. Returns whether somebody was.
 bool Sleep::fall_asleep(RunState& s) const {
   ParticleSet& p = s.particles;
   bool any = false;
@@ -111,7 +81,9 @@ void Sleep::review(RunState& s, Halo& halo, ForceScratch& scratch, FirstFailure&
   if (find_restless_walls(s)) dirty_ = true;
   const bool ready = count_quiet(s);
   if (!(s.comm.max(ready ? 1.0 : 0.0) > 0)) return;
-  keep_islands_awake(s, halo);
+  halo.start_refresh(s.particles, s.times);
+  halo.finish_refresh(s.particles, s.times);
+  stay_with_neighbours(s);
   if (!(s.comm.max(fall_asleep(s) ? 1.0 : 0.0) > 0)) return;
   // ghosts that sleep have no velocity either
   halo.start_refresh(s.particles, s.times);

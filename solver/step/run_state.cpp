@@ -19,6 +19,9 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
     bonds.emplace(of);
     fragments.emplace(of);
   }
+  const Settings& settings = of.source().settings;
+  if (settings.sleep && (!of.source().bonds.empty() || settings.output_impacts || (settings.fluid && length(settings.fluid->velocity) > 0)))
+    throw UsageError("time.sleep does not go with bonds, output.impacts or a fluid that streams; leave out one of both");
   // without gravity nothing has a weight to compare a force with
   if (of.source().settings.sleep && length(of.source().settings.gravity) > 0) sleep.emplace();
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());

@@ -93,6 +93,9 @@ void Sleep::sort_pairs(RunState& s, ForceScratch& scratch, FirstFailure& failure
     if (kind == Kind::awake && kind_[k] != Kind::awake) s.pairs.pairs()[k].state.kept.clear();
     if (kind == Kind::resting && kind_[k] != Kind::resting) fresh_.push_back(static_cast<std::int32_t>(k));
     if (kind == Kind::border) border_.push_back(static_cast<std::int32_t>(k));
+    // one of both has fallen asleep
+    if (kind == Kind::border && kind_[k] == Kind::awake && s.pairs.results()[k].active)
+      s.pairs.pairs()[k].state.kept = {{0, s.pairs.results()[k].force_a}};
     kind_[k] = kind;
   }
   const std::vector<std::int32_t>* const all[kLists] = {&s.pairs.inner(), &s.pairs.outer(), &s.pairs.duplicated()};

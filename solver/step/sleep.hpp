@@ -2,9 +2,9 @@
 //
 // Falling asleep. Every kSleepSteps steps, counted from t = 0, each body is looked at: it is at rest where its kinetic energy is below
 // kSleepEnergy of what it would gain by a fall of its own diameter, and the force on it below `sleep_tolerance` of its weight. A body that
-// has been found so for as long as such a fall takes is ready; it falls asleep together with all that it touches, directly or through
-// others, once these are ready too. Velocities become 0, and what kinetic energy there was is booked. Springs stay. A wall that moves,
-// carries along, answers to force or has a load map lets nobody sleep that touches it.
+// has been found so for as long as such a fall takes is ready. It falls asleep once all that touch it are ready too, or asleep: velocities
+// become 0, and what kinetic energy there was is booked. Springs stay. A wall that moves, carries along, answers to force or has a load
+// map lets nobody sleep that touches it.
 //
 // Asleep. A pair of which neither side moves is neither examined nor computed: it keeps the result that evaluate_at_rest() gave, which is a
 // function of places and springs alone. Each of its contacts notes the force that it had (KeptForce): it is what a later force is compared
@@ -21,8 +21,9 @@
 // pair keep its row alike: it is made as the first of its bodies falls asleep, and goes in the step after the last of them woke, or in the
 // step in which the contact ends.
 //
-// Source: the idea of islands, E. Catto, "Simulation islands", Box2D (2023); here with a load test, since in a heap that is pressed from
-// one side forces change long before anything moves by as much as can be seen.
+// Source: the idea of bodies that sleep, E. Catto, "Simulation islands", Box2D (2023). Departures: who touches a sleeper may be awake, and
+// forces are tested in place of touch alone: in a heap that is pressed from one side forces change long before anything has moved by as
+// much as can be seen, and a stone that rocks forever in its hole would keep a whole heap awake (docs/decisions/030).
 #pragma once
 
 #include <array>
@@ -82,7 +83,7 @@ class Sleep {
   void find_awake_rows(RunState& s);
   void compute_resting(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   bool count_quiet(RunState& s) const;
-  void keep_islands_awake(RunState& s, Halo& halo) const;
+  void stay_with_neighbours(RunState& s) const;
   bool fall_asleep(RunState& s) const;
 
   bool any_ = false, dirty_ = false;                   // somebody sleeps, owned or ghost; pairs are to be sorted

@@ -1199,3 +1199,15 @@ def stiffness_by_size(d):
         if "stiffness" in pair and not attracts and not d.barrier and d.chance(0.2):
             pair["modulus"] = pair.pop("stiffness") / d.radius
     d.random = others
+
+
+@feature
+def sleep(d):
+    """From numbers of its own, as surfaces. Mostly at tolerances at which bodies of a short run fall asleep too."""
+    own = random_numbers.Random(f"sleep {d.case.note}")
+    streams = any(d.words.get("fluid", {}).get("velocity", [0, 0, 0]))
+    if own.random() >= (0.5 if d.settles else 0.15) or d.words.get("bonds") or streams or d.words["output"].get("impacts"):
+        return
+    d.words["time"]["sleep"] = own.random() < 0.95
+    if d.words["time"]["sleep"] and own.random() < 0.7:
+        d.words["time"]["sleep_tolerance"] = 10 ** own.uniform(-5, -0.3)

@@ -13,7 +13,7 @@ G = 9.81
 
 @case("Y1", "U", "a slope that is tilted in stages, with sleep in the rests between", "slides where tan(angle) passes the coefficient of friction")
 def y1(tools, report):
-    mu, radius, rate, rest = 0.5, 0.002, 200.0, 0.1
+    mu, radius, rate, rest = 0.5, 0.002, 20.0, 0.3
     limit = math.degrees(math.atan(mu))
     angles = [10.0, 20.0, limit - 0.05, limit + 0.05]
     time, before, motions, rests = 0.1, 0.0, [], []
