@@ -105,7 +105,8 @@ void settings_sections(CaseKeys& k, Case& c) {
   k.section({"output"}, [&](CaseKeys& below) {
     output_keys(below, s);
     if (below.table() != nullptr && s.sleep && s.output_impacts)
-      throw below.table()->error("impacts", "does not go with time.sleep, since losses of contacts that sleep are not recorded; leave out one of both");
+      throw below.table()->error(
+          "impacts", "does not go with time.sleep, since losses of contacts that sleep are not recorded; leave out one of both");
     if (below.table() != nullptr) s.checkpoint_by_clock = !below.table()->has("checkpoint");  // 0 asks for none but the last
   });
 }

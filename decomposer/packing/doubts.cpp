@@ -128,8 +128,8 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
     doubts.push_back("time.sleep: without gravity nothing sleeps, since no weight says which force is small; leave it out");
   for (const CaseWall& w : c.walls) {
     if (!s.sleep || !(w.wall.load_map || w.wall.motion.drive())) continue;
-    doubts.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}', directly or through others: it {}", w.where,
-                                 w.wall.name, w.wall.load_map ? "has a load map" : "answers to force"));
+    doubts.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}': it {}", w.where, w.wall.name,
+                                 w.wall.load_map ? "has a load map" : "answers to force"));
   }
   if (s.stop_at_rest && !loses)
     doubts.push_back(
