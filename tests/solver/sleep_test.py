@@ -48,7 +48,7 @@ material = "stone"
 name = "plate"
 shape = { plate = { corner = [-0.075, -0.05, -0.01], side_a = [0, 0.1, 0], side_b = [0, 0, 0.08] } }
 material = "stone"
-motion = { translate = { velocity = [0.6, 0, 0] }, start = 0.47, stop = 0.57 }
+motion = { translate = { velocity = [0.3, 0, 0] }, start = 0.47, stop = 0.57 }
 [[inlets]]
 name = "late"
 shape = "ball"
@@ -256,6 +256,79 @@ def a_slope_that_is_tilted_in_stages_is_left_at_the_angle_of_friction():
     assert numpy.linalg.norm(last - first) > 1e-4, (first, last)
 
 
+# A heavy block and a light one that touches it, both asleep. A third comes and pushes the light one, which an outlet takes out before it has
+# left the heavy one: that one bears the push in its sleep, and wakes since it has lost a neighbour.
+OUTLET = """
+gravity = [0, 0, -9.81]
+[time]
+duration = 0.7
+step = 1e-5
+sleep = true
+sleep_tolerance = 0.5
+[contact]
+margin = 0
+impact_speed = 1
+[materials.light]
+density = 1000
+[materials.heavy]
+density = 50000
+[[pairs]]
+between = ["light", "light"]
+stiffness = 2e3
+restitution = 0.1
+friction = 0.2
+[[pairs]]
+between = ["light", "heavy"]
+stiffness = 2e3
+restitution = 0.1
+friction = 0.2
+[shapes.ball]
+sphere = { radius = 0.01 }
+[[bodies]]
+shape = "ball"
+material = "heavy"
+position = [0.02, 0, 0.01]
+lock_rotation = true
+[[bodies]]
+shape = "ball"
+material = "light"
+position = [0, 0, 0.01]
+lock_rotation = true
+force = [0.012, 0, 0]
+[[walls]]
+name = "floor"
+shape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }
+material = "light"
+[[inlets]]
+shape = "ball"
+material = "light"
+region = { box = [[-0.0455, -0.0105, 0.0002], [-0.0245, 0.0105, 0.0206]] }
+velocity = [0.3, 0, 0]
+number_rate = 1000
+start = 0.4
+count = 1
+[[outlets]]
+region = { box = [[0.0001, -0.01, 0], [0.005, 0.01, 0.1]] }
+[output]
+every = 0.01
+"""
+
+
+def a_neighbour_that_is_taken_out_wakes_who_touched_it():
+    pack("outlet", OUTLET)
+    run(1, "outlet.scene.h5", "-o", "outlet.run")
+    times, asleep, gone = column("outlet.run", "time"), column("outlet.run", "asleep"), column("outlet.run", "removed_bodies")
+    assert (asleep[(times > 0.3) & (times < 0.4)] == 2).all(), asleep
+    taken = times[numpy.flatnonzero(gone == 1)[0]]
+    struck = times[numpy.flatnonzero((asleep < 2) & (times > 0.4))[0]]
+    assert 0.4 < struck <= taken < 0.6, (struck, taken)
+    assert (asleep[(times >= struck) & (times < taken)] == 1).all() and struck < taken, "the push alone leaves the heavy one asleep"
+    assert (asleep[(times >= taken) & (times < taken + 0.05)] == 0).all(), asleep
+    assert asleep[-1] >= 1, "it falls asleep again"
+    run(2, "outlet.scene.h5", "-o", "two.run")
+    assert physics_of_log("two.run") == physics_of_log("outlet.run")
+
+
 def what_sleeps_for_ten_seconds_has_moved_by_exactly_nothing():
     rock()
     pack("bed", changed(BED, {"duration = 0.9": "duration = 10.6", "every = 0.05": "every = 0.2", "count = 30": "count = 5", "checkpoint = 0.2": ""}))
@@ -347,5 +420,6 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_cradle_that_sleeps_is_struck_as_one_that_is_awake,
-      a_slope_that_is_tilted_in_stages_is_left_at_the_angle_of_friction, what_sleeps_for_ten_seconds_has_moved_by_exactly_nothing,
+      a_slope_that_is_tilted_in_stages_is_left_at_the_angle_of_friction, a_neighbour_that_is_taken_out_wakes_who_touched_it,
+      what_sleeps_for_ten_seconds_has_moved_by_exactly_nothing,
       energies_of_a_run_that_sleeps_are_closed, a_tolerance_of_nothing_changes_nothing, mistakes_and_plan_are_told])
