@@ -355,6 +355,10 @@ def energies_of_a_run_that_sleeps_are_closed():
     assert abs(ends["awake"][2] - ends["asleep"][2]) < 1e-3 * ends["awake"][2]
     assert abs(ends["awake"][0] - ends["asleep"][0]).max() < 1e-6
     assert "asleep" not in log("awake.run")[0]
+    for name, is_said in (("asleep", True), ("awake", False)):
+        subprocess.run([os.path.join(BIN, "scree-post"), "report", f"{name}.run", "-o", f"{name}.html"], check=True, env=ENV, capture_output=True, timeout=200)
+        with open(f"{name}.html", encoding="utf-8") as file:
+            assert ("30 bodies sleep at the end" in file.read()) == is_said, name
 
 
 def a_tolerance_of_nothing_changes_nothing():
