@@ -158,7 +158,10 @@ double contact_dissipation(const ParticleSet& p, std::size_t body, double dt) {
 
 void add_dissipation(RunState& s, double dt) {
   ParticleSet& p = s.particles;
-  for_each_awake_row(p, [&](std::size_t i) { p.dissipated[i] += contact_dissipation(p, i, dt); });
+  for_each_awake_row(p, [&](std::size_t i) {
+    // what sleeps has no velocity
+    p.dissipated[i] += contact_dissipation(p, i, dt);
+  });
 }
 
 }  // namespace scree
