@@ -192,8 +192,10 @@ struct Settings {
   double steps_per_contact = 30;
   double step = 0;  ///< [s], 0: derived
   StepControl step_control = StepControl::fixed;
-  bool stop_at_rest = false;     ///< end at the first output time at which all bodies rest
-  bool stop_when_empty = false;  ///< end at the first output time at which no body is left that is free to move
+  bool stop_at_rest = false;      ///< end at the first output time at which all bodies rest
+  bool stop_when_empty = false;   ///< end at the first output time at which no body is left that is free to move
+  bool sleep = false;             ///< bodies at rest are not computed until something disturbs them
+  double sleep_tolerance = 1e-3;  ///< [-] of its weight: a change of force that a body at rest does not answer to
   Domain domain;
   std::optional<Fluid> fluid;  ///< none: bodies move in a void
   ContactLaw law = ContactLaw::linear;

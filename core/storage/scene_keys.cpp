@@ -32,6 +32,11 @@ void time_keys(KeyVisitor& k, Settings& s) {
              "ends the run at the first output time at which no body is left that is free to move: when a silo has emptied, for instance. "
              "Bodies leave through the sides of a domain with `outside = \"remove\"`, which it needs"},
             s.stop_when_empty);
+  k.boolean({"sleep", "", "bodies at rest fall asleep, and cost next to nothing until something disturbs them; see below. Needs gravity"},
+            s.sleep);
+  k.number({"sleep_tolerance", "",
+            "of `sleep`: change of a force, over the weight of a body, that leaves it asleep; and largest force on a body at rest"},
+           s.sleep_tolerance, Dimension::none, Range::fraction);
   k.word({"step_control", "",
           "`quantised`: the step is halved, again and again, while the speed of a body (its spin counts as far as it moves the surface "
           "outwards) uses up a fifth of its margin in a step, its spin turns it by 0.1 rad, or the contacts that there are ask for it; "

@@ -61,6 +61,9 @@ void bond_section(CaseKeys& k, Case& c) {
     if (what == "between" && other.between_a == b.between_a && other.between_b == b.between_b)
       throw t->error("between", "is given twice; first at " + other.where);
   }
+  if (c.settings.sleep) {
+    throw t->error("", "does not go with time.sleep: bodies would sleep through what their bonds do; leave out one of both");
+  }
   c.bonds.push_back(b);
 }
 

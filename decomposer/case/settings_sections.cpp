@@ -14,6 +14,7 @@ void time_section(CaseKeys& k, Settings& s) {
   const CaseTable* t = k.table();
   if (t == nullptr) return;
   if (s.stop_at_rest && !(length(s.gravity) > 0)) throw t->error("stop_at_rest", "needs gravity: without it rest cannot be told");
+  if (t->has("sleep_tolerance") && !s.sleep) throw t->error("sleep_tolerance", "is for sleep = true; add it, or leave sleep_tolerance out");
   if (t->has("step") && t->has("steps_per_contact")) {
     throw t->error("step", "the step is given twice; give either step or steps_per_contact");
   }
@@ -91,12 +92,21 @@ void settings_sections(CaseKeys& k, Case& c) {
   });
   k.section({"domain", "unbounded"}, [&](CaseKeys& below) { domain_section(below, s.domain); });
   if (cannot_empty && !(s.domain.bounded && s.domain.outside == Outside::remove)) throw *cannot_empty;
-  k.section({"fluid", "bodies move in a void, at no cost"}, [&](CaseKeys& below) { fluid_keys(below, s.fluid.emplace()); });
+  k.section({"fluid", "bodies move in a void, at no cost"}, [&](CaseKeys& below) {
+    fluid_keys(below, s.fluid.emplace());
+    if (below.table() != nullptr && s.sleep && length(s.fluid->velocity) > 0) {
+      throw below.table()->error(
+          "velocity", "does not go with time.sleep: a body asleep would not feel the stream; use a fluid at rest, or leave sleep out");
+    }
+  });
   k.section({"contact"}, [&](CaseKeys& below) { contact_section(below, c); });
   k.section({"motion"}, [&](CaseKeys& below) { motion_keys(below, s); });
   s.output_every = s.duration / 100;
   k.section({"output"}, [&](CaseKeys& below) {
     output_keys(below, s);
+    if (below.table() != nullptr && s.sleep && s.output_impacts)
+      throw below.table()->error(
+          "impacts", "does not go with time.sleep, since losses of contacts that sleep are not recorded; leave out one of both");
     if (below.table() != nullptr) s.checkpoint_by_clock = !below.table()->has("checkpoint");  // 0 asks for none but the last
   });
 }

@@ -78,6 +78,7 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
   scene.settings.output_contacts = false;
   scene.settings.checkpoint_every = 0;
   scene.settings.stop_at_rest = false;
+  scene.settings.sleep = false;  // of the run; a packing does not depend on it
   return scene;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "post/report/drive_verdict.hpp"
@@ -102,6 +103,15 @@ Verdict judge_rest(const Run& run) {
   const double last = translational.back() + rotational.back();
   const double part = peak > 0 ? last / peak : 0;
   v.evidence = fmt::format("Kinetic energy at the end is {:.2e} of its peak of {:.4g} J.", part, peak);
+  if (run.log.has("asleep")) {
+    const std::vector<double>& asleep = run.log.column("asleep");
+    const double mean = std::accumulate(asleep.begin(), asleep.end(), 0.0) / static_cast<double>(asleep.size());
+    v.evidence += fmt::format(" {:.0f} bodies sleep at the end, {:.4g} on average over the rows of the log", asleep.back(), mean);
+    const auto bodies = static_cast<double>(run.scene.bodies.size());
+    v.evidence += run.scene.inlets.empty() && bodies > 0
+                      ? fmt::format(" ({:.0f} and {:.0f} %).", 100 * asleep.back() / bodies, 100 * mean / bodies)
+                      : ".";
+  }
   if (run.outcome.contains("no_body_left")) {
     v.answer = "no body is left";
   } else if (!run.scene.settings.stop_at_rest) {

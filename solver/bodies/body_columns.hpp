@@ -23,6 +23,9 @@ enum BodyUse : unsigned {
   kLater = 8,     ///< checkpoints of earlier versions lack it: it is 0 then
 };
 
+/// In place of the number of looks: the body sleeps (step/sleep.hpp).
+inline constexpr std::int32_t kAsleep = -1;
+
 }  // namespace scree
 
 // clang-format off
@@ -47,7 +50,8 @@ enum BodyUse : unsigned {
   column(double, dissipated, "dissipated", "J", kPlain, "energy taken from this body by damping and friction")                                \
   column(double, work, "work", "", kMeasured, "measured work since the last cut, arbitrary unit")                                             \
   column(Vec3, image, "image", "", kPlain, "periods gone along periodic axes, see Periodicity::wrap")                                     \
-  column(double, entered, "entered", "s", kLater, "when it came into the run; 0 for those that the scene starts with")
+  column(double, entered, "entered", "s", kLater, "when it came into the run; 0 for those that the scene starts with")                         \
+  column(std::int32_t, rest, "rest", "", kGhost | kLater, "looks that found it at rest, one after the other; kAsleep: it sleeps")
 
 /// What follows from the state, the scene and the step: made anew where the body arrives.
 #define SCREE_BODY_DERIVED(column)                                                                           \

@@ -48,18 +48,11 @@ FluidForces::FluidForces(const Scene& scene) : scene_(&scene), fluid_(scene.sett
 
 void FluidForces::add_buoyancy(ParticleSet& p) const {
   const Vec3 gravity = scene_->settings.gravity;
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    p.force[i] -= displaced_mass(p, i) * gravity;
-  }
+  for_each_awake_row(p, [&](std::size_t i) { p.force[i] -= displaced_mass(p, i) * gravity; });
 }
 
 void FluidForces::kick(ParticleSet& p, double h) const {
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t n = 0; n < count; ++n) kick_body(p, static_cast<std::size_t>(n), h);
+  for_each_awake_row(p, [&](std::size_t i) { kick_body(p, i, h); });
 }
 
 void FluidForces::kick_body(ParticleSet& p, std::size_t i, double h) const {

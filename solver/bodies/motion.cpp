@@ -1,7 +1,5 @@
 #include "solver/bodies/motion.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <limits>
 
@@ -174,18 +172,9 @@ void kick_row(ParticleSet& p, double h, std::size_t i) {
   p.w[i] = angular_velocity(p.q[i], p.inverse_inertia[i], p.L[i]);
 }
 
-/// Calls action(begin, end) with each thread's rows.
-template <class Action>
-void for_rows_of_threads(std::size_t count, Action&& action) {
-#pragma omp parallel
-  {
-    const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
-    action(count * thread / threads, count * (thread + 1) / threads);
-  }
-}
-
 void kick(ParticleSet& p, double h) {
-  for_rows_of_threads(p.owned, [&](std::size_t begin, std::size_t end) {
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = kick_in_lanes(p, h, begin, end); i < end; ++i) kick_row(p, h, i);
   });
 }
@@ -203,7 +192,8 @@ void kick_and_drift_row(ParticleSet& p, double kick_time, double h, std::size_t 
 /// A kick over `kick_time`, then the drift over h: in one pass, since the angular velocity in between is not needed.
 template <class Rotor>
 void kick_and_drift(ParticleSet& p, double kick_time, double h) {
-  for_rows_of_threads(p.owned, [&](std::size_t begin, std::size_t end) {
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
     while (begin < end) {
       begin = drift_in_lanes(p, kick_time, h, begin, end);
       for (const std::size_t plain = std::min(end, begin + kMostDriftLanes); begin < plain; ++begin)

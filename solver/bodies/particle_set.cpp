@@ -64,12 +64,7 @@ void append_record(ParticleSet& p, const ParticleRecord& r, const SolverScene& s
 }
 
 void wrap_positions(const Periodicity& periodicity, ParticleSet& p) {
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t k = 0; k < count; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    p.x_listed[i] += periodicity.wrap(p.x[i], p.image[i]);
-  }
+  for_each_awake_row(p, [&](std::size_t i) { p.x_listed[i] += periodicity.wrap(p.x[i], p.image[i]); });
 }
 
 ParticleRecord make_record(const SolverScene& scene, const BodyAtStart& body) {

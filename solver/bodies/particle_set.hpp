@@ -5,6 +5,9 @@
 // load and undone at output.
 #pragma once
 
+#include <omp.h>
+
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +24,11 @@ struct BondedMass {
   std::int32_t fragment = -1;
 };
 
+/// Rows [begin, end).
+struct RowRun {
+  std::size_t begin, end;
+};
+
 struct ParticleSet {
 #define SCREE_COLUMN_STATE(type, name, dataset, unit, uses, what) std::vector<type> name;
 #define SCREE_COLUMN_DERIVED(type, name, what) std::vector<type> name;
@@ -32,6 +40,9 @@ struct ParticleSet {
   std::size_t owned = 0;  ///< rows [0, owned) are ours
   /// Of every row the fragment that it is part of, null where it is none; empty in a scene without bonds (neighbours/fragment_masses.hpp).
   std::vector<const BondedMass*> bonded;
+  /// Where bodies may sleep (step/sleep.hpp): the owned rows that are awake, in ascending order. Else all are, and this is empty.
+  std::vector<RowRun> awake;
+  bool may_sleep = false;
 
   std::size_t size() const { return id.size(); }
   std::size_t ghost_count() const { return size() - owned; }
@@ -73,6 +84,30 @@ ParticleRecord record_of(const ParticleSet& p, std::size_t i);
 double body_mass(const SolverScene& scene, std::int32_t shape, std::int32_t material, double scale);
 /// Appends a row; mass, inertia and radius follow from shape, scale and material.
 void append_record(ParticleSet& p, const ParticleRecord& record, const SolverScene& scene);
+
+/// Calls action(begin, end) with the share of the calling thread in the owned rows that are awake, run by run. In a parallel region.
+template <class Action>
+void for_awake_rows_of_thread(const ParticleSet& p, Action&& action) {
+  const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
+  if (!p.may_sleep) return action(p.owned * thread / threads, p.owned * (thread + 1) / threads);
+  std::size_t count = 0, before = 0;
+  for (const RowRun& run : p.awake) count += run.end - run.begin;
+  const std::size_t first = count * thread / threads, last = count * (thread + 1) / threads;
+  for (const RowRun& run : p.awake) {
+    const std::size_t size = run.end - run.begin, begin = std::max(first, before), end = std::min(last, before + size);
+    if (begin < end) action(run.begin + begin - before, run.begin + end - before);
+    before += size;
+  }
+}
+
+/// Calls action(row) for each owned row that is awake, by all threads.
+template <class Action>
+void for_each_awake_row(const ParticleSet& p, Action&& action) {
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) action(i);
+  });
+}
 
 /// Wraps the owned bodies into a periodic domain, the places of their lists with them.
 void wrap_positions(const Periodicity& periodicity, ParticleSet& p);

@@ -46,8 +46,28 @@ struct PairKind<FrictionSpring> {
   }
 };
 
+/// Force of a contact as it was when the first of its bodies fell asleep (step/sleep.hpp): one row, of a pair in contact with a body
+/// asleep.
+struct KeptForce {
+  std::int64_t key;
+  Vec3 force;  ///< on A, world [N]
+};
+
+template <>
+struct PairKind<KeptForce> {
+  static constexpr const char* kGroup = "kept_forces";
+  static constexpr const char* kName = "kept forces";
+  static constexpr bool kLasts = true;  ///< a contact that ends may wake a body, which asks for what it has lost
+  template <class Action>
+  static void visit(Action&& action) {
+    action("key", "", &KeptForce::key);
+    action("force", "N", &KeptForce::force);
+  }
+};
+
 struct PairState {
   std::vector<FrictionSpring> springs;  ///< sorted by key
+  std::vector<KeptForce> kept;          ///< one at most; empty but where bodies sleep
 
   bool empty() const;
   void clear();
@@ -60,12 +80,14 @@ struct PairState {
 template <class State, class Action>
 void for_each_kind(State&& state, Action&& action) {
   action(state.springs);
+  action(state.kept);
 }
 
 /// The same with two states side by side.
 template <class First, class Second, class Action>
 void for_each_kind_of_two(First&& first, Second&& second, Action&& action) {
   action(first.springs, second.springs);
+  action(first.kept, second.kept);
 }
 
 /// The kind of rows such as PairState holds.

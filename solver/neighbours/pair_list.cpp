@@ -113,9 +113,13 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
       idle_[k] = {pair.a, pair.b, kNeverIdle};
     }
   }
-  // what lasts waits until its bodies are near again
-  std::erase_if(waiting_, [](WaitingState& w) { return !w.state.keep_lasting(); });
+  // what lasts waits until its bodies are near again; a body asleep is no longer held by one that is not near
+  std::erase_if(waiting_, [](WaitingState& w) {
+    w.state.kept.clear();
+    return !w.state.keep_lasting();
+  });
   for (BodyPair& pair : pairs_) {
+    pair.state.kept.clear();
     if (pair.state.keep_lasting()) waiting_.push_back({pair.key, std::move(pair.state)});
   }
   pairs_ = std::move(next);
@@ -203,11 +207,8 @@ void PairList::sort_sides(const ParticleSet& p) {
 }
 
 void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
   const auto last = static_cast<std::int32_t>(entry_.size()) - 1;
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const auto i = static_cast<std::size_t>(n);
+  for_each_awake_row(p, [&](std::size_t i) {
     Vec3 force, torque, dissipative_force, dissipative_torque;
     for (std::int32_t s = start_[i]; s < start_[i + 1]; ++s) {
       const std::int32_t entry = entry_[static_cast<std::size_t>(s)];
@@ -231,7 +232,7 @@ void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
     p.torque[i] = torque;
     p.dissipative_force[i] = dissipative_force;
     p.dissipative_torque[i] = dissipative_torque;
-  }
+  });
 }
 
 void PairList::hold_apart(const std::function<bool(const PairKey&)>& which) {

@@ -59,6 +59,7 @@ class PairList {
   std::vector<PairResult>& results() { return results_; }
   const std::vector<PairResult>& results() const { return results_; }
   std::vector<IdlePair>& idle() { return idle_; }
+  const std::vector<IdlePair>& idle() const { return idle_; }
   TravelBounds& travel() { return travel_; }
   /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
   std::vector<WaitingState>& waiting() { return waiting_; }

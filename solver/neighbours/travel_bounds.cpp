@@ -8,10 +8,23 @@ void TravelBounds::restart(const ParticleSet& p) {
   q_ = p.q;
 }
 
+void TravelBounds::add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity) {
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) { add_motion(p, periodicity, begin, end); });
+}
+
+void TravelBounds::add_motion_of_ghosts(const ParticleSet& p, const Periodicity& periodicity) {
+#pragma omp parallel
+  {
+    const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
+    const std::size_t ghosts = p.ghost_count();
+    add_motion(p, periodicity, p.owned + ghosts * thread / threads, p.owned + ghosts * (thread + 1) / threads);
+  }
+}
+
 void TravelBounds::add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end) {
   constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
   const bool wraps = periodicity.any();
-#pragma omp parallel for schedule(static)
   for (std::size_t i = begin; i < end; ++i) {
     Vec3 shift = p.x[i] - x_[i];
     if (wraps) shift = periodicity.nearest(shift);

@@ -14,12 +14,15 @@ class TravelBounds {
  public:
   /// Begins anew: nobody has gone anywhere.
   void restart(const ParticleSet& p);
-  /// Adds what the bodies in rows [begin, end) have moved since the last call.   Threads: parallel inside.
-  void add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end);
+  /// Adds what the owned bodies, or the ghosts, have moved since the last call.   Threads: parallel inside.
+  void add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity);
+  void add_motion_of_ghosts(const ParticleSet& p, const Periodicity& periodicity);
   /// No point of the body has gone further since the start [m].
   double operator[](std::int32_t row) const { return way_[static_cast<std::size_t>(row)]; }
 
  private:
+  void add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end);
+
   std::vector<double> way_;
   std::vector<Vec3> x_;
   std::vector<Quat> q_;

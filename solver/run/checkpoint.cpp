@@ -41,6 +41,7 @@ void for_each_number(Record& r, Action&& action) {
   action("arrived", r.energies.arrived);
   action("bond", r.energies.bond);
   action("fracture", r.energies.fracture);
+  action("slept", r.energies.slept);
   action("imbalance_sum", r.imbalance_sum);
   action("log_rows", r.log_rows);
   action("list_renewals", r.list_renewals);
@@ -121,6 +122,7 @@ void share_out(const mpi::Communicator& comm, const std::vector<ParticleRecord>&
 template <class Row>
 void read_states(const mpi::Communicator& comm, const h5::Group& root, std::vector<WaitingState>& states) {
   std::vector<KeyedRow<Row>> rows;
+  if (!root.has(PairKind<Row>::kGroup)) return;  // of a run that has none of this kind
   for (const auto& r : read_columns<PairTableColumns<Row>>(comm, root.open_group(PairKind<Row>::kGroup), "a"))
     rows.push_back({r.key(), r.row});
   add_rows(rows, states);
@@ -189,6 +191,7 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     std::vector<std::int64_t> fracture = bonds.read_array<std::int64_t>("fracture", kWords);
     set_sum(fracture, c.totals.fracture);
   }
+  if (root.has("slept")) set_sum(root.read_array<std::int64_t>("slept", kWords), c.totals.slept);
   if (root.has_attribute("largest_id")) {
     set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
     c.totals.largest_id = root.read_integer_attribute("largest_id");
@@ -287,6 +290,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         file.write(bonds, "fracture", words_of_fracture.data(), comm.rank() == 0 ? Rows{1, 0, 1} : Rows{0, 1, 1},
                    static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
       }
+      if (simulation.state().sleep) {
+        const ExactSum::Words slept = ExactSum(totals.slept).words();
+        file.write(root, "slept", slept.data(), comm.rank() == 0 ? Rows{1, 0, 1} : Rows{0, 1, 1},
+                   static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+      }
       if (totals.largest_id >= 0) {
         root.write_attribute("largest_id", totals.largest_id);
         write_sums("arrivals", words_of(totals.arrived));
@@ -294,6 +302,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
       for_each_kind(PairState{}, [&](const auto& kind) {
         using Row = typename std::decay_t<decltype(kind)>::value_type;
+        if (std::is_same_v<Row, KeptForce> && !simulation.state().sleep) return;
         const std::vector<PairRow<Row>> rows = table_of<Row>(states);
         write_columns<PairTableColumns<Row>>(file, root.create_group(PairKind<Row>::kGroup), rows,
                                              distribute(comm.get(), static_cast<std::int64_t>(rows.size())));

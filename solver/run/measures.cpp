@@ -90,6 +90,13 @@ WallTotals wall_totals(const RunState& s) {
   return over_ranks(s.comm.get(), std::move(walls));
 }
 
+/// Of all ranks [J].
+ExactSum slept_energy(const RunState& s) {
+  std::vector<ExactSum> slept{s.totals.slept};
+  add_over_ranks(s.comm.get(), slept);
+  return slept[0];
+}
+
 void add_bond_energies(const RunState& s, Energies& all) {
   std::vector<ExactSum> e{{}, s.totals.fracture};
   const std::vector<ListedBond>& bonds = s.bonds->listed();
@@ -133,6 +140,7 @@ Energies energies_of(const RunState& s) {
   all.removed = departed.energy.value();
   all.arrived = over_ranks(s.comm.get(), s.totals.arrived).energy.value();
   if (s.bonds) add_bond_energies(s, all);
+  if (s.sleep) all.slept = slept_energy(s).value();
   return all;
 }
 
@@ -205,6 +213,11 @@ std::int64_t free_body_count(const RunState& s) {
   return s.comm.sum(count);
 }
 
+std::int64_t asleep_count(const RunState& s) {
+  const auto end = s.particles.rest.begin() + static_cast<std::ptrdiff_t>(s.particles.owned);
+  return s.comm.sum(static_cast<std::int64_t>(std::count(s.particles.rest.begin(), end, kAsleep)));
+}
+
 std::int64_t contact_count(const RunState& s) {
   std::int64_t count = 0;
   for_each_contact(s, [&](const BodyPair&, const PairResult& r) { count += r.contact_count; });
@@ -256,6 +269,7 @@ RunTotals overall_totals(const RunState& s) {
   add_over_ranks(s.comm.get(), totals.loads);
   add_over_ranks(s.comm.get(), totals.impacts);
   totals.level = s.clock.level;
+  if (s.sleep) totals.slept = slept_energy(s);
   if (s.bonds) {
     std::vector<ExactSum> fracture{s.totals.fracture};
     add_over_ranks(s.comm.get(), fracture);
@@ -277,6 +291,7 @@ std::string state_hash(const RunState& s) {
     for_each_body_column([&](const auto& c) {
       if (c.uses & kHashed) h.add((p.*c.column)[i]);
     });
+    if (p.rest[i] != 0) h.add(p.rest[i]);
     add(h);
   }
   for (const BodyPair& pair : s.pairs.pairs()) {

@@ -19,9 +19,10 @@ struct Energies {
   double arrived = 0;     ///< kinetic and potential, brought by bodies that joined after the start
   double bond = 0;        ///< of the bonds that hold
   double fracture = 0;    ///< of bonds as they broke, less that of the contacts that took their place
+  double slept = 0;       ///< kinetic, of bodies as they fell asleep
   double balance() const {
     return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed - arrived + bond +
-           fracture;
+           fracture + slept;
   }
 };
 Energies energies_of(const RunState& s);
@@ -48,6 +49,7 @@ void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& w
 
 std::int64_t body_count(const RunState& s);
 std::int64_t free_body_count(const RunState& s);  ///< of those that are free to move
+std::int64_t asleep_count(const RunState& s);
 std::int64_t contact_count(const RunState& s);
 std::int64_t holding_bond_count(const RunState& s);
 std::int64_t active_pair_count(const RunState& s);

@@ -57,6 +57,7 @@ class Plan {
     add_start();
     add_contact();
     add_motion();
+    add_sleep();
     add_fluid();
     add_space();
     add_output();
@@ -71,6 +72,7 @@ class Plan {
   void add_contact();
   void add_attraction();
   void add_motion();
+  void add_sleep();
   void add_fluid();
   void add_space();
   double mean_mass(const Inlet& inlet) const;
@@ -185,6 +187,17 @@ void Plan::add_motion() {
                                settings_.integrator == Integrator::kdk_dlm ? "five-rotation splitting"
                                                                            : word_of(settings_.integrator) + std::string(" rotor"),
                                count_.locked > 0 ? fmt::format(", {} bodies locked", count_.locked) : ""));
+}
+
+void Plan::add_sleep() {
+  if (!settings_.sleep) return out("sleep", "time.sleep = false: bodies at rest are computed");
+  if (!simulation_.state().sleep) return out("sleep", "without gravity nothing sleeps: no weight says which force is small");
+  in("sleep", fmt::format("bodies at rest, looked at every {} steps; woken by a change of {:g} of their weight", kSleepSteps,
+                          settings_.sleep_tolerance));
+  for (const Wall& wall : source_.walls) {
+    if (wall.load_map || wall.motion.drive())
+      out("sleep on a wall", fmt::format("'{}' {}", wall.name, wall.load_map ? "has a load map" : "answers to force"));
+  }
 }
 
 void Plan::add_fluid() {

@@ -68,6 +68,10 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
     columns.push_back({"fracture", "J", exact(e.fracture)});
     columns.push_back({"bonds", "-", fmt::format("{}", row.bonds)});
   }
+  if (scene.settings.sleep) {
+    columns.push_back({"asleep", "-", fmt::format("{}", row.asleep)});
+    columns.push_back({"slept", "J", exact(e.slept)});
+  }
   columns.push_back({"critical_step", "s", fmt::format("{:.6g}", row.critical.step)});
   columns.push_back({"state_hash", "-", row.state_hash});
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {

@@ -16,6 +16,7 @@ struct LogRow {
   double time = 0;  ///< [s]
   Energies energies;
   double energy_error = 0;                      ///< change of the balance since the start [J]
+  std::int64_t asleep = 0;                      ///< bodies
   std::int64_t contacts = 0, bonds = 0;         ///< bonds that hold
   double max_overlap_ratio = 0, imbalance = 0;  ///< since the row before
   std::vector<RankMeasures> ranks;              ///< since the start of the run; the row has the mean of their times

@@ -40,7 +40,9 @@ void book(RunState& s, const ListedBond& bond, const BondForce& f) {
 }  // namespace
 
 void add_given_forces(RunState& s) {
-  for (const GivenForce& given : s.given_forces) s.particles.force[given.row] += given.force;
+  for (const GivenForce& given : s.given_forces) {
+    if (s.particles.rest[given.row] != kAsleep) s.particles.force[given.row] += given.force;
+  }
 }
 
 void add_bonds(RunState& s) {

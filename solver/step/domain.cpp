@@ -83,6 +83,13 @@ bool DomainGuard::review(const RunState& s, FirstFailure& failure) {
   return removal_due_;
 }
 
+std::vector<std::uint8_t> DomainGuard::leaving(const RunState& s) const {
+  const Exits exits(s);
+  std::vector<std::uint8_t> leaves(s.particles.owned);
+  for (std::size_t i = 0; i < leaves.size(); ++i) leaves[i] = exits.of(i) != kStays ? 1 : 0;
+  return leaves;
+}
+
 bool DomainGuard::remove(RunState& s) {
   if (!std::exchange(removal_due_, false)) return false;
   ParticleSet& p = s.particles;
@@ -96,8 +103,8 @@ bool DomainGuard::remove(RunState& s) {
       ++kept;
       continue;
     }
-    // Removal falls between the two kicks of a step: the second is that of free flight.
-    finish_in_free_flight(s, p, i);
+    // Removal falls between the two kicks of a step: the second is that of free flight. A body asleep had no first.
+    if (p.rest[i] != kAsleep) finish_in_free_flight(s, p, i);
     removed_.push_back({p.id[i], s.clock.step, s.clock.time(), p.mass[i], p.x[i], p.v[i], p.entered[i], exit});
     DepartureTotals& departed = s.totals.departed;
     departed.count.add(1);

@@ -31,6 +31,9 @@ class DomainGuard {
   /// is to be removed. Collective.
   /// Returns whether bodies of any rank are to be removed: at the rebuild of lists in this step, by remove().
   bool review(const RunState& s, FirstFailure& failure);
+  bool is_removal_due() const { return removal_due_; }
+  /// Of each owned row, after review(), whether it is to be taken out.
+  std::vector<std::uint8_t> leaving(const RunState& s) const;
   /// Takes out what review() found, before ghosts are made. Between the two kicks of a step.
   /// Returns whether bodies of any rank left: the same on all.
   bool remove(RunState& s);

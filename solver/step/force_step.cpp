@@ -9,11 +9,14 @@ namespace scree {
 
 namespace {
 
-void add_travel(RunState& s, Balance& balance, std::size_t begin, std::size_t end) {
-  if (begin == end) return;
+void add_travel(RunState& s, Balance& balance, bool of_ghosts) {
+  if ((of_ghosts ? s.particles.ghost_count() : s.particles.owned) == 0) return;
   const PhaseTimer timer(s.times, Phase::contact);
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
-  s.pairs.travel().add_motion(s.particles, s.scene.periodicity(), begin, end);
+  if (of_ghosts)
+    s.pairs.travel().add_motion_of_ghosts(s.particles, s.scene.periodicity());
+  else
+    s.pairs.travel().add_motion_of_owned(s.particles, s.scene.periodicity());
 }
 
 }  // namespace
@@ -26,16 +29,21 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   const bool timed = refresh_ghosts && balance.is_sample(s.clock.step);
   s.loads.clear();
   s.impacts.clear();
+  if (s.sleep) s.sleep->sort_pairs(s, scratch_, failure);
+  const auto due = [&s](Sleep::Which which, const std::vector<std::int32_t>& all) {
+    return s.sleep ? s.sleep->due(which, all) : std::span(all);
+  };
   if (timed) scratch_.pair_seconds.assign(s.pairs.pairs().size(), 0.0f);
 
   if (refresh_ghosts) halo.start_refresh(p, s.times);
   if (refresh_ghosts && !overlap) halo.finish_refresh(p, s.times);
-  if (refresh) add_travel(s, balance, 0, p.owned);
-  compute_pairs(s, balance, failure, s.pairs.inner(), friction_dt, Phase::contact);
+  if (refresh) add_travel(s, balance, false);
+  compute_pairs(s, balance, failure, due(Sleep::kInner, s.pairs.inner()), friction_dt, Phase::contact);
   if (refresh_ghosts && overlap) halo.finish_refresh(p, s.times);
-  if (refresh) add_travel(s, balance, p.owned, p.size());
-  if (built_with::kRanks) compute_pairs(s, balance, failure, s.pairs.outer(), friction_dt, Phase::contact);
-  if (built_with::kRanks) compute_pairs(s, balance, failure, s.pairs.duplicated(), friction_dt, Phase::duplicated);
+  if (refresh) add_travel(s, balance, true);
+  if (built_with::kRanks && s.sleep) s.sleep->hear_of_ghosts(s, scratch_, failure);
+  if (built_with::kRanks) compute_pairs(s, balance, failure, due(Sleep::kOuter, s.pairs.outer()), friction_dt, Phase::contact);
+  if (built_with::kRanks) compute_pairs(s, balance, failure, due(Sleep::kDuplicated, s.pairs.duplicated()), friction_dt, Phase::duplicated);
 
   if (timed) {
     balance.add_sample(scratch_.pair_seconds, s.pairs.pairs(), p);
@@ -43,6 +51,7 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   }
   const PhaseTimer timer(s.times, Phase::sum);
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
+  if (s.sleep) s.sleep->wake_disturbed(s);
   s.pairs.sum_onto_bodies(s.scene.source().settings.gravity, p);
   if (s.fluid) s.fluid->add_buoyancy(p);
   if (!s.given_forces.empty()) add_given_forces(s);

@@ -34,7 +34,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   std::optional<BallPass> of_balls;
   if (has_ball_way(pass)) of_balls.emplace(pass);
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
-#pragma omp parallel if (!pass.only_looks()) reduction(max : overlap) reduction(|| : too_deep)
+#pragma omp parallel if (pass.at_rest || !pass.only_looks()) reduction(max : overlap) reduction(|| : too_deep)
   {
     const int thread = omp_get_thread_num();
     PairEvaluation<Model> evaluation(pass, thread);
@@ -97,9 +97,11 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
 
 }  // namespace
 
-double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
-                      std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
-                      PairList& list, FrameContacts* out, const PairVisitor* look) {
+namespace {
+
+double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
+                double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, FrameContacts* out,
+                const PairVisitor* look, bool at_rest) {
   // a barrier makes room for gaps that are otherwise too near to be followed
   const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopOverlapRatio;
   PairPass pass{scene,
@@ -115,7 +117,8 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                 pair_holds_function(scene.law_choice()),
                 stop_ratio,
                 scene.source().settings.output_impacts,
-                !scene.source().bonds.empty()};
+                !scene.source().bonds.empty(),
+                at_rest};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
   if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
   if (pass.has_impacts) scratch.impacts.resize(scratch.distance.size());
@@ -123,6 +126,19 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
   check_pass(pass, which, step, deepest);
   return deepest.overlap;
+}
+
+}  // namespace
+
+double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                      std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
+                      PairList& list, FrameContacts* out, const PairVisitor* look) {
+  return evaluate(scene, p, walls, which, dt, friction_dt, step, scratch, list, out, look, false);
+}
+
+void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                      std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch, PairList& list) {
+  evaluate(scene, p, walls, which, dt, 0, step, scratch, list, nullptr, nullptr, true);
 }
 
 void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,

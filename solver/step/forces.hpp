@@ -50,6 +50,11 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                       std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
                       PairList& list, FrameContacts* out = nullptr, const PairVisitor* look = nullptr);
 
+/// Results of pairs whose bodies are at rest: a function of where they are and of their springs, which stay as they are to the last bit.
+/// Evaluated again, it gives the same bits.   Threads: parallel inside.   Ranks: local.
+void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                      std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch, PairList& list);
+
 /// Shows every pair in contact to `look`, one after another; changes neither springs nor results. Damping is shown
 /// without its corrections for the step.
 void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,

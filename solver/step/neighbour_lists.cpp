@@ -62,17 +62,17 @@ StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
   }
   const double ask = ahead ? (1 - kSkinInHand) * limit : limit;
   const double ahead_v = ahead ? kVelocityShare * dt : 0, ahead_a = ahead ? kAccelerationShare * dt : 0;
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static) reduction(|| : beyond, soon) reduction(max : fastest)
-  for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    const double moved = rebuilt ? 0.0 : length(p.x[i] - p.x_listed[i]), speed = length(p.v[i]);
-    const double gain = ahead_a * p.inverse_mass[i] * length(p.force[i]);
-    // written so that a NaN position counts as used up, and is then found by the guard
-    if (!(moved <= limit)) beyond = true;
-    if (!(moved + ahead_v * speed + dt * gain <= ask)) soon = true;
-    fastest = std::max({fastest, speed, gain});  // from rest, the acceleration tells what comes
-  }
+#pragma omp parallel reduction(|| : beyond, soon) reduction(max : fastest)
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double moved = rebuilt ? 0.0 : length(p.x[i] - p.x_listed[i]), speed = length(p.v[i]);
+      const double gain = ahead_a * p.inverse_mass[i] * length(p.force[i]);
+      // written so that a NaN position counts as used up, and is then found by the guard
+      if (!(moved <= limit)) beyond = true;
+      if (!(moved + ahead_v * speed + dt * gain <= ask)) soon = true;
+      fastest = std::max({fastest, speed, gain});  // from rest, the acceleration tells what comes
+    }
+  });
   StepReport report;
   const bool asked = std::exchange(rebuild_asked_, false);
   report.rebuild = beyond || soon || (asked && !rebuilt) ? 1 : 0;

@@ -33,9 +33,10 @@ struct PairPass {
   double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
   bool has_impacts;         ///< impacts and losses are recorded
   bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
+  bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
 
-  bool only_looks() const { return out != nullptr || look != nullptr; }
+  bool only_looks() const { return out != nullptr || look != nullptr || at_rest; }
   /// Of both bodies together since the lists were made [m].
   double way_of(const IdlePair& idle) const { return list.travel()[idle.a] + (idle.b >= 0 ? list.travel()[idle.b] : 0.0); }
 };

@@ -19,6 +19,11 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
     bonds.emplace(of);
     fragments.emplace(of);
   }
+  const Settings& settings = of.source().settings;
+  if (settings.sleep && (!of.source().bonds.empty() || settings.output_impacts || (settings.fluid && length(settings.fluid->velocity) > 0)))
+    throw UsageError("time.sleep does not go with bonds, output.impacts or a fluid that streams; leave out one of both");
+  // without gravity nothing has a weight to compare a force with
+  if (of.source().settings.sleep && length(of.source().settings.gravity) > 0) sleep.emplace();
   if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
   totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
   if (of.source().settings.output_impacts) totals.impacts.pairs.resize(material_pairs(of.source().materials.size()));
@@ -153,12 +158,10 @@ double contact_dissipation(const ParticleSet& p, std::size_t body, double dt) {
 
 void add_dissipation(RunState& s, double dt) {
   ParticleSet& p = s.particles;
-  const auto count = static_cast<std::ptrdiff_t>(p.owned);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const auto i = static_cast<std::size_t>(n);
+  for_each_awake_row(p, [&](std::size_t i) {
+    // what sleeps has no velocity
     p.dissipated[i] += contact_dissipation(p, i, dt);
-  }
+  });
 }
 
 }  // namespace scree

@@ -15,6 +15,7 @@
 #include "solver/phases.hpp"
 #include "solver/ranks/body_facts.hpp"
 #include "solver/step/run_totals.hpp"
+#include "solver/step/sleep.hpp"
 #include "solver/step/step_size.hpp"
 
 namespace scree {
@@ -63,6 +64,7 @@ struct RunState {
   std::optional<BondList> bonds;            ///< of a scene that has some
   std::optional<FragmentMasses> fragments;  ///< the same
   std::vector<GivenForce> given_forces;
+  std::optional<Sleep> sleep;  ///< of a scene whose bodies may sleep
   std::vector<WallState> walls;
   BodyFacts facts;
   std::int64_t largest_id = -1;  ///< that a body or a wall has or had, at any time

@@ -51,6 +51,7 @@ struct RunTotals {
   WallTotals walls;
   DepartureTotals departed;
   ArrivalTotals arrived;
+  ExactSum slept;                       ///< kinetic energy of bodies as they fell asleep [J]
   ExactSum fracture;                    ///< energy of bonds as they broke, less that of the contacts in their place [J]
   std::vector<std::int64_t> broken_at;  ///< of all bonds, as checkpoints hold them (BondList); empty elsewhere
   std::vector<OutletTotals> outlets;

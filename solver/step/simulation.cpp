@@ -103,6 +103,7 @@ void Simulation::advance() {
     wear_walls(state_, forces_.scratch(), failure_);
     walls_worn_ = true;
   }
+  if (state_.sleep && step() % kSleepSteps == 0) state_.sleep->review(state_, decomposition_.halo(), forces_.scratch(), failure_);
   levels_.review(state_, forces_.scratch(), failure_);
 }
 
@@ -196,7 +197,10 @@ void Simulation::rebuild_lists(const StepReport& report) {
     agree_on_failures();
     const bool has_bonds = state_.bonds.has_value();
     const double further = has_bonds ? extra_reach(state_, lists_.rebuilds() == 0) : 0;
+    std::vector<std::int64_t> disturbed;
+    if (state_.sleep && domain_.is_removal_due()) disturbed = state_.sleep->touching_those_that_leave(state_, domain_.leaving(state_));
     decomposition_.distribute(p, state_.pairs, report);
+    if (state_.sleep) Sleep::wake(state_, disturbed);
     const bool left = domain_.remove(state_), came = arrivals_.join(state_, decomposition_.halo());
     if (left || came) agree_on_bodies(state_);
     if (has_bonds) share_broken(state_, left);
@@ -204,10 +208,18 @@ void Simulation::rebuild_lists(const StepReport& report) {
     if (built_with::kRanks) decomposition_.halo().make_ghosts(state_.scene, p, state_.facts.largest_radius, lists_.skin() + further);
   }
   lists_.rebuild(state_, decomposition_.balance());
+  if (state_.sleep) state_.sleep->begin_lists(state_);
   if (state_.scene.has_bonds_or_forces()) list_bonds(state_, failure_);
 }
 
-double Simulation::take_max_overlap_ratio() { return state_.comm.max(std::exchange(state_.totals.max_overlap_ratio, 0.0)); }
+double Simulation::take_max_overlap_ratio() {
+  // pairs at rest have not been computed since
+  for (const PairResult& r : state_.pairs.results()) {
+    if (!state_.sleep) break;
+    if (r.active) state_.totals.max_overlap_ratio = std::max(state_.totals.max_overlap_ratio, r.overlap_ratio);
+  }
+  return state_.comm.max(std::exchange(state_.totals.max_overlap_ratio, 0.0));
+}
 
 CriticalStep Simulation::critical_step() { return scree::critical_step(state_, forces_.scratch()); }
 

@@ -73,6 +73,7 @@ std::vector<WaitingState> starting_pairs(const SolverScene& scene, const StartSt
       using Row = typename std::decay_t<decltype(kind)>::value_type;
       if (table.kind != PairKind<Row>::kGroup) return;
       known = true;
+      if constexpr (std::is_same_v<Row, KeptForce>) return;  // a run begins with all bodies awake
       std::vector<KeyedRow<Row>> rows = rows_of<Row>(table);
       std::erase_if(rows, [&](const auto& r) { return !own.contains(r.key.a) && (r.key.zone >= 0 || !own.contains(r.key.b)); });
       std::sort(rows.begin(), rows.end(),

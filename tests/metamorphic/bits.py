@@ -375,6 +375,8 @@ def bodies_go_the_same_way(trial, case, what):
 @relation("bits", another_last_digit)
 def a_load_map_is_no_physics(trial):
     """Summing up what walls bear changes nothing of what bodies do."""
+    if trial.case.value("time", "sleep"):
+        raise NotApplicable("nobody sleeps on a wall with a load map")
     case = trial.case.copy()
     meshes = [wall for wall in case.walls if next(iter(wall["shape"])) not in ("plane", "box_inside", "cylinder_inside", "sphere_inside")]
     if not meshes:
@@ -389,6 +391,8 @@ def a_load_map_is_no_physics(trial):
 @relation("bits", another_last_digit)
 def recording_impacts_is_no_physics(trial):
     """Recording impacts and losses changes nothing of what bodies do."""
+    if trial.case.value("time", "sleep"):
+        raise NotApplicable("is refused together with sleep")
     case = trial.case.copy()
     table = case.table("output")
     table["impacts"] = not table.get("impacts", False)

@@ -6,7 +6,7 @@ A new key that holds a number joins with one line here; selftest.py compares the
 # key: exponents of length, mass, time
 DIMENSIONS = {
     "gravity": (1, 0, -2),
-    "time.duration": (0, 0, 1), "time.step": (0, 0, 1),
+    "time.duration": (0, 0, 1), "time.step": (0, 0, 1), "time.sleep_tolerance": (0, 0, 0),
     "domain.min": (1, 0, 0), "domain.max": (1, 0, 0),
     "fluid.density": (-3, 1, 0), "fluid.viscosity": (-1, 1, -1), "fluid.velocity": (1, 0, -1),
     "shapes.*.cell_size": (1, 0, 0), "shapes.*.sphere.radius": (1, 0, 0),

@@ -1199,3 +1199,25 @@ def stiffness_by_size(d):
         if "stiffness" in pair and not attracts and not d.barrier and d.chance(0.2):
             pair["modulus"] = pair.pop("stiffness") / d.radius
     d.random = others
+
+
+@feature
+def sleep(d):
+    """From numbers of its own, as surfaces. Mostly in cases that lose their motion, and last until bodies have slept for a while."""
+    own = random_numbers.Random(f"sleep {d.case.note}")
+    streams = any(d.words.get("fluid", {}).get("velocity", [0, 0, 0]))
+    if own.random() >= 0.2 or d.words.get("bonds") or streams or d.words["output"].get("impacts"):
+        return
+    time = d.words["time"]
+    time["sleep"] = own.random() < 0.95
+    if not time["sleep"]:
+        return
+    if own.random() < 0.8:
+        time["sleep_tolerance"] = 10 ** own.uniform(-4, -0.3)
+    if d.g > 0 and own.random() < 0.8:
+        for pair in d.words["pairs"]:
+            pair["restitution"] = min(pair["restitution"], own.uniform(0.05, 0.4))
+            pair["friction"] = max(pair.get("friction", 0), own.uniform(0.2, 0.8))
+        fall = 2 * math.sqrt(d.radius / d.g)   # by a diameter: what is at rest sleeps after it
+        time["duration"] = d.duration = max(d.duration, min(own.uniform(6, 12) * fall, 30000 * d.step_guess))
+        d.words["output"]["every"] = max(d.words["output"]["every"], d.duration / 40)

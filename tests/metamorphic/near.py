@@ -25,6 +25,8 @@ def base(trial):
     """The case with its bodies placed one by one."""
     if trial.case.words.get("inlets") or trial.case.words.get("outlets"):
         raise NotApplicable("bodies come in and leave at places of their own")
+    if trial.case.value("time", "sleep"):
+        raise NotApplicable("a rounding decides at which look a body is found at rest")
     if not hasattr(trial, "frozen"):
         trial.frozen = frozen(trial.case, trial.scene)
         try:
