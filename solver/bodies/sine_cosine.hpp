@@ -9,19 +9,45 @@ namespace scree {
 /// most 0.05 (kTurnPerStep).
 inline constexpr double kSmallAngle = 1.0 / 16;
 
-/// A larger angle is halved until it is small, and what comes of it doubled as often: each time the error at most doubles.
-/// Infinite angles and numbers that are none give NaN.   Cost: a tenth of the library's time where the angle is small.
+/// Larger angles, for whoever asks: the nearest multiple of a right angle is taken off exactly (IEEE 754 defines its bits), and eight terms
+/// and one of the series are exact to rounding for the rest. Infinite angles and numbers that are none give NaN.
+/// Errors: 1.5 units in the last place of 1, and for each right angle 6e-17, by which pi / 2 is rounded.
+inline void sine_and_cosine_of_any(double a, double& sine, double& cosine) {
+  constexpr double kRightAngle = 1.57079632679489662;
+  int turns = 0;
+  const double r = std::remquo(a, kRightAngle, &turns), rr = r * r;
+  const double s =
+      r - r * rr *
+              (1.0 / 6 -
+               rr * (1.0 / 120 - rr * (1.0 / 5040 - rr * (1.0 / 362880 -
+                                                          rr * (1.0 / 39916800 - rr * (1.0 / 6227020800 - rr * (1.0 / 1307674368000)))))));
+  const double c =
+      1 - rr * (0.5 - rr * (1.0 / 24 -
+                            rr * (1.0 / 720 - rr * (1.0 / 40320 -
+                                                    rr * (1.0 / 3628800 - rr * (1.0 / 479001600 - rr * (1.0 / 87178291200 -
+                                                                                                        rr * (1.0 / 20922789888000))))))));
+  switch (turns & 3) {
+    case 0:
+      sine = s, cosine = c;
+      break;
+    case 1:
+      sine = c, cosine = -s;
+      break;
+    case 2:
+      sine = -s, cosine = -c;
+      break;
+    default:
+      sine = -c, cosine = s;
+      break;
+  }
+}
+
+/// Cost: a tenth of the library's time where the angle is small.
 inline void sine_and_cosine(double a, double& sine, double& cosine) {
-  int halvings = 0;
-  for (; std::abs(a) > kSmallAngle && std::isfinite(a); ++halvings) a *= 0.5;
+  if (!(std::abs(a) <= kSmallAngle)) return sine_and_cosine_of_any(a, sine, cosine);
   const double aa = a * a;
   sine = a - a * aa * (1.0 / 6 - aa * (1.0 / 120 - aa * (1.0 / 5040 - aa * (1.0 / 362880))));
   cosine = 1 - aa * (0.5 - aa * (1.0 / 24 - aa * (1.0 / 720 - aa * (1.0 / 40320))));
-  for (; halvings > 0; --halvings) {
-    const double s = sine;
-    sine = 2 * s * cosine;
-    cosine = 1 - 2 * s * s;
-  }
 }
 
 }  // namespace scree
