@@ -48,7 +48,7 @@ material = "stone"
 name = "plate"
 shape = { plate = { corner = [-0.075, -0.05, -0.01], side_a = [0, 0.1, 0], side_b = [0, 0, 0.08] } }
 material = "stone"
-motion = { translate = { velocity = [0.3, 0, 0] }, start = 0.47, stop = 0.57 }
+motion = { translate = { velocity = [0.7, 0, 0] }, start = 0.47, stop = 0.57 }
 [[inlets]]
 name = "late"
 shape = "ball"
