@@ -11,6 +11,7 @@
 #include "core/picture/display.hpp"
 #include "core/storage/h5.hpp"
 #include "post/vtk/picture.hpp"
+#include "post/vtk/vtk_threads.hpp"
 
 namespace scree {
 
@@ -136,6 +137,7 @@ std::string speed_text(double speed) {
 }  // namespace
 
 std::string write_film(const Run& run, const std::string& path, const FilmOptions& options, std::vector<std::string>& skipped) {
+  keep_vtk_to_one_thread();
   const PictureOptions& look = options.picture;
   if (!path.ends_with(".gif") && (look.width % 2 != 0 || look.height % 2 != 0))
     throw UsageError("--size {} {}: the numbers of a film are even, for instance {} {}", look.width, look.height,

@@ -10,6 +10,7 @@
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/output_file.hpp"
 #include "post/vtk/vtk_files.hpp"
+#include "post/vtk/vtk_threads.hpp"
 
 namespace scree {
 
@@ -27,6 +28,7 @@ std::string pvd_of(const std::vector<std::pair<std::string, double>>& files) {
 }  // namespace
 
 VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
+  keep_vtk_to_one_thread();
   const auto wants = [&](const char* kind) { return std::find(options.kinds.begin(), options.kinds.end(), kind) != options.kinds.end(); };
   if ((wants("contacts") || wants("network")) && !run.scene.settings.output_contacts) {
     throw UsageError(
