@@ -18,6 +18,13 @@ def case_of(record):
     return tomllib.loads(record["provenance"]["inputs"][0]["history"]["configuration"])
 
 
+def heights_of_heaviest(frames):
+    """Of frames of the Python package: the row of the heaviest body in the first, and its z [m] in all."""
+    row = int(frames[0].bodies.mass.argmax())
+    body = int(frames[0].bodies.id[row])
+    return row, [float(frame.bodies.position[frame.bodies.id == body][0, 2]) for frame in frames]
+
+
 def frame_at(run, time=None):
     """Positions N x 3 [m] in the last frame, or in the last one at or before a time."""
     with open(f"{run}.run/frames.hdf.series", encoding="utf-8") as file:

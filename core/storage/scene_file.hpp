@@ -121,6 +121,11 @@ struct Wall {
   double wear_every = 0;  ///< [s] of the run after which its vertices recede, again and again
 };
 
+/// Why nobody sleeps who touches the wall (time.sleep), whether it moves or not; null: no reason.
+inline const char* what_keeps_awake(const Wall& wall) {
+  return wall.load_map ? "has a load map" : wall.motion.drive() ? "answers to force" : nullptr;
+}
+
 /// A part of space: what a wall of that kind would hold (box_inside, cylinder_inside, sphere_inside), or the inside of a closed mesh. Only
 /// what gives the wall its place is used; it does not move.
 using RegionShape = Wall;

@@ -127,9 +127,8 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
   if (s.sleep && !(length(s.gravity) > 0))
     doubts.push_back("time.sleep: without gravity nothing sleeps, since no weight says which force is small; leave it out");
   for (const CaseWall& w : c.walls) {
-    if (!s.sleep || !(w.wall.load_map || w.wall.motion.drive())) continue;
-    doubts.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}': it {}", w.where, w.wall.name,
-                                 w.wall.load_map ? "has a load map" : "answers to force"));
+    if (const char* why = s.sleep ? what_keeps_awake(w.wall) : nullptr)
+      doubts.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}': it {}", w.where, w.wall.name, why));
   }
   if (s.stop_at_rest && !loses)
     doubts.push_back(

@@ -10,10 +10,10 @@ namespace scree {
 
 namespace {
 
-// Of the smallest diameter, how far the fastest impact may press balls without margins into each other while they are poured: what they
-// weigh presses them a hundredth of that. Glass of 2 mm then takes steps 15 times as long. Bodies with margins may use up kOverlapShare of
-// them.
-constexpr double kOverlapOfDiameter = 0.1;
+// Of the smallest diameter, how far the fastest impact may press balls without margins into each other while they are poured, and how far
+// what they weigh: impacts pass, and make the steps of stiff small balls long (1 GPa and 2 mm: 15 times); what a bed weighs lasts, and
+// changes how it lies. Bodies with margins may use up kOverlapShare of them.
+constexpr double kImpactOfDiameter = 0.1, kWeightOfDiameter = 0.02;
 // The largest force in a bed over that of its mean pressure on the area of a body: forces are distributed exponentially.
 constexpr double kLargestForce = 5;
 // A softer bed takes steps that are longer by the root of this and then has to be made stiff: below, it is not worth it.
@@ -72,12 +72,13 @@ double softness_of_pouring(const Case& c, const SceneParts& parts, const Scene& 
   }
   if (!(largest > 0) || c.pairs.empty()) return 1;
   // of two bodies; of a body and a mesh wall where margins go with size
-  const double margins = least_margin < 1e300 ? least_margin : 2 * common_margin(scene.settings),
-               allowed = margins > 0 ? kOverlapShare * margins : kOverlapOfDiameter * smallest;
+  const double margins = least_margin < 1e300 ? least_margin : 2 * common_margin(scene.settings);
+  const auto allowed = [&](double of_diameter) { return margins > 0 ? kOverlapShare * margins : of_diameter * smallest; };
   // overlaps of impacts go with a power of the stiffness, that of the law
   const double power = c.settings.law == ContactLaw::hertz_mindlin ? 2.5 : 2;
-  const double for_impacts = std::pow(report.impact_overlap / allowed, power);
-  const double for_weight = kLargestForce * load_of_bed(c, parts, scene, largest) / softest_force(c, scene, smallest, allowed);
+  const double for_impacts = std::pow(report.impact_overlap / allowed(kImpactOfDiameter), power);
+  const double for_weight =
+      kLargestForce * load_of_bed(c, parts, scene, largest) / softest_force(c, scene, smallest, allowed(kWeightOfDiameter));
   const double share = std::max({for_impacts, for_weight, kSoftest});
   return share * kWorth <= 1 ? share : 1;
 }

@@ -156,8 +156,7 @@ void rotate_by(const Vec3& inertia, const Vec3& inverse_inertia, bool isotropic,
   if (isotropic) {  // w is constant: one exact rotation about it
     w = inverse_inertia.x * L;
     const double rate = length(w);
-    if (!(rate > 0)) return;
-    turn_in_world(q, remainder, turn_about((1 / rate) * w, rate * h));
+    if (rate > 0) turn_in_world(q, remainder, turn_about((1 / rate) * w, rate * h));
     return;
   }
   Rotor::advance(inertia, inverse_inertia, h, L, q, remainder);

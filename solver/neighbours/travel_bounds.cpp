@@ -9,36 +9,30 @@ void TravelBounds::restart(const ParticleSet& p) {
 }
 
 void TravelBounds::add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity) {
-#pragma omp parallel
-  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) { add_motion(p, periodicity, begin, end); });
+  const bool wraps = periodicity.any();
+  for_each_awake_row(p, [&](std::size_t i) { add_motion(p, periodicity, wraps, i); });
 }
 
 void TravelBounds::add_motion_of_ghosts(const ParticleSet& p, const Periodicity& periodicity) {
-#pragma omp parallel
-  {
-    const auto thread = static_cast<std::size_t>(omp_get_thread_num()), threads = static_cast<std::size_t>(omp_get_num_threads());
-    const std::size_t ghosts = p.ghost_count();
-    add_motion(p, periodicity, p.owned + ghosts * thread / threads, p.owned + ghosts * (thread + 1) / threads);
-  }
+  const bool wraps = periodicity.any();
+#pragma omp parallel for schedule(static)
+  for (std::size_t i = p.owned; i < p.size(); ++i) add_motion(p, periodicity, wraps, i);
 }
 
-void TravelBounds::add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end) {
+void TravelBounds::add_motion(const ParticleSet& p, const Periodicity& periodicity, bool wraps, std::size_t i) {
   constexpr double kRounding = 1 + 1e-9;  // far above that of the sums below
-  const bool wraps = periodicity.any();
-  for (std::size_t i = begin; i < end; ++i) {
-    Vec3 shift = p.x[i] - x_[i];
-    if (wraps) shift = periodicity.nearest(shift);
-    x_[i] = p.x[i];
-    if (p.ball_radius[i] > 0) {  // as it turns, its surface stays where it is
-      way_[i] += kRounding * length(shift);
-      continue;
-    }
-    // A point at R from the centre moves by 2 R sin(angle / 2), two unit quaternions differ by 2 sin(angle / 4).
-    const Quat &q = p.q[i], &old = q_[i];
-    const double w = q.w - old.w, x = q.x - old.x, y = q.y - old.y, z = q.z - old.z;
-    way_[i] += kRounding * (length(shift) + 2 * p.radius[i] * std::sqrt(w * w + x * x + y * y + z * z));
-    q_[i] = q;
+  Vec3 shift = p.x[i] - x_[i];
+  if (wraps) shift = periodicity.nearest(shift);
+  x_[i] = p.x[i];
+  if (p.ball_radius[i] > 0) {  // as it turns, its surface stays where it is
+    way_[i] += kRounding * length(shift);
+    return;
   }
+  // A point at R from the centre moves by 2 R sin(angle / 2), two unit quaternions differ by 2 sin(angle / 4).
+  const Quat &q = p.q[i], &old = q_[i];
+  const double w = q.w - old.w, x = q.x - old.x, y = q.y - old.y, z = q.z - old.z;
+  way_[i] += kRounding * (length(shift) + 2 * p.radius[i] * std::sqrt(w * w + x * x + y * y + z * z));
+  q_[i] = q;
 }
 
 }  // namespace scree

@@ -21,7 +21,7 @@ class TravelBounds {
   double operator[](std::int32_t row) const { return way_[static_cast<std::size_t>(row)]; }
 
  private:
-  void add_motion(const ParticleSet& p, const Periodicity& periodicity, std::size_t begin, std::size_t end);
+  void add_motion(const ParticleSet& p, const Periodicity& periodicity, bool wraps, std::size_t row);
 
   std::vector<double> way_;
   std::vector<Vec3> x_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
@@ -247,13 +248,13 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       for_each_number(run, [&](const std::string& name, const auto& value) { group.write_attribute(name, value); });
       file.write_text(root, "provenance", record);
       // the same on every rank: rank 0 writes them
-      const auto write_sums = [&](const char* name, const std::vector<std::int64_t>& sums) {
+      const auto write_sums = [&](const h5::Group& in, const char* name, std::span<const std::int64_t> sums) {
         const auto rows = static_cast<std::int64_t>(sums.size() / ExactSum::kWords);
-        file.write(root, name, sums.data(), comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows},
+        file.write(in, name, sums.data(), comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows},
                    static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
       };
-      write_sums("totals", words);
-      if (!totals.outlets.empty()) write_sums("outlets", words_of(totals.outlets));
+      write_sums(root, "totals", words);
+      if (!totals.outlets.empty()) write_sums(root, "outlets", words_of(totals.outlets));
       if (!totals.inlets.empty()) write_inlets(comm, file, root, totals.inlets);
       if (!totals.drives.empty()) {
         const std::vector<DriveState> drives = comm.rank() == 0 ? totals.drives : std::vector<DriveState>{};
@@ -286,18 +287,12 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         const auto count = static_cast<std::int64_t>(totals.broken_at.size());
         const Rows rows = comm.rank() == 0 ? Rows{count, 0, count} : Rows{0, count, count};
         file.write(bonds, "broken_at", totals.broken_at.data(), rows, 1, H5T_NATIVE_INT64, "");
-        const ExactSum::Words words_of_fracture = ExactSum(totals.fracture).words();
-        file.write(bonds, "fracture", words_of_fracture.data(), comm.rank() == 0 ? Rows{1, 0, 1} : Rows{0, 1, 1},
-                   static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
+        write_sums(bonds, "fracture", ExactSum(totals.fracture).words());
       }
-      if (simulation.state().sleep) {
-        const ExactSum::Words slept = ExactSum(totals.slept).words();
-        file.write(root, "slept", slept.data(), comm.rank() == 0 ? Rows{1, 0, 1} : Rows{0, 1, 1},
-                   static_cast<std::int64_t>(ExactSum::kWords), H5T_NATIVE_INT64, "");
-      }
+      if (simulation.state().sleep) write_sums(root, "slept", ExactSum(totals.slept).words());
       if (totals.largest_id >= 0) {
         root.write_attribute("largest_id", totals.largest_id);
-        write_sums("arrivals", words_of(totals.arrived));
+        write_sums(root, "arrivals", words_of(totals.arrived));
       }
       write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
       for_each_kind(PairState{}, [&](const auto& kind) {

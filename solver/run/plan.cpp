@@ -195,8 +195,7 @@ void Plan::add_sleep() {
   in("sleep", fmt::format("bodies at rest, looked at every {} steps; woken by a change of {:g} of their weight", kSleepSteps,
                           settings_.sleep_tolerance));
   for (const Wall& wall : source_.walls) {
-    if (wall.load_map || wall.motion.drive())
-      out("sleep on a wall", fmt::format("'{}' {}", wall.name, wall.load_map ? "has a load map" : "answers to force"));
+    if (const char* why = what_keeps_awake(wall)) out("sleep on a wall", fmt::format("'{}' {}", wall.name, why));
   }
 }
 

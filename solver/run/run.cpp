@@ -255,7 +255,7 @@ LogRow Run::take_row() {
   row.max_overlap_ratio = simulation_.take_max_overlap_ratio();
   row.imbalance = simulation_.decomposition().take_imbalance();
   row.contacts = contact_count(simulation_.state());
-  row.asleep = asleep_count(simulation_.state());
+  if (simulation_.state().sleep) row.asleep = asleep_count(simulation_.state());
   row.bonds = holding_bond_count(simulation_.state());
   row.loads = wall_loads_of(simulation_.state());
   row.walls = simulation_.state().walls;

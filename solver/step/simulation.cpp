@@ -213,10 +213,9 @@ void Simulation::rebuild_lists(const StepReport& report) {
 }
 
 double Simulation::take_max_overlap_ratio() {
-  // pairs at rest have not been computed since
-  for (const PairResult& r : state_.pairs.results()) {
-    if (!state_.sleep) break;
-    if (r.active) state_.totals.max_overlap_ratio = std::max(state_.totals.max_overlap_ratio, r.overlap_ratio);
+  if (state_.sleep) {  // pairs at rest have not been computed since
+    for (const PairResult& r : state_.pairs.results())
+      if (r.active) state_.totals.max_overlap_ratio = std::max(state_.totals.max_overlap_ratio, r.overlap_ratio);
   }
   return state_.comm.max(std::exchange(state_.totals.max_overlap_ratio, 0.0));
 }

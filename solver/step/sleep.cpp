@@ -20,7 +20,7 @@ bool is_zero(const Vec3& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 bool is_restless(const RunState& s, std::size_t w) {
   const Wall& wall = s.scene.source().walls[w];
   const WallState& state = s.walls[w];
-  if (wall.load_map || wall.wear > 0 || s.scene.drive(w) != nullptr) return true;
+  if (what_keeps_awake(wall) != nullptr) return true;
   for (const Vec3* v : {&state.velocity, &state.angular_velocity, &state.velocity_before, &state.angular_velocity_before,
                         &state.surface.velocity, &state.surface.spin, &state.surface_before.velocity, &state.surface_before.spin}) {
     if (!is_zero(*v)) return true;

@@ -10,7 +10,7 @@ import h5py
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, SOLVER, main, run  # noqa: E402
+from tool_runs import BIN, SOLVER, column, main, run  # noqa: E402
 
 RADIUS, DENSITY, COUNT, SIDE = 0.5e-3, 2500.0, 40, 4e-3
 CASE = """
@@ -73,13 +73,6 @@ def pack(name, **words):
     assert result.returncode == 0, result.stdout + result.stderr
     with open(log) as file:
         return [json.loads(line) for line in file]
-
-
-def column(folder, name):
-    with open(os.path.join(folder, "log.csv")) as file:
-        rows = [line.strip().split(",") for line in file if not line.startswith("#")]
-    at = rows[0].index(name)
-    return numpy.array([float(row[at]) for row in rows[1:]])
 
 
 def check_rest(name):

@@ -11,7 +11,7 @@ import h5py
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, main, make_killed, outcome, run  # noqa: E402
+from tool_runs import BIN, column, main, make_killed, outcome, run  # noqa: E402
 
 HEAD = """
 seed = 3
@@ -103,13 +103,6 @@ def state_of(path):
     contacts["tangential_force"] = numpy.where(first[:, None], -1, 1) * contacts["tangential_force"]
     order = numpy.lexsort([contacts[name] for name in ("feature", "body_b", "body_a")])
     return bodies, {name: values[order] for name, values in contacts.items()}
-
-
-def column(folder, name):
-    with open(os.path.join(folder, "log.csv")) as file:
-        rows = [line.strip().split(",") for line in file if not line.startswith("#")]
-    at = rows[0].index(name)
-    return numpy.array([float(row[at]) for row in rows[1:]])
 
 
 def a_bed_at_rest_rests_on_from_its_checkpoint():

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """Bodies that sleep (time.sleep) as a user meets them. usage: sleep_test.py BIN_FOLDER MPIEXEC [TEST...]"""
-import csv
 import glob
 import math
 import os
@@ -11,7 +10,25 @@ import sys
 import numpy
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
-from tool_runs import BIN, ENV, frames_of, main, make_killed, outcome, pack, physics_of_log, run, same_frames  # noqa: E402
+from tool_runs import BIN, ENV, column, frames_of, main, make_killed, outcome, pack, physics_of_log, run, same_frames  # noqa: E402
+
+ROCKS = """
+[contact]
+margin = "0.4 mm"
+[materials.stone]
+density = 2500
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = 2e4
+restitution = {restitution}
+friction = {friction}
+[shapes.rock]
+file = "rock.shape.h5"
+[[populations]]
+shape = "rock"
+material = "stone"
+count = {count}
+"""
 
 # Rocks and balls that are poured, rest and sleep; a ball that comes late wakes some of them; then a plate pushes into the heap and stops,
 # and an outlet takes out what it pushed away.
@@ -22,23 +39,9 @@ gravity = [0, 0, -9.81]
 duration = 0.6
 step = 3e-5
 sleep = true
-[contact]
-margin = "0.4 mm"
-[materials.stone]
-density = 2500
-[[pairs]]
-between = ["stone", "stone"]
-stiffness = 2e4
-restitution = 0.3
-friction = 0.6
 [shapes.ball]
 sphere = { radius = "6 mm" }
-[shapes.rock]
-file = "rock.shape.h5"
-[[populations]]
-shape = "rock"
-material = "stone"
-count = 14
+""" + ROCKS.format(restitution=0.3, friction=0.6, count=14) + """\
 region = { box = [[-0.035, -0.02, 0.005], [0.03, 0.02, 0.045]] }
 [[walls]]
 name = "floor"
@@ -73,21 +76,7 @@ gravity = [0, 0, -9.81]
 duration = 0.9
 step = 4e-5
 sleep = true
-[contact]
-margin = "0.4 mm"
-[materials.stone]
-density = 2500
-[[pairs]]
-between = ["stone", "stone"]
-stiffness = 2e4
-restitution = 0.4
-friction = 0.5
-[shapes.rock]
-file = "rock.shape.h5"
-[[populations]]
-shape = "rock"
-material = "stone"
-count = 30
+""" + ROCKS.format(restitution=0.4, friction=0.5, count=30) + """\
 region = { box = [[-0.03, -0.03, 0.005], [0.03, 0.03, 0.09]] }
 [[walls]]
 name = "tray"
@@ -147,15 +136,6 @@ def changed(text, changes):
         assert old in text, old
         text = text.replace(old, new)
     return text
-
-
-def log(folder):
-    with open(os.path.join(folder, "log.csv"), encoding="utf-8") as file:
-        return list(csv.DictReader(file))[1:]  # below the names stand the units
-
-
-def column(folder, name):
-    return numpy.array([float(row[name]) for row in log(folder)])
 
 
 def paths(folder):
@@ -244,7 +224,7 @@ def a_slope_that_is_tilted_in_stages_is_left_at_the_angle_of_friction():
     pack("slope", SLOPE.format(duration=time + 0.4, motions=", ".join(motions)))
     run(1, "slope.scene.h5", "-o", "slope.run")
     times, asleep, x = column("slope.run", "time"), column("slope.run", "asleep"), positions("slope.run")[:, 0]
-    moving = [float(row["kinetic_translational"]) for row in log("slope.run")]
+    moving = column("slope.run", "kinetic_translational")
     for begin, end in rests[:-1]:
         k = numpy.searchsorted(times, end) - 1
         assert times[k] > begin and asleep[k] == 1 and moving[k] == 0, (begin, end, times[k])
@@ -354,7 +334,7 @@ def energies_of_a_run_that_sleeps_are_closed():
     assert abs(ends["awake"][1] - ends["asleep"][1]) < 1e-3 * abs(ends["awake"][1]), ends
     assert abs(ends["awake"][2] - ends["asleep"][2]) < 1e-3 * ends["awake"][2]
     assert abs(ends["awake"][0] - ends["asleep"][0]).max() < 1e-6
-    assert "asleep" not in log("awake.run")[0]
+    assert "asleep" not in physics_of_log("awake.run")[0]
     for name, is_said in (("asleep", True), ("awake", False)):
         subprocess.run([os.path.join(BIN, "scree-post"), "report", f"{name}.run", "-o", f"{name}.html"], check=True, env=ENV, capture_output=True, timeout=200)
         with open(f"{name}.html", encoding="utf-8") as file:

@@ -76,6 +76,15 @@ def physics_of_log(folder):
     return [[row[i] for i in kept] for row in rows]
 
 
+def column(folder, name):
+    """A column of log.csv, as numbers."""
+    import numpy
+    with open(os.path.join(folder, "log.csv")) as file:
+        rows = [line.strip().split(",") for line in file if not line.startswith("#")]
+    at = rows[0].index(name)
+    return numpy.array([float(row[at]) for row in rows[1:]])
+
+
 def frames_of(folder, groups):
     """Of each frame: the groups that it has, by GROUP/NAME, where bodies are by id, and what was dissipated."""
     import h5py

@@ -17,7 +17,7 @@ from scipy.stats import t as student  # noqa: E402
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import scree  # noqa: E402
-from run_record import case_of, record_of, si  # noqa: E402
+from run_record import case_of, heights_of_heaviest, record_of, si  # noqa: E402
 
 GRAVITY = 9.81
 EXPONENTS = {"H": 1 / 3, "rho_b": 1 / 2}
@@ -25,8 +25,8 @@ ALLOWED = 0.05   # of an exponent
 TABLE, SVG, PNG, *NAMES = sys.argv[1:]
 
 
-def radius_in(name, shape):
-    return si(case_of(record_of(name))["shapes"][shape]["sphere"]["radius"])
+def radius_in(case, shape):
+    return si(case["shapes"][shape]["sphere"]["radius"])
 
 
 def bed_of(frame, ball, r):
@@ -43,26 +43,25 @@ def bed_of(frame, ball, r):
     return surface, mass.sum() / ((surface - floor) * np.prod(high - low))
 
 
-def fall_of(name):
-    """Depth, whole way down [m], densities of ball and bed, the chart's line: time [ms] and depth [mm]."""
+def fall_of(name, case, grain):
+    """Depth, whole way down [m], densities of ball and bed, the chart's line: time [ms] and depth [mm]. grain: radius of the grains [m]."""
     frames = scree.open(f"{name}.run").frames
-    first = frames[0].bodies
-    n = int(np.argmax(first.mass))
-    ball, radius = int(first.id[n]), radius_in(name, "ball")
-    density = si(case_of(record_of(name))["materials"]["ball"]["density"])
-    surface, bed_density = bed_of(frames[0], ball, radius_in("bed", "grain"))
-    z = np.array([frame.bodies.position[frame.bodies.id == ball][0, 2] for frame in frames]) - radius
-    depth = surface - z.min()
-    fallen = first.velocity[n, 2] ** 2 / (2 * GRAVITY) + z[0] - surface
-    return depth, fallen + depth, density, bed_density, 2 * radius, np.array([frame.time for frame in frames]) * 1e3, (surface - z) * 1e3
+    n, z = heights_of_heaviest(frames)
+    first, radius, density = frames[0].bodies, radius_in(case, "ball"), si(case["materials"]["ball"]["density"])
+    surface, bed_density = bed_of(frames[0], int(first.id[n]), grain)
+    bottom = np.array(z) - radius
+    depth = surface - bottom.min()
+    fallen = first.velocity[n, 2] ** 2 / (2 * GRAVITY) + bottom[0] - surface
+    return depth, fallen + depth, density, bed_density, 2 * radius, np.array([frame.time for frame in frames]) * 1e3, (surface - bottom) * 1e3
 
 
 rows, points = [], []
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")
+grain = radius_in(case_of(record_of("bed")), "grain")
 for name in NAMES:
-    depth, way, density, bed_density, diameter, time, below = fall_of(name)
-    points.append((depth, way, density, bed_density, diameter))
     record = record_of(name)
+    depth, way, density, bed_density, diameter, time, below = fall_of(name, case_of(record), grain)
+    points.append((depth, way, density, bed_density, diameter))
     rows.append(f"| {name} | {1e3 * way:.1f} | {density:.0f} | {1e3 * depth:.2f} | {depth / diameter:.2f} | {record['bodies']} | {record['steps']} | {record['wall_seconds']:.0f} |")
     left.plot(time, below, "-", label=name, linewidth=1.2)
 depth, way, density, bed_density, diameter = np.array(points).T

@@ -15,7 +15,7 @@ import numpy as np  # noqa: E402
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import scree  # noqa: E402
-from run_record import record_of  # noqa: E402
+from run_record import heights_of_heaviest, record_of  # noqa: E402
 
 TIMES = np.array([0, 10, 20, 30, 40])  # ms
 PUBLISHED = {25000: {"LIGGGHTS": [0, -50.7, -102.2, -138.4, -118.7], "MUSEN": [0, -50.5, -102.0, -138.0, -120.2]},
@@ -28,9 +28,7 @@ TABLE, SVG, PNG, *NAMES = sys.argv[1:]
 def way(name):
     """Times [ms] and displacement [mm] of the heaviest body."""
     frames = scree.open(f"{name}.run").frames
-    heaviest = int(np.argmax(frames[0].bodies.mass))
-    ball = int(frames[0].bodies.id[heaviest])
-    z = np.array([frame.bodies.position[frame.bodies.id == ball][0, 2] for frame in frames])
+    z = np.array(heights_of_heaviest(frames)[1])
     return np.array([frame.time for frame in frames]) * 1e3, (z - z[0]) * 1e3
 
 
