@@ -90,26 +90,32 @@ with open(table, "w", encoding="utf-8", newline="") as file:
         writer.writerow([run["shape"], run["seed"], run["count"], run["friction"], f"{run['kinetic_before']:.2g}", f"{run['max_depth_ratio']:.3f}"]
                         + [f"{run['fractions'][n]:.4f}" for n in taps])
 
-columns = ["dice", "let down", "published, loose", "difference", *(f"{n} tap{'s' * (n > 1)}" for n in taps[1:]), "denser by", "published, densest"]
+shapes = list(dict.fromkeys(run["shape"] for run in runs))
+tapped = len(taps) > 1
+columns = ["dice", "let down", "published, loose", "difference", *(f"{n} tap{'s' * (n > 1)}" for n in taps[1:])] + ["denser by", "published, densest"] * tapped
 lines = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|"]
 figure, axes = plt.subplots(figsize=(6.4, 4.2))
-for shape in dict.fromkeys(run["shape"] for run in runs):
+for place, shape in enumerate(shapes):
     values = np.array([[run["fractions"][n] for n in taps] for run in runs if run["shape"] == shape])
     mean = values.mean(axis=0)
     spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.zeros(len(taps))
     cells = [f"{m:.3f} +- {s:.3f}" if len(values) > 1 else f"{m:.3f}" for m, s in zip(mean, spread)]
     cells[1:1] = [f"{LOOSE[shape]:.2f}", f"{mean[0] - LOOSE[shape]:+.3f}"]
-    lines.append(f"| {' | '.join([shape, *cells, f'{mean[-1] - mean[0]:+.3f}', f'{DENSEST[shape]:.2f}'])} |")
-    axes.errorbar(taps, mean, spread, fmt="o-", ms=4, capsize=2, color=COLOURS[shape], label=shape)
-    axes.errorbar(-0.1, LOOSE[shape], 0.01, fmt="D", mfc="white", ms=6, capsize=3, color=COLOURS[shape])
-axes.set_xscale("symlog", linthresh=1)
-axes.set_xticks(taps, [str(n) for n in taps])
-axes.minorticks_off()
-axes.set_xlabel("taps")
+    cells += [f"{mean[-1] - mean[0]:+.3f}", f"{DENSEST[shape]:.2f}"] * tapped
+    lines.append(f"| {' | '.join([shape, *cells])} |")
+    axes.errorbar(taps if tapped else place, mean, spread, fmt="o-", ms=4, capsize=2, color=COLOURS[shape], label=shape)
+    axes.errorbar(-0.1 if tapped else place + 0.15, LOOSE[shape], 0.01, fmt="D", mfc="white", ms=6, capsize=3, color=COLOURS[shape])
+if tapped:
+    axes.set_xscale("symlog", linthresh=1)
+    axes.set_xticks(taps, [str(n) for n in taps])
+    axes.minorticks_off()
+    axes.set_xlabel("taps")
+    axes.legend(frameon=False)
+else:
+    axes.set_xticks(range(len(shapes)), shapes)
 axes.set_ylabel("solid fraction of the bulk")
-axes.set_title("Dice let down, then tapped; diamonds: published, loose", fontsize=10)
+axes.set_title(f"Dice let down{', then tapped' * tapped}; diamonds: published, loose", fontsize=10)
 axes.grid(alpha=0.3)
-axes.legend(frameon=False)
 figure.tight_layout()
 figure.savefig(svg)
 figure.savefig(png, dpi=150)
