@@ -23,6 +23,10 @@ constexpr double kLongestRest = 60;  // falls through the region that the bed ge
 // would throw the bed up. The softest stage takes so many falls through the largest body, a stiffer one less by the root of its stiffness,
 // as its waves are faster: about as many steps.
 constexpr double kStiffer = 2, kExpanding = 0.5;
+// A softer bed is at rest enough once it moves by no more than what expands sets it going: of the energy of a fall of each body through its
+// own diameter. What moves in it falls by e in the time of such a fall, whatever the contacts: the rest of stop_at_rest would take twice
+// as long, for nothing.
+constexpr double kSoftRest = 0.01;
 
 std::string text_of(const Vec3& p) {
   const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
@@ -51,7 +55,9 @@ class Settler {
       waiting_.push_back(i);
       const Vec3 e = parts.regions[parts.draws[i].population].box.extent(), d = (1 / g) * case_.settings.gravity;
       height = std::max(height, std::abs(d.x) * e.x + std::abs(d.y) * e.y + std::abs(d.z) * e.z);
-      largest_ = std::max(largest_, parts.draws[i].scale * parts.shape(parts.draws[i].shape).shape.equivalent_diameter());
+      const double diameter = parts.draws[i].scale * parts.shape(parts.draws[i].shape).shape.equivalent_diameter();
+      falls_ += scene.materials[static_cast<std::size_t>(p.material)].density * parts.draws[i].volume * g * diameter;
+      largest_ = std::max(largest_, diameter);
     }
     wanted_ = waiting_.size();
     softness_ = softness_of_pouring(c, parts, scene, report);
@@ -78,11 +84,11 @@ class Settler {
       }
     }
     if (!rests) refuse_what_does_not_fit();
-    come_to_rest();
     if (softness_ < 1) {
+      slow_down();
       grow_stiff();
-      come_to_rest();
     }
+    come_to_rest();
     trim();
   }
 
@@ -121,6 +127,20 @@ class Settler {
     return added;
   }
 
+  /// What is poured softer, until little of it moves.
+  void slow_down() {
+    LongWork work("settle", 0);
+    work.update(0);
+    const double part = std::max(own_fall_, fall_ / 10), longest = kLongestRest * fall_;
+    for (double time = 0; time < longest; time += part) {
+      const double kinetic = move(part, false, [&](double share) {
+        work.update(0, fmt::format("{} bodies slow down, {} of at most {}", wanted_ - waiting_.size(),
+                                   format_quantity(time + share * part, Dimension::time), format_quantity(longest, Dimension::time)));
+      });
+      if (kinetic <= kSoftRest * falls_) return;
+    }
+  }
+
   /// How long this takes nobody knows: no share of it is told, and what it takes at most is long.
   void come_to_rest() {
     const double longest = kLongestRest * fall_;
@@ -145,8 +165,8 @@ class Settler {
     expands_ = false;
   }
 
-  /// Lets all poured bodies move for a time, or until they rest.
-  void move(double time, bool until_rest, const std::function<void(double)>& progress) {
+  /// Lets all poured bodies move for a time, or until they rest; gives their kinetic energy [J].
+  double move(double time, bool until_rest, const std::function<void(double)>& progress) {
     std::vector<std::int64_t> draw_of_body;
     Scene stage = stage_scene(case_, parts_, scene_, placements_, moves_, velocity_, spin_, draw_of_body);
     stage.settings.duration = time;
@@ -167,11 +187,11 @@ class Settler {
       velocity_[i] = frame.bodies.velocity[b];
       spin_[i] = frame.bodies.angular_velocity[b];
     }
-    if (!until_rest) return;
-    if (frame.time >= time * (1 - 1e-6)) {
+    if (until_rest && frame.time >= time * (1 - 1e-6)) {
       report_.notices.push_back(fmt::format("settle: not at rest after {}; kinetic energy {:.3g} J",
                                             format_quantity(frame.time, Dimension::time), frame.kinetic));
     }
+    return frame.kinetic;
   }
 
   /// A bed that turns out to be too soft is made stiffer.
@@ -282,6 +302,7 @@ class Settler {
   std::size_t wanted_ = 0;
   std::uint64_t stage_ = 0;
   double largest_ = 0, fall_ = 0, own_fall_ = 0;
+  double falls_ = 0;      // energy of a fall of each body through its own diameter [J]
   double softness_ = 1;   // of contacts now, see softness.hpp
   bool expands_ = false;  // while it becomes stiffer
 };
