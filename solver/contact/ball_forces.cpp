@@ -38,11 +38,6 @@ struct Meeting {
   Lane equivalent_b;  ///< the radius that R* is made from
 };
 
-/// The nearest image of B.
-HWY_INLINE Lane3 image_of(const Periodicity& periodicity, const Lane3& xa, const Lane3& xb) {
-  return periodicity.any() ? xa + nearest(periodicity.period(), xb - xa) : xb;
-}
-
 /// Two balls: sphere_pair_features.
 HWY_INLINE Meeting meet_ball(const BallScene& scene, const Rows& a, const Rows& b) {
   const ParticleSet& p = scene.p;
@@ -118,28 +113,6 @@ HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, 
   }
   for (std::size_t k = 0; k < pairs.count; k += kLanes) meet<false>(scene, pairs, k).gap.store(gap + k);
 }
-
-/// What turns springs with both bodies (MeanTurn); at rest, to the last bit, not at all.
-class LaneTurn {
- public:
-  HWY_INLINE LaneTurn(const LaneQuat& before, const LaneQuat& turn) {
-    const Lane zero(0.0), half(0.5), one(1.0);
-    const LaneQuat by = turn * conjugate(before);
-    const auto at_rest = equal(before, turn), is_other = by.w < zero;
-    const Lane share = sqrt(half * (one + select(is_other, -by.w, by.w)));
-    const Lane3 axis{by.x, by.y, by.z};
-    w_ = select(at_rest, one, share);
-    u_ = select(at_rest, Lane3{zero, zero, zero}, (half / share) * select(is_other, -axis, axis));
-  }
-  HWY_INLINE Lane3 of(const Lane3& s) const {
-    const Lane3 t = cross(Lane(2.0) * u_, s);
-    return s + w_ * t + cross(u_, t);
-  }
-
- private:
-  Lane3 u_;
-  Lane w_;
-};
 
 /// What pairs keep no spring for, what they keep one for, and what two.
 enum class Rubs { no, slides, slides_and_rolls };

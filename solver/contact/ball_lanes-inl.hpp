@@ -1,4 +1,5 @@
-// What the lanes of ball_forces.cpp are filled from: rows of bodies, walls and laws. Included once for every instruction set by it.
+// What the lanes of ball_forces.cpp and mesh_forces.cpp are filled from: rows of bodies, walls and laws. Included by them once for every
+// instruction set.
 #if defined(SCREE_SOLVER_CONTACT_BALL_LANES_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCREE_SOLVER_CONTACT_BALL_LANES_INL_HPP_
 #undef SCREE_SOLVER_CONTACT_BALL_LANES_INL_HPP_
@@ -43,6 +44,11 @@ HWY_INLINE Lane nearest(double period, Lane d) {
 }
 HWY_INLINE Lane3 nearest(const Vec3& period, const Lane3& d) {
   return {nearest(period.x, d.x), nearest(period.y, d.y), nearest(period.z, d.z)};
+}
+
+/// The nearest image of B.
+HWY_INLINE Lane3 image_of(const Periodicity& periodicity, const Lane3& xa, const Lane3& xb) {
+  return periodicity.any() ? xa + nearest(periodicity.period(), xb - xa) : xb;
 }
 
 /// Rows of the particle set, one in each lane.
@@ -116,6 +122,28 @@ template <class Fours>
 HWY_INLINE void store_fours(const Lane3& v, Lane last, std::size_t k, Fours& to) {
   hn::StoreInterleaved4(v.x.v, v.y.v, v.z.v, last.v, Tag<double>(), to.data() + 4 * k);
 }
+
+/// What turns springs with both bodies (MeanTurn); at rest, to the last bit, not at all.
+class LaneTurn {
+ public:
+  HWY_INLINE LaneTurn(const LaneQuat& before, const LaneQuat& turn) {
+    const Lane zero(0.0), half(0.5), one(1.0);
+    const LaneQuat by = turn * conjugate(before);
+    const auto at_rest = equal(before, turn), is_other = by.w < zero;
+    const Lane share = sqrt(half * (one + select(is_other, -by.w, by.w)));
+    const Lane3 axis{by.x, by.y, by.z};
+    w_ = select(at_rest, one, share);
+    u_ = select(at_rest, Lane3{zero, zero, zero}, (half / share) * select(is_other, -axis, axis));
+  }
+  HWY_INLINE Lane3 of(const Lane3& s) const {
+    const Lane3 t = cross(Lane(2.0) * u_, s);
+    return s + w_ * t + cross(u_, t);
+  }
+
+ private:
+  Lane3 u_;
+  Lane w_;
+};
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)
 }  // namespace scree::HWY_NAMESPACE

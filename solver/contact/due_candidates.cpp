@@ -26,4 +26,12 @@ void find_due(const std::vector<float>& slacks, double way, std::vector<std::int
   }
 }
 
+float least_of(const std::vector<float>& slacks) {
+  const hn::CappedTag<float, 4> four;
+  constexpr std::size_t kStep = hn::MaxLanes(four);
+  auto least = hn::Set(four, std::numeric_limits<float>::infinity());
+  for (std::size_t begin = 0; begin < slacks.size(); begin += kStep) least = hn::Min(least, hn::LoadU(four, slacks.data() + begin));
+  return hn::GetLane(hn::MinOfLanes(four, least));
+}
+
 }  // namespace scree

@@ -19,4 +19,7 @@ inline void fill_up(std::vector<float>& slacks) {
 /// rounding.
 void find_due(const std::vector<float>& slacks, double way, std::vector<std::int32_t>& due);
 
+/// The least of them; infinity where there are none.
+float least_of(const std::vector<float>& slacks);
+
 }  // namespace scree

@@ -199,7 +199,7 @@ void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose
     const double lacks = look_at_edges(a, b, pose, margin, size, lists.edges[i - of_edges], features);
     lists.slacks[i] = slack_on_way(lists.way, lacks, size);
   }
-  if (features.empty() && !lists.slacks.empty()) lists.next_look = *std::min_element(lists.slacks.begin(), lists.slacks.end());
+  if (features.empty() && !lists.slacks.empty()) lists.next_look = least_of(lists.slacks);
 }
 
 }  // namespace scree

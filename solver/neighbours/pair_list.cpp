@@ -57,10 +57,16 @@ void sort_in_parallel(std::vector<Item>& items, const Less& less) {
 
 }  // namespace
 
+std::size_t memory_of_candidates(const BodyPair& pair) {
+  if (pair.lists == nullptr) return 0;
+  const CandidateLists& lists = *pair.lists;
+  return (lists.corners_a.capacity() + lists.corners_b.capacity()) * sizeof(CornerCandidate) +
+         lists.edges.capacity() * sizeof(EdgeCandidate) + lists.slacks.capacity() * sizeof(float);
+}
+
 std::size_t memory_of(const BodyPair& pair) {
-  return sizeof(BodyPair) + sizeof(PairResult) + sizeof(IdlePair) +
-         (pair.lists.corners_a.capacity() + pair.lists.corners_b.capacity()) * sizeof(CornerCandidate) +
-         pair.lists.edges.capacity() * sizeof(EdgeCandidate) + pair.lists.slacks.capacity() * sizeof(float) + pair.state.memory();
+  return sizeof(BodyPair) + sizeof(PairResult) + sizeof(IdlePair) + (pair.lists == nullptr ? 0 : sizeof(CandidateLists)) +
+         memory_of_candidates(pair) + pair.state.memory();
 }
 
 void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
@@ -256,7 +262,7 @@ std::vector<std::int32_t>& PairList::list_of(const BodyPair& pair, const Particl
 }
 
 void PairList::forget_candidates() {
-  for (BodyPair& pair : pairs_) pair.lists = CandidateLists{};
+  for (BodyPair& pair : pairs_) pair.lists.reset();
   for (IdlePair& rest : idle_) rest.way = kNeverIdle;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "core/search/multilevel_grid.hpp"
@@ -19,8 +20,8 @@ namespace scree {
 /// Kept between steps.
 struct BodyPair {
   PairKey key;
-  std::int32_t a = 0, b = 0;  ///< rows in ParticleSet; b is -1 for a wall zone
-  CandidateLists lists;
+  std::int32_t a = 0, b = 0;              ///< rows in ParticleSet; b is -1 for a wall zone
+  std::unique_ptr<CandidateLists> lists;  ///< none until they are made; balls that go in lanes need none (contact/ball_forces.hpp)
   PairState state;
 };
 
@@ -45,6 +46,8 @@ struct IdlePair {
 };
 inline constexpr double kNeverIdle = -1;  ///< such a pair is looked at in every step
 
+/// Bytes of the candidates of a pair.
+std::size_t memory_of_candidates(const BodyPair& pair);
 /// Bytes that a pair holds, its lists, state and result included.
 std::size_t memory_of(const BodyPair& pair);
 

@@ -337,10 +337,7 @@ void Plan::add_numbers() {
   const StepSize& step = simulation_.state().clock.size;
   const std::size_t pairs = simulation_.state().pairs.pairs().size();
   std::size_t candidate_bytes = 0;
-  for (const BodyPair& p : simulation_.state().pairs.pairs()) {
-    candidate_bytes += (p.lists.corners_a.size() + p.lists.corners_b.size()) * sizeof(CornerCandidate) +
-                       p.lists.edges.size() * sizeof(EdgeCandidate) + p.lists.slacks.size() * sizeof(float);
-  }
+  for (const BodyPair& p : simulation_.state().pairs.pairs()) candidate_bytes += memory_of_candidates(p);
   const double steps = settings_.duration / step.step;
   text_ += fmt::format("\n  step          {} ({}; contact time {}, {:.3g} steps per contact)\n",
                        format_quantity(step.step, Dimension::time), step.given ? "given" : "limited by " + step.limited_by,

@@ -1,9 +1,11 @@
 #include "solver/scene/ball_laws.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "solver/built_with.hpp"
+#include "solver/scene/lane_laws.hpp"
 #include "solver/scene/solver_scene.hpp"
 
 namespace scree {
@@ -50,13 +52,11 @@ void add_zones(const SolverScene& scene, BallLaws& table) {
 
 }  // namespace
 
-BallLaws make_ball_laws(const SolverScene& scene) {
+BallLaws make_lane_laws(const SolverScene& scene) {
   BallLaws table;
   const LawChoice& choice = scene.law_choice();
-  bool has_balls = false;
-  for (const SolverShape& s : scene.shapes()) has_balls = has_balls || s.kind == ShapeKind::sphere;
-  if (!has_balls || choice.gathering != Gathering::potential || choice.attraction || scene.reach() > 0 ||
-      scene.source().settings.barrier > 0 || !scene.source().bonds.empty() || scene.laws_by_room())
+  if (choice.gathering != Gathering::potential || choice.attraction || scene.reach() > 0 || scene.source().settings.barrier > 0 ||
+      !scene.source().bonds.empty() || scene.laws_by_room())
     return table;
   table.friction = built_with::kFriction && choice.friction;
   table.needs_radius = choice.needs_radius;
@@ -79,6 +79,13 @@ BallLaws make_ball_laws(const SolverScene& scene) {
       }
     }
   });
+  return table;
+}
+
+BallLaws make_ball_laws(const SolverScene& scene) {
+  const std::vector<SolverShape>& shapes = scene.shapes();
+  if (std::none_of(shapes.begin(), shapes.end(), [](const SolverShape& s) { return s.kind == ShapeKind::sphere; })) return {};
+  BallLaws table = make_lane_laws(scene);
   if (table.kind != BallLawKind::none) add_zones(scene, table);
   return table;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <cstring>
-#include <type_traits>
+
+#include "solver/step/lane_rows.hpp"
 
 namespace scree {
 
@@ -12,22 +12,11 @@ namespace {
 
 constexpr std::int64_t kSpringKey = kCornerOfA << 60;  ///< of the one contact of such a pair
 
-// What lanes read and write in fours lies in the same order in the structures that keep it: it is copied as it is.
-constexpr std::size_t kFour = 4 * sizeof(double), kOfSpring = offsetof(FrictionSpring, force),
-                      kNumbers = offsetof(PairResult, overlap_ratio);
-static_assert(sizeof(FrictionSpring) == kOfSpring + kFour && offsetof(FrictionSpring, stiffness) == kOfSpring + 3 * sizeof(double));
-static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(double) && offsetof(PairResult, force_a) == kNumbers + kFour &&
-              offsetof(PairResult, torque_b) == kNumbers + 10 * sizeof(double) &&
-              offsetof(PairResult, dissipative_torque_b) == kNumbers + 19 * sizeof(double) &&
-              sizeof(PairResult) == kNumbers + 22 * sizeof(double) && std::is_trivially_copyable_v<PairResult>);
-
-void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
 [[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
   springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
   springs.front().key = kSpringKey;
   springs.back().key = kTurnKey;
 }
-void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
 
 BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   BallWall w;
@@ -160,16 +149,9 @@ void BallEvaluation::hand_out() {
     PairResult& result = results[k];
     result.active = true;
     result.contact_count = 1;
-    char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
-    const auto four = [&](std::size_t which) { return &forces_.fours[which][4 * n]; };
-    std::memcpy(numbers, four(0), kFour);
-    std::memcpy(numbers + kFour, four(1), kFour);
-    std::memcpy(numbers + 2 * kFour, four(2), kFour);
-    std::memcpy(numbers + 3 * kFour, four(3), kFour);
-    std::memcpy(numbers + 4 * kFour, four(4), kFour);
-    std::memcpy(numbers + 5 * kFour, four(5), kFour / 2);
-    largest = std::max(largest, *four(0));
-    too_deep = too_deep || !(*four(0) < stop_ratio);  // or not a number
+    load(forces_.fours, n, result);
+    largest = std::max(largest, result.overlap_ratio);
+    too_deep = too_deep || !(result.overlap_ratio < stop_ratio);  // or not a number
     if (spring_count == 0) continue;
     std::vector<FrictionSpring>& springs = pairs[k].state.springs;
     if (springs.size() != spring_count) begin_springs(spring_count, springs);

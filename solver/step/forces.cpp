@@ -33,11 +33,13 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   bool too_deep = false;
   std::optional<BallPass> of_balls;
   if (has_ball_way(pass)) of_balls.emplace(pass);
+  const MeshPass of_meshes(pass);
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
 #pragma omp parallel if (pass.at_rest || !pass.only_looks()) reduction(max : overlap) reduction(|| : too_deep)
   {
     const int thread = omp_get_thread_num();
-    PairEvaluation<Model> evaluation(pass, thread);
+    MeshEvaluation meshes(of_meshes);
+    PairEvaluation<Model> evaluation(pass, thread, of_meshes.has_lanes() ? &meshes : nullptr);
     if (of_balls) {
       BallEvaluation balls(*of_balls);
       shares.take(thread, [&](std::size_t n) {
@@ -50,8 +52,10 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
     } else {
       shares.take(thread, [&](std::size_t n) { evaluation.evaluate(which[n]); });
     }
-    overlap = std::max(overlap, evaluation.largest_overlap());
-    too_deep = too_deep || evaluation.too_deep();
+    meshes.finish();
+    for (const std::int32_t k : meshes.left()) evaluation.evaluate_alone(k);
+    overlap = std::max({overlap, meshes.largest_overlap(), evaluation.largest_overlap()});
+    too_deep = too_deep || meshes.too_deep() || evaluation.too_deep();
   }
   return {overlap, too_deep};
 }

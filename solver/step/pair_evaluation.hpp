@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <vector>
 
@@ -14,32 +13,11 @@
 #include "solver/neighbours/prefetch.hpp"
 #include "solver/step/forces.hpp"
 #include "solver/step/impacts.hpp"
+#include "solver/step/mesh_evaluation.hpp"
+#include "solver/step/pair_pass.hpp"
 #include "solver/step/wall_loads.hpp"
 
 namespace scree {
-
-/// One evaluation of pairs: what all threads read, and what any of them may find wrong.
-struct PairPass {
-  const SolverScene& scene;
-  const ParticleSet& p;
-  const std::vector<WallState>& walls;
-  double dt, friction_dt;
-  ForceScratch& scratch;
-  PairList& list;
-  FrameContacts* out;
-  const PairVisitor* look;
-  PairForceFunction force_of;
-  PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
-  double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
-  bool has_impacts;         ///< impacts and losses are recorded
-  bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
-  bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
-  std::atomic<std::int32_t> intersecting{-1}, passing{-1};
-
-  bool only_looks() const { return out != nullptr || look != nullptr || at_rest; }
-  /// Of both bodies together since the lists were made [m].
-  double way_of(const IdlePair& idle) const { return list.travel()[idle.a] + (idle.b >= 0 ? list.travel()[idle.b] : 0.0); }
-};
 
 /// Times one pair where that is asked for: reading the clock twice takes a tenth of an average pair.
 class PairClock {
@@ -68,14 +46,19 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
                      const std::vector<ContactOutput>& outputs, FrameContacts& out);
 
 /// What a pair keeps lies in several places: asked for together and first, it arrives while the pose is worked out. A bed of 10 000
-/// rocks is more than the caches hold; there this takes a twentieth off a step.
+/// rocks is more than the caches hold; there this and prefetch_candidates take a twentieth off a step.
 [[gnu::always_inline]] inline void prefetch_pair(const BodyPair& pair, const PairResult& result) {
-  prefetch<1>(pair.lists.corners_a.data());  // the rest of a list follows by itself
-  prefetch<1>(pair.lists.corners_b.data());
-  prefetch<1>(pair.lists.edges.data());
-  prefetch<1>(pair.lists.slacks.data());
+  prefetch<sizeof(CandidateLists)>(pair.lists.get());
   prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
   prefetch<sizeof(PairResult)>(&result);
+}
+
+/// The same of what its lists hold.
+[[gnu::always_inline]] inline void prefetch_candidates(const CandidateLists& lists) {
+  prefetch<1>(lists.corners_a.data());  // the rest of a list follows by itself
+  prefetch<1>(lists.corners_b.data());
+  prefetch<1>(lists.edges.data());
+  prefetch<1>(lists.slacks.data());
 }
 
 /// Notes the overlap that a pair counts from, in the order of keys.
@@ -85,8 +68,12 @@ void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
 template <ContactModel Model>
 class PairEvaluation {
  public:
-  PairEvaluation(PairPass& pass, int thread)
-      : pass_(pass), distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]), thread_(static_cast<std::size_t>(thread)) {}
+  /// in   lanes   take the pairs that they can; null: none
+  PairEvaluation(PairPass& pass, int thread, MeshEvaluation* lanes = nullptr)
+      : pass_(pass),
+        lanes_(lanes),
+        distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]),
+        thread_(static_cast<std::size_t>(thread)) {}
 
   void evaluate(std::int32_t k) {
     IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
@@ -99,13 +86,14 @@ class PairEvaluation {
     result.contact_count = 0;
     const PairView view = view_of(pass_.scene, pass_.p, pass_.walls, pair.a, pair.b, pair.key.zone);
     const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
+    CandidateLists& lists = lists_of(view, pair);
     double moved = 0;
-    if (!keep_candidates(k, view, velocities, pair, moved)) return;
-    if (moved < pair.lists.first_slack) return rest(view, pair.lists.first_slack - moved, pair, idle);
+    if (!keep_candidates(k, view, velocities, lists, moved)) return;
+    if (moved < lists.first_slack) return rest(view, lists.first_slack - moved, pair, idle);
     idle.way = kNeverIdle;
-    Model::find_features(view, moved, pair.lists, features_);
-    if (features_.list.empty() && pair.lists.next_look > pair.lists.way) {
-      const double left = std::min(pair.lists.next_look - pair.lists.way, pair.lists.skin - moved);
+    Model::find_features(view, moved, lists, features_);
+    if (features_.list.empty() && lists.next_look > lists.way) {
+      const double left = std::min(lists.next_look - lists.way, lists.skin - moved);
       return rest(view, left, pair, idle);
     }
     if (view.off_middle != 0)
@@ -113,16 +101,22 @@ class PairEvaluation {
     const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;
     const double share = pass_.has_bonds ? damping_share(pair.state.springs) : 1;
     if (view.reach > view.margin)
-      weigh_beyond_margin(view, moved, pair);
+      weigh_beyond_margin(view, moved, lists, pair);
     else
-      Model::weigh(view, kNoPull, moved, pair.lists, features_);
+      Model::weigh(view, kNoPull, moved, lists, features_);
     if (features_.list.empty()) {
       if (!pass_.only_looks()) pair.state.keep_lasting();
-    } else {
-      act(view, velocities, pair, result);
+    } else if (lanes_ == nullptr || !lanes_->take(k, pair, view, features_)) {
+      act(view, velocities, lists, pair, result);
     }
     if (share != 1 && result.active && !pass_.only_looks()) set_damping_share(pair.state.springs, share);
     if (rest_overlap > 0 && !pass_.only_looks()) set_rest_overlap(pair.state.springs, rest_overlap);
+  }
+
+  /// The same without lanes, of a pair that they have left.
+  void evaluate_alone(std::int32_t k) {
+    lanes_ = nullptr;
+    evaluate(k);
   }
 
   double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
@@ -131,20 +125,37 @@ class PairEvaluation {
  private:
   /// Looks whether the bodies could have passed through each other, and lists candidates anew where the pair has used up its skin.
   /// Returns false when its meshes intersect.
-  bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, BodyPair& pair, double& moved) {
-    if (pair.lists.skin >= 0) moved = motion_of_pair(view, pair.lists);
+  bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, CandidateLists& lists, double& moved) {
+    if (lists.skin >= 0) moved = motion_of_pair(view, lists);
     // a body behind a plane or in a cylinder is still seen
-    if (built_with::kMeshes && view.has_mesh() && pass_.dt > 0 && moved > pair.lists.first_slack && is_fast(view, velocities, pass_.dt)) {
+    if (built_with::kMeshes && view.has_mesh() && pass_.dt > 0 && moved > lists.first_slack && is_fast(view, velocities, pass_.dt)) {
+      const BodyPair& pair = pass_.list.pairs()[static_cast<std::size_t>(k)];
       const PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, matrix_of(view.a.q));
-      if (may_have_passed_through(view.a, view.b, motion, view.radius_a, view.radius_b, view.margin, pass_.dt, moved, pair.lists,
-                                  distance_))
+      if (may_have_passed_through(view.a, view.b, motion, view.radius_a, view.radius_b, view.margin, pass_.dt, moved, lists, distance_))
         pass_.passing.store(k);
     }
-    if (!(pair.lists.skin < 0 || moved > pair.lists.skin)) return true;
+    if (!(lists.skin < 0 || moved > lists.skin)) return true;
     moved = 0;
-    if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, pair.lists)) return true;
+    if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, lists)) return true;
     pass_.intersecting.store(k);
     return false;
+  }
+
+  /// Those of the pair; made from nothing at each look for balls that lanes take in all other steps.
+  CandidateLists& lists_of(const PairView& view, BodyPair& pair) {
+    if (is_of_lanes(view)) {
+      lists_of_balls_.skin = -1;
+      return lists_of_balls_;
+    }
+    if (pair.lists == nullptr) pair.lists = std::make_unique<CandidateLists>();
+    prefetch_candidates(*pair.lists);
+    return *pair.lists;
+  }
+
+  bool is_of_lanes(const PairView& view) const {
+    if (pass_.scene.ball_laws().kind == BallLawKind::none) return false;
+    return view.geometry == PairGeometry::two_spheres ||
+           (view.geometry == PairGeometry::body_zone && view.a.shape->kind == ShapeKind::sphere);
   }
 
   /// Since the lists were made.
@@ -176,15 +187,15 @@ class PairEvaluation {
 
   /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is
   /// beyond the reach of this pair's law is none.
-  void weigh_beyond_margin(const PairView& view, double moved, const BodyPair& pair) {
+  void weigh_beyond_margin(const PairView& view, double moved, CandidateLists& lists, const BodyPair& pair) {
     const double reach = law_of(view, pair).reach;
     for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
     if (!features_.has_layer)  // patches go with a layer, and have none beyond touch
       std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
     if (pass_.scene.law_choice().attraction && !pass_.scene.law_choice().necks)
-      Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), moved, pair.lists, features_);
+      Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), moved, lists, features_);
     else
-      Model::weigh(view, kNoPull, moved, pair.lists, features_);
+      Model::weigh(view, kNoPull, moved, lists, features_);
     if (pass_.holds == nullptr || features_.list.empty()) return;
     const PairLaw& law = law_of(view, pair);
     double released = 0;
@@ -208,7 +219,8 @@ class PairEvaluation {
   }
 
   /// The force of the features that were found, and the pair's result.
-  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, BodyPair& pair, PairResult& result) {
+  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, const CandidateLists& lists, BodyPair& pair,
+                                  PairResult& result) {
     const PairLaw& law = law_of(view, pair);
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
@@ -246,15 +258,16 @@ class PairEvaluation {
     result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
-    if (is_mapped) map_loads(view, motion, a_to_world, pair);
+    if (is_mapped) map_loads(view, motion, a_to_world, lists, pair);
     if (is_recorded) record_impact(view, motion, f, a_to_world, pair);
     if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
   }
 
   std::int32_t first_mapped_of(const PairView& view) const { return pass_.scene.first_mapped(static_cast<std::size_t>(view.zone->wall)); }
 
-  [[gnu::noinline]] void map_loads(const PairView& view, const PairMotion& motion, const Mat3& a_to_world, const BodyPair& pair) {
-    append_loads({view, motion, features_, outputs_, pair.lists, a_to_world, pair.a, first_mapped_of(view), pass_.friction_dt}, distance_,
+  [[gnu::noinline]] void map_loads(const PairView& view, const PairMotion& motion, const Mat3& a_to_world, const CandidateLists& lists,
+                                   const BodyPair& pair) {
+    append_loads({view, motion, features_, outputs_, lists, a_to_world, pair.a, first_mapped_of(view), pass_.friction_dt}, distance_,
                  pass_.scratch.loads[thread_]);
   }
 
@@ -269,8 +282,10 @@ class PairEvaluation {
   static inline const PullView kNoPull;
 
   PairPass& pass_;
+  MeshEvaluation* lanes_;
   MeshDistanceScratch& distance_;
   std::size_t thread_;
+  CandidateLists lists_of_balls_;
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
   SurfaceBeneath surface_;

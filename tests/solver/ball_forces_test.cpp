@@ -2,17 +2,21 @@
 // and what each pair did, on every instruction set.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "core/distance/triangle_distance.hpp"
 #include "solver/step/ball_evaluation.hpp"
+#include "tests/solver/lane_bits.hpp"
 #include "tests/support/parallel_scenes.hpp"
-#include "tests/support/test_run.hpp"
 
 namespace scree {
 namespace {
 
 using namespace test;
+
+/// The same, of a scene whose balls go in lanes.
+std::string expect_same_bits_of_balls(const Scene& scene, int steps) {
+  EXPECT_NE(SolverScene(scene).ball_laws().kind, BallLawKind::none);
+  return expect_same_bits(scene, steps);
+}
 
 /// Balls of several sizes and two materials, some fixed or locked, that fall into each other in a box and rub.
 Scene falling_balls(ContactLaw law, double friction, bool periodic) {
@@ -54,73 +58,13 @@ Scene falling_balls(ContactLaw law, double friction, bool periodic) {
   return scene;
 }
 
-template <class T>
-bool same_bits(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
-}
-
-void expect_same_bodies(const ParticleSet& a, const ParticleSet& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (const auto column : {&ParticleSet::x, &ParticleSet::x_remainder, &ParticleSet::v, &ParticleSet::L, &ParticleSet::w,
-                              &ParticleSet::force, &ParticleSet::torque, &ParticleSet::dissipative_force, &ParticleSet::dissipative_torque})
-      EXPECT_TRUE(same_bits((a.*column)[i], (b.*column)[i])) << i;
-    for (const auto column : {&ParticleSet::q, &ParticleSet::q_remainder}) EXPECT_TRUE(same_bits((a.*column)[i], (b.*column)[i])) << i;
-  }
-}
-
-/// Runs of both ways; gives the hash of the last state.
-std::string expect_same_bits(const Scene& scene, int steps) {
-  Scene recorded = scene;
-  recorded.settings.output_impacts = true;
-  TestRun lanes(scene), general(recorded);
-  lanes.start();
-  general.start();
-  EXPECT_NE(lanes.prepared->ball_laws().kind, BallLawKind::none);
-  std::int64_t contacts = 0, springs = 0;
-  for (int n = 1; n <= steps; ++n) {
-    lanes.simulation->advance();
-    general.simulation->advance();
-    if (n % 20 != 0) continue;
-    const PairList &mine = lanes.simulation->state().pairs, &other = general.simulation->state().pairs;
-    EXPECT_EQ(mine.pairs().size(), other.pairs().size());
-    for (std::size_t k = 0; k < mine.pairs().size(); ++k) {
-      const PairResult &r = mine.results()[k], &s = other.results()[k];
-      EXPECT_EQ(r.active, s.active);
-      if (r.active && s.active) {
-        ++contacts;
-        EXPECT_EQ(r.contact_count, s.contact_count);
-        EXPECT_EQ(r.overlap_ratio, s.overlap_ratio);
-        EXPECT_EQ(r.elastic, s.elastic);
-        EXPECT_EQ(r.tangential_elastic, s.tangential_elastic);
-        EXPECT_EQ(r.surface_power, s.surface_power);
-        for (const auto part : {&PairResult::force_a, &PairResult::torque_a, &PairResult::torque_b, &PairResult::dissipative_force_a,
-                                &PairResult::dissipative_torque_a, &PairResult::dissipative_torque_b})
-          EXPECT_EQ(r.*part, s.*part) << k << " in step " << n;
-      }
-      const auto &kept = mine.pairs()[k].state.springs, &wanted = other.pairs()[k].state.springs;
-      EXPECT_EQ(kept.size(), wanted.size());
-      for (std::size_t j = 0; j < std::min(kept.size(), wanted.size()); ++j) {
-        ++springs;
-        EXPECT_TRUE(same_bits(kept[j], wanted[j])) << k << " in step " << n;
-      }
-    }
-    if (testing::Test::HasFailure()) break;
-  }
-  EXPECT_GT(contacts, 1000);
-  if (scene.pairs[0].friction > 0) {
-    EXPECT_GT(springs, 1000);
-  }
-  expect_same_bodies(lanes.simulation->state().particles, general.simulation->state().particles);
-  return state_hash(lanes.simulation->state());  // that of the other has what it recorded in it
-}
-
 class EveryBallLaw : public testing::TestWithParam<ContactLaw> {};
 
 TEST_P(EveryBallLaw, has_the_bits_of_the_general_path) {
   for (const double friction : {0.0, 0.5}) {
     for (const bool periodic : {false, true}) {
       SCOPED_TRACE(fmt::format("friction {}, periodic {}", friction, periodic));
-      expect_same_bits(falling_balls(GetParam(), friction, periodic), 1200);
+      expect_same_bits_of_balls(falling_balls(GetParam(), friction, periodic), 1200);
     }
   }
 }
@@ -134,7 +78,7 @@ TEST_P(EveryBallLaw, has_the_same_bits_on_every_instruction_set) {
     } catch (const UsageError&) {
       continue;
     }
-    hashes.push_back(expect_same_bits(scene, 800));
+    hashes.push_back(expect_same_bits_of_balls(scene, 800));
   }
   limit_simd("best");
   for (const std::string& hash : hashes) EXPECT_EQ(hash, hashes[0]);
@@ -152,7 +96,7 @@ TEST(BallForces, have_the_same_bits_where_damping_is_limited) {
       pair.restitution = 0.1;
       pair.restitution_speed = 0.02;
     }
-    expect_same_bits(scene, 800);
+    expect_same_bits_of_balls(scene, 800);
   }
 }
 
@@ -165,7 +109,7 @@ TEST(BallForces, have_the_same_bits_with_rolling_and_torsional_resistance) {
     }
     const SolverScene prepared(scene);
     for (const std::uint8_t holds : prepared.ball_laws().holds) EXPECT_NE(holds, 0);
-    expect_same_bits(scene, 1200);
+    expect_same_bits_of_balls(scene, 1200);
   }
 }
 
@@ -183,7 +127,7 @@ TEST(BallForces, have_the_same_bits_at_walls_that_move) {
     add_plane(scene, {0, 0, 0.16}, {0, 0, -1});
     scene.walls.back().motion.kind = Translate{.axis = {0, 0.6, -0.8}, .rate = 0.3};
     scene.walls.back().motion.stop = 1e300;
-    expect_same_bits(scene, 3000);
+    expect_same_bits_of_balls(scene, 3000);
   }
 }
 
@@ -194,7 +138,7 @@ TEST(BallForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
   const SolverScene rolling(scene);
   EXPECT_NE(rolling.ball_laws().holds[rolling.ball_laws().row(0, 0)], 0);
   EXPECT_EQ(rolling.ball_laws().holds[rolling.ball_laws().row(0, 1)], 0) << "some roll, others do not";
-  expect_same_bits(scene, 1200);
+  expect_same_bits_of_balls(scene, 1200);
   scene = falling_balls(ContactLaw::linear, 0.5, false);
   scene.settings.gather = Gathering::pairs;
   EXPECT_EQ(SolverScene(scene).ball_laws().kind, BallLawKind::none);
