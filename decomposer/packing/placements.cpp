@@ -1,5 +1,8 @@
 #include "decomposer/packing/placements.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/storage/wall_state.hpp"
 
 namespace scree {
@@ -38,12 +41,44 @@ BodyRow row_of(const Case& c, const SceneParts& parts, const Draw& d, const Plac
   return row;
 }
 
+/// Place of a point on the curve of G. M. Morton (1966) through a box: those near each other are mostly near each other on it.
+std::uint64_t place_on_curve(const Vec3& x, const Box3& box) {
+  constexpr int kBits = 20;  // of each coordinate
+  const Vec3 e = box.extent();
+  const double longest = std::max({e.x, e.y, e.z}), cells = longest > 0 ? ((1 << kBits) - 1) / longest : 0;
+  std::uint64_t place = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<std::uint64_t>(cells * (x[axis] - box.lower[axis]));
+    for (int bit = 0; bit < kBits; ++bit) place |= ((cell >> bit) & 1) << (3 * bit + axis);
+  }
+  return place;
+}
+
+/// The placed draws: populations one after the other, those of a lattice as drawn, others along the curve.
+std::vector<std::size_t> draws_by_place(const Case& c, const SceneParts& parts, const Placements& placements) {
+  std::vector<std::size_t> order;
+  Box3 box;
+  for (std::size_t i = 0; i < parts.draws.size(); ++i) {
+    if (placements.is_placed[i] == 0) continue;
+    order.push_back(i);
+    box.add(placements.body[i].position);
+  }
+  std::vector<std::uint64_t> place(parts.draws.size(), 0);
+  for (const std::size_t i : order) {
+    if (c.populations[parts.draws[i].population].method != PackingMethod::lattice)
+      place[i] = place_on_curve(placements.body[i].position, box);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return std::pair(parts.draws[i].population, place[i]) < std::pair(parts.draws[j].population, place[j]);
+  });
+  return order;
+}
+
 }  // namespace
 
 void add_placed(const Case& c, const SceneParts& parts, const Placements& placements, Scene& scene) {
   auto id = parts.first_id + static_cast<std::int64_t>(c.bodies.size() + c.walls.size());
-  for (std::size_t i = 0; i < parts.draws.size(); ++i) {
-    if (placements.is_placed[i] == 0) continue;
+  for (const std::size_t i : draws_by_place(c, parts, placements)) {
     BodyRow row = row_of(c, parts, parts.draws[i], placements.body[i]);
     row.id = id++;
     scene.bodies.add(row);
@@ -61,10 +96,14 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
     b.velocity[i] = b.angular_velocity[i] = {};
   }
   draw_of_body.assign(b.size(), -1);
-  for (std::size_t i = 0; i < parts.draws.size(); ++i) {
-    if (placements.is_placed[i] == 0) continue;
+  const std::vector<std::size_t> order = draws_by_place(c, parts, placements);
+  std::vector<std::int64_t> ids;
+  for (const std::size_t i : order) ids.push_back(parts.draws[i].id);
+  std::sort(ids.begin(), ids.end());
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const std::size_t i = order[n];
     BodyRow row = row_of(c, parts, parts.draws[i], placements.body[i]);
-    row.id = parts.draws[i].id;
+    row.id = ids[n];
     row.fixed = moves[i] == 0;
     row.velocity = row.fixed ? Vec3{} : velocity[i];
     row.angular_velocity = row.fixed ? Vec3{} : angular_velocity[i];

@@ -19,8 +19,9 @@ struct Placements {
   double volume_placed(const SceneParts& parts, std::size_t population) const;
 };
 
-/// Adds placed particles to the bodies of a scene in the order of the draws, with the speeds of their populations. Ids go on from
-/// the last one in use, without gaps.
+/// Adds placed particles to the bodies of a scene, with the speeds of their populations. Ids go on from the last one in use, without gaps,
+/// one population after the other. Within one (but for a lattice, which keeps its own order) they follow a curve through space: pairs and
+/// bodies lie in memory in the order of ids, and neighbours that lie near each other there take a quarter off a step of 50 000 balls.
 void add_placed(const Case& c, const SceneParts& parts, const Placements& placements, Scene& scene);
 
 /// What the solver runs while some draws move and all else is held: the scene so far, walls at rest, all placed draws.

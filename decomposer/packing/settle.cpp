@@ -27,6 +27,7 @@ constexpr double kStiffer = 2, kExpanding = 0.5;
 // own diameter. What moves in it falls by e in the time of such a fall, whatever the contacts: the rest of stop_at_rest would take twice
 // as long, for nothing.
 constexpr double kSoftRest = 0.01;
+constexpr double kLonger = 1.5;  // each look at it comes so much later than the one before: a part begins without springs
 
 std::string text_of(const Vec3& p) {
   const auto length_text = [](double x) { return format_quantity(x, Dimension::length); };
@@ -56,7 +57,6 @@ class Settler {
       const Vec3 e = parts.regions[parts.draws[i].population].box.extent(), d = (1 / g) * case_.settings.gravity;
       height = std::max(height, std::abs(d.x) * e.x + std::abs(d.y) * e.y + std::abs(d.z) * e.z);
       const double diameter = parts.draws[i].scale * parts.shape(parts.draws[i].shape).shape.equivalent_diameter();
-      falls_ += scene.materials[static_cast<std::size_t>(p.material)].density * parts.draws[i].volume * g * diameter;
       largest_ = std::max(largest_, diameter);
     }
     wanted_ = waiting_.size();
@@ -131,14 +131,29 @@ class Settler {
   void slow_down() {
     LongWork work("settle", 0);
     work.update(0);
-    const double part = std::max(own_fall_, fall_ / 10), longest = kLongestRest * fall_;
-    for (double time = 0; time < longest; time += part) {
+    const double longest = kLongestRest * fall_;
+    double part = std::max(own_fall_, fall_ / 10);
+    for (double time = 0; time < longest && softness_ < 1; time += part, part *= kLonger) {
       const double kinetic = move(part, false, [&](double share) {
         work.update(0, fmt::format("{} bodies slow down, {} of at most {}", wanted_ - waiting_.size(),
                                    format_quantity(time + share * part, Dimension::time), format_quantity(longest, Dimension::time)));
       });
-      if (kinetic <= kSoftRest * falls_) return;
+      if (nearly_rests(kinetic)) return;
     }
+  }
+
+  /// As a whole, and each body so far that it lands no faster than from its own diameter.
+  bool nearly_rests(double kinetic) const {
+    const double g = length(case_.settings.gravity);
+    double falls = 0;
+    for (std::size_t i = 0; i < moves_.size(); ++i) {
+      if (moves_[i] == 0) continue;
+      const Draw& d = parts_.draws[i];
+      const double diameter = d.scale * parts_.shape(d.shape).shape.equivalent_diameter();
+      if (squared_length(velocity_[i]) + 0.25 * diameter * diameter * squared_length(spin_[i]) > 2 * g * diameter) return false;
+      falls += scene_.materials[static_cast<std::size_t>(case_.populations[d.population].material)].density * d.volume * g * diameter;
+    }
+    return kinetic <= kSoftRest * falls;
   }
 
   /// How long this takes nobody knows: no share of it is told, and what it takes at most is long.
@@ -302,7 +317,6 @@ class Settler {
   std::size_t wanted_ = 0;
   std::uint64_t stage_ = 0;
   double largest_ = 0, fall_ = 0, own_fall_ = 0;
-  double falls_ = 0;      // energy of a fall of each body through its own diameter [J]
   double softness_ = 1;   // of contacts now, see softness.hpp
   bool expands_ = false;  // while it becomes stiffer
 };

@@ -5,7 +5,6 @@
 #include <type_traits>
 
 #include "solver/built_with.hpp"
-#include "solver/scene/lane_laws.hpp"
 #include "solver/scene/solver_scene.hpp"
 
 namespace scree {
@@ -85,7 +84,7 @@ BallLaws make_lane_laws(const SolverScene& scene) {
 BallLaws make_ball_laws(const SolverScene& scene) {
   const std::vector<SolverShape>& shapes = scene.shapes();
   if (std::none_of(shapes.begin(), shapes.end(), [](const SolverShape& s) { return s.kind == ShapeKind::sphere; })) return {};
-  BallLaws table = make_lane_laws(scene);
+  BallLaws table = scene.lane_laws();
   if (table.kind != BallLawKind::none) add_zones(scene, table);
   return table;
 }

@@ -54,6 +54,9 @@ struct BallLaws {
   std::size_t row(std::int32_t a, std::int32_t b) const { return static_cast<std::size_t>(a) * materials + static_cast<std::size_t>(b); }
 };
 
+/// Of all pairs that go in lanes, whatever the bodies are: without zones. Kind none where no pair of the scene may.
+BallLaws make_lane_laws(const SolverScene& scene);
+/// The same with zones, where the scene has balls.
 BallLaws make_ball_laws(const SolverScene& scene);
 
 }  // namespace scree

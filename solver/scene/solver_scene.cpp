@@ -127,6 +127,7 @@ SolverScene::SolverScene(const Scene& scene)
   }
   worn_walls_.resize(scene.walls.size());
   if (std::none_of(drives_.begin(), drives_.end(), [](const auto& drive) { return drive.has_value(); })) drives_.clear();
+  lane_laws_ = make_lane_laws(*this);
   ball_laws_ = make_ball_laws(*this);
 }
 

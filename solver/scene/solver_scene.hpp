@@ -116,7 +116,9 @@ class SolverScene {
   /// Lines about mesh walls that end near a seam, see check_meshes_at_seams.
   const std::vector<std::string>& seam_gaps() const { return seam_gaps_; }
   const LawChoice& law_choice() const { return law_choice_; }
-  /// What pairs of balls read of the laws, where they have a path of their own (step/ball_evaluation.hpp).
+  /// What pairs in lanes read of the laws, without zones of walls; kind none where no pair of the scene may go in lanes.
+  const BallLaws& lane_laws() const { return lane_laws_; }
+  /// The same with the zones that balls meet, where they have a path of their own (step/ball_evaluation.hpp).
   const BallLaws& ball_laws() const { return ball_laws_; }
   /// How stiffness grows with what touches at once.
   const ContactExtent& contact_extent() const { return *contact_extent_; }
@@ -163,7 +165,7 @@ class SolverScene {
   double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0, least_room_ = 0, largest_room_ = 0;
   BodyExtremes extremes_;
   LawChoice law_choice_;
-  BallLaws ball_laws_;
+  BallLaws lane_laws_, ball_laws_;
   std::shared_ptr<const ContactExtent> contact_extent_;
   std::vector<std::int32_t> first_mapped_;  ///< of each wall
   std::int32_t mapped_triangles_ = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "solver/scene/lane_laws.hpp"
 #include "solver/step/lane_rows.hpp"
 
 namespace scree {
@@ -43,8 +42,8 @@ bool asks_for_forces_alone(const PairPass& pass) {
 
 MeshPass::MeshPass(PairPass& pass)
     : pass_(pass),
-      laws_(asks_for_forces_alone(pass) ? make_lane_laws(pass.scene) : BallLaws{}),
-      scene_{pass.p, pass.scene.periodicity(), laws_} {}
+      has_lanes_(asks_for_forces_alone(pass) && pass.scene.lane_laws().kind != BallLawKind::none),
+      scene_{pass.p, pass.scene.periodicity(), pass.scene.lane_laws()} {}
 
 MeshEvaluation::Batches& MeshEvaluation::batches_of_thread() {
   thread_local Batches batches;

@@ -19,13 +19,13 @@ class MeshPass {
  public:
   explicit MeshPass(PairPass& pass);
   /// Whether any pairs go in lanes in this pass: not where more is asked for than forces, or where each pair is timed.
-  bool has_lanes() const { return laws_.kind != BallLawKind::none; }
+  bool has_lanes() const { return has_lanes_; }
   PairPass& pass() const { return pass_; }
   const BallScene& scene() const { return scene_; }
 
  private:
   PairPass& pass_;
-  BallLaws laws_;
+  bool has_lanes_;
   BallScene scene_;
 };
 

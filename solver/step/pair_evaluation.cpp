@@ -8,8 +8,9 @@ namespace {
 // never changes a result. Candidates grow with the triangles, and so does what each step pays for a longer list: steps that a skin lasts at
 // the present relative speed, at one triangle, and their bounds. Moving packings of 20, 320 and 1280 triangles are cheapest at 72, 48, 24.
 constexpr double kSkinSteps = 860, kFewestSkinSteps = 12, kMostSkinSteps = 64;
-constexpr double kSmallestSkin = 0.25;  // of the room
-constexpr double kLargestSkin = 0.1;    // of the smaller radius
+constexpr double kSkinStepsOfBalls = 24;  // on meshes
+constexpr double kSmallestSkin = 0.25;    // of the room
+constexpr double kLargestSkin = 0.1;      // of the smaller radius
 
 /// What a ball may go beyond its partner's margin before its centre is near it (contact/pass_through.hpp).
 double half_radius_of_ball(const PairView& view) {
@@ -20,6 +21,7 @@ double half_radius_of_ball(const PairView& view) {
 double skin_steps(const PairView& view) {
   const auto triangles = [](const PairBody& body) { return body.shape != nullptr ? body.shape->mesh.triangles.size() : 0; };
   const auto most = static_cast<double>(std::max(triangles(view.a), view.zone == nullptr ? triangles(view.b) : 0));
+  if (most == 0) return kSkinStepsOfBalls;
   return std::clamp(kSkinSteps / std::sqrt(most), kFewestSkinSteps, kMostSkinSteps);
 }
 

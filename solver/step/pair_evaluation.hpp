@@ -86,7 +86,7 @@ class PairEvaluation {
     result.contact_count = 0;
     const PairView view = view_of(pass_.scene, pass_.p, pass_.walls, pair.a, pair.b, pair.key.zone);
     const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
-    CandidateLists& lists = lists_of(view, pair);
+    CandidateLists& lists = lists_of(pair);
     double moved = 0;
     if (!keep_candidates(k, view, velocities, lists, moved)) return;
     if (moved < lists.first_slack) return rest(view, lists.first_slack - moved, pair, idle);
@@ -142,8 +142,8 @@ class PairEvaluation {
   }
 
   /// Those of the pair; made from nothing at each look for balls that lanes take in all other steps.
-  CandidateLists& lists_of(const PairView& view, BodyPair& pair) {
-    if (is_of_lanes(view)) {
+  CandidateLists& lists_of(BodyPair& pair) {
+    if (is_of_lanes(pair)) {
       lists_of_balls_.skin = -1;
       return lists_of_balls_;
     }
@@ -152,10 +152,11 @@ class PairEvaluation {
     return *pair.lists;
   }
 
-  bool is_of_lanes(const PairView& view) const {
-    if (pass_.scene.ball_laws().kind == BallLawKind::none) return false;
-    return view.geometry == PairGeometry::two_spheres ||
-           (view.geometry == PairGeometry::body_zone && view.a.shape->kind == ShapeKind::sphere);
+  bool is_of_lanes(const BodyPair& pair) const {
+    const BallLaws& laws = pass_.scene.ball_laws();
+    if (laws.kind == BallLawKind::none || pass_.has_impacts || !(pass_.p.ball_radius[static_cast<std::size_t>(pair.a)] > 0)) return false;
+    return pair.b >= 0 ? pass_.p.ball_radius[static_cast<std::size_t>(pair.b)] > 0
+                       : laws.row_of_zone[static_cast<std::size_t>(pair.key.zone)] >= 0;
   }
 
   /// Since the lists were made.
