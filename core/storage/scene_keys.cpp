@@ -40,7 +40,7 @@ void time_keys(KeyVisitor& k, Settings& s) {
   k.word({"step_control", "",
           "`quantised`: the step is halved, again and again, while the speed of a body (its spin counts as far as it moves the surface "
           "outwards) uses up a fifth of its margin in a step, its spin turns it by 0.1 rad, or the contacts that there are ask for it; "
-          "`steps.csv` tells every change. The energy is kept best with `fixed`"},
+          "`steps.csv` lists every change. The energy is kept best with `fixed`"},
          s.step_control);
 }
 
@@ -96,8 +96,7 @@ void contact_keys(KeyVisitor& k, Settings& s) {
   k.number(
       {"margin", "derived (README)",
        "boundary layer of each body, which contacts press into; with `surface = \"drawn\"` that of the body of median mass, the others "
-       "in proportion to their size; 0 for analytic spheres only, the default where a case has no meshes, neither as bodies nor as "
-       "walls, and no `barrier`",
+       "in proportion to their size; 0 where all bodies are analytic spheres; a `barrier` of these needs `surface = \"outside\"`",
        kAlways},
       s.margin, Dimension::length, Range::not_negative);
   k.number(
@@ -168,7 +167,8 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   k.number(
       {"layer_modulus",
        "needed with `gather = \"area\"`, in place of `stiffness`",
-       "pressure is this times the overlap over both margins: a flat contact of area A has the stiffness `layer_modulus A / (2 margin)`",
+       "pressure is this times the overlap over the sum of both margins (one at a mesh wall): a flat contact of area A has the stiffness "
+       "`layer_modulus A` over that sum",
        {},
        s.gather == Gathering::area},
       p.layer_modulus, Dimension::pressure, Range::positive);

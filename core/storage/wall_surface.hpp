@@ -16,7 +16,7 @@ struct SurfaceVelocity {
   Vec3 at(const Vec3& x) const { return velocity + cross(spin, x); }
 };
 
-/// Told where the wall is placed; it goes along with the motion of the wall, and comes on top of it.
+/// Given where the wall is placed; it goes along with the motion of the wall, and comes on top of it.
 struct WallSurface {
   WallMotion motion;  ///< none, translate, or rotate: the velocities that a wall of that motion had, without its going anywhere
 

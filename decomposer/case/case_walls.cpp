@@ -346,8 +346,8 @@ void wall_section(CaseKeys& k, Case& c) {
         [&](CaseKeys& below) {
           below.number({"coefficient", kRequired, "volume per sliding work"}, w.wall.wear, Dimension::wear_coefficient, Range::positive);
           below.number({"every", kRequired,
-                        "after which vertices are moved, counted from the start; each time by a tenth of the margin "
-                        "at most"},
+                        "after which vertices are moved, counted from the start; more than a tenth of the margin "
+                        "(balls: of the smallest radius) at a time ends the run (exit 5)"},
                        w.wall.wear_every, Dimension::time, Range::positive);
           w.wall.load_map = true;
         });
@@ -365,10 +365,11 @@ void wall_section(CaseKeys& k, Case& c) {
       t != nullptr && w.wall.kind == WallKind::plane && drive && drive->guide.turns) {
     throw t->error("motion", "turns a plane in answer to force, which has no end and so any lever; use a plate or another mesh");
   }
-  k.section({"surface", "none",
-             "moves along itself, while the wall stays where it is: a belt, a turntable. Told where the wall is placed; it goes along with "
-             "the wall's motion, on top of which it comes"},
-            [&](CaseKeys& below) { surface_section(below, w.wall.surface); });
+  k.section(
+      {"surface", "none",
+       "moves along itself, while the wall stays where it is: a belt, a turntable. Given where the wall is placed; it goes along with "
+       "the wall's motion, on top of which it comes"},
+      [&](CaseKeys& below) { surface_section(below, w.wall.surface); });
   if (t != nullptr) c.walls.push_back(w);
 }
 

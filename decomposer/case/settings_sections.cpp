@@ -41,11 +41,12 @@ void relax_key(CaseKeys& k, Relax& relax) {
   if (k.when(is_word)) {
     k.only_word(
         {"relax", "",
-         "bodies of `[[bodies]]` that start within the margins of each other or of a wall store energy and would be thrown. `\"shallow\"`: "
-         "they are parted before the run starts, the shortest way, until all are two margins apart, where that moves none by more than two "
-         "margins; a note reports how far. Otherwise they are refused, with the energy that is stored and the speed that it is. `true`: "
+         "bodies of `[[bodies]]` that start pressed into each other or into a wall store energy and would be thrown. `\"shallow\"`: "
+         "they are parted before the run starts, the shortest way, until they just touch, where that moves none by more than two of its "
+         "margins (a ball: 2 % of its radius); a note reports how far. Otherwise they are refused, with the energy that is stored and the "
+         "speed that it is. `true`: "
          "parted however far that is, also from overlaps. `false`: overlaps are refused, and the others start pressed as they are. Both of "
-         "a pair move in inverse proportion to their masses, fixed ones stay; in a crowd, gaps become up to a tenth wider than asked for. "
+         "a pair move in inverse proportion to their masses, fixed ones stay; in a crowd, gaps become up to a tenth wider than requested. "
          "Packings and what comes from a run are left as they are"},
         "shallow");
   }
