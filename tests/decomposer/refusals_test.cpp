@@ -168,7 +168,8 @@ TEST(Refusals, walls_and_laws_that_need_a_margin_or_a_speed_are_refused_without)
       "[[walls]]\nname = \"tray\"\nmaterial = \"stone\"\nshape = { plate = { corner = [-1, -1, 0], side_a = [3, 0, 0], side_b = [0, 3, 0] "
       "} }\n";
   expect_says(failure(kHead + "[contact]\nmargin = 0\n" + ball + plate, ExitCode::usage), {"contact.margin = 0", "'tray'"});
-  expect_says(failure(kHead + "[contact]\nmargin = 0\nbarrier = 1\n" + ball, ExitCode::usage), {"contact.barrier", "margin", "surface = \"outside\""});
+  expect_says(failure(kHead + "[contact]\nmargin = 0\nbarrier = 1\n" + ball, ExitCode::usage),
+              {"contact.barrier", "margin", "surface = \"outside\""});
   const std::string hertz =
       "gravity = [0, 0, 0]\n[time]\nduration = 1\n[shapes.ball]\nsphere = { radius = 0.5 }\n[materials.stone]\ndensity = 2500\nyoung = \"1 "
       "GPa\"\n"
