@@ -96,10 +96,11 @@ void check_needs_of_margin(const Case& c, const Settings& s) {
   if (s.gather == Gathering::area)
     throw UsageError("{}: contact.margin = 0, but with contact.gather = \"area\" the margins are the elastic layer; give them a thickness",
                      c.path);
-  if (s.barrier > 0) {
-    throw UsageError("{}: contact.barrier = {:g} needs margins: give contact.margin a value > 0{}", c.path, s.barrier,
-                     s.surface == TouchAt::drawn ? "; analytic spheres have margins only with contact.surface = \"outside\"" : "");
-  }
+  if (s.barrier > 0)
+    throw UsageError(
+        "{}: contact.barrier = {:g} needs margins: give contact.margin a value > 0; analytic spheres have margins only with "
+        "contact.surface = \"outside\"",
+        c.path, s.barrier);
 }
 
 }  // namespace
