@@ -26,7 +26,7 @@ holds triaxial/triaxial.md "sheared by"  # pressed, and the page says how far it
 grep -qE '^\| 50 kPa \| (0\.999[5-9]|1\.000[0-5]) to (0\.999[5-9]|1\.000[0-5]) ' "$scratch/triaxial/triaxial.md" ||
   { echo "triaxial/triaxial.md: the stress is off by more than 5e-4 of that asked"; cat "$scratch/triaxial/triaxial.md"; exit 1; }
 run press
-holds press/press.md "| press-small | 1.000. | 1.000. |"   # smooth sides: what presses on the lid comes down to the floor
+holds press/press.md "| press-small | \(0.999[5-9]\|1.000[0-5]\) | \(0.999[5-9]\|1.000[0-5]\) |"   # smooth sides: what presses on the lid comes down to the floor
 holds press/press-small.report.html "Loads on walls"
 [[ -s "$scratch/press/press-small.run/wall5_worn.shape.h5" ]]
 run mill
