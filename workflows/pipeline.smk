@@ -106,7 +106,7 @@ wildcard_constraints:
 
 # The record of the run is asked for by name: Snakemake does not rebuild a missing file in the middle of a chain.
 def result(run):
-    return [f"{run}.run/run.json", f"{run}.run/paraview/{run}.pvd", f"{run}.png", f"{run}.bodies.csv",
+    return [f"{run}.run/run.json", f"{run}.run/paraview/open_in_paraview.py", f"{run}.png", f"{run}.bodies.csv",
             f"{run}.statistics/statistics.json", f"{run}.report.html"]
 
 
@@ -210,7 +210,7 @@ rule beside:
 
 rule paraview:
     input: "{run}.run/run.json"
-    output: "{run}.run/paraview/{run}.pvd"
+    output: "{run}.run/paraview/open_in_paraview.py"
     shell: "scree-post paraview {wildcards.run}.run"
 
 

@@ -55,8 +55,11 @@ Command add_paraview(CLI::App& app) {
   CLI::App* command = app.add_subcommand("paraview", "Write what ParaView opens: a script, meshes, contact network and surfaces");
   o->run.add_to(*command, nullptr);
   command->add_option("-o,--output", o->files.folder, "Folder (default RUN/paraview)");
-  command->add_option("--surfaces", o->files.surfaces, "Frames to expand into triangles: all, last or none (default all)")
-      ->check(CLI::IsMember({"all", "last", "none"}));
+  command
+      ->add_option("--surfaces", o->files.surfaces,
+                   "Frames to expand into triangles: all, last, none, or auto (the default): all up to 2e8 triangles in total, else the "
+                   "last or none")
+      ->check(CLI::IsMember({"auto", "all", "last", "none"}));
   return {command, [o] {
             require_vtk();
             CommandResult result;

@@ -24,6 +24,11 @@ bool any_wall_changes(const Scene& scene) {
 
 }  // namespace
 
+std::string expanded_frames(double triangles_per_frame, std::size_t frames) {
+  if (triangles_per_frame * static_cast<double>(frames) <= kExpandedTriangles) return "all";
+  return triangles_per_frame <= kExpandedTriangles ? "last" : "none";
+}
+
 ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& options) {
   ParaviewResult result;
   result.folder = options.folder.empty() ? (fs::path(run.folder) / "paraview").string() : options.folder;
@@ -44,6 +49,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
     for (const std::int32_t shape : load_frame(run, run.frames.size() - 1).bodies.shape)
       result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
   }
+  result.surfaces = options.surfaces == "auto" ? expanded_frames(result.triangles_per_frame, run.frames.size()) : options.surfaces;
   const bool moving = any_wall_changes(run.scene);
   if (!run.scene.walls.empty() && !moving) {
     const Frame first = load_frame(run, 0);
@@ -61,13 +67,13 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   if (run.scene.settings.output_contacts) files.kinds.emplace_back("network");
   if (!run.scene.bonds.empty()) files.kinds.emplace_back("bonds");
   if (moving) files.kinds.emplace_back("walls");
-  if (options.surfaces == "all") files.kinds.emplace_back("surfaces");
+  if (result.surfaces == "all") files.kinds.emplace_back("surfaces");
   if (!files.kinds.empty()) {
     const VtkResult written = write_vtk_files(run, files);
     result.skipped = written.skipped;
-    if (options.surfaces == "all") result.surface_frames = written.frames;
+    if (result.surfaces == "all") result.surface_frames = written.frames;
   }
-  if (options.surfaces == "last") {
+  if (result.surfaces == "last") {
     files.frames = choose_frames(run, "last");
     files.kinds = {"surfaces"};
     result.surface_frames = write_vtk_files(run, files).frames;

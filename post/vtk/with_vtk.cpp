@@ -25,9 +25,13 @@ std::string make_paraview_files(const Run& run, const ParaviewOptions& options, 
   const ParaviewResult result = write_paraview_files(run, options);
   skipped = result.skipped;
   return fmt::format(
-      "{0}: {1} frames, surfaces of {2} of them with {3:.0f} triangles each\n"
+      "{0}: {1} frames, surfaces of {2} of them with {3:.0f} triangles each{4}\n"
       "open with: paraview --script={0}/open_in_paraview.py",
-      result.folder, run.frames.size(), result.surface_frames, result.triangles_per_frame);
+      result.folder, run.frames.size(), result.surface_frames, result.triangles_per_frame,
+      options.surfaces == "auto" && result.surfaces != "all"
+          ? fmt::format(" (all would be {:.2g} triangles; the script shows all frames with glyphs; --surfaces all writes them)",
+                        result.triangles_per_frame * static_cast<double>(run.frames.size()))
+          : "");
 }
 
 std::string make_vtk_files(const Run& run, const VtkOptions& options, std::vector<std::string>& skipped) {

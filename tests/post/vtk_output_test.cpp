@@ -107,6 +107,20 @@ TEST(ParaviewFiles, every_triangle_is_where_its_bodys_transform_puts_it) {
   EXPECT_EQ(cell, data->GetNumberOfCells());
 }
 
+TEST(ParaviewFiles, surfaces_that_would_fill_a_disk_are_left_to_glyphs_unless_asked_for) {
+  EXPECT_EQ(expanded_frames(1e6, 200), "all");
+  EXPECT_EQ(expanded_frames(1e6, 201), "last");
+  EXPECT_EQ(expanded_frames(16000320, 51), "last");  // the balls of workflows/impact: 12 GB
+  EXPECT_EQ(expanded_frames(2.1e8, 1), "none");
+  const fs::path folder = sample("surfaces_of_the_last");
+  ParaviewOptions options;
+  options.surfaces = "last";
+  EXPECT_EQ(write_paraview_files(open_run(folder.string()), options).surface_frames, 1u);
+  EXPECT_FALSE(fs::exists(folder / "paraview" / "frame_000000.vtp"));
+  EXPECT_TRUE(fs::exists(folder / "paraview" / "frame_000002.vtp"));
+  EXPECT_TRUE(fs::exists(folder / "paraview" / "open_in_paraview.py"));
+}
+
 TEST(ParaviewFiles, a_driven_wall_moves_and_the_times_are_listed) {
   const fs::path folder = sample("walls");
   write_paraview_files(open_run(folder.string()), {});

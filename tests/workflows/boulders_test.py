@@ -53,7 +53,7 @@ def check_results(out):
     with open(os.path.join(out, f"{NAME}.report.html")) as f:
         page = f.read()
     assert "</html>" in page and record["state_hash"] in page, "the report is cut short or of another run"
-    for file in (f"{NAME}.contacts.csv", f"{NAME}.run/paraview/{NAME}.pvd"):
+    for file in (f"{NAME}.contacts.csv", f"{NAME}.run/paraview/open_in_paraview.py"):
         assert os.path.getsize(os.path.join(out, file)) > 0, file
 
 

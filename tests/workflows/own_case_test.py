@@ -110,7 +110,7 @@ def main():
     relative = os.path.join(os.path.basename(FOLDER), "case.toml")
     run("--config", "statistics=--from 0.01", "--cores", "2", case=relative, cwd=SCRATCH)
     results = os.path.join(FOLDER, "case.out")
-    for name in ("case.report.html", "case.png", "case.run/paraview/case.pvd", "case.bodies.csv"):
+    for name in ("case.report.html", "case.png", "case.run/paraview/case.pvd", "case.run/paraview/open_in_paraview.py", "case.bodies.csv"):
         assert os.path.getsize(os.path.join(results, name)) > 0, name
     with open(os.path.join(results, "case.run/run.json")) as file:
         record = json.load(file)

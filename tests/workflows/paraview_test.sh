@@ -12,7 +12,7 @@ rm -rf "$scratch"; mkdir -p "$scratch"
 for pair in boulders/boulders-small hopper/hopper-ball-13 column/column-small repose/repose-cube drum/drum-small shape-dial/dial-hull; do
   name=${pair%/*} run=${pair#*/}
   # our own tools must not load ParaView's libraries, so these paths are for pvbatch alone
-  env -u LD_LIBRARY_PATH -u PYTHONPATH "$runner" "$name" "$run.run/paraview/$run.pvd" --out "$scratch/$name" --config size=small ranks=1 >"$scratch/$name.log" 2>&1 ||
+  env -u LD_LIBRARY_PATH -u PYTHONPATH "$runner" "$name" "$run.run/paraview/open_in_paraview.py" --out "$scratch/$name" --config size=small ranks=1 >"$scratch/$name.log" 2>&1 ||
     { cat "$scratch/$name.log"; exit 1; }
   for option in "" --network; do
     if [[ $option == --network && ! -e "$scratch/$name/$run.run/paraview/network.pvd" ]]; then continue; fi  # hopper keeps no contacts
