@@ -12,9 +12,6 @@
 // sum. Pairs beyond kMostDistance go the general way. Effective overlaps, D = d (1)^(1/8), and weights of 1 are the numbers themselves.
 #include "solver/contact/ball_forces.hpp"
 
-#include "solver/contact/pair_friction.hpp"
-#include "solver/laws/damping.hpp"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solver/contact/ball_forces.cpp"
 #include <hwy/foreach_target.h>
@@ -22,6 +19,7 @@
 
 #include "solver/contact/ball_lanes-inl.hpp"
 #include "solver/contact/ball_rolling-inl.hpp"
+#include "solver/contact/lane_contact-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
@@ -122,7 +120,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
                                 BallForces& out) {
   const ParticleSet& p = scene.p;
   const BallLaws& laws = scene.laws;
-  const LawRows<BallLaw> law(laws.laws.data(), springs.law.data() + k);
+  const LawRows<BallLaw> law(laws.laws, springs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
   const Rows a(pairs.a.data() + k);
   const Meeting m = meet<kWall>(scene, pairs, k);
@@ -152,19 +150,8 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   // damping
   const Lane own = a.of(p.inverse_mass) + m.inverse_mass_b, wrench = own * dot(force, force) / (push * push);
   const Lane mobility = select(own < wrench, wrench, own);
-  Lane chi = law.at(&BallLaw::damping), most_onset = one, free_rate(HuntCrossleyDamping::kFreeRate);
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
-    chi = chi / sqrt(Lane(2.0) * energy * mobility);
-    free_rate = Lane(ViscousDamping::kFreeRate);
-  }
-  const Lane rate = chi * push * mobility * step;
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
-    const Lane most(ViscousDamping::kMostOnset), lagged = one + Lane(0.25) * rate, onset = lagged / rate;
-    chi = chi / lagged;
-    const Lane clamped = select(onset < one, one, select(most < onset, most, onset));
-    most_onset = select(rate > zero, clamped, one);
-  }
-  auto fits = (push > zero) & (rate <= free_rate);
+  const LaneDamping damping = damping_of<kKind>(law, energy, push, mobility, step);
+  auto fits = damping.fits;
   if constexpr (!kWall) {
     const Lane most(kMostDistance);
     fits = fits & (m.distance > zero) & (m.distance < most * a.of(p.ball_radius)) & (m.distance < most * m.radius_b);
@@ -174,9 +161,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   const Lane3 v_a = a_to_world.transpose_times(a.of(p.v)), v_b = a_to_world.transpose_times(m.pivot_v_b);
   const Lane3 turning_a = cross(w_a, x), turning_b = cross(w_b, x - m.pivot_b);
   const Lane3 velocity = v_a + turning_a - v_b - turning_b;
-  const Lane vn = dot(velocity, n), closing = (-vn) * step;
-  const Lane onset = select(overlap < closing, overlap / closing + half, one), weight = select(onset < most_onset, onset, most_onset);
-  const Lane share = one - chi * weight * vn, damped = push * select(zero < share, share, zero);
+  const Lane vn = dot(velocity, n), damped = damped_push<kKind>(damping, push, overlap, vn, step);
   Lane3 dissipative = (damped - push) * n;
 
   // friction
@@ -186,51 +171,34 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     const Lane3 slip = velocity - (half * step) * (cross(w_a, turning_a) - cross(w_b, turning_b)), vt = slip - dot(slip, n) * n;
     const Lane kept = Lane::load(springs.kept.data() + k);
     const auto is_kept = kept > zero;
-    const auto [old, before] = load_fours(springs.spring, k);
+    const auto [spring_force, spring_stiffness] = load_fours(springs.spring, k);
     const auto [turn_v, turn_w] = load_fours(springs.turn, k);
-    const LaneTurn turned(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn);
-    Lane3 s = turned.of(old);
-    // back into the tangent plane at its own length
-    s = s - dot(s, n) * n;
-    const Lane flat = dot(s, s);
-    s = select(flat > zero, sqrt(dot(old, old) / flat), one) * s;
-    // no more of it than the load allows, and no change of the load that is rounding
-    const Lane fresh = law.at(&BallLaw::tangential_ratio) * (push / overlap);
-    const auto same = abs(fresh - before) * overlap <= Lane(kStiffnessRounding) * length(m.centre_b) * before;
-    const Lane kappa = select(is_kept & same, before, fresh);
-    s = select(kappa < before, kappa / before, one) * s;
-    const Lane3 on = s - (kappa * step) * vt;
-    // one that touches since has slid only since then
-    const Lane since = select((overlap > zero) & (overlap < closing), overlap / (-vn), step);
-    Lane3 spring = select(is_kept, on, ((-kappa) * since) * vt);
-
-    const Lane limit = law.at(&BallLaw::friction) * damped, sliding = law.at(&BallLaw::friction_sliding) * damped;
-    const Lane stretched = dot(spring, spring);
-    const auto slides = stretched > limit * limit;
-    spring = select(slides, sliding / sqrt(stretched), one) * spring;
-    const Lane damping = law.at(&BallLaw::tangential_damping) * chi * push;
-    Lane3 tangential = spring - damping * vt;
-    const Lane total = dot(tangential, tangential), cap = select(slides, sliding, limit);
-    tangential = select(total > cap * cap, cap / sqrt(total), one) * tangential;
-    stored = select(kappa > zero, half * dot(spring, spring) / kappa, zero);
-    dissipative = dissipative + tangential;
-    store_fours(spring, kappa, k, out.spring);
+    const LaneFriction friction{LaneTurn(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn),
+                                law.at(&BallLaw::friction),
+                                law.at(&BallLaw::friction_sliding),
+                                law.at(&BallLaw::tangential_ratio),
+                                law.at(&BallLaw::tangential_damping) * damping.chi,
+                                Lane(kStiffnessRounding) * length(m.centre_b)};
+    LaneSpring spring{spring_force, spring_stiffness};
+    dissipative = dissipative + friction.force({n, vt, overlap, vn, push, damped}, overlap, is_kept, step, spring);
+    stored = with_energy(spring, stored);
+    store_fours(spring.force, spring.stiffness, k, out.spring);
     if constexpr (kRubs == Rubs::slides_and_rolls) {
-      const LawRows<BallRolling> rolling(scene.laws.rolling.data(), springs.law.data() + k);
-      const Lane size = length(force), tangential_damping = law.at(&BallLaw::tangential_damping) * chi;
+      const LawRows<BallRolling> rolling(laws.rolling, springs.law.data() + k);
+      const Lane size = length(force);
       const LaneRolling state{(one / size) * force,
                               w_a - w_b,
                               push,
                               push / (push / overlap),
                               radius,
-                              tangential_damping,
+                              friction.damping,
                               rolling.at(&BallRolling::friction) * radius * push,
                               rolling.at(&BallRolling::torsional) * radius * push,
-                              law.at(&BallLaw::tangential_ratio)};
+                              friction.tangential_ratio};
       const auto [old_roll, old_stiffness] = load_fours(springs.rolling, k);
       const Lane3 none{zero, zero, zero};
       const LaneMoment rolls =
-          rolling_moment(state, select(is_kept, turned.of(old_roll), none), select(is_kept, old_stiffness, zero), step);
+          rolling_moment(state, select(is_kept, friction.turned.of(old_roll), none), select(is_kept, old_stiffness, zero), step);
       moment = rolls.moment;
       stored = stored + select(rolls.stiffness > zero, half * dot(rolls.spring, rolls.spring) / rolls.stiffness, zero);
       fits = fits & (size > zero);

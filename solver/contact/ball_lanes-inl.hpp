@@ -95,18 +95,21 @@ class WallRows {
   hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
 
-/// Rows of BallLaws, and of what goes with it, one in each lane.
+/// Rows of BallLaws, and of what goes with it, one in each lane. Most scenes have one row, which all lanes share.
 template <class Law>
 class LawRows {
  public:
-  HWY_INLINE LawRows(const Law* laws, const std::int64_t* rows)
-      : laws_(laws), first_(hn::ShiftLeft<kShift>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows))) {}
-  HWY_INLINE Lane at(double Law::*number) const { return hn::GatherIndex(Tag<double>(), &(laws_->*number), first_); }
+  HWY_INLINE LawRows(const std::vector<Law>& laws, const std::int64_t* rows)
+      : laws_(laws.data()), is_one_(laws.size() == 1), first_(hn::ShiftLeft<kShift>(hn::LoadU(hn::RebindToSigned<Tag<double>>(), rows))) {}
+  HWY_INLINE Lane at(double Law::*number) const {
+    return is_one_ ? Lane(laws_->*number) : Lane(hn::GatherIndex(Tag<double>(), &(laws_->*number), first_));
+  }
 
  private:
   static constexpr int kShift = sizeof(Law) == 8 * sizeof(double) ? 3 : 1;
   static_assert(sizeof(Law) == (std::size_t{1} << kShift) * sizeof(double));
   const Law* laws_;
+  bool is_one_;
   hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
 

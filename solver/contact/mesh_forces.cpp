@@ -5,15 +5,13 @@
 // by line: whoever changes one changes both. Tests compare them (tests/solver/mesh_forces_test.cpp).
 #include "solver/contact/mesh_forces.hpp"
 
-#include "solver/contact/pair_friction.hpp"
-#include "solver/laws/damping.hpp"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solver/contact/mesh_forces.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "solver/contact/ball_lanes-inl.hpp"
+#include "solver/contact/lane_contact-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
@@ -107,86 +105,27 @@ HWY_INLINE MeshPush push_in_lanes(const BallScene& scene, const LawRows<BallLaw>
   return m;
 }
 
-/// chi of the pairs, and how much of it a new feature may feel (PairDamping, Damping).
-struct MeshDamping {
-  Lane chi, most_onset;
-  Mask<double> fits;  ///< lanes have the formula
-};
-
 HWY_INLINE Lane squares_over(const Lane3& t, const Lane3& inverse) {
   return t.x * t.x * inverse.x + t.y * t.y * inverse.y + t.z * t.z * inverse.z;
 }
 
-template <BallLawKind kKind>
-HWY_INLINE MeshDamping damping_in_lanes(const LawRows<BallLaw>& law, const MeshMotion& m, const MeshPush& push, Lane step) {
-  const Lane zero(0.0), one(1.0);
+/// wrench_mobility, at least that of the centres.
+HWY_INLINE Lane mobility_of(const MeshMotion& m, const MeshPush& push) {
   const Lane3 on_b = m.b_to_a.transpose_times(cross(m.centre_b, push.force) - push.torque);
   const Lane wrench = m.inverse_mass * dot(push.force, push.force) + squares_over(push.torque, m.inverse_inertia_a) +
                       squares_over(on_b, m.inverse_inertia_b);
-  const Lane mobility = larger(m.inverse_mass, wrench / (push.sum * push.sum));
-  Lane chi = law.at(&BallLaw::damping), most_onset = one, free_rate(HuntCrossleyDamping::kFreeRate);
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
-    chi = chi / sqrt(Lane(2.0) * push.energy * mobility);
-    free_rate = Lane(ViscousDamping::kFreeRate);
-  }
-  const Lane rate = chi * push.sum * mobility * step;
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
-    const Lane most(ViscousDamping::kMostOnset), lagged = one + Lane(0.25) * rate, onset = lagged / rate;
-    chi = chi / lagged;
-    most_onset = select(rate > zero, select(onset < one, one, select(most < onset, most, onset)), one);
-  }
-  return {chi, most_onset, (push.sum > zero) & (mobility > zero) & (rate <= free_rate)};
-}
-
-/// What friction goes with for each pair.
-struct MeshFriction {
-  LaneTurn turned;
-  Lane friction, sliding, tangential_ratio, damping;  ///< mu, ..., rho, damping of sliding over the push
-  Lane rounding;
-};
-
-/// PairFriction::force of one feature of each pair; adds what its spring stores.
-HWY_INLINE Lane3 friction_in_lanes(const MeshFriction& of, MeshFeature& f, std::size_t k, Lane push, Lane damped, Lane D, const Lane3& vt,
-                                   Lane vn, Lane step, Lane& stored) {
-  const Lane zero(0.0), one(1.0), half(0.5), overlap = at(f.overlap, k);
-  const Lane3 n = at(f.n, k);
-  const auto is_kept = at(f.kept, k) > zero;
-  const auto [old, before] = load_fours(f.spring, k);
-  Lane3 s = of.turned.of(old);
-  // back into the tangent plane at its own length
-  s = s - dot(s, n) * n;
-  const Lane flat = dot(s, s);
-  s = select(flat > zero, sqrt(dot(old, old) / flat), one) * s;
-  // no more of it than the load allows, and no change of the load that is rounding
-  const Lane fresh = of.tangential_ratio * (push / D);
-  const auto same = abs(fresh - before) * overlap <= of.rounding * before;
-  const Lane kappa = select(is_kept & same, before, fresh);
-  s = select(kappa < before, kappa / before, one) * s;
-  const Lane3 on = s - (kappa * step) * vt;
-  // one that touches since has slid only since then
-  const Lane since = select((overlap > zero) & (overlap < (-vn) * step), overlap / (-vn), step);
-  Lane3 spring = select(is_kept, on, ((-kappa) * since) * vt);
-
-  const Lane limit = of.friction * damped, sliding = of.sliding * damped;
-  const Lane stretched = dot(spring, spring);
-  const auto slides = stretched > limit * limit;
-  spring = select(slides, sliding / sqrt(stretched), one) * spring;
-  Lane3 tangential = spring - (of.damping * push) * vt;
-  const Lane total = dot(tangential, tangential), cap = select(slides, sliding, limit);
-  tangential = select(total > cap * cap, cap / sqrt(total), one) * tangential;
-  stored = select(kappa > zero, stored + half * dot(spring, spring) / kappa, stored);
-  store_fours(spring, kappa, k, f.spring);
-  return tangential;
+  return larger(m.inverse_mass, wrench / (push.sum * push.sum));
 }
 
 template <BallLawKind kKind, bool kFriction>
 HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pairs, std::size_t k, MeshForces& out) {
-  const LawRows<BallLaw> law(scene.laws.laws.data(), pairs.law.data() + k);
+  const LawRows<BallLaw> law(scene.laws.laws, pairs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
   const Rows a(pairs.a.data() + k), b(pairs.b.data() + k);
   const MeshMotion m = motion_in_lanes(scene, a, b);
   const MeshPush push = push_in_lanes<kKind>(scene, law, a, b, pairs, k);
-  const MeshDamping damping = damping_in_lanes<kKind>(law, m, push, step);
+  const Lane mobility = mobility_of(m, push);
+  const LaneDamping damping = damping_of<kKind>(law, push.energy, push.sum, mobility, step);
 
   LaneQuat before = m.turn;
   if constexpr (kFriction) {
@@ -196,7 +135,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
     before = {select(turned, w, m.turn.w), xyz.x, xyz.y, xyz.z};
     store_fours(Lane3{m.turn.x, m.turn.y, m.turn.z}, m.turn.w, k, pairs.turn);
   }
-  const MeshFriction friction{LaneTurn(before, m.turn),
+  const LaneFriction friction{LaneTurn(before, m.turn),
                               law.at(&BallLaw::friction),
                               law.at(&BallLaw::friction_sliding),
                               law.at(&BallLaw::tangential_ratio),
@@ -209,21 +148,22 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
     const Lane part = at(f.push, k), overlap = at(f.overlap, k);
     const Lane3 turning_a = cross(m.w_a, x), turning_b = cross(m.w_b, x - m.centre_b);
     const Lane3 velocity = m.v_a + turning_a - m.v_b - turning_b;
-    const Lane vn = dot(velocity, n), closing = (-vn) * step;
-    const Lane onset = select(overlap < closing, overlap / closing + half, one);
-    const Lane weight = select(onset < damping.most_onset, onset, damping.most_onset);
-    const Lane share = one - damping.chi * weight * vn, damped = part * select(zero < share, share, zero);
+    const Lane vn = dot(velocity, n), damped = damped_push<kKind>(damping, part, overlap, vn, step);
     Lane3 dissipative = (damped - part) * n;
     if constexpr (kFriction) {
       const Lane3 slip = velocity - (half * step) * (cross(m.w_a, turning_a) - cross(m.w_b, turning_b)), vt = slip - dot(slip, n) * n;
-      dissipative = dissipative + friction_in_lanes(friction, f, k, part, damped, push.D, vt, vn, step, stored);
+      const auto [spring_force, spring_stiffness] = load_fours(f.spring, k);
+      LaneSpring spring{spring_force, spring_stiffness};
+      dissipative = dissipative + friction.force({n, vt, overlap, vn, part, damped}, push.D, at(f.kept, k) > zero, step, spring);
+      stored = with_energy(spring, stored);
+      store_fours(spring.force, spring.stiffness, k, f.spring);
     }
     lost = lost + dissipative;
     lost_torque = lost_torque + cross(x, dissipative);
   }
 
   // onto the bodies
-  select(damping.fits, zero, one).store(out.left.data() + k);
+  select(damping.fits & (mobility > zero), zero, one).store(out.left.data() + k);
   const Lane3 force_a = m.a_to_world.times(push.force + lost), torque_a = m.a_to_world.times(push.torque + lost_torque);
   const Lane3 lost_a = m.a_to_world.times(lost), lost_torque_a = m.a_to_world.times(lost_torque);
   const Lane3 torque_b = cross(m.branch, force_a) - torque_a, lost_torque_b = cross(m.branch, lost_a) - lost_torque_a;
