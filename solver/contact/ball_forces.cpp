@@ -209,6 +209,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
 
   // onto the bodies
   select(fits, zero, one).store(out.left.data() + k);
+  m.gap.store(out.gap.data() + k);
   Lane3 dissipative_torque = cross(x, dissipative);
   if constexpr (kRubs == Rubs::slides_and_rolls) dissipative_torque = dissipative_torque + moment;
   const Lane3 force_a = a_to_world.times(force + dissipative), torque_a = a_to_world.times(torque + dissipative_torque);

@@ -67,12 +67,13 @@ struct BallForces {
   alignas(64) std::array<BallFours, kFours> fours;
   alignas(64) BallFours spring, turn, rolling;
   alignas(64) std::array<double, kBallPairs> left;  ///< 1: the general path is to compute the pair, what is here is nothing
+  alignas(64) std::array<double, kBallPairs> gap;   ///< of the surfaces, as find_ball_gaps() [m]
 };
 
 /// Gaps between the surfaces of pairs [m].   out  gap   kBallPairs numbers
 void find_ball_gaps(const BallScene& scene, BallPairs& pairs, double* gap);
 
-/// The forces of pairs that touch.   in   dt   of the run, and of springs [s], > 0
+/// The forces of pairs that touch; those of pairs that do not are left.   in   dt   of the run, and of springs [s], > 0
 void find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces);
 
 }  // namespace scree

@@ -45,6 +45,7 @@ struct IdlePair {
   double way;         ///< of both together: until they have gone it the pair has no features [m]
 };
 inline constexpr double kNeverIdle = -1;  ///< such a pair is looked at in every step
+inline constexpr double kTouching = -2;   ///< and so is one that touched in the last, which most likely still does
 
 /// Bytes of the candidates of a pair.
 std::size_t memory_of_candidates(const BodyPair& pair);

@@ -48,27 +48,53 @@ BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.peri
 }
 
 BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
-  at_walls_.pairs.with_walls = true;
+  at_walls_.pairs.with_walls = old_contacts_at_walls_.pairs.with_walls = true;
   if (balls.scene().laws.friction) spring_count_ = balls.scene().laws.rolling.empty() ? kMostSprings - 1 : kMostSprings;
 }
 
-void BallEvaluation::evaluate(Due& due) {
+template <class Work>
+void BallEvaluation::timed(Due& due, Work&& work) {
   std::vector<float>& seconds = pass_.scratch.pair_seconds;
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = seconds.empty() ? Clock::time_point{} : Clock::now();
-  for (std::size_t n = 0; n < due.pairs.count; ++n)  // where they lie is known by now; they arrive while the gaps are found
-    prefetch<kMostSprings * sizeof(FrictionSpring)>(pass_.list.pairs()[static_cast<std::size_t>(due.index[n])].state.springs.data());
-  find_ball_gaps(balls_.scene(), due.pairs, gap_.data());
-  find_touching(due);
-  if (touching_.pairs.count > 0) {
-    find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
-    hand_out();
-  }
+  work(due);
   if (!seconds.empty()) {
     const float each = std::chrono::duration<float>(Clock::now() - start).count() / static_cast<float>(due.pairs.count);
     for (std::size_t n = 0; n < due.pairs.count; ++n) seconds[static_cast<std::size_t>(due.index[n])] = each;
   }
   due.pairs.count = 0;
+}
+
+/// Pairs of which is not known whether they touch.
+void BallEvaluation::look(Due& due) {
+  timed(due, [this](Due& all) {
+    for (std::size_t n = 0; n < all.pairs.count; ++n) ask_for_springs(all.index[n]);  // they arrive while the gaps are found
+    find_ball_gaps(balls_.scene(), all.pairs, gap_.data());
+    touching_.pairs.with_walls = all.pairs.with_walls;
+    const double margin = balls_.scene().laws.margin;
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < all.pairs.count; ++n) {
+      if (gap_[n] >= margin)
+        part(all.index[n], static_cast<std::size_t>(all.pairs.a[n]), static_cast<std::size_t>(all.pairs.b[n]), all.pairs.with_walls,
+             gap_[n]);
+      else
+        take_touching(all, n, count);
+    }
+    touching_.pairs.count = count;
+    find_forces();
+  });
+}
+
+/// Pairs that touched in the last step.
+void BallEvaluation::press(Due& due) {
+  timed(due, [this](Due& all) {
+    for (std::size_t n = all.pairs.count - std::min(all.pairs.count, kAhead); n < all.pairs.count; ++n) ask_for_springs(all.index[n]);
+    touching_.pairs.with_walls = all.pairs.with_walls;
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < all.pairs.count; ++n) take_touching(all, n, count);
+    touching_.pairs.count = count;
+    find_forces();
+  });
 }
 
 /// The springs of the n-th pair that touches.   Returns false for others than those of friction and rolling and the turn that goes with
@@ -88,45 +114,44 @@ void BallEvaluation::evaluate(Due& due) {
   return true;
 }
 
-/// Of the pairs that are due those that touch, with their springs.
-void BallEvaluation::find_touching(const Due& due) {
+/// Adds the n-th pair to those that touch, with its springs, if lanes have its law.   in, out   count   of them
+[[gnu::always_inline]] inline void BallEvaluation::take_touching(const Due& due, std::size_t n, std::size_t& count) {
   const BallLaws& laws = balls_.scene().laws;
-  const ParticleSet& p = pass_.p;
-  const BodyPair* const pairs = pass_.list.pairs().data();
-  const bool at_wall = due.pairs.with_walls, one_law = laws.laws.size() == 1;
-  const double margin = laws.margin;
-  std::size_t count = 0;
-  for (std::size_t n = 0; n < due.pairs.count; ++n) {
-    const std::int32_t k = due.index[n];
+  const std::int32_t k = due.index[n];
+  std::size_t law = 0;
+  if (laws.laws.size() != 1) {
+    const std::vector<std::int32_t>& material = pass_.p.material;
     const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
-    if (gap_[n] >= margin) {
-      part(k, at_wall, gap_[n] - margin, p.ball_radius[a] + (at_wall ? 0 : p.ball_radius[b]));
-      continue;
-    }
-    std::size_t law = 0;
-    if (!one_law) law = laws.row(p.material[a], at_wall ? laws.zones[b].material : p.material[b]);
-    if (laws.holds[law] == 0 || !load_springs(pairs[k].state.springs, count)) {
-      left_.push_back(k);
-      continue;
-    }
-    touching_.pairs.a[count] = due.pairs.a[n];
-    touching_.pairs.b[count] = due.pairs.b[n];
-    touching_.index[count] = k;
-    springs_.law[count] = static_cast<std::int64_t>(law);
-    ++count;
+    law = laws.row(material[a], due.pairs.with_walls ? laws.zones[b].material : material[b]);
   }
-  touching_.pairs.count = count;
-  touching_.pairs.with_walls = at_wall;
+  if (laws.holds[law] == 0 || !load_springs(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs, count)) {
+    left_.push_back(k);
+    return;
+  }
+  touching_.pairs.a[count] = due.pairs.a[n];
+  touching_.pairs.b[count] = due.pairs.b[n];
+  touching_.index[count] = k;
+  springs_.law[count] = static_cast<std::int64_t>(law);
+  ++count;
 }
 
-/// A pair that does not touch.   in   lacks   before it does [m]     in  size   of both, for the rounding of that [m]
-void BallEvaluation::part(std::int32_t k, bool at_wall, double lacks, double size) {
+void BallEvaluation::find_forces() {
+  if (touching_.pairs.count == 0) return;
+  find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
+  hand_out();
+}
+
+/// A pair that does not touch.   in   a, b   rows, as in BallPairs
+void BallEvaluation::part(std::int32_t k, std::size_t a, std::size_t b, bool at_wall, double gap) {
+  const std::vector<double>& radius = pass_.p.ball_radius;
   PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
   result.active = false;
   result.contact_count = 0;
   IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
   // the way of a wall that moves is in no bound
-  idle.way = at_wall && pass_.scene.has_driven_walls() ? kNeverIdle : pass_.way_of(idle) + slack_below(lacks, 0, size);
+  idle.way = at_wall && pass_.scene.has_driven_walls()
+                 ? kNeverIdle
+                 : pass_.way_of(idle) + slack_below(gap - balls_.scene().laws.margin, 0, radius[a] + (at_wall ? 0 : radius[b]));
   pass_.list.pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
 }
 
@@ -136,16 +161,20 @@ void BallEvaluation::hand_out() {
   BodyPair* const pairs = pass_.list.pairs().data();
   PairResult* const results = pass_.list.results().data();
   IdlePair* const idle = pass_.list.idle().data();
-  const double stop_ratio = pass_.stop_ratio;
+  const double stop_ratio = pass_.stop_ratio, margin = balls_.scene().laws.margin;
   double largest = largest_overlap_;
   bool too_deep = too_deep_;
   for (std::size_t n = 0; n < touching_.pairs.count; ++n) {
     const auto k = static_cast<std::size_t>(touching_.index[n]);
     if (forces_.left[n] != 0) {
-      left_.push_back(touching_.index[n]);
+      if (forces_.gap[n] >= margin)
+        part(touching_.index[n], static_cast<std::size_t>(touching_.pairs.a[n]), static_cast<std::size_t>(touching_.pairs.b[n]),
+             touching_.pairs.with_walls, forces_.gap[n]);
+      else
+        left_.push_back(touching_.index[n]);
       continue;
     }
-    idle[k].way = kNeverIdle;
+    idle[k].way = kTouching;
     PairResult& result = results[k];
     result.active = true;
     result.contact_count = 1;
