@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
 #include "solver/bodies/fluid.hpp"
 #include "solver/bodies/motion_lanes.hpp"
@@ -194,7 +195,7 @@ void kick_and_drift(ParticleSet& p, double kick_time, double h) {
 #pragma omp parallel
   for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
     while (begin < end) {
-      begin = drift_in_lanes(p, kick_time, h, begin, end);
+      begin = drift_in_lanes(p, kick_time, h, std::is_same_v<Rotor, DlmRotor>, begin, end);
       for (const std::size_t plain = std::min(end, begin + kMostDriftLanes); begin < plain; ++begin)
         kick_and_drift_row<Rotor>(p, kick_time, h, begin);
     }

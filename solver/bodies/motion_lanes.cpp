@@ -82,13 +82,24 @@ HWY_INLINE void sine_and_cosine(Lane a, Lane& sine, Lane& cosine) {
   cosine = Lane::load(cosines);
 }
 
-/// Bodies whose moments are equal: one exact rotation about w.
-HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_t i) {
+/// As turn_in_body() and turn_in_world() of motion.cpp: q after what is added to it, a unit quaternion.
+HWY_INLINE void add_turn(LaneQuat& q, LaneQuat& remainder, const LaneQuat& way) {
   constexpr double kUnitError = 8 * std::numeric_limits<double>::epsilon();  // as in keep_unit() of motion.cpp
+  advance(q, remainder, way);
+  const Lane excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - Lane(1.0), by = Lane(-0.5) * excess;
+  const auto is_off = abs(excess) > Lane(kUnitError);
+  LaneQuat unit = q, unit_remainder = remainder;
+  advance(unit, unit_remainder, LaneQuat{by * q.w, by * q.x, by * q.y, by * q.z});
+  q = select(is_off, unit, q);
+  remainder = select(is_off, unit_remainder, remainder);
+}
+
+/// Bodies whose moments are equal, the lanes of `which`: one exact rotation about w.
+HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_t i, Mask<double> which) {
   const Lane zero(0.0), half(0.5), one(1.0);
   const Lane rate_of_w = load(&p.inverse_inertia[i]).x;
   const Lane3 L = load(&p.L[i]), next = L + Lane(kick_time) * load(&p.torque[i]), w = rate_of_w * next;
-  const auto turns = rate_of_w > zero;
+  const auto turns = which & (rate_of_w > zero);
   store(select(turns, next, L), &p.L[i]);
   store(select(turns, w, load(&p.w[i])), &p.w[i]);
   const Lane rate = length(w);
@@ -96,23 +107,58 @@ HWY_INLINE void turn_rows(ParticleSet& p, double kick_time, double h, std::size_
   Lane s, c;
   sine_and_cosine(half * (rate * Lane(h)), s, c);
   const Lane3 axis = (one / rate) * w;
-  LaneQuat q = load(&p.q[i]), remainder = load(&p.q_remainder[i]);
-  const LaneQuat before = q, remainder_before = remainder;
-  advance(q, remainder, LaneQuat{c - one, s * axis.x, s * axis.y, s * axis.z} * q);
-  const Lane excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - one, by = Lane(-0.5) * excess;
-  const auto is_off = abs(excess) > Lane(kUnitError);
-  LaneQuat unit = q, unit_remainder = remainder;
-  advance(unit, unit_remainder, LaneQuat{by * q.w, by * q.x, by * q.y, by * q.z});
-  store(select(rotates, select(is_off, unit, q), before), &p.q[i]);
-  store(select(rotates, select(is_off, unit_remainder, remainder), remainder_before), &p.q_remainder[i]);
+  const LaneQuat before = load(&p.q[i]), remainder_before = load(&p.q_remainder[i]);
+  LaneQuat q = before, remainder = remainder_before;
+  add_turn(q, remainder, LaneQuat{c - one, s * axis.x, s * axis.y, s * axis.z} * q);
+  store(select(rotates, q, before), &p.q[i]);
+  store(select(rotates, remainder, remainder_before), &p.q_remainder[i]);
 }
 
-HWY_NOINLINE std::size_t drift_rows(ParticleSet& p, double kick_time, double h, std::size_t begin, std::size_t end) {
+/// As turn() of motion.cpp: rotation by `angle` about a principal axis i, with j and k after it.
+HWY_INLINE void turn_about_axis(Lane angle, Lane& qw, Lane& qi, Lane& qj, Lane& qk, Lane& lj, Lane& lk) {
+  Lane s, c;
+  sine_and_cosine(Lane(0.5) * angle, s, c);
+  const Lane w = qw, i = qi, j = qj, k = qk, two(2.0);
+  qw = c * w - s * i;
+  qi = c * i + s * w;
+  qj = c * j + s * k;
+  qk = c * k - s * j;
+  const Lane cosine = Lane(1.0) - two * s * s, sine = two * s * c, old = lj;
+  lj = cosine * lj + sine * lk;
+  lk = cosine * lk - sine * old;
+}
+
+/// Bodies whose moments differ, the lanes of `which`: DlmRotor of motion.cpp.
+HWY_INLINE void rotor_rows(ParticleSet& p, double kick_time, double h, std::size_t i, Mask<double> which) {
+  const Lane zero(0.0), one(1.0), step(h), half_step = Lane(0.5) * step;
+  const Lane3 by = load(&p.inverse_inertia[i]);
+  const auto turns = which & (by.x > zero);
+  const Lane3 L = load(&p.L[i]), next = L + Lane(kick_time) * load(&p.torque[i]);
+  const LaneQuat before = load(&p.q[i]), remainder_before = load(&p.q_remainder[i]);
+  Lane3 l = rotate_inverse(before, next);
+  LaneQuat r{one, zero, zero, zero};
+  turn_about_axis(half_step * l.z * by.z, r.w, r.z, r.x, r.y, l.x, l.y);
+  turn_about_axis(half_step * l.y * by.y, r.w, r.y, r.z, r.x, l.z, l.x);
+  turn_about_axis(step * l.x * by.x, r.w, r.x, r.y, r.z, l.y, l.z);
+  turn_about_axis(half_step * l.y * by.y, r.w, r.y, r.z, r.x, l.z, l.x);
+  turn_about_axis(half_step * l.z * by.z, r.w, r.z, r.x, r.y, l.x, l.y);
+  LaneQuat q = before, remainder = remainder_before;
+  add_turn(q, remainder, q * LaneQuat{r.w - one, r.x, r.y, r.z});
+  const Lane3 there = rotate_inverse(q, next);
+  store(select(turns, next, L), &p.L[i]);
+  store(select(turns, rotate(q, Lane3{there.x * by.x, there.y * by.y, there.z * by.z}), load(&p.w[i])), &p.w[i]);
+  store(select(turns, q, before), &p.q[i]);
+  store(select(turns, remainder, remainder_before), &p.q_remainder[i]);
+}
+
+HWY_NOINLINE std::size_t drift_rows(ParticleSet& p, double kick_time, double h, bool has_rotor, std::size_t begin, std::size_t end) {
   const Lane zero(0.0), time(kick_time), step(h);
   std::size_t i = begin;
   for (; i + kLanes <= end; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k)
-      if (p.isotropic[i + k] == 0) return i;
+    alignas(64) double equal_moments[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) equal_moments[k] = p.isotropic[i + k];
+    const auto isotropic = Lane::load(equal_moments) > zero;
+    if (!has_rotor && any(!isotropic)) return i;
     const Lane inverse_mass = Lane::load(&p.inverse_mass[i]);
     const auto moves = inverse_mass > zero;
     const Lane3 v = load(&p.v[i]), next = v + (time * inverse_mass) * load(&p.force[i]), way = step * next, x = load(&p.x[i]),
@@ -124,7 +170,9 @@ HWY_NOINLINE std::size_t drift_rows(ParticleSet& p, double kick_time, double h, 
     store(select(moves, next, v), &p.v[i]);
     store(select(moves, there, x), &p.x[i]);
     store(select(moves, left, remainder), &p.x_remainder[i]);
-    if constexpr (built_with::kRotation) turn_rows(p, kick_time, h, i);
+    if constexpr (!built_with::kRotation) continue;
+    if (any(isotropic)) turn_rows(p, kick_time, h, i, isotropic);
+    if (any(!isotropic)) rotor_rows(p, kick_time, h, i, !isotropic);
   }
   return i;
 }
@@ -145,8 +193,8 @@ std::size_t kick_in_lanes(ParticleSet& p, double h, std::size_t begin, std::size
   return HWY_DYNAMIC_DISPATCH(kick_rows)(p, h, begin, end);
 }
 
-std::size_t drift_in_lanes(ParticleSet& p, double kick_time, double h, std::size_t begin, std::size_t end) {
-  return HWY_DYNAMIC_DISPATCH(drift_rows)(p, kick_time, h, begin, end);
+std::size_t drift_in_lanes(ParticleSet& p, double kick_time, double h, bool has_rotor, std::size_t begin, std::size_t end) {
+  return HWY_DYNAMIC_DISPATCH(drift_rows)(p, kick_time, h, has_rotor, begin, end);
 }
 
 }  // namespace scree

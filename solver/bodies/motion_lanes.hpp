@@ -11,8 +11,9 @@ namespace scree {
 /// Kicks rows [begin, end) over h, as far as whole vectors go. Returns the first row that is left.
 std::size_t kick_in_lanes(ParticleSet& p, double h, std::size_t begin, std::size_t end);
 
-/// The same: a kick over `kick_time`, then the drift over h. Stops at a vector that has a body whose three moments are not equal.
-std::size_t drift_in_lanes(ParticleSet& p, double kick_time, double h, std::size_t begin, std::size_t end);
+/// The same: a kick over `kick_time`, then the drift over h.
+/// in   has_rotor   bodies whose three moments are not equal turn by DlmRotor of motion.cpp; else a vector that has one is where this stops
+std::size_t drift_in_lanes(ParticleSet& p, double kick_time, double h, bool has_rotor, std::size_t begin, std::size_t end);
 
 /// Rows that drift_in_lanes takes at once, at most: where it stops, as many go the plain way.
 inline constexpr std::size_t kMostDriftLanes = 8;
