@@ -13,26 +13,6 @@ namespace {
 constexpr double kChord = 0.866;        // sine over chord of an angle whose chord is at most 1: sqrt(3) / 2, rounded down
 constexpr double kLeastSine2 = 1e-4;    // of edges about which something is said: s and t are then exact to 1e-11
 constexpr double kRounding = 1 - 1e-6;  // of the slack, and absolute of a lean: far above the rounding of what decides on a feature
-constexpr double kFlatFace = 1e-6;      // a face that is lower than this over its edge: its side is lost in rounding
-
-/// How far a normal perpendicular to an edge leans out over one of its faces; the lowest number where nothing can be said.
-struct Lean {
-  Vec3 conormal;
-  bool known;
-  Lean(const PairBody& body, std::int32_t edge, int side) : conormal(body.shape->edge_conormal(edge, side)), known(false) {
-    const FeatureEdge& ends = body.shape->features.edges[static_cast<std::size_t>(edge)];
-    const std::int32_t face = ends.face[side];
-    if (face < 0) return;
-    const Vec3& start = body.shape->mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
-    double height = 0, width = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 arm = body.shape->mesh.corner(face, k) - start;
-      height = std::max(height, dot(arm, conormal));
-      width = std::max(width, length(arm));
-    }
-    known = height > kFlatFace * width;
-  }
-};
 
 }  // namespace
 
@@ -54,9 +34,11 @@ double slack_of_wedge(const PairBody& a, const PairBody& b, const RelativePose& 
   std::array<double, 2> of_wedge{};                            // for n = w / |w| and for the opposite
   for (int i = 0; i < 4; ++i) {
     const bool of_a = i < 2;
-    const Lean lean(of_a ? a : b, of_a ? edge_a : edge_b, i & 1);
-    if (!lean.known) continue;
-    const double out = of_a ? -dot(n, lean.conormal) : dot(n, pose.rotation * lean.conormal);
+    const SolverShape& shape = of_a ? *a.shape : *b.shape;
+    const std::int32_t edge = of_a ? edge_a : edge_b;
+    if (!shape.has_height(edge, i & 1)) continue;
+    const Vec3 conormal = shape.edge_conormal(edge, i & 1);
+    const double out = of_a ? -dot(n, conormal) : dot(n, pose.rotation * conormal);
     const double too_far = std::abs(out) - kFadeWedge - (1 - kRounding);
     double& slack = of_wedge[out > 0 ? 0 : 1];
     slack = std::max(slack, too_far / per_motion);

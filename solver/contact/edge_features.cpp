@@ -18,17 +18,6 @@ double smooth_switch(double y, double& derivative) {
   return y * y * (3 - 2 * y);
 }
 
-/// A vector from an edge into one of its two faces, zero where there is none. It is not the conormal, but of a direction perpendicular
-/// to the edge it lies on the same side, and it takes no root.
-Vec3 into_face(const SolverShape& shape, std::int32_t edge, int side) {
-  const FeatureEdge& ends = shape.features.edges[static_cast<std::size_t>(edge)];
-  const std::int32_t face = ends.face[side];
-  if (face < 0) return {};
-  const Vec3& start = shape.mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
-  // two of the three lie on the edge: they add nothing across it
-  return (shape.mesh.corner(face, 0) - start) + (shape.mesh.corner(face, 1) - start) + (shape.mesh.corner(face, 2) - start);
-}
-
 /// Motion over the size of the smaller body that the slack of a wedge is made for.
 constexpr double kLeanLook = 0.01;
 
@@ -55,7 +44,7 @@ bool find_lean(const PairBody& a, const PairBody& b, const RelativePose& pose, E
     const SolverShape& shape = i < 2 ? *a.shape : *b.shape;
     const std::int32_t edge = i < 2 ? e.edge_a : e.edge_b;
     e.y[i] = 0;
-    if (!(sign * dot(i < 2 ? e.n : n_b, into_face(shape, edge, i & 1)) > 0)) continue;
+    if (!(sign * dot(i < 2 ? e.n : n_b, shape.into_face(edge, i & 1)) > 0)) continue;
     e.conormal[i] = shape.edge_conormal(edge, i & 1);
     if (i >= 2) e.conormal[i] = pose.rotation * e.conormal[i];
     e.y[i] = sign * dot(e.n, e.conormal[i]);

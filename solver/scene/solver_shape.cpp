@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/surface/touch_surface.hpp"
 #include "solver/laws/pair_law.hpp"
@@ -28,6 +29,32 @@ double turning_arm_of(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+/// A vector from an edge into one of its two faces. Of a direction perpendicular to the edge it lies on the same side as the conormal.
+Vec3 SolverShape::find_into(std::int32_t e, int side) const {
+  const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
+  const std::int32_t face = ends.face[side];
+  if (face < 0) return {};
+  const Vec3& start = mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
+  // two of the three lie on the edge: they add nothing across it
+  return (mesh.corner(face, 0) - start) + (mesh.corner(face, 1) - start) + (mesh.corner(face, 2) - start);
+}
+
+bool SolverShape::find_height(std::int32_t e, int side) const {
+  constexpr double kFlatFace = 1e-6;  // a face that is lower than this over its edge: its side is lost in rounding
+  const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
+  const std::int32_t face = ends.face[side];
+  if (face < 0) return false;
+  const Vec3& start = mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
+  const Vec3 across = edge_conormal(e, side);
+  double height = 0, width = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 arm = mesh.corner(face, k) - start;
+    height = std::max(height, dot(arm, across));
+    width = std::max(width, length(arm));
+  }
+  return height > kFlatFace * width;
+}
 
 SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   SolverShape shape;
@@ -84,6 +111,19 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   }
   shape.spoke_start.shrink_to_fit();
   shape.spoke_end.shrink_to_fit();
+  if (shape.mesh.triangles.size() <= SolverShape::kMostWithRows) {
+    std::vector<EdgeRow> rows(shape.features.edges.size());
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+      const auto e = static_cast<std::int32_t>(n);
+      rows[n].ends = shape.edge(e);
+      for (int side = 0; side < 2; ++side) {
+        rows[n].into[side] = shape.into_face(e, side);
+        rows[n].conormal[side] = shape.edge_conormal(e, side);
+        rows[n].has_height[side] = shape.has_height(e, side) ? 1 : 0;
+      }
+    }
+    shape.edge_rows = std::move(rows);
+  }
   shape.bvh = build_bvh(shape.mesh);
   shape.radius = bounding_radius(shape.mesh) + shape.rounding + shape.margin;
   return shape;
@@ -91,7 +131,8 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
 
 std::size_t SolverShape::memory() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(spoke_start) + bytes(spoke_end);
+  return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(edge_rows) + bytes(spoke_start) +
+         bytes(spoke_end);
 }
 
 }  // namespace scree

@@ -15,6 +15,14 @@ struct ShapeEdge {
   Vec3 start, along;
 };
 
+/// What a step reads of an edge, next to each other.
+struct EdgeRow {
+  ShapeEdge ends;
+  Vec3 into[2];                ///< into each of its faces: on the same side of the edge as the conormal, but without its root
+  Vec3 conormal[2];            ///< see core/geometry/features.hpp; both are zero where there is no face
+  double has_height[2] = {0};  ///< 1: the face is high enough over the edge for its side to be known
+};
+
 /// A shape in its principal frame (origin at the centre of mass, inertia diagonal), scale 1.
 /// A wall's surface keeps its file frame.
 struct SolverShape {
@@ -24,6 +32,7 @@ struct SolverShape {
   TriangleMesh mesh;
   Bvh bvh;
   FeatureTable features;
+  std::vector<EdgeRow> edge_rows;         ///< of every edge of `features`; empty for large shapes, of which a step reads few
   std::vector<std::int32_t> spoke_start;  ///< corners + 1: ranges in spoke_end
   std::vector<std::int32_t> spoke_end;    ///< vertices to which mesh edges lead from each corner
   double radius = 0;                      ///< bounding radius about the origin, rounding and margin included [m]
@@ -44,16 +53,34 @@ struct SolverShape {
   const Vec3& corner(std::int32_t c) const {
     return mesh.vertices[static_cast<std::size_t>(features.corners[static_cast<std::size_t>(c)])];
   }
-  ShapeEdge edge(std::int32_t e) const {
+  ShapeEdge edge(std::int32_t e) const { return edge_rows.empty() ? ends_of_edge(e) : edge_rows[static_cast<std::size_t>(e)].ends; }
+  /// Into one of the two faces of an edge; across the edge, a unit vector.
+  Vec3 into_face(std::int32_t e, int side) const {
+    return edge_rows.empty() ? find_into(e, side) : edge_rows[static_cast<std::size_t>(e)].into[side];
+  }
+  Vec3 edge_conormal(std::int32_t e, int side) const {
+    return edge_rows.empty() ? conormal(mesh, features.edges[static_cast<std::size_t>(e)], side)
+                             : edge_rows[static_cast<std::size_t>(e)].conormal[side];
+  }
+  bool has_height(std::int32_t e, int side) const {
+    return edge_rows.empty() ? find_height(e, side) : edge_rows[static_cast<std::size_t>(e)].has_height[side] > 0;
+  }
+
+  /// Shapes of up to so many triangles have edge_rows.
+  static constexpr std::size_t kMostWithRows = 8192;
+
+  /// Bytes held: at most 160 a triangle, and 240 with edge_rows.
+  std::size_t memory() const;
+
+ private:
+  friend SolverShape make_solver_shape(const Shape& source, const Settings& settings);
+  ShapeEdge ends_of_edge(std::int32_t e) const {
     const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
     const Vec3& start = mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
     return {start, mesh.vertices[static_cast<std::size_t>(ends.vertex_b)] - start};
   }
-  /// Across an edge into one of its two faces (see core/geometry/features.hpp).
-  Vec3 edge_conormal(std::int32_t e, int side) const { return conormal(mesh, features.edges[static_cast<std::size_t>(e)], side); }
-
-  /// Bytes held: at most 160 a triangle.
-  std::size_t memory() const;
+  Vec3 find_into(std::int32_t e, int side) const;
+  bool find_height(std::int32_t e, int side) const;
 };
 
 /// What the solver keeps of a shape as read.   in   settings   of the scene: where touch begins

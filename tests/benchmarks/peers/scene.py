@@ -143,7 +143,8 @@ def write_case(path: Path, shapes: Path, state, length, duration, every, frictio
     text.append(f"[materials.rock]\ndensity = {DENSITY}\n")
     text.append(f'[[pairs]]\nbetween = ["rock", "rock"]\nstiffness = {STIFFNESS}\nrestitution = {RESTITUTION}\nfriction = {friction}\n')
     # as it was when the peers were measured: nothing drawn overlaps, which is what "cut pairs" counts
-    text.append(f'[contact]\nsurface = "outside"\nmargin = {MARGIN!r}\n')
+    # and a bed under load starts under load: by itself, the decomposer parts what is pressed
+    text.append(f'[contact]\nsurface = "outside"\nmargin = {MARGIN!r}\nrelax = false\n')
     for row in state:
         text.append(f'[[bodies]]\nshape = "shape_{int(row[0])}"\nmaterial = "rock"\nposition = {vector(row[1:4])}\n'
                     f"orientation = {vector(row[4:8])}\nvelocity = {vector(row[8:11])}\nangular_velocity = {vector(row[11:14])}\n")
