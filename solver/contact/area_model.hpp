@@ -13,6 +13,7 @@ namespace scree {
 struct AreaModel {
   static constexpr Gathering kGathering = Gathering::area;
   static constexpr bool kDampsEachFeature = false;
+  static constexpr bool kHasEdgeLanes = false;
   template <class Law>
   using NormalLaw = typename Law::InLayer;
 

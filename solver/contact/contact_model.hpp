@@ -3,6 +3,7 @@
 // A model is a structure without data. The loop over pairs, the contact law and the critical step are templates of it, so that no pair
 // asks which one it is; the list of models is contact_models.hpp. A model has
 //   kGathering          its word in a scene
+//   kHasEdgeLanes       whether its features of two meshes are those of mesh_pair_features(), whose edges may be looked at in lanes
 //   kDampsEachFeature   whether each feature is a dashpot of its own, by its own energy; else the pair has one damping
 //   NormalLaw<Law>      what a law of laws.hpp is under this model; void where they do not go together
 //   list                makes the candidates of a pair; returns false when its meshes intersect
@@ -30,6 +31,7 @@ template <class Model>
 concept ContactModel = requires(const PairView& view, MeshDistanceScratch& scratch, CandidateLists& lists, PairFeatures& features) {
   { Model::kGathering } -> std::convertible_to<Gathering>;
   { Model::kDampsEachFeature } -> std::convertible_to<bool>;
+  { Model::kHasEdgeLanes } -> std::convertible_to<bool>;
   { Model::list(view, 0.0, scratch, lists) } -> std::same_as<bool>;
   {Model::find_features(view, 0.0, lists, features)};
   {Model::weigh(view, PullView{}, 0.0, lists, features)};

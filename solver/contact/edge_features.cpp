@@ -9,6 +9,8 @@ namespace scree {
 
 namespace {
 
+// What is a feature here, edge_lanes.cpp computes too, line by line: whoever changes one changes both.
+
 /// S(y) = y^2 (3 - 2 y) on [0, 1] and its derivative: the smooth switch of the fading.
 double smooth_switch(double y, double& derivative) {
   derivative = 0;
@@ -68,8 +70,6 @@ bool fade(const EdgePair& e, ContactFeature& f) {
     switch_y[i] = smooth_switch(1 - e.y[i] / kFadeWedge, of_y[i]);
     f.weight *= switch_y[i];
   }
-  // A weight this small adds less than rounding to the eighth-power sum.
-  constexpr double kWeightCutoff = 1e-12;
   if (f.weight < kWeightCutoff) return false;
   of_s *= f.weight / switch_s / kFadeEnd * (e.s < 0.5 ? 1 : -1);
   of_t *= f.weight / switch_t / kFadeEnd * (e.t < 0.5 ? 1 : -1);
@@ -104,8 +104,6 @@ double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& p
                      const EdgeCandidate& candidate, std::vector<ContactFeature>& features) {
   const EdgeLines lines(a, b, pose, candidate.edge_a, candidate.edge_b);
   const auto& [pa, u, pb, v, r0, uu, uv, vv, ur, vr, det, sine2] = lines;
-  // Below this the fade S(sine2 / kFadeParallel) is under 1e-11 of a contact: nothing is lost by leaving it out.
-  constexpr double kParallelCutoff = 1e-8;
   if (!(sine2 > kParallelCutoff)) return 0;
   const double s = lines.s(), t = lines.t();
   if (s <= 0 || s >= 1 || t <= 0 || t >= 1) return std::max(lines.distance() - margin, slack_of_ends(lines, s, t, margin, size));
@@ -118,13 +116,11 @@ double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& p
     return slack_of_wedge(a, b, pose, candidate.edge_a, candidate.edge_b, lines, margin, size, kLeanLook * size);
 
   ContactFeature f{};
-  f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
+  name_edge_feature(a, b, candidate, f);
   f.x = 0.5 * (xa + xb);
   f.n = e.n;
   f.overlap = margin - g;
   f.weight = 1;
-  if (a.weights != nullptr || b.weights != nullptr)
-    f.crowd = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
   const bool fades = e.leans || std::min({s, 1 - s, t, 1 - t}) < kFadeEnd || sine2 < kFadeParallel;
   if (!fades || fade(e, f)) features.push_back(f);
   return 0;

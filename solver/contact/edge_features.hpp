@@ -12,11 +12,22 @@ namespace scree {
 inline constexpr double kFadeEnd = 0.15;
 inline constexpr double kFadeParallel = 0.01;
 inline constexpr double kFadeWedge = 0.2;
+/// Squared sine below which the fade S(sine2 / kFadeParallel) is under 1e-11 of a contact: nothing is lost by leaving it out.
+inline constexpr double kParallelCutoff = 1e-8;
+/// A weight this small adds less than rounding to the eighth-power sum.
+inline constexpr double kWeightCutoff = 1e-12;
 
 /// Appends the feature below `margin` that two edges are at the present pose, if they are one. Returns the motion before which they are
 /// none [m]; 0 where they are.
 /// in   size   bounding radius of the smaller body [m]
 double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
                      const EdgeCandidate& candidate, std::vector<ContactFeature>& features);
+
+/// Key and crowd of such a feature: what of it does not depend on the pose.
+inline void name_edge_feature(const PairBody& a, const PairBody& b, const EdgeCandidate& candidate, ContactFeature& f) {
+  f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
+  if (a.weights != nullptr || b.weights != nullptr)
+    f.crowd = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
+}
 
 }  // namespace scree

@@ -169,8 +169,8 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
   return true;
 }
 
-void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
-                        std::vector<ContactFeature>& features) {
+void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
+                          std::vector<ContactFeature>& features, std::vector<std::int32_t>& edges) {
   features.clear();
   thread_local std::vector<std::int32_t> due;
   find_due(lists.slacks, lists.way, due);
@@ -194,12 +194,29 @@ void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose
         f.n = -direction;
       },
       lists.slacks.data(), features);
-  for (auto n = begin_edges; n != due.end(); ++n) {
-    const auto i = static_cast<std::size_t>(*n);
-    const double lacks = look_at_edges(a, b, pose, margin, size, lists.edges[i - of_edges], features);
-    lists.slacks[i] = slack_on_way(lists.way, lacks, size);
-  }
+  edges.clear();
+  for (auto n = begin_edges; n != due.end(); ++n) edges.push_back(*n - static_cast<std::int32_t>(of_edges));
+}
+
+void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists& lists) {
+  lists.slacks[lists.corners_a.size() + lists.corners_b.size() + static_cast<std::size_t>(edge)] = slack_on_way(lists.way, lacks, size);
+}
+
+void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t edge,
+                       CandidateLists& lists, std::vector<ContactFeature>& features) {
+  set_edge_slack(look_at_edges(a, b, pose, margin, size, lists.edges[static_cast<std::size_t>(edge)], features), size, edge, lists);
+}
+
+void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features) {
   if (features.empty() && !lists.slacks.empty()) lists.next_look = least_of(lists.slacks);
+}
+
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
+                        std::vector<ContactFeature>& features) {
+  thread_local std::vector<std::int32_t> edges;
+  mesh_corner_features(a, b, pose, margin, size, lists, features, edges);
+  for (const std::int32_t edge : edges) mesh_edge_feature(a, b, pose, margin, size, edge, lists, features);
+  end_mesh_features(lists, features);
 }
 
 }  // namespace scree

@@ -10,6 +10,7 @@ namespace scree {
 struct PairsModel {
   static constexpr Gathering kGathering = Gathering::pairs;
   static constexpr bool kDampsEachFeature = true;
+  static constexpr bool kHasEdgeLanes = false;
   template <class Law>
   using NormalLaw = Law;
 

@@ -71,6 +71,7 @@ double overlap_at(const PairLaw& pair_law, double depth) {
 struct PotentialModel {
   static constexpr Gathering kGathering = Gathering::potential;
   static constexpr bool kDampsEachFeature = false;
+  static constexpr bool kHasEdgeLanes = true;  ///< its features of two meshes are those of mesh_pair_features()
   template <class Law>
   using NormalLaw = Law;
 

@@ -52,6 +52,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
     } else {
       shares.take(thread, [&](std::size_t n) { evaluation.evaluate(which[n]); });
     }
+    evaluation.finish();
     meshes.finish();
     for (const std::int32_t k : meshes.left()) evaluation.evaluate_alone(k);
     overlap = std::max({overlap, meshes.largest_overlap(), evaluation.largest_overlap()});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 #include "solver/built_with.hpp"
@@ -11,6 +12,7 @@
 #include "solver/contact/damping_share.hpp"
 #include "solver/contact/pass_through.hpp"
 #include "solver/neighbours/prefetch.hpp"
+#include "solver/step/begun_pairs.hpp"
 #include "solver/step/forces.hpp"
 #include "solver/step/impacts.hpp"
 #include "solver/step/mesh_evaluation.hpp"
@@ -72,8 +74,11 @@ class PairEvaluation {
   PairEvaluation(PairPass& pass, int thread, MeshEvaluation* lanes = nullptr)
       : pass_(pass),
         lanes_(lanes),
+        begun_(BegunPairs::of_thread()),
         distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]),
-        thread_(static_cast<std::size_t>(thread)) {}
+        thread_(static_cast<std::size_t>(thread)) {
+    begun_.clear();  // a pass that failed may have left some
+  }
 
   void evaluate(std::int32_t k) {
     IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
@@ -91,7 +96,64 @@ class PairEvaluation {
     if (!keep_candidates(k, view, velocities, lists, moved)) return;
     if (moved < lists.first_slack) return rest(view, lists.first_slack - moved, pair, idle);
     idle.way = kNeverIdle;
+    if (!find_features(k, view, moved, lists)) return;
+    conclude(k, view, velocities, moved, lists, pair, result, idle);
+  }
+
+  /// The same without lanes, of a pair that they have left.
+  void evaluate_alone(std::int32_t k) {
+    lanes_ = nullptr;
+    evaluate(k);
+  }
+
+  /// Completes the pairs whose edges have waited for others.
+  void finish() {
+    begun_.finish(pass_.list.pairs(), [&](BegunPair& begun) {
+      const auto k = static_cast<std::size_t>(begun.k);
+      BodyPair& pair = pass_.list.pairs()[k];
+      std::swap(features_.list, begun.features);
+      share_among_cells(begun.view, features_);
+      conclude(begun.k, begun.view, velocities_of(pass_.p, pass_.walls, pair.a, pair.b, begun.view, pass_.friction_dt > 0), begun.moved,
+               *pair.lists, pair, pass_.list.results()[k], pass_.list.idle()[k]);
+      std::swap(features_.list, begun.features);
+    });
+  }
+
+  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
+  bool too_deep() const { return too_deep_; }
+
+ private:
+  /// Returns false where the pair is left to finish(), since its edges are looked at with those of others.
+  bool find_features(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
+    if constexpr (Model::kHasEdgeLanes) {
+      if (lanes_ != nullptr && BegunPairs::may_take(view)) return begin(k, view, moved, lists);
+    }
     Model::find_features(view, moved, lists, features_);
+    return true;
+  }
+
+  bool begin(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
+    if (begun_.is_full()) finish();
+    BegunPair& begun = begun_.next();
+    const double size = std::min(view.radius_a, view.radius_b);
+    mesh_corner_features(view.a, view.b, view.pose, view.reach, size, lists, begun.features, begun.edges);
+    if (!begun.edges.empty() && begun_.has_room(begun.edges.size())) {
+      begun.k = k;
+      begun.moved = moved;
+      begun.view = view;
+      begun_.add(lists);
+      return false;
+    }
+    std::swap(features_.list, begun.features);
+    for (const std::int32_t edge : begun.edges) mesh_edge_feature(view.a, view.b, view.pose, view.reach, size, edge, lists, features_.list);
+    end_mesh_features(lists, features_.list);
+    share_among_cells(view, features_);
+    return true;
+  }
+
+  /// The forces of a pair whose features are found.
+  void conclude(std::int32_t k, const PairView& view, const PairVelocities& velocities, double moved, CandidateLists& lists, BodyPair& pair,
+                PairResult& result, IdlePair& idle) {
     if (features_.list.empty() && lists.next_look > lists.way) {
       const double left = std::min(lists.next_look - lists.way, lists.skin - moved);
       return rest(view, left, pair, idle);
@@ -113,16 +175,6 @@ class PairEvaluation {
     if (rest_overlap > 0 && !pass_.only_looks()) set_rest_overlap(pair.state.springs, rest_overlap);
   }
 
-  /// The same without lanes, of a pair that they have left.
-  void evaluate_alone(std::int32_t k) {
-    lanes_ = nullptr;
-    evaluate(k);
-  }
-
-  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
-  bool too_deep() const { return too_deep_; }
-
- private:
   /// Looks whether the bodies could have passed through each other, and lists candidates anew where the pair has used up its skin.
   /// Returns false when its meshes intersect.
   bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, CandidateLists& lists, double& moved) {
@@ -284,6 +336,7 @@ class PairEvaluation {
 
   PairPass& pass_;
   MeshEvaluation* lanes_;
+  BegunPairs& begun_;
   MeshDistanceScratch& distance_;
   std::size_t thread_;
   CandidateLists lists_of_balls_;
