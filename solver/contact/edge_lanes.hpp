@@ -24,6 +24,16 @@ struct alignas(128) EdgePose {
   double scale_a, scale_b;
   double margin;  ///< [m]
   double unused = 0;
+
+  EdgePose() = default;
+  EdgePose(const RelativePose& pose, const PairBody& a, const PairBody& b, double up_to)
+      : centre(pose.centre), scale_a(a.scale), scale_b(b.scale), margin(up_to) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      rotation[3 * row] = pose.rotation[row].x;
+      rotation[3 * row + 1] = pose.rotation[row].y;
+      rotation[3 * row + 2] = pose.rotation[row].z;
+    }
+  }
 };
 
 /// Candidates. Both shapes have rows of their edges.

@@ -12,17 +12,7 @@ BegunPairs& BegunPairs::of_thread() {
 void BegunPairs::add(const CandidateLists& lists) {
   const BegunPair& begun = pairs_[count_];
   const PairView& view = begun.view;
-  EdgePose& pose = queue_.poses[count_];
-  for (std::size_t row = 0; row < 3; ++row) {
-    const Vec3& of = view.pose.rotation[row];
-    pose.rotation[3 * row] = of.x;
-    pose.rotation[3 * row + 1] = of.y;
-    pose.rotation[3 * row + 2] = of.z;
-  }
-  pose.centre = view.pose.centre;
-  pose.scale_a = view.a.scale;
-  pose.scale_b = view.b.scale;
-  pose.margin = view.reach;
+  queue_.poses[count_] = EdgePose(view.pose, view.a, view.b, view.reach);
   for (const std::int32_t edge : begun.edges) {
     const EdgeCandidate& candidate = lists.edges[static_cast<std::size_t>(edge)];
     queue_.add(count_, view.a.shape->edge_rows[static_cast<std::size_t>(candidate.edge_a)],

@@ -88,17 +88,7 @@ void compare(const std::vector<NearPair>& pairs, Counts& counts) {
     end = std::min(begin + kPosesAtOnce, pairs.size());
     for (std::size_t n = begin; n < end; ++n) {
       const NearPair& near = pairs[n];
-      EdgePose& pose = queue->poses[n - begin];
-      for (std::size_t row = 0; row < 3; ++row) {
-        const Vec3& of = near.pose.rotation[row];
-        pose.rotation[3 * row] = of.x;
-        pose.rotation[3 * row + 1] = of.y;
-        pose.rotation[3 * row + 2] = of.z;
-      }
-      pose.centre = near.pose.centre;
-      pose.scale_a = near.bodies->body[0].scale;
-      pose.scale_b = near.bodies->body[1].scale;
-      pose.margin = near.margin;
+      queue->poses[n - begin] = EdgePose(near.pose, near.bodies->body[0], near.bodies->body[1], near.margin);
     }
     bool some = true;
     for (std::size_t edge = 0; some; ++edge) {

@@ -44,6 +44,8 @@ holds granuheap/granuheap.md "^| 0.01 | [0-9]* | "
 run impact
 holds impact/impact.md "| impact-250 | Scree | 0.0 |"
 [[ -s "$scratch/impact/impact.png" && -s "$scratch/impact/bed-250.run/run.json" ]]
+run impact grain=ico80
+holds impact/impact.md "| impact-250-ico80 | Scree | 0.0 |"
 run silo
 holds silo/silo.md "| silo-large | [1-9][0-9]* | [1-9]"   # balls come out, at a rate
 run crater
