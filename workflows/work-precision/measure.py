@@ -154,7 +154,7 @@ SCAN = "/usr/share/glmark2/models/bunny.obj"  # Debian package glmark2-data
 def scan(tools, triangles, width=1.0):
     """The scanned rabbit of Stanford, 69 666 triangles, simplified by scree-mesher: (vertices, triangles) about its centre, so wide."""
     path = os.path.join(tools.out, f"scan-{triangles}.off")
-    tools.run("scree-mesher", "simplify", SCAN, "-o", path, "--triangles", triangles)
+    tools.call("scree-mesher", "simplify", SCAN, "-o", path, "--triangles", str(triangles))
     with open(path) as file:
         words = [line.split() for line in file if line.strip() and not line.startswith("#")]
     count, faces = (int(word) for word in words[1][:2])
