@@ -107,7 +107,7 @@ def p4():
         draw(ax, own, "triangles", "error_e")
         ax.set_title(f"{kind}, rotation locked: |e - 0.5|, by steps a contact")
         ax.set_xlabel("triangles")
-        ax.set_ylim(top=1e3)  # room for the legend above the curves
+        ax.set_ylim(1e-7, 3e2)  # room for the legend above the curves; one scale for all three
         ax.legend(loc="upper left", ncol=2)
     own = [dict(row, curve=row["curve"]) for row in rows if row["steps_per_contact"] == finest]
     for n, (kind, style) in enumerate((("icosphere", "-"), ("scan", ":"), ("cube", "--"))):
@@ -120,7 +120,6 @@ def p4():
     axes[1, 0].set_ylim(0, 1.3 * max(row["duration"] for row in own))
     axes[1, 0].set_title(f"duration of the contact [s], {finest} steps a contact")
     axes[1, 0].set_xlabel("triangles")
-    axes[1, 0].legend()
     own = [dict(row, curve=f"{row['case']}, " + (f"{row['steps_per_contact']} steps" if row["curve"] == "potential" else row["curve"])) for row in rows
            if row["curve"] != "pairs"]
     draw(axes[1, 1], own, "seconds", "error_e")
@@ -128,8 +127,10 @@ def p4():
         mark_front(axes[1, 1], f"mesh {kind}", "error_e", without="pairs", label=label)
     axes[1, 1].set_title("|e - 0.5| against time, all refinements")
     axes[1, 1].set_xlabel("time of the steps [s]")
-    axes[1, 1].set_ylim(top=1e4)
-    axes[1, 1].legend(fontsize=7, loc="upper left", ncol=2)
+    # many curves in both: their legends have the last field
+    axes[1, 2].axis("off")
+    for ax, title, place in ((axes[1, 0], "duration (left)", "upper left"), (axes[1, 1], "|e - 0.5| against time (middle)", "upper right")):
+        axes[1, 2].add_artist(axes[1, 2].legend(*ax.get_legend_handles_labels(), title=title, fontsize=7, title_fontsize=8, loc=place))
     save(figure, "P4")
 
 
