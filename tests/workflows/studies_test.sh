@@ -15,7 +15,7 @@ study stability --config only=X9
 grep -q '2 held, 0 refused with a named reason, 0 failed' "$scratch/stability/stability.md"
 
 study work-precision --config studies=margin repeats=1
-test "$(grep -c '^margin corner' "$scratch/work-precision/errors.csv")" -eq 24
+test "$(grep -c '^margin corner' "$scratch/work-precision/errors.csv")" -eq 32
 grep -q '^margin corner,error_traj,.*,yes,' "$scratch/work-precision/fronts/fronts.csv"
 grep -q '^margin corner,error_traj,0.01,' "$scratch/work-precision/fronts/best.csv"
 
