@@ -1,10 +1,8 @@
-// Two meshes: their lists and the features of corners; part of pair_features.hpp.
+// The lists of two meshes; part of pair_features.hpp.
 #include "solver/contact/pair_features.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <span>
 #include <utility>
 
 #include "solver/contact/candidate_slack.hpp"
@@ -17,58 +15,6 @@ namespace scree {
 namespace {
 
 const Vec3& triangle_corner(const SolverShape& shape, std::int32_t t, int k) { return shape.mesh.corner(t, k); }
-
-/// Candidates of one kind that are to be looked at: indices into `slacks`, in which those of the kind begin at `first`.
-struct Due {
-  std::span<const std::int32_t> indices;
-  std::size_t first;
-  std::size_t candidate(std::size_t n) const { return static_cast<std::size_t>(indices[n]) - first; }
-};
-
-/// Corner features of one side; poses map corner frame to triangle frame.
-template <class ToTriangleFrame, class NormalToA>
-void corner_features(const PairBody& from, const SolverShape& surface, double surface_scale, std::int64_t kind,
-                     const std::vector<CornerCandidate>& candidates, const Due& due, double margin, double size, double way,
-                     ToTriangleFrame&& to_triangle_frame, NormalToA&& feature_frame, float* slacks, std::vector<ContactFeature>& features) {
-  const double reach = margin / surface_scale;
-  thread_local std::vector<double> squared_distances;
-  for (std::size_t begin = 0, end = 0; begin < due.indices.size(); begin = end) {
-    const std::int32_t corner = candidates[due.candidate(begin)].corner;
-    const Vec3 p = (1 / surface_scale) * to_triangle_frame(from.scale * from.shape->corner(corner));
-    squared_distances.clear();
-    double nearest = std::numeric_limits<double>::infinity();
-    Vec3 nearest_point;
-    for (end = begin; end < due.indices.size() && candidates[due.candidate(end)].corner == corner; ++end) {
-      const std::int32_t t = candidates[due.candidate(end)].triangle;
-      const Vec3 q =
-          nearest_on_triangle(p, triangle_corner(surface, t, 0), triangle_corner(surface, t, 1), triangle_corner(surface, t, 2)).point;
-      const double d2 = squared_length(p - q);
-      if (d2 < nearest) {
-        nearest = d2;
-        nearest_point = q;
-      }
-      squared_distances.push_back(d2);
-    }
-    const double distance = std::sqrt(nearest);
-    for (std::size_t n = begin; n < end; ++n) {
-      const double d2 = squared_distances[n - begin], own = d2 == nearest ? distance : std::sqrt(d2);
-      // not within the margin, or not nearer than another one (list_corners)
-      const double lacks = std::max(surface_scale * own - margin, 0.5 * surface_scale * (own - distance));
-      slacks[due.indices[n]] = slack_on_way(way, lacks, size);
-    }
-    if (!(nearest < reach * reach)) continue;
-    const double gap = surface_scale * distance;
-    ContactFeature f{};
-    f.key = make_key(kind, corner, 0);
-    f.overlap = margin - gap;
-    f.weight = 1;
-    f.crowd = from.crowd(corner);
-    // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
-    const Vec3 direction = distance > 0 ? (1 / distance) * (p - nearest_point) : Vec3{};
-    feature_frame(surface_scale * (0.5 * (p + nearest_point)), direction, f);
-    features.push_back(f);
-  }
-}
 
 /// A corner near a triangle, when lists are made.
 struct NearCorner {
@@ -167,56 +113,6 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
   fill_up(lists.slacks);
   lists.first_slack = first_slack;  // what was left out counts: it tells how near the surfaces are
   return true;
-}
-
-void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
-                          std::vector<ContactFeature>& features, std::vector<std::int32_t>& edges) {
-  features.clear();
-  thread_local std::vector<std::int32_t> due;
-  find_due(lists.slacks, lists.way, due);
-  // slacks lie in the order of the three lists
-  const std::size_t of_b = lists.corners_a.size(), of_edges = of_b + lists.corners_b.size();
-  const auto place = [&](std::size_t first) { return std::lower_bound(due.begin(), due.end(), static_cast<std::int32_t>(first)); };
-  const auto begin_b = place(of_b), begin_edges = place(of_edges);
-  corner_features(
-      a, *b.shape, b.scale, kCornerOfA, lists.corners_a, {{due.begin(), begin_b}, 0}, margin, size, lists.way,
-      [&](const Vec3& p) { return pose.b_from_a(p); },
-      [&](const Vec3& middle, const Vec3& direction, ContactFeature& f) {
-        f.x = pose.a_from_b(middle);
-        f.n = pose.rotation * direction;
-      },
-      lists.slacks.data(), features);
-  corner_features(
-      b, *a.shape, a.scale, kCornerOfB, lists.corners_b, {{begin_b, begin_edges}, of_b}, margin, size, lists.way,
-      [&](const Vec3& p) { return pose.a_from_b(p); },
-      [&](const Vec3& middle, const Vec3& direction, ContactFeature& f) {
-        f.x = middle;
-        f.n = -direction;
-      },
-      lists.slacks.data(), features);
-  edges.clear();
-  for (auto n = begin_edges; n != due.end(); ++n) edges.push_back(*n - static_cast<std::int32_t>(of_edges));
-}
-
-void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists& lists) {
-  lists.slacks[lists.corners_a.size() + lists.corners_b.size() + static_cast<std::size_t>(edge)] = slack_on_way(lists.way, lacks, size);
-}
-
-void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t edge,
-                       CandidateLists& lists, std::vector<ContactFeature>& features) {
-  set_edge_slack(look_at_edges(a, b, pose, margin, size, lists.edges[static_cast<std::size_t>(edge)], features), size, edge, lists);
-}
-
-void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features) {
-  if (features.empty() && !lists.slacks.empty()) lists.next_look = least_of(lists.slacks);
-}
-
-void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
-                        std::vector<ContactFeature>& features) {
-  thread_local std::vector<std::int32_t> edges;
-  mesh_corner_features(a, b, pose, margin, size, lists, features, edges);
-  for (const std::int32_t edge : edges) mesh_edge_feature(a, b, pose, margin, size, edge, lists, features);
-  end_mesh_features(lists, features);
 }
 
 }  // namespace scree

@@ -34,9 +34,7 @@ struct PairBody {
   /// Of both ends of an edge of the shape together.
   double weight_of_ends(std::int32_t edge) const {
     if (weights == nullptr) return 2;
-    const FeatureEdge& ends = shape->features.edges[static_cast<std::size_t>(edge)];
-    const auto of_vertex = [&](std::int32_t v) { return weight(shape->features.corner_of[static_cast<std::size_t>(v)]); };
-    return of_vertex(ends.vertex_a) + of_vertex(ends.vertex_b);
+    return weight(shape->edge_corner(edge, 0)) + weight(shape->edge_corner(edge, 1));
   }
 };
 
@@ -147,14 +145,6 @@ bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, 
 /// it looks at new slacks.   in   size   bounding radius of the smaller body [m]
 void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
                         std::vector<ContactFeature>& features);
-/// The same in parts, for who looks at edges otherwise: the features of corners, and which of lists.edges are to be looked at; then each of
-/// these, appended to `features` where it is one; then the end.
-void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
-                          std::vector<ContactFeature>& features, std::vector<std::int32_t>& edges);
-void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t edge,
-                       CandidateLists& lists, std::vector<ContactFeature>& features);
-void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists& lists);
-void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features);
 /// `motion` is motion_since_listed.
 void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);

@@ -119,7 +119,8 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
       for (int side = 0; side < 2; ++side) {
         rows[n].into[side] = shape.into_face(e, side);
         rows[n].conormal[side] = shape.edge_conormal(e, side);
-        rows[n].has_height[side] = shape.has_height(e, side) ? 1 : 0;
+        rows[n].corners[side] = shape.edge_corner(e, side);
+        rows[n].has_height[side] = shape.has_height(e, side);
       }
     }
     shape.edge_rows = std::move(rows);

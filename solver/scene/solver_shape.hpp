@@ -1,6 +1,7 @@
 // A shape as the time loop reads it: in its principal frame, with what its contacts need.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,9 +19,10 @@ struct ShapeEdge {
 /// What a step reads of an edge, next to each other.
 struct EdgeRow {
   ShapeEdge ends;
-  Vec3 into[2];                ///< into each of its faces: on the same side of the edge as the conormal, but without its root
-  Vec3 conormal[2];            ///< see core/geometry/features.hpp; both are zero where there is no face
-  double has_height[2] = {0};  ///< 1: the face is high enough over the edge for its side to be known
+  Vec3 into[2];             ///< into each of its faces: on the same side of the edge as the conormal, but without its root
+  Vec3 conormal[2];         ///< see core/geometry/features.hpp; both are zero where there is no face
+  std::int32_t corners[2];  ///< at its ends
+  bool has_height[2];       ///< the face is high enough over the edge for its side to be known
 };
 
 /// A shape in its principal frame (origin at the centre of mass, inertia diagonal), scale 1.
@@ -63,7 +65,11 @@ struct SolverShape {
                              : edge_rows[static_cast<std::size_t>(e)].conormal[side];
   }
   bool has_height(std::int32_t e, int side) const {
-    return edge_rows.empty() ? find_height(e, side) : edge_rows[static_cast<std::size_t>(e)].has_height[side] > 0;
+    return edge_rows.empty() ? find_height(e, side) : edge_rows[static_cast<std::size_t>(e)].has_height[side];
+  }
+  /// The corner at one end.
+  std::int32_t edge_corner(std::int32_t e, int end) const {
+    return edge_rows.empty() ? find_edge_corner(e, end) : edge_rows[static_cast<std::size_t>(e)].corners[end];
   }
 
   /// Shapes of up to so many triangles have edge_rows.
@@ -78,6 +84,10 @@ struct SolverShape {
     const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
     const Vec3& start = mesh.vertices[static_cast<std::size_t>(ends.vertex_a)];
     return {start, mesh.vertices[static_cast<std::size_t>(ends.vertex_b)] - start};
+  }
+  std::int32_t find_edge_corner(std::int32_t e, int end) const {
+    const FeatureEdge& ends = features.edges[static_cast<std::size_t>(e)];
+    return features.corner_of[static_cast<std::size_t>(end == 0 ? ends.vertex_a : ends.vertex_b)];
   }
   Vec3 find_into(std::int32_t e, int side) const;
   bool find_height(std::int32_t e, int side) const;

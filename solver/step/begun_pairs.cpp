@@ -1,6 +1,9 @@
 #include "solver/step/begun_pairs.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "solver/contact/edge_features.hpp"
 
 namespace scree {
 
@@ -9,31 +12,36 @@ BegunPairs& BegunPairs::of_thread() {
   return pairs;
 }
 
-void BegunPairs::add(const CandidateLists& lists) {
-  const BegunPair& begun = pairs_[count_];
-  const PairView& view = begun.view;
-  queue_.poses[count_] = EdgePose(view.pose, view.a, view.b, view.reach);
-  for (const std::int32_t edge : begun.edges) {
-    const EdgeCandidate& candidate = lists.edges[static_cast<std::size_t>(edge)];
-    queue_.add(count_, view.a.shape->edge_rows[static_cast<std::size_t>(candidate.edge_a)],
+void BegunPairs::add(std::int32_t k, double moved, const PairView& view, const CandidateLists& lists, DueCandidates& due) {
+  BegunPair& begun = pairs_[count_];
+  begun.k = k;
+  begun.moved = moved;
+  begun.view = view;
+  std::swap(begun.due, due);
+  queue_corners(view.a, view.b, view.pose, lists, begun.due, corners_);
+  if (begun.due.edge_count() > 0) edges_.poses[count_] = EdgePose(view.pose, view.a, view.b, view.reach);
+  for (std::size_t n = begun.due.edges; n < begun.due.indices.size(); ++n) {
+    const EdgeCandidate& candidate = lists.edges[static_cast<std::size_t>(due_edge(lists, begun.due.indices[n]))];
+    edges_.add(count_, view.a.shape->edge_rows[static_cast<std::size_t>(candidate.edge_a)],
                view.b.shape->edge_rows[static_cast<std::size_t>(candidate.edge_b)]);
   }
   ++count_;
 }
 
-/// The features of the edges of a pair, and their slacks.   in   first   of its edges in the queue
-void BegunPairs::complete(BegunPair& begun, std::size_t first, CandidateLists& lists) const {
+void BegunPairs::complete(BegunPair& begun, Places& first, CandidateLists& lists) const {
   const PairView& view = begun.view;
   const double size = std::min(view.radius_a, view.radius_b);
   std::vector<ContactFeature>& features = begun.features;
-  for (std::size_t n = 0; n < begun.edges.size(); ++n) {
-    const std::int32_t edge = begun.edges[n];
-    if (!answers_.found(first + n)) {
+  mesh_corner_features(view.a, view.b, view.pose, view.reach, size, begun.due, {corners_, found_corners_, first.corner}, lists, features);
+  first.corner += begun.due.edges;
+  for (std::size_t n = begun.due.edges; n < begun.due.indices.size(); ++n, ++first.edge) {
+    const std::int32_t edge = due_edge(lists, begun.due.indices[n]);
+    if (!found_edges_.found(first.edge)) {
       mesh_edge_feature(view.a, view.b, view.pose, view.reach, size, edge, lists, features);
       continue;
     }
     ContactFeature& f = features.emplace_back();
-    answers_.set(first + n, f);
+    found_edges_.set(first.edge, f);
     name_edge_feature(view.a, view.b, lists.edges[static_cast<std::size_t>(edge)], f);
     set_edge_slack(0, size, edge, lists);
   }

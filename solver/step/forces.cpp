@@ -50,7 +50,11 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
       overlap = balls.largest_overlap();
       too_deep = balls.too_deep();
     } else {
-      shares.take(thread, [&](std::size_t n) { evaluation.evaluate(which[n]); });
+      PairsAhead ahead(pass.list, which);
+      shares.take(thread, [&](std::size_t n) {
+        ahead.advance(n);
+        evaluation.evaluate(which[n]);
+      });
     }
     evaluation.finish();
     meshes.finish();

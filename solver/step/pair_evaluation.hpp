@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -47,8 +48,7 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt);
 void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
                      const std::vector<ContactOutput>& outputs, FrameContacts& out);
 
-/// What a pair keeps lies in several places: asked for together and first, it arrives while the pose is worked out. A bed of 10 000
-/// rocks is more than the caches hold; there this and prefetch_candidates take a twentieth off a step.
+/// What a pair keeps lies in several places: asked for together and before they are needed.
 [[gnu::always_inline]] inline void prefetch_pair(const BodyPair& pair, const PairResult& result) {
   prefetch<sizeof(CandidateLists)>(pair.lists.get());
   prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
@@ -60,8 +60,37 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
   prefetch<1>(lists.corners_a.data());  // the rest of a list follows by itself
   prefetch<1>(lists.corners_b.data());
   prefetch<1>(lists.edges.data());
-  prefetch<1>(lists.slacks.data());
+  prefetch<512>(lists.slacks.data());  // all are read at once
 }
+
+/// Walks ahead of a loop over pairs and asks for what those hold that are not idle. A bed of 600 rocks of 320 triangles is more than the
+/// inner caches hold.
+class PairsAhead {
+ public:
+  PairsAhead(PairList& list, std::span<const std::int32_t> which) : list_(list), which_(which) {}
+  /// Before each pair is evaluated.   in   n   its place in `which`
+  void advance(std::size_t n) {
+    if (n + 1 > next_ || n + kFurthest < next_) next_ = n + 1;
+    if (list_.idle()[static_cast<std::size_t>(which_[n])].way >= 0) return;
+    if (coming_ != nullptr && coming_->lists != nullptr) prefetch_candidates(*coming_->lists);
+    coming_ = nullptr;
+    for (std::size_t end = std::min(next_ + kFurthest, which_.size()); next_ < end; ++next_) {
+      const auto k = static_cast<std::size_t>(which_[next_]);
+      if (list_.idle()[k].way >= 0) continue;
+      coming_ = &list_.pairs()[k];
+      prefetch_pair(*coming_, list_.results()[k]);
+      ++next_;
+      return;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kFurthest = 16;
+  PairList& list_;
+  std::span<const std::int32_t> which_;
+  std::size_t next_ = 0;
+  const BodyPair* coming_ = nullptr;
+};
 
 /// Notes the overlap that a pair counts from, in the order of keys.
 void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
@@ -106,7 +135,7 @@ class PairEvaluation {
     evaluate(k);
   }
 
-  /// Completes the pairs whose edges have waited for others.
+  /// Completes the pairs whose candidates have waited for others.
   void finish() {
     begun_.finish(pass_.list.pairs(), [&](BegunPair& begun) {
       const auto k = static_cast<std::size_t>(begun.k);
@@ -123,7 +152,7 @@ class PairEvaluation {
   bool too_deep() const { return too_deep_; }
 
  private:
-  /// Returns false where the pair is left to finish(), since its edges are looked at with those of others.
+  /// Returns false where the pair is left to finish(), since its candidates are looked at with those of others.
   bool find_features(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
     if constexpr (Model::kHasEdgeLanes) {
       if (lanes_ != nullptr && BegunPairs::may_take(view)) return begin(k, view, moved, lists);
@@ -133,20 +162,13 @@ class PairEvaluation {
   }
 
   bool begin(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
-    if (begun_.is_full()) finish();
-    BegunPair& begun = begun_.next();
-    const double size = std::min(view.radius_a, view.radius_b);
-    mesh_corner_features(view.a, view.b, view.pose, view.reach, size, lists, begun.features, begun.edges);
-    if (!begun.edges.empty() && begun_.has_room(begun.edges.size())) {
-      begun.k = k;
-      begun.moved = moved;
-      begun.view = view;
-      begun_.add(lists);
+    find_due_candidates(lists, due_);
+    if (!due_.indices.empty() && BegunPairs::could_have_room(due_)) {
+      if (!begun_.has_room(due_)) finish();
+      begun_.add(k, moved, view, lists, due_);
       return false;
     }
-    std::swap(features_.list, begun.features);
-    for (const std::int32_t edge : begun.edges) mesh_edge_feature(view.a, view.b, view.pose, view.reach, size, edge, lists, features_.list);
-    end_mesh_features(lists, features_.list);
+    due_mesh_features(view.a, view.b, view.pose, view.reach, std::min(view.radius_a, view.radius_b), due_, lists, features_.list);
     share_among_cells(view, features_);
     return true;
   }
@@ -337,6 +359,7 @@ class PairEvaluation {
   PairPass& pass_;
   MeshEvaluation* lanes_;
   BegunPairs& begun_;
+  DueCandidates due_;
   MeshDistanceScratch& distance_;
   std::size_t thread_;
   CandidateLists lists_of_balls_;

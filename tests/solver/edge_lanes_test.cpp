@@ -129,6 +129,7 @@ TEST(EdgeLanes, rows_of_edges_are_what_large_shapes_work_out) {
       EXPECT_EQ(shape.into_face(e, side), without.into_face(e, side));
       EXPECT_EQ(shape.edge_conormal(e, side), without.edge_conormal(e, side));
       EXPECT_EQ(shape.has_height(e, side), without.has_height(e, side));
+      EXPECT_EQ(shape.edge_corner(e, side), without.edge_corner(e, side));
     }
   }
 }
