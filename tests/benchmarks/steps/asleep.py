@@ -1,0 +1,64 @@
+"""What sleep saves: rocks of 320 triangles that fall in a wide box and come to rest, with `time.sleep` and without, and a step of the heap
+when it sleeps against one of the same heap awake.
+
+A step's seconds are those of its phases; the two runs of a pair go at the same time of day, one after the other: compare them only where
+nothing else runs.
+"""
+import os
+
+import large
+import scene
+
+LAYERS = 6
+MARGIN = 0.05 * scene.RADIUS
+STIFFNESS = 3e4   # stops the last rock of 11 g, which falls at 1.6 m/s, within 0.7 of both margins
+STEP = 6e-5       # 20 and more to a contact
+SECONDS = {False: 2.0, True: 0.02}
+TILES = {False: 4, True: 1}
+
+
+def loose(out, side, layers):
+    """A scene of rocks side by side that do not touch, to be repeated: its file, and the frame in which it begins."""
+    import random
+    folder, shapes = out / "asleep", out / "asleep-shapes"
+    if not (folder / "loose.run" / "run.json").exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        scene.make_shapes(shapes, scene.Family("rock", 320))
+        spacing = 2.05 * max(row[4] for row in scene.read_shapes(shapes)) + 2 * MARGIN
+        numbers = random.Random(7)
+        state = [[i % scene.SHAPE_COUNT] + [(c + 0.5) * spacing for c in (i % side, i // side % side, i // side ** 2)]
+                 + scene.random_quaternion(numbers) + [0.0] * 6 for i in range(side * side * layers)]
+        for name, sleeps in (("loose", False), ("loose-asleep", True)):
+            path = folder / f"{name}.toml"
+            scene.write_case(path, shapes, state, side * spacing, STEP, 0.05)
+            words = path.read_text()
+            for old, new in ((f"step = {scene.STEP!r}", f"step = {STEP!r}" + ("\nsleep = true" if sleeps else "")),
+                             (f"stiffness = {scene.STIFFNESS}", f"stiffness = {STIFFNESS}"), (f"margin = {scene.MARGIN!r}", f"margin = {MARGIN!r}")):
+                assert old in words
+                words = words.replace(old, new)
+            path.write_text(words)
+            scene.solve(folder, name)
+    return [(folder / f"{name}.scene.h5", folder / f"{name}.run" / "frame_000000.hdf") for name in ("loose", "loose-asleep")]
+
+
+def step_seconds(log, row):
+    """Of the phases, in the rows before this one."""
+    sums = [sum(log[key][n] for key in log if key.startswith("t_") and key not in ("t_output", "t_wait_longest")) for n in (row - 1, row)]
+    return (sums[1] - sums[0]) / (log["step"][row] - log["step"][row - 1])
+
+
+def measure(out, quick):
+    tiles, seconds = TILES[quick], SECONDS[quick]
+    side, layers = (4, 2) if quick else (10, LAYERS)
+    logs, bodies = [], side * side * layers * tiles ** 2
+    for sleeps, (unit, frame) in enumerate(loose(out, side, layers)):
+        _, run, _, spent = large.solve(out, "asleep" if sleeps else "awake", unit, frame, tiles, seconds)
+        log = scene.read_log(run)
+        asleep = log["asleep"][-1] / bodies if sleeps else 0
+        print(f"{bodies} rocks of 320 triangles, {seconds:g} s, {'with' if sleeps else 'without'} sleep: {spent[1]:.0f} s of one core, kinetic energy at the end "
+              f"{log['kinetic_translational'][-1] + log['kinetic_rotational'][-1]:.3g} J" + (f", asleep {100 * asleep:.2f} %" if sleeps else "") + f"; load {os.getloadavg()[0]:.1f}", flush=True)
+        logs.append((log, spent[1]))
+    (awake, cpu), (asleep, cpu_asleep) = logs
+    last = len(awake["step"]) - 1
+    print(f"settling with sleep: {cpu / cpu_asleep:.2f} times as fast; a step at the end: {1e3 * step_seconds(asleep, last):.3f} ms of "
+          f"{1e3 * step_seconds(awake, last):.3f} ms ({100 * step_seconds(asleep, last) / step_seconds(awake, last):.2f} %)", flush=True)

@@ -1,0 +1,45 @@
+#!/usr/bin/python3
+"""The speed of finished runs with their errors, one row each, as a table for docs/performance.md.
+
+  tests/benchmarks/steps/scene_table.py OUT/*.run ...
+
+Speed: bodies that were there at the end or left before, times steps, over the wall seconds of the phases without output and the number of cores: of a
+machine that had nothing else to do on these cores. Errors: the largest departure of the energy balance over what was exchanged; the deepest
+overlap over the room of its pair (contacts end a run at 0.97).
+"""
+import json
+import sys
+from pathlib import Path
+
+
+def row(run):
+    record = json.loads((run / "run.json").read_text())
+    phases = record["phases"]
+    seconds = sum(value for name, value in phases.items() if name != "output")
+    cores = record["ranks"] * record["threads"]
+    bodies = record["bodies"] + record.get("removed_bodies", 0)
+    rate = bodies * record["steps"] / (seconds * cores)
+    digits = 10 ** max(0, len(str(int(rate))) - 3)
+    return [run.name.removesuffix(".run"), f"{bodies}", record["settings"]["settings"]["law"], f"{record['steps']}", f"{record['step_size']:.3g} s",
+            f"{int(round(rate / digits) * digits):,}".replace(",", " "), f"{seconds * cores:.0f} s", f"{record['energy']['error_relative']:.1e}",
+            f"{record['max_depth_ratio']:.2f}"]
+
+
+def main():
+    runs = [Path(word) for word in sys.argv[1:]]
+    if not runs or any(not (run / "run.json").exists() for run in runs):
+        print(__doc__, file=sys.stderr)
+        for run in runs:
+            if not (run / "run.json").exists():
+                print(f"scene_table: {run} has no run.json: not a run that has ended", file=sys.stderr)
+        return 2
+    head = ["scene", "bodies", "law", "steps", "step", "particle-steps/s and core", "core time", "energy error", "deepest"]
+    print("| " + " | ".join(head) + " |")
+    print("|" + "---|" * len(head))
+    for run in runs:
+        print("| " + " | ".join(row(run)) + " |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
