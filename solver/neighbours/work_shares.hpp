@@ -26,11 +26,17 @@ class WorkShares {
   /// in ascending order.
   template <class Work>
   void take(int thread, Work&& work) {
+    take_chunks(thread, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t item = begin; item < end; ++item) work(item);
+    });
+  }
+  /// The same with work(begin, end): items that no other thread meets meanwhile.
+  template <class Work>
+  void take_chunks(int thread, Work&& work) {
     for (std::size_t n = 0; n < shares_.size(); ++n) {
       Share& share = shares_[(static_cast<std::size_t>(thread) + n) % shares_.size()];
-      for (std::size_t begin = share.next.fetch_add(chunk_); begin < share.end; begin = share.next.fetch_add(chunk_)) {
-        for (std::size_t item = begin; item < std::min(begin + chunk_, share.end); ++item) work(item);
-      }
+      for (std::size_t begin = share.next.fetch_add(chunk_); begin < share.end; begin = share.next.fetch_add(chunk_))
+        work(begin, std::min(begin + chunk_, share.end));
     }
   }
 

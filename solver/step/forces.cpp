@@ -50,10 +50,12 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
       overlap = balls.largest_overlap();
       too_deep = balls.too_deep();
     } else {
-      PairsAhead ahead(pass.list, which);
-      shares.take(thread, [&](std::size_t n) {
-        ahead.advance(n);
-        evaluation.evaluate(which[n]);
+      shares.take_chunks(thread, [&](std::size_t begin, std::size_t end) {
+        PairsAhead ahead(pass.list, which.subspan(begin, end - begin));
+        for (std::size_t n = begin; n < end; ++n) {
+          ahead.advance(n - begin);
+          evaluation.evaluate(which[n]);
+        }
       });
     }
     evaluation.finish();

@@ -67,29 +67,27 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
 /// inner caches hold.
 class PairsAhead {
  public:
+  /// in   which   of one thread: what others work on is not looked at
   PairsAhead(PairList& list, std::span<const std::int32_t> which) : list_(list), which_(which) {}
   /// Before each pair is evaluated.   in   n   its place in `which`
   void advance(std::size_t n) {
-    if (n + 1 > next_ || n + kFurthest < next_) next_ = n + 1;
+    next_ = std::max(next_, n + 1);
     if (list_.idle()[static_cast<std::size_t>(which_[n])].way >= 0) return;
     if (coming_ != nullptr && coming_->lists != nullptr) prefetch_candidates(*coming_->lists);
     coming_ = nullptr;
-    for (std::size_t end = std::min(next_ + kFurthest, which_.size()); next_ < end; ++next_) {
+    for (; next_ < which_.size() && coming_ == nullptr; ++next_) {
       const auto k = static_cast<std::size_t>(which_[next_]);
       if (list_.idle()[k].way >= 0) continue;
       coming_ = &list_.pairs()[k];
       prefetch_pair(*coming_, list_.results()[k]);
-      ++next_;
-      return;
     }
   }
 
  private:
-  static constexpr std::size_t kFurthest = 16;
   PairList& list_;
   std::span<const std::int32_t> which_;
   std::size_t next_ = 0;
-  const BodyPair* coming_ = nullptr;
+  const BodyPair* coming_ = nullptr;  ///< the next pair that is not idle
 };
 
 /// Notes the overlap that a pair counts from, in the order of keys.
