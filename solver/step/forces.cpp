@@ -51,7 +51,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
       too_deep = balls.too_deep();
     } else {
       shares.take_chunks(thread, [&](std::size_t begin, std::size_t end) {
-        PairsAhead ahead(pass.list, pass.p, which.subspan(begin, end - begin));
+        PairsAhead ahead(pass.list, which.subspan(begin, end - begin));
         for (std::size_t n = begin; n < end; ++n) {
           ahead.advance(n - begin);
           evaluation.evaluate(which[n]);

@@ -68,7 +68,7 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
 class PairsAhead {
  public:
   /// in   which   of one thread: what others work on is not looked at
-  PairsAhead(PairList& list, const ParticleSet& p, std::span<const std::int32_t> which) : list_(list), p_(p), which_(which) {}
+  PairsAhead(PairList& list, std::span<const std::int32_t> which) : list_(list), which_(which) {}
   /// Before each pair is evaluated.   in   n   its place in `which`
   void advance(std::size_t n) {
     next_ = std::max(next_, n + 1);
@@ -80,21 +80,11 @@ class PairsAhead {
       if (list_.idle()[k].way >= 0) continue;
       coming_ = &list_.pairs()[k];
       prefetch_pair(*coming_, list_.results()[k]);
-      if (coming_->b >= 0) prefetch_body(static_cast<std::size_t>(coming_->b));
     }
   }
 
  private:
-  /// What a pair reads of its second body; pairs of one first body follow each other.
-  void prefetch_body(std::size_t j) const {
-    prefetch<sizeof(Quat)>(&p_.q[j]);
-    prefetch<sizeof(Vec3)>(&p_.x[j]);
-    prefetch<sizeof(Vec3)>(&p_.v[j]);
-    prefetch<sizeof(Vec3)>(&p_.w[j]);
-  }
-
   PairList& list_;
-  const ParticleSet& p_;
   std::span<const std::int32_t> which_;
   std::size_t next_ = 0;
   const BodyPair* coming_ = nullptr;  ///< the next pair that is not idle
