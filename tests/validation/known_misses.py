@@ -19,7 +19,7 @@ KNOWN = {
         "0.67 where 0.763 is demanded, which is the densest random packing, compressed or shaken for long. Ours are poured and left alone; it is not the size of the bed: 600 tetrahedra "
         "between sides seven wide have 0.661 +- 0.015. The other three kinds come within 0.04 of theirs.",
     ("B4", "R^2 of the exponential"):
-        "0.96 where 0.98 is demanded, five packings of each height: what the bottom carries still grows, by a quarter, from 2 to 3.5 diameters of fill, where one constant K says 5 %. Single packings of "
+        "0.96 where 0.98 is demanded, five packings of each height: what the bottom carries still grows, by a quarter, from 2 to 3.5 diameters of fill, where one constant K says 10 %. Single packings of "
         "a silo six grains across scatter by 10 to 20 %. The silo of real size (15 across) was not run to its end.",
     ("B1", "frictionless: neighbours without rattlers"):
         "Six is the limit of hard spheres. Analytic spheres in the same bed have 6.29, since the contacts are soft (half of the margins is used). "
