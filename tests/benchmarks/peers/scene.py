@@ -91,11 +91,11 @@ def rotation_matrix(q):
             (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
 
 
-def lattice(count, bounding_radius, seed=7, side=4):
+def lattice(count, bounding_radius, seed=7, side=4, margin=MARGIN):
     """A state of bodies at rest in a lattice of `side` cells, turned at random, and the length of the box that it fills.
 
     200 bodies settle to a bed about as high as 4 are wide, so that most have neighbours on all sides."""
-    spacing = 2.05 * bounding_radius + 2 * MARGIN
+    spacing = 2.05 * bounding_radius + 2 * margin
     numbers = random.Random(seed)
     state = []
     for i in range(count):
@@ -189,6 +189,11 @@ def read_log(run: Path):
         if name != "state_hash":
             columns[name] = [float(line[index]) for line in lines[1:]]
     return columns
+
+
+def phases(log):
+    """Columns of the seconds of a step's phases: all but those of output, and of what is counted in others."""
+    return {name[2:]: column for name, column in log.items() if name.startswith("t_") and name not in ("t_output", "t_wait_longest")}
 
 
 def judge(shapes: Path, state_file: Path, length):

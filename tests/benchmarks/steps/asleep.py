@@ -19,18 +19,14 @@ TILES = {False: 4, True: 1}
 
 def loose(out, side, layers):
     """A scene of rocks side by side that do not touch, to be repeated: its file, and the frame in which it begins."""
-    import random
     folder, shapes = out / "asleep", out / "asleep-shapes"
     if not (folder / "loose.run" / "run.json").exists():
         folder.mkdir(parents=True, exist_ok=True)
         scene.make_shapes(shapes, scene.Family("rock", 320))
-        spacing = 2.05 * max(row[4] for row in scene.read_shapes(shapes)) + 2 * MARGIN
-        numbers = random.Random(7)
-        state = [[i % scene.SHAPE_COUNT] + [(c + 0.5) * spacing for c in (i % side, i // side % side, i // side ** 2)]
-                 + scene.random_quaternion(numbers) + [0.0] * 6 for i in range(side * side * layers)]
+        state, length = scene.lattice(side * side * layers, max(row[4] for row in scene.read_shapes(shapes)), side=side, margin=MARGIN)
         for name, sleeps in (("loose", False), ("loose-asleep", True)):
             path = folder / f"{name}.toml"
-            scene.write_case(path, shapes, state, side * spacing, STEP, 0.05)
+            scene.write_case(path, shapes, state, length, STEP, 0.05)
             words = path.read_text()
             for old, new in ((f"step = {scene.STEP!r}", f"step = {STEP!r}" + ("\nsleep = true" if sleeps else "")),
                              (f"stiffness = {scene.STIFFNESS}", f"stiffness = {STIFFNESS}"), (f"margin = {scene.MARGIN!r}", f"margin = {MARGIN!r}")):
@@ -41,10 +37,9 @@ def loose(out, side, layers):
     return [(folder / f"{name}.scene.h5", folder / f"{name}.run" / "frame_000000.hdf") for name in ("loose", "loose-asleep")]
 
 
-def step_seconds(log, row):
-    """Of the phases, in the rows before this one."""
-    sums = [sum(log[key][n] for key in log if key.startswith("t_") and key not in ("t_output", "t_wait_longest")) for n in (row - 1, row)]
-    return (sums[1] - sums[0]) / (log["step"][row] - log["step"][row - 1])
+def seconds_of_last_step(log):
+    """Of its phases: the mean of the steps between the last two rows."""
+    return sum(column[-1] - column[-2] for column in scene.phases(log).values()) / (log["step"][-1] - log["step"][-2])
 
 
 def measure(out, quick):
@@ -59,6 +54,6 @@ def measure(out, quick):
               f"{log['kinetic_translational'][-1] + log['kinetic_rotational'][-1]:.3g} J" + (f", asleep {100 * asleep:.2f} %" if sleeps else "") + f"; load {os.getloadavg()[0]:.1f}", flush=True)
         logs.append((log, spent[1]))
     (awake, cpu), (asleep, cpu_asleep) = logs
-    last = len(awake["step"]) - 1
-    print(f"settling with sleep: {cpu / cpu_asleep:.2f} times as fast; a step at the end: {1e3 * step_seconds(asleep, last):.3f} ms of "
-          f"{1e3 * step_seconds(awake, last):.3f} ms ({100 * step_seconds(asleep, last) / step_seconds(awake, last):.2f} %)", flush=True)
+    of_asleep, of_awake = seconds_of_last_step(asleep), seconds_of_last_step(awake)
+    print(f"settling with sleep: {cpu / cpu_asleep:.2f} times as fast; a step at the end: {1e3 * of_asleep:.3f} ms of {1e3 * of_awake:.3f} ms "
+          f"({100 * of_asleep / of_awake:.2f} %)", flush=True)

@@ -22,15 +22,9 @@ def rocks(out, quick):
     side = 4 if quick else SIDE
     folder, shapes = out / f"large-rock-{side}", out / "large-shapes"
     if not (folder / "settle.run" / "run.json").exists():
-        import random
-        folder.mkdir(parents=True, exist_ok=True)
         scene.make_shapes(shapes, scene.Family("rock", ROCK_TRIANGLES))
-        spacing = 2.05 * max(row[4] for row in scene.read_shapes(shapes)) + 2 * scene.MARGIN
-        numbers = random.Random(7)
-        state = [[i % scene.SHAPE_COUNT] + [(c + 0.5) * spacing for c in (i % side, i // side % side, i // side ** 2)]
-                 + scene.random_quaternion(numbers) + [0.0] * 6 for i in range(side ** 3)]
-        seconds = SETTLE_SECONDS[quick]
-        scene.run_scree(folder, "settle", shapes, state, side * spacing, seconds)
+        state, length = scene.lattice(side ** 3, max(row[4] for row in scene.read_shapes(shapes)), side=side)
+        scene.run_scree(folder, "settle", shapes, state, length, SETTLE_SECONDS[quick])
     return folder / "settle.scene.h5", sorted((folder / "settle.run").glob("frame_*.hdf"))[-1], scene.STEP
 
 
@@ -64,8 +58,7 @@ def solve(out, name, unit, frame, copies, duration):
 
 def step_seconds(run):
     """Of all phases but output, from the start to the last row of the log."""
-    log = scene.read_log(run)
-    return sum(column[-1] for name, column in log.items() if name.startswith("t_") and name not in ("t_output", "t_wait_longest"))
+    return sum(column[-1] for column in scene.phases(scene.read_log(run)).values())
 
 
 def measure(out, kind, quick):

@@ -3,9 +3,9 @@
 
   tests/benchmarks/steps/scene_table.py OUT/*.run ...
 
-Speed: steps of bodies, counted at each output from ranks.csv since bodies come and leave, over the wall seconds of the phases without output and the
-number of cores: of a machine that had nothing else to do on these cores. Errors: the largest departure of the energy balance over what was exchanged; the deepest
-overlap over the room of its pair (contacts end a run at 0.97).
+Speed: steps of bodies, counted at each output from ranks.csv since bodies come and leave, over the wall seconds of the phases without output and
+the number of cores: of a machine that had nothing else to do on these cores. Errors: the largest departure of the energy balance over what was
+exchanged; the deepest overlap over the room of its pair (contacts end a run at 0.97).
 """
 import csv
 import json
@@ -40,11 +40,13 @@ def row(run):
 
 def main():
     runs = [Path(word) for word in sys.argv[1:]]
-    if not runs or any(not (run / "run.json").exists() for run in runs):
+    missing = [run for run in runs if not (run / "run.json").exists()]
+    for run in missing:
+        print(f"scene_table: {run} has no run.json: not a run that has ended; give folders of runs that have", file=sys.stderr)
+    if missing:
+        return 2
+    if not runs:
         print(__doc__, file=sys.stderr)
-        for run in runs:
-            if not (run / "run.json").exists():
-                print(f"scene_table: {run} has no run.json: not a run that has ended", file=sys.stderr)
         return 2
     head = ["scene", "bodies, mean", "law", "steps", "step", "particle-steps/s and core", "core time", "energy error", "deepest"]
     print("| " + " | ".join(head) + " |")
