@@ -3,7 +3,16 @@ set(SCREE_MPI_ENVIRONMENT
   "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1"
   # more ranks and threads than cores: who waits must not hold the core of the one that is waited for
   "OMPI_MCA_mpi_yield_when_idle=1;OMP_WAIT_POLICY=passive"
-  "OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none;OMPI_MCA_btl=self,vader,tcp")
+  "OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none"
+  # no search for fast networks: a fifth of a second at each start
+  "OMPI_MCA_pml=ob1;OMPI_MCA_btl=self,vader,tcp")
+
+# Saves a quarter of the time to compile a test, which is more than most tests take to run. What they test is compiled as users have it.
+function(scree_compile_fast target)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources EXCLUDE REGEX "TARGET_OBJECTS")
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+endfunction()
 
 # scree_unit_test(NAME name SOURCES ... LIBRARIES ... [LABEL fast|mpi|slow] [RANKS 1 2 4] [ENVIRONMENT name=value ...])
 #
@@ -19,6 +28,7 @@ function(scree_unit_test)
     endif()
   endif()
   add_executable(${arg_NAME} ${arg_SOURCES})
+  scree_compile_fast(${arg_NAME})
   target_link_libraries(${arg_NAME} PRIVATE scree_flags ${arg_LIBRARIES} GTest::gtest)
   if(arg_RANKS)
     foreach(ranks IN LISTS arg_RANKS)

@@ -2,16 +2,53 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.hpp"
 
 namespace scree::mpi {
 
+namespace {
+
+/// Whether mpirun, srun or another launcher of several processes started this one (Open MPI, PMIx, PMI-1 and -2).
+bool has_launcher() {
+  constexpr std::array kRanks{"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"};
+  return std::any_of(kRanks.begin(), kRanks.end(), [](const char* name) { return std::getenv(name) != nullptr; });
+}
+
+/// Settings of Open MPI for a process that is alone, while it starts: no daemon, which only programs that start others through MPI need,
+/// and no search for networks. Together they are nine tenths of the time of a tool that has little to do: 0.36 s on a desktop, 0.05
+/// without. What the user has set stays. Programs that this one starts later, mpirun among them, do not inherit them.
+class AloneAtStart {
+ public:
+  AloneAtStart() {
+    if (has_launcher()) return;
+    for (const auto& [name, value] :
+         {std::pair{"OMPI_MCA_ess_singleton_isolated", "1"}, {"OMPI_MCA_pml", "ob1"}, {"OMPI_MCA_btl", "self"}}) {
+      if (std::getenv(name) == nullptr && setenv(name, value, 0) == 0) set_.push_back(name);
+    }
+  }
+  ~AloneAtStart() {
+    for (const char* name : set_) unsetenv(name);
+  }
+  AloneAtStart(const AloneAtStart&) = delete;
+  AloneAtStart& operator=(const AloneAtStart&) = delete;
+
+ private:
+  std::vector<const char*> set_;
+};
+
+}  // namespace
+
 Session::Session(int& argc, char**& argv) {
   // Open MPI asks hwloc for the hardware, whose plugin for GL knocks at the X displays :0 to :9: where one that is not ours wants a key,
   // the X library prints "Authorization required" for each. Nothing here needs to know of displays. What the user has set stays.
   setenv("HWLOC_COMPONENTS", "-gl", 0);
+  const AloneAtStart settings;
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   if (provided < MPI_THREAD_FUNNELED) throw SystemError("this MPI library does not allow threads (MPI_THREAD_FUNNELED)");
