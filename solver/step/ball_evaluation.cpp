@@ -34,10 +34,7 @@ BallWall ball_wall(const WallZone& zone, const WallState& wall) {
 
 }  // namespace
 
-bool has_ball_way(const PairPass& pass) {
-  return pass.scene.ball_laws().kind != BallLawKind::none && pass.friction_dt > 0 && pass.friction_dt == pass.dt && !pass.only_looks() &&
-         !pass.has_impacts;
-}
+bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != BallLawKind::none && pass.asks_for_forces_alone(); }
 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
   scene_.walls.reserve(scene_.laws.zones.size());

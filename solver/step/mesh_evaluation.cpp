@@ -33,16 +33,16 @@ void set(const ContactFeature& f, const FrictionSpring* spring, std::size_t n, M
     std::fill_n(&to.spring[4 * n], 4, 0.0);
 }
 
-bool asks_for_forces_alone(const PairPass& pass) {
-  return pass.friction_dt > 0 && pass.friction_dt == pass.dt && !pass.only_looks() && !pass.has_impacts &&
-         pass.scratch.pair_seconds.empty() && !pass.scene.law_choice().rolling;
+/// Lanes have no rolling resistance of meshes, and take no time of a pair.
+bool suits_lanes(const PairPass& pass) {
+  return pass.asks_for_forces_alone() && pass.scratch.pair_seconds.empty() && !pass.scene.law_choice().rolling;
 }
 
 }  // namespace
 
 MeshPass::MeshPass(PairPass& pass)
     : pass_(pass),
-      has_lanes_(asks_for_forces_alone(pass) && pass.scene.lane_laws().kind != BallLawKind::none),
+      has_lanes_(suits_lanes(pass) && pass.scene.lane_laws().kind != BallLawKind::none),
       scene_{pass.p, pass.scene.periodicity(), pass.scene.lane_laws()} {}
 
 MeshEvaluation::Batches& MeshEvaluation::batches_of_thread() {

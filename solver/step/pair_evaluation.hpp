@@ -226,7 +226,8 @@ class PairEvaluation {
 
   bool is_of_lanes(const BodyPair& pair) const {
     const BallLaws& laws = pass_.scene.ball_laws();
-    if (laws.kind == BallLawKind::none || pass_.has_impacts || !(pass_.p.ball_radius[static_cast<std::size_t>(pair.a)] > 0)) return false;
+    if (laws.kind == BallLawKind::none || !pass_.allows_lanes() || !(pass_.p.ball_radius[static_cast<std::size_t>(pair.a)] > 0))
+      return false;
     return pair.b >= 0 ? pass_.p.ball_radius[static_cast<std::size_t>(pair.b)] > 0
                        : laws.row_of_zone[static_cast<std::size_t>(pair.key.zone)] >= 0;
   }

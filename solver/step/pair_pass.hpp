@@ -28,6 +28,10 @@ struct PairPass {
   std::atomic<std::int32_t> intersecting{-1}, passing{-1};
 
   bool only_looks() const { return out != nullptr || look != nullptr || at_rest; }
+  /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.
+  bool allows_lanes() const { return !has_impacts; }
+  /// A step of the run that asks for forces, and for nothing that lanes leave out.
+  bool asks_for_forces_alone() const { return friction_dt > 0 && friction_dt == dt && !only_looks() && allows_lanes(); }
   /// Of both bodies together since the lists were made [m].
   double way_of(const IdlePair& idle) const { return list.travel()[idle.a] + (idle.b >= 0 ? list.travel()[idle.b] : 0.0); }
 };
