@@ -32,8 +32,10 @@ def loose(out, side, layers):
             path = folder / f"{name}.toml"
             scene.write_case(path, shapes, state, length, STEP, 0.05)
             words = path.read_text()
-            for old, new in ((f"step = {scene.STEP!r}", f"step = {STEP!r}" + (f"\nsleep = true\nsleep_tolerance = {TOLERANCE!r}" if sleeps else "")),
-                             (f"stiffness = {scene.STIFFNESS}", f"stiffness = {STIFFNESS}\nrolling_friction = {ROLLING}\ntorsional_friction = {ROLLING}"), (f"margin = {scene.MARGIN!r}", f"margin = {MARGIN!r}")):
+            rest = f"\nsleep = true\nsleep_tolerance = {TOLERANCE!r}" if sleeps else ""
+            rolling = f"\nrolling_friction = {ROLLING}\ntorsional_friction = {ROLLING}"
+            for old, new in ((f"step = {scene.STEP!r}", f"step = {STEP!r}{rest}"), (f"stiffness = {scene.STIFFNESS}", f"stiffness = {STIFFNESS}{rolling}"),
+                             (f"margin = {scene.MARGIN!r}", f"margin = {MARGIN!r}")):
                 assert old in words
                 words = words.replace(old, new)
             path.write_text(words)
@@ -63,8 +65,9 @@ def measure(out, quick):
               f"{log['kinetic_translational'][-1] + log['kinetic_rotational'][-1]:.3g} J; load {os.getloadavg()[0]:.1f}", flush=True)
         logs.append(log)
     awake, asleep = logs
+    cost, cost_asleep = spent(awake), spent(asleep)
     for share in (0.25, 0.5, 0.75, 1):
         row = round(share * (len(asleep["step"]) - 1))
-        print(f"until {asleep['time'][row]:.3g} s, {100 * asleep['asleep'][row] / bodies:.2f} % asleep: {spent(awake)[row] / spent(asleep)[row]:.2f} times as fast", flush=True)
+        print(f"until {asleep['time'][row]:.3g} s, {100 * asleep['asleep'][row] / bodies:.2f} % asleep: {cost[row] / cost_asleep[row]:.2f} times as fast", flush=True)
     of_asleep, of_awake = of_last_steps(asleep), of_last_steps(awake)
     print(f"a step at the end: {1e3 * of_asleep:.3f} ms of {1e3 * of_awake:.3f} ms ({100 * of_asleep / of_awake:.2f} %)", flush=True)
