@@ -58,10 +58,11 @@ void view_own_margins(const SolverScene& scene, PairView& view) {
     if (has_other && view.b.shape->equivalent_radius > 0) view.room = std::min(view.room, view.b.scale * view.b.shape->equivalent_radius);
     return;
   }
-  // crowds are told for the depth that the tables of A hold weights for
+  // Crowds of both are told for one depth, whichever is A: that of an edge pair, a mean of weights, does not go with it in proportion
   const double depth_a = of_a > 0 ? of_a : of_b, depth_b = of_b > 0 ? of_b : scene.wall_table_depth();
-  view.crowd_depth = depth_a;
-  if (has_other && view.b.weights != nullptr && depth_b != depth_a) view.b.crowd_scale = depth_a / depth_b;
+  view.crowd_depth = of_a > 0 && of_b > 0 ? 0.5 * (of_a + of_b) : depth_a;
+  if (view.a.weights != nullptr) view.a.crowd_scale = view.crowd_depth / depth_a;
+  if (has_other && view.b.weights != nullptr) view.b.crowd_scale = view.crowd_depth / depth_b;
 }
 
 }  // namespace
@@ -92,6 +93,7 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
 PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, double range) {
   PullView pull{range, scene.pull_table_depth(), view.a, view.b};
   pull.a.weights = pull.b.weights = nullptr;
+  pull.a.crowd_scale = pull.b.crowd_scale = 1;                  // all its tables are made for one depth
   if (view.geometry == PairGeometry::sphere_mesh) return pull;  // one contact for each minimum of the distance: they are no crowd
   pull.a.weights = p.pull_weights[static_cast<std::size_t>(a)];
   pull.b.weights = b >= 0 ? p.pull_weights[static_cast<std::size_t>(b)] : scene.wall_pull_weights(view.zone->wall);
