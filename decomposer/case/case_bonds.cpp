@@ -46,8 +46,9 @@ void bond_section(CaseKeys& k, Case& c) {
            Range::positive);
   k.number({"friction_angle", "", "pressure times its tangent adds to `cohesion`"}, b.friction_angle, Dimension::angle,
            Range::not_negative);
-  k.number({"fracture_energy", "none", "energy of each area at which a bond breaks; beside or in place of stresses"}, b.fracture_energy,
-           Dimension::surface_energy, Range::positive);
+  k.number(
+      {"fracture_energy", "none", "energy of opening and sliding, of each area, at which a bond breaks; beside or in place of stresses"},
+      b.fracture_energy, Dimension::surface_energy, Range::positive);
   k.section({"strength_scatter", "none, all alike", "strengths of bonds are drawn; those given are the means"}, [&](CaseKeys& below) {
     below.number({"weibull_modulus", kRequired, "of stresses; energies go with their square"}, b.weibull_modulus, Dimension::none,
                  Range::positive);

@@ -127,14 +127,27 @@ inline BondStress bond_stress(const Bond& bond, const Vec3& displacement, const 
   return stress;
 }
 
+/// The part of U that opens a bond or lets it slide [J]; what presses its faces together opens no crack. Under pressure bending counts by
+/// the part of the face that it opens: of a strip from -r to r that turns by t, pressed by p, the points beyond p / t open, with the share
+/// (1 - p / (t r))^3 of the energy that they have without pressure.
+inline double opening_energy(const Bond& bond, const BondForce& force) {
+  const double pressed = -force.displacement.x;
+  if (!(pressed > 0)) return force.energy;
+  const Vec3& t = force.rotation;
+  const double rim = bond.rim_radius * std::hypot(t.y, t.z);
+  const double closed = rim > pressed ? pressed / rim : 1, open = 1 - closed;
+  const double normal = bond.area * pressed * pressed, bending = bond.moment_1 * t.y * t.y + bond.moment_2 * t.z * t.z;
+  return force.energy - 0.5 * bond.normal_stiffness * (normal + bending * (1 - open * open * open));
+}
+
 /// Share of what the bond holds that it is loaded to: it breaks from 1 on. Tension at the rim; shear against cohesion and friction of the
-/// mean pressure (Mohr and Coulomb); energy of each area.
+/// mean pressure (Mohr and Coulomb); energy of opening and sliding of each area.
 inline double bond_load(const Bond& bond, const BondForce& force) {
   const BondStress stress = bond_stress(bond, force.displacement, force.rotation);
   const double shear_strength = bond.cohesion - bond.friction * stress.mean;
   // where tension has used up cohesion, no shear at all is held
   const double shear = shear_strength > 0 ? stress.shear / shear_strength : kNeverBreaks;
-  return std::max({stress.rim / bond.tension, shear, force.energy / (bond.fracture_energy * bond.area)});
+  return std::max({stress.rim / bond.tension, shear, opening_energy(bond, force) / (bond.fracture_energy * bond.area)});
 }
 
 }  // namespace scree

@@ -426,5 +426,43 @@ TEST(BondLaw, a_bond_is_loaded_by_tension_at_its_rim_shear_and_energy) {
   EXPECT_NEAR(bond_load(brittle, f), 1, 1e-14);
 }
 
+// A square face of side 2 r whose neighbour turns about y: strips of it open that bending moves further than pressure.
+TEST(BondLaw, the_energy_that_breaks_a_bond_is_that_of_opening_and_sliding_alone) {
+  BondLaw law;
+  Bond bond;
+  const double r = 0.005, k = 1e10;
+  bond.area = 4 * r * r;
+  bond.moment_1 = bond.moment_2 = 4.0 / 3 * r * r * r * r;
+  bond.rim_radius = r;
+  bond.normal_stiffness = k;
+  bond.tangential_stiffness = 0.25 * k;
+  bond.fracture_energy = 1;
+  law.push = bond.area * Vec3{k, 0.25 * k, 0.25 * k};
+  law.turn = {0.25 * k * 2 * bond.moment_1, k * bond.moment_1, k * bond.moment_2};
+  const auto load = [&](const Vec3& displacement, double bend) {
+    BondMotion m{};
+    m.q_b = quaternion_of({0, 1, 0}, bend);
+    const double half = 0.5 * bend;  // the mean frame has turned half as far
+    m.branch = rotate(quaternion_of({0, 1, 0}, half), displacement);
+    return bond_load(bond, bond_force(law, m));
+  };
+  // pressed alone, however much; stretched by as much it would have broken many times
+  EXPECT_NEAR(load({-1e-3, 0, 0}, 0), 0, 1e-12);
+  EXPECT_NEAR(load({1e-3, 0, 0}, 0), 0.5 * k * 1e-6, 1e-9 * k * 1e-6);
+  // pressed and sheared: what slides counts
+  EXPECT_NEAR(load({-1e-3, 1e-5, 0}, 0), 0.5 * 0.25 * k * 1e-10, 1e-9);
+  // pressed so much that bending opens nothing
+  EXPECT_NEAR(load({-1e-3, 0, 0}, 0.1), 0, 1e-9 * k * 1e-6);
+  // bending alone counts whole, and under pressure by what opens: 2 r k / 2 times the integral of (t z - p)^2 from p / t to r, twice
+  const double bend = 0.01, whole = 0.5 * k * bond.moment_1 * bend * bend / bond.area;
+  EXPECT_NEAR(load({}, bend), whole, 1e-9 * whole);
+  for (const double p : {1e-6, 1e-5, 2e-5, 4.9e-5}) {
+    double sum = 0;
+    constexpr int kStrips = 100000;
+    for (int n = 0; n < kStrips; ++n) sum += std::pow(std::max(0.0, bend * r * (n + 0.5) / kStrips - p), 2) * r / kStrips;
+    EXPECT_NEAR(load({-p, 0, 0}, bend), 2 * 0.5 * k * 2 * r * sum / bond.area, 1e-6 * whole) << p;
+  }
+}
+
 }  // namespace
 }  // namespace scree
