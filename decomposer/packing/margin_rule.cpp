@@ -188,7 +188,7 @@ std::string choices(const Sizing& s) {
   return text;
 }
 
-/// A moving body with a mesh.
+/// A body with a mesh.
 struct MeshBody {
   double mass = 0, radius = 0;  ///< [kg], of the ball of its volume [m]
 };
@@ -209,7 +209,7 @@ MeshBody smallest_of(const std::vector<MeshBody>& all) {
 
 /// Weights of the largest body that the smallest must bear within its margins, lying under it.
 constexpr double kLoadOfSmallest = 10;
-/// Margin of meshes over their radius where none of them moves: nothing presses them.
+/// Margin of fixed meshes over their radius where nothing meets them.
 constexpr double kRatioOfFixed = 0.02;
 
 }  // namespace
@@ -224,13 +224,13 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   const bool by_size = settings.surface == TouchAt::drawn;
   double heaviest = 0, lightest = 1e300, smallest = 1e300, widest = 0;
   bool has_meshes = false, has_balls = false;
-  std::vector<MeshBody> meshes;
+  std::vector<MeshBody> meshes, fixed_meshes;
   const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
     has_meshes = has_meshes || s.kind != ShapeKind::sphere;
     has_balls = has_balls || s.kind == ShapeKind::sphere;
-    if (!moves) return;
     const double mass = scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale;
-    if (s.kind != ShapeKind::sphere) meshes.push_back({mass, 0.5 * scale * s.equivalent_diameter()});
+    if (s.kind != ShapeKind::sphere) (moves ? meshes : fixed_meshes).push_back({mass, 0.5 * scale * s.equivalent_diameter()});
+    if (!moves) return;
     heaviest = std::max(heaviest, mass);
     lightest = std::min(lightest, mass);
     smallest = std::min(smallest, scale * s.equivalent_diameter());
@@ -295,7 +295,12 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   report.impact_overlap = depth;
   // a mesh wall and a ball have no margin beside that of the body that they meet
   const double sides = by_size && (wall_meshes || has_balls) ? 1 : 2;
-  const MeshBody median = median_of(meshes), largest = largest_of(meshes), least = smallest_of(meshes);
+  // Margins that go with size are those of bodies with meshes. Where balls alone move they are those of the fixed meshes, of which the
+  // smallest must bear the blow of the heaviest ball.
+  const bool balls_on_fixed = meshes.empty() && !fixed_meshes.empty();
+  const std::vector<MeshBody>& sized = balls_on_fixed ? fixed_meshes : meshes;
+  const MeshBody median = median_of(sized), least = smallest_of(sized), hit = balls_on_fixed ? least : largest_of(sized);
+  const double load = balls_on_fixed ? heaviest : hit.mass;
   double& margin = settings.margin;
   if (by_size && c.margin_given && settings.margin_ratio > 0) margin = settings.margin_ratio * median.radius;
   const Settings* before = parts.carried ? &parts.carried->from.scene.settings : nullptr;
@@ -309,15 +314,16 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   if (!c.margin_given && heaviest > 0 && !(margin > 0)) {
     constexpr double kSmallestShare = 0.01;  // of the smallest body's diameter
     double derived = std::max(depth / (sides * kOverlapShare), kSmallestShare * smallest);
-    if (by_size && !meshes.empty()) {
-      // margins go with size: the largest body decides for blows, the smallest for what lies on it
+    if (by_size && !sized.empty()) {
+      // margins go with size: the largest moving body decides for blows, the smallest for what lies on it
       double between = softest;  // of the largest body on the smallest
       for (const CasePair& p : c.pairs)
-        if (p.pair.modulus > 0) between = std::min(between, p.pair.spring(1 / (1 / largest.radius + 1 / least.radius)));
-      const double pinch = kLoadOfSmallest * largest.mass * length(settings.gravity) / between;
+        if (p.pair.modulus > 0) between = std::min(between, p.pair.spring(1 / (1 / hit.radius + 1 / least.radius)));
+      const double pinch = kLoadOfSmallest * load * length(settings.gravity) / between;
       const double ratio =
-          std::max({depth / (sides * kOverlapShare * largest.radius), pinch / (sides * kOverlapShare * least.radius), 2 * kSmallestShare});
+          std::max({depth / (sides * kOverlapShare * hit.radius), pinch / (sides * kOverlapShare * least.radius), 2 * kSmallestShare});
       derived = ratio * least.radius;
+      if (balls_on_fixed) smallest = 2 * least.radius;  // what the margin rounds
     }
     // the depth of a blow goes with the root of the stiffness, that of what lies on a body with the stiffness: less would do for that
     const double needed = from_touch ? heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2)
@@ -343,7 +349,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
                                 report.fastest_impact, by_modulus, from_touch}));
     }
     if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
-    if (!from_touch) margin = by_size && !meshes.empty() ? derived / least.radius * median.radius : derived;
+    if (!from_touch) margin = by_size && !sized.empty() ? derived / least.radius * median.radius : derived;
   }
   if (has_meshes && !(margin > 0)) {
     throw UsageError(
@@ -358,7 +364,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
           fmt::format("contact.margin = {} is of no effect: all bodies are balls, which touch where they are drawn", metres(margin)));
     margin = 0;
   }
-  const double layer = by_size ? sides * settings.margin_ratio * largest.radius : 2 * margin;
+  const double layer = by_size ? sides * settings.margin_ratio * hit.radius : 2 * margin;
   if (layer > 0) report.overlap_share = depth / layer;
   constexpr double kWarnShare = 0.8;
   if (report.overlap_share > kWarnShare) {

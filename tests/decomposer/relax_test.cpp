@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "decomposer/packing/build_scene.hpp"
@@ -201,6 +202,22 @@ TEST_F(Relaxing, a_bed_of_balls_that_rest_on_each_other_is_relaxed) {
   EXPECT_EQ(told(packed).find("starts in contact"), std::string::npos);
   // the same case gives the same bits
   EXPECT_EQ(pack(head("margin = \"0.2 mm\"\nrelax = true") + bed(8, 12, 0.05)).scene.bodies.position, packed.scene.bodies.position);
+}
+
+// A block 10 cm wide that a ball of 10 cm falls on: v = 3 m/s, m = 1.309 kg, k = 1e7 N/m; the ball has no margin beside the block's.
+TEST_F(Relaxing, fixed_meshes_that_balls_alone_meet_have_the_margin_that_the_blow_needs) {
+  const auto packed = [&](const std::string& contact) {
+    return build_scene(parse_case(head("impact_speed = 3\n" + contact, 1e7) + body("cube", 0, 0, 0, "fixed = true") + ball(0, 0, 0.5),
+                                  "case.toml", folder_.string()));
+  };
+  const double depth = 3 * std::sqrt(2500 * std::numbers::pi / 6 * 1e-3 / 1e7), radius = 0.1 * std::cbrt(3 / (4 * std::numbers::pi));
+  const PackedScene derived = packed("");
+  EXPECT_NEAR(derived.scene.settings.margin_ratio, depth / 0.4 / radius, 1e-6);
+  EXPECT_NEAR(derived.report.overlap_share, 0.4, 1e-9);
+  const PackedScene given = packed("margin = 0.004");
+  EXPECT_NEAR(given.scene.settings.margin_ratio, 0.004 / radius, 1e-12);
+  EXPECT_NEAR(given.report.overlap_share, depth / 0.004, 1e-9);
+  EXPECT_EQ(packed("margin_ratio = 0.1").scene.settings.margin_ratio, 0.1);
 }
 
 }  // namespace
