@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace scree {
@@ -13,12 +14,15 @@ struct MeshEdge {
   std::int32_t low, high;               // vertex indices
   std::int32_t first_face, face_count;  // range in the sorted half-edge list
   std::int32_t faces[2] = {-1, -1};
+  bool is_turned = false;  // the two faces run along it in the same direction: their normals point to opposite sides
   EdgeKind kind = EdgeKind::flat;
+  bool is_fold = false;  // convex from the side that the normals look away from
   std::int32_t feature = -1;
 };
 
 struct HalfEdge {
   std::int32_t low, high, face, k;
+  bool is_forward;  // runs from low to high
   bool operator<(const HalfEdge& o) const {
     if (low != o.low) return low < o.low;
     if (high != o.high) return high < o.high;
@@ -54,6 +58,38 @@ Vec3 conormal_of(const TriangleMesh& mesh, std::int32_t face, const Vec3& normal
   return farthest < 0 ? -t : t;
 }
 
+/// The two faces with the widest angle between them around an edge from a along u, if it is convex there: wider than a half turn by more
+/// than a flat surface is.
+bool find_convex_side(const TriangleMesh& mesh, const std::vector<Vec3>& normal, const std::vector<std::int32_t>& faces, const Vec3& a,
+                      const Vec3& u, std::int32_t (&bounds)[2]) {
+  struct Around {
+    double angle;
+    std::int32_t face;
+  };
+  std::vector<Around> around;
+  Vec3 first;
+  for (const std::int32_t face : faces) {
+    const Vec3 c = conormal_of(mesh, face, normal[static_cast<std::size_t>(face)], a, u);
+    if (!(squared_length(c) > 0)) continue;
+    if (around.empty()) first = c;
+    around.push_back({std::atan2(dot(cross(first, c), u) / length(u), dot(first, c)), face});
+  }
+  if (around.empty()) return false;
+  std::sort(around.begin(), around.end(),
+            [](const Around& l, const Around& r) { return l.angle != r.angle ? l.angle < r.angle : l.face < r.face; });
+  double widest = 0;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const bool is_last = i + 1 == around.size();
+    const Around& next = around[is_last ? 0 : i + 1];
+    const double gap = next.angle - around[i].angle + (is_last ? 2 * std::numbers::pi : 0.0);
+    if (!(gap > widest)) continue;
+    widest = gap;
+    bounds[0] = around[i].face;
+    bounds[1] = next.face;
+  }
+  return widest > std::numbers::pi + kFlatAngle;
+}
+
 // bits of FeatureTable::marks: 0-2 owned corners, 3-5 owned edges, 6-14 kinds
 std::uint16_t corner_mark(std::size_t k) { return static_cast<std::uint16_t>(1u << k); }
 std::uint16_t edge_mark(std::size_t k) { return static_cast<std::uint16_t>(1u << (3 + k)); }
@@ -73,7 +109,7 @@ std::size_t FeatureTable::memory() const {
   return bytes(corners) + bytes(corner_of) + bytes(edges) + bytes(edge_of) + bytes(marks) + bytes(region);
 }
 
-FeatureTable find_features(const TriangleMesh& mesh) {
+FeatureTable find_features(const TriangleMesh& mesh, Sides sides) {
   const auto triangle_count = static_cast<std::size_t>(mesh.triangle_count());
   const auto vertex_count = static_cast<std::size_t>(mesh.vertex_count());
   FeatureTable table;
@@ -97,7 +133,7 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t a = mesh.triangles[t][static_cast<std::size_t>(k)];
       const std::int32_t b = mesh.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
-      half.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), k});
+      half.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), k, a < b});
     }
   }
   std::sort(half.begin(), half.end());
@@ -107,7 +143,10 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     while (j < half.size() && half[j].low == half[i].low && half[j].high == half[i].high) ++j;
     MeshEdge edge{half[i].low, half[i].high, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j - i)};
     edge.faces[0] = half[i].face;
-    if (j - i > 1) edge.faces[1] = half[i + 1].face;
+    if (j - i > 1) {
+      edge.faces[1] = half[i + 1].face;
+      edge.is_turned = half[i].is_forward == half[i + 1].is_forward;
+    }
     edges.push_back(edge);
     i = j;
   }
@@ -119,7 +158,8 @@ FeatureTable find_features(const TriangleMesh& mesh) {
   for (const MeshEdge& edge : edges) {
     if (edge.face_count != 2) continue;
     const auto f = static_cast<std::size_t>(edge.faces[0]), g = static_cast<std::size_t>(edge.faces[1]);
-    if (dot(normal[f], normal[g]) <= flat_cosine) continue;
+    const double cosine = dot(normal[f], normal[g]);
+    if ((edge.is_turned ? -cosine : cosine) <= flat_cosine) continue;
     const std::int32_t a = find_root(parent, edge.faces[0]), b = find_root(parent, edge.faces[1]);
     if (a != b) parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
   }
@@ -132,17 +172,26 @@ FeatureTable find_features(const TriangleMesh& mesh) {
 
   // kind of each edge, and the sharp edges around each vertex
   std::vector<std::vector<std::int32_t>> sharp_at(vertex_count);
+  std::vector<std::int32_t> around;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     MeshEdge& edge = edges[e];
     if (edge.face_count == 1) {
       edge.kind = EdgeKind::boundary;
     } else if (edge.face_count > 2) {
       edge.kind = EdgeKind::non_manifold;
+      if (sides == Sides::both) {
+        around.clear();
+        for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h)
+          around.push_back(half[static_cast<std::size_t>(h)].face);
+        const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
+        edge.kind = find_convex_side(mesh, normal, around, a, b - a, edge.faces) ? EdgeKind::convex : EdgeKind::concave;
+      }
     } else if (table.region[static_cast<std::size_t>(edge.faces[0])] != table.region[static_cast<std::size_t>(edge.faces[1])]) {
       const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
       const Vec3 into = conormal_of(mesh, edge.faces[1], normal[static_cast<std::size_t>(edge.faces[1])], a, b - a);
       const double side = dot(normal[static_cast<std::size_t>(edge.faces[0])], into);
-      edge.kind = side > 0 ? EdgeKind::concave : EdgeKind::convex;
+      edge.is_fold = sides == Sides::both && side > 0;
+      edge.kind = side > 0 && sides == Sides::outside ? EdgeKind::concave : EdgeKind::convex;
     }
     if (edge.kind != EdgeKind::flat) {
       sharp_at[static_cast<std::size_t>(edge.low)].push_back(static_cast<std::int32_t>(e));
@@ -197,16 +246,20 @@ FeatureTable find_features(const TriangleMesh& mesh) {
     }
     return v;
   };
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    MeshEdge& edge = edges[e];
-    if (edge.kind == EdgeKind::flat || edge.kind == EdgeKind::concave || edge.feature >= 0) continue;
-    edge.feature = static_cast<std::int32_t>(table.edges.size());
-    FeatureEdge feature;
-    feature.vertex_a = walk(edge.low, static_cast<std::int32_t>(e), edge.feature);
-    feature.vertex_b = walk(edge.high, static_cast<std::int32_t>(e), edge.feature);
-    if (edge.kind != EdgeKind::non_manifold) std::copy(edge.faces, edge.faces + 2, feature.face);
-    table.edges.push_back(feature);
-  }
+  const auto number_edges = [&](bool folds) {
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      MeshEdge& edge = edges[e];
+      if (edge.kind == EdgeKind::flat || edge.kind == EdgeKind::concave || edge.feature >= 0 || edge.is_fold != folds) continue;
+      edge.feature = static_cast<std::int32_t>(table.edges.size());
+      FeatureEdge feature;
+      feature.vertex_a = walk(edge.low, static_cast<std::int32_t>(e), edge.feature);
+      feature.vertex_b = walk(edge.high, static_cast<std::int32_t>(e), edge.feature);
+      if (edge.kind != EdgeKind::non_manifold) std::copy(edge.faces, edge.faces + 2, feature.face);
+      table.edges.push_back(feature);
+    }
+  };
+  number_edges(false);
+  if (sides == Sides::both) number_edges(true);
   for (const MeshEdge& edge : edges) {
     if (edge.feature < 0) continue;
     const HalfEdge& owner = half[static_cast<std::size_t>(edge.first_face)];

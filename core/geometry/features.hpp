@@ -7,6 +7,10 @@
 //   corner        a vertex at which the surface is not flat and not a straight edge
 //   feature edge  a maximal straight run of convex mesh edges between two flat regions
 //
+// A solid is touched from outside: its concave edges are never nearest. A wall is touched from both sides, whatever the order of the
+// vertices in its triangles: each fold of it is convex seen from one side, so all of them are feature edges. From which side a fold is
+// convex its conormals tell: away from their sum.
+//
 // Ownership: every corner is owned by one of its triangles, every piece of a feature edge by one of its two.
 // A list of triangle pairs closer than a margin therefore yields every feature pair closer than that margin,
 // without a search: go through the pairs and take what the triangles own.
@@ -27,10 +31,13 @@ enum class EdgeKind : std::uint8_t { flat = 0, convex = 1, concave = 2, boundary
 /// smallest real crease; a larger value would turn finely faceted curved surfaces into flat ones.
 inline constexpr double kFlatAngle = 1e-4;
 
+/// From where a surface is touched: a solid from outside alone, which the winding of its triangles tells; a wall from both sides.
+enum class Sides : std::uint8_t { outside, both };
+
 /// A maximal straight run of mesh edges, as indices: what it is made of follows from the mesh (see conormal).
 struct FeatureEdge {
   std::int32_t vertex_a = 0, vertex_b = 0;  ///< vertices at its ends
-  std::int32_t face[2] = {-1, -1};          ///< the two triangles at its first piece; -1: none, or more than two
+  std::int32_t face[2] = {-1, -1};          ///< the triangles at its first piece that bound its convex side; -1: none, or not known
 };
 
 /// Unit, in the plane of the edge's face, across the edge, into the face; zero where there is no face.
@@ -40,7 +47,7 @@ Vec3 conormal(const TriangleMesh& mesh, const FeatureEdge& edge, int side);
 struct FeatureTable {
   std::vector<std::int32_t> corners;                 ///< vertex index of each corner, ascending
   std::vector<std::int32_t> corner_of;               ///< V: corner index of the vertex, or -1
-  std::vector<FeatureEdge> edges;                    ///< convex and boundary edges only: a concave edge is never closest
+  std::vector<FeatureEdge> edges;                    ///< no concave ones: they are never nearest
   std::vector<std::array<std::int32_t, 3>> edge_of;  ///< T x 3: feature edge that edge k -> k+1 is a piece of, or -1
   std::vector<std::uint16_t> marks;                  ///< T: who owns what and kinds of edges; read them by the functions below
   std::vector<std::int32_t> region;                  ///< T: flat region of the triangle
@@ -61,8 +68,11 @@ struct FeatureTable {
 
 /// Finds corners, feature edges and flat regions.
 ///
-/// in   mesh   any: closed, open or non-manifold (an edge of more than two faces counts as sharp and convex)
+/// in   mesh   any: closed, open or non-manifold. An edge of more than two faces counts as sharp and convex from outside; from both sides
+///             the widest angle between its faces decides
+/// in   sides  both: the winding of triangles does not matter, and no edge of two faces is concave. Edges that are convex by the winding
+///             come first, with the indices that they have from outside
 /// Fails: never.   Cost: O(T log T).   Threads: safe on distinct outputs.
-FeatureTable find_features(const TriangleMesh& mesh);
+FeatureTable find_features(const TriangleMesh& mesh, Sides sides = Sides::outside);
 
 }  // namespace scree

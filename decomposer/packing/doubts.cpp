@@ -7,7 +7,6 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "core/geometry/inward.hpp"
 #include "core/storage/attraction.hpp"
 
 namespace scree {
@@ -335,35 +334,6 @@ void doubt_range(const Case& c, const Scene& scene, std::vector<std::string>& do
   }
 }
 
-/// Walls whose closed surface faces inwards, as those of `box` do, with bodies outside: there the edges of bodies have no contact with the
-/// outer edges of the wall, and pass through them.
-void doubt_outsides(const Case& c, const SceneParts& parts, const Scene& scene, std::vector<std::string>& doubts) {
-  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-    const Wall& wall = parts.walls[w];
-    if (wall.kind != WallKind::mesh) continue;
-    const TriangleMesh& mesh = scene.shapes[static_cast<std::size_t>(scene.walls[w].shape)].mesh;
-    if (!faces_inward(mesh)) continue;
-    const Box3 box = bounding_box(mesh);
-    std::size_t outside = 0;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-      const Shape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])];
-      if (scene.bodies.fixed[i] != 0 || shape.kind == ShapeKind::sphere) continue;
-      const Vec3 p = (1 / wall.scale) * rotate_inverse(wall.orientation, scene.bodies.position[i] - wall.position);
-      bool is_in = true;
-      for (int k = 0; k < 3; ++k) is_in = is_in && p[k] > box.lower[k] && p[k] < box.upper[k];
-      outside += is_in ? 0 : 1;
-    }
-    if (outside == 0) continue;
-    doubts.push_back(
-        fmt::format("{}: wall '{}' is a closed surface that faces inwards, and {} {} with edges {} outside of it: outer edges of the wall "
-                    "touch corners of "
-                    "bodies only, edges of bodies pass through them, and the run ends there. For a wall that is touched from outside make "
-                    "a mesh (scree-mesher "
-                    "generate box, cylinder or cone) and give shape = {{ file = \"NAME.shape.h5\" }}",
-                    c.walls[w].where, wall.name, outside, outside == 1 ? "body" : "bodies", outside == 1 ? "starts" : "start"));
-  }
-}
-
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
 void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   for (const CasePair& p : c.pairs) {
@@ -408,7 +378,6 @@ std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, co
   doubt_stiffness(c, scene, movers, doubts);
   doubt_attraction(c, scene, movers, doubts);
   doubt_range(c, scene, doubts);
-  doubt_outsides(c, parts, scene, doubts);
   doubt_surfaces(c, scene, doubts);
   if (scene.settings.impact_speed > kFastest) {
     doubts.push_back(

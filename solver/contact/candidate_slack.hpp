@@ -24,6 +24,11 @@
 // The normal has two signs. The one that w has not now needs lines that have passed each other: with h the distance of the lines,
 //   0 > (xa' - xb').n >= h - (margin + m) c - m.
 //
+// Side. An edge of a wall is touched from the side on which its fold is convex (edge_features.hpp). Let r point to that side, half way
+// between its faces: where n' leans over neither face by kFadeWedge, and the fold is no knife edge (kFoldSeen), n'.r > 0, so that the
+// nearest point of the other edge lies beyond the plane through the edge with the normal r. That point is no further beyond it than an end
+// of its edge, and neither end comes nearer to that plane than by m: the wall is the larger body, and r is fixed in it.
+//
 // A pair without a feature rests until its first slack is used up, and until then costs two additions a step. That takes no other bound
 // than the distance of the surfaces less the margin, which nothing here passes: were the bodies pushed together by it, along the shortest
 // line between them, the ends of that line would be a feature.
@@ -80,6 +85,10 @@ struct EdgeLines {
 /// Motion before which two edges are no feature since their nearest points are beyond an end [m]; 0 where nothing is known.
 /// in   size   bounding radius of the smaller body [m]
 double slack_of_ends(const EdgeLines& e, double s, double t, double margin, double size);
+
+/// The same, since one of the edges is a fold of a wall and the other one is on the side on which it is concave.
+double slack_of_side(const PairBody& a, const PairBody& b, const RelativePose& pose, std::int32_t edge_a, std::int32_t edge_b,
+                     const EdgeLines& e);
 
 /// The same, since the normal leans out of the wedge of an edge.
 /// in   enough  slack at which the answer does not matter any more [m]

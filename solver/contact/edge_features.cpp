@@ -38,7 +38,7 @@ struct EdgePair {
 };
 
 /// How far the normal leans out of the wedge over each face. It is perpendicular to both edges, so for most the sides tell: conormals
-/// are needed where it leans out. Returns false when it is outside.
+/// are needed where it leans out. Returns false when it is outside, or looks into the fold of a wall.
 bool find_lean(const PairBody& a, const PairBody& b, const RelativePose& pose, EdgePair& e) {
   const Vec3 n_b = transpose_times(pose.rotation, e.n);
   for (int i = 0; i < 4; ++i) {
@@ -53,7 +53,10 @@ bool find_lean(const PairBody& a, const PairBody& b, const RelativePose& pose, E
     e.leans = e.leans || e.y[i] > 0;
     if (e.y[i] >= kFadeWedge) return false;
   }
-  return true;
+  const auto in_fold = [](const SolverShape& shape, std::int32_t edge, const Vec3& away) {
+    return shape.is_two_sided && is_in_fold(shape.edge_conormal(edge, 0), shape.edge_conormal(edge, 1), away);
+  };
+  return !in_fold(*a.shape, e.edge_a, -e.n) && !in_fold(*b.shape, e.edge_b, n_b);
 }
 
 /// Weight of a faded feature and its gradient: a product of switches; each adds weight / switch * slope times the gradient of its
@@ -104,16 +107,21 @@ double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& p
                      const EdgeCandidate& candidate, std::vector<ContactFeature>& features) {
   const EdgeLines lines(a, b, pose, candidate.edge_a, candidate.edge_b);
   const auto& [pa, u, pb, v, r0, uu, uv, vv, ur, vr, det, sine2] = lines;
-  if (!(sine2 > kParallelCutoff)) return 0;
+  const auto lacks = [&](double known) {
+    return a.shape->is_two_sided || b.shape->is_two_sided
+               ? std::max(known, slack_of_side(a, b, pose, candidate.edge_a, candidate.edge_b, lines))
+               : known;
+  };
+  if (!(sine2 > kParallelCutoff)) return lacks(0);
   const double s = lines.s(), t = lines.t();
-  if (s <= 0 || s >= 1 || t <= 0 || t >= 1) return std::max(lines.distance() - margin, slack_of_ends(lines, s, t, margin, size));
+  if (s <= 0 || s >= 1 || t <= 0 || t >= 1) return lacks(std::max(lines.distance() - margin, slack_of_ends(lines, s, t, margin, size)));
   const Vec3 xa = pa + s * u, xb = pb + t * v;
   const Vec3 r = xa - xb;
   const double g = length(r);
   if (g >= margin || !(g > 0)) return g - margin;
   EdgePair e{candidate.edge_a, candidate.edge_b, u, v, uu, uv, vv, det, sine2, s, t, xa, r, (1 / g) * r, g, {}, {}};
   if (!find_lean(a, b, pose, e))
-    return slack_of_wedge(a, b, pose, candidate.edge_a, candidate.edge_b, lines, margin, size, kLeanLook * size);
+    return lacks(slack_of_wedge(a, b, pose, candidate.edge_a, candidate.edge_b, lines, margin, size, kLeanLook * size));
 
   ContactFeature f{};
   name_edge_feature(a, b, candidate, f);

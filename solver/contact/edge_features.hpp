@@ -17,6 +17,18 @@ inline constexpr double kParallelCutoff = 1e-8;
 /// A weight this small adds less than rounding to the eighth-power sum.
 inline constexpr double kWeightCutoff = 1e-12;
 
+/// Cosine between the conormals of an edge of a wall below which its fold is so shallow that a normal from the concave side leans over
+/// neither face by kFadeWedge: the sum of its leans tells the sides apart there. Where the fold is steeper one of the leans is larger. From
+/// one side to the other a normal passes the plane across the fold, where it leans over a face by more than 0.97: the weight is 0 long
+/// before.
+inline constexpr double kShallowFold = -(1 - 2 * kFadeWedge * kFadeWedge);
+
+/// Whether a direction that leans so little over both faces of an edge looks at it from its concave side.
+/// in   away  from the edge; any frame of the conormals
+inline bool is_in_fold(const Vec3& conormal_0, const Vec3& conormal_1, const Vec3& away) {
+  return dot(conormal_0, conormal_1) < kShallowFold && dot(away, conormal_0) + dot(away, conormal_1) > 0;
+}
+
 /// Appends the feature below `margin` that two edges are at the present pose, if they are one. Returns the motion before which they are
 /// none [m]; 0 where they are.
 /// in   size   bounding radius of the smaller body [m]

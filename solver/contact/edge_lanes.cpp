@@ -92,6 +92,11 @@ HWY_INLINE void look_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnswers
     y[i] = select(may_lean, sign * dot(n, conormal[i]), zero);
     found = found & (y[i] < Lane(kFadeWedge));
   }
+  if (queue.has_walls) {
+    const Lane3 first = b.vector(kConormal), second = b.vector(kConormal + 3);
+    const auto in_fold = (dot(first, second) < Lane(kShallowFold)) & (dot(n_b, first) + dot(n_b, second) > zero);
+    found = found & !in_fold;
+  }
 
   // a product of switches, and their slopes
   const Lane from_end_s = smaller(s, one - s), from_end_t = smaller(t, one - t);

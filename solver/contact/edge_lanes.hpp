@@ -42,6 +42,7 @@ struct EdgeQueue {
   std::array<EdgePose, kPosesAtOnce> poses;
   alignas(64) std::array<std::int64_t, kEdgesAtOnce> pose;  ///< row of `poses`
   std::array<const EdgeRow*, kEdgesAtOnce> a, b;
+  bool has_walls = false;  ///< edges of B may be folds of walls, which are touched from both sides
 
   void add(std::size_t of_pose, const EdgeRow& of_a, const EdgeRow& of_b) {
     pose[count] = static_cast<std::int64_t>(of_pose);

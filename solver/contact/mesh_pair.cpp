@@ -57,6 +57,7 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
   // what the triangles own: see core/geometry/features.hpp
   const RelativePose pose(a, b);
   const double size = std::min(radius_a, radius_b);
+  const bool has_wall = shape_a.is_two_sided || shape_b.is_two_sided;
   double first_slack = skin;
   thread_local std::vector<NearCorner> near_a, near_b;
   near_a.clear();
@@ -90,6 +91,7 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
         if (!(distance < reach)) continue;
         first_slack = std::min(first_slack, static_cast<double>(slack_below(distance, margin, size)));
         double lacks = std::max(distance - margin, slack_of_ends(lines, lines.s(), lines.t(), margin, size));
+        if (has_wall && lacks < skin) lacks = std::max(lacks, slack_of_side(a, b, pose, ea, eb, lines));
         if (lacks < skin) lacks = std::max(lacks, slack_of_wedge(a, b, pose, ea, eb, lines, margin, size, skin));
         if (const float slack = slack_on_way(0, lacks, size); slack < skin) lists.edges.push_back({ea, eb, slack});
       }

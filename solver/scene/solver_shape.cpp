@@ -92,7 +92,8 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
     shape.isotropic = high - low <= kIsotropicTolerance * high;
     shape.equivalent_radius = 0.5 * source.equivalent_diameter();
   }
-  shape.features = find_features(shape.mesh);
+  shape.is_two_sided = source.kind == ShapeKind::surface;
+  shape.features = find_features(shape.mesh, shape.is_two_sided ? Sides::both : Sides::outside);
   // the other two vertices of every triangle at a corner, each once
   std::vector<std::vector<std::int32_t>> spokes(shape.features.corners.size());
   for (const Triangle& t : shape.mesh.triangles) {

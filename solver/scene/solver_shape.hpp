@@ -50,6 +50,8 @@ struct SolverShape {
   /// normal at most. 0 for a ball.
   double turning_arm = 0;
   bool isotropic = false;  ///< all three moments equal: no gyroscopic splitting needed
+  /// The surface of a wall: every fold is a feature edge, touched from the side on which it is convex (core/geometry/features.hpp).
+  bool is_two_sided = false;
 
   /// A corner, and an edge, of `features`.
   const Vec3& corner(std::int32_t c) const {

@@ -19,7 +19,10 @@ void BegunPairs::add(std::int32_t k, double moved, const PairView& view, const C
   begun.view = view;
   std::swap(begun.due, due);
   queue_corners(view.a, view.b, view.pose, lists, begun.due, corners_);
-  if (begun.due.edge_count() > 0) edges_.poses[count_] = EdgePose(view.pose, view.a, view.b, view.reach);
+  if (begun.due.edge_count() > 0) {
+    edges_.poses[count_] = EdgePose(view.pose, view.a, view.b, view.reach);
+    edges_.has_walls = edges_.has_walls || view.b.shape->is_two_sided;
+  }
   for (std::size_t n = begun.due.edges; n < begun.due.indices.size(); ++n) {
     const EdgeCandidate& candidate = lists.edges[static_cast<std::size_t>(due_edge(lists, begun.due.indices[n]))];
     edges_.add(count_, view.a.shape->edge_rows[static_cast<std::size_t>(candidate.edge_a)],

@@ -55,7 +55,10 @@ class BegunPairs {
     }
     clear();
   }
-  void clear() { count_ = corners_.count = edges_.count = 0; }
+  void clear() {
+    count_ = corners_.count = edges_.count = 0;
+    edges_.has_walls = false;
+  }
 
  private:
   /// In both queues.

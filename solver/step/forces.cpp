@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/geometry/inward.hpp"
 #include "solver/built_with.hpp"
 #include "solver/neighbours/work_shares.hpp"
 #include "solver/step/ball_evaluation.hpp"
@@ -77,20 +76,7 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
   };
   const char* cure = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
                                : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
-  // the edges of a body have no contact with the outer edges of a surface that faces inwards, as that of `box` does
-  const auto or_outside = [&](std::int32_t k) -> std::string {
-    const PairKey& key = pass.list.pairs()[static_cast<std::size_t>(k)].key;
-    if (key.zone < 0) return "";
-    const Wall& wall = pass.scene.source().walls[static_cast<std::size_t>(pass.scene.zones()[static_cast<std::size_t>(key.zone)].wall)];
-    if (wall.kind != WallKind::mesh || !faces_inward(pass.scene.source().shapes[static_cast<std::size_t>(wall.shape)].mesh)) return "";
-    return fmt::format(
-        ". If the body was outside of wall '{}': its closed surface faces inwards, and there edges of bodies pass through its outer edges; "
-        "make "
-        "the wall from a mesh (scree-mesher generate box, cylinder or cone) and give it as file",
-        wall.name);
-  };
-  if (const std::int32_t k = pass.intersecting.load(); k >= 0)
-    throw RunInvalid("step {}: {} intersect; {}{}", step, describe(k), cure, or_outside(k));
+  if (const std::int32_t k = pass.intersecting.load(); k >= 0) throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure);
   if (pass.passing.load() >= 0) {
     throw RunInvalid(
         "step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "

@@ -6,7 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
-#include "core/geometry/inward.hpp"
+#include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/worn_mesh.hpp"
 #include "solver/step/wall_loads.hpp"
 

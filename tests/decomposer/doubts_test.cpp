@@ -1,11 +1,7 @@
 // What is allowed and mostly a slip is told in one line with numbers; what is plainly fine is not.
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
 
 #include "core/base/error.hpp"
-#include "core/storage/shape_file.hpp"
 #include "decomposer/packing/build_scene.hpp"
 #include "decomposer/packing/doubts.hpp"
 #include "tests/support/margins.hpp"
@@ -192,26 +188,6 @@ TEST(Doubts, an_attraction_whose_range_is_not_small_beside_the_bodies) {
   expect_doubt({{"friction = 0.5", pair("0.008")}},
                {"adhesion_range = 8 mm is 1.3 of the radius of the smallest body (12 mm across)", "600 um or less"});
   EXPECT_EQ(doubts({{"friction = 0.5", pair("0.0005")}}), std::vector<std::string>{});
-}
-
-// Balls have no edges, and bodies inside a box are where it faces.
-TEST(Doubts, a_closed_box_that_is_touched_from_outside_by_bodies_with_edges) {
-  const std::string box =
-      "[[walls]]\nname = \"paddle\"\nmaterial = \"stone\"\nshape = { box = { corners = [[0.03, 0.03, 0.1], [0.05, 0.05, 0.12]]OPEN } }\n";
-  const auto with = [&](const std::string& open) {
-    std::string text = box;
-    return text.replace(text.find("OPEN"), 4, open) + "[[walls]]\nname = \"crate\"";
-  };
-  EXPECT_EQ(doubts({{"[[walls]]\nname = \"crate\"", with("")}}), std::vector<std::string>{}) << "balls";
-  const std::string file = (std::filesystem::temp_directory_path() / fmt::format("doubts_{}.shape.h5", getpid())).string();
-  write_shape_file(file, {make_solid("cube", box_mesh({0.01, 0.01, 0.01}))}, {{"tool", "test"}});
-  const std::pair<std::string, std::string> cubes{"sphere = { radius = 0.006 }", "file = \"" + file + "\""};
-  expect_doubt({cubes, {"[[walls]]\nname = \"crate\"", with("")}},
-               {"walls[0]: wall 'paddle' is a closed surface that faces inwards, and 20 bodies with edges start outside of it",
-                "scree-mesher generate box"});
-  EXPECT_EQ(doubts({cubes, {"[[walls]]\nname = \"crate\"", with(", open = [\"+z\"]")}}), std::vector<std::string>{})
-      << "bodies may fall into it";
-  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <set>
+#include <vector>
 
 #include "tests/support/shapes.hpp"
 
@@ -138,6 +142,85 @@ TEST(Features, a_square_sheet_has_4_corners_and_4_boundary_edges) {
     EXPECT_EQ(table.region_count, 1);
     for (const FeatureEdge& edge : table.edges) EXPECT_EQ(conormal(sheet, edge, 1), Vec3{});
   }
+}
+
+/// A roof of two slopes along y, and the same with triangles turned.
+TriangleMesh roof(const std::vector<std::size_t>& turned) {
+  TriangleMesh mesh;
+  mesh.vertices = {{-1, -1, -0.3}, {0, -1, 0}, {1, -1, -0.3}, {-1, 1, -0.3}, {0, 1, 0}, {1, 1, -0.3}};
+  mesh.triangles = {{0, 1, 3}, {1, 4, 3}, {1, 2, 4}, {2, 5, 4}};
+  for (const std::size_t t : turned) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  return mesh;
+}
+
+TEST(Features, of_a_wall_are_the_same_for_any_winding) {
+  for (const std::vector<std::size_t>& turned : {std::vector<std::size_t>{}, {0, 1, 2, 3}, {0, 1}, {1, 3}, {0, 2, 3}, {3}}) {
+    for (int times = 0; times <= 2; ++times) {
+      const TriangleMesh mesh = finer(roof(turned), times);
+      const FeatureTable table = find_features(mesh, Sides::both);
+      EXPECT_EQ(table.region_count, 2);
+      EXPECT_EQ(table.corners.size(), 6U);
+      EXPECT_EQ(table.edges.size(), 7U);  // the ridge, and six on the boundary
+      expect_owned(mesh, table);
+      int ridges = 0;
+      for (const FeatureEdge& edge : table.edges) {
+        const Vec3 sum = conormal(mesh, edge, 0) + conormal(mesh, edge, 1);
+        if (edge.face[1] < 0) continue;
+        ++ridges;
+        EXPECT_NEAR(sum.z, -2 * 0.3 / std::hypot(1, 0.3), 1e-15);  // both slope down, away from where it is convex
+        EXPECT_NEAR(sum.x, 0, 1e-15);
+      }
+      EXPECT_EQ(ridges, 1);
+    }
+  }
+}
+
+TEST(Features, the_inner_edge_of_an_l_shape_is_one_of_a_wall_and_comes_last) {
+  const TriangleMesh mesh = finer(l_shape(), 1);
+  const FeatureTable outside = find_features(mesh), both = find_features(mesh, Sides::both);
+  ASSERT_EQ(both.edges.size(), outside.edges.size() + 1);
+  for (std::size_t e = 0; e < outside.edges.size(); ++e) {
+    EXPECT_EQ(both.edges[e].vertex_a, outside.edges[e].vertex_a);
+    EXPECT_EQ(both.edges[e].vertex_b, outside.edges[e].vertex_b);
+  }
+  EXPECT_EQ(both.corners, outside.corners);
+  EXPECT_EQ(both.region, outside.region);
+  expect_owned(mesh, both);
+}
+
+// Where a web stands on a sheet nothing is convex; where three sheets meet at an edge the widest angle between two of them may be.
+TEST(Features, where_several_sheets_of_a_wall_meet_the_widest_angle_tells_whether_an_edge_is_convex) {
+  const auto star = [](const std::vector<double>& angles) {
+    TriangleMesh mesh;
+    mesh.vertices = {{0, 0, 0}, {0, 0, 1}};
+    for (const double degrees : angles) {
+      const double angle = degrees / 180 * std::numbers::pi;
+      const auto v = mesh.vertex_count();
+      mesh.vertices.push_back({std::cos(angle), std::sin(angle), 0});
+      mesh.vertices.push_back({std::cos(angle), std::sin(angle), 1});
+      mesh.triangles.push_back({0, v, v + 1});
+      mesh.triangles.push_back({0, v + 1, 1});
+    }
+    return mesh;
+  };
+  const auto convex_side = [&](const std::vector<double>& angles) -> std::optional<Vec3> {
+    const TriangleMesh mesh = star(angles);
+    for (const FeatureEdge& edge : find_features(mesh, Sides::both).edges) {
+      if (edge.vertex_a > 1 || edge.vertex_b > 1) continue;
+      return -(conormal(mesh, edge, 0) + conormal(mesh, edge, 1));
+    }
+    return {};
+  };
+  EXPECT_FALSE(convex_side({0, 90, 180}));
+  EXPECT_FALSE(convex_side({0, 120, 240}));
+  const std::optional<Vec3> sharp = convex_side({10, 90, 170});
+  ASSERT_TRUE(sharp);
+  EXPECT_NEAR(sharp->x, 0, 1e-15);
+  EXPECT_NEAR(sharp->y, -2 * std::sin(10.0 / 180 * std::numbers::pi), 1e-15);
+  const std::optional<Vec3> doubled = convex_side({0, 0, 90, 90});  // a sheet drawn from both sides
+  ASSERT_TRUE(doubled);
+  EXPECT_NEAR(doubled->x, -1, 1e-15);
+  EXPECT_NEAR(doubled->y, -1, 1e-15);
 }
 
 TEST(Features, the_centre_of_an_analytic_sphere_is_a_corner) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
-#include "core/geometry/inward.hpp"
+#include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/mass_properties.hpp"
 
 namespace scree {

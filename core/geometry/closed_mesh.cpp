@@ -1,4 +1,4 @@
-#include "core/geometry/inward.hpp"
+#include "core/geometry/closed_mesh.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -17,15 +17,6 @@ bool is_closed(const TriangleMesh& mesh) {
   std::sort(forward.begin(), forward.end());
   std::sort(backward.begin(), backward.end());
   return forward == backward;
-}
-
-bool faces_inward(const TriangleMesh& mesh) {
-  double volume = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])] - mesh.vertices.front(); };
-    volume += dot(at(0), cross(at(1), at(2)));
-  }
-  return volume < 0 && is_closed(mesh);
 }
 
 }  // namespace scree
