@@ -49,6 +49,17 @@ inline float slack_on_way(double way, double lacks, double size) {
   return static_cast<float>(kRoundedDown * (way + std::max(0.0, lacks - kDistanceRounding * size)));
 }
 
+/// What a vertex and a triangle lack before the triangle must be looked at [m].
+/// On a convex surface it must come within the margin and be the nearest: distances change by no more than the motion, so that a triangle
+/// that is further away than another by more than twice the motion is not. On another surface every triangle within margin + sharing of a
+/// vertex that touches may hold a minimum of the distance or hide one (contact/surface_minima.hpp).
+/// in   own, nearest   distance of the triangle, and of the nearest of those that were looked at [m]
+inline double lack_of(const SolverShape& surface, double own, double nearest, double margin, double sharing) {
+  if (surface.is_convex) return std::max(own - margin, 0.5 * (own - nearest));
+  // triangles that were not looked at are further away than margin + sharing, and may be the nearest when the vertex begins to touch
+  return std::max(own - margin - sharing, std::min(nearest, margin + sharing) - margin);
+}
+
 /// Two edges of a candidate, A frame, and where the lines through them are nearest to each other.
 /// Letters of docs/reference/contact-law.md section 3.2: edge vectors u, v at pa, pb, parameters s, t, r0 = pa - pb.
 struct EdgeLines {

@@ -9,6 +9,7 @@
 #include "solver/contact/due_candidates.hpp"
 #include "solver/contact/edge_features.hpp"
 #include "solver/contact/nearest_on_triangle.hpp"
+#include "solver/contact/surface_minima.hpp"
 
 namespace scree {
 
@@ -44,35 +45,57 @@ class CornerSide {
   }
   const Vec3& triangle_corner(std::size_t n, int k) const { return surface_.mesh.corner(candidate(n).triangle, k); }
 
-  /// The feature of a corner, if it is one, and the new slacks of its candidates.   in   looks   (n): what its n-th triangle is to it
+  /// The features of a corner, if it has any, and the new slacks of its candidates.   in   looks   (n): what its n-th triangle is to it
   template <class Looks>
-  void conclude(std::int32_t corner, std::size_t begin, std::size_t end, const Vec3& p, const Looks& looks, double margin, double size,
-                CandidateLists& lists, std::vector<ContactFeature>& features) const {
+  void conclude(std::int32_t corner, std::size_t begin, std::size_t end, const Vec3& p, const Looks& looks, double margin, double sharing,
+                double size, CandidateLists& lists, std::vector<ContactFeature>& features) const {
     std::size_t nearest = 0;
     for (std::size_t n = 1; n < end - begin; ++n)
       if (looks.squared(n) < looks.squared(nearest)) nearest = n;
     const double distance = looks.distance(nearest);
     for (std::size_t n = 0; n < end - begin; ++n) {
-      const double own = looks.distance(n);
-      // not within the margin, or not nearer than another one (list_corners)
-      const double lacks = std::max(surface_scale_ * own - margin, 0.5 * surface_scale_ * (own - distance));
+      const double lacks = lack_of(surface_, surface_scale_ * looks.distance(n), surface_scale_ * distance, margin, sharing);
       lists.slacks[static_cast<std::size_t>(due_[begin + n])] = slack_on_way(lists.way, lacks, size);
     }
     const double reach = margin / surface_scale_;
     if (!(looks.squared(nearest) < reach * reach)) return;
+    if (surface_.is_convex || !(distance > 0)) {
+      add_feature(corner, 0, p, looks.nearest(nearest), distance, margin, features);
+      return;
+    }
+    thread_local std::vector<NearTriangle> near;
+    thread_local std::vector<SurfaceMinimum> minima;
+    near.clear();
+    for (std::size_t n = 0; n < end - begin; ++n) near.push_back({candidate(begin + n).triangle, looks.nearest(n), looks.squared(n)});
+    find_minima(surface_, p, near, reach, sharing / surface_scale_, minima);
+    for (const SurfaceMinimum& m : minima) {
+      ContactFeature& f = add_feature(corner, m.place, p, m.foot, looks.distance(m.near), margin, features);
+      f.weight = m.weight;
+      f.faded = m.varies;
+      if (!m.varies) continue;
+      // a vertex of A moves with A; one of B goes the other way in the frame of the surface
+      const Vec3 gradient = (kOfA ? 1 : -1) / surface_scale_ * m.gradient, from = from_.scale * from_.shape->corner(corner);
+      f.weight_gradient.force = kOfA ? pose_.rotation * gradient : gradient;
+      f.weight_gradient.couple = cross(kOfA ? from : pose_.a_from_b(from), f.weight_gradient.force);
+    }
+  }
+
+ private:
+  /// in   p, foot   of the corner, in the frame and scale of the triangles
+  ContactFeature& add_feature(std::int32_t corner, std::int64_t place, const Vec3& p, const Vec3& foot, double distance, double margin,
+                              std::vector<ContactFeature>& features) const {
     ContactFeature& f = features.emplace_back();
-    f.key = make_key(kOfA ? kCornerOfA : kCornerOfB, corner, 0);
+    f.key = make_key(kOfA ? kCornerOfA : kCornerOfB, corner, place);
     f.overlap = margin - surface_scale_ * distance;
     f.weight = 1;
     f.crowd = from_.crowd(corner);
     // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
-    const Vec3 q = looks.nearest(nearest), direction = distance > 0 ? (1 / distance) * (p - q) : Vec3{};
-    const Vec3 middle = surface_scale_ * (0.5 * (p + q));
+    const Vec3 direction = distance > 0 ? (1 / distance) * (p - foot) : Vec3{};
+    const Vec3 middle = surface_scale_ * (0.5 * (p + foot));
     f.x = kOfA ? pose_.a_from_b(middle) : middle;
     f.n = kOfA ? pose_.rotation * direction : -direction;
+    return f;
   }
-
- private:
   const CornerCandidate& candidate(std::size_t n) const { return candidates_[static_cast<std::size_t>(due_[n]) - first_]; }
 
   const PairBody& from_;
@@ -142,7 +165,7 @@ void queue_corners(const PairBody& a, const PairBody& b, const RelativePose& pos
   });
 }
 
-void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
                           const DueCandidates& due, CandidateLists& lists, std::vector<ContactFeature>& features) {
   features.clear();
   thread_local PlainLooks looks;
@@ -152,19 +175,19 @@ void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePo
       looks.clear();
       for (std::size_t n = begin; n < end; ++n)
         looks.add(p, nearest_on_triangle(p, side.triangle_corner(n, 0), side.triangle_corner(n, 1), side.triangle_corner(n, 2)).point);
-      side.conclude(corner, begin, end, p, looks, margin, size, lists, features);
+      side.conclude(corner, begin, end, p, looks, margin, sharing, size, lists, features);
     });
   });
 }
 
-void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
                           const DueCandidates& due, const CornerLooks& looks, CandidateLists& lists,
                           std::vector<ContactFeature>& features) {
   features.clear();
   std::size_t first = looks.first;
   for_both_sides(a, b, pose, lists, due, [&](const auto& side) {
     side.for_each_corner([&](std::int32_t corner, std::size_t begin, std::size_t end) {
-      side.conclude(corner, begin, end, looks.queue.p.at(first), LaneLooks{looks.answers, first}, margin, size, lists, features);
+      side.conclude(corner, begin, end, looks.queue.p.at(first), LaneLooks{looks.answers, first}, margin, sharing, size, lists, features);
       first += end - begin;
     });
   });
@@ -183,19 +206,19 @@ void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>&
   if (features.empty() && !lists.slacks.empty()) lists.next_look = least_of(lists.slacks);
 }
 
-void due_mesh_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, const DueCandidates& due,
-                       CandidateLists& lists, std::vector<ContactFeature>& features) {
-  mesh_corner_features(a, b, pose, margin, size, due, lists, features);
+void due_mesh_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
+                       const DueCandidates& due, CandidateLists& lists, std::vector<ContactFeature>& features) {
+  mesh_corner_features(a, b, pose, margin, sharing, size, due, lists, features);
   for (std::size_t n = due.edges; n < due.indices.size(); ++n)
     mesh_edge_feature(a, b, pose, margin, size, due_edge(lists, due.indices[n]), lists, features);
   end_mesh_features(lists, features);
 }
 
-void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
-                        std::vector<ContactFeature>& features) {
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
+                        CandidateLists& lists, std::vector<ContactFeature>& features) {
   thread_local DueCandidates due;
   find_due_candidates(lists, due);
-  due_mesh_features(a, b, pose, margin, size, due, lists, features);
+  due_mesh_features(a, b, pose, margin, sharing, size, due, lists, features);
 }
 
 }  // namespace scree

@@ -31,9 +31,9 @@ struct CornerLooks {
 };
 
 /// Features of corners, the only ones in `features` then; new slacks of what was looked at. The second is told by lanes what it asks.
-void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
                           const DueCandidates& due, CandidateLists& lists, std::vector<ContactFeature>& features);
-void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
                           const DueCandidates& due, const CornerLooks& looks, CandidateLists& lists, std::vector<ContactFeature>& features);
 
 /// Looks at one of lists.edges, appended to `features` where it is one.
@@ -48,7 +48,7 @@ void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists
 void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features);
 
 /// All of what is due, one after another.
-void due_mesh_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, const DueCandidates& due,
-                       CandidateLists& lists, std::vector<ContactFeature>& features);
+void due_mesh_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
+                       const DueCandidates& due, CandidateLists& lists, std::vector<ContactFeature>& features);
 
 }  // namespace scree

@@ -22,9 +22,9 @@ struct NearCorner {
   double distance;
 };
 
-/// Lists what was found near. The nearest point of a surface is on none of its triangles that is further away than another by more than
-/// twice the motion since: both distances change by no more than that. Returns the smallest slack of all, or the skin.
-double list_corners(std::vector<NearCorner>& near, double margin, double skin, double size, std::vector<CornerCandidate>& candidates) {
+/// Lists what was found near.   in   surface   of the triangles     Returns the smallest slack of all, or the skin.
+double list_corners(const SolverShape& surface, std::vector<NearCorner>& near, double margin, double sharing, double skin, double size,
+                    std::vector<CornerCandidate>& candidates) {
   std::sort(near.begin(), near.end(),
             [](const NearCorner& l, const NearCorner& r) { return l.corner != r.corner ? l.corner < r.corner : l.triangle < r.triangle; });
   double first_slack = skin;
@@ -33,7 +33,7 @@ double list_corners(std::vector<NearCorner>& near, double margin, double skin, d
     for (end = begin; end < near.size() && near[end].corner == near[begin].corner; ++end) nearest = std::min(nearest, near[end].distance);
     for (std::size_t i = begin; i < end; ++i) {
       first_slack = std::min(first_slack, static_cast<double>(slack_below(near[i].distance, margin, size)));
-      const double lacks = std::max(near[i].distance - margin, 0.5 * (near[i].distance - nearest));
+      const double lacks = lack_of(surface, near[i].distance, nearest, margin, sharing);
       if (const float slack = slack_on_way(0, lacks, size); slack < skin) candidates.push_back({near[i].corner, near[i].triangle, slack});
     }
   }
@@ -42,16 +42,17 @@ double list_corners(std::vector<NearCorner>& near, double margin, double skin, d
 
 }  // namespace
 
-bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
+bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double sharing, double skin, double radius_a, double radius_b,
                     MeshDistanceScratch& scratch, CandidateLists& lists) {
   begin_lists(a, b, skin, radius_a, radius_b, lists);
   const SolverShape& shape_a = *a.shape;
   const SolverShape& shape_b = *b.shape;
   const Placement placement = relative_placement(a.x, a.q, a.scale, b.x, b.q, b.scale);
   const double reach = margin + skin;
+  const double reach_of_corners = reach + (shape_a.is_convex && shape_b.is_convex ? 0.0 : sharing);
   thread_local std::vector<TrianglePair> pairs;
-  const bool intersecting =
-      triangle_pairs_within({&shape_a.mesh, &shape_a.bvh}, {&shape_b.mesh, &shape_b.bvh}, placement, reach / a.scale, scratch, pairs);
+  const bool intersecting = triangle_pairs_within({&shape_a.mesh, &shape_a.bvh}, {&shape_b.mesh, &shape_b.bvh}, placement,
+                                                  reach_of_corners / a.scale, scratch, pairs);
   if (intersecting) return false;
 
   // what the triangles own: see core/geometry/features.hpp
@@ -72,7 +73,7 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
     const Vec3 nearest =
         nearest_on_triangle(p, triangle_corner(to, other, 0), triangle_corner(to, other, 1), triangle_corner(to, other, 2)).point;
     const double distance = to_scale * length(p - nearest);
-    if (distance < reach) near.push_back({c, other, distance});
+    if (distance < (to.is_convex ? reach : reach_of_corners)) near.push_back({c, other, distance});
   };
   for (const TrianglePair& pair : pairs) {
     const auto ta = static_cast<std::size_t>(pair.a), tb = static_cast<std::size_t>(pair.b);
@@ -97,8 +98,8 @@ bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double 
       }
     }
   }
-  for (const auto& [near, candidates] : {std::pair(&near_a, &lists.corners_a), std::pair(&near_b, &lists.corners_b)})
-    first_slack = std::min(first_slack, list_corners(*near, margin, skin, size, *candidates));
+  first_slack = std::min(first_slack, list_corners(shape_b, near_a, margin, sharing, skin, size, lists.corners_a));
+  first_slack = std::min(first_slack, list_corners(shape_a, near_b, margin, sharing, skin, size, lists.corners_b));
   const auto by_edges = [](const EdgeCandidate& l, const EdgeCandidate& r) {
     return l.edge_a != r.edge_a ? l.edge_a < r.edge_a : l.edge_b < r.edge_b;
   };

@@ -83,13 +83,15 @@ struct Feature6 {
 };
 
 struct ContactFeature {
-  std::int64_t key;          ///< unique within the pair: kind in bits 60-61, then the two indices
-  Vec3 x;                    ///< contact point, mid-gap, A frame [m]
-  Vec3 n;                    ///< unit, from B to A, A frame
-  double overlap;            ///< margin sum minus gap, > 0 [m]
-  double weight;             ///< a_j in (0, 1]; without its crowd as found, with it once settle_crowds() has been
-  double crowd;              ///< how many others share the place of the feature, where D is the margin of one body (contact/crowds.hpp)
-  bool faded;                ///< weight depends on the pose: weight_gradient is filled
+  /// unique within the pair: kind in bits 60 and 61, then two indices. A vertex has the place of its minimum for the second
+  /// (contact/surface_minima.hpp), 0 on a convex body; that of a ball on a mesh is this place alone
+  std::int64_t key;
+  Vec3 x;          ///< contact point, mid-gap, A frame [m]
+  Vec3 n;          ///< unit, from B to A, A frame
+  double overlap;  ///< margin sum minus gap, > 0 [m]
+  double weight;   ///< a_j in (0, 1], fading and shares of minima; without its crowd as found, with it once settle_crowds() has been
+  double crowd;    ///< how many others share the place of the feature, where D is the margin of one body (contact/crowds.hpp)
+  bool faded;      ///< weight depends on the pose: weight_gradient is filled
   Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
 };
 
@@ -117,7 +119,8 @@ double follow_motion(CandidateLists& lists, const RelativePose& pose, double rad
 
 /// Makes the lists of two meshes: every feature pair that can come below `margin` (sum of both) while the motion
 /// stays within `skin`. Returns false when triangles of the two bodies intersect.
-bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double skin, double radius_a, double radius_b,
+/// in   sharing   of the minima of a vertex (contact/surface_minima.hpp) [m]
+bool list_mesh_pair(const PairBody& a, const PairBody& b, double margin, double sharing, double skin, double radius_a, double radius_b,
                     MeshDistanceScratch& scratch, CandidateLists& lists);
 
 /// Gap and normal (wall frame) of a point against an analytic zone; the point may lie behind it: gap < 0.
@@ -142,14 +145,15 @@ bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, 
                            MeshDistanceScratch& scratch, CandidateLists& lists);
 
 /// Features below the margin at the present pose, to which the way of the pair leads, in ascending key order. Gives the candidates that
-/// it looks at new slacks.   in   size   bounding radius of the smaller body [m]
-void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, CandidateLists& lists,
-                        std::vector<ContactFeature>& features);
+/// it looks at new slacks.
+/// in   margin, sharing   as list_mesh_pair     in   size   bounding radius of the smaller body [m]
+void mesh_pair_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,
+                        CandidateLists& lists, std::vector<ContactFeature>& features);
 /// `motion` is motion_since_listed.
 void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZone& zone, double margin, double motion,
                         const CandidateLists& lists, std::vector<ContactFeature>& features);
-/// Every local minimum of the distance between the centre and the surface: flat regions, convex edges and corners whose
-/// own part of space holds the centre. As the centre goes from one part to the next the overlap is continuous.
+/// Every local minimum of the distance between the centre and the surface, with its weight (contact/surface_minima.hpp). As the centre goes
+/// from one region to the next the potential is continuous.
 void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, double motion, const CandidateLists& lists,
                           std::vector<ContactFeature>& features);
 void sphere_pair_features(const PairBody& a, const PairBody& b, double margin, std::vector<ContactFeature>& features);

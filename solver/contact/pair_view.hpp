@@ -6,6 +6,7 @@
 
 #include "solver/bodies/particle_set.hpp"
 #include "solver/contact/pair_features.hpp"
+#include "solver/contact/surface_minima.hpp"
 #include "solver/contact/wall_cells.hpp"
 
 namespace scree {
@@ -35,6 +36,9 @@ struct PairView {
   double crowd_depth = 0;     ///< D for which the crowds of features are told [m]
   bool has_mesh() const { return geometry == PairGeometry::sphere_mesh || geometry == PairGeometry::two_meshes; }
 };
+
+/// See find_minima(): of two meshes [m].
+inline double sharing_of_vertices(const PairView& view) { return kSharingOfVertices * view.margin; }
 
 /// in   a, b   rows of the particle set; b is -1 for a wall     in  zone  index into SolverScene::zones(), -1 for two bodies
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,

@@ -45,18 +45,25 @@ struct PairsModel {
       if (!(depth > 0)) continue;
       const double D = overlap_at<Law>(pair_law, depth), share = power7(depth_in_reach<Law>(pair_law, f) / depth);
       const PushAndPull at = PushAndPull::of(law, D);
-      sum.energy += at.push_energy;
-      const double force = at.push * share;
+      // minima of a ball share (surface_minima.hpp): U is the sum of a_j U(d_j)
+      sum.energy += f.weight * at.push_energy;
+      const double force = f.weight * at.push * share;
       forces.push[j] = force;
       if (D > 0) forces.push_per_overlap[j] = force / D;
       sum.force += force;
       result.force += force * f.n;
       result.torque += cross(f.x, force * f.n);
       if constexpr (PullingLaw<Law>) {
-        result.elastic -= at.pull_energy;
-        forces.pull[j] = at.pull * share;
+        result.elastic -= f.weight * at.pull_energy;
+        forces.pull[j] = f.weight * at.pull * share;
         forces.pull_force -= forces.pull[j] * f.n;
         forces.pull_torque -= cross(f.x, forces.pull[j] * f.n);
+      }
+      if (f.faded) {
+        const double energy = at.push_energy - at.pull_energy;
+        result.force -= energy * f.weight_gradient.force;
+        result.torque -= energy * f.weight_gradient.couple;
+        if (forces.wants_from_weight) forces.from_weight[j] -= energy * f.weight_gradient.force;
       }
     }
     result.elastic += sum.energy;
@@ -66,13 +73,14 @@ struct PairsModel {
   template <class Law>
   static void linearise(const LinearContact& contact, const Law& law) {
     double energy = 0;
-    for (const ContactFeature& f : contact.features.list) energy += PushAndPull::of(law, f.overlap).push_energy;
+    for (const ContactFeature& f : contact.features.list) energy += f.weight * PushAndPull::of(law, f.overlap).push_energy;
     for (const ContactFeature& f : contact.features.list) {
-      if constexpr (PullingLaw<Law>) contact.result.add_mode(law.pull_stiffness(f.overlap), 0, mode_of(contact.motion, f.x, f.n));
+      if constexpr (PullingLaw<Law>)
+        contact.result.add_mode(f.weight * law.pull_stiffness(f.overlap), 0, mode_of(contact.motion, f.x, f.n));
       if (!(f.overlap > 0)) continue;
-      const double share = law.energy(f.overlap) / energy;
-      contact.add_point(f.x, f.n, law.stiffness(f.overlap), law.force(f.overlap), contact.force.damping / std::sqrt(share), f.overlap,
-                        tangent_over_secant(law, f.overlap));
+      const double share = f.weight * law.energy(f.overlap) / energy;
+      contact.add_point(f.x, f.n, f.weight * law.stiffness(f.overlap), f.weight * law.force(f.overlap),
+                        contact.force.damping / std::sqrt(share), f.overlap, tangent_over_secant(law, f.overlap));
     }
   }
 };

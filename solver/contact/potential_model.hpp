@@ -77,12 +77,13 @@ struct PotentialModel {
 
   static bool list(const PairView& view, double skin, MeshDistanceScratch& scratch, CandidateLists& lists) {
     if (view.geometry != PairGeometry::two_meshes) return list_closed_form(view, skin, scratch, lists);
-    return list_mesh_pair(view.a, view.b, view.reach, skin, view.radius_a, view.radius_b, scratch, lists);
+    return list_mesh_pair(view.a, view.b, view.reach, sharing_of_vertices(view), skin, view.radius_a, view.radius_b, scratch, lists);
   }
 
   static void find_features(const PairView& view, double moved, CandidateLists& lists, PairFeatures& features) {
     if (built_with::kMeshes && view.geometry == PairGeometry::two_meshes)
-      mesh_pair_features(view.a, view.b, view.pose, view.reach, std::min(view.radius_a, view.radius_b), lists, features.list);
+      mesh_pair_features(view.a, view.b, view.pose, view.reach, sharing_of_vertices(view), std::min(view.radius_a, view.radius_b), lists,
+                         features.list);
     else
       find_closed_form(view, moved, lists, features.list);
     share_among_cells(view, features);

@@ -1,25 +1,17 @@
 // Analytic sphere against mesh: part of pair_features.hpp.
 //
-// The distance from the sphere's centre to the surface has a local minimum in the inside of a flat region, on a convex
-// edge or at a convex corner; each is one contact. A nearest point of one triangle is such a minimum when no neighbour
-// comes nearer, which the conormals of the edge and the spokes of the corner tell. The tests allow for rounding, so that a
-// contact is never lost between two parts of space; what is then found twice is at the same place and counted once.
+// Each local minimum of the distance from the sphere's centre to the surface is one contact, with its weight (surface_minima.hpp).
+// Minima are found by distances alone: neither the winding of the triangles nor the angle of an edge matters.
 #include <algorithm>
 #include <cmath>
 
 #include "solver/contact/nearest_on_triangle.hpp"
 #include "solver/contact/pair_features.hpp"
+#include "solver/contact/surface_minima.hpp"
 
 namespace scree {
 
 namespace {
-
-constexpr std::int64_t kRegion = 0, kEdge = 1, kCorner = 2;
-
-/// Tolerance on the cosine in the tests for neighbours: far above rounding, far below any angle that matters.
-constexpr double kNeighbourCosine = 1e-9;
-/// Two minima nearer to each other than this share of their distance from the centre are one.
-constexpr double kSamePlace = 1e-7;
 
 struct Roles {
   const PairBody* sphere;
@@ -32,65 +24,9 @@ struct Roles {
   Vec3 centre_in_mesh() const { return (1 / mesh->scale) * rotate_inverse(mesh->q, sphere->x - mesh->x); }
 };
 
-struct Minimum {
-  std::int64_t kind, index;
-  Vec3 point;
-};
-
-bool edge_holds(const SolverShape& shape, std::int32_t edge, const Vec3& outward) {
-  const double allowed = kNeighbourCosine * length(outward);
-  return dot(outward, shape.edge_conormal(edge, 0)) <= allowed && dot(outward, shape.edge_conormal(edge, 1)) <= allowed;
-}
-
-bool is_perpendicular(const SolverShape& shape, std::int32_t triangle, const Vec3& outward) {
-  const Vec3 ab = shape.mesh.corner(triangle, 1) - shape.mesh.corner(triangle, 0);
-  const Vec3 ac = shape.mesh.corner(triangle, 2) - shape.mesh.corner(triangle, 0);
-  const double allowed = kNeighbourCosine * length(outward);
-  return std::abs(dot(outward, ab)) <= allowed * length(ab) && std::abs(dot(outward, ac)) <= allowed * length(ac);
-}
-
-/// Whether a vertex inside a straight edge is the foot on it, and not only the end of one of its pieces.
-bool is_across(const SolverShape& shape, std::int32_t triangle, std::size_t k, const Vec3& outward) {
-  const Vec3 along = shape.mesh.corner(triangle, static_cast<int>((k + 1) % 3)) - shape.mesh.corner(triangle, static_cast<int>(k));
-  return std::abs(dot(outward, along)) <= kNeighbourCosine * length(outward) * length(along);
-}
-
-/// The minimum that the nearest point of one triangle is, if it is one.
-bool find_minimum(const SolverShape& shape, std::int32_t triangle, const Vec3& centre, Minimum& minimum) {
-  const auto t = static_cast<std::size_t>(triangle);
-  const NearestOnTriangle nearest =
-      nearest_on_triangle(centre, shape.mesh.corner(triangle, 0), shape.mesh.corner(triangle, 1), shape.mesh.corner(triangle, 2));
-  const Vec3 outward = centre - nearest.point;
-  minimum = {kRegion, shape.features.region[t], nearest.point};
-  if (nearest.place < 0) return true;
-  const auto take_edge = [&](std::size_t k) {
-    switch (shape.features.edge_kind(t, k)) {
-      case EdgeKind::flat:
-        return is_perpendicular(shape, triangle, outward);  // inside the flat region, if this is its foot
-      case EdgeKind::concave:
-        return false;
-      default:
-        break;
-    }
-    minimum.kind = kEdge;
-    minimum.index = shape.features.edge_of[t][k];
-    return edge_holds(shape, shape.features.edge_of[t][k], outward);
-  };
-  if (nearest.place < 3) return take_edge(static_cast<std::size_t>(nearest.place));
-  const auto k = static_cast<std::size_t>(nearest.place - 3);
-  const std::int32_t corner = shape.features.corner_of[static_cast<std::size_t>(shape.mesh.triangles[t][k])];
-  if (corner < 0) {  // inside a flat region or on a straight edge
-    const std::size_t edge = shape.features.edge_kind(t, k) != EdgeKind::flat ? k : (k + 2) % 3;
-    return take_edge(edge) && (minimum.kind != kEdge || is_across(shape, triangle, edge, outward));
-  }
-  minimum.kind = kCorner;
-  minimum.index = corner;
-  const auto c = static_cast<std::size_t>(corner);
-  for (std::int32_t s = shape.spoke_start[c]; s < shape.spoke_start[c + 1]; ++s) {
-    const Vec3 spoke = shape.mesh.vertices[static_cast<std::size_t>(shape.spoke_end[static_cast<std::size_t>(s)])] - shape.corner(corner);
-    if (dot(outward, spoke) > kNeighbourCosine * length(outward) * length(spoke)) return false;
-  }
-  return true;
+/// See find_minima() [m].
+double sharing_of(const Roles& roles) {
+  return roles.mesh->shape->is_convex ? 0 : kSharingOfBalls * roles.sphere->scale * roles.sphere->shape->rounding;
 }
 
 }  // namespace
@@ -107,13 +43,13 @@ bool list_sphere_mesh_pair(const PairBody& a, const PairBody& b, double margin, 
   Placement placement;
   placement.translation = roles.centre_in_mesh();
   thread_local std::vector<TrianglePair> pairs;
-  const double reach = (radius + margin + skin) / roles.mesh->scale;
+  const double sharing = sharing_of(roles), reach = (radius + margin + sharing + skin) / roles.mesh->scale;
   if (triangle_pairs_within({&mesh.mesh, &mesh.bvh}, {&point, &point_tree}, placement, reach, scratch, pairs)) return false;
   for (const TrianglePair& pair : pairs) {
     const NearestOnTriangle nearest =
         nearest_on_triangle(placement.translation, mesh.mesh.corner(pair.a, 0), mesh.mesh.corner(pair.a, 1), mesh.mesh.corner(pair.a, 2));
     const double gap = roles.mesh->scale * length(placement.translation - nearest.point) - radius;
-    lists.corners_a.push_back({0, pair.a, slack_below(gap, margin, std::max(radius_a, radius_b))});
+    lists.corners_a.push_back({0, pair.a, slack_below(gap, margin + sharing, std::max(radius_a, radius_b))});
   }
   end_lists(lists);
   return true;
@@ -128,32 +64,35 @@ void sphere_mesh_features(const PairBody& a, const PairBody& b, double margin, d
   const Vec3 centre = roles.centre_in_mesh();
   const double radius = roles.sphere->scale * roles.sphere->shape->rounding;
   const double reach = (radius + margin) / roles.mesh->scale;
-  thread_local std::vector<Minimum> minima;
-  minima.clear();
+  thread_local std::vector<NearTriangle> near;
+  thread_local std::vector<SurfaceMinimum> minima;
+  near.clear();
   for (const CornerCandidate& candidate : lists.corners_a) {
     if (candidate.slack > motion) continue;
-    Minimum minimum;
-    if (find_minimum(shape, candidate.triangle, centre, minimum) && squared_length(centre - minimum.point) < reach * reach) {
-      minima.push_back(minimum);
-    }
+    const TriangleMesh& mesh = shape.mesh;
+    const std::int32_t t = candidate.triangle;
+    const Vec3 foot = nearest_on_triangle(centre, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).point;
+    near.push_back({t, foot, squared_length(centre - foot)});
   }
-  std::sort(minima.begin(), minima.end(),
-            [](const Minimum& l, const Minimum& r) { return l.kind != r.kind ? l.kind < r.kind : l.index < r.index; });
-  for (std::size_t i = 0; i < minima.size(); ++i) {
-    const Vec3 outward = centre - minima[i].point;
-    const double distance = length(outward);
-    bool known = !(distance > 0);
-    for (std::size_t j = 0; j < i && !known; ++j) known = length(minima[i].point - minima[j].point) <= kSamePlace * distance;
-    if (known) continue;
-    const Vec3 direction = rotate(roles.mesh->q, (1 / distance) * outward);  // world, mesh to sphere
+  find_minima(shape, centre, near, reach, sharing_of(roles) / roles.mesh->scale, minima);
+  for (const SurfaceMinimum& m : minima) {
+    const double distance = std::sqrt(m.squared);
+    const Vec3 direction = rotate(roles.mesh->q, (1 / distance) * (centre - m.foot));  // world, mesh to sphere
     ContactFeature f{};
-    f.key = (minima[i].kind << 58) | minima[i].index;
+    f.key = m.place;
     const double gap = roles.mesh->scale * distance - radius;
     f.overlap = margin - gap;
-    f.weight = 1;
+    f.weight = m.weight;
     const Vec3 point = (roles.sphere->x - a.x) - (radius + 0.5 * gap) * direction;  // mid-gap, from A's centre
     f.x = rotate_inverse(a.q, point);
     f.n = rotate_inverse(a.q, roles.sphere_is_a ? direction : -direction);
+    f.faded = m.varies;
+    if (m.varies) {
+      const Vec3 gradient = (1 / roles.mesh->scale) * rotate_inverse(a.q, rotate(roles.mesh->q, m.gradient));
+      // the centre moves with A where A is the ball; one of B goes the other way in the frame of the mesh
+      f.weight_gradient.force = roles.sphere_is_a ? gradient : -gradient;
+      f.weight_gradient.couple = cross(rotate_inverse(a.q, roles.sphere->x - a.x), f.weight_gradient.force);
+    }
     if (f.overlap > 0) features.push_back(f);
   }
 }

@@ -56,6 +56,41 @@ bool SolverShape::find_height(std::int32_t e, int side) const {
   return height > kFlatFace * width;
 }
 
+bool is_convex_surface(const TriangleMesh& mesh, const FeatureTable& features) {
+  const std::size_t count = mesh.triangles.size();
+  struct Side {
+    std::int32_t low, high;
+    std::size_t triangle;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * count);
+  for (std::size_t t = 0; t < count; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const EdgeKind kind = features.edge_kind(t, k);
+      if (kind != EdgeKind::flat && kind != EdgeKind::convex) return false;
+      const auto [low, high] = std::minmax(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]);
+      sides.push_back({low, high, t});
+    }
+  }
+  // one surface: triangles joined over their edges
+  std::sort(sides.begin(), sides.end(), [](const Side& l, const Side& r) { return l.low != r.low ? l.low < r.low : l.high < r.high; });
+  std::vector<std::size_t> parent(count);
+  for (std::size_t t = 0; t < count; ++t) parent[t] = t;
+  const auto root = [&](std::size_t t) {
+    while (parent[t] != t) t = parent[t] = parent[parent[t]];
+    return t;
+  };
+  std::size_t surfaces = count;
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    if (sides[i].low != sides[i - 1].low || sides[i].high != sides[i - 1].high) continue;
+    const std::size_t a = root(sides[i].triangle), b = root(sides[i - 1].triangle);
+    if (a == b) continue;
+    parent[a] = b;
+    --surfaces;
+  }
+  return surfaces == 1;
+}
+
 SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   SolverShape shape;
   shape.kind = source.kind;
@@ -94,24 +129,7 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   }
   shape.is_two_sided = source.kind == ShapeKind::surface;
   shape.features = find_features(shape.mesh, shape.is_two_sided ? Sides::both : Sides::outside);
-  // the other two vertices of every triangle at a corner, each once
-  std::vector<std::vector<std::int32_t>> spokes(shape.features.corners.size());
-  for (const Triangle& t : shape.mesh.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t c = shape.features.corner_of[static_cast<std::size_t>(t[k])];
-      if (c < 0) continue;
-      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) spokes[static_cast<std::size_t>(c)].push_back(t[other]);
-    }
-  }
-  shape.spoke_start = {0};
-  for (auto& of_corner : spokes) {
-    std::sort(of_corner.begin(), of_corner.end());
-    of_corner.erase(std::unique(of_corner.begin(), of_corner.end()), of_corner.end());
-    shape.spoke_end.insert(shape.spoke_end.end(), of_corner.begin(), of_corner.end());
-    shape.spoke_start.push_back(static_cast<std::int32_t>(shape.spoke_end.size()));
-  }
-  shape.spoke_start.shrink_to_fit();
-  shape.spoke_end.shrink_to_fit();
+  shape.is_convex = source.kind == ShapeKind::solid && is_convex_surface(shape.mesh, shape.features);
   if (shape.mesh.triangles.size() <= SolverShape::kMostWithRows) {
     std::vector<EdgeRow> rows(shape.features.edges.size());
     for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -133,8 +151,7 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
 
 std::size_t SolverShape::memory() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(edge_rows) + bytes(spoke_start) +
-         bytes(spoke_end);
+  return bytes(mesh.vertices) + bytes(mesh.triangles) + bvh.memory() + features.memory() + bytes(edge_rows);
 }
 
 }  // namespace scree

@@ -34,14 +34,12 @@ struct SolverShape {
   TriangleMesh mesh;
   Bvh bvh;
   FeatureTable features;
-  std::vector<EdgeRow> edge_rows;         ///< of every edge of `features`; empty for large shapes, of which a step reads few
-  std::vector<std::int32_t> spoke_start;  ///< corners + 1: ranges in spoke_end
-  std::vector<std::int32_t> spoke_end;    ///< vertices to which mesh edges lead from each corner
-  double radius = 0;                      ///< bounding radius about the origin, rounding and margin included [m]
-  double volume = 0;                      ///< [m^3]
-  double cell_size = 0;                   ///< of a very large body, scale 1 [m]; 0: none
-  double equivalent_radius = 0;           ///< of the ball of equal volume [m]; 0 for a surface
-  Vec3 inertia;                           ///< principal moments for density 1 [m^5]
+  std::vector<EdgeRow> edge_rows;  ///< of every edge of `features`; empty for large shapes, of which a step reads few
+  double radius = 0;               ///< bounding radius about the origin, rounding and margin included [m]
+  double volume = 0;               ///< [m^3]
+  double cell_size = 0;            ///< of a very large body, scale 1 [m]; 0: none
+  double equivalent_radius = 0;    ///< of the ball of equal volume [m]; 0 for a surface
+  Vec3 inertia;                    ///< principal moments for density 1 [m^5]
   Quat body_from_principal;
   /// Largest [r]x^T I^-1 [r]x over all surface points r, density 1, scale 1 [1/m^3]: what rotation adds to the inverse
   /// mass of a contact at worst. It is convex in r, so the corners decide. See derive_step_size.
@@ -52,6 +50,9 @@ struct SolverShape {
   bool isotropic = false;  ///< all three moments equal: no gyroscopic splitting needed
   /// The surface of a wall: every fold is a feature edge, touched from the side on which it is convex (core/geometry/features.hpp).
   bool is_two_sided = false;
+  /// A solid without concave edges: a point outside has one nearest point on it and no other local minimum of the distance. Each of its
+  /// points has one contact then (contact/surface_minima.hpp).
+  bool is_convex = false;
 
   /// A corner, and an edge, of `features`.
   const Vec3& corner(std::int32_t c) const {
@@ -94,6 +95,9 @@ struct SolverShape {
   Vec3 find_into(std::int32_t e, int side) const;
   bool find_height(std::int32_t e, int side) const;
 };
+
+/// Whether a mesh is one closed surface of which every edge is flat or convex.   Cost: O(T log T).
+bool is_convex_surface(const TriangleMesh& mesh, const FeatureTable& features);
 
 /// What the solver keeps of a shape as read.   in   settings   of the scene: where touch begins
 SolverShape make_solver_shape(const Shape& source, const Settings& settings = {});

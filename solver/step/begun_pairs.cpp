@@ -35,7 +35,8 @@ void BegunPairs::complete(BegunPair& begun, Places& first, CandidateLists& lists
   const PairView& view = begun.view;
   const double size = std::min(view.radius_a, view.radius_b);
   std::vector<ContactFeature>& features = begun.features;
-  mesh_corner_features(view.a, view.b, view.pose, view.reach, size, begun.due, {corners_, found_corners_, first.corner}, lists, features);
+  mesh_corner_features(view.a, view.b, view.pose, view.reach, sharing_of_vertices(view), size, begun.due,
+                       {corners_, found_corners_, first.corner}, lists, features);
   first.corner += begun.due.edges;
   for (std::size_t n = begun.due.edges; n < begun.due.indices.size(); ++n, ++first.edge) {
     const std::int32_t edge = due_edge(lists, begun.due.indices[n]);

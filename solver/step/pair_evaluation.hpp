@@ -166,7 +166,8 @@ class PairEvaluation {
       begun_.add(k, moved, view, lists, due_);
       return false;
     }
-    due_mesh_features(view.a, view.b, view.pose, view.reach, std::min(view.radius_a, view.radius_b), due_, lists, features_.list);
+    due_mesh_features(view.a, view.b, view.pose, view.reach, sharing_of_vertices(view), std::min(view.radius_a, view.radius_b), due_, lists,
+                      features_.list);
     share_among_cells(view, features_);
     return true;
   }

@@ -30,7 +30,7 @@ void wander(TwoBodies& pair, double margin, double skin, double stride, int step
   PairBody &a = pair.body[0], &b = pair.body[1];
   const double size = std::min(pair.radius(0), pair.radius(1));
   const auto list = [&](CandidateLists& lists) {
-    return list_mesh_pair(a, b, margin, skin, pair.radius(0), pair.radius(1), *scratch, lists);
+    return list_mesh_pair(a, b, margin, kSharingOfVertices * margin, skin, pair.radius(0), pair.radius(1), *scratch, lists);
   };
   CandidateLists kept;
   std::vector<ContactFeature> features, expected;
@@ -42,10 +42,10 @@ void wander(TwoBodies& pair, double margin, double skin, double stride, int step
       ++counts.renewed;
     }
     const double way = kept.way;
-    mesh_pair_features(a, b, pose, margin, size, kept, features);
+    mesh_pair_features(a, b, pose, margin, kSharingOfVertices * margin, size, kept, features);
     CandidateLists fresh;
     ASSERT_TRUE(list(fresh));
-    mesh_pair_features(a, b, pose, margin, size, fresh, expected);
+    mesh_pair_features(a, b, pose, margin, kSharingOfVertices * margin, size, fresh, expected);
     ASSERT_EQ(features.size(), expected.size()) << "step " << step;
     for (std::size_t j = 0; j < features.size(); ++j) {
       ASSERT_TRUE(same(features[j], expected[j])) << "step " << step << ", feature " << j;

@@ -44,7 +44,8 @@ std::vector<NearPair> near_pairs() {
     pair.body[0].x.z -= 0.6 * kMargin;  // deeper, where more edges meet
     near.margin = kMargin;
     near.pose = RelativePose(pair.body[0], pair.body[1]);
-    ASSERT_TRUE(list_mesh_pair(pair.body[0], pair.body[1], kMargin, 0.5 * kMargin, pair.radius(0), pair.radius(1), *scratch, near.lists));
+    ASSERT_TRUE(list_mesh_pair(pair.body[0], pair.body[1], kMargin, kSharingOfVertices * kMargin, 0.5 * kMargin, pair.radius(0),
+                               pair.radius(1), *scratch, near.lists));
     pairs.push_back(std::move(near));
   };
   for (unsigned seed = 1; seed <= 90; ++seed) {

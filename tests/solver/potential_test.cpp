@@ -12,11 +12,14 @@ namespace {
 using test::TwoBodies, test::kMargin, test::kStiffness, test::place_at_random, test::elastic_impacts;
 
 /// in   finer   refinements of the rocks, whose vertices then lie in crowds
-void expect_exact_gradient(double cell_size, CellSide cells = CellSide::b, double barrier = 0, int finer = 0) {
+/// in   roughness   of the rocks: dents of .4 hold vertices that touch several faces
+void expect_exact_gradient(double cell_size, CellSide cells = CellSide::b, double barrier = 0, int finer = 0, double roughness = .22) {
   std::mt19937 g(3);
-  int tested = 0, faded = 0;
-  for (int s = 0; s < 60; ++s) {
-    TwoBodies pair(test::scaled(test::rock(1, 2 + finer), 0.5), test::scaled(test::rock(2, 1 + finer), 0.5), kStiffness, 0.06, 1, 0);
+  int tested = 0, faded = 0, shared = 0;
+  const int poses = roughness > .3 && finer == 0 && cell_size == 0 && barrier == 0 ? 500 : 60;
+  for (int s = 0; s < poses; ++s) {
+    TwoBodies pair(test::scaled(test::rock(1, 2 + finer, roughness), 0.5), test::scaled(test::rock(2, 1 + finer, roughness), 0.5),
+                   kStiffness, 0.06, 1, 0);
     pair.cell_size = cell_size;
     pair.cells = cells;
     pair.barrier = barrier;
@@ -25,7 +28,10 @@ void expect_exact_gradient(double cell_size, CellSide cells = CellSide::b, doubl
     const double pressed = barrier > 0 ? 0.053 : 0.02;  // of margins of 0.06
     while (pair.force(0).largest_overlap < pressed) pair.body[0].x.z -= 0.0005;
     if (pair.features.size() < 2) continue;
-    for (const ContactFeature& f : pair.features) faded += f.faded ? 1 : 0;
+    for (const ContactFeature& f : pair.features) {
+      faded += f.faded ? 1 : 0;
+      shared += f.faded && indices_of_key(f.key).kind != kEdgeEdge ? 1 : 0;
+    }
     const PairForce at = pair.force(0);
     // what frames hold of the contacts adds up to the force, fading and cells included
     Vec3 of_contacts;
@@ -58,9 +64,21 @@ void expect_exact_gradient(double cell_size, CellSide cells = CellSide::b, doubl
   }
   EXPECT_GE(tested, 40);
   EXPECT_GE(faded, 10) << "the poses must exercise the fading terms";
+  EXPECT_GE(shared, roughness > .3 ? poses / 60 : 0) << "the poses must have vertices with several minima";
 }
 
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy) { expect_exact_gradient(0); }
+// docs/reference/contact-law.md section 3.6
+TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_at_dents) { expect_exact_gradient(0, CellSide::b, 0, 0, .4); }
+TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_at_dents_with_crowds) {
+  expect_exact_gradient(0, CellSide::b, 0, 1, .4);
+}
+TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_at_dents_with_cells) {
+  expect_exact_gradient(.1, CellSide::both, 0, 0, .4);
+}
+TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_at_dents_with_a_barrier) {
+  expect_exact_gradient(0, CellSide::b, 3 * kStiffness, 0, .4);
+}
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_with_weights_by_density) {
   const Shape rock = make_solid("rock", test::scaled(test::rock(1, 4), 0.5));
   const auto weights = density_weights(make_solver_shape(rock), kDensityRadius * std::sqrt(0.5 * 0.03));
@@ -148,9 +166,12 @@ TEST(PairPotential, feature_forces_never_pull) {
     if (!pair.approach(1.8)) continue;
     for (int n = 0; n < 2000; ++n) {
       pair.step(1e-4);
-      for (const ContactOutput& c : pair.outputs) {
+      for (std::size_t j = 0; j < pair.outputs.size(); ++j) {
+        const ContactOutput& c = pair.outputs[j];
         EXPECT_GE(c.normal_force, 0);
-        EXPECT_LE(length(c.tangential_force), 0.5 * c.normal_force * (1 + 1e-12));
+        // minima of one vertex hand load from one to the other: friction is limited by the push of each, which is not all of its force
+        const bool hands_load = pair.features[j].faded && indices_of_key(pair.features[j].key).kind != kEdgeEdge;
+        EXPECT_LE(length(c.tangential_force), 0.5 * c.normal_force * (hands_load ? 1.2 : 1 + 1e-12));
         ++looked_at;
         separating += c.normal_force == 0 ? 1 : 0;
       }

@@ -51,9 +51,10 @@ class TwoBodies {
     const RelativePose pose(body[0], body[1]);
     const double motion = lists_.skin < 0 ? 1e300 : follow_motion(lists_, pose, radius(0), radius(1));
     if (motion > lists_.skin) {
-      EXPECT_TRUE(list_mesh_pair(body[0], body[1], reach_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
+      EXPECT_TRUE(
+          list_mesh_pair(body[0], body[1], reach_, kSharingOfVertices * margin_, 0.5 * margin_, radius(0), radius(1), *scratch_, lists_));
     }
-    mesh_pair_features(body[0], body[1], pose, reach_, std::min(radius(0), radius(1)), lists_, features);
+    mesh_pair_features(body[0], body[1], pose, reach_, kSharingOfVertices * margin_, std::min(radius(0), radius(1)), lists_, features);
     if (reach_ > margin_) {
       for (ContactFeature& f : features) f.overlap -= reach_ - margin_;
     }
