@@ -202,12 +202,13 @@ struct Statistics {
   }
 };
 
-inline Statistics elastic_impacts(int level, int flat_levels, double steps_per_contact, int count, std::vector<double>* trace = nullptr) {
+inline Statistics elastic_impacts(int level, int flat_levels, double steps_per_contact, int count, std::vector<double>* trace = nullptr,
+                                  double roughness = 0.22) {
   std::mt19937 g(11);
   Statistics s;
   for (int i = 0; i < count; ++i) {
-    TwoBodies pair(test::scaled(test::rock(1, level, 0.22, flat_levels), 0.5), test::scaled(test::rock(2, level, 0.22, flat_levels), 0.5),
-                   kStiffness, kMargin, 1, 0);
+    TwoBodies pair(test::scaled(test::rock(1, level, roughness, flat_levels), 0.5),
+                   test::scaled(test::rock(2, level, roughness, flat_levels), 0.5), kStiffness, kMargin, 1, 0);
     place_at_random(pair, g);
     if (!pair.approach(1.8)) continue;
     const double dt = std::numbers::pi * std::sqrt(0.5 / kStiffness) / steps_per_contact;

@@ -152,30 +152,31 @@ def v3(tools, report):
 
 @case("V4", "U", "a ball that rolls over a concave edge keeps its energy, the better the shorter the step", "energy")
 def v4(tools, report):
-    radius, k = .02, 1e5
-    angles = (.1, .2, .5, 1, 2, 5, 10, 30)
-    errors = {}
-    for steps in (60, 240):
-        worst = []
-        c = Case(f"V4-{steps}", duration=.12, steps_per_contact=steps, gravity=(0, 0, -G), every=.01, contact={"margin": 0})
-        c.sphere("ball", radius)
-        c.material("m", 2700.0)
-        c.pair_all(stiffness=k, restitution=1.0, friction=0.0)
-        mass = 2700 * 4 / 3 * math.pi * radius**3
-        for i, angle in enumerate(angles):
-            half = math.radians(angle) / 2
-            c.mesh_wall(valley(angle, .1, .2), "m", position=(.5 * i, 0, 0))
-            depth = mass * G * math.cos(half) / k
-            y = -.004 - radius * math.tan(half)  # on the left face, at rest on it, towards the edge
-            off = radius - depth
-            c.body("ball", "m", (.5 * i, y * math.cos(half) + off * math.sin(half), -y * math.sin(half) + off * math.cos(half)),
-                   velocity=(0, .1 * math.cos(half), -.1 * math.sin(half)))
-        run = report.run(c.run(tools))
-        energy = run.energy()
-        worst = numpy.abs(energy - energy[0]).max() / (len(angles) * .5 * k * (mass * G / k)**2)
-        errors[steps] = worst
-        report.at_most(f"{steps} steps a contact: largest change of the energy of all over the elastic energy at rest", worst, 1e-3 if steps == 60 else 1e-4)
-    report.at_least("error at 60 over that at 240 steps a contact", errors[60] / errors[240], 4)
+    radius, k, speed = .02, 1e5, .1
+    mass = 2700 * 4 / 3 * math.pi * radius**3
+    at_rest, kinetic = .5 * (mass * G)**2 / k, .5 * mass * speed**2
+    # shallow edges: over the elastic energy at rest, of which a potential that jumps made 12 to 19 %; steep ones throw the ball: over the
+    # kinetic energy
+    for name, angles, scale, limits in (("shallow", (.1, .2, .5, 1, 2), at_rest, (1e-3, 1e-4)), ("steep", (5, 10, 30), kinetic, (3e-3, 3e-4))):
+        errors = []
+        for steps, limit in zip((60, 240), limits):
+            c = Case(f"V4-{name}-{steps}", duration=.12, steps_per_contact=steps, gravity=(0, 0, -G), every=.01, contact={"margin": 0})
+            c.sphere("ball", radius)
+            c.material("m", 2700.0)
+            c.pair_all(stiffness=k, restitution=1.0, friction=0.0)
+            for i, angle in enumerate(angles):
+                half = math.radians(angle) / 2
+                c.mesh_wall(valley(angle, .1, .2), "m", position=(.5 * i, 0, 0))
+                depth = mass * G * math.cos(half) / k
+                y = -.004 - radius * math.tan(half)  # on the left face, at rest on it, towards the edge
+                off = radius - depth
+                c.body("ball", "m", (.5 * i, y * math.cos(half) + off * math.sin(half), -y * math.sin(half) + off * math.cos(half)),
+                       velocity=(0, speed * math.cos(half), -speed * math.sin(half)))
+            run = report.run(c.run(tools))
+            energy = run.energy()
+            errors.append(numpy.abs(energy - energy[0]).max() / scale)
+            report.at_most(f"{name} edges, {steps} steps a contact: change of the energy", errors[-1], limit)
+        report.at_least(f"{name} edges: change at 60 over that at 240 steps a contact", errors[0] / errors[1], 4)
 
 
 @case("V5", "U", "a ball lies in a tessellated tube as in the tube", "depth of one contact")
