@@ -44,7 +44,17 @@ class PairsExtent : public ContactExtent {
 }  // namespace
 
 double ContactExtent::of_body(std::int32_t, double) const { return 1; }
-double ContactExtent::of_rough_pair(const std::vector<SolverShape>&, const BodyExtremes&) const { return std::sqrt(std::sqrt(4.0)); }
+double ContactExtent::of_rough_pair(const std::vector<SolverShape>& shapes, const BodyExtremes& extremes) const {
+  return std::sqrt(std::sqrt(has_valleys(shapes, extremes) ? 8.0 : 4.0));
+}
+
+bool has_valleys(const std::vector<SolverShape>& shapes, const BodyExtremes& extremes) {
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    const bool is_there = shapes[s].kind == ShapeKind::surface || extremes.smallest_scale[s] != BodyExtremes::kNone;
+    if (is_there && shapes[s].has_valleys) return true;
+  }
+  return false;
+}
 
 std::unique_ptr<const ContactExtent> make_contact_extent(const Scene& scene, const std::vector<SolverShape>& shapes) {
   switch (scene.settings.gather) {

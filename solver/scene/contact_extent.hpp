@@ -18,11 +18,15 @@ class ContactExtent {
   /// Factor on the mobility of a body. gather = "area": the largest area that it can have in contact [m^2], stiffness being per area.
   virtual double of_body(std::int32_t shape, double scale) const;
   /// Factor on the stiffness of a contact of two bodies that are not both smooth.
-  /// gather = "potential": n^(2/q), q = 8, for a face on a face, with n = 4 corners
+  /// gather = "potential": n^(2/q), q = 8, for a face on a face, with n = 4 corners; n = 8 where a shape has valleys: a cube at the edge of
+  /// a box touches both faces with four corners each
   /// gather = "pairs": how many springs a contact of two bodies may have. Two faces, edges or corners that lie over each other make about
   /// as many pairs as both have triangles there; more is rare
   virtual double of_rough_pair(const std::vector<SolverShape>& shapes, const BodyExtremes& extremes) const;
 };
+
+/// Whether a shape that bodies or walls have has valleys (SolverShape::has_valleys).
+bool has_valleys(const std::vector<SolverShape>& shapes, const BodyExtremes& extremes);
 
 /// Throws UsageError where the way of gathering needs margins and there are none.
 std::unique_ptr<const ContactExtent> make_contact_extent(const Scene& scene, const std::vector<SolverShape>& shapes);

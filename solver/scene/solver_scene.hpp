@@ -123,6 +123,8 @@ class SolverScene {
   /// How stiffness grows with what touches at once.
   const ContactExtent& contact_extent() const { return *contact_extent_; }
   double extent_of_rough_pair(const BodyExtremes& extremes) const { return contact_extent_->of_rough_pair(shapes_, extremes); }
+  /// Whether vertices may touch several faces of a shape at once.
+  bool has_valleys(const BodyExtremes& extremes) const { return scree::has_valleys(shapes_, extremes); }
   bool has_friction() const { return law_choice_.friction; }
   bool has_damping() const { return has_damping_; }
   bool has_driven_walls() const { return has_driven_walls_; }

@@ -91,6 +91,20 @@ bool is_convex_surface(const TriangleMesh& mesh, const FeatureTable& features) {
   return surfaces == 1;
 }
 
+namespace {
+
+bool has_sharp_inner_edge(const FeatureTable& features) {
+  for (std::size_t t = 0; t < features.marks.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const EdgeKind kind = features.edge_kind(t, k);
+      if (kind != EdgeKind::flat && kind != EdgeKind::boundary) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
 SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   SolverShape shape;
   shape.kind = source.kind;
@@ -130,6 +144,8 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   shape.is_two_sided = source.kind == ShapeKind::surface;
   shape.features = find_features(shape.mesh, shape.is_two_sided ? Sides::both : Sides::outside);
   shape.is_convex = source.kind == ShapeKind::solid && is_convex_surface(shape.mesh, shape.features);
+  shape.has_valleys =
+      source.kind == ShapeKind::surface ? has_sharp_inner_edge(shape.features) : source.kind == ShapeKind::solid && !shape.is_convex;
   if (shape.mesh.triangles.size() <= SolverShape::kMostWithRows) {
     std::vector<EdgeRow> rows(shape.features.edges.size());
     for (std::size_t n = 0; n < rows.size(); ++n) {

@@ -53,6 +53,8 @@ struct SolverShape {
   /// A solid without concave edges: a point outside has one nearest point on it and no other local minimum of the distance. Each of its
   /// points has one contact then (contact/surface_minima.hpp).
   bool is_convex = false;
+  /// A vertex may touch several of its faces at once: a solid that is not convex, or a surface with an edge inside, from one of its sides.
+  bool has_valleys = false;
 
   /// A corner, and an edge, of `features`.
   const Vec3& corner(std::int32_t c) const {

@@ -142,7 +142,9 @@ BodyExtremes present_extremes(const mpi::Communicator& comm, const SolverScene& 
 class ContactLimits {
  public:
   ContactLimits(const SolverScene& scene, const BodyExtremes& extremes, ContactLimit& limit)
-      : scene_(scene), extremes_(extremes), of_rough_pair_(scene.extent_of_rough_pair(extremes)), limit_(limit) {}
+      : scene_(scene), extremes_(extremes), of_rough_pair_(scene.extent_of_rough_pair(extremes)), limit_(limit) {
+    in_valleys_ = scene.source().settings.gather == Gathering::potential && scene.has_valleys(extremes);
+  }
 
   void add(const MaterialPair& pair, const Touchable& a, bool rough_a, const Touchable& b, bool rough_b) {
     const PairLaw& law = scene_.law(pair.a, pair.b);
@@ -156,7 +158,7 @@ class ContactLimits {
       }
       if (!(omega2 > stiffest_)) return;
       stiffest_ = omega2;
-      limit_.who = name;
+      limit_.who = features > 1 && in_valleys_ ? name + " in a valley" : name;
     };
     const auto body = [&](const Touchable& t, std::size_t i, std::int32_t material) {
       for (const Wall& wall : scene_.source().walls) {
@@ -202,6 +204,7 @@ class ContactLimits {
   const SolverScene& scene_;
   const BodyExtremes& extremes_;
   double of_rough_pair_;
+  bool in_valleys_ = false;  ///< n is that of faces in a valley
   ContactLimit& limit_;
   double stiffest_ = 0, softest_ = 1e300;  // omega^2 [1/s^2]
 };

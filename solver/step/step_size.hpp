@@ -59,7 +59,8 @@ void check_step(const StepSize& run, const ContactLimit& with_them, const Settin
 /// The smallest of
 ///   contact   pi / sqrt(k n^(2/q) W) / steps_per_contact over all materials that can meet; W sums over both bodies the
 ///             largest inverse mass of a contact anywhere on the surface, 1/m + max_r |[r]x^T I^-1 [r]x| (a ball turns by friction only,
-///             whose share of the stiffness counts instead); n = 4 features (a face on a face), 1 for spheres and walls without edges;
+///             whose share of the stiffness counts instead); n = 4 features (a face on a face), 8 where a shape has concave edges
+///             (faces in a valley), 1 for spheres and walls without edges;
 ///             gather = "pairs" counts ContactExtent::of_rough_pair in place of n^(2/q)
 ///   damping   the same over kStepsPerDamping (1 + zeta), where a pair's restitution is so low that this is more than steps_per_contact
 ///   approach  kMarginPerStep times the sum of margins over the fastest approach (approach.hpp) of the scene as it starts. What is
