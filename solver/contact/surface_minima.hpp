@@ -23,7 +23,7 @@
 // Derivatives: dg = n.dp; dn = B dp / g with B = 0 (foot in a face), I - nn - uu (on an edge along u), I - nn (at a vertex).
 //
 // Continuity: U is C0, and C1 but for a kink of n_i where a foot passes an edge of its region while 0 < t < 1. Capacity: U is between .86
-// and 1.3 times k d_max^2 / 2. Both were measured on grooves, pits, cups, dented bodies and scans (docs/reference/contact-law.md 3.6).
+// and 1.3 times k d_max^2 / 2. Both were measured on grooves, pits, cups, dented bodies and scans (docs/reference/contact-law.md 3.7).
 #pragma once
 
 #include <cstdint>
@@ -70,7 +70,7 @@ inline std::int64_t make_place(std::int64_t kind, std::int64_t index) { return (
 /// in   reach    gap at which something acts           in   sharing   see kSharingOfVertices
 /// out  minima   one alone has weight 1; none where no triangle is within reach, or where the point lies on the surface
 /// Cost: O(n) for n triangles with one common foot and on convex shapes, else O(n^2).   Fails: never.   Threads: safe on distinct outputs.
-/// Source: docs/reference/contact-law.md section 3.6.
+/// Source: docs/reference/contact-law.md section 3.7.
 void find_minima(const SolverShape& shape, const Vec3& p, const std::vector<NearTriangle>& near, double reach, double sharing,
                  std::vector<SurfaceMinimum>& minima);
 

@@ -26,7 +26,7 @@ TEST(ContactEnergy, worst_of_100_elastic_impacts_falls_eightfold_from_200_to_160
   EXPECT_GE(first, 8 * last);
 }
 
-// Section 3.6: vertices in dents. With the nearest face alone the worst fell by 3.9, since the force jumped there.
+// Section 3.7: vertices in dents. With the nearest face alone the worst fell by 3.9, since the force jumped there.
 TEST(ContactEnergy, worst_of_100_elastic_impacts_of_dented_bodies_falls_tenfold_from_120_to_480_steps) {
   double worst[2];
   for (const int n : {0, 1}) {

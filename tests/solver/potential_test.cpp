@@ -68,7 +68,7 @@ void expect_exact_gradient(double cell_size, CellSide cells = CellSide::b, doubl
 }
 
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy) { expect_exact_gradient(0); }
-// docs/reference/contact-law.md section 3.6
+// docs/reference/contact-law.md section 3.7
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_at_dents) { expect_exact_gradient(0, CellSide::b, 0, 0, .4); }
 TEST(PairPotential, force_and_torque_are_the_gradient_of_the_energy_at_dents_with_crowds) {
   expect_exact_gradient(0, CellSide::b, 0, 1, .4);

@@ -1,6 +1,6 @@
 // The law of a point at concave edges (solver/contact/surface_minima.hpp): the potential of one vertex, or of a ball, along paths over
 // grooves, pits, cups and dented bodies, against finite differences, under refinement, and against the circle that a fine tube stands for.
-// docs/reference/contact-law.md section 3.6.
+// docs/reference/contact-law.md section 3.7.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-"""V: bodies in valleys: at concave edges of walls and bodies (docs/reference/contact-law.md section 3.6)."""
+"""V: bodies in valleys: at concave edges of walls and bodies (docs/reference/contact-law.md section 3.7)."""
 import math
 
 import numpy
