@@ -152,7 +152,11 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   k.number({"restitution_speed", "required for `hunt-crossley` below 1", "approach speed at which `restitution` holds"},
            p.restitution_speed, Dimension::velocity, Range::positive);
   k.number({"friction", "", "static coefficient", kAlways}, p.friction, Dimension::none, Range::not_negative);
-  k.number({"friction_sliding", "as `friction`", "from 0 to `friction`", kAlways}, p.friction_sliding, Dimension::none, Range::any);
+  k.number({"friction_sliding", "as `friction`",
+            "from 0 to `friction`: the coefficient of a contact that slides, from the step in which it begins to until it no longer moves "
+            "against its spring",
+            kAlways},
+           p.friction_sliding, Dimension::none, Range::any);
   k.number({"tangential_ratio", "2/7; Mindlin's 3 (1 - poisson) / (2 - poisson)", "tangential stiffness over normal force per overlap"},
            p.tangential_ratio, Dimension::none, Range::not_negative);
   k.number({"tangential_damping", "", "factor on the damping of sliding that goes with `restitution`"}, p.tangential_damping,

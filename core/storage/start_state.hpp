@@ -16,7 +16,7 @@
 namespace scree {
 
 /// Of scene files that hold such a state; others have kSceneFormatVersion, so that older solvers read them.
-inline constexpr std::int64_t kSceneFormatVersionWithStart = 2;
+inline constexpr std::int64_t kSceneFormatVersionWithStart = 3;  // 2 is still read
 
 struct PairColumn {
   std::string name, unit;

@@ -179,10 +179,11 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
                                 law.at(&BallLaw::tangential_ratio),
                                 law.at(&BallLaw::tangential_damping) * damping.chi,
                                 Lane(kStiffnessRounding) * length(m.centre_b)};
-    LaneSpring spring{spring_force, spring_stiffness};
+    LaneSpring spring{spring_force, spring_stiffness, load_fours(springs.normal, k).first};
     dissipative = dissipative + friction.force({n, vt, overlap, vn, push, damped}, overlap, is_kept, step, spring);
     stored = with_energy(spring, stored);
     store_fours(spring.force, spring.stiffness, k, out.spring);
+    store_fours(spring.normal, zero, k, out.normal);
     if constexpr (kRubs == Rubs::slides_and_rolls) {
       const LawRows<BallRolling> rolling(laws.rolling, springs.law.data() + k);
       const Lane size = length(force);

@@ -57,6 +57,7 @@ struct BallSprings {
   alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of BallLaws
   alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
   alignas(64) BallFours spring, turn, rolling;
+  alignas(64) BallFours normal;  ///< x, y, z, and a place that is left
 };
 
 /// What pairs do to their bodies, world axes; as in PairResult.
@@ -65,7 +66,7 @@ struct BallForces {
   /// dissipative; two places are left.
   static constexpr std::size_t kFours = 6;
   alignas(64) std::array<BallFours, kFours> fours;
-  alignas(64) BallFours spring, turn, rolling;
+  alignas(64) BallFours spring, turn, rolling, normal;
   alignas(64) std::array<double, kBallPairs> left;  ///< 1: the general path is to compute the pair, what is here is nothing
   alignas(64) std::array<double, kBallPairs> gap;   ///< of the surfaces, as find_ball_gaps() [m]
 };

@@ -78,7 +78,14 @@ struct LaneContact {
 struct LaneSpring {
   Lane3 force;
   Lane stiffness;
+  Lane3 normal;
 };
+
+/// transported().
+HWY_INLINE Lane3 transported(const Lane3& spring, const Lane3& n, const Lane3& m) {
+  const Lane zero(0.0), c = Lane(1.0) + dot(n, m);
+  return select(c > Lane(kOppositeNormal), spring - (dot(spring, m) / c) * (n + m), Lane3{zero, zero, zero});
+}
 
 /// PairFriction of the pairs.
 struct LaneFriction {
@@ -89,13 +96,8 @@ struct LaneFriction {
   /// PairFriction::force of one contact of each pair.   in   D   effective overlap of the pair, `kept`: has a spring from the step before
   /// out   spring   in and out
   HWY_INLINE Lane3 force(const LaneContact& c, Lane D, Mask<double> kept, Lane step, LaneSpring& spring) const {
-    const Lane zero(0.0), one(1.0), before = spring.stiffness;
-    const Lane3 old = spring.force;
-    Lane3 s = turned.of(old);
-    // back into the tangent plane at its own length
-    s = s - dot(s, c.n) * c.n;
-    const Lane flat = dot(s, s);
-    s = select(flat > zero, sqrt(dot(old, old) / flat), one) * s;
+    const Lane zero(0.0), one(1.0), before = abs(spring.stiffness);
+    Lane3 s = transported(turned.of(spring.force), turned.of(spring.normal), c.n);
     // no more of it than the load allows, and no change of the load that is rounding
     const Lane fresh = tangential_ratio * (c.push / D);
     const auto same = abs(fresh - before) * c.overlap <= rounding * before;
@@ -106,21 +108,24 @@ struct LaneFriction {
       const Lane since = select((c.overlap > zero) & (c.overlap < (-c.vn) * step), c.overlap / (-c.vn), step);
       next = select(kept, next, ((-kappa) * since) * c.vt);
     }
-    const Lane limit = friction * c.damped, sliding_limit = sliding * c.damped;
+    const Lane sliding_limit = sliding * c.damped;
+    const auto slid = kept & (spring.stiffness < zero) & (dot(next, c.vt) < zero);
+    const Lane limit = select(slid, sliding_limit, friction * c.damped);
     const Lane stretched = dot(next, next);
-    const auto slides = stretched > limit * limit;
-    if (any(slides)) next = select(slides, sliding_limit / sqrt(stretched), one) * next;
+    const auto yields = stretched > limit * limit, slides = slid | yields;
+    if (any(yields)) next = select(yields, sliding_limit / sqrt(stretched), one) * next;
     Lane3 tangential = next - (damping * c.push) * c.vt;
     const Lane total = dot(tangential, tangential), cap = select(slides, sliding_limit, limit);
     if (const auto is_above = total > cap * cap; any(is_above)) tangential = select(is_above, cap / sqrt(total), one) * tangential;
-    spring = {next, kappa};
+    spring = {next, select(slides, -kappa, kappa), c.n};
     return tangential;
   }
 };
 
 /// What a spring stores, added to `stored` [J].
 HWY_INLINE Lane with_energy(const LaneSpring& spring, Lane stored) {
-  return select(spring.stiffness > Lane(0.0), stored + Lane(0.5) * dot(spring.force, spring.force) / spring.stiffness, stored);
+  const Lane kappa = abs(spring.stiffness);
+  return select(kappa > Lane(0.0), stored + Lane(0.5) * dot(spring.force, spring.force) / kappa, stored);
 }
 
 // NOLINTNEXTLINE(google-readability-namespace-comments)

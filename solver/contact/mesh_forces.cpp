@@ -153,10 +153,11 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
     if constexpr (kFriction) {
       const Lane3 slip = velocity - (half * step) * (cross(m.w_a, turning_a) - cross(m.w_b, turning_b)), vt = slip - dot(slip, n) * n;
       const auto [spring_force, spring_stiffness] = load_fours(f.spring, k);
-      LaneSpring spring{spring_force, spring_stiffness};
+      LaneSpring spring{spring_force, spring_stiffness, load_fours(f.normal, k).first};
       dissipative = dissipative + friction.force({n, vt, overlap, vn, part, damped}, push.D, at(f.kept, k) > zero, step, spring);
       stored = with_energy(spring, stored);
       store_fours(spring.force, spring.stiffness, k, f.spring);
+      store_fours(spring.normal, zero, k, f.normal);
     }
     lost = lost + dissipative;
     lost_torque = lost_torque + cross(x, dissipative);

@@ -31,6 +31,7 @@ struct MeshFeature {
   alignas(64) MeshNumbers overlap, weight;
   alignas(64) MeshNumbers kept;  ///< 1: has a spring from the step before
   alignas(64) MeshFours spring;  ///< in and out, as in FrictionSpring (x, y, z, stiffness)
+  alignas(64) MeshFours normal;  ///< of the spring, and a place that is left
   alignas(64) MeshNumbers push;  ///< scratch: its part of the push [N]
   std::array<std::int64_t, kMeshPairs> key;
 };

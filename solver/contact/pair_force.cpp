@@ -201,7 +201,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   const MeanTurn turned(springs, motion.surface == nullptr ? motion.turn : motion.turn * motion.surface->turned, friction_dt);
   std::vector<FrictionSpring>& next = work.springs;
   next.clear();
-  PairFriction friction(law, motion, friction_dt, springs, turned, next);
+  PairFriction friction(features, AttractingLaw<Law> ? &forces.push : nullptr, law, motion, friction_dt, springs, turned, next);
   for (std::size_t j = 0; j < count; ++j) {
     const ContactFeature& f = features.list[j];
     if constexpr (AttractingLaw<Law>) {

@@ -20,6 +20,7 @@ struct PairFeatures {
   bool has_cells = false;            ///< one potential for each of `cells`, with this part of the energy
   double cell_energy = 1;
   std::vector<CellShare> cells;
+  bool hands_over = true;  ///< keys name what a contact lies between, so that springs can be handed over (contact/hand_over.hpp)
   bool has_layer = false;  ///< gather = "area": patches of `layer` as the features
   AreaContact layer;
   AreaContact pull_layer;  ///< the same with the range of an attraction beside the margins; its patches go with `list` too

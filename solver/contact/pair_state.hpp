@@ -7,6 +7,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -24,13 +25,22 @@ struct PairKey {
 struct FrictionSpring {
   std::int64_t key;
   Vec3 force;        ///< [N]
-  double stiffness;  ///< kappa [N/m]
+  double stiffness;  ///< kappa [N/m]; below 0: -kappa of a feature that slides
+  Vec3 normal{};     ///< n of the feature, A frame; 0 of what is no spring, and of springs from checkpoints before version 5
 };
 
 /// A kind's group in checkpoints, its name in messages, and its columns as action(dataset, unit, field).
 /// A row is sorted within its pair by its member `key`.
 template <class Row>
 struct PairKind;
+
+/// Whether files of earlier versions lack a column. It then is 0, and where it is 0 it does not enter the hash of a state, so that the hash
+/// is that of those files. A kind that has such columns names them in its own is_later().
+template <class Kind>
+constexpr bool is_later_column(std::string_view column) {
+  if constexpr (requires { Kind::is_later(column); }) return Kind::is_later(column);
+  return false;
+}
 
 template <>
 struct PairKind<FrictionSpring> {
@@ -43,7 +53,9 @@ struct PairKind<FrictionSpring> {
     action("feature", "", &FrictionSpring::key);
     action("force", "N", &FrictionSpring::force);
     action("stiffness", "N/m", &FrictionSpring::stiffness);
+    action("normal", "", &FrictionSpring::normal);
   }
+  static constexpr bool is_later(std::string_view column) { return column == "normal"; }
 };
 
 /// Force of a contact as it was when the first of its bodies fell asleep (step/sleep.hpp): one row, of a pair in contact with a body

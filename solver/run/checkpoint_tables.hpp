@@ -34,6 +34,11 @@ struct BodyTableColumns {
           c.dataset, c.unit, [field = c.field](auto& row) -> auto& { return row.*field; });
     });
   }
+  static bool is_later(std::string_view dataset) {
+    bool later = false;
+    for_each_body_column([&](const auto& c) { later = later || ((c.uses & kLater) != 0 && dataset == c.dataset); });
+    return later;
+  }
 };
 template <class Row>
 struct PairTableColumns {
@@ -51,6 +56,7 @@ struct PairTableColumns {
           name, unit, [field](auto& row) -> auto& { return row.row.*field; });
     });
   }
+  static bool is_later(std::string_view dataset) { return is_later_column<PairKind<Row>>(dataset); }
 };
 
 /// A body in transit, with the inlet whose queue it is in.
@@ -134,20 +140,13 @@ void write_columns(CollectiveFile& file, const h5::Group& group, const std::vect
   });
 }
 
-/// Whether a file of an earlier version may lack a column of bodies.
-inline bool is_later_column(std::string_view dataset) {
-  bool later = false;
-  for_each_body_column([&](const auto& c) { later = later || ((c.uses & kLater) != 0 && dataset == c.dataset); });
-  return later;
-}
-
 /// Rows [first, last), as they lie in the file.
 template <class Columns>
 std::vector<typename Columns::Item> read_rows(const h5::Group& group, std::int64_t first, std::int64_t last) {
   std::vector<typename Columns::Item> rows(static_cast<std::size_t>(last - first), typename Columns::Item{});
   Columns::visit([&](const char* name, const char*, auto value_of) {
     using Value = std::decay_t<decltype(value_of(rows[0]))>;
-    if (is_later_column(name) && !group.has(name)) return;
+    if (is_later_column<Columns>(name) && !group.has(name)) return;
     const std::vector<Value> values = group.read_rows<Value>(name, first, last - first);
     for (std::size_t i = 0; i < rows.size(); ++i) value_of(rows[i]) = values[i];
   });

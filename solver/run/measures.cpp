@@ -302,7 +302,10 @@ std::string state_hash(const RunState& s) {
         h.add(pair.key.a);
         h.add(pair.key.b);
         h.add(static_cast<std::int64_t>(pair.key.zone));
-        KindOf<decltype(rows)>::visit([&](const char*, const char*, auto field) { h.add(row.*field); });
+        using Kind = KindOf<decltype(rows)>;
+        Kind::visit([&](const char* name, const char*, auto field) {
+          if (!is_later_column<Kind>(name) || row.*field != std::decay_t<decltype(row.*field)>{}) h.add(row.*field);
+        });
         add(h);
       }
     });

@@ -103,6 +103,7 @@ void BallEvaluation::press(Due& due) {
   if (springs.size() != spring_count_ || kept[0].key != kSpringKey || springs.back().key != kTurnKey) return false;
   springs_.kept[n] = 1;
   store(kept[0], &springs_.spring[4 * n]);
+  store(kept[0].normal, &springs_.normal[4 * n]);
   store(springs.back(), &springs_.turn[4 * n]);
   if (spring_count_ == kMostSprings) {
     if (kept[1].key != kRollingKey) return false;
@@ -183,6 +184,7 @@ void BallEvaluation::hand_out() {
     if (springs.size() != spring_count) begin_springs(spring_count, springs);
     FrictionSpring* const kept = springs.data();
     load(&forces_.spring[4 * n], kept[0]);
+    load(&forces_.normal[4 * n], kept[0].normal);
     load(&forces_.turn[4 * n], kept[spring_count - 1]);
     if (spring_count == kMostSprings) load(&forces_.rolling[4 * n], kept[1]);
   }

@@ -11,7 +11,7 @@ namespace scree {
 
 inline constexpr std::size_t kFour = 4 * sizeof(double), kOfSpring = offsetof(FrictionSpring, force),
                              kNumbers = offsetof(PairResult, overlap_ratio);
-static_assert(sizeof(FrictionSpring) == kOfSpring + kFour && offsetof(FrictionSpring, stiffness) == kOfSpring + 3 * sizeof(double));
+static_assert(offsetof(FrictionSpring, stiffness) == kOfSpring + 3 * sizeof(double));
 static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(double) && offsetof(PairResult, force_a) == kNumbers + kFour &&
               offsetof(PairResult, torque_b) == kNumbers + 10 * sizeof(double) &&
               offsetof(PairResult, dissipative_torque_b) == kNumbers + 19 * sizeof(double) &&
@@ -19,6 +19,10 @@ static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(doubl
 
 inline void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
 inline void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
+
+/// The normal of a spring; the fourth place is left as it is.
+inline void store(const Vec3& v, double* four) { std::memcpy(four, &v, sizeof v); }
+inline void load(const double* four, Vec3& v) { v = {four[0], four[1], four[2]}; }
 
 /// The numbers of a pair's result.   in   fours   as BallForces::fours     in  n  place of the pair in each
 template <class Fours>

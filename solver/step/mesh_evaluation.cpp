@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "solver/contact/pair_friction.hpp"
 #include "solver/step/lane_rows.hpp"
 
 namespace scree {
@@ -27,10 +28,13 @@ void set(const ContactFeature& f, const FrictionSpring* spring, std::size_t n, M
   to.weight[n] = f.weight;
   to.key[n] = f.key;
   to.kept[n] = spring != nullptr ? 1 : 0;
-  if (spring != nullptr)
+  if (spring != nullptr) {
     store(*spring, &to.spring[4 * n]);
-  else
+    store(spring->normal, &to.normal[4 * n]);
+  } else {
     std::fill_n(&to.spring[4 * n], 4, 0.0);
+    std::fill_n(&to.normal[4 * n], 4, 0.0);
+  }
 }
 
 /// Lanes have no rolling resistance of meshes, and take no time of a pair.
@@ -70,10 +74,18 @@ void MeshEvaluation::add(std::int32_t k, std::size_t law, const BodyPair& pair, 
   batch.turned[n] = turned ? 1 : 0;
   if (turned) store(springs.back(), &batch.turn[4 * n]);
   auto old = springs.begin();
+  const std::vector<HandedOver>* handed_over = nullptr;
   for (std::size_t j = 0; j < count; ++j) {
     const ContactFeature& f = features.list[j];
     while (old != springs.end() && old->key < f.key) ++old;
-    set(f, old != springs.end() && old->key == f.key ? &*old : nullptr, n, batch.features[j]);
+    const FrictionSpring* spring = old != springs.end() && old->key == f.key ? &*old : nullptr;
+    if (spring == nullptr && !springs.empty() && features.hands_over && is_handed_over(f.key)) {
+      if (handed_over == nullptr)
+        handed_over = &find_handed_over(features.list, nullptr, springs, MeanTurn(springs, view.pose.turn, pass_.friction_dt));
+      for (const HandedOver& h : *handed_over)
+        if (h.feature == f.key) spring = h.spring;
+    }
+    set(f, spring, n, batch.features[j]);
   }
   if (batch.count == kMeshPairs) evaluate(batch);
 }
@@ -104,8 +116,10 @@ void MeshEvaluation::evaluate(MeshPairs& batch) {
     for (std::size_t j = 0; j < count; ++j) {
       springs[j].key = batch.features[j].key[n];
       load(&batch.features[j].spring[4 * n], springs[j]);
+      load(&batch.features[j].normal[4 * n], springs[j].normal);
     }
     springs[count].key = kTurnKey;
+    springs[count].normal = {};
     load(&batch.turn[4 * n], springs[count]);
   }
   batch.count = 0;

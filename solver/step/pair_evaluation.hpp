@@ -179,6 +179,7 @@ class PairEvaluation {
       const double left = std::min(lists.next_look - lists.way, lists.skin - moved);
       return rest(view, left, pair, idle);
     }
+    if constexpr (Model::kGathering != Gathering::potential) features_.hands_over = view.geometry != PairGeometry::two_meshes;
     if (view.off_middle != 0)
       for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
     const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;

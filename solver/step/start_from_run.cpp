@@ -26,6 +26,7 @@ std::vector<KeyedRow<Row>> rows_of(const PairTable& table) {
   PairKind<Row>::visit([&](const char* name, const char*, auto field) {
     using Value = std::decay_t<decltype(Row{}.*field)>;
     const auto column = std::find_if(table.columns.begin(), table.columns.end(), [&](const PairColumn& c) { return c.name == name; });
+    if (column == table.columns.end() && is_later_column<PairKind<Row>>(name)) return;  // of an older checkpoint
     const auto* values = column == table.columns.end() ? nullptr : std::get_if<std::vector<Value>>(&column->values);
     if (values == nullptr) throw InputError("the scene's start/pairs/{} has no column {} of the right kind", table.kind, name);
     for (std::size_t n = 0; n < rows.size(); ++n) rows[n].row.*field = (*values)[n];

@@ -238,7 +238,7 @@ TEST_F(Command, a_newer_scene_exits_with_3) {
     file.root().write_attribute("format_version", kSceneFormatVersionWithStart + 1);
     file.commit();
   }
-  expect("partition new.scene.h5 --ranks 2 -o b.scene.h5", 3, {"version 3", "newer Scree"});
+  expect("partition new.scene.h5 --ranks 2 -o b.scene.h5", 3, {"version 4", "newer Scree"});
 }
 
 TEST_F(Command, files_that_are_missing_and_folders_that_do_not_exist_are_told_apart) {

@@ -231,7 +231,28 @@ def a_checkpoint_of_version_3_is_read():
         assert result["max_depth_ratio"] >= f.attrs["max_depth_ratio"] > 0
     # and of the present version, what it goes on with
     with h5py.File(os.path.join("a.run", checkpoints("a.run")[-1]), "r") as f:
-        assert f.attrs["format_version"] == 4 and f["record"].attrs["kinetic_peak"] == result["energy"]["kinetic_peak"]
+        assert f.attrs["format_version"] == 5 and f["record"].attrs["kinetic_peak"] == result["energy"]["kinetic_peak"]
+
+
+def a_checkpoint_of_version_4_is_read_with_its_springs():
+    """tests/data/checkpoint_v4.h5 is of step 513 of 1026, from the last solver that wrote this version and sliding.scene.h5 beside it: bodies in
+    contact, whose springs have no normals."""
+    data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
+    old = os.path.join(data, "checkpoint_v4.h5")
+    run(1, os.path.join(data, "sliding.scene.h5"), "-o", "sliding.run", "--restart", old)
+    assert outcome("sliding.run")["steps"] == 1026
+    run(2, os.path.join(data, "sliding.scene.h5"), "-o", "whole.run")
+    with h5py.File(old, "r") as f, h5py.File(os.path.join("sliding.run", checkpoints("sliding.run")[-1]), "r") as now, \
+            h5py.File(os.path.join("whole.run", checkpoints("whole.run")[-1]), "r") as whole:
+        assert "normal" not in f["springs"] and f["springs/a"].shape == now["springs/a"].shape
+        feature, stiffness, normal = (now["springs/" + name][()] for name in ("feature", "stiffness", "normal"))
+        springs = feature < 3 << 60
+        assert abs(np.linalg.norm(normal[springs], axis=1) - 1).max() < 1e-12 and not normal[~springs].any()
+        assert (stiffness[springs] < 0).any(), "nothing slides"
+        # the step after the restart knows no normals, which turn by less than the margin over the size
+        order, same = (np.argsort(file["bodies/id"][()]) for file in (now, whole))
+        error = abs(now["bodies/x"][()][order] - whole["bodies/x"][()][same]).max()
+        assert error < 1e-9, error
 
 
 def a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing():
@@ -283,6 +304,6 @@ def walls_in_frames_carry_the_forces_of_the_log():
 TESTS = [a_finished_run_is_left_as_it_is, a_folder_that_is_refused_is_left_as_it_is, only_names_that_the_solver_writes_count,
          a_second_solver_on_a_folder_is_refused, the_list_of_frames_never_names_one_that_is_gone,
          a_log_is_on_the_disk_before_the_checkpoint_that_relies_on_it, verify_compares_scenes_far_from_the_origin_in_the_world,
-         the_record_of_a_restarted_run_covers_all_of_it, a_checkpoint_of_version_3_is_read,
+         the_record_of_a_restarted_run_covers_all_of_it, a_checkpoint_of_version_3_is_read, a_checkpoint_of_version_4_is_read_with_its_springs,
          a_run_keeps_checkpoints_by_the_clock_and_they_change_nothing, walls_in_frames_carry_the_forces_of_the_log]
 main(TESTS)

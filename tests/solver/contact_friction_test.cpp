@@ -1,6 +1,7 @@
 // docs/reference/contact-law.md section 5, test 8: sliding without ripple, no creep, torsion, and rest on a bumpy bed.
 #include <gtest/gtest.h>
 
+#include "solver/contact/pair_friction.hpp"
 #include "tests/solver/contact_cases.hpp"
 
 namespace scree {
@@ -94,6 +95,125 @@ TEST(ContactFriction, a_block_on_a_slope_below_the_friction_angle_does_not_creep
   std::printf("creep in 15 s: %.1e m\n", scene.pair.body[0].x.x - start);
   EXPECT_LE(std::abs(scene.pair.body[0].x.x - start), 1e-9);
   EXPECT_GE(start, -.4);
+}
+
+// Closed forms: g (sin - mu cos) down a slope of 0.5, below the angle of static friction, and -mu g on the level, with the mu of sliding.
+TEST(ContactFriction, sliding_friction_below_static_friction_is_the_same_at_every_step) {
+  const double sine = std::sqrt(.2), cosine = 2 * sine;
+  for (const double steps_per_contact : {8., 12., 30., 120., 480.}) {
+    for (const bool slope : {true, false}) {
+      BlockOnFloor scene(1, 1, steps_per_contact, 0);
+      scene.pair.friction_sliding = .25;
+      scene.run(1);
+      if (slope) scene.pair.gravity = {9.81 * sine, 0, -9.81 * cosine};
+      scene.pair.v[0].x += slope ? .1 : 1;
+      scene.run(.1);
+      const double from = scene.pair.v[0].x;
+      const int steps = static_cast<int>(.1 / scene.dt);
+      for (int n = 0; n < steps; ++n) scene.pair.step(scene.dt);
+      const double expected = slope ? 9.81 * (sine - .25 * cosine) : -.25 * 9.81;
+      const double measured = (scene.pair.v[0].x - from) / (steps * scene.dt);
+      EXPECT_NEAR(measured, expected, .01 * std::abs(expected)) << steps_per_contact << (slope ? " slope" : " level");
+    }
+  }
+}
+
+// A rising load does not give the static limit back to what slides.
+TEST(ContactFriction, a_spring_keeps_the_sliding_limit_until_it_sticks_again) {
+  const PairFeatures none;
+  PairLaw law;
+  law.friction = .6;
+  law.friction_sliding = .3;
+  const PairMotion motion{};
+  ContactFeature f{};
+  f.key = 7;
+  f.n = {0, 0, 1};
+  f.overlap = 1e-3;
+  f.weight = 1;
+  std::vector<FrictionSpring> springs, next;
+  double elastic = 0;
+  const auto friction = [&](const Vec3& vt, double push) {
+    const MeanTurn turned(springs, {}, 1e-3);
+    next.clear();
+    const Vec3 force =
+        PairFriction(none, nullptr, law, motion, 1e-3, springs, turned, next).force(f, vt, 0, push, 1e4, 0, elastic, nullptr);
+    springs = next;
+    return force.x;
+  };
+  EXPECT_DOUBLE_EQ(friction({.05, 0, 0}, 1), -.5);  // holds
+  EXPECT_FALSE(springs[0].stiffness < 0);
+  EXPECT_DOUBLE_EQ(friction({.05, 0, 0}, 1), -.3);  // slides
+  EXPECT_TRUE(springs[0].stiffness < 0);
+  EXPECT_DOUBLE_EQ(friction({.05, 0, 0}, 1.2), -.36);  // under a larger load
+  EXPECT_DOUBLE_EQ(friction({.005, 0, 0}, 2), -.41);   // not at its limit, but it has not turned round
+  EXPECT_TRUE(springs[0].stiffness < 0);
+  EXPECT_DOUBLE_EQ(friction({.05, 0, 0}, 2), -.6);
+  EXPECT_NEAR(friction({-.01, 0, 0}, 2), -.5, 1e-12);  // back: it sticks
+  EXPECT_FALSE(springs[0].stiffness < 0);
+  EXPECT_DOUBLE_EQ(friction({.06, 0, 0}, 2), -1.1);  // and holds up to the static limit
+  EXPECT_DOUBLE_EQ(springs[0].normal.z, 1);
+}
+
+TEST(ContactFriction, a_spring_goes_with_its_normal_at_its_length_and_amplifies_no_rounding) {
+  std::mt19937 g(3);
+  std::normal_distribution<double> number;
+  const auto random = [&] { return Vec3{number(g), number(g), number(g)}; };
+  for (int n = 0; n < 1000; ++n) {
+    const auto unit = [&] {
+      const Vec3 v = random();
+      return (1 / length(v)) * v;
+    };
+    const Vec3 from = unit(), to = unit(), s = cross(from, random());
+    const Vec3 t = transported(s, from, to);
+    EXPECT_NEAR(length(t), length(s), 1e-9 * length(s));
+    EXPECT_LE(std::abs(dot(t, to)), 1e-9 * length(s));
+    EXPECT_LE(length(transported(t, to, from) - s), 1e-9 * length(s)) << "there and back";
+  }
+  // a spring along the new normal, but for rounding: it was stretched to its length, and so pointed anywhere
+  const Vec3 t = transported({1, 0, 1e-17}, {0, 0, 1}, {1, 0, 0});
+  EXPECT_LE(length(t - Vec3{0, 0, -1}), 1e-15);
+  EXPECT_EQ(transported({1, 0, 0}, {0, 0, 1}, {0, 0, -1}), Vec3{});
+  EXPECT_EQ(transported({1, 2, 3}, {}, {0, 0, 1}), (Vec3{1, 2, 0})) << "of an older checkpoint";
+}
+
+/// Features and springs with the normals (sin a, 0, cos a).
+ContactFeature feature(std::int64_t key, double angle) {
+  ContactFeature f{};
+  f.key = key;
+  f.n = {std::sin(angle), 0, std::cos(angle)};
+  f.overlap = f.weight = 1;
+  return f;
+}
+FrictionSpring spring(std::int64_t key, double angle) { return {key, {0, 1, 0}, 1, {std::sin(angle), 0, std::cos(angle)}}; }
+
+std::vector<std::array<std::int64_t, 2>> handed_over(const std::vector<ContactFeature>& features,
+                                                     const std::vector<FrictionSpring>& springs) {
+  std::vector<std::array<std::int64_t, 2>> pairs;
+  for (const HandedOver& h : find_handed_over(features, nullptr, springs, MeanTurn({}, {}, 1))) pairs.push_back({h.spring->key, h.feature});
+  return pairs;
+}
+
+TEST(ContactFriction, a_spring_is_handed_over_to_the_feature_of_its_corner_whose_normal_is_nearest) {
+  using Pairs = std::vector<std::array<std::int64_t, 2>>;
+  const auto corner = [](std::int64_t i, std::int64_t foot) { return make_key(kCornerOfB, i, foot); };
+  // equal keys first, then the nearest normals, then the next
+  EXPECT_EQ(handed_over({feature(corner(4, 1), 0), feature(corner(4, 5), .3), feature(corner(4, 6), .1)},
+                        {spring(corner(4, 1), .1), spring(corner(4, 2), .12), spring(corner(4, 3), 0)}),
+            (Pairs{{corner(4, 2), corner(4, 6)}, {corner(4, 3), corner(4, 5)}}));
+  EXPECT_EQ(handed_over({feature(corner(4, 5), .1)}, {spring(corner(3, 1), .1), spring(corner(5, 1), .1)}), Pairs{}) << "another corner";
+  EXPECT_EQ(handed_over({feature(corner(4, 5), 0)}, {spring(corner(4, 1), 1.1)}), Pairs{}) << "too far round";
+  EXPECT_EQ(handed_over({feature(make_key(kEdgeEdge, 4, 5), 0)}, {spring(make_key(kEdgeEdge, 4, 1), 0)}), Pairs{});
+  EXPECT_EQ(handed_over({feature(corner(4, 5), 0), feature(corner(4, 6), 0)}, {spring(corner(4, 7), 0)}),
+            (Pairs{{corner(4, 7), corner(4, 5)}}))
+      << "the first of equals";
+  // a ball on a mesh: from a region to an edge to a corner; one spring each
+  EXPECT_EQ(handed_over({feature(std::int64_t{1} << 58 | 17, .1)}, {spring(12, 0)}), (Pairs{{12, std::int64_t{1} << 58 | 17}}));
+  EXPECT_EQ(handed_over({feature(std::int64_t{2} << 58 | 3, .1)}, {spring(std::int64_t{1} << 58 | 17, 0)}),
+            (Pairs{{std::int64_t{1} << 58 | 17, std::int64_t{2} << 58 | 3}}));
+  // of an older checkpoint, without a normal
+  FrictionSpring old = spring(corner(4, 0), 0);
+  old.normal = {};
+  EXPECT_EQ(handed_over({feature(corner(4, 5), 1.5)}, {old}), (Pairs{{corner(4, 0), corner(4, 5)}}));
 }
 
 // Four corners at r carry a quarter of the weight each: torque mu m g r until the spin ends at t = w I / (mu m g r).

@@ -91,6 +91,7 @@ class TwoBodies {
     m.radius = law.radius;
     law.barrier = barrier;
     law.margin = margin_;
+    if (friction_sliding >= 0) law.friction_sliding = friction_sliding;
     PairForce f = pair_force_function(prepared_->law_choice())(found_, law, m, dt, dt, springs_, &outputs);
     last_ = f;
     return f;
@@ -121,6 +122,7 @@ class TwoBodies {
   /// Takes the lists of candidates for used up: after a body was put elsewhere.
   void forget_lists() { lists_ = {}; }
   const PairForce& last() const { return last_; }
+  const std::vector<FrictionSpring>& springs() const { return springs_; }
   /// Force on A as of the last evaluation, world.
   Vec3 force_on_a() const { return rotate(body[0].q, last_.force); }
   void kick(double h) {
@@ -166,6 +168,7 @@ class TwoBodies {
   double cell_size = 0;          // as if B were a very large wall [m]
   CellSide cells = CellSide::b;  // or A a very large body, or both
   double barrier = 0;            // k_b [N/m]
+  double friction_sliding = -1;  // below that at rest; < 0: the same
   std::vector<ContactFeature> features;
   std::vector<ContactOutput> outputs;
 

@@ -203,7 +203,7 @@ TEST_F(SceneFile, a_scene_of_a_newer_version_is_refused_with_what_to_do) {
     file.root().write_attribute("format_version", kSceneFormatVersionWithStart + 1);
     file.commit();
   }
-  expect_says(message_of([&] { read_scene_file(path("new.scene.h5")); }), {"new.scene.h5", "version 3", "newer Scree"});
+  expect_says(message_of([&] { read_scene_file(path("new.scene.h5")); }), {"new.scene.h5", "version 4", "newer Scree"});
 }
 
 TEST_F(SceneFile, a_file_of_another_kind_is_refused) {

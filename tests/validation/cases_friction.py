@@ -433,3 +433,39 @@ def f12(tools, report):
         report.at_most(f"r = {radii[i]:.3g} m: its ripple", numpy.ptp(force) / expected, 1e-3)
         report.at_most(f"r = {radii[i]:.3g} m: drift in {rate * 9 / 2 / math.pi:.1f} turns over r", abs(r[-1, i] - r[settled][0, i]) / radii[i], 1e-3)
     report.at_least("r = 1.05 of the limit: slides off (r at the end over r)", r[-1, 2] / radii[2], 1.5)
+
+
+@case("F13", "U", "sliding friction below static friction: the same at every step and stiffness", "a = g_along - mu_sliding g_across")
+def f13(tools, report):
+    mu_static, mu_sliding, half, margin = .6, .3, .01, 1e-4
+    stiffnesses = [1e4, 3e4, 1e5, 1e6]
+    mass = 1000.0 * 8 * half**3
+    for scene, gravity, speed, expected in (("slope of 0.5", (G / math.sqrt(1.25) / 2, 0, -G / math.sqrt(1.25)), .05, G / math.sqrt(1.25) * (.5 - mu_sliding)),
+                                            ("level floor", (0, 0, -G), 1.0, -mu_sliding * G)):
+        worst = {}
+        for steps in (8, 12, 30, 120, 480):
+            c = Case(f"F13-{scene.split()[0]}-{steps}", duration=.2, steps_per_contact=steps, gravity=gravity, margin=margin, every=.01,
+                     contact={"impact_speed": .1})
+            c.mesh("cube", meshes.box((2 * half,) * 3))
+            c.mesh("bed", meshes.box((1.0, .1, .1)))
+            c.sphere("ball", half)
+            for n, k in enumerate(stiffnesses):
+                c.material(f"m{n}", 1000.0)
+                c.pair(f"m{n}", f"m{n}", stiffness=k, restitution=.3, friction=mu_static, friction_sliding=mu_sliding)
+            c.pair_all(stiffness=1e4, restitution=.3, friction=0)
+            kinds = []
+            for n, k in enumerate(stiffnesses):
+                c.body("bed", f"m{n}", (0, .2 * n, .5), fixed=True)
+                ball = mass * math.pi / 6  # of a ball of that width
+                for shape, x, m, corners in (("cube", -.4, mass, 4), ("ball", -.2, ball, 1)):
+                    sinks = -gravity[2] * m / (k * corners**.25)
+                    c.body(shape, f"m{n}", (x, .2 * n, .55 + half - sinks), velocity=(speed, 0, 0), lock_rotation=True)
+                    kinds.append(shape)
+            run = report.run(c.run(tools))
+            late = (run.times > .095) & (run.times < .205)
+            for kind, i in zip(kinds, numpy.nonzero(run.v[0, :, 0])[0]):
+                a = (run.v[late, i, 0][-1] - run.v[late, i, 0][0]) / (run.times[late][-1] - run.times[late][0])
+                if kind not in worst or abs(a - expected) > abs(worst[kind] - expected):
+                    worst[kind] = a
+        for kind, a in worst.items():
+            report.check(f"{scene}, {kind} on a fixed body: acceleration that is farthest off [m/s^2]", a, expected, .01)
