@@ -1,10 +1,16 @@
 // Sleep::review: who is ready, and who of these falls asleep.
+//
+// A body on its tip is not at rest, however slowly it begins to fall: the torque on it grows. So the torque must not have grown to the next
+// power of 2 over the time for which a body is found at rest; else that time begins anew. Of a body that stands or rocks, and comes to
+// rest, it has not, sooner or later. What `rest` counts while a body is awake is the number of looks, and with it the power of 2 at the
+// first of them.
 #include <algorithm>
 #include <cmath>
 
 #include "solver/bodies/motion.hpp"
 #include "solver/step/run_state.hpp"
 #include "solver/step/sleep.hpp"
+#include "solver/step/sleep_loads.hpp"
 
 namespace scree {
 
@@ -14,7 +20,15 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Beside the number of looks during a review: the body is ready.
 constexpr std::int32_t kReady = 1 << 30;
-constexpr std::int32_t kMostLooks = kReady - 1;
+constexpr std::int32_t kOctave = 20;  ///< first bit of the power of 2 of the torque
+constexpr std::int32_t kMostLooks = (1 << kOctave) - 1;
+/// Torques below this power of 1/2 of the tolerance may grow: far above rounding, and far below what a body falls by.
+constexpr std::int32_t kLowestOctave = 10;
+
+/// How many times a torque can be doubled below the tolerance.   in   torque   over the tolerance, below 1
+std::int32_t octave_of(double torque) {
+  return torque < std::ldexp(1.0, -kLowestOctave) ? kLowestOctave : static_cast<std::int32_t>(-std::ilogb(torque) - 1);
+}
 
 bool is_awake(const ParticleSet& p, std::size_t i) { return p.rest[i] != kAsleep && !p.fixed[i]; }
 
@@ -36,11 +50,22 @@ bool Sleep::count_quiet(RunState& s) const {
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (!is_awake(p, i)) continue;
     const double weight = weight_of(s, i), diameter = 2 * p.equivalent_radius[i];
-    const bool quiet =
-        on_restless[i] == 0 && kinetic_energy(p, i) < kSleepEnergy * weight * diameter && length(p.force[i]) < tolerance * weight;
-    p.rest[i] = quiet ? std::min(p.rest[i] + 1, kMostLooks) : 0;
+    const double torque = p.lock_rotation[i] != 0 ? 0.0 : length(p.torque[i]) / (tolerance * weight * p.equivalent_radius[i]);
+    const bool quiet = on_restless[i] == 0 && kinetic_energy(p, i) < kSleepEnergy * weight * diameter &&
+                       length(p.force[i]) < tolerance * weight && torque < 1;
+    if (!quiet) {
+      p.rest[i] = 0;
+      continue;
+    }
     // the first look of a row of them begins the time
-    if (!quiet || !((p.rest[i] - 1) * between >= std::sqrt(2 * diameter * p.mass[i] / weight))) continue;
+    const std::int32_t before = p.rest[i] & kMostLooks, begins = 1 | (octave_of(torque) << kOctave);
+    p.rest[i] = before == 0 ? begins : before < kMostLooks ? p.rest[i] + 1 : p.rest[i];
+    const double time = std::sqrt(2 * diameter * p.mass[i] / weight);
+    if (!(before * between >= time)) continue;
+    if (!((before - 1) * between >= time) && octave_of(torque) < p.rest[i] >> kOctave) {  // as the time is over
+      p.rest[i] = begins;
+      continue;
+    }
     p.rest[i] |= kReady;
     any = true;
   }
@@ -84,6 +109,10 @@ void Sleep::review(RunState& s, Halo& halo, ForceScratch& scratch, FirstFailure&
   halo.start_refresh(s.particles, s.times);
   halo.finish_refresh(s.particles, s.times);
   stay_with_neighbours(s);
+  std::vector<std::size_t> sleepers;
+  for (std::size_t i = 0; i < s.particles.owned; ++i) {
+    if (is_awake(s.particles, i) && (s.particles.rest[i] & kReady) != 0) sleepers.push_back(i);
+  }
   if (!(s.comm.max(fall_asleep(s) ? 1.0 : 0.0) > 0)) return;
   // ghosts that sleep have no velocity either
   halo.start_refresh(s.particles, s.times);
@@ -91,6 +120,12 @@ void Sleep::review(RunState& s, Halo& halo, ForceScratch& scratch, FirstFailure&
   dirty_ = true;
   find_awake_rows(s);
   sort_pairs(s, scratch, failure);
+  // without motion: what later forces are compared with
+  const std::vector<BodyLoad> loads = loads_on(s, sleepers);
+  for (std::size_t n = 0; n < sleepers.size(); ++n) {
+    s.particles.force[sleepers[n]] = loads[n].force;
+    s.particles.torque[sleepers[n]] = loads[n].torque;
+  }
 }
 
 }  // namespace scree

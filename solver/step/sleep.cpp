@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "solver/step/run_state.hpp"
+#include "solver/step/sleep_loads.hpp"
 
 namespace scree {
 
@@ -131,7 +132,7 @@ void Sleep::wake_disturbed(RunState& s) {
   ParticleSet& p = s.particles;
   const double tolerance = s.scene.source().settings.sleep_tolerance;
   bool woke = false;
-  std::vector<std::size_t> disturbed;
+  std::vector<std::size_t> disturbed, borders;
   for (const std::int32_t k : border_) {
     const PairResult& r = s.pairs.results()[at(k)];
     BodyPair& pair = s.pairs.pairs()[at(k)];
@@ -143,7 +144,23 @@ void Sleep::wake_disturbed(RunState& s) {
       wakes = pair.b < 0 || !(length(change) <= tolerance * weight_of(s, body));
       if (!r.active) kept.clear();
     }
-    if (wakes && body < p.owned) disturbed.push_back(body);
+    if (body >= p.owned) continue;
+    if (wakes)
+      disturbed.push_back(body);
+    else
+      borders.push_back(body);
+  }
+  // all changes since a body fell asleep together, of contacts that have ended too: its force and torque are those that it had then
+  std::sort(borders.begin(), borders.end());
+  borders.erase(std::unique(borders.begin(), borders.end()), borders.end());
+  const std::vector<BodyLoad> loads = loads_on(s, borders);
+  for (std::size_t n = 0; n < borders.size(); ++n) {
+    const std::size_t body = borders[n];
+    const double most = tolerance * weight_of(s, body);
+    const bool turns = p.lock_rotation[body] == 0;
+    if (!(length(loads[n].force - p.force[body]) <= most) ||
+        (turns && !(length(loads[n].torque - p.torque[body]) <= most * p.equivalent_radius[body])))
+      disturbed.push_back(body);
   }
   // each pair is judged by who slept as the step began: else the order of pairs would enter
   for (const std::size_t body : disturbed) {

@@ -1,9 +1,9 @@
 // Bodies at rest that are not computed until something disturbs them (time.sleep of the case).
 //
 // Falling asleep. Every kSleepSteps steps, counted from t = 0, each body is looked at: it is at rest where its kinetic energy is below
-// kSleepEnergy of what it would gain by a fall of its own diameter, and the force on it below `sleep_tolerance` of its weight. A body that
-// has been found so for as long as such a fall takes is ready. It falls asleep once all that touch it are ready too, or asleep: velocities
-// become 0, and what kinetic energy there was is booked. Springs stay. A wall that moves, carries along, answers to force or has a load
+// kSleepEnergy of what it would gain by a fall of its own diameter, and its force and torque below `sleep_tolerance` of its weight. A body
+// found so for as long as such a fall takes, its torque not grown, is ready. It falls asleep once all that touch it are ready or asleep:
+// velocities become 0, and the kinetic energy is booked. Springs stay. A wall that moves, carries along, answers to force or has a load
 // map lets nobody sleep that touches it.
 //
 // Asleep. A pair of which neither side moves is neither examined nor computed: it keeps the result that evaluate_at_rest() gave, which is a
@@ -12,7 +12,7 @@
 //
 // Waking up, in the very step in which
 //   - a contact begins with a body that is awake or with a wall that moves: such a contact has no kept force
-//   - the force of a contact departs from the kept one by more than `sleep_tolerance` of the weight, or the contact ends that had more
+//   - a contact, or all together, ended ones too, depart by more than `sleep_tolerance` of the weight, or of weight times radius as torque
 //   - a wall in contact begins to move
 //   - a body in contact is taken out of the run
 // What wakes takes the forces of all its contacts, and moves in the next step; those who lie behind it wake by the second of these rules.

@@ -309,6 +309,107 @@ def a_neighbour_that_is_taken_out_wakes_who_touched_it():
     assert physics_of_log("two.run") == physics_of_log("outlet.run")
 
 
+# A slab on balls whose floor goes down: each of them carries less than the tolerance.
+SLAB = """
+gravity = [0, 0, -9.81]
+[time]
+duration = 0.65
+sleep = true
+sleep_tolerance = 0.01
+[contact]
+impact_speed = 1
+margin_ratio = 0.02
+[materials.m]
+density = 2700
+[[pairs]]
+between = ["m", "m"]
+stiffness = 1e5
+restitution = 0.1
+friction = 0.5
+rolling_friction = 0.1
+torsional_friction = 0.1
+[shapes.slab]
+file = "slab.shape.h5"
+[shapes.ball]
+sphere = { radius = 0.008 }
+[[bodies]]
+shape = "slab"
+material = "m"
+position = [0, 0, 0.0361]
+[[populations]]
+shape = "ball"
+material = "m"
+method = "lattice"
+jitter = 0
+count = 121
+region = { box = [[-0.115, -0.115, 0.00001], [0.115, 0.115, 0.01603]] }
+[[walls]]
+shape = { plate = { corner = [-0.3, -0.3, 0], side_a = [0.6, 0, 0], side_b = [0, 0.6, 0] } }
+material = "m"
+motion = { translate = { velocity = [0, 0, -1] }, start = 0.5 }
+[output]
+every = 0.02
+"""
+
+
+def a_slab_whose_support_leaves_grain_by_grain_falls():
+    """From 0.5 s on it falls freely: within the time that the balls take to let go, as if it had never slept."""
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "0.24, 0.24, 0.04", "-o", "slab.shape.h5"], check=True, env=ENV,
+                   capture_output=True)
+    pack("slab", SLAB)
+    run(1, "slab.scene.h5", "-o", "slab.run")
+    times, asleep, z = column("slab.run", "time"), column("slab.run", "asleep"), positions("slab.run")[:, 2]
+    assert asleep[times < 0.49][-1] == 122, asleep[times < 0.49]
+    way = z[0] - z[-1]
+    assert abs(way / (0.5 * 9.81 * 0.15**2) - 1) < 0.05, way
+    run(2, "slab.scene.h5", "-o", "two.run")
+    assert physics_of_log("two.run") == physics_of_log("slab.run")
+
+
+# An octahedron on its tip, 1e-5 rad from upright.
+TIP = """
+gravity = [0, 0, -9.81]
+[time]
+duration = 1
+sleep = {sleep}
+[contact]
+margin_ratio = 0.05
+relax = false
+[materials.m]
+density = 2700
+[[pairs]]
+between = ["m", "m"]
+stiffness = 1e4
+restitution = 0.1
+friction = 0.5
+[shapes.tip]
+file = "tip.shape.h5"
+[[bodies]]
+shape = "tip"
+material = "m"
+position = [0, 0, 0.0097]
+orientation = [{w!r}, {x!r}, 0, 0]
+[[walls]]
+shape = {{ plane = {{ point = [0, 0, 0], normal = [0, 0, 1] }} }}
+material = "m"
+[output]
+every = 0.025
+"""
+
+
+def a_body_that_falls_from_its_tip_does_not_sleep_on_it():
+    with open("tip.off", "w") as file:
+        file.write("OFF\n6 8 0\n0.01 0 0\n-0.01 0 0\n0 0.01 0\n0 -0.01 0\n0 0 0.01\n0 0 -0.01\n3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n")
+    subprocess.run([os.path.join(BIN, "scree-mesher"), "import", "tip.off", "-o", "tip.shape.h5", "--unit", "m"], check=True, env=ENV, capture_output=True)
+    ends = {}
+    for sleep in ("false", "true"):
+        pack(sleep, TIP.format(sleep=sleep, w=math.cos(0.5e-5), x=math.sin(0.5e-5)))
+        run(1, sleep + ".scene.h5", "-o", sleep + ".run")
+        ends[sleep] = final(sleep + ".run", "position")[0]
+    assert ends["false"][2] < 0.0075, "it has not fallen"
+    assert abs(ends["true"][2] - ends["false"][2]) < 1e-5, ends
+
+
 def what_sleeps_for_ten_seconds_has_moved_by_exactly_nothing():
     rock()
     pack("bed", changed(BED, {"duration = 0.9": "duration = 10.6", "every = 0.05": "every = 0.2", "count = 30": "count = 5", "checkpoint = 0.2": ""}))
@@ -405,5 +506,6 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, a_cradle_that_sleeps_is_struck_as_one_that_is_awake,
       a_slope_that_is_tilted_in_stages_is_left_at_the_angle_of_friction, a_neighbour_that_is_taken_out_wakes_who_touched_it,
+      a_slab_whose_support_leaves_grain_by_grain_falls, a_body_that_falls_from_its_tip_does_not_sleep_on_it,
       what_sleeps_for_ten_seconds_has_moved_by_exactly_nothing,
       energies_of_a_run_that_sleeps_are_closed, a_tolerance_of_nothing_changes_nothing, mistakes_and_plan_are_told])
