@@ -8,6 +8,7 @@
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
+#include "core/storage/frame_check.hpp"
 #include "core/storage/h5.hpp"
 #include "decomposer/cut/compare_cuts.hpp"
 #include "decomposer/cut/predicted_work.hpp"
@@ -220,6 +221,7 @@ CommandResult tile_command(const TileOptions& options, const std::vector<std::st
   FrameBodies now;
   if (!options.frame_path.empty()) {
     Frame frame = read_frame_file(options.frame_path);
+    check_frame(scene, frame, options.frame_path);
     inputs.push_back({options.frame_path, sha256_of_file(options.frame_path), frame.provenance});
     now = std::move(frame.bodies);
   }

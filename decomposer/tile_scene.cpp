@@ -36,6 +36,8 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
   BodyTable tile = scene.bodies;
   tile.owner.clear();
   for (std::size_t i = 0; i < frame.size(); ++i) {
+    if (frame.id[i] != tile.id[i])
+      throw UsageError("tile: the frame has body {} where the scene has {}; give a frame of a run of this scene", frame.id[i], tile.id[i]);
     if (frame.shape[i] != tile.shape[i]) throw UsageError("tile: body {} has another shape in the frame than in the scene", frame.id[i]);
     tile.position[i] = frame.position[i];
     tile.orientation[i] = frame.orientation[i];

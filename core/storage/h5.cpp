@@ -23,6 +23,12 @@ void check(herr_t status, const std::string& what) {
   if (status < 0) throw SystemError("{}: {}", what, library_error());
 }
 
+/// Handle of an object of a file that is read: what cannot be opened is the file's fault.
+Handle readable(hid_t id, Handle::Closer closer, const std::string& where) {
+  if (id < 0) throw InputError("{} cannot be opened: {}; the file is damaged", where, library_error());
+  return Handle(id, closer, where);
+}
+
 /// Writes a temporary file; removes it and throws when the disk refuses.
 void write_bytes(const std::string& temporary, const std::string& path, const char* data, std::size_t size) {
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
@@ -78,7 +84,7 @@ Group Group::create_group(const std::string& name) const {
 Group Group::open_group(const std::string& name) const {
   if (!has(name)) throw InputError("{}: the group '{}' is missing; the file is damaged or of another kind", path_, name);
   const std::string where = path_ + "/" + name;
-  return {Handle(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), H5Gclose, "cannot open " + where), where};
+  return {readable(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), H5Gclose, where), where};
 }
 
 std::int64_t Group::child_count() const {
@@ -113,38 +119,103 @@ void Group::write_attribute(const std::string& name, std::int64_t value) const {
 }
 
 namespace {
-Handle open_attribute(const Group& group, const std::string& name) {
+
+/// What a value in a file is, whatever its width.
+enum class Content { text, number, whole_number };
+
+const char* name_of(H5T_class_t type) {
+  switch (type) {
+    case H5T_INTEGER:
+      return "whole numbers";
+    case H5T_FLOAT:
+      return "floating-point numbers";
+    case H5T_STRING:
+      return "texts";
+    case H5T_COMPOUND:
+      return "compound values";
+    case H5T_ENUM:
+      return "words of an enumeration";
+    default:
+      return "values of another kind";
+  }
+}
+
+/// Refuses what has not the class of what is wanted: the library would convert it in silence where it can, or write beyond the memory
+/// that is meant for it.
+void expect_content(hid_t type, Content content, const std::string& where) {
+  const H5T_class_t found = H5Tget_class(type);
+  if (content == Content::text) {
+    if (found != H5T_STRING || H5Tis_variable_str(type) > 0) throw InputError("{} is not a fixed-length text; the file is damaged", where);
+    return;
+  }
+  if (found == H5T_INTEGER || (content == Content::number && found == H5T_FLOAT)) return;
+  throw InputError("{} has {}, {} expected; the file is damaged", where, name_of(found),
+                   content == Content::number ? "numbers" : "whole numbers");
+}
+
+/// Refuses a dataset that cannot be read into such memory without a loss: numbers with a fraction as whole numbers.
+void expect_memory_type(const Handle& dataset, hid_t memory_type, const std::string& where) {
+  const Handle type(H5Dget_type(dataset.id()), H5Tclose, where);
+  expect_content(type.id(), H5Tget_class(memory_type) == H5T_INTEGER ? Content::whole_number : Content::number, where);
+}
+
+/// Refuses a size that the file itself cannot hold, which a damaged header can ask for.
+void expect_bytes(hid_t object, double bytes, double most_per_byte, const std::string& where) {
+  const Handle file(H5Iget_file_id(object), H5Fclose, where);
+  hsize_t file_bytes = 0;
+  check(H5Fget_filesize(file.id(), &file_bytes), where);
+  if (bytes > most_per_byte * static_cast<double>(file_bytes))
+    throw InputError("{}: {:.0f} bytes found, more than the file can hold; it is damaged", where, bytes);
+}
+
+/// Reads the one value of an attribute or of a dataset: `take` is given its type once class, size and space are what is wanted.
+template <class Take>
+void read_one(hid_t object, hid_t object_type, hid_t object_space, Content content, const std::string& where, Take&& take) {
+  const Handle type(object_type, H5Tclose, where), space(object_space, H5Sclose, where);
+  const hssize_t values = H5Sget_simple_extent_npoints(space.id());
+  if (values != 1) throw InputError("{} has {} values, one expected; the file is damaged", where, values);
+  expect_content(type.id(), content, where);
+  expect_bytes(object, static_cast<double>(H5Tget_size(type.id())), 1, where);
+  if (take(type.id()) < 0) throw InputError("{}: {}; the file is truncated or damaged", where, library_error());
+}
+
+/// The only way to read an attribute.
+template <class Take>
+void read_attribute(const Group& group, const std::string& name, Content content, Take&& take) {
   if (!group.has_attribute(name)) {
     throw InputError("{}: the attribute '{}' is missing; the file is damaged or of another kind", group.path(), name);
   }
-  return Handle(H5Aopen(group.id(), name.c_str(), H5P_DEFAULT), H5Aclose, "cannot open attribute " + group.path() + "@" + name);
+  const std::string where = group.path() + "@" + name;
+  const Handle attribute = readable(H5Aopen(group.id(), name.c_str(), H5P_DEFAULT), H5Aclose, where);
+  read_one(attribute.id(), H5Aget_type(attribute.id()), H5Aget_space(attribute.id()), content, where,
+           [&](hid_t type) { return take(attribute.id(), type); });
 }
+
+Handle open_dataset(const Group& group, const std::string& name) {
+  if (!group.has(name)) throw InputError("{}: the dataset '{}' is missing; the file is damaged or of another kind", group.path(), name);
+  return readable(H5Dopen2(group.id(), name.c_str(), H5P_DEFAULT), H5Dclose, group.path() + "/" + name);
+}
+
 }  // namespace
 
 std::string Group::read_text_attribute(const std::string& name) const {
-  const Handle attribute = open_attribute(*this, name);
-  const Handle type(H5Aget_type(attribute.id()), H5Tclose, "cannot read attribute " + path_ + "@" + name);
-  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0) {
-    throw InputError("{}: the attribute '{}' is not a fixed-length text", path_, name);
-  }
-  std::string text(H5Tget_size(type.id()), '\0');
-  if (H5Aread(attribute.id(), type.id(), text.data()) < 0) throw InputError("{}: attribute '{}': {}", path_, name, library_error());
+  std::string text;
+  read_attribute(*this, name, Content::text, [&](hid_t attribute, hid_t type) {
+    text.resize(H5Tget_size(type));
+    return H5Aread(attribute, type, text.data());
+  });
   return text.substr(0, text.find('\0'));
 }
 
 double Group::read_double_attribute(const std::string& name) const {
   double value = 0;
-  if (H5Aread(open_attribute(*this, name).id(), H5T_NATIVE_DOUBLE, &value) < 0) {
-    throw InputError("{}: attribute '{}': {}", path_, name, library_error());
-  }
+  read_attribute(*this, name, Content::number, [&](hid_t attribute, hid_t) { return H5Aread(attribute, H5T_NATIVE_DOUBLE, &value); });
   return value;
 }
 
 std::int64_t Group::read_integer_attribute(const std::string& name) const {
   std::int64_t value = 0;
-  if (H5Aread(open_attribute(*this, name).id(), H5T_NATIVE_INT64, &value) < 0) {
-    throw InputError("{}: attribute '{}': {}", path_, name, library_error());
-  }
+  read_attribute(*this, name, Content::whole_number, [&](hid_t attribute, hid_t) { return H5Aread(attribute, H5T_NATIVE_INT64, &value); });
   return value;
 }
 
@@ -160,40 +231,30 @@ void Group::write_text(const std::string& name, const std::string& text) const {
 }
 
 std::string Group::read_text(const std::string& name) const {
-  if (!has(name)) throw InputError("{}: the dataset '{}' is missing; the file is damaged or of another kind", path_, name);
-  const std::string what = "cannot read " + path_ + "/" + name;
-  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
-  const Handle type(H5Dget_type(dataset.id()), H5Tclose, what);
-  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0) {
-    throw InputError("{}/{} is not a fixed-length text", path_, name);
-  }
-  std::string text(H5Tget_size(type.id()), '\0');
-  if (H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) {
-    throw InputError("{}: {}", what, library_error());
-  }
+  const Handle dataset = open_dataset(*this, name);
+  std::string text;
+  read_one(dataset.id(), H5Dget_type(dataset.id()), H5Dget_space(dataset.id()), Content::text, path_ + "/" + name, [&](hid_t type) {
+    text.resize(H5Tget_size(type));
+    return H5Dread(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data());
+  });
   return text.substr(0, text.find('\0'));
 }
 
 std::int64_t Group::array_size(const std::string& name, std::int64_t columns) const {
-  if (!has(name)) throw InputError("{}: the dataset '{}' is missing; the file is damaged or of another kind", path_, name);
-  const std::string what = "cannot read " + path_ + "/" + name;
-  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
-  const Handle space(H5Dget_space(dataset.id()), H5Sclose, what);
+  const Handle dataset = open_dataset(*this, name);
+  const std::string where = path_ + "/" + name;
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose, where), type(H5Dget_type(dataset.id()), H5Tclose, where);
   const int rank = H5Sget_simple_extent_ndims(space.id());
   hsize_t extent[2] = {0, 1};
-  if (rank < 1 || rank > 2) throw InputError("{}/{}: {} dimensions found, 1 or 2 expected", path_, name, rank);
+  if (rank < 1 || rank > 2) throw InputError("{}: {} dimensions found, 1 or 2 expected", where, rank);
   H5Sget_simple_extent_dims(space.id(), extent, nullptr);
   const std::int64_t found = rank == 1 ? 1 : static_cast<std::int64_t>(extent[1]);
-  if (found != columns) throw InputError("{}/{}: {} columns found, {} expected", path_, name, found, columns);
-  // A damaged header can ask for any number of rows: no file holds more than deflate can press into it.
+  if (found != columns) throw InputError("{}: {} columns found, {} expected", where, found, columns);
+  expect_content(type.id(), Content::number, where);
+  // no file holds more than deflate can press into it
   constexpr double kMostDeflated = 1032;  // RFC 1951: 258 bytes from two bits, at best
-  const Handle type(H5Dget_type(dataset.id()), H5Tclose, what), file(H5Iget_file_id(dataset.id()), H5Fclose, what);
-  hsize_t file_bytes = 0;
-  check(H5Fget_filesize(file.id(), &file_bytes), what);
-  const double bytes = static_cast<double>(extent[0]) * static_cast<double>(extent[1]) * static_cast<double>(H5Tget_size(type.id()));
-  if (bytes > kMostDeflated * static_cast<double>(file_bytes)) {
-    throw InputError("{}/{}: {} rows found, more than the file can hold; it is damaged", path_, name, extent[0]);
-  }
+  expect_bytes(dataset.id(), static_cast<double>(extent[0]) * static_cast<double>(columns) * static_cast<double>(H5Tget_size(type.id())),
+               kMostDeflated, where);
   return static_cast<std::int64_t>(extent[0]) * columns;
 }
 
@@ -222,7 +283,8 @@ void Group::write_raw(const std::string& name, const void* data, std::int64_t co
 
 void Group::read_raw(const std::string& name, void* data, hid_t type) const {
   const std::string what = "cannot read " + path_ + "/" + name;
-  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const Handle dataset = open_dataset(*this, name);
+  expect_memory_type(dataset, type, path_ + "/" + name);
   const Handle space(H5Dget_space(dataset.id()), H5Sclose, what);
   if (H5Sget_simple_extent_npoints(space.id()) == 0) return;
   if (H5Dread(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
@@ -233,10 +295,12 @@ void Group::read_raw(const std::string& name, void* data, hid_t type) const {
 void Group::read_raw_rows(const std::string& name, void* data, std::int64_t first, std::int64_t count, std::int64_t columns,
                           hid_t type) const {
   const std::int64_t rows = array_size(name, columns) / columns;
-  if (first + count > rows) throw InputError("{}/{}: {} rows found, {} expected; the file is damaged", path_, name, rows, first + count);
+  if (first < 0 || count < 0 || first > rows || count > rows - first)
+    throw InputError("{}/{}: {} rows found, {} from row {} on expected; the file is damaged", path_, name, rows, count, first);
   if (count == 0) return;
   const std::string what = "cannot read " + path_ + "/" + name;
-  const Handle dataset(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const Handle dataset = open_dataset(*this, name);
+  expect_memory_type(dataset, type, path_ + "/" + name);
   const Handle space(H5Dget_space(dataset.id()), H5Sclose, what);
   const int dimensions = H5Sget_simple_extent_ndims(space.id());
   const hsize_t start[2] = {static_cast<hsize_t>(first), 0}, extent[2] = {static_cast<hsize_t>(count), static_cast<hsize_t>(columns)};
@@ -293,7 +357,7 @@ File::File(const std::string& path) : path_(path) {
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) throw InputError("{}: cannot be opened: {}; the file is truncated or damaged, make it again", path, library_error());
   file_ = Handle(id, H5Fclose, path);
-  root_ = std::make_unique<Group>(Handle(H5Gopen2(id, "/", H5P_DEFAULT), H5Gclose, path), path + ":");
+  root_ = std::make_unique<Group>(readable(H5Gopen2(id, "/", H5P_DEFAULT), H5Gclose, path), path + ":");
 }
 
 std::string temporary_name(const std::string& path) {

@@ -31,14 +31,18 @@ std::vector<std::string> names_in(const h5::Group& group) {
 }
 
 bool is_group(const h5::Group& group, const std::string& name) {
-  const h5::Handle object(H5Oopen(group.id(), name.c_str(), H5P_DEFAULT), H5Oclose, group.path() + "/" + name);
+  const hid_t id = H5Oopen(group.id(), name.c_str(), H5P_DEFAULT);
+  if (id < 0) throw InputError("{}/{} cannot be opened: {}; the file is damaged", group.path(), name, h5::library_error());
+  const h5::Handle object(id, H5Oclose, group.path() + "/" + name);
   return H5Iget_type(object.id()) == H5I_GROUP;
 }
 
 PairColumn read_column(const h5::Group& group, const std::string& name) {
   const std::string what = group.path() + "/" + name;
   PairColumn column{name, "", {}};
-  h5::Handle dataset(H5Dopen2(group.id(), name.c_str(), H5P_DEFAULT), H5Dclose, what);
+  const hid_t id = H5Dopen2(group.id(), name.c_str(), H5P_DEFAULT);
+  if (id < 0) throw InputError("{} cannot be opened: {}; the file is damaged", what, h5::library_error());
+  h5::Handle dataset(id, H5Dclose, what);
   const h5::Handle type(H5Dget_type(dataset.id()), H5Tclose, what), space(H5Dget_space(dataset.id()), H5Sclose, what);
   const bool is_integer = H5Tget_class(type.id()) == H5T_INTEGER, is_vector = H5Sget_simple_extent_ndims(space.id()) == 2;
   const h5::Group described(std::move(dataset), what);

@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/collective_file.hpp"
+#include "core/storage/frame_check.hpp"
 #include "core/storage/frame_file.hpp"
 #include "core/storage/run_files.hpp"
 #include "core/storage/wall_state.hpp"
@@ -104,6 +105,7 @@ class RunReader {
           frames.empty() ? "; it holds no frame" : fmt::format("; its last is {}", fs::path(frames.back().path).filename().string()));
     }
     Frame frame = read_frame_file(path);
+    check_frame(from_.scene, frame, path);
     take_input(path, std::move(frame.provenance));
     from_.start.time = frame.time;
     std::map<std::int64_t, std::size_t> row_of;
@@ -166,6 +168,10 @@ class RunReader {
     const auto x = group.read_vectors("x"), x_remainder = group.read_vectors("x_remainder"), v = group.read_vectors("v"),
                w = group.read_vectors("w");
     const auto q = group.read_quaternions("q_principal"), q_remainder = group.read_quaternions("q_remainder");
+    for (const std::size_t rows : {shape.size(), material.size(), fixed.size(), locked.size(), scale.size(), x.size(), x_remainder.size(),
+                                   v.size(), w.size(), q.size(), q_remainder.size()}) {
+      if (rows != id.size()) throw InputError("{}: columns of {} and of {} rows; the file is damaged", group.path(), id.size(), rows);
+    }
     std::vector<std::size_t> order(id.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return id[i] < id[j]; });

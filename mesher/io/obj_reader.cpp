@@ -22,7 +22,8 @@ constexpr std::array kWithoutShape{"vt",  "vn",    "s",        "usemtl",   "mtll
 std::int64_t corner_index(const TextReader& text, std::string_view corner, std::size_t vertices_so_far) {
   const std::int64_t index = text.integer_of(corner.substr(0, corner.find('/')), "a vertex index");
   if (index > 0) return index - 1;
-  if (index < 0 && -index <= static_cast<std::int64_t>(vertices_so_far)) return static_cast<std::int64_t>(vertices_so_far) + index;
+  const auto so_far = static_cast<std::int64_t>(vertices_so_far);
+  if (index < 0 && index >= -so_far) return so_far + index;  // not -index <= so_far: the lowest number has no opposite
   throw InputError("{}: a facet names vertex {}, but {} vertices come before it; they are counted from 1, or backwards from -1",
                    text.place(), index, vertices_so_far);
 }

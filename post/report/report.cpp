@@ -396,6 +396,14 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
   return numbers;
 }
 
+/// What the head of the page says of the bodies that were not there at the start: of a run that has not ended, what its log has so far.
+std::string came_in(const Run& run) {
+  if (run.scene.inlets.empty()) return "";
+  double count = run.is_finished() ? run.outcome.value("inserted_bodies", 0.0) : 0;
+  if (!run.is_finished() && run.log.rows() > 0 && run.log.has("inserted_bodies")) count = run.log.column("inserted_bodies").back();
+  return fmt::format(" at the start and {:.0f} that came in{}", count, run.is_finished() ? "" : " so far");
+}
+
 }  // namespace
 
 ReportResult write_report(const Run& run, const std::string& path, const ReportOptions& options) {
@@ -419,9 +427,8 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   html += fmt::format(
       "<header><p class=\"kicker\">Scree run <code>{}</code></p><h1>{}</h1><p class=\"lead\">{} bodies{}, {} frames, {:.4g} s simulated. "
       "Report of {} by scree-post {}.</p></header>\n",
-      escaped(run.name), escaped(title), run.scene.bodies.size(),
-      run.scene.inlets.empty() ? "" : fmt::format(" at the start and {:.0f} that came in", run.outcome.value("inserted_bodies", 0.0)),
-      run.frames.size(), run.frames.back().time, utc_now(), kVersion);
+      escaped(run.name), escaped(title), run.scene.bodies.size(), came_in(run), run.frames.size(), run.frames.back().time, utc_now(),
+      kVersion);
   std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
                                                    {"case", "What was run", case_section(run)},
                                                    {"picture", "Pictures", picture_section(run, shown, result.notes)},

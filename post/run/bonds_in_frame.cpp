@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "core/geometry/periodic.hpp"
@@ -17,10 +18,9 @@ namespace {
 class Connected {
  public:
   std::int64_t lowest(std::int64_t id) {
-    const auto found = parent_.try_emplace(id, id).first;
-    if (found->second == id) return id;
-    const std::int64_t root = lowest(found->second);
-    parent_[id] = root;
+    std::int64_t root = id;
+    for (auto found = parent_.try_emplace(id, id).first; found->second != root; found = parent_.find(root)) root = found->second;
+    while (id != root) id = std::exchange(parent_[id], root);  // a long chain of bonds is walked once
     return root;
   }
   void join(std::int64_t a, std::int64_t b) {

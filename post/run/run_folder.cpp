@@ -1,6 +1,7 @@
 #include "post/run/run_folder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -10,6 +11,7 @@
 
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/storage/frame_check.hpp"
 #include "post/run/contact_network.hpp"
 
 namespace scree {
@@ -17,6 +19,17 @@ namespace scree {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// What is read of run.json, by type. A number may be null, as JSON writes one that is not finite: it is not known then.
+constexpr std::array kTexts{"outcome", "message", "state_hash", "step_limited_by"};
+constexpr std::array kNumbers{"steps",          "step_size",     "critical_step",         "time",         "ranks",
+                              "threads",        "bodies",        "removed_bodies",        "removed_mass", "inserted_bodies",
+                              "inserted_mass",  "lost_bodies",   "bodies_outside_domain", "wall_seconds", "max_depth_ratio",
+                              "mean_imbalance", "peak_rss_bytes"};
+constexpr std::array kObjects{"phases", "energy", "memory"};
+/// Lists of records, and what is read of each.
+constexpr std::array kLists{"inlets", "outlets", "drives"};
+constexpr std::array kNumbersOfRecords{"bodies", "mass", "shortfall", "wall"};
 
 nlohmann::json read_outcome(const std::string& path) {
   std::ifstream stream(path);
@@ -28,7 +41,43 @@ nlohmann::json read_outcome(const std::string& path) {
     throw InputError("{}: version {} of a run folder, this Scree reads up to version {}; use a newer Scree", path, version.dump(),
                      kRunFormatVersion);
   }
+  const auto wrong = [&](const std::string& key, const char* expected, const nlohmann::json& found) {
+    return InputError("{}: {} is {}, {} expected; the file is damaged, run the solver again", path, key, found.type_name(), expected);
+  };
+  if (!run.contains("outcome")) throw InputError("{}: 'outcome' is missing; the file is damaged, run the solver again", path);
+  for (const char* key : kTexts) {
+    if (run.contains(key) && !run[key].is_string()) throw wrong(key, "a text", run[key]);
+  }
+  const auto check_number = [&](nlohmann::json& object, const char* key, const std::string& name) {
+    if (!object.contains(key)) return;
+    if (object[key].is_null())
+      object.erase(key);
+    else if (!object[key].is_number())
+      throw wrong(name, "a number", object[key]);
+  };
+  for (const char* key : kNumbers) check_number(run, key, key);
+  for (const char* key : kObjects) {
+    if (run.contains(key) && !run[key].is_object()) throw wrong(key, "an object", run[key]);
+  }
+  for (const char* key : kLists) {
+    if (!run.contains(key)) continue;
+    if (!run[key].is_array()) throw wrong(key, "a list", run[key]);
+    for (nlohmann::json& record : run[key]) {
+      if (!record.is_object()) throw wrong(fmt::format("an entry of {}", key), "an object", record);
+      for (const char* number : kNumbersOfRecords) check_number(record, number, fmt::format("{} of an entry of {}", number, key));
+    }
+  }
   return run;
+}
+
+/// A finished run has a record for each inlet and outlet of its scene.
+void check_records(const Run& run, const std::string& path) {
+  for (const auto& [key, expected] : {std::pair{"inlets", run.scene.inlets.size()}, std::pair{"outlets", run.scene.outlets.size()}}) {
+    if (run.outcome.contains(key) && run.outcome[key].size() != expected) {
+      throw InputError("{}: {} holds {} records, but the scene has {}; the file is damaged or of another run", path, key,
+                       run.outcome[key].size(), expected);
+    }
+  }
 }
 
 }  // namespace
@@ -85,6 +134,7 @@ Run open_run(const std::string& folder) {
   if (!fs::is_directory(path)) throw InputError("{}: no such run folder; give the NAME.run that scree-solver wrote", folder);
   run.outcome = read_outcome((path / "run.json").string());
   run.scene = read_scene_file((path / "scene.h5").string());
+  check_records(run, (path / "run.json").string());
   run.frames = list_frames(run.folder);
   if (run.frames.empty()) throw InputError("{}: holds no frame yet", folder);
   run.log = read_log((path / "log.csv").string());
@@ -110,17 +160,28 @@ void drop_damaged_frames(Run& run) {
   run.frames = std::move(whole);
 }
 
+namespace {
+
+/// A run that has ended knows how many bodies came in: they have the ids above all others, in their order.
+void check_ids_that_came(const Run& run, const Frame& frame, const std::string& path) {
+  if (!run.outcome.contains("inserted_bodies") || frame.bodies.size() == 0) return;
+  std::int64_t largest = -1;
+  for (const std::int64_t id : run.scene.bodies.id) largest = std::max(largest, id);
+  for (const Wall& wall : run.scene.walls) largest = std::max(largest, wall.id);
+  const double last = static_cast<double>(largest) + run.outcome["inserted_bodies"].get<double>();
+  const std::int64_t id = frame.bodies.id.back();
+  if (id > largest && static_cast<double>(id) > last)
+    throw InputError("{}: holds body {}, which the run does not have: the last that came in is {:.0f}; the frame is damaged", path, id,
+                     last);
+}
+
+}  // namespace
+
 Frame load_frame(const Run& run, std::size_t index) {
   const std::string& path = run.frames.at(index).path;
   Frame frame = read_frame_file(path);
-  const auto shapes = static_cast<std::int32_t>(run.scene.shapes.size());
-  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
-    const std::int32_t shape = frame.bodies.shape[i];
-    if (shape < 0 || shape >= shapes) {
-      throw InputError("{}: body {} has shape {}, but the scene has {} shapes; frame and scene.h5 do not belong together", path,
-                       frame.bodies.id[i], shape, shapes);
-    }
-  }
+  check_frame(run.scene, frame, path);
+  check_ids_that_came(run, frame, path);
   // a contact of two bodies on either side of a periodic side is written where one of them sees it: beyond the side
   if (const Periodicity period = periodicity_of(run.scene); period.any()) {
     Vec3 image;

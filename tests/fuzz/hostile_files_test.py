@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""Files that are damaged on purpose: every reader says what is wrong with them, and nothing crashes. usage: hostile_files_test.py BIN SCRATCH"""
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import h5py
+import numpy
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from rich_run import make_rich_run  # noqa: E402
+
+BIN, SCRATCH = os.path.abspath(sys.argv[1]), sys.argv[2]
+BAD_DATA = 3
+shutil.rmtree(SCRATCH, ignore_errors=True)
+os.makedirs(SCRATCH)
+os.chdir(SCRATCH)
+RUN = make_rich_run(BIN, ".")
+WITH_BONDS = "frame_000001.hdf"
+LAST = sorted(name for name in os.listdir(RUN) if name.startswith("frame_"))[-1]
+
+
+def tool(name, *words, code=0, says=""):
+    done = subprocess.run([os.path.join(BIN, name), *words], capture_output=True, text=True, timeout=100, check=False)
+    assert done.returncode == code and says in done.stderr, f"{name} {words}: exit {done.returncode}, expected {code} with '{says}':\n{done.stderr}"
+    return done.stdout + done.stderr
+
+
+def changed_file(source, name, change):
+    shutil.copy(source, name)
+    with h5py.File(name, "r+") as file:
+        change(file)
+    return name
+
+
+def changed_run(change, frame=LAST):
+    shutil.rmtree("changed.run", ignore_errors=True)
+    shutil.copytree(RUN, "changed.run")
+    with h5py.File(os.path.join("changed.run", frame), "r+") as file:
+        change(file)
+    return "changed.run"
+
+
+def attribute(place, name, value):
+    def change(file):
+        attributes = file[place].attrs
+        del attributes[name]
+        attributes.create(name, value)
+    return change
+
+
+def dataset(name, value):
+    def change(file):
+        del file[name]
+        file.create_dataset(name, data=value)
+    return change
+
+
+def row(name, index, value):
+    def change(file):
+        file[name][index] = value
+    return change
+
+
+# an attribute has one value of its class, a text is one text
+MANY, WORDS = 6000, numpy.full(6000, b"ABCDEFGHIJ", dtype="S10")
+for name, change, says in (("text", dataset("provenance", numpy.full(200000, b"ABCDEFGHIJ", dtype="S10")), "200000 values, one expected"),
+                           ("number", attribute("/", "format_version", numpy.full(MANY, 0x4141414141414141, "<i8")), "6000 values, one expected"),
+                           ("word", attribute("/", "format", WORDS), "6000 values, one expected"),
+                           ("none", attribute("/", "format_version", h5py.Empty("<i8")), "0 values, one expected"),
+                           ("class", attribute("/", "format_version", 1.5), "floating-point numbers, whole numbers expected"),
+                           ("real", attribute("shapes/shape_0000", "volume", b"large"), "texts, numbers expected"),
+                           ("group", dataset("shapes", [1.0]), "cannot be opened")):
+    tool("scree-mesher", "info", changed_file("rock.shape.h5", f"{name}.shape.h5", change), code=BAD_DATA, says=says)
+for name, change, says in (("settings", dataset("settings", WORDS), "6000 values, one expected"),
+                           ("number", attribute("partition", "predicted_imbalance", numpy.full(MANY, 1.5)), "6000 values, one expected"),
+                           ("column", dataset("bodies/shape", numpy.full(1, 0.5)), "floating-point numbers, whole numbers expected")):
+    scene = changed_file("rich.scene.h5", f"{name}.scene.h5", change)
+    tool("scree-decomposer", "partition", scene, "--ranks", "2", "-o", "x.scene.h5", code=BAD_DATA, says=says)
+    tool("scree-solver", scene, "--plan", code=BAD_DATA, says=says)
+changed_run(attribute("frame", "kinetic", numpy.full(MANY, 1.5)))
+tool("scree-post", "statistics", "changed.run", "-o", "st", "--no-charts", "--frames", "last", code=BAD_DATA, says="6000 values, one expected")
+
+# what a frame names is there, and it is somewhere
+BODIES = "VTKHDF/PointData/"
+for change, says in ((row(BODIES + "material", 1, 100000000), "has material 100000000, but the scene has 2"), (row(BODIES + "material", 1, -5), "has material -5"),
+                     (row(BODIES + "shape", 1, 1 << 30), "has shape 1073741824"), (row(BODIES + "id", 1, 1 << 60), "which the run does not have"),
+                     (row(BODIES + "id", 1, -7), "which the scene does not have"), (row(BODIES + "scale", 1, 0), "scale 0"),
+                     (row(BODIES + "quat", 1, [0, 0, 0, 0]), "an orientation of norm 0"), (row("VTKHDF/Points", 1, numpy.nan), "not a finite number"),
+                     (row("walls/id", 1, 12345), "wall 12345"), (row("walls/orientation", 1, numpy.nan), "an orientation of norm nan"),
+                     (row("loads/triangle", 1, 1 << 20), "triangle 1048576"), (row("loads/wall", 1, 12345), "wall 12345"),
+                     (dataset("wear/wall", numpy.zeros(0, "<i8")), "rows found"), (row("losses/material_b", 1, 77), "material 77")):
+    tool("scree-post", "bodies", changed_run(change), "-o", "x.csv", code=BAD_DATA, says=says)
+run = changed_run(dataset("bonds/bond", numpy.zeros(0, "<i8")), WITH_BONDS)
+tool("scree-post", "vtk", run, "-o", "v", "--what", "bonds", "--frames", "1", code=BAD_DATA, says="rows found")
+run = changed_run(row("bonds/bond", 1, 2**31 - 1), WITH_BONDS)
+tool("scree-post", "vtk", run, "-o", "v", "--what", "bonds", "--frames", "1", code=BAD_DATA, says="bond 2147483647")
+tool("scree-post", "fragments", run, "-o", "f.csv", code=BAD_DATA, says="bond 2147483647")
+
+# run.json of other types
+for key, value, says in (("outcome", 5, "outcome is number, a text expected"), ("inlets", [], "inlets holds 0 records"), ("inlets", {}, "a list expected"),
+                         ("step_size", "x", "step_size is string, a number expected"), ("state_hash", 5, "a text expected"), ("phases", [1], "an object expected"),
+                         ("drives", [3], "an object expected"), ("outlets", [{"bodies": "many", "mass": 0}], "a number expected")):
+    shutil.rmtree("changed.run", ignore_errors=True)
+    shutil.copytree(RUN, "changed.run")
+    with open("changed.run/run.json", encoding="utf-8") as file:
+        record = json.load(file)
+    record[key] = value
+    with open("changed.run/run.json", "w", encoding="utf-8") as file:
+        json.dump(record, file)
+    tool("scree-post", "bodies", "changed.run", "-o", "x.csv", code=BAD_DATA, says=says)
+# null is what JSON writes of a number that is not finite
+record.update(outlets=[{"bodies": 0, "mass": None, "name": "hole"}], mean_imbalance=None, step_size=None)
+with open("changed.run/run.json", "w", encoding="utf-8") as file:
+    json.dump(record, file)
+tool("scree-post", "statistics", "changed.run", "-o", "st", "--no-charts", "--frames", "last")
+
+# a run that was killed, or still goes on, with inlets and outlets
+os.remove("changed.run/run.json")
+for words in (["report", "changed.run", "-o", "x.html"], ["statistics", "changed.run", "-o", "st", "--no-charts"]):
+    tool("scree-post", *words, says="no run.json")
+with open("x.html", encoding="utf-8") as file:
+    assert "that came in so far" in file.read()
+
+shutil.rmtree(os.getcwd())
+print("all as expected")
