@@ -8,6 +8,8 @@ SHAPE = ".shape.h5"
 # what scree-mesher import reads (mesher/io/mesh_file.cpp); a test holds the two equal
 MESHES = (".stl", ".obj", ".ply", ".off", ".bmf", ".3ds", ".dae", ".fbx", ".blend", ".x3d", ".ac", ".lwo", ".step", ".stp", ".brep")
 WORDS = "meshes.toml"
+# keys of a case that name a shape file (CASE.md); a title, or a name, may end like one
+PATHS = ("file", "pieces", "inside")
 
 
 class Wrong(Exception):
@@ -52,25 +54,27 @@ class OwnCase:
 
         used = {}   # file -> the keys that name it
         for key, text in texts(case):
-            if text.endswith(SHAPE):
+            if text.endswith(SHAPE) and key[-1] in PATHS:
                 used.setdefault(text, []).append(key)
-        self.shapes, self.inputs, words, made_from = {}, [], [], {}
+        self.shapes, self.inputs, words, made_from, asked = {}, [], [], {}, set()
         for file, keys in used.items():
-            name = os.path.basename(file).removesuffix(SHAPE)
+            said_as = os.path.basename(file).removesuffix(SHAPE)
+            name = said_as.replace("{", "(").replace("}", ")")  # braces are wildcards of Snakemake
             there = os.path.join(self.folder, file)
-            if name not in said and os.path.exists(there):
+            if said_as not in said and os.path.exists(there):
                 self.inputs.append(there)
                 continue
             if made_from.setdefault(name, there) != there:
                 raise Wrong(f"{self.path}: {file} and {made_from[name]} would both be made as {name}{SHAPE}; give them different names")
-            self.shapes[name] = self.words_of(said[name], said_in, name) if name in said else self.import_of(there, keys)
+            self.shapes[name] = self.words_of(said[said_as], said_in, said_as) if said_as in said else self.import_of(there, keys)
+            asked.add(said_as)
             made = os.path.join(results, name + SHAPE)
             for key in keys:
-                if any("." in part for part in key):
-                    raise Wrong(f"{self.path}: {key!r}: a name with a point cannot be set from outside; rename it")
+                if any(sign in part for part in key for sign in ".="):
+                    raise Wrong(f"{self.path}: {'.'.join(key)}: a name with a point or an equals sign cannot be set from outside; rename it")
                 words += ["--set", f"{'.'.join(key)}={made}"]
         for name in said:
-            if name not in self.shapes:
+            if name not in asked:
                 raise Wrong(f"{said_in}: {name}: the case names no {name}{SHAPE}; it names: {', '.join(sorted(used)) or 'no shape files'}")
         start = case.get("start", {})
         if isinstance(start, dict) and isinstance(start.get("run"), str):

@@ -24,6 +24,9 @@
 #   --config points=FILE
 # of which all makes the statistics only.
 # Every step is a command line that also runs by hand, in the folder out/.
+#
+# Names of shapes, files and folders are the user's, and may hold blanks, quotes, braces or $(...): in a command everything stands as {...:q}, words
+# as a list of them. Snakemake takes braces for a wildcard, in the names of inputs even where a function gives them: see watched().
 import itertools
 import json
 import os
@@ -98,6 +101,9 @@ def cores_of_run(wildcards):
     return RANKS * THREADS if RANKS else max(THREADS, (workflow.cores or 1) // max(1, len(RUNS)))
 
 
+SHAPE_FILES = [f"{shape}.shape.h5" for shape in SHAPES]
+
+
 wildcard_constraints:
     shape="|".join(map(re.escape, SHAPES)) or "no_shape",
     run="|".join(map(re.escape, RUNS)),
@@ -124,13 +130,23 @@ def mesh_of(wildcards):
     return [word for word in words[1:] if words[0] != "generate" and not word.startswith("-") and os.path.isfile(word)]
 
 
+# What a rule waits for and watches. A file with braces in its path is no input: its last change is a parameter, and makes anew what depends on it.
+def watched(files):
+    return [file for file in files if "{" not in file]
+
+
+def changes(files):
+    return [os.stat(file).st_mtime_ns for file in files if "{" in file and os.path.exists(file)]
+
+
 rule shape:
-    input: mesh_of
+    input: lambda wildcards: watched(mesh_of(wildcards))
     output: "{shape}.shape.h5"
     params:
-        words=lambda wildcards: SHAPES[wildcards.shape],
-        name=lambda wildcards: f"--name {wildcards.shape}" if SHAPES[wildcards.shape].split()[0] in ("import", "generate") else "",
-    shell: "scree-mesher {params.words} -o {output} {params.name}"
+        words=lambda wildcards: shlex.split(SHAPES[wildcards.shape]),
+        changes=lambda wildcards: changes(mesh_of(wildcards)),
+        name=lambda wildcards: ["--name", wildcards.shape] if SHAPES[wildcards.shape].split()[0] in ("import", "generate") else [],
+    shell: "scree-mesher {params.words:q} -o {output:q} {params.name:q}"
 
 
 # The case names its shapes relative to itself, so it moves to where they are. One with an absolute path is read where it is.
@@ -139,20 +155,29 @@ def case_of(wildcards):
     return case if os.path.isabs(case) else f"{wildcards.run}.toml"
 
 
+def given_case(runs, name):
+    return os.path.join(workflow.basedir, runs[name][0])
+
+
 rule case:
-    input: lambda wildcards: os.path.join(workflow.basedir, RUNS[wildcards.run][0])
+    input: lambda wildcards: watched([given_case(RUNS, wildcards.run)])
     output: "{run}.toml"
-    shell: "cp {input:q} {output}"
+    params: case=lambda wildcards: given_case(RUNS, wildcards.run), changes=lambda wildcards: changes([given_case(RUNS, wildcards.run)])
+    shell: "cp {params.case:q} {output:q}"
 
 
 rule pack:
     input:
-        case=case_of,
-        others=PACK_INPUTS,
-        shapes=expand("{shape}.shape.h5", shape=SHAPES),
+        case=lambda wildcards: watched([case_of(wildcards)]),
+        others=lambda wildcards: watched(PACK_INPUTS),
+        shapes=lambda wildcards: SHAPE_FILES,
     output: "{run}.scene.h5"
-    params: words=lambda wildcards: RUNS[wildcards.run][1], ranks=RANKS or 1
-    shell: "scree-decomposer pack {input.case:q} -o {output} --ranks {params.ranks} {params.words}"
+    params:
+        case=case_of,
+        words=lambda wildcards: shlex.split(RUNS[wildcards.run][1]),
+        ranks=RANKS or 1,
+        changes=lambda wildcards: changes([case_of(wildcards), *PACK_INPUTS]),
+    shell: "scree-decomposer pack {params.case:q} -o {output:q} --ranks {params.ranks:q} {params.words:q}"
 
 
 # The output is a file in the folder, never the folder, which Snakemake would remove with the checkpoints in it.
@@ -170,67 +195,70 @@ rule solve:
     resources: tasks=RANKS or (1 if POINTS else 2), cpus_per_task=THREADS, runtime=int(config.get("minutes", 1440))
     params:
         ranks=RANKS,
-        script=os.path.join(HERE, "ranks.py"),
+        script=lambda wildcards: os.path.join(HERE, "ranks.py"),
         threads=THREADS,  # said to each rank: Snakemake itself exports OMP_NUM_THREADS = all threads of the rule
         run="{run}.run",
         failed="{run}.failed.json",
         lock=".{run}.solver.lock",
     shell:
         """
-        exec 9>{params.lock}
+        exec 9>{params.lock:q}
         flock --nonblock 9 || {{ echo "a solver of a run that was killed is still at work here" >&2; exit 4; }}
         restart="--restart latest"
-        last=$(ls -t {params.run}/checkpoint_[0-9]*[0-9].h5 2>/dev/null | head -n 1 || true)
-        if [ -z "$last" ] || [ "$last" -ot {input} ]; then restart=""; rm -rf {params.run}; fi
-        rm -f {params.failed}
-        ranks={params.ranks}
-        if [ $ranks -eq 0 ]; then ranks=$(/usr/bin/python3 {params.script:q} {input} ${{SLURM_NTASKS:-$(( {threads} / {params.threads} ))}}); fi
+        last=$(ls -t {params.run:q}/checkpoint_[0-9]*[0-9].h5 2>/dev/null | head -n 1 || true)
+        if [ -z "$last" ] || [ "$last" -ot {input:q} ]; then restart=""; rm -rf {params.run:q}; fi
+        rm -f {params.failed:q}
+        ranks={params.ranks:q}
+        if [ $ranks -eq 0 ]; then ranks=$(/usr/bin/python3 {params.script:q} {input:q} ${{SLURM_NTASKS:-$(( {threads} / {params.threads:q} ))}}); fi
         code=0
         set -m
-        OMP_NUM_THREADS={params.threads} mpirun -n $ranks scree-solver {input} -o {params.run} $restart &
+        OMP_NUM_THREADS={params.threads:q} mpirun -n $ranks scree-solver {input:q} -o {params.run:q} $restart &
         trap "kill -USR1 $!" TERM INT USR1
         wait $! || code=$?
         while kill -0 $! 2>/dev/null; do code=0; wait $! || code=$?; done
-        if [ $code -ne 0 ] && [ -f {params.run}/run.json ]; then cp {params.run}/run.json {params.failed}; fi
+        if [ $code -ne 0 ] && [ -f {params.run:q}/run.json ]; then cp {params.run:q}/run.json {params.failed:q}; fi
         exit $code
         """
 
 
 rule beside:
     input:
-        case=lambda wildcards: os.path.join(workflow.basedir, BESIDE[wildcards.beside][0]),
+        case=lambda wildcards: watched([given_case(BESIDE, wildcards.beside)]),
         others=lambda wildcards: BESIDE[wildcards.beside][2],
-        shapes=expand("{shape}.shape.h5", shape=SHAPES),
+        shapes=lambda wildcards: SHAPE_FILES,
     output: "{beside}.run/run.json"
-    params: words=lambda wildcards: BESIDE[wildcards.beside][1]
+    params:
+        case=lambda wildcards: given_case(BESIDE, wildcards.beside),
+        words=lambda wildcards: shlex.split(BESIDE[wildcards.beside][1]),
+        changes=lambda wildcards: changes([given_case(BESIDE, wildcards.beside)]),
     shell:
-        "cp {input.case:q} {wildcards.beside}.toml && scree-decomposer pack {wildcards.beside}.toml -o {wildcards.beside}.scene.h5 {params.words} && "
-        "rm -rf {wildcards.beside}.run && scree-solver {wildcards.beside}.scene.h5 -o {wildcards.beside}.run"
+        "cp {params.case:q} {wildcards.beside:q}.toml && scree-decomposer pack {wildcards.beside:q}.toml -o {wildcards.beside:q}.scene.h5 {params.words:q} && "
+        "rm -rf {wildcards.beside:q}.run && scree-solver {wildcards.beside:q}.scene.h5 -o {wildcards.beside:q}.run"
 
 
 rule paraview:
     input: "{run}.run/run.json"
     output: "{run}.run/paraview/open_in_paraview.py"
-    shell: "scree-post paraview {wildcards.run}.run"
+    shell: "scree-post paraview {wildcards.run:q}.run"
 
 
 rule bodies:
     input: "{run}.run/run.json"
     output: "{run}.bodies.csv"
-    shell: "scree-post bodies {wildcards.run}.run -o {output}"
+    shell: "scree-post bodies {wildcards.run:q}.run -o {output:q}"
 
 
 rule contacts:
     input: "{run}.run/run.json"
     output: "{run}.contacts.csv"
-    shell: "scree-post contacts {wildcards.run}.run -o {output}"
+    shell: "scree-post contacts {wildcards.run:q}.run -o {output:q}"
 
 
 rule statistics:
     input: "{run}.run/run.json"
     output: "{run}.statistics/statistics.json"
-    params: words=lambda wildcards: STATISTICS if isinstance(STATISTICS, str) else STATISTICS[POINTS.get(wildcards.run, {}).get("case", wildcards.run)]
-    shell: "scree-post statistics {wildcards.run}.run -o {wildcards.run}.statistics {params.words}"
+    params: words=lambda wildcards: shlex.split(STATISTICS if isinstance(STATISTICS, str) else STATISTICS[POINTS.get(wildcards.run, {}).get("case", wildcards.run)])
+    shell: "scree-post statistics {wildcards.run:q}.run -o {wildcards.run:q}.statistics {params.words:q}"
 
 
 # The points of the sweep are part of the command: another grid makes another table.
@@ -238,19 +266,19 @@ rule sweep:
     input: expand("{run}.statistics/statistics.json", run=POINTS)
     output: "sweep.csv", "sweep.svg", "sweep.png"
     params:
-        points=shlex.quote(json.dumps(POINTS)),
+        points=lambda wildcards: json.dumps(POINTS),
         plot=str(config.get("plot", globals().get("PLOT", "coordination_number"))),
-        script=os.path.join(HERE, "sweep_table.py"),
-    shell: "/usr/bin/python3 {params.script:q} {params.points} {params.plot} {output}"
+        script=lambda wildcards: os.path.join(HERE, "sweep_table.py"),
+    shell: "/usr/bin/python3 {params.script:q} {params.points:q} {params.plot:q} {output:q}"
 
 
 rule report:
     input: "{run}.run/run.json"
     output: "{run}.report.html"
-    shell: "scree-post report {wildcards.run}.run -o {output}"
+    shell: "scree-post report {wildcards.run:q}.run -o {output:q}"
 
 
 rule picture:
     input: "{run}.run/run.json"
     output: "{run}.png"
-    shell: "scree-post picture {wildcards.run}.run -o {output}"
+    shell: "scree-post picture {wildcards.run:q}.run -o {output:q}"

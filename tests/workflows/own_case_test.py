@@ -13,14 +13,17 @@ import sys
 
 RUNNER, BIN, SCRATCH = sys.argv[1:4]
 ENVIRONMENT = dict(os.environ, SCREE_BIN=BIN)
-FOLDER = os.path.join(SCRATCH, "a user's folder")
+# names that a shell or Snakemake would take for something else
+FOLDER = os.path.join(SCRATCH, "a user's {x} \"folder\" $(touch PWNED)")
+CUBE = "$(touch PWNED) 'cube' {y}"
 CASE = """
+title = "made of rock.shape.h5"
 [time]
 duration = "20 ms"
 [shapes.stone]
 file = "stone.shape.h5"
 [shapes.cube]
-file = "forms/cube.shape.h5"
+file = "forms/%s.shape.h5"
 [materials.rock]
 density = 2600
 [[pairs]]
@@ -38,7 +41,7 @@ region = { box = [["-9 cm", "-9 cm", "1 cm"], ["9 cm", "9 cm", "12 cm"]] }
 name = "floor"
 shape = { file = "floor.shape.h5" }
 material = "rock"
-"""
+""" % CUBE
 TETRAHEDRON = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
 FLOOR = "OFF\n4 2 0\n-200 -200 0\n200 -200 0\n200 200 0\n-200 200 0\n3 0 1 2\n3 0 2 3\n"
 
@@ -87,13 +90,13 @@ def main():
     refused("could be made from stone.off or stone.ply", "--dry-run")
     os.remove(os.path.join(FOLDER, "stone.ply"))
     write("floor.off", FLOOR)
-    refused("shapes.cube.file: forms/cube.shape.h5 is not there", "--dry-run")
-    write("meshes.toml", "floor = 'import floor.off --surface --unit mm'\ncube = 3\n")
-    refused("meshes.toml: cube: expected the words for scree-mesher", "--dry-run")
-    write("meshes.toml", "floor = 'import floor.off --surface --unit mm'\nrock = 'import stone.off'\n"
-                         "cube = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
+    refused(f"shapes.cube.file: forms/{CUBE}.shape.h5 is not there", "--dry-run")
+    write("meshes.toml", f"floor = 'import floor.off --surface --unit mm'\n\"{CUBE}\" = 3\n")
+    refused(f"meshes.toml: {CUBE}: expected the words for scree-mesher", "--dry-run")
+    write("meshes.toml", f"floor = 'import floor.off --surface --unit mm'\nrock = 'import stone.off'\n"
+                         f"\"{CUBE}\" = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
     refused("the case names no rock.shape.h5", "--dry-run")
-    write("meshes.toml", "floor = 'import floor.off --surface --unit mm'\ncube = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
+    write("meshes.toml", f"floor = 'import floor.off --surface --unit mm'\n\"{CUBE}\" = 'generate box --size \"1 cm, 1 cm, 1 cm\"'\n")
     write("case.toml", CASE + "[[")
     refused("case.toml: ", "--dry-run")
     write("case.toml", CASE)
@@ -102,7 +105,7 @@ def main():
     before = sorted(os.listdir(FOLDER))
     steps = made(run("--dry-run"))
     assert sorted(os.listdir(FOLDER)) == before, os.listdir(FOLDER)
-    assert any("floor.off' --surface --unit mm" in step for step in steps) and any("stone.off'" in step for step in steps), steps
+    assert any("floor.off'" in step and "--surface --unit mm" in step for step in steps) and any("stone.off'" in step for step in steps), steps
     assert any("generate box --size '1 cm, 1 cm, 1 cm'" in step for step in steps), steps
 
     # from meshes to the report, from another folder, by a relative path; a second time there is nothing to do. Six bodies run on one rank,
@@ -119,6 +122,8 @@ def main():
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     assert len({row["id"] for row in rows}) == 6, rows[:3]
     assert sorted(os.listdir(FOLDER)) == sorted(before + ["case.out"])
+    for folder in (SCRATCH, FOLDER, results):
+        assert "PWNED" not in os.listdir(folder), f"a name was run by a shell in {folder}"
     words = ["--config", "statistics=--from 0.01"]
     assert "Nothing to be done" in run(*words)
     assert "Nothing to be done" in run(*words, "--cores", "1"), "another number of cores makes nothing anew"

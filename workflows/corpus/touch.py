@@ -10,6 +10,7 @@ import argparse
 import glob
 import os
 import re
+import shlex
 import subprocess
 
 RATIOS = (0.02, 0.05, 0.075, 0.1)   # margin over the radius of the ball of the same volume
@@ -82,7 +83,7 @@ def deviations(shape):
 rows = []
 for number, (name, command) in enumerate(SHAPES.items()):
     path = os.path.join(words.out, f"made-{number}.shape.h5")
-    subprocess.run(f"{tool('scree-mesher')} {command} -o {path}", shell=True, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    subprocess.run([tool("scree-mesher"), *shlex.split(command), "-o", path], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     rows.append((name, deviations(path)))
 for folder in words.shapes:
     for path in sorted(glob.glob(os.path.join(folder, "**", "*.shape.h5"), recursive=True)):
