@@ -10,6 +10,7 @@
 #include "decomposer/case/case_pairs.hpp"
 #include "decomposer/case/case_sections.hpp"
 #include "decomposer/case/case_settings.hpp"
+#include "decomposer/case/parse_toml.hpp"
 
 namespace scree {
 
@@ -210,7 +211,7 @@ std::vector<KeyDescription> describe_case() {
 Case parse_case(const std::string& text, const std::string& path, const std::string& folder, const std::vector<std::string>& changes) {
   toml::table file;
   try {
-    file = toml::parse(text, path);
+    file = parse_toml(text, path);
   } catch (const toml::parse_error& e) {
     throw UsageError("{}:{}:{}: {}", path, e.source().begin.line, e.source().begin.column, e.description());
   }

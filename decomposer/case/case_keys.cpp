@@ -130,7 +130,7 @@ class Reader : public CaseKeys {
   }
   void path(const Key& key, std::string& value) override {
     if (!visit(key)) return;
-    value = t_.text(key.name);
+    value = t_.path(key.name);
     const std::filesystem::path path(value);
     if (!path.is_absolute() && !folder_.empty()) value = (std::filesystem::path(folder_) / path).lexically_normal().string();
   }

@@ -5,15 +5,16 @@
 #include <sstream>
 
 #include "core/base/error.hpp"
+#include "decomposer/case/parse_toml.hpp"
 
 namespace scree {
 
 namespace {
 
 /// The table that holds a value, so that a value of any type can be copied into another table.
-toml::table parsed_value(const std::string& text) {
+toml::table parsed_value(const std::string& text, const std::string& setting) {
   try {
-    return toml::parse("value = " + text);
+    return parse_toml("value = " + text, "--set " + setting);
   } catch (const toml::parse_error&) {
     toml::table holder;  // no TOML value: a text whose quotes were left to the shell
     holder.insert("value", text);
@@ -109,14 +110,18 @@ void apply_settings(toml::table& file, const std::vector<std::string>& settings)
     if (equals == std::string::npos || std::any_of(names.begin(), names.end(), [](const std::string& n) { return n.empty(); })) {
       throw UsageError("--set {}: expected KEY=VALUE, for instance pairs.0.friction=0.4 or contact.margin=\"2 mm\"", setting);
     }
-    Setter(setting, names, parsed_value(setting.substr(equals + 1))).set(file, 0);
+    if (names.size() > kMostKeyParts) throw UsageError("--set: a key of {} parts; expected at most {}", names.size(), kMostKeyParts);
+    Setter(setting, names, parsed_value(setting.substr(equals + 1), setting)).set(file, 0);
   }
 }
 
 std::string text_with_settings(const toml::table& file, const std::string& path, const std::vector<std::string>& settings) {
   std::ostringstream text;
   text << "# " << path << " with\n";
-  for (const std::string& setting : settings) text << "#   --set " << setting << "\n";
+  for (std::string setting : settings) {
+    std::replace(setting.begin(), setting.end(), '\n', ' ');  // it stays one comment
+    text << "#   --set " << setting << "\n";
+  }
   text << file << "\n";
   return text.str();
 }

@@ -6,10 +6,21 @@
 #include <sstream>
 
 #include "core/base/command_line.hpp"
+#include "core/base/one_line.hpp"
 
 namespace scree {
 
 namespace {
+
+/// A text of the user's in a message: its beginning, with control characters as escapes of TOML.
+std::string shown(const std::string& text, std::size_t most) {
+  std::string result;
+  for (const char c : text.substr(0, most)) {
+    const auto byte = static_cast<unsigned char>(c);
+    result += byte < 0x20 || byte == 0x7F ? fmt::format("\\u{:04X}", byte) : std::string(1, c);
+  }
+  return text.size() > most ? result + "..." : result;
+}
 
 std::string value_text(const toml::node& node) {
   std::ostringstream text;
@@ -22,8 +33,7 @@ std::string value_text(const toml::node& node) {
   // as short as it reads back: 0.1, where toml++ writes 0.10000000000000001
   if (const toml::value<double>* number = node.as_floating_point()) result = fmt::format("{}", number->get());
   constexpr std::size_t kLongest = 60;
-  if (result.size() > kLongest) result = result.substr(0, kLongest) + "...";
-  return result;
+  return shown(result, kLongest);
 }
 
 std::string type_text(const toml::node& node) {
@@ -109,7 +119,8 @@ std::string CaseTable::where(const std::string& key) const {
   std::string place = line > 0 ? fmt::format("{}:{}", file_, line) : file_;
   const std::string dot = path_.empty() || key.empty() ? "" : ".";
   const std::string full = path_ + dot + key;
-  return full.empty() ? place : place + ": " + full;
+  constexpr std::size_t kLongest = 200;
+  return full.empty() ? place : place + ": " + shown(full, kLongest);
 }
 
 UsageError CaseTable::error(const std::string& key, const std::string& text) const {
@@ -185,10 +196,24 @@ bool CaseTable::boolean(const std::string& key) const {
   return *node(key).value<bool>();
 }
 
+std::string CaseTable::text_of(const toml::node& value, const std::string& key) const {
+  std::string text = *value.value<std::string>();
+  if (const std::string fault = fault_of_name(text); !fault.empty()) throw error(key, fault);
+  return text;
+}
+
 std::string CaseTable::text(const std::string& key) const {
   require(key, "a text in quotes");
   if (!node(key).is_string()) throw wrong_type(key, "a text in quotes");
-  return *node(key).value<std::string>();
+  return text_of(node(key), key);
+}
+
+std::string CaseTable::path(const std::string& key) const {
+  require(key, "a path in quotes");
+  if (!node(key).is_string()) throw wrong_type(key, "a path in quotes");
+  std::string path = *node(key).value<std::string>();
+  if (path.find('\0') != std::string::npos) throw error(key, "holds U+0000, which no path can have");
+  return path;
 }
 
 const toml::array& CaseTable::array(const std::string& key, std::size_t size, const std::string& expected) const {
@@ -231,7 +256,7 @@ std::vector<std::string> CaseTable::texts(const std::string& key) const {
   std::vector<std::string> values;
   for (const toml::node& value : array(key, 0, "a list of texts")) {
     if (!value.is_string()) throw error(key, "expected a list of texts in quotes");
-    values.push_back(*value.value<std::string>());
+    values.push_back(text_of(value, key));
   }
   return values;
 }
@@ -276,6 +301,12 @@ CaseTable CaseTable::table(const std::string& key, const std::vector<std::string
   return {*found, file_, path_ + dot + key, keys};
 }
 
+void CaseTable::check_name(const std::string& name) const {
+  constexpr std::size_t kLongest = 60;
+  if (const std::string fault = fault_of_name(name); !fault.empty())
+    throw UsageError("{}: the name \"{}\" {}", where(), shown(name, kLongest), fault);
+}
+
 std::vector<CaseTable> CaseTable::tables(const std::string& key, const std::vector<std::string>& keys) const {
   std::vector<CaseTable> result;
   if (!has(key)) return result;
@@ -296,6 +327,7 @@ std::vector<std::pair<std::string, CaseTable>> CaseTable::named_tables(const std
   for (const auto& [name, value] : *all.table_) {
     const std::string word(name.str());
     const toml::table* found = value.as_table();
+    all.check_name(word);
     if (found == nullptr) throw all.wrong_type(word, "a section [" + key + "." + word + "]");
     result.emplace_back(word, CaseTable(*found, file_, key + "." + word, keys));
   }
@@ -316,7 +348,10 @@ std::vector<std::pair<std::string, double>> CaseTable::named_numbers(const std::
 std::vector<std::pair<std::string, std::string>> CaseTable::named_texts(const std::string& key) const {
   const CaseTable all = table(key, {});
   std::vector<std::pair<std::string, std::string>> result;
-  for (const std::string& name : all.keys()) result.emplace_back(name, all.text(name));
+  for (const std::string& name : all.keys()) {
+    all.check_name(name);
+    result.emplace_back(name, all.text(name));
+  }
   if (result.empty()) throw error(key, "is empty");
   return result;
 }

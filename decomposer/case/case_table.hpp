@@ -36,7 +36,10 @@ class CaseTable {
   double number(const std::string& key, Dimension dimension, Range range = Range::any) const;
   std::int64_t integer(const std::string& key, std::int64_t smallest) const;
   bool boolean(const std::string& key) const;
+  /// A name or a title, of one line (see fault_of_name).
   std::string text(const std::string& key) const;
+  /// Any text that a file can be called.
+  std::string path(const std::string& key) const;
   Vec3 vector(const std::string& key, Dimension dimension) const;
   /// Scaled to length 1; throws when it is zero.
   Vec3 direction(const std::string& key) const;
@@ -71,7 +74,10 @@ class CaseTable {
   const toml::array& array(const std::string& key, std::size_t size, const std::string& expected) const;
   double number_of(const toml::node& value, const std::string& key, Dimension dimension) const;
   Vec3 vector_of(const toml::node& value, const std::string& key, Dimension dimension) const;
+  std::string text_of(const toml::node& value, const std::string& key) const;
   void check_range(const std::string& key, double value, Range range) const;
+  /// Throws UsageError for a name of the user's choice, a key of this table, that cannot be one.
+  void check_name(const std::string& name) const;
   UsageError wrong_type(const std::string& key, const std::string& expected) const;
 
   const toml::table* table_;

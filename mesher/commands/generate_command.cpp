@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/base/one_line.hpp"
 #include "core/base/units.hpp"
 #include "mesher/commands/certificate.hpp"
 #include "mesher/edit/descriptors.hpp"
@@ -226,6 +227,7 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
   expect_shape_path(options.output);
   refuse_others(options);
   const std::string name = options.name.empty() ? options.what : options.name;
+  if (const std::string fault = fault_of_name(name); !fault.empty()) throw UsageError("--name: the name {}", fault);
   CommandResult result;
   std::vector<Shape> shapes;
   std::string report;

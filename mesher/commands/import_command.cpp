@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
+#include "core/base/one_line.hpp"
 #include "core/base/units.hpp"
 #include "core/base/utf8.hpp"
 #include "core/geometry/mass_properties.hpp"
@@ -30,6 +31,8 @@ std::vector<std::string> names_for(const ImportOptions& options) {
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].empty()) throw UsageError("--name: an empty name; give the shape a word, for instance rock");
+    if (const std::string fault = fault_of_name(names[i]); !fault.empty())
+      throw UsageError("--name: the name of shape {} {}", i + 1, fault);
     for (std::size_t j = 0; j < i; ++j) {
       if (names[i] == names[j]) {
         throw UsageError("two shapes would be called '{}' ({} and {}); give one --name for each file", names[i], options.files[j],

@@ -357,6 +357,38 @@ TEST(CaseFile, broken_toml_is_refused_with_line_and_column) {
   expect_refusal(replaced("density = 2700", "density = 2700\ndensity = 3"), {"case.toml:9:"});
 }
 
+TEST(CaseFile, a_name_is_one_line_of_at_most_a_thousand_bytes) {
+  const std::string longest(1000, 'a'), longer = longest + "a";
+  EXPECT_EQ(parse(replaced("title = \"test\"", "title = \"" + longest + "\"")).settings.title, longest);
+  EXPECT_EQ(parse(replaced("title = \"test\"", "title = \"\u00e4 \u4f60\"")).settings.title, "\xc3\xa4 \xe4\xbd\xa0");
+  expect_refusal(replaced("title = \"test\"", "title = \"" + longer + "\""), {"case.toml:1: title", "has 1001 bytes", "at most 1000"});
+  for (const auto& [text, what] : {std::pair{"a\\nb", "a line break (U+000A)"},
+                                   {"a\\u0000b", "a control character (U+0000)"},
+                                   {"a\\u001b[31m", "a control character (U+001B)"},
+                                   {"a\\u007f", "a control character (U+007F)"},
+                                   {"a\\u0085", "a line break (U+0085)"},
+                                   {"a\\u2028", "a line break (U+2028)"}}) {
+    const std::string name = text;
+    expect_refusal(replaced("title = \"test\"", "title = \"" + name + "\""), {"case.toml:1: title", what, "as its character 2"});
+    expect_refusal(replaced("[materials.steel]", "[materials.\"" + name + "\"]"), {"case.toml:", "materials", what});
+    expect_refusal(replaced("[shapes.rock]", "[shapes.\"" + name + "\"]"), {"case.toml:", "shapes", what});
+    expect_refusal(replaced("between = [\"steel\"", "between = [\"" + name + "\""), {"between", what});
+  }
+  expect_refusal(replaced("[materials.steel]", "[materials." + longer + "]"), {"materials", "has 1001 bytes"});
+  expect_refusal(replaced("file = \"rock.shape.h5\"", "file = \"a\\u0000.shape.h5\""), {"shapes.rock.file", "U+0000"});
+}
+
+TEST(CaseFile, a_key_of_many_parts_is_refused_before_it_is_a_tree) {
+  std::string key = "a";
+  for (int part = 1; part < 50000; ++part) key += ".a";
+  for (const std::string& text :
+       {key + " = 1\n", "[" + key + "]\nx = 1\n", "title = { " + key + " = 1 }\n", "title = [{ \"a.b\"." + key + " = 1 }]\n"})
+    expect_refusal(text + kCase, {"case.toml:1:", "more than 16 parts"});
+  // dots of texts, comments and numbers are none of keys
+  EXPECT_EQ(parse("# " + key + "\n" + replaced("\"test\"", "\"\"\"a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q.r.s.t\"\"\"")).settings.title,
+            "a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q.r.s.t");
+}
+
 TEST(CaseFile, a_size_may_be_one_quantity) {
   const std::string size = "size = { distribution = \"lognormal\", median = \"12 mm\", sigma = 0.2, min = \"8 mm\", max = \"20 mm\" }";
   EXPECT_DOUBLE_EQ(parse(replaced(size, "size = \"12 mm\"")).populations[0].size->quantile(0.3), 0.012);
