@@ -18,10 +18,14 @@ class Wrong(Exception):
 
 def read_toml(path):
     try:
-        with open(path, "rb") as file:
-            return tomllib.load(file)
+        with open(path, encoding="utf-8-sig", newline="") as file:  # an editor may begin it with a byte order mark
+            value = tomllib.loads(file.read())
+        sum(1 for _ in texts(value))
+        return value
     except OSError as error:
         raise Wrong(f"{path}: {error.strerror}; give the path of a case file") from None
+    except RecursionError:
+        raise Wrong(f"{path}: tables within tables that no case has; look at it with: scree-decomposer check {path}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Wrong(f"{path}: {error}; correct the TOML, or look at it with: scree-decomposer check {path}") from None
 

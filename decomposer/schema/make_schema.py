@@ -16,7 +16,7 @@ import sys
 RANGES = {"any": {}, "positive": {"exclusiveMinimum": 0}, "not_negative": {"minimum": 0},
           "unit_interval": {"minimum": 0, "maximum": 1}, "fraction": {"exclusiveMinimum": 0, "exclusiveMaximum": 1}}
 RANGE_TEXTS = {"any": "", "positive": "> 0", "not_negative": ">= 0", "unit_interval": "0 to 1", "fraction": "between 0 and 1"}
-QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*[^\s].*$"   # a number and a unit
+QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?(\s*[^\s].*)?\s*$"   # a number and a unit, or in SI units
 SECTIONS = {"table": "", "table_list": "",   # a list of what the key's own table says
              "tables": "[]", "named_tables": ".*"}
 

@@ -60,6 +60,9 @@ def decomposer_refuses(case):
 
 
 assert not decomposer_refuses(right) and validator.is_valid(right)
+# a number in quotes is one in SI units, where a text can carry a unit
+for setting in ("case['bodies'][0]['position'] = ['0', '0.1', ' 1e-3 ']", "case['time']['duration'] = '2'"):
+    assert validator.is_valid(change(setting)) and not decomposer_refuses(change(setting)), setting
 for setting, schema_knows in [("case['time']['duraton'] = 1", True), ("case['pairs'][0]['friction'] = -0.5", True),
                               ("case['time']['step'] = '1 parsec of'; case['time']['step'] = True", True),
                               ("del case['time']['duration']", True), ("del case['time']", True), ("case['contact']['law'] = 'magic'", True),

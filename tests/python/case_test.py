@@ -93,6 +93,41 @@ class CaseTest(InFolder):
         with self.assertRaisesRegex(scree.UsageError, "line 1"):
             scree.Case.from_text("x = = 1", "my.toml")
 
+    def test_every_entry_of_a_list_has_its_own_lists(self):
+        text = "".join(f"[[walls]]\nname = 'w{k}'\n" + "".join(f"[[walls.motion]]\n# {k} {m}\nx = {10 * k + m}\n" for m in range(k)) for k in (2, 0, 1))
+        case = scree.Case.from_text(text + "[walls.motion.deep]\ny = 1\n")
+        self.assertEqual([[m["x"] for m in wall.get("motion", [])] for wall in case["walls"]], [[20, 21], [], [10]])
+        case["walls.2.motion.0.x"] = 7
+        self.assertEqual(case.text(), text.replace("x = 10", "x = 7") + "[walls.motion.deep]\ny = 1\n")
+        self.assertEqual(case._document.line_of(("walls", 2, "motion", 0, "x")), 15)
+
+    def test_texts_as_editors_leave_them(self):
+        path = self.path("marked.toml")
+        with open(path, "w", encoding="utf-8-sig") as file:  # with a byte order mark
+            file.write(CASE.replace("friction = 0.2", "frction = 0.2"))
+        self.assertIn(f"{path}:29: pairs.1.frction", scree.Case(path).problems()[0])
+        for text in ("# a\u2028 b\n[time]\nduration = 1\n", "[time] # x\u0085y\u000b\u000cz\nduration = 1\n".replace("\u000b\u000c", "")):
+            case = scree.Case.from_text(text)
+            case["time.duration"] = 2
+            self.assertEqual(case.text(), text.replace("= 1", "= 2"))
+        for text in ("[time]", "[[bodies]]", "[a]\n[a.b]"):
+            case = scree.Case.from_text(text)
+            self.assertEqual(tomllib.loads(case.text()), case.data)
+            (case.data["time"] if "time" in text else case.data["bodies"][0] if "bodies" in text else case.data["a"]["b"])["x"] = 1
+            self.assertEqual(tomllib.loads(case.text()), case.data)
+        for text in (".".join(["a"] * 50000) + " = 1\n", "x = 1\n  [" + ".".join(['"a"'] * 50000) + "]\n", "a = " + "{ a = " * 5000 + "1" + " }" * 5000):
+            with self.assertRaisesRegex(scree.UsageError, "tables within tables"):
+                scree.Case.from_text(text)
+
+    def test_a_number_in_quotes_is_one_in_si_units(self):
+        case = scree.Case.from_text(CASE)
+        case["populations.0.region"] = {"box": [["-4 cm", "-4 cm", "0"], ["0.04", "4 cm", " 9e-2 "]]}
+        case.check()
+        case["populations.0.region.box.0.2"] = "0 0"
+        self.assertEqual(case.problems(), [])  # the tool knows units
+        case["populations.0.region.box.0.2"] = "nothing"
+        self.assertIn("populations.0.region", case.problems()[0])
+
     def test_problems_have_file_line_and_key(self):
         path = self.path("wrong.toml")
         with open(path, "w", encoding="utf-8") as file:
@@ -137,10 +172,13 @@ class CaseTest(InFolder):
             file.write(CASE)
         case = scree.Case(self.path("a/case.toml"))
         case["walls.1.shape"] = {"file": "/abs/wall.shape.h5"}
+        case["shapes.rock.pieces"] = "pieces.shape.h5"
+        case["start"] = {"run": "../bed.run"}
         self.assertEqual(case.save(self.path("a/b/case.toml")), self.path("a/b/case.toml"))
         self.assertEqual(case.path, self.path("a/b/case.toml"))
         again = scree.Case(self.path("a/b/case.toml"))
         self.assertEqual((again["shapes.rock.file"], again["walls.1.shape.file"]), ("../rock.shape.h5", "/abs/wall.shape.h5"))
+        self.assertEqual((again["shapes.rock.pieces"], again["start.run"]), ("../pieces.shape.h5", "../../bed.run"))
         again["seed"] = 9
         again.save()
         self.assertEqual(scree.Case(self.path("a/b/case.toml"))["seed"], 9)

@@ -7,6 +7,7 @@ import unittest
 import zlib
 from unittest import mock
 
+import h5py
 import numpy as np
 import scree
 from small_run import CASE, InFolder, make
@@ -145,6 +146,14 @@ class ReadTest(InFolder):
         np.testing.assert_allclose(np.linalg.norm(ball.vertices - frame.bodies.position[0], axis=1), 0.004, rtol=1e-12)
         self.assertLess(abs(ball.area / (4 * np.pi * 0.004**2) - 1), 0.02)
         self.assertEqual(len(frame.meshes(frame.bodies[:0]).triangles), 0)
+        # bodies of another frame are those of the same ids, never others
+        first = self.run_.frames[0]
+        np.testing.assert_array_equal(frame.meshes(first.bodies[5:7]).vertices, frame.meshes(frame.bodies[5:7]).vertices)
+        b = first.bodies
+        b._store._arrays["VTKHDF/PointData/id"] = b.id + 1000  # as of bodies that have left since
+        with self.assertRaisesRegex(scree.UnknownName, "body 1000"):
+            frame.meshes(b)
+        b._store._arrays["VTKHDF/PointData/id"] = b.id - 1000
         self.assertTrue(np.all(np.einsum("ij,ij->i", ball.normals, ball.vertices[ball.triangles[:, 0]] - frame.bodies.position[0]) > 0))
 
     def test_shapes_from_run_and_file(self):
@@ -291,9 +300,55 @@ class ReadTest(InFolder):
         self.assertEqual(len(run.frames[1].bodies), 25)
         with self.assertRaisesRegex(scree.InputError, "frame_000002.hdf: the file is damaged"):
             run.frames[2].bodies.position
+        self.refuses_hostile_frames(broken)
         os.remove(os.path.join(broken, "frames.hdf.series"))
         with self.assertRaisesRegex(scree.InputError, "no frames.hdf.series"):
             scree.open(broken)
+
+    def refuses_hostile_frames(self, folder):
+        """Of frame 1 in the folder of a run that has no run.json."""
+        path = os.path.join(folder, "frame_000001.hdf")
+        with open(path, "rb") as file:
+            whole = file.read()
+
+        def replaced(name, value):
+            def change(file):
+                del file[name]
+                file[name] = value
+            return change
+
+        def attribute(file):
+            del file["frame"].attrs["kinetic"]
+            file["frame"].attrs["kinetic"] = np.full(6000, 1.5)
+        data = "VTKHDF/PointData/"
+        for change, use, says in (
+                (replaced(data + "shape", np.full(25, -5)), lambda f: f.bodies.shape_name, "a shape that the scene does not have"),
+                (replaced(data + "material", np.full(25, 99)), lambda f: f.bodies.mass, "a material that the scene does not have"),
+                (replaced(data + "shape", np.full(25, 0.5)), lambda f: f.bodies.volume, "a shape that the scene does not have"),
+                (replaced(data + "scale", np.ones(3)), lambda f: f.bodies.id.size and f.bodies.scale, "3 rows found, 25 expected"),
+                (replaced(data + "scale", np.full(25, b"x")), lambda f: f.bodies.scale, "a column of numbers expected"),
+                (attribute, lambda f: f.kinetic, "the file is damaged")):
+            with h5py.File(path, "r+") as file:
+                change(file)
+            with self.assertRaisesRegex(scree.InputError, f"frame_000001.hdf: .*{says}"):
+                use(scree.open(folder).frames[1])
+            with open(path, "wb") as file:
+                file.write(whole)
+        record = os.path.join(folder, "run.json")
+        for text, says in (('{"format": "scree-run", "outcome": 5}', "outcome: 5 found, a text"), ('{"format": "scree-run", "format_version": "x"}', "format_version"),
+                           ("[" * 100000, "damaged"), ('{"format": "scree-run", "outcome": "completed", "message": "", "provenance": []}', "a table expected")):
+            with open(record, "w", encoding="utf-8") as file:
+                file.write(text)
+            with self.assertRaisesRegex(scree.InputError, f"run.json: .*{says}"):
+                scree.open(folder)
+        os.remove(record)
+        for text in ("step,x\n1," + "y" * 200000 + "\n", "step\n" + "9" * 400 + "\n"):
+            with open(os.path.join(folder, "log.csv"), "w", encoding="utf-8") as file:
+                file.write(text)
+            try:
+                scree.open(folder).log
+            except scree.InputError:
+                pass
 
     def test_things_of_one_name_are_all_there(self):
         plate = {"shape": {"plate": {"corner": [-0.01, -0.01, 0.075], "side_a": [0.02, 0, 0], "side_b": [0, 0.02, 0]}}, "material": "steel"}

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 import tomllib
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -10,6 +11,10 @@ from typing import Any
 from .errors import InputError, UsageError, unknown_name
 from .schema import case_schema, problems_of
 from .toml_text import Document, plain
+
+
+# A key or header of more parts than the tool takes (decomposer/case/parse_toml.hpp): tomllib needs minutes for some ten thousand.
+_MANY_PARTS = re.compile(r"""^[ \t]*\[{0,2}(?:[ \t]*(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)[ \t]*\.){16}""", re.M)
 
 
 class Case:
@@ -45,10 +50,15 @@ class Case:
         return case
 
     def _load(self, text: str) -> None:
+        text = text.removeprefix("\ufeff")
         try:
+            if _MANY_PARTS.search(text):
+                raise RecursionError
             self._document = Document(text)
         except tomllib.TOMLDecodeError as error:
             raise UsageError(f"{self.path or 'case'}: no TOML: {error}") from error
+        except RecursionError:
+            raise UsageError(f"{self.path or 'case'}: tables within tables that no case has; expected keys as in CASE.md") from None
         self._read: str | None = text
 
     @property
@@ -185,7 +195,7 @@ class Case:
         if self.path is not None:
             home = os.path.dirname(os.path.abspath(self.path))
             if home != folder:
-                for table, key in _paths_in(self.data):
+                for table, key in _paths_of(self.data):
                     if not os.path.isabs(table[key]):
                         table[key] = os.path.relpath(os.path.join(home, table[key]), folder)
         return self.text()
@@ -199,11 +209,18 @@ class Case:
         return f"<pre>{html.escape(self.text())}</pre>"
 
 
+def _paths_of(data: dict[str, Any]) -> Iterator[tuple[dict[str, Any], str]]:
+    """(table, key) of each path of a case: `run` of [start], `file` and `pieces` of shapes, `file` of walls, `inside` of regions."""
+    start = data.get("start")
+    if isinstance(start, dict) and isinstance(start.get("run"), str):
+        yield start, "run"
+    yield from _paths_in(data)
+
+
 def _paths_in(node: Any) -> Iterator[tuple[dict[str, Any], str]]:
-    """(table, key) of each path of a case: `file` of shapes and walls, `inside` of regions."""
     if isinstance(node, dict):
         for key, value in node.items():
-            if key in ("file", "inside") and isinstance(value, str):
+            if key in ("file", "pieces", "inside") and isinstance(value, str):
                 yield node, key
             else:
                 yield from _paths_in(value)

@@ -94,9 +94,15 @@ class Frame:
         return shape.mesh.placed(b.position[row], b.quaternion[row], float(b.scale[row]))
 
     def meshes(self, bodies: Bodies | None = None) -> Mesh:
-        """The meshes of all bodies, or of a part of them, as one mesh; `mesh.body` is the id of each triangle's body."""
+        """The meshes of all bodies, or of a part of them, as one mesh; `mesh.body` is the id of each triangle's body.
+
+        Bodies of another frame are those of the same ids in this one. Raises UnknownName when it does not have one.
+        """
         ids = (self.bodies if bodies is None else bodies).id
         rows = np.searchsorted(self.bodies.id, ids)
+        here = np.isin(ids, self.bodies.id)
+        if not here.all():
+            self.bodies.row(int(ids[~here][0]))  # says that it is not in this frame
         return Mesh.joined((self._body_mesh(int(row)) for row in rows), ids.tolist())
 
     def wall_mesh(self, wall: str | int) -> Mesh:
@@ -204,6 +210,6 @@ def frames_of(folder: str, scene: Scene) -> Frames:
             entries = [(os.path.join(folder, e["name"]), float(e["time"])) for e in json.load(file)["files"]]
     except FileNotFoundError:
         raise InputError(f"{folder}: no frames.hdf.series in it; either no frame is written yet or scree-solver did not make this folder") from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{series}: not a list of frames: {error}") from error
     return Frames(scene, sorted(entries, key=lambda entry: entry[1]))

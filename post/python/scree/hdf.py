@@ -13,6 +13,10 @@ import h5py
 from .errors import InputError, ScreeError
 
 
+#: what reading raises where a value is missing, of another type or of another size than it must be
+DAMAGE = (OSError, KeyError, ValueError, TypeError, IndexError, AttributeError, OverflowError, RecursionError, MemoryError, RuntimeError, zlib.error)
+
+
 def text_of(value: Any) -> str:
     """Text of an attribute or scalar dataset, whatever way HDF5 stores it."""
     if isinstance(value, h5py.Dataset):
@@ -44,5 +48,5 @@ def opened(path: str, file_format: str, newest: int) -> Iterator[h5py.File]:
             yield file
     except ScreeError:
         raise
-    except (OSError, KeyError, ValueError, zlib.error) as error:
+    except DAMAGE as error:
         raise InputError(f"{path}: the file is damaged: {error}") from error

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 
 from .chunks import read_array
-from .errors import UnknownName, missing_package, unknown_name
+from .errors import InputError, UnknownName, missing_package, unknown_name
 from .hdf import opened
 from .meshes import rotate
 from .regions import Region, region
@@ -54,8 +54,22 @@ class Store:
         if name not in self._arrays:
             with opened(self.path, "scree-frame", 1) as file:
                 order = self._order(file, name)
-                self._keep(name, self._read(file, name), order)
+                self._keep(name, self._checked(name, self._read(file, name)), order)
         return self._arrays[name]
+
+    def _checked(self, name: str, values: np.ndarray) -> np.ndarray:
+        """Refuses numbers that are none, rows that are too few, and indices of what the scene does not have."""
+        group, _, column = name.rpartition("/")
+        first = {"VTKHDF": "VTKHDF/PointData/id", "VTKHDF/PointData": "VTKHDF/PointData/id", "contacts": "contacts/body_a"}.get(group)
+        if values.dtype.kind not in "iuf" or values.ndim not in (1, 2):
+            raise InputError(f"{self.path}: {name}: {values.dtype} of {values.ndim} dimensions found, a column of numbers expected; the file is damaged")
+        if first in self._arrays and len(values) != len(self._arrays[first]):
+            raise InputError(f"{self.path}: {name}: {len(values)} rows found, {len(self._arrays[first])} expected; the file is damaged")
+        known = {"shape": self.scene.shapes, "material": self.scene.materials}.get(column) if group == "VTKHDF/PointData" else None
+        if known is not None and len(values):
+            if values.dtype.kind not in "iu" or not 0 <= values.min() <= values.max() < len(known.in_order):
+                raise InputError(f"{self.path}: a body has a {column} that the scene does not have; frame and scene.h5 do not belong together, or the frame is damaged")
+        return values
 
     def _read(self, file: h5py.File, name: str) -> np.ndarray:
         return read_array(self.path, file[name])

@@ -72,10 +72,12 @@ def _json_file(path: str, file_format: str) -> dict[str, Any]:
             value = json.load(file)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: the file is damaged: {error}") from error
     if not isinstance(value, dict) or value.get("format") != file_format:
         raise InputError(f"{path}: not a {file_format}")
+    if not isinstance(value.get("format_version", _NEWEST), int):
+        raise InputError(f"{path}: format_version {value['format_version']!r} found, a whole number expected; the file is damaged")
     if value.get("format_version", _NEWEST) > _NEWEST:
         raise InputError(f"{path}: version {value['format_version']} of {file_format}; this package reads up to version {_NEWEST}; use a newer Scree")
     return value
@@ -96,6 +98,9 @@ class Run:
         path = os.path.join(self.folder, "run.json")
         #: contents of run.json: "outcome", "steps", "step_size" [s], "energy", "wall_seconds" ... SI; None while the run is being written
         self.outcome: dict[str, Any] | None = _json_file(path, "scree-run") if os.path.exists(path) else None
+        for key, kind in (("outcome", str), ("message", str), ("provenance", dict)) if self.outcome is not None else ():
+            if not isinstance(self.outcome.get(key), kind):
+                raise InputError(f"{path}: {key}: {self.outcome.get(key)!r} found, {'a text' if kind is str else 'a table'} expected; the file is damaged")
         self.scene: Scene = Scene(os.path.join(self.folder, "scene.h5"))  #: what was run
         self.frames: Frames = frames_of(self.folder, self.scene)  #: by ascending time
 

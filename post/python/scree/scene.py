@@ -32,7 +32,9 @@ class Named(Mapping[str, Item], Generic[Item]):
         self._names: list[str] = [item.name for item in items]  # type: ignore[attr-defined]
 
     def by_index(self, index: int) -> Item:
-        """The thing that an index in a frame or scene means."""
+        """The thing that an index in a frame or scene means. Raises IndexError, for a negative one too."""
+        if index < 0:
+            raise IndexError(f"{self._kind} {index}: counted from 0")
         return self.in_order[index]
 
     def indices(self, name: str) -> list[int]:
@@ -196,15 +198,16 @@ class Scene:
             self.shapes: Shapes = Shapes(_shapes_in(file["shapes"]), self.path, self.provenance)  #: by name
             #: columns of the bodies at the start, as in SCENE_FORMAT.md: id, shape, material, scale, position, orientation, velocity ...
             self.start: dict[str, np.ndarray] = {name: data[()] for name, data in file["bodies"].items()}
-        self.settings: dict[str, Any] = facts["settings"]  #: as in SCENE_FORMAT.md, SI
-        known = ("name", "density", "young", "poisson")
-        self.materials: Named[Material] = Named("material", [Material(*(m.get(k, 0.0) for k in known)) for m in facts["materials"]])  #: by name
-        #: contact of each two materials that can meet: `between` (two names) and the values of SCENE_FORMAT.md, SI
-        self.pairs: list[dict[str, Any]] = [
-            {"between": tuple(self.materials.by_index(p[k]).name for k in "ab"), **{k: v for k, v in p.items() if k not in "ab"}} for p in facts["pairs"]]
-        self.walls: Named[Wall] = Named("wall", [Wall(w, self.materials, self.shapes) for w in facts["walls"]])  #: by name
-        if len(self.start["id"]) and self.start["shape"].max() >= len(self.shapes.in_order):
-            raise InputError(f"{self.path}: a body has shape {self.start['shape'].max()}, but there are {len(self.shapes.in_order)} shapes")
+            self.settings: dict[str, Any] = facts["settings"]  #: as in SCENE_FORMAT.md, SI
+            known = ("name", "density", "young", "poisson")
+            self.materials: Named[Material] = Named("material", [Material(*(m.get(k, 0.0) for k in known)) for m in facts["materials"]])  #: by name
+            #: contact of each two materials that can meet: `between` (two names) and the values of SCENE_FORMAT.md, SI
+            self.pairs: list[dict[str, Any]] = [
+                {"between": tuple(self.materials.by_index(p[k]).name for k in "ab"), **{k: v for k, v in p.items() if k not in "ab"}} for p in facts["pairs"]]
+            self.walls: Named[Wall] = Named("wall", [Wall(w, self.materials, self.shapes) for w in facts["walls"]])  #: by name
+            for column, of in (("shape", self.shapes), ("material", self.materials)):
+                if len(self.start["id"]) and not 0 <= self.start[column].min() <= self.start[column].max() < len(of.in_order):
+                    raise InputError(f"{self.path}: a body has {column} {self.start[column].max()}, but there are {len(of.in_order)} {column}s")
 
     def pair(self, a: str, b: str) -> dict[str, Any]:
         """The contact of two materials in either order: stiffness [N/m], restitution, friction ... Raises UnknownName."""

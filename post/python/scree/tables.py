@@ -22,7 +22,7 @@ def _column(name: str, cells: Sequence[str]) -> np.ndarray:
             if name in _WHOLE:
                 return np.array([int(cell) for cell in cells], dtype=np.int64)
             return np.array([float(cell) if cell else np.nan for cell in cells], dtype=np.float64)
-        except ValueError:
+        except (ValueError, OverflowError):
             pass
     return np.array(cells, dtype=object)
 
@@ -57,17 +57,23 @@ class Table(Mapping[str, np.ndarray]):
             raise InputError(f"{source}: {error.strerror}") from error
         text = text[: text.rfind("\n") + 1]
         lines = csv.reader(io.StringIO(text))
-        names = next(lines, None)
+        try:
+            names = next(lines, None)
+        except csv.Error as error:
+            raise InputError(f"{source}: its header: {error}; the file is damaged") from error
         if not names:
             raise InputError(f"{source}: empty; a table with a header expected")
         units: dict[str, str] = {}
         rows: list[list[str]] = []
-        for row in lines:
-            if row and row[0].startswith("#"):
-                if row[0].startswith("# units:"):
-                    units = dict(zip(names, [row[0].removeprefix("# units:").strip(), *row[1:]]))
-            elif row:
-                rows.append(row)
+        try:
+            for row in lines:
+                if row and row[0].startswith("#"):
+                    if row[0].startswith("# units:"):
+                        units = dict(zip(names, [row[0].removeprefix("# units:").strip(), *row[1:]]))
+                elif row:
+                    rows.append(row)
+        except csv.Error as error:
+            raise InputError(f"{source}: line {lines.line_num}: {error}; the file is damaged") from error
         if rows and len(rows[-1]) != len(names):
             rows.pop()
         for number, row in enumerate(rows, 1):

@@ -106,6 +106,7 @@ class Document:
 
     def __init__(self, text: str) -> None:
         """Raises tomllib.TOMLDecodeError."""
+        text = text.removeprefix("\ufeff")  # the byte order mark of an editor
         self.data: dict[str, Any] = tomllib.loads(text)
         self._blocks: dict[int, _Block] = {id(self.data): _Block("", "")}
         self._tables: list[Any] = [self.data]  # kept alive: their ids name them
@@ -114,7 +115,8 @@ class Document:
         self._scan(text.replace("\r\n", "\n"))
 
     def _scan(self, text: str) -> None:
-        lines, at, before = text.splitlines(keepends=True), 0, ""
+        # lines of TOML end with a line feed alone, not with the separators that str.splitlines() knows
+        lines, at, before = re.findall(r"[^\n]*\n|[^\n]+", text), 0, ""
         counts: dict[Path, int] = {}
         table = self.data
         path: Path = ()
@@ -125,11 +127,9 @@ class Document:
                 before += line
             elif line.lstrip().startswith("["):
                 names = _nested_path(tomllib.loads(line), None)
-                if line.lstrip().startswith("[["):
-                    counts[names] = counts.get(names, 0) + 1
-                table, path = self._resolve(names, counts)
+                table, path = self._resolve(names, counts, line.lstrip().startswith("[["))
                 self._tables.append(table)
-                self._blocks[id(table)] = _Block(before, line)
+                self._blocks[id(table)] = _Block(before, line if line.endswith("\n") else line + "\n")
                 self._lines[path] = begin
                 before = ""
             else:
@@ -147,14 +147,18 @@ class Document:
                 before = ""
         self._tail = before
 
-    def _resolve(self, names: Path, counts: dict[Path, int]) -> tuple[dict[str, Any], Path]:
+    def _resolve(self, names: Path, counts: dict[Path, int], begins: bool) -> tuple[dict[str, Any], Path]:
+        """The table that a header means, and its path. A [[header]] begins the next entry of the list of that path: each wall has its own
+        [[walls.motion]]."""
         node: Any = self.data
         path: list[Any] = []
         for depth, name in enumerate(names, 1):
             node = node[name]
             path.append(name)
             if isinstance(node, list):
-                index = counts[names[:depth]] - 1
+                if begins and depth == len(names):
+                    counts[tuple(path)] = counts.get(tuple(path), 0) + 1
+                index = counts[tuple(path)] - 1
                 node = node[index]
                 path.append(index)
         return node, tuple(path)
