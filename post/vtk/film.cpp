@@ -66,14 +66,23 @@ class Encoder {
  private:
   static ChildProcess start(const std::string& path, const std::string& temporary, int width, int height, double rate,
                             const MemoryFile& says) {
-    std::vector<std::string> words{"ffmpeg",    "-hide_banner",
-                                   "-loglevel", "error",
-                                   "-nostats",  "-y",
-                                   "-f",        "rawvideo",
-                                   "-pix_fmt",  "rgb24",
-                                   "-s:v",      fmt::format("{}x{}", width, height),
-                                   "-r",        fmt::format("{}", rate),
-                                   "-i",        "pipe:0",
+    std::vector<std::string> words{"ffmpeg",
+                                   "-hide_banner",
+                                   "-xerror",
+                                   "-loglevel",
+                                   "error",
+                                   "-nostats",
+                                   "-y",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pix_fmt",
+                                   "rgb24",
+                                   "-s:v",
+                                   fmt::format("{}x{}", width, height),
+                                   "-r",
+                                   fmt::format("{}", rate),
+                                   "-i",
+                                   "pipe:0",
                                    "-an"};
     for (const std::string& word : words_of_format(path)) words.push_back(word);
     words.push_back("file:" + temporary);
