@@ -52,10 +52,12 @@ struct OnWall {
   }
   double size() const { return std::min(pair.radius(0), pair.radius(1)); }
   bool list(double skin, CandidateLists& lists) {
-    return list_mesh_pair(pair.body[0], pair.body[1], kMargin, skin, pair.radius(0), pair.radius(1), *scratch, lists);
+    return list_mesh_pair(pair.body[0], pair.body[1], kMargin, kSharingOfVertices * kMargin, skin, pair.radius(0), pair.radius(1), *scratch,
+                          lists);
   }
   void find(CandidateLists& lists, std::vector<ContactFeature>& features) {
-    mesh_pair_features(pair.body[0], pair.body[1], RelativePose(pair.body[0], pair.body[1]), kMargin, size(), lists, features);
+    mesh_pair_features(pair.body[0], pair.body[1], RelativePose(pair.body[0], pair.body[1]), kMargin, kSharingOfVertices * kMargin, size(),
+                       lists, features);
   }
   MeshDistanceScratchPtr scratch = make_mesh_distance_scratch();
 };
