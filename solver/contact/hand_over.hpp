@@ -25,8 +25,8 @@ inline constexpr double kHandOverCosine = 0.5;
 
 /// Whether features with such a key hand over their springs: corners, and what a ball touches.
 inline bool is_handed_over(std::int64_t key) { return key < kEdgeEdge << 60; }
-/// Of features with such keys: what has moved on, a corner or a ball, whatever it touches there. Balls tell in bits 58 and 59 what of a
-/// mesh they touch (sphere_mesh.cpp), where the number of a corner does not reach.
+/// Of features with such keys: what has moved on, a corner or a ball, whatever it touches there (SurfaceMinimum::place). Balls in
+/// checkpoints before version 5 told that in bits 58 and 59, where the number of a corner does not reach.
 inline std::int64_t owner_of_key(std::int64_t key) { return (key & ~(std::int64_t{3} << 58)) >> 30; }
 
 struct HandedOver {

@@ -207,9 +207,10 @@ TEST(ContactFriction, a_spring_is_handed_over_to_the_feature_of_its_corner_whose
             (Pairs{{corner(4, 7), corner(4, 5)}}))
       << "the first of equals";
   // a ball on a mesh: from a region to an edge to a corner; one spring each
-  EXPECT_EQ(handed_over({feature(std::int64_t{1} << 58 | 17, .1)}, {spring(12, 0)}), (Pairs{{12, std::int64_t{1} << 58 | 17}}));
-  EXPECT_EQ(handed_over({feature(std::int64_t{2} << 58 | 3, .1)}, {spring(std::int64_t{1} << 58 | 17, 0)}),
-            (Pairs{{std::int64_t{1} << 58 | 17, std::int64_t{2} << 58 | 3}}));
+  const std::int64_t edge = 1 << 28 | 17, vertex = 2 << 28 | 3, old_edge = std::int64_t{1} << 58 | 17;
+  EXPECT_EQ(handed_over({feature(edge, .1)}, {spring(12, 0)}), (Pairs{{12, edge}}));
+  EXPECT_EQ(handed_over({feature(vertex, .1)}, {spring(edge, 0)}), (Pairs{{edge, vertex}}));
+  EXPECT_EQ(handed_over({feature(edge, .1)}, {spring(old_edge, 0)}), (Pairs{{old_edge, edge}})) << "of an older checkpoint";
   // of an older checkpoint, without a normal
   FrictionSpring old = spring(corner(4, 0), 0);
   old.normal = {};
