@@ -31,7 +31,7 @@ MesherCommand import_line(CLI::App& app) {
       ->expected(1)
       ->allow_extra_args(false);
   line->add_flag("--surface", options->surface, "Import as a wall: can be open, no mass, coordinates kept");
-  line->add_flag("--flip", options->flip, "Turn triangles that face inward or disagree (a surface: all of them)");
+  line->add_flag("--flip", options->flip, "Turn triangles that face inward or disagree (a surface whose triangles agree: all of them)");
   return {line, [options](const Words& words) { return import_command(*options, words); }};
 }
 

@@ -93,6 +93,9 @@ void refuse_others(const GenerateOptions& options) {
     throw UsageError("generate {}: --edge-length has no meaning for it", options.what);
   if (!is_random && (options.count != 1 || options.triangles != 0))
     throw UsageError("generate {}: --count and --triangles are for rock and stone", options.what);
+  if (options.triangles < 0 || options.count < 1)
+    throw UsageError("generate {}: --triangles {} and --count {}: expected numbers of at least 1", options.what, options.triangles,
+                     options.count);
   if (options.analytic && options.what != "sphere") throw UsageError("generate {}: only a sphere can be --analytic", options.what);
   if (options.analytic && !options.edge_length.empty()) throw UsageError("generate sphere --analytic: --edge-length has no meaning for it");
 }
@@ -254,6 +257,12 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
       result.output +=
           fmt::format("{}: {} triangles, volume {:.9g} m^3\n", shape_name, shapes.back().mesh.triangle_count(), shapes.back().mass.volume);
     }
+  }
+  for (const Shape& shape : shapes) {
+    // moments are of the fifth power of the size
+    if (std::isnormal(shape.mass.volume) && std::isnormal(shape.mass.inertia[0].x)) continue;
+    throw UsageError("generate {}: a body of volume {:g} m^3 cannot be computed with; give sizes from 1e-50 to 1e50 m", options.what,
+                     shape.mass.volume);
   }
   Provenance provenance = shape_provenance(
       command, fmt::format("generate {} radius={} height={} size={} edge-length={} tube-radius={} upper-radius={} "

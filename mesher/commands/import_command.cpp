@@ -71,7 +71,8 @@ Shape import_one(const std::string& path, const std::string& name, const ImportO
   double factor = is_sized ? 1 : metres_per_unit(file, path, options.unit, options.scale, result);
   scale_mesh(file.mesh, factor);
   RepairCounts repairs = clean_mesh(file.mesh, options.surface);
-  if (options.flip && options.surface) {
+  // a surface that agrees with itself has no outside to turn to: all of it is turned
+  if (options.flip && options.surface && check_mesh(file.mesh).inconsistent_edges == 0) {
     for (Triangle& t : file.mesh.triangles) std::swap(t[1], t[2]);
     repairs.triangles_turned = file.mesh.triangle_count();
   } else if (options.flip && std::all_of(file.mesh.vertices.begin(), file.mesh.vertices.end(), is_finite)) {

@@ -1,4 +1,5 @@
 // Pictures and films, which share what is drawn and from where.
+#include <cstdlib>
 #include <memory>
 
 #include "core/base/command_line.hpp"
@@ -14,6 +15,18 @@
 namespace scree {
 
 namespace {
+
+/// A finite number of a range: CLI::Range lets nan pass, and CLI::PositiveNumber names the largest double digit by digit.
+CLI::Validator between(double least, double most) {
+  return CLI::Validator(
+      [least, most](const std::string& text) {
+        char* end = nullptr;
+        const double value = std::strtod(text.c_str(), &end);
+        const bool fits = end != text.c_str() && *end == '\0' && value >= least && value <= most;
+        return fits ? std::string() : fmt::format("{} found, a number from {:g} to {:g} expected", text, least, most);
+      },
+      fmt::format("FLOAT in [{:g} - {:g}]", least, most));
+}
 
 /// What is drawn, and from where.
 struct LookOptions {
@@ -34,7 +47,7 @@ struct LookOptions {
         ->check(CLI::IsMember(bond_quantity_names()));
     command
         .add_option("--apart", picture.apart, "Fragments apart: moved from the middle of their body by this share of their way (default 0)")
-        ->check(CLI::Range(0.0, 100.0));
+        ->check(between(0, 100));
     command.add_option("--cut", cut, "Cut away what is before a plane, as seen from the camera: y=0, \"x=2 cm\"");
     command.add_flag("--no-walls", no_walls, "Bodies only");
     command.add_flag("--no-legend", no_legend, "Without names of kinds and without a scale");
@@ -42,7 +55,7 @@ struct LookOptions {
     add_quantities(command, "--at", at, 3, Dimension::length,
                    "Point the camera looks at: X Y Z, the same camera for all frames (default: the middle of what is seen)");
     command.add_option("--up", up, "Direction that is up in the picture: X Y Z (default: against gravity)")->expected(3);
-    command.add_option("--zoom", picture.zoom, "2 is twice as near (default 1: everything is seen)")->check(CLI::PositiveNumber);
+    command.add_option("--zoom", picture.zoom, "2 is twice as near (default 1: everything is seen)")->check(between(1e-6, 1e6));
     command.add_option("--size", size, "WIDTH HEIGHT in pixels (default 1280 960)")->expected(2)->check(CLI::Range(16, 8192));
   }
 
@@ -136,9 +149,8 @@ Command add_film(CLI::App& app) {
   CLI::App* command = app.add_subcommand("film", "Make a film of the frames with true shapes, through ffmpeg");
   o->run.add_to(*command, "Frames: all, last, 7, 0,5,-1, 10:50, ::5 (first:last:step; default all)");
   command->add_option("-o,--output", o->output, "Film to write (.mp4, .webm or .gif)")->required();
-  command->add_option("--rate", o->film.rate, "Frames of the run in a second of film (default 25)")->check(CLI::Range(0.1, 240.0));
-  command->add_option("--turn", o->film.turn, "Degrees that the camera goes round in the film (default 0)")
-      ->check(CLI::Range(-36000.0, 36000.0));
+  command->add_option("--rate", o->film.rate, "Frames of the run in a second of film (default 25)")->check(between(0.1, 240));
+  command->add_option("--turn", o->film.turn, "Degrees that the camera goes round in the film (default 0)")->check(between(-36000, 36000));
   command->add_flag("--no-time", o->no_time, "Without the time in the corner");
   o->look.add_to(*command);
   return {command, [o] {

@@ -1,4 +1,5 @@
 #include <memory>
+#include <set>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
@@ -12,6 +13,16 @@
 #include "post/studies/chart_files.hpp"
 
 namespace scree {
+
+namespace {
+
+/// Two tables, or two groups, of one name would be written into one place.
+void refuse_twice(const char* option, const std::string& text, const std::string& name, std::set<std::string>& names) {
+  if (!names.insert(name).second)
+    throw UsageError("{} {}: '{}' is given twice; its numbers would be written over the others", option, text, name);
+}
+
+}  // namespace
 
 void MeasureOptions::add_to(CLI::App& command) {
   CLI::Option* named = command
@@ -83,6 +94,7 @@ Command add_statistics(CLI::App& app) {
             if (!apart.empty())
               result.notices.push_back(fmt::format("note: {}{}", apart, o->measures.apparatus.empty() ? "; --count-all counts them" : ""));
             StatisticsOptions& options = o->statistics;
+            std::set<std::string> regions, axes;
             for (const std::size_t f : choose_frames(run, o->run.frames)) {
               if (run.frames[f].time >= o->from && run.frames[f].time <= o->to) options.frames.push_back(f);
             }
@@ -90,7 +102,11 @@ Command add_statistics(CLI::App& app) {
               throw UsageError("--from {} --to {}: no frame between; {} has frames from {} s to {} s", o->from, o->to, run.folder,
                                run.frames.front().time, run.frames.back().time);
             }
-            for (const std::string& text : o->regions) options.regions.push_back(parse_region(text));
+            for (const std::string& text : o->regions) {
+              options.regions.push_back(parse_region(text));
+              refuse_twice("--region", text, options.regions.back().name, regions);
+            }
+            for (const std::string& text : options.profiles) refuse_twice("--profile", text, text.substr(0, text.find(':')), axes);
             if (!o->container.empty()) {
               options.container = parse_region(o->container);
               if (options.container->kind == Region::Kind::sphere)

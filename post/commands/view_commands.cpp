@@ -102,12 +102,10 @@ Command add_vtk(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("vtk", "Write frames as .vtp and .pvd files for any VTK reader, several frames at a time");
   o->run.add_to(*command, "Frames: all, last, 7, 0,5,-1, 10:50, ::5 (first:last:step; default all)");
-  o->files.kinds = {"surfaces", "contacts", "network", "walls"};
   command->add_option("-o,--output", o->files.folder, "Folder")->required();
   command
       ->add_option("--what", o->files.kinds,
-                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls, bonds (default surfaces,"
-                   "contacts,network,walls)")
+                   "Any of surfaces, bodies (points for glyphs), contacts, network, walls, bonds (default: all that the run has)")
       ->delimiter(',')
       ->check(CLI::IsMember({"surfaces", "bodies", "contacts", "network", "walls", "bonds"}));
   o->bodies.add_to(*command);
@@ -115,6 +113,11 @@ Command add_vtk(CLI::App& app) {
             require_vtk();
             CommandResult result;
             const Run run = o->run.open(result.notices);
+            if (o->files.kinds.empty()) {
+              o->files.kinds = {"surfaces", "bodies", "walls"};
+              if (run.scene.settings.output_contacts) o->files.kinds.insert(o->files.kinds.end(), {"contacts", "network"});
+              if (!run.scene.bonds.empty()) o->files.kinds.emplace_back("bonds");
+            }
             o->files.frames = choose_frames(run, o->run.frames);
             o->files.bodies = o->bodies.chosen();
             o->files.pool = {o->run.jobs, o->run.skip_damaged};

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/base/error.hpp"
 #include "core/base/long_work.hpp"
 #include "post/run/bonds_in_frame.hpp"
 #include "post/run/output_file.hpp"
@@ -58,7 +59,10 @@ FragmentNumbers numbers_of(const std::vector<Fragment>& fragments, const std::ve
   for (const Fragment& f : fragments) {
     double& most = largest[f.parent];
     most = std::max(most, f.mass);
-    if (f.diameter < kFine * parents.at(f.parent).diameter) fine += f.mass;
+    const auto parent = parents.find(f.parent);
+    if (parent == parents.end())
+      throw InputError("pieces of body {} are in a frame, but not in the first one; frames are missing or out of order", f.parent);
+    if (f.diameter < kFine * parent->second.diameter) fine += f.mass;
   }
   for (const auto& [parent, mass] : largest) large += mass;
   if (total > 0) {

@@ -124,5 +124,33 @@ for words in (["report", "changed.run", "-o", "x.html"], ["statistics", "changed
 with open("x.html", encoding="utf-8") as file:
     assert "that came in so far" in file.read()
 
+# what would be wrong without a word
+tool("scree-mesher", "generate", "rock", "--diameter", "1", "--triangles", "-4", "-o", "x.shape.h5", code=2, says="at least 1")
+for radius in ("1e-200", "1e200"):
+    tool("scree-mesher", "generate", "sphere", "--radius", radius, "--analytic", "-o", "x.shape.h5", code=2, says="cannot be computed with")
+tool("scree-mesher", "generate", "sphere", "--radius", "1", "--analytic", "-o", "x.shape.h5", "--name", "a\nb", code=2, says="a line break")
+tool("scree-post", "statistics", RUN, "-o", "st", "--no-charts", "--profile", "z:5", "--profile", "z:7", code=2, says="'z' is given twice")
+tool("scree-post", "statistics", RUN, "-o", "st", "--no-charts", "--region", "a=box:-1,-1,-1,1,1,0", "--region", "a=box:-1,-1,-1,1,1,1", code=2,
+     says="'a' is given twice")
+for words in (["picture", RUN, "-o", "x.png", "--zoom", "nan"], ["picture", RUN, "-o", "x.png", "--zoom", "0"], ["film", RUN, "-o", "x.gif", "--turn", "nan"],
+              ["film", RUN, "-o", "x.gif", "--rate", "nan"]):
+    assert len(tool("scree-post", *words, code=2, says="expected")) < 300, words
+# a surface whose triangles disagree: --flip makes them agree, and turns all where they do
+with open("sheet.off", "w", encoding="utf-8") as file:
+    file.write("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 3 2\n")
+for source in ("sheet.off", "agree.off"):
+    tool("scree-mesher", "import", source, "--surface", "--flip", "--unit", "m", "-o", "sheet.shape.h5")
+    tool("scree-mesher", "export", "sheet.shape.h5", "-o", "agree.off")
+    with open("agree.off", encoding="utf-8") as file:
+        lines = [line.split() for line in file.read().splitlines()]
+    points = numpy.array([line for line in lines[2:6]], float)
+    normals = [numpy.cross(points[int(b)] - points[int(a)], points[int(c)] - points[int(a)])[2] for _, a, b, c in lines[6:8]]
+    assert normals[0] * normals[1] > 0, (source, normals)
+
+# keys of many parts
+with open("keys.toml", "w", encoding="utf-8") as file:
+    file.write(".".join(["a"] * 50000) + " = 1\n")
+tool("scree-decomposer", "check", "keys.toml", code=2, says="more than 16 parts")
+
 shutil.rmtree(os.getcwd())
 print("all as expected")

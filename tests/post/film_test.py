@@ -6,6 +6,7 @@ usage: film_test.py SCREE_POST MAKE_SAMPLE_RUN FOLDER    Exit 77: ffmpeg is miss
 import json
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import subprocess
@@ -119,6 +120,18 @@ class Film(unittest.TestCase):
         pathlib.Path(FOLDER, "bin", "Xvfb").symlink_to(shutil.which("Xvfb"))
         self.assertIn("install the package ffmpeg", call("film", RUN, "-o", "x.mp4", *LOOK, code=4, path=f"{FOLDER}/bin"))
         self.assertEqual([f for f in os.listdir(FOLDER) if f.lstrip(".").startswith("x.")], [])
+
+    def test_a_full_disk_leaves_no_film(self):
+        def small():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # writing beyond the limit fails, as on a full disk
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500))
+        environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "XAUTHORITY")}
+        for ending in ("webm", "mp4", "gif"):
+            done = subprocess.run([POST, "film", RUN, "-o", f"full.{ending}", *LOOK], capture_output=True, text=True, env=environment, cwd=FOLDER, preexec_fn=small)
+            self.assertEqual(done.returncode, 4, (ending, done))
+            self.assertIn(f"cannot write full.{ending}: ffmpeg ended with", done.stderr)
+            self.assertNotIn("wrote", done.stderr)
+        self.assertEqual([f for f in os.listdir(FOLDER) if "full." in f], [])
 
     def test_a_killed_film_leaves_no_film(self):
         environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "XAUTHORITY")}

@@ -192,6 +192,7 @@ class CaseTest(InFolder):
         case = scree.Case.from_text(CASE)
         case.add_bodies("rock", "chalk", np.arange(6).reshape(2, 3) / 100, quaternion=np.array([[1, 0, 0, 0], [0, 1, 0, 0]]), velocity=[0, 0, -1], scale=[1, 2])
         case.add_bodies("ball", "steel", [0, 0, 0.03], fixed=True)
+        case.add_bodies("ball", "steel", np.zeros((0, 3)), quaternion=np.zeros((0, 4)), velocity=np.zeros((0, 3)), scale=np.zeros(0))  # a packing without any
         self.assertEqual(len(case["bodies"]), 4)
         self.assertEqual(case["bodies.2"], {"shape": "rock", "material": "chalk", "position": [0.03, 0.04, 0.05], "orientation": [0, 1, 0, 0],
                                             "velocity": [0, 0, -1], "scale": 2})

@@ -139,7 +139,8 @@ def _import(words: argparse.Namespace) -> None:
     case = Case(words.case)
     packing.add_to(case, words.shape, _materials(words.material), fixed=words.fixed)
     case.save(words.output)
-    print(f"{words.output}: {len(packing)} bodies, radius {packing.radius.min(initial=float('inf')):.4g} m to {packing.radius.max(initial=0):.4g} m")
+    sizes = f", radius {packing.radius.min():.4g} m to {packing.radius.max():.4g} m" if len(packing) else ""
+    print(f"{words.output}: {len(packing)} bodies{sizes}")
 
 
 def main(words: Sequence[str] | None = None) -> int:

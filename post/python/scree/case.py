@@ -135,7 +135,7 @@ class Case:
         for name, values in (("orientation", quaternion), ("velocity", velocity), ("angular_velocity", angular_velocity), ("scale", scale)):
             if values is not None:
                 rows = plain(values)
-                columns[name] = rows if isinstance(rows, list) and (name == "scale" or isinstance(rows[0], list)) else [rows] * count
+                columns[name] = rows if isinstance(rows, list) and (name == "scale" or not rows or isinstance(rows[0], list)) else [rows] * count
                 if len(columns[name]) != count:
                     raise UsageError(f"add_bodies: {len(columns[name])} values of {name} for {count} positions")
         for row in range(count):

@@ -174,6 +174,8 @@ class Packing:
     def __repr__(self) -> str:
         if not len(self):
             return "<scree.Packing: no spheres>"
+        if not len(self):
+            return "<scree.Packing: no spheres>"
         return f"<scree.Packing: {len(self)} spheres, radius {self.radius.min():.4g} m to {self.radius.max():.4g} m, {len(np.unique(self.kind))} kinds>"
 
 
