@@ -138,14 +138,16 @@ for words in (["picture", RUN, "-o", "x.png", "--zoom", "nan"], ["picture", RUN,
 # a surface whose triangles disagree: --flip makes them agree, and turns all where they do
 with open("sheet.off", "w", encoding="utf-8") as file:
     file.write("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 3 2\n")
-for source in ("sheet.off", "agree.off"):
-    tool("scree-mesher", "import", source, "--surface", "--flip", "--unit", "m", "-o", "sheet.shape.h5")
-    tool("scree-mesher", "export", "sheet.shape.h5", "-o", "agree.off")
-    with open("agree.off", encoding="utf-8") as file:
-        lines = [line.split() for line in file.read().splitlines()]
-    points = numpy.array([line for line in lines[2:6]], float)
-    normals = [numpy.cross(points[int(b)] - points[int(a)], points[int(c)] - points[int(a)])[2] for _, a, b, c in lines[6:8]]
-    assert normals[0] * normals[1] > 0, (source, normals)
+for turn in range(2):
+    tool("scree-mesher", "import", "sheet.off", "--surface", "--flip", "--unit", "m", "-o", "sheet.shape.h5")
+    with h5py.File("sheet.shape.h5") as file:
+        points, triangles = file["shapes/shape_0000/vertices"][()], file["shapes/shape_0000/triangles"][()]
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    up = numpy.cross(b - a, c - a)[:, 2]
+    assert up[0] * up[1] > 0 and (turn == 0 or up[0] * first < 0), (turn, up)
+    first = up[0]
+    with open("sheet.off", "w", encoding="utf-8") as file:
+        file.write("OFF\n4 2 0\n" + "".join("{} {} {}\n".format(*p) for p in points) + "".join("3 {} {} {}\n".format(*t) for t in triangles))
 
 # keys of many parts
 with open("keys.toml", "w", encoding="utf-8") as file:
