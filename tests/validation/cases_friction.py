@@ -438,7 +438,7 @@ def f12(tools, report):
 @case("F13", "U", "sliding friction below static friction: the same at every step and stiffness", "a = g_along - mu_sliding g_across")
 def f13(tools, report):
     mu_static, mu_sliding, half, margin = .6, .3, .01, 1e-4
-    stiffnesses = [1e4, 3e4, 1e5, 1e6]
+    stiffnesses = [3e3, 1e4, 3e4, 1e5]
     mass = 1000.0 * 8 * half**3
     for scene, gravity, speed, expected in (("slope of 0.5", (G / math.sqrt(1.25) / 2, 0, -G / math.sqrt(1.25)), .05, G / math.sqrt(1.25) * (.5 - mu_sliding)),
                                             ("level floor", (0, 0, -G), 1.0, -mu_sliding * G)):
