@@ -14,6 +14,7 @@
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/plan.hpp"
 #include "solver/run/plan_estimates.hpp"
+#include "solver/run/thread_choice.hpp"
 #include "solver/run/verify.hpp"
 
 namespace {
@@ -36,16 +37,26 @@ void tell_of_bound_threads(const scree::mpi::Communicator& comm) {
                   threads, cores == 1 ? "one" : std::to_string(cores), threads));
 }
 
-/// More threads than cores on this machine, or than this process may use: waiting threads and ranks must give their core away instead of
-/// spinning, or a step takes a thousand times longer (4 minutes instead of 1 s were measured on 2 cores with 2 ranks x 2 threads). The
-/// OpenMP runtime reads its policy when it is loaded, so the program starts itself once more.
-void share_cores_when_oversubscribed(char** argv) {
+/// Whether the user says how many threads there are to be.
+bool threads_are_given() { return std::getenv("OMP_NUM_THREADS") != nullptr; }
+
+/// Waiting threads must give their core away, or a step takes up to a thousand times longer: to each other where there are more of them
+/// than cores on this machine, or than this process may use, at once (4 minutes instead of 1 s were measured on 2 cores with 2 ranks x 2
+/// threads); else soon, for other processes may want the cores, without a word to this one (60 blocks: 9 s to 3 minutes instead of 1 s).
+/// The OpenMP runtime reads how it waits when it is loaded, so the program starts itself once more.
+void share_cores(char** argv) {
   const char* local_ranks = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
   const long ranks = local_ranks != nullptr ? std::atol(local_ranks) : 1;
   const bool enough = ranks * omp_get_max_threads() <= sysconf(_SC_NPROCESSORS_ONLN) && omp_get_max_threads() <= cores_of_process();
-  if (enough || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
-  setenv("OMP_WAIT_POLICY", "passive", 0);
-  setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+  constexpr const char* kSpins = "2000";  // of GNU's OpenMP: some 30 us, as long as a thread takes to wake
+  if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+  if (enough && omp_get_max_threads() == 1) return;
+  if (enough) {
+    setenv("GOMP_SPINCOUNT", kSpins, 0);
+  } else {
+    setenv("OMP_WAIT_POLICY", "passive", 0);
+    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+  }
   execv("/proc/self/exe", argv);  // returns only when it failed; then the run is slow, not wrong
 }
 
@@ -130,7 +141,9 @@ void complete(const mpi::Communicator& comm, Command& c) {
   o.parallel = {c.halo == "blocking" ? HaloStrategy::blocking : HaloStrategy::overlap,
                 c.send == "all" ? HaloSelection::all : HaloSelection::selected, cut_method_of(c.cut)};
   if (o.run_folder.empty()) o.run_folder = run_folder_of(o.scene_path);
+  o.most_threads = threads_are_given() ? 0 : omp_get_max_threads();
   c.again.parallel = o.parallel;
+  c.again.most_threads = o.most_threads;
   c.again.stall_limit = o.stall_limit;
   c.again.stalled = o.stalled;
 }
@@ -150,6 +163,7 @@ int print_only(const mpi::Communicator& comm, const Command& c) {
     text = slurm_script({c.options.command[0], c.options.scene_path, c.options.run_folder, ranks, omp_get_max_threads()});
   } else {
     Simulation simulation(comm, *loaded.prepared, c.options.parallel);
+    fit_threads(loaded.scene, comm.size(), c.options.most_threads);
     simulation.start_from_scene(loaded.start);
     text = plan_text(comm, loaded, simulation);
     text += estimates_text(comm, loaded, simulation);
@@ -172,7 +186,7 @@ int do_command(const mpi::Communicator& comm, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  share_cores_when_oversubscribed(argv);
+  share_cores(argv);
   const mpi::Session session(argc, argv);
   const mpi::Communicator comm;
   // A failure that all ranks agreed on ends each of them with its code; rank 0 or the failing rank reports it once.

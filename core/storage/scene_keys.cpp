@@ -141,7 +141,8 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   k.number({"modulus", "none",
             "in place of `stiffness`, a stiffness that goes with size: of one contact, `modulus` times 2 R_a R_b / (R_a + R_b) of the "
             "spheres of "
-            "equal volume, R_b infinite for a wall. Overlaps are the same share of all sizes at one speed, and the step goes with the "
+            "equal volume, R_b infinite for a wall, and -R inside of a sphere_inside of radius R. Overlaps are the same share of all sizes "
+            "at one speed, and the step goes with the "
             "smallest radius"},
            p.modulus, Dimension::pressure, Range::positive);
   k.number({"stiffness", "required, but for `hertz-mindlin` and `area`, or `modulus`", "of one contact", kAlways,
@@ -176,10 +177,10 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
        {},
        s.gather == Gathering::area},
       p.layer_modulus, Dimension::pressure, Range::positive);
-  k.number(
-      {"contact_radius", "of the bodies",
-       "R* of `hertz-mindlin`, of rolling and of `adhesion`: 1/R* = 1/R_a + 1/R_b of the spheres of equal volume, R_b infinite for a wall"},
-      p.contact_radius, Dimension::length, Range::positive);
+  k.number({"contact_radius", "of the bodies",
+            "R* of `hertz-mindlin`, of rolling and of `adhesion`: 1/R* = 1/R_a + 1/R_b of the spheres of equal volume, R_b infinite for a "
+            "wall, and -R inside of a sphere_inside of radius R"},
+           p.contact_radius, Dimension::length, Range::positive);
   k.number({"pull_off", "none", "attraction: the force that parts one contact; with `gather = \"potential\"` and any `law`"}, p.pull_off,
            Dimension::force, Range::positive);
   k.number({"adhesion", "none",

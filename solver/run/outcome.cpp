@@ -113,6 +113,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["state_hash"] = hash;
     run["ranks"] = comm.size();
     run["threads"] = omp_get_max_threads();
+    run["slowdown"] = outcome.slowdown;
     run["bodies"] = bodies;
     run["removed_bodies"] = static_cast<std::int64_t>(removed.count);
     run["removed_mass"] = removed.mass;

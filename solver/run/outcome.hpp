@@ -15,6 +15,7 @@ struct Outcome {
   std::string outcome;  ///< "completed", "interrupted", "invalid"
   std::string message;
   int exit_code = 0;
+  double slowdown = 1;  ///< see CoreWatch
 };
 
 /// Writes run.json into the folder of a run, whole or not at all. Collective.

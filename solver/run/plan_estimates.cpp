@@ -14,6 +14,7 @@
 #include "core/base/units.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/run/measures.hpp"
+#include "solver/run/thread_choice.hpp"
 
 namespace scree {
 
@@ -31,6 +32,7 @@ struct Pace {
   std::int64_t steps = 0;
   double seconds = 0;  ///< of them
   std::int64_t contacts = 0;
+  double slowdown = 1;  ///< see CoreWatch
   double per_step() const { return steps > 0 ? seconds / static_cast<double>(steps) : 0; }
 };
 
@@ -46,12 +48,15 @@ Pace pace_of(const mpi::Communicator& comm, Simulation& simulation, std::int64_t
   const std::int64_t warm_up = std::min(kWarmUp, whole_run / 2), most = std::min(kMostSteps, whole_run - warm_up);
   run(warm_up);
   const Clock::time_point begin = Clock::now();
+  CoreWatch cores;
   while (pace.steps < most && pace.seconds < kMostSeconds) {
     const std::int64_t steps = std::min(kBetweenLooks, most - pace.steps);
     run(steps);
     pace.steps += steps;
     pace.seconds = comm.max(std::chrono::duration<double>(Clock::now() - begin).count());
   }
+  cores.take_in();
+  if (cores.seconds() > kWorthWatching) pace.slowdown = cores.slowdown();
   pace.contacts = contact_count(simulation.state());
   return pace;
 }
@@ -103,8 +108,22 @@ class Estimates {
     if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
       line("",
            fmt::format("a heap of all bodies has about {:.0f} contacts, and steps take several times as long then", contacts_at_rest()));
+    if (pace.slowdown > kSlowedDown) line("", slowdown_text(pace.slowdown));
+    add_cores();
+  }
+
+  /// What more or fewer cores would bring, of the bodies that there are; of an inlet more come.
+  void add_cores() {
     const int cores = omp_get_num_procs(), used = comm_.size() * omp_get_max_threads();
-    if (cores > used) line("", fmt::format("{} of {} cores are used: OMP_NUM_THREADS, or mpirun -n", used, cores));
+    double balls = 0;
+    for (const std::int32_t shape : scene_.bodies.shape)
+      balls += scene_.shapes[static_cast<std::size_t>(shape)].kind == ShapeKind::sphere ? 1 : 0;
+    const int busy = worthwhile_threads(static_cast<double>(scene_.bodies.size()) - balls, balls);
+    if (std::min(cores, busy) > used)
+      line("", fmt::format("{} of {} cores are used: OMP_NUM_THREADS, or mpirun -n{}", used, cores,
+                           busy < cores ? fmt::format(", up to {} for these bodies", busy) : ""));
+    if (used > 1 && used > busy && scene_.inlets.empty())
+      line("", fmt::format("{} cores are used, so few bodies keep {} busy: OMP_NUM_THREADS={} and no mpirun", used, busy, busy));
   }
 
   void add_disk(const Pace& pace) {

@@ -17,6 +17,7 @@
 #include "solver/run/outcome.hpp"
 #include "solver/run/rest_watch.hpp"
 #include "solver/run/start.hpp"
+#include "solver/run/thread_choice.hpp"
 #include "solver/run/watchdog.hpp"
 #include "solver/run/writers.hpp"
 #include "solver/scene/origin.hpp"
@@ -120,6 +121,7 @@ class Run {
   int finish();
   RunRecord record_so_far() const;
   void write_outcome(const Outcome& outcome);
+  void tell_of_slowdown() const;
   void show_progress();
   template <class Action>
   void timed_output(Action&& action);
@@ -142,6 +144,7 @@ class Run {
   std::int64_t row_step_;  // of the last row
   double body_steps_ = 0;  // of this part of the run: bodies may come and go
   Clock::time_point start_, row_time_, checkpoint_time_;
+  CoreWatch cores_;                     // of the steps, without what is written
   std::unique_ptr<Progress> progress_;  // rank 0
 };
 
@@ -165,7 +168,9 @@ Run::Run(const mpi::Communicator& comm, const RunOptions& options, const LoadedS
     mpi::on_root(comm_, [&] { rest_.read_log(writers_.log_path()); });
     MPI_Bcast(&rest_.last_busy(), 1, MPI_DOUBLE, 0, comm_.get());
   }
+  fit_threads(simulation_, options_.most_threads);
   if (is_root()) announce();
+  cores_.leave_out();
   start_ = row_time_ = checkpoint_time_ = Clock::now();
   guard_.begin(simulation_, !is_restart_);
   if (is_root()) progress_ = std::make_unique<Progress>("solver", static_cast<double>(std::max<std::int64_t>(1, schedule_.last)));
@@ -243,6 +248,7 @@ void Run::write_row() {
                           "log.csv; the run ends when their energy grows",
                           simulation_.state().clock.dt));
   }
+  tell_of_slowdown();
   guard_.check(simulation_, row.energy_error);
 }
 
@@ -313,6 +319,7 @@ int Run::finish() {
                                                                                                 : "no body is left: all left the run";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
+  tell_of_slowdown();
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
   const RunRecord& record = guard_.record();
@@ -339,7 +346,14 @@ RunRecord Run::record_so_far() const {
 }
 
 void Run::write_outcome(const Outcome& outcome) {
-  scree::write_outcome(comm_, outcome, options_, loaded_, simulation_, record_so_far(), rest_, writers_.provenance());
+  Outcome with_pace = outcome;
+  with_pace.slowdown = std::max(1.0, cores_.slowdown());
+  scree::write_outcome(comm_, with_pace, options_, loaded_, simulation_, record_so_far(), rest_, writers_.provenance());
+}
+
+void Run::tell_of_slowdown() const {
+  if (is_root() && cores_.seconds() > kWorthWatching && cores_.slowdown() > kSlowedDown)
+    warn_once("scree-solver", slowdown_text(cores_.slowdown()));
 }
 
 void Run::show_progress() {
@@ -351,7 +365,10 @@ void Run::show_progress() {
 template <class Action>
 void Run::timed_output(Action&& action) {
   const Clock::time_point begin = Clock::now();
+  cores_.take_in();
   action();
+  cores_.leave_out();
+  fit_threads(simulation_, options_.most_threads);
   watchdog_.progress(simulation_.step());
   simulation_.times()[static_cast<std::size_t>(Phase::output)] += seconds_since(begin);
 }
@@ -369,6 +386,7 @@ int run_scene(const mpi::Communicator& comm, const RunOptions& options) {
   // 2. the state that it begins with
   Watchdog watchdog(comm, options.stall_limit, options.stalled);
   Simulation simulation(comm, *loaded.prepared, options.parallel);
+  fit_threads(loaded.scene, comm.size(), options.most_threads);
   std::string checkpoint_path;
   RunRecord before;
   if (start.checkpoint) {

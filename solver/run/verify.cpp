@@ -14,6 +14,7 @@
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/run_folder.hpp"
 #include "solver/run/table.hpp"
+#include "solver/run/thread_choice.hpp"
 #include "solver/run/watchdog.hpp"
 
 namespace scree {
@@ -189,6 +190,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
   Recorded recorded = find_records(comm, options);
   Watchdog watchdog(comm, options.stall_limit, options.stalled);
   Simulation simulation(comm, *loaded.prepared, options.parallel);
+  fit_threads(loaded.scene, comm.size(), options.most_threads);
   start(comm, options, loaded, recorded.from, simulation);
   choose_records(comm, options, simulation, recorded);
 

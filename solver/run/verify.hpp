@@ -10,6 +10,7 @@ struct VerifyOptions {
   std::string from;        ///< a checkpoint, "start", or "": the older of those kept, else the start
   std::int64_t steps = 0;  ///< 0: up to the newest checkpoint, or to the last row of the log
   ParallelOptions parallel;
+  int most_threads = 0;  ///< as in RunOptions
   double stall_limit = kStallLimit;
   std::function<void(const std::string&)> stalled;
 };

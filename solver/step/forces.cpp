@@ -9,6 +9,7 @@
 #include "solver/neighbours/work_shares.hpp"
 #include "solver/step/ball_evaluation.hpp"
 #include "solver/step/pair_evaluation.hpp"
+#include "solver/step/squeezed.hpp"
 
 namespace scree {
 
@@ -74,9 +75,13 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
     const auto wall = static_cast<std::size_t>(pass.scene.zones()[static_cast<std::size_t>(key.zone)].wall);
     return fmt::format("body {} and wall {} ('{}')", key.a, key.b, pass.scene.source().walls[wall].name);
   };
-  const char* cure = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
-                               : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
-  if (const std::int32_t k = pass.intersecting.load(); k >= 0) throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure);
+  const char* general = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
+                                  : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
+  const auto cure = [&](std::int32_t k) {
+    const std::string squeezed = squeezed_between_walls(pass, k);
+    return squeezed.empty() ? std::string(general) : squeezed;
+  };
+  if (const std::int32_t k = pass.intersecting.load(); k >= 0) throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure(k));
   if (pass.passing.load() >= 0) {
     throw RunInvalid(
         "step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "
@@ -87,7 +92,7 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
     const PairResult& r = pass.list.results()[static_cast<std::size_t>(which[n])];
     if (r.active && !(r.overlap_ratio < pass.stop_ratio)) {
       throw RunInvalid("step {}: {} touch to {:.3f} of their margin (limit {}); {}", step, describe(which[n]), r.overlap_ratio,
-                       pass.stop_ratio, cure);
+                       pass.stop_ratio, cure(which[n]));
     }
   }
 }

@@ -173,7 +173,7 @@ class ContactLimits {
         if (t.sized_body < 0 || !touches) return;
         Touchable named;
         named.body[0] = t.sized_body;
-        consider(2 * pair.modulus / stiffness * t.sized, body(named, 0, material) + " on " + name_of(against));
+        consider(2 * pair.modulus * scene_.hollow_factor(pair, extremes_) / stiffness * t.sized, body(named, 0, material) + " on " + name_of(against));
         softest_ = std::min(softest_, 2 * pair.modulus * features * t.least_sized);
       };
       by_size(a, pair.a, b, pair.b);

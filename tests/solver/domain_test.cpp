@@ -270,6 +270,33 @@ TEST(Domain, stops_the_run_or_lets_bodies_go_as_asked) {
   EXPECT_GE(bodies_outside(keep.simulation->state()), 3);
 }
 
+// Of pairs that hold together, at rest with respect to each other, of which one body leaves before the other.
+TEST(Domain, takes_the_energy_of_contacts_with_the_bodies_that_leave_it) {
+  constexpr double kRadius = 0.01, kPull = 1, kStiffness = 1e4;
+  TestRun run(test::empty_scene(kStiffness, 1, 0, 0));
+  make_periodic(run.scene, {-0.5, -0.5, -0.5}, {0.1, 0.5, 0.5}, {false, false, false});
+  run.scene.settings.domain.outside = Outside::remove;
+  run.scene.pairs[0].pull_off = kPull;
+  run.scene.pairs[0].adhesion_range = 1e-3;
+  run.scene.shapes = {make_sphere("ball", kRadius)};
+  for (int pair = 0; pair < 8; ++pair) {
+    const double x = 0.05 - 0.02 * pair, y = -0.4 + 0.1 * pair;
+    test::add_body(run.scene, 0, {x, y, 0}, {}, {0.15, 0, 0});
+    test::add_body(run.scene, 0, {x + 2 * kRadius - kPull / kStiffness, y, 0}, {}, {0.15, 0, 0});
+  }
+  run.start();
+  const Energies start = energies_of(run.simulation->state());
+  const double motion = start.translational + start.rotational;
+  EXPECT_LT(start.elastic, -0.1 * motion);
+  while (run.simulation->time() < 1.5) {
+    run.simulation->advance();
+    if (run.simulation->step() % 50 != 0) continue;
+    ASSERT_NEAR(energies_of(run.simulation->state()).balance(), start.balance(), 1e-9 * motion) << run.simulation->step();
+  }
+  EXPECT_EQ(removed_totals(run.simulation->state()).count, 16);
+  EXPECT_NEAR(energies_of(run.simulation->state()).removed, start.balance(), 1e-9 * motion);
+}
+
 // X28: nothing, and a single body.
 TEST(Domain, may_hold_no_body_or_one) {
   for (int bodies = 0; bodies < 2; ++bodies) {

@@ -270,6 +270,24 @@ def threads_that_are_bound_to_one_core_are_told():
         assert ("2 threads of a rank share one of the machine's cores" in result.stderr and "--bind-to none" in result.stderr) == bound, result.stderr
 
 
+def few_bodies_take_one_thread_and_the_same_bits():
+    """Threads of few bodies wait for each other more than they compute, for minutes where other processes have the cores."""
+    subprocess.run([PILE, "27", "0.05", "pile.scene.h5"], check=True)
+    free = {key: value for key, value in ENV.items() if key not in ("OMP_NUM_THREADS", "OMP_WAIT_POLICY", "GOMP_SPINCOUNT")}
+    for name, environment in (("free", free), ("given", dict(free, OMP_NUM_THREADS="2"))):
+        result = subprocess.run([SOLVER, "pile.scene.h5", "-o", f"{name}.run"], env=environment, capture_output=True, text=True, timeout=120)
+        assert result.returncode == 0, result.stderr
+        assert f"1 ranks x {1 if name == 'free' else 2} threads" in result.stderr, result.stderr
+    free_run, given = outcome("free.run"), outcome("given.run")
+    assert (free_run["threads"], given["threads"]) == (1, 2), (free_run["threads"], given["threads"])
+    assert free_run["state_hash"] == given["state_hash"]
+    assert free_run["slowdown"] >= 1, free_run["slowdown"]
+    plan = subprocess.run([SOLVER, "pile.scene.h5", "--plan"], env=free, capture_output=True, text=True, timeout=120).stdout
+    assert "cores are used" not in plan, plan  # no more cores help
+    plan = subprocess.run([SOLVER, "pile.scene.h5", "--plan"], env=dict(free, OMP_NUM_THREADS="2"), capture_output=True, text=True, timeout=120).stdout
+    assert "2 cores are used, so few bodies keep 1 busy" in plan, plan
+
+
 def a_full_disk_is_an_error_and_leaves_no_broken_file():
     if os.geteuid() != 0:
         raise Skipped("mounting a small tmpfs needs root")
@@ -465,6 +483,6 @@ TESTS = [same_state_for_any_ranks_and_threads, a_killed_run_continues_to_the_sam
          what_walls_did_that_answer_to_force_is_in_the_record,
          a_body_that_meets_a_box_from_outside_bounces_off_it, the_plan_says_what_is_in_and_out,
          alone_a_tool_looks_for_no_network_and_its_settings_of_mpi_stay_its_own,
-         threads_that_are_bound_to_one_core_are_told]
+         threads_that_are_bound_to_one_core_are_told, few_bodies_take_one_thread_and_the_same_bits]
 
 main(TESTS)

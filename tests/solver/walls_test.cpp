@@ -158,5 +158,68 @@ TEST(DrivenWall, given_as_a_table_goes_to_the_motion_it_samples) {
   EXPECT_LE(std::abs(height(1000) - smooth), 0.5 * std::abs(height(20) - smooth));
 }
 
+// No stiffness holds against a wall that is driven: the user hears which walls, and what room they leave.
+TEST(DrivenWall, that_squeezes_a_block_against_another_ends_the_run_with_the_names_of_both) {
+  for (const bool mesh : {false, true}) {
+    TestRun run(test::empty_scene(1e6, 0.5, 0.3, 0.002));
+    run.scene.shapes = {make_solid("cube", test::grid_box(1, {0.1, 0.1, 0.1}))};
+    test::add_body(run.scene, 0, {0, 0, 0.0521});
+    test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+    test::add_plane(run.scene, {0, 0, 0.11}, {0, 0, -1});
+    run.scene.walls[0].name = "floor";
+    Wall& press = run.scene.walls[1];
+    press.name = "press";
+    press.motion.kind = Translate{.axis = {0, 0, 1}, .rate = -0.2};
+    if (mesh) {  // a plate that covers the block
+      run.scene.shapes.push_back(make_surface("plate", {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}}));
+      press.kind = WallKind::mesh;
+      press.shape = 1;
+      press.position = {0, 0, 0.11};
+    }
+    run.start();
+    try {
+      run.run_for(0.1);
+      FAIL() << "nothing stopped the run";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::run_invalid);
+      const std::string what = e.what();
+      EXPECT_NE(what.find("squeezed between wall 'press', which moves, and wall 'floor': they are 10"), std::string::npos) << what;
+      EXPECT_EQ(what.find("raise the stiffness"), std::string::npos) << what;
+    }
+  }
+}
+
+/// A ball that overlaps the lowest point of a hollow sphere, or of a floor (radius 0), with a stiffness that goes with size.
+TestRun ball_in_a_hollow(double ball, double hollow, double overlap) {
+  TestRun run(test::empty_scene(0, 1, 0, 0));
+  run.scene.pairs[0].stiffness = 0;
+  run.scene.pairs[0].modulus = 1e5;
+  run.scene.shapes = {make_sphere("ball", ball)};
+  test::add_body(run.scene, 0, {0, 0, ball - overlap});
+  test::add_plane(run.scene, {0, 0, 0}, {0, 0, 1});
+  if (!(hollow > 0)) return run;
+  Wall& wall = run.scene.walls[0];
+  wall.kind = WallKind::sphere_inside;
+  wall.point = {0, 0, hollow};
+  wall.radius = hollow;
+  return run;
+}
+
+// 1/R* = 1/R_a - 1/R (K. L. Johnson, Contact Mechanics, 1985, section 4.2): a hollow of its own size holds a ball in a wide contact. The
+// step follows the stiffness that comes of it.
+TEST(HollowSphere, bends_towards_the_ball_that_lies_in_it) {
+  constexpr double kBall = 0.01, kOverlap = 1e-5, kModulus = 1e5;
+  TestRun floor = ball_in_a_hollow(kBall, 0, kOverlap);
+  floor.start();
+  for (const double hollow : {0.0105, 0.02, 0.05, 10.0}) {
+    TestRun run = ball_in_a_hollow(kBall, hollow, kOverlap);
+    run.start();
+    const double reduced = kBall * hollow / (hollow - kBall), energy = 0.5 * kModulus * 2 * reduced * kOverlap * kOverlap;
+    EXPECT_NEAR(energies_of(run.simulation->state()).elastic, energy, 1e-9 * energy) << hollow;  // rounding of the overlap
+    const double shorter = run.simulation->state().clock.size.step / floor.simulation->state().clock.size.step;
+    EXPECT_NEAR(shorter, std::sqrt(kBall / reduced), 1e-12) << hollow;
+  }
+}
+
 }  // namespace
 }  // namespace scree
