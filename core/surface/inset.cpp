@@ -1,9 +1,13 @@
 #include "core/surface/inset.hpp"
 
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/features.hpp"
@@ -61,13 +65,234 @@ std::vector<Vec3> ways_of(const TriangleMesh& mesh, const FlatFaces& faces, doub
   return ways;
 }
 
+/// Corners that go together, as trees.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  std::size_t of(std::size_t i) const {
+    while (parent_[i] != i) i = parent_[i];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) { parent_[std::max(of(a), of(b))] = std::min(of(a), of(b)); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+/// Where a face or an edge is so small that it would vanish before the margin is reached, as the small cuts of a crushed stone do: its
+/// corners go together, all by one way, so that it stays as it is; and the faces around give way to each other, each as a plane, by as
+/// little as can be. Without it the smallest cut would hold back every face, since the corners of a flat face have one share.
+///
+/// How: unknown are the way of each group of corners and the depth s of each face over the margin, with n . way = -margin s at every corner
+/// of a face that has more than three: such faces stay flat. Of all such ways, the one with the least squares of s - 1, over the area.
+/// What would still turn joins more corners.
+class CornerJoiner {
+ public:
+  CornerJoiner(const TriangleMesh& mesh, const FlatFaces& faces, double margin) : mesh_(mesh), faces_(faces), margin_(margin), groups_(0) {
+    number_.assign(mesh.vertices.size(), -1);
+    for (const std::int32_t c : faces.corners()) {
+      number_[at(c)] = static_cast<std::int32_t>(corners_.size());
+      corners_.push_back(c);
+    }
+    groups_ = Groups(corners_.size());
+    std::vector<Vec3> doubled(faces.face_count());
+    std::vector<char> seen(faces.face_count(), 0);
+    for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) doubled[faces.face(t)] += doubled_normal(mesh, t);
+    for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+      const std::size_t f = faces.face(t);
+      if (std::exchange(seen[f], 1) != 0 || !(squared_length(doubled[f]) > 0)) continue;
+      planes_.push_back({normalised(doubled[f]), 0.5 * length(doubled[f]), faces.corners_of_face(t)});
+    }
+  }
+
+  /// Ways of all vertices, zero but at corners. Nothing where faces would have to give way too far, or the shape has too many corners.
+  std::optional<std::vector<Vec3>> find() {
+    if (3 * corners_.size() + planes_.size() > kMostUnknowns) return {};
+    constexpr int kRounds = 20;
+    for (int round = 0; round < kRounds; ++round) {
+      if (!solve()) return {};
+      if (join_vanishing() || join_far()) continue;
+      if (!is_taken()) return {};
+      return ways();
+    }
+    return {};
+  }
+
+  /// Joins the ends of the shortest edge of each face that these triangles are of. Returns whether there were any.
+  bool join_at(const std::vector<std::int32_t>& triangles) {
+    bool any = false;
+    for (const std::int32_t t : triangles) {
+      const std::vector<std::int32_t>& corners = faces_.corners_of_face(t);
+      const auto is_of_face = [&](std::int32_t v) { return std::binary_search(corners.begin(), corners.end(), v); };
+      double shortest = 1e300;
+      const std::array<std::int32_t, 2>* best = nullptr;
+      for (const auto& edge : faces_.edges()) {
+        if (!is_of_face(edge[0]) || !is_of_face(edge[1]) || group(edge[0]) == group(edge[1])) continue;
+        const double size = length(mesh_.vertices[at(edge[1])] - mesh_.vertices[at(edge[0])]);
+        if (!(size < shortest)) continue;
+        shortest = size;
+        best = &edge;
+      }
+      if (best == nullptr) continue;
+      groups_.join(at(number_[at((*best)[0])]), at(number_[at((*best)[1])]));
+      any = true;
+    }
+    return any;
+  }
+
+ private:
+  static constexpr std::size_t kMostUnknowns = 1200;  // dense matrices: a second
+  /// An edge of which less than this share is left, along itself, joins its corners.
+  static constexpr double kLeastEdge = 0.1;
+  /// Depths of faces over the margin that are taken: beyond, parts are thin, and shares say more.
+  static constexpr double kLeastDepth = 0.5, kMostDepth = 2;
+
+  struct Plane {
+    Vec3 normal;
+    double area;
+    std::vector<std::int32_t> corners;  ///< vertices
+    bool is_rigid() const { return corners.size() > 3; }
+  };
+
+  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+  std::size_t group(std::int32_t vertex) const { return groups_.of(at(number_[at(vertex)])); }
+  Vec3 way(std::int32_t vertex) const {
+    const auto i = static_cast<Eigen::Index>(3 * column_[group(vertex)]);
+    return margin_ * Vec3{found_(i), found_(i + 1), found_(i + 2)};
+  }
+
+  bool solve() {
+    // columns: the ways of groups over the margin, then the depths of rigid faces
+    column_.assign(corners_.size(), 0);
+    std::size_t groups = 0;
+    for (std::size_t c = 0; c < corners_.size(); ++c)
+      if (groups_.of(c) == c) column_[c] = groups++;
+    std::vector<std::vector<std::size_t>> of_plane;
+    std::size_t rows = 0, wishes = 0, depths = 0;
+    for (const Plane& plane : planes_) {
+      std::vector<std::size_t> own;
+      for (const std::int32_t v : plane.corners) own.push_back(column_[group(v)]);
+      std::sort(own.begin(), own.end());
+      own.erase(std::unique(own.begin(), own.end()), own.end());
+      depths += plane.is_rigid() ? 1 : 0;
+      (plane.is_rigid() ? rows : wishes) += own.size();
+      of_plane.push_back(std::move(own));
+    }
+    const auto columns = static_cast<Eigen::Index>(3 * groups + depths);
+    Eigen::MatrixXd held = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), columns);
+    Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(wishes + depths), columns);
+    Eigen::VectorXd goal = Eigen::VectorXd::Zero(wanted.rows());
+    Eigen::Index row = 0, wish = 0, depth = static_cast<Eigen::Index>(3 * groups);
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+      const Plane& plane = planes_[k];
+      const double weight = std::sqrt(plane.area);
+      for (const std::size_t g : of_plane[k]) {
+        const auto first = static_cast<Eigen::Index>(3 * g);
+        Eigen::MatrixXd& to = plane.is_rigid() ? held : wanted;
+        const Eigen::Index r = plane.is_rigid() ? row++ : wish++;
+        const double w = plane.is_rigid() ? 1 : weight / std::sqrt(static_cast<double>(of_plane[k].size()));
+        for (int i = 0; i < 3; ++i) to(r, first + i) = w * plane.normal[i];
+        if (plane.is_rigid())
+          to(r, depth) = 1;
+        else
+          goal(r) = -w;
+      }
+      if (plane.is_rigid()) {
+        wanted(wish, depth++) = weight;
+        goal(wish++) = weight;
+      }
+    }
+    // what keeps faces flat: the null space of the rows that are held
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> kept(held);
+    kept.setThreshold(kLeastSingular * 1e-6);
+    const Eigen::Index rank = kept.rank();
+    if (rank >= columns) return false;
+    const Eigen::MatrixXd turned = kept.matrixZ().transpose();
+    const Eigen::MatrixXd free = kept.colsPermutation() * turned.rightCols(columns - rank);
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> best;
+    best.setThreshold(kLeastSingular * 1e-3);
+    best.compute(wanted * free);
+    found_ = free * best.solve(goal);
+    depths_ = found_.tail(static_cast<Eigen::Index>(depths));
+    return true;
+  }
+
+  /// Whether no face gives way too far.
+  bool is_taken() const { return depths_.size() == 0 || (depths_.minCoeff() >= kLeastDepth && depths_.maxCoeff() <= kMostDepth); }
+
+  /// Joins corners that would go too far, where faces are nearly flat to each other, with the nearest. Returns whether there were any.
+  bool join_far() {
+    std::vector<double> nearest(corners_.size(), 1e300);
+    std::vector<std::int32_t> partner(corners_.size(), -1);
+    for (const auto& edge : faces_.edges()) {
+      if (group(edge[0]) == group(edge[1])) continue;
+      const double size = length(mesh_.vertices[at(edge[1])] - mesh_.vertices[at(edge[0])]);
+      for (const int end : {0, 1}) {
+        const std::size_t c = at(number_[at(edge[static_cast<std::size_t>(end)])]);
+        if (size < nearest[c]) {
+          nearest[c] = size;
+          partner[c] = edge[static_cast<std::size_t>(1 - end)];
+        }
+      }
+    }
+    bool any = false;
+    for (std::size_t c = 0; c < corners_.size(); ++c) {
+      if (partner[c] < 0 || length(way(corners_[c])) <= kLongestMove * margin_) continue;
+      groups_.join(c, at(number_[at(partner[c])]));
+      any = true;
+    }
+    return any;
+  }
+
+  /// Returns whether there were any.
+  bool join_vanishing() {
+    std::vector<std::array<std::int32_t, 2>> vanishing;
+    for (const auto& edge : faces_.edges()) {
+      if (group(edge[0]) == group(edge[1])) continue;
+      const Vec3 along = mesh_.vertices[at(edge[1])] - mesh_.vertices[at(edge[0])];
+      if (dot(along, along + way(edge[1]) - way(edge[0])) < kLeastEdge * squared_length(along)) vanishing.push_back(edge);
+    }
+    for (const auto& edge : vanishing) groups_.join(at(number_[at(edge[0])]), at(number_[at(edge[1])]));
+    return !vanishing.empty();
+  }
+
+  std::vector<Vec3> ways() const {
+    std::vector<Vec3> all(mesh_.vertices.size());
+    for (const std::int32_t c : corners_) all[at(c)] = way(c);
+    return all;
+  }
+
+  const TriangleMesh& mesh_;
+  const FlatFaces& faces_;
+  double margin_;
+  std::vector<std::int32_t> corners_, number_;  // vertices; and of a vertex, which corner it is
+  std::vector<Plane> planes_;
+  Groups groups_;
+  std::vector<std::size_t> column_;  // of a group
+  Eigen::VectorXd found_, depths_;
+};
+
 /// Shares of the ways of corners, reduced until nothing is wrong.
 class Shares {
  public:
   Shares(const TriangleMesh& mesh, double margin)
-      : mesh_(mesh), faces_(mesh), ways_(ways_of(mesh, faces_, margin)), share_(mesh.vertices.size(), 1.0), moved_(mesh) {}
+      : mesh_(mesh), margin_(margin), faces_(mesh), ways_(ways_of(mesh, faces_, margin)), share_(mesh.vertices.size(), 1.0), moved_(mesh) {}
 
   Inset find() {
+    if (!faces_.rigid_faces().empty()) {
+      move();
+      if (is_wrong()) {
+        const std::vector<Vec3> plain = ways_;
+        CornerJoiner joiner(mesh_, faces_, margin_);
+        for (std::optional<std::vector<Vec3>> joined = joiner.find(); joined; joined = joiner.find()) {
+          ways_ = std::move(*joined);
+          move();
+          if (!is_wrong()) return {std::move(moved_), share_};
+          if (!joiner.join_at(turned_triangles())) break;
+        }
+        ways_ = plain;
+      }
+    }
     for (int round = 0; round < kMostRounds; ++round) {
       move();
       std::vector<double> factor(share_.size(), 1.0);
@@ -110,17 +335,21 @@ class Shares {
     for (const std::int32_t v : faces_.corners_of_face(t)) factor[static_cast<std::size_t>(v)] = by;
   }
 
-  bool reduce_turned(std::vector<double>& factor) const {
-    bool any = false;
+  std::vector<std::int32_t> turned_triangles() const {
+    std::vector<std::int32_t> turned;
     for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
       const Vec3 before = doubled_normal(mesh_, t), now = doubled_normal(moved_, t);
       const double area_before = length(before), area = length(now);
       if (!(area_before > 0) || !moves(t)) continue;
-      if (dot(before, now) >= kLeastCosine * area_before * area && area >= kLeastArea * area_before) continue;
-      reduce(t, kReducedByTurn, factor);
-      any = true;
+      if (dot(before, now) < kLeastCosine * area_before * area || area < kLeastArea * area_before) turned.push_back(t);
     }
-    return any;
+    return turned;
+  }
+
+  bool reduce_turned(std::vector<double>& factor) const {
+    const std::vector<std::int32_t> turned = turned_triangles();
+    for (const std::int32_t t : turned) reduce(t, kReducedByTurn, factor);
+    return !turned.empty();
   }
 
   bool reduce_crossing(std::vector<double>& factor) const {
@@ -163,7 +392,13 @@ class Shares {
     }
   }
 
+  bool is_wrong() const {
+    std::vector<double> factor(share_.size(), 1.0);
+    return reduce_turned(factor) || reduce_crossing(factor);
+  }
+
   const TriangleMesh& mesh_;
+  double margin_;
   FlatFaces faces_;
   std::vector<Vec3> ways_;
   std::vector<double> share_;  ///< of corners; 1 of other vertices

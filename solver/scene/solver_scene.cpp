@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/storage/attraction.hpp"
+#include "solver/scene/hollow_walls.hpp"
 
 namespace scree {
 
@@ -383,27 +384,14 @@ void SolverScene::add_attraction(const MaterialPair& pair, const BodyExtremes& e
   check_pressing(settings, pair, a, b, radius, largest_room_);
 }
 
-double SolverScene::hollow_factor(const MaterialPair& pair, const BodyExtremes& extremes) const {
-  double factor = 1;
-  for (const Wall& wall : scene_->walls) {
-    if (wall.kind != WallKind::sphere_inside) continue;
-    for (const auto& [of_wall, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
-      if (wall.material != of_wall) continue;
-      const double a = extremes.radius[static_cast<std::size_t>(other)];
-      if (a < wall.radius) factor = std::max(factor, wall.radius / (wall.radius - a));
-    }
-  }
-  return factor;
-}
-
 /// The fastest impact of the heaviest bodies.
 LargestImpact SolverScene::largest_impact(const MaterialPair& pair, const BodyExtremes& extremes) const {
   const auto either = [&](const std::vector<double>& of_material) {
     return std::max(of_material[static_cast<std::size_t>(pair.a)], of_material[static_cast<std::size_t>(pair.b)]);
   };
   const double given = scene_->settings.impact_speed;
-  return {pair.contact_radius > 0 ? pair.contact_radius : hollow_factor(pair, extremes) * either(extremes.radius), either(extremes.mass),
-          given == 0 ? 2 * either(extremes.speed) : given};
+  return {pair.contact_radius > 0 ? pair.contact_radius : hollow_factor(*scene_, pair, extremes) * either(extremes.radius),
+          either(extremes.mass), given == 0 ? 2 * either(extremes.speed) : given};
 }
 
 }  // namespace scree

@@ -107,8 +107,6 @@ class SolverScene {
   void check_seams(double radius) const;
   /// Stiffest tangent expected of the contacts of two materials [N/m], of a layer per area [N/m^3]: the step is derived from it.
   double step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const;
-  /// By how much R* of two materials exceeds the radius of their largest body: 1, or more where it lies in a hollow sphere.
-  double hollow_factor(const MaterialPair& pair, const BodyExtremes& extremes) const;
   /// The severest impact to be expected between two materials.
   LargestImpact largest_impact(const MaterialPair& pair, const BodyExtremes& extremes) const;
   /// The largest F_c of their contacts [N] (laws/attraction.hpp); 0 where they do not attract each other.

@@ -34,9 +34,6 @@ class DomainGuard {
   bool is_removal_due() const { return removal_due_; }
   /// Of each owned row, after review(), whether it is to be taken out.
   std::vector<std::uint8_t> leaving(const RunState& s) const;
-  /// Books the energy of the contacts of those that leave, which nothing holds after. After review(), while pairs are those of the last
-  /// forces. Collective.
-  void book_contacts(RunState& s) const;
   /// Takes out what review() found, before ghosts are made. Between the two kicks of a step.
   /// Returns whether bodies of any rank left: the same on all.
   bool remove(RunState& s);

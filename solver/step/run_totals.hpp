@@ -27,7 +27,7 @@ struct WallTotals {
 struct DepartureTotals {
   ExactSum count;
   ExactSum mass;        ///< [kg]
-  ExactSum energy;      ///< kinetic and potential, and that of the contacts that they left [J]
+  ExactSum energy;      ///< kinetic and potential [J]
   ExactSum dissipated;  ///< what they had dissipated by then [J]
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solver/built_with.hpp"
+#include "solver/step/leaving_contacts.hpp"
 #include "solver/step/shared_damping.hpp"
 #include "solver/step/stability.hpp"
 #include "solver/step/start_from_run.hpp"
@@ -199,7 +200,7 @@ void Simulation::rebuild_lists(const StepReport& report) {
     const double further = has_bonds ? extra_reach(state_, lists_.rebuilds() == 0) : 0;
     std::vector<std::int64_t> disturbed;
     if (state_.sleep && domain_.is_removal_due()) disturbed = state_.sleep->touching_those_that_leave(state_, domain_.leaving(state_));
-    if (domain_.is_removal_due()) domain_.book_contacts(state_);
+    if (domain_.is_removal_due()) book_contacts_of_leaving(state_, domain_.leaving(state_));
     decomposition_.distribute(p, state_.pairs, report);
     if (state_.sleep) Sleep::wake(state_, disturbed);
     const bool left = domain_.remove(state_), came = arrivals_.join(state_, decomposition_.halo());

@@ -3,6 +3,7 @@
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
+#include "solver/scene/hollow_walls.hpp"
 #include "solver/step/approach.hpp"
 #include "solver/step/bonds.hpp"
 #include "solver/step/inlets.hpp"
@@ -173,7 +174,8 @@ class ContactLimits {
         if (t.sized_body < 0 || !touches) return;
         Touchable named;
         named.body[0] = t.sized_body;
-        consider(2 * pair.modulus * scene_.hollow_factor(pair, extremes_) / stiffness * t.sized, body(named, 0, material) + " on " + name_of(against));
+        consider(2 * pair.modulus * hollow_factor(scene_.source(), pair, extremes_) / stiffness * t.sized,
+                 body(named, 0, material) + " on " + name_of(against));
         softest_ = std::min(softest_, 2 * pair.modulus * features * t.least_sized);
       };
       by_size(a, pair.a, b, pair.b);
