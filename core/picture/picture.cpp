@@ -54,7 +54,7 @@ vtkSmartPointer<vtkRenderer> lit_renderer() {
 void set_camera(vtkRenderer* renderer, const View& view, double zoom) {
   vtkCamera* camera = renderer->GetActiveCamera();
   constexpr double kViewAngle = 30;   // [deg]
-  constexpr double kDistance = 3.55;  // in radii: the ball just fits into the view angle at an aspect of 4:3
+  constexpr double kDistance = 3.87;  // in radii, 1 / sin(angle / 2): the whole ball is in view where the picture is not higher than wide
   const Vec3 eye = view.centre + kDistance / zoom * view.radius * view.from;
   camera->SetFocalPoint(view.centre.x, view.centre.y, view.centre.z);
   camera->SetPosition(eye.x, eye.y, eye.z);

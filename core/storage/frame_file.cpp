@@ -200,7 +200,7 @@ FrameBonds read_bonds(const h5::Group& root) {
 
 }  // namespace
 
-Frame read_frame_file(const std::string& path) {
+Frame read_frame_file(const std::string& path, FrameParts parts) {
   const h5::File file(path);
   const h5::Group& root = file.root();
   check_format(root, kFrameFormat, kFrameFormatVersion);
@@ -213,8 +213,9 @@ Frame read_frame_file(const std::string& path) {
       value = scalars.read_integer_attribute(name);
   });
   frame.bodies = read_bodies(root);
-  frame.contacts = read_contacts(root);
   frame.walls = read_columns<FrameWalls>(root);
+  if (parts == FrameParts::bodies) return frame;
+  frame.contacts = read_contacts(root);
   if (root.has("loads")) frame.loads = read_columns<FrameLoads>(root);
   if (root.has("wear")) frame.wear = read_columns<FrameWear>(root);
   if (root.has("losses")) frame.losses = read_columns<FrameLosses>(root);

@@ -190,8 +190,11 @@ void write_frame_file(MPI_Comm communicator, const std::string& path, const Fram
 /// What rows of bodies and contacts take in a file, as if nothing in it could be compressed.
 std::int64_t frame_rows_bytes(std::int64_t bodies, std::int64_t contacts);
 
+/// Which parts of a frame are read: all, or bodies and walls without contacts, loads and bonds, which are most of a file.
+enum class FrameParts { all, bodies };
+
 /// Serial. Bodies come sorted by id, contacts by (a, b, feature). Throws InputError when damaged.
-Frame read_frame_file(const std::string& path);
+Frame read_frame_file(const std::string& path, FrameParts parts = FrameParts::all);
 
 struct FrameEntry {
   std::string path;  ///< full

@@ -34,11 +34,17 @@ struct RunOptions {
   Run open(std::vector<std::string>& notices) const;
 };
 
+/// Of --within, for statistics, reports, pictures and films.
+inline constexpr const char* kWithinHelp =
+    "Only bodies that are in a wall (its name or id: its inside, the box around a mesh and above), in a region (as in "
+    "box:x0,y0,z0,x1,y1,z1), "
+    "or all; default: bodies that have left the equipment are left out";
+
 /// What report and statistics count, and how.
 struct MeasureOptions {
   std::vector<std::string> apparatus, without;
   bool count_all = false;
-  std::string mixing = "auto", repose = "none", discharge;
+  std::string mixing = "auto", repose = "none", discharge, within;
 
   void add_to(CLI::App& command);
   /// Sets the run and the options accordingly. Returns what was set apart, for the user; empty: nothing.

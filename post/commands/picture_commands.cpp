@@ -49,6 +49,7 @@ struct LookOptions {
         .add_option("--apart", picture.apart, "Fragments apart: moved from the middle of their body by this share of their way (default 0)")
         ->check(between(0, 100));
     command.add_option("--cut", cut, "Cut away what is before a plane, as seen from the camera: y=0, \"x=2 cm\"");
+    command.add_option("--within", picture.within, kWithinHelp);
     command.add_flag("--no-walls", no_walls, "Bodies only");
     command.add_flag("--no-legend", no_legend, "Without names of kinds and without a scale");
     command.add_option("--from", from, "Direction from what is seen to the camera: X Y Z")->expected(3);
@@ -131,7 +132,8 @@ Command add_picture(CLI::App& app) {
             CommandResult result;
             const Run run = o->run.open(result.notices);
             LookOptions::check(run, look);
-            make_picture(run, find_frame(run, o->frame), o->output, look);
+            if (const std::string unseen = make_picture(run, find_frame(run, o->frame), o->output, look); !unseen.empty())
+              result.notices.push_back("note: " + unseen);
             result.notices.push_back("wrote " + o->output);
             return result;
           }};

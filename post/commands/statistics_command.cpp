@@ -35,6 +35,7 @@ void MeasureOptions::add_to(CLI::App& command) {
       .add_option("--without", without,
                   "Leave bodies or walls out with all their contacts: a shape, a material, the name of a wall, or an id; repeat for more")
       ->take_all();
+  command.add_option("--within", within, kWithinHelp);
   command
       .add_option("--mixing", mixing,
                   "Kinds of the mixing index: material, shape, population, size (above the median or not), half-x, half-y, half-z, none "
@@ -51,6 +52,7 @@ std::string MeasureOptions::apply(Run& run, StatisticsOptions& options) const {
   options.mixing = mixing;
   options.repose = repose;
   options.discharge = discharge;
+  options.within = within;
   return count_all ? "" : set_apparatus_apart(run, apparatus);
 }
 
@@ -137,6 +139,9 @@ Command add_statistics(CLI::App& app) {
                 }
               }
             }
+            if (!statistics.left.empty())
+              result.notices.push_back(
+                  fmt::format("note: {}: left out of all that is counted; --within all counts all bodies", statistics.left));
             for (const std::string& message : statistics.skipped) result.notices.push_back("left out: " + message);
             if (!run.scene.settings.output_contacts)
               result.notices.push_back("note: the run kept no contacts: no coordination, stress, fabric or force chains");

@@ -50,16 +50,17 @@ std::string figure(const Chart& chart) {
 /// Share of their way that fragments are moved by in the picture that shows them apart.
 constexpr double kApart = 0.5;
 
-std::string picture_section(const Run& run, std::size_t frame, std::vector<std::string>& notes) {
+std::string picture_section(const Run& run, std::size_t frame, const std::string& within, std::vector<std::string>& notes) {
   const std::string obstacle = picture_obstacle();
   if (!obstacle.empty()) {
     notes.push_back("the report has no pictures: " + obstacle);
     return "<p class=\"missing\">No pictures: " + escaped(obstacle) + "</p>\n";
   }
-  std::string html;
-  const auto add = [&](const PictureOptions& options, const std::string& alt, const std::string& caption) {
+  std::string html, unseen;
+  const auto add = [&](PictureOptions options, const std::string& alt, const std::string& caption) {
+    options.within = within;
     const std::string png = (std::filesystem::temp_directory_path() / fmt::format("scree-post-{}.png", getpid())).string();
-    make_picture(run, frame, png, options);
+    unseen = make_picture(run, frame, png, options);
     std::ifstream stream(png, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
     std::remove(png.c_str());
@@ -101,6 +102,7 @@ std::string picture_section(const Run& run, std::size_t frame, std::vector<std::
                       of.title, time));
     }
   }
+  if (!unseen.empty()) html += "<p>" + escaped(unseen) + ".</p>\n";
   return html;
 }
 
@@ -118,7 +120,7 @@ std::string inside_script(const std::string& json) {
   return text;
 }
 
-std::string view_section(const Run& run, std::size_t index) {
+std::string view_section(const Run& run, std::size_t index, const std::string& within) {
   const Frame frame = load_frame(run, index);
   std::string html = fmt::format(
       "<p>Frame {} at t = {:.4g} s. Drag to turn, two fingers or Shift and drag to move, the buttons or Ctrl and the wheel to zoom, "
@@ -136,7 +138,8 @@ std::string view_section(const Run& run, std::size_t index) {
       "<label><input type=\"checkbox\" name=\"walls\" checked/> walls</label><button name=\"nearer\" type=\"button\">nearer</button>"
       "<button name=\"further\" type=\"button\">further</button><button name=\"reset\" type=\"button\">reset</button></div>\n"
       "<p id=\"view-panel\" class=\"panel\" aria-live=\"polite\">Pick a body to read about it.</p></div>\n";
-  html += "<script type=\"application/json\" id=\"view-data\">" + inside_script(view_data(run, frame)) + "</script>\n<script>";
+  html += "<script type=\"application/json\" id=\"view-data\">" + inside_script(view_data(run, frame, Within::named(run, within))) +
+          "</script>\n<script>";
   return html + kViewShaders + kViewScript + "</script>\n";
 }
 
@@ -146,6 +149,7 @@ std::string statistics_section(const Statistics& s, const std::string& apparatus
       "state "
       "only. Definitions: <code>post/STATISTICS.md</code>.</p>\n",
       s.frames, s.first_time, s.last_time, s.blocks);
+  if (!s.left.empty()) html += "<p>" + escaped(s.left) + ": left out of all that is counted.</p>\n";
   if (!apparatus.empty()) html += "<p>" + escaped(apparatus) + ".</p>\n";
   for (const NamedChart& chart : charts_of(s)) html += figure(chart.chart);
   html +=
@@ -412,6 +416,8 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   StatisticsOptions what = options.statistics;
   what.frames = choose_frames(run, "all");
   const Statistics statistics = run_statistics(run, what, "");
+  if (!statistics.left.empty())
+    result.notes.push_back(statistics.left + ": left out of all that is counted; --within all counts all bodies");
   for (const std::string& message : statistics.skipped) result.notes.push_back("left out: " + message);
   const std::vector<Verdict> verdicts = judge(run);
   for (const Verdict& v : verdicts) result.verdicts.push_back(fmt::format("{:<22} {:<36} {}", v.question, v.answer, name_of(v.judgement)));
@@ -431,8 +437,8 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
       kVersion);
   std::vector<std::array<std::string, 3>> sections{{"verdicts", "Can it be trusted?", verdict_section(verdicts)},
                                                    {"case", "What was run", case_section(run)},
-                                                   {"picture", "Pictures", picture_section(run, shown, result.notes)},
-                                                   {"view", "3D view", view_section(run, shown)},
+                                                   {"picture", "Pictures", picture_section(run, shown, what.within, result.notes)},
+                                                   {"view", "3D view", view_section(run, shown, what.within)},
                                                    {"statistics", "Statistics", statistics_section(statistics, options.apparatus)},
                                                    {"energies", "Energies", energy_section(run)},
                                                    {"contacts", "Contacts", contact_section(run)},

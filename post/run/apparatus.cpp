@@ -3,18 +3,24 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
+#include "post/run/run_bodies.hpp"
 
 namespace scree {
 
 namespace {
 
-double size_of(const Scene& scene, std::size_t i) {
-  return scene.bodies.scale[i] * scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].bounding_radius();
+double size_of(const Scene& scene, const RunBody& body) {
+  return body.scale * scene.shapes[static_cast<std::size_t>(body.shape)].bounding_radius();
+}
+
+bool is_of(const Scene& scene, const RunBody& body, const std::string& name) {
+  return scene.shapes[static_cast<std::size_t>(body.shape)].name == name ||
+         scene.materials[static_cast<std::size_t>(body.material)].name == name;
 }
 
 /// Whether each body is meant by one of the names.
-std::vector<bool> named(const Scene& scene, const std::vector<std::string>& names) {
-  std::vector<bool> chosen(scene.bodies.size());
+std::vector<bool> named(const Scene& scene, const RunBodies& bodies, const std::vector<std::string>& names) {
+  std::vector<bool> chosen(bodies.all.size());
   for (const std::string& name : names) {
     bool known = false;
     for (const Shape& shape : scene.shapes) known = known || shape.name == name;
@@ -25,26 +31,30 @@ std::vector<bool> named(const Scene& scene, const std::vector<std::string>& name
       for (const Material& material : scene.materials) list += ", " + material.name;
       throw UsageError("--apparatus {}: no shape and no material of the scene; it has: {}", name, list);
     }
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      chosen[i] = chosen[i] || scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].name == name ||
-                  scene.materials[static_cast<std::size_t>(scene.bodies.material[i])].name == name;
-    }
+    for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = chosen[i] || is_of(scene, bodies.all[i], name);
   }
   return chosen;
 }
 
-/// Bodies of [[bodies]] that are much larger than those of the populations.
-std::vector<bool> large(const Scene& scene) {
-  std::vector<bool> chosen(scene.bodies.size());
-  std::vector<double> sizes;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (scene.bodies.population[i] >= 0 && scene.bodies.fixed[i] == 0) sizes.push_back(size_of(scene, i));
+/// Bodies of [[bodies]] that are much larger than those of the populations; where there are none of these, than those that came in.
+std::vector<bool> large(const Scene& scene, const RunBodies& bodies) {
+  std::vector<bool> chosen(bodies.all.size());
+  const std::string given = "[[bodies]]";
+  const auto is_given = [&](const RunBody& body) { return bodies.origins[static_cast<std::size_t>(body.origin)] == given; };
+  const auto is_poured = [&](const RunBody& body) {
+    return bodies.origins[static_cast<std::size_t>(body.origin)].starts_with("population ");
+  };
+  std::vector<double> sizes, came_in;
+  for (const RunBody& body : bodies.all) {
+    if (body.is_fixed || is_given(body)) continue;
+    (is_poured(body) ? sizes : came_in).push_back(size_of(scene, body));
   }
+  if (sizes.empty()) sizes = came_in;
   if (sizes.empty()) return chosen;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
   for (std::size_t i = 0; i < chosen.size(); ++i)
-    chosen[i] = scene.bodies.population[i] < 0 && size_of(scene, i) >= kApparatusSize * *middle;
+    chosen[i] = is_given(bodies.all[i]) && size_of(scene, bodies.all[i]) >= kApparatusSize * *middle;
   return chosen;
 }
 
@@ -52,13 +62,15 @@ std::vector<bool> large(const Scene& scene) {
 
 std::string set_apparatus_apart(Run& run, const std::vector<std::string>& names) {
   const Scene& scene = run.scene;
-  const std::vector<bool> chosen = names.empty() ? large(scene) : named(scene, names);
+  const RunBodies bodies(run);
+  const std::vector<bool> chosen = names.empty() ? large(scene, bodies) : named(scene, bodies, names);
   std::string list;
   std::size_t count = 0;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (!chosen[i] || !run.boundary_ids.insert(scene.bodies.id[i]).second) continue;
-    const std::string& shape = scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].name;
-    if (++count <= 5) list += fmt::format("{}{} ({})", count > 1 ? ", " : "", scene.bodies.id[i], shape);
+    const RunBody& body = bodies.all[i];
+    if (!chosen[i] || !run.boundary_ids.insert(body.id).second) continue;
+    const std::string& shape = scene.shapes[static_cast<std::size_t>(body.shape)].name;
+    if (++count <= 5) list += fmt::format("{}{} ({})", count > 1 ? ", " : "", body.id, shape);
   }
   if (count == 0) return "";
   return fmt::format("{} {} counted as apparatus, not as particles: {}{}", count, count == 1 ? "body is" : "bodies are", list,
@@ -66,14 +78,14 @@ std::string set_apparatus_apart(Run& run, const std::vector<std::string>& names)
 }
 
 std::unordered_set<std::int64_t> ids_left_out(const Run& run, const std::vector<std::string>& names) {
-  const Scene& scene = run.scene;
   std::unordered_set<std::int64_t> ids;
+  if (names.empty()) return ids;
+  const Scene& scene = run.scene;
+  const RunBodies bodies(run);
   for (const std::string& name : names) {
     std::vector<std::int64_t> found;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-      if (scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].name == name ||
-          scene.materials[static_cast<std::size_t>(scene.bodies.material[i])].name == name || fmt::format("{}", scene.bodies.id[i]) == name)
-        found.push_back(scene.bodies.id[i]);
+    for (const RunBody& body : bodies.all) {
+      if (is_of(scene, body, name) || fmt::format("{}", body.id) == name) found.push_back(body.id);
     }
     for (const Wall& wall : scene.walls) {
       if (wall.name == name || fmt::format("{}", wall.id) == name) found.push_back(wall.id);
@@ -83,7 +95,7 @@ std::unordered_set<std::int64_t> ids_left_out(const Run& run, const std::vector<
       for (const Shape& shape : scene.shapes) list += (list.empty() ? "" : ", ") + shape.name;
       for (const Material& material : scene.materials) list += ", " + material.name;
       for (const Wall& wall : scene.walls) list += wall.name.empty() ? fmt::format(", {}", wall.id) : ", " + wall.name;
-      throw UsageError("--without {}: no body and no wall of the scene has this shape, material, name or id; it has: {}, and ids of bodies",
+      throw UsageError("--without {}: no body and no wall of the run has this shape, material, name or id; it has: {}, and ids of bodies",
                        name, list);
     }
     ids.insert(found.begin(), found.end());

@@ -16,9 +16,9 @@ inline constexpr double kApparatusSize = 5;
 /// Counts apparatus as walls from now on (Run::boundary_ids): its mass, its height and what presses it belong to no stress, no
 /// solid fraction and no mean of the particles, while its contacts still stress the particles that it touches.
 ///
-/// in   names   shapes or materials whose bodies are apparatus; with none, large bodies of [[bodies]] in a scene that has populations
-/// Returns what was set apart, one line; empty: nothing.
-/// Fails: UsageError where a name is neither a shape nor a material; those of the scene are listed.
+/// in   names   shapes or materials whose bodies are apparatus; with none, large bodies of [[bodies]] in a scene that has populations or
+/// inlets Returns what was set apart, one line; empty: nothing. Fails: UsageError where a name is neither a shape nor a material; those of
+/// the scene are listed.
 std::string set_apparatus_apart(Run& run, const std::vector<std::string>& names);
 
 /// Bodies and walls to leave out of statistics altogether, with all their contacts: by shape, material, name of a wall, or id.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <set>
-#include <unordered_map>
 
 #include "core/base/error.hpp"
 #include "post/run/bonds_in_frame.hpp"
@@ -17,18 +16,6 @@ namespace scree {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-/// Row in the scene of each body of a frame, -1: it came later.
-std::vector<std::int32_t> rows_in_scene(const Run& run, const FrameBodies& bodies) {
-  std::unordered_map<std::int64_t, std::int32_t> row;
-  for (std::size_t i = 0; i < run.scene.bodies.size(); ++i) row[run.scene.bodies.id[i]] = static_cast<std::int32_t>(i);
-  std::vector<std::int32_t> rows;
-  for (const std::int64_t id : bodies.id) {
-    const auto it = row.find(id);
-    rows.push_back(it != row.end() ? it->second : -1);
-  }
-  return rows;
-}
 
 /// Sums over the lines of the contact network, by row of the frame; a line counts for both of its bodies.
 std::vector<double> over_neighbours(const Run& run, const Frame& frame, const std::function<double(const NetworkLine&)>& what) {
@@ -49,8 +36,8 @@ std::vector<double> over_neighbours(const Run& run, const Frame& frame, const st
 
 struct Source {
   const Run& run;
+  const RunBodies& bodies;
   const Frame& frame;
-  std::vector<std::int32_t> row;
   std::vector<double> diameter_of_shape;  ///< equivalent, at scale 1 [m]
   double diameter(std::size_t i) const {
     return frame.bodies.scale[i] * diameter_of_shape[static_cast<std::size_t>(frame.bodies.shape[i])];
@@ -60,7 +47,8 @@ struct Source {
            run.scene.materials[static_cast<std::size_t>(frame.bodies.material[i])].density;
   }
   Vec3 start(std::size_t i) const {
-    return row[i] < 0 ? Vec3{kNone, kNone, kNone} : run.scene.bodies.position[static_cast<std::size_t>(row[i])];
+    const RunBody* body = bodies.find(frame.bodies.id[i]);
+    return body != nullptr ? body->start : Vec3{kNone, kNone, kNone};
   }
 };
 
@@ -126,7 +114,6 @@ BodyColours fragments_of_frame(const Run& run, const Frame& frame) {
 
 BodyColours kinds_of(const Run& run, const Source& source, const std::string& name) {
   const FrameBodies& b = source.frame.bodies;
-  const BodyTable& first = run.scene.bodies;
   BodyColours colours{name, true, {}, {}};
   const auto name_of = [&](int kind) -> std::string {
     if (name == "shape") return run.scene.shapes[static_cast<std::size_t>(kind)].name;
@@ -134,26 +121,21 @@ BodyColours kinds_of(const Run& run, const Source& source, const std::string& na
     return fmt::format("{} {}", name, kind);
   };
   if (name == "population") {
-    // those of [[bodies]] come after the populations
-    std::int32_t count = 0;
-    for (const std::int32_t p : first.population) count = std::max(count, p + 1);
-    const auto kind_of = [&](std::int32_t row) {
-      const std::int32_t p = row < 0 ? -1 : first.population[static_cast<std::size_t>(row)];
-      return p < 0 ? count : p;
-    };
-    for (const std::int32_t row : source.row) colours.value.push_back(kind_of(row));
-    for (std::size_t i = 0; i < first.size(); ++i) {
-      const int kind = kind_of(static_cast<std::int32_t>(i));
-      colours.kinds[kind] = kind == count ? "[[bodies]]" : name_of(kind);
+    for (const std::int64_t id : b.id) {
+      const RunBody* body = source.bodies.find(id);
+      colours.value.push_back(body != nullptr ? body->origin : static_cast<double>(source.bodies.origins.size() - 1));
     }
+    for (const std::int32_t kind : source.bodies.used_origins())
+      colours.kinds[kind] = source.bodies.origins[static_cast<std::size_t>(kind)];
     return colours;
   }
   if (name == "fragment") return fragments_of_frame(run, source.frame);
   const std::vector<std::int32_t>& now = name == "shape" ? b.shape : (name == "material" ? b.material : b.rank);
   colours.value.assign(now.begin(), now.end());
-  for (const std::int32_t kind : name == "shape" ? first.shape : (name == "material" ? first.material : b.rank))
-    colours.kinds.emplace(kind, name_of(kind));
   for (const std::int32_t kind : now) colours.kinds.emplace(kind, name_of(kind));
+  if (name == "rank") return colours;
+  for (const std::int32_t kind : name == "shape" ? source.bodies.shapes() : source.bodies.materials())
+    colours.kinds.emplace(kind, name_of(kind));
   return colours;
 }
 
@@ -175,10 +157,10 @@ std::string body_colour_list() {
   return list;
 }
 
-BodyColours body_colours(const Run& run, const Frame& frame, const std::string& name) {
+BodyColours body_colours(const Run& run, const RunBodies& bodies, const Frame& frame, const std::string& name) {
   const auto field = std::find_if(fields().begin(), fields().end(), [&](const Field& f) { return name == f.name; });
   if (field == fields().end()) throw UsageError("--colour {}: expected {}", name, body_colour_list());
-  Source source{run, frame, rows_in_scene(run, frame.bodies), {}};
+  Source source{run, bodies, frame, {}};
   for (const Shape& shape : run.scene.shapes) source.diameter_of_shape.push_back(shape.equivalent_diameter());
   if (field->title[0] == '\0') return kinds_of(run, source, name);
   BodyColours colours{field->title, false, {}, {}};

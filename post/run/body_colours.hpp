@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "post/run/run_folder.hpp"
+#include "post/run/run_bodies.hpp"
 
 namespace scree {
 
@@ -14,7 +14,7 @@ struct BodyColours {
   std::string title;                 ///< "speed [m/s]"
   bool are_kinds = false;            ///< values are 0, 1, 2 ...; else numbers, or NaN where there is none
   std::vector<double> value;         ///< by row of the frame
-  std::map<int, std::string> kinds;  ///< those that the scene has, by value; for a legend
+  std::map<int, std::string> kinds;  ///< those that bodies of the run have at any time, by value; for a legend
 };
 
 /// Names that body_colours takes, in the order of the help.
@@ -24,6 +24,6 @@ std::string body_colour_list();
 
 /// in   name   one of body_colour_names
 /// Fails: UsageError where the quantity is one of contacts and the run kept none.
-BodyColours body_colours(const Run& run, const Frame& frame, const std::string& name);
+BodyColours body_colours(const Run& run, const RunBodies& bodies, const Frame& frame, const std::string& name);
 
 }  // namespace scree

@@ -4,6 +4,8 @@
 #include <map>
 #include <numbers>
 
+#include "post/run/within.hpp"
+
 namespace scree {
 
 namespace {
@@ -188,6 +190,14 @@ Box3 room_of(const FrameBodies& bodies, const Scene& scene) {
     const double r = bodies.scale[i] * radius[static_cast<std::size_t>(bodies.shape[i])];
     room.add(bodies.position[i] - Vec3{r, r, r});
     room.add(bodies.position[i] + Vec3{r, r, r});
+  }
+  if (room.is_empty()) {
+    for (const Wall& wall : scene.walls) {
+      if (const auto extent = wall_extent(wall, scene, {wall.position, wall.orientation})) room.add(*extent);
+    }
+    for (const Inlet& inlet : scene.inlets) {
+      if (const auto extent = wall_extent(inlet.region, scene, {inlet.region.position, inlet.region.orientation})) room.add(*extent);
+    }
   }
   if (room.is_empty()) {
     room.add(Vec3{-1, -1, -1});

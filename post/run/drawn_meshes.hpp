@@ -32,7 +32,7 @@ TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, 
 /// Vertices of a wall as worn in a frame, axes and scale of its mesh; none where it does not wear.
 std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);
 
-/// Box that holds the bounding spheres of all bodies.
+/// Box that holds the bounding spheres of all bodies; without bodies, the walls that have an end and the regions of the inlets.
 Box3 room_of(const FrameBodies& bodies, const Scene& scene);
 
 /// World position and orientation of each wall of the scene in a frame; where the frame has none, the scene's.

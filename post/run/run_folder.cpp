@@ -177,9 +177,9 @@ void check_ids_that_came(const Run& run, const Frame& frame, const std::string& 
 
 }  // namespace
 
-Frame load_frame(const Run& run, std::size_t index) {
+Frame load_frame(const Run& run, std::size_t index, FrameParts parts) {
   const std::string& path = run.frames.at(index).path;
-  Frame frame = read_frame_file(path);
+  Frame frame = read_frame_file(path, parts);
   check_frame(run.scene, frame, path);
   check_ids_that_came(run, frame, path);
   // a contact of two bodies on either side of a periodic side is written where one of them sees it: beyond the side

@@ -49,7 +49,7 @@ Run open_run(const std::string& folder);
 void drop_damaged_frames(Run& run);
 
 /// Frame by index from 0, checked against the scene. Throws InputError with the file named.
-Frame load_frame(const Run& run, std::size_t index);
+Frame load_frame(const Run& run, std::size_t index, FrameParts parts = FrameParts::all);
 
 /// Turns "--frame N" into an index: the number in the file's name; -1 is the last. Throws UsageError.
 std::size_t find_frame(const Run& run, std::int64_t number);

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "post/run/event_table.hpp"
 
 namespace scree {
 
@@ -20,56 +20,6 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kBodiesInInterval = 10, kMostIntervals = 200, kFewestIntervals = 5;
 
 std::size_t interval_count(std::size_t bodies) { return std::clamp(bodies / kBodiesInInterval, kFewestIntervals, kMostIntervals); }
-
-/// A table of events, its columns found by name. Rows that a killed run left without an end are left out.
-class EventTable {
- public:
-  EventTable(const std::string& path, const std::vector<std::string>& numbers, const std::string& text) : path_(path) {
-    const std::optional<CsvTable> read = read_csv(path);
-    if (!read) throw InputError("{}: cannot be read", path);
-    table_ = *read;
-    for (const std::string& name : numbers) columns_.push_back(find(name));
-    text_ = find(text);
-  }
-  std::size_t rows() const { return table_.rows.size(); }
-  bool is_whole(std::size_t row) const {
-    const CsvTable::Row& r = table_.rows[row];
-    if (r.cells.size() == table_.names.size()) return r.is_ended;
-    if (row + 1 == rows()) return false;
-    throw InputError("{}:{}: {} cells, expected {}; the table is damaged", path_, r.line, r.cells.size(), table_.names.size());
-  }
-  /// Of the columns as they were named.
-  double number(std::size_t row, std::size_t column) const {
-    const std::string& text = table_.rows[row].cells[columns_[column]];
-    std::size_t used = 0;
-    double value = 0;
-    try {
-      value = std::stod(text, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used == 0 || used != text.size())
-      throw InputError("{}:{}: {} = '{}' is no number; the table is damaged", path_, table_.rows[row].line, table_.names[columns_[column]],
-                       text);
-    return value;
-  }
-  const std::string& text(std::size_t row) const { return table_.rows[row].cells[text_]; }
-  [[noreturn]] void refuse(std::size_t row, const std::string& what) const {
-    throw InputError("{}:{}: {}, which the scene of the run does not have", path_, table_.rows[row].line, what);
-  }
-
- private:
-  std::size_t find(const std::string& name) const {
-    const std::size_t column = table_.column(name);
-    if (column == table_.names.size()) throw InputError("{}: has no column '{}'", path_, name);
-    return column;
-  }
-
-  std::string path_;
-  CsvTable table_;
-  std::vector<std::size_t> columns_;
-  std::size_t text_ = 0;
-};
 
 class FlowReader {
  public:
@@ -102,7 +52,7 @@ class FlowReader {
 
  private:
   void read_inserted() {
-    const EventTable table(run_.folder + "/inserted.csv", {"time", "mass", "diameter", "id"}, "inlet");
+    const EventTable table(run_.folder + "/inserted.csv", {"time", "mass", "diameter", "id"}, {"inlet"});
     for (std::size_t row = 0; row < table.rows(); ++row) {
       if (!table.is_whole(row)) continue;
       const Passage p{table.number(row, 0), table.number(row, 1), table.number(row, 2), 0};
@@ -115,7 +65,7 @@ class FlowReader {
   }
 
   void read_removed() {
-    const EventTable table(run_.folder + "/removed.csv", {"time", "mass", "id", "residence_time"}, "outlet");
+    const EventTable table(run_.folder + "/removed.csv", {"time", "mass", "id", "residence_time"}, {"outlet"});
     for (std::size_t row = 0; row < table.rows(); ++row) {
       if (!table.is_whole(row)) continue;
       const auto known = diameter_.find(static_cast<std::int64_t>(table.number(row, 2)));

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
-#include <optional>
-#include <unordered_map>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "post/run/event_table.hpp"
 #include "post/statistics/bed.hpp"
 
 namespace scree {
@@ -122,63 +122,37 @@ ProfileBins bins_of(const std::string& text, const Container& container, double 
   return bins;
 }
 
-/// 1 for the particles that are larger than the median particle, 0 for the others; where none is larger, 0 for those that are smaller and
-/// 1 for the others.
-std::vector<std::int32_t> sorts_by_size(const FrameView& view) {
+/// 1 for the bodies that are larger than the median one, 0 for the others; where none is larger, 0 for those that are smaller and 1 for the
+/// others. By row.
+std::vector<std::int32_t> sorts_by_size(const std::vector<double>& volumes) {
   constexpr double kSame = 1e-9;  // relative: sizes of one entry differ by rounding
-  std::vector<double> volumes;
-  for (std::size_t i = 0; i < view.volume.size(); ++i) {
-    if (view.is_particle[i] != 0) volumes.push_back(view.volume[i]);
-  }
-  std::vector<std::int32_t> sorts(view.volume.size(), 0);
-  if (volumes.empty()) return sorts;
-  const auto middle = volumes.begin() + static_cast<std::ptrdiff_t>(volumes.size() / 2);
-  std::nth_element(volumes.begin(), middle, volumes.end());
-  const double median = *middle;
-  const bool is_largest = *std::max_element(volumes.begin(), volumes.end()) <= (1 + kSame) * median;
-  for (std::size_t i = 0; i < sorts.size(); ++i) sorts[i] = view.volume[i] > (is_largest ? 1 - kSame : 1 + kSame) * median ? 1 : 0;
-  return sorts;
-}
-
-/// Population of each body of a frame; -1: of [[bodies]].
-std::vector<std::int32_t> populations_of(const Scene& scene, const Frame& frame) {
-  std::unordered_map<std::int64_t, std::int32_t> population;
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) population[scene.bodies.id[i]] = scene.bodies.population[i];
   std::vector<std::int32_t> sorts;
-  for (const std::int64_t id : frame.bodies.id) {
-    const auto it = population.find(id);
-    sorts.push_back(it != population.end() ? it->second : -1);
-  }
+  if (volumes.empty()) return sorts;
+  std::vector<double> sorted = volumes;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double median = *middle;
+  const bool is_largest = *std::max_element(sorted.begin(), sorted.end()) <= (1 + kSame) * median;
+  for (const double volume : volumes) sorts.push_back(volume > (is_largest ? 1 - kSame : 1 + kSame) * median ? 1 : 0);
   return sorts;
 }
 
 }  // namespace
 
 StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_options) : run(the_run), options(the_options) {
-  const Scene& scene = run.scene;
-  const Frame first = load(options.frames.front());
-  facts = std::make_unique<SceneFacts>(run, options.container, first);
+  const RunBodies bodies(run);
+  within = Within::named(run, options.within);
+  extent = extent_of_bodies(run, options.frames, within, options.pool, options.without);
+  facts = std::make_unique<SceneFacts>(run, options.container, extent.box, extent.most);
   quantities = group_quantities();
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const std::int64_t id = scene.bodies.id[i];
-    if (!run.boundary_ids.contains(id) && !options.without.contains(id)) scene_mass += scene.mass(i);
-  }
   add_groups();
-  // profiles, from the lowest to the highest place of the bodies at the first and at the last frame
-  const FrameView view(*facts, first);
-  double low = view.lowest, high = view.highest;
-  double diameter = view.mean_diameter;
-  {
-    const Frame last = load(options.frames.back());
-    const FrameView end(*facts, last);
-    low = std::min(low, end.lowest);
-    high = std::max(high, end.highest);
-    if (!(diameter > 0)) diameter = end.mean_diameter;
-  }
-  add_profiles(low, high);
-  add_distributions(diameter);
-  choose_kinds(view);
+  const int up = facts->container.vertical;
+  const bool is_empty = extent.box.is_empty();
+  add_profiles(is_empty ? 0 : extent.box.lower[up], is_empty ? 0 : extent.box.upper[up]);
+  add_distributions(extent.diameter);
+  choose_kinds(bodies);
   if (!options.discharge.empty()) read_discharge(options.discharge);
+  read_masses();
   for (const char* component : {"x", "y", "z"}) wall_quantities.push_back({fmt::format("force_{}", component), "N", "on the wall"});
   for (const char* component : {"x", "y", "z"})
     wall_quantities.push_back({fmt::format("torque_{}", component), "N m", "on the wall, about the world's origin"});
@@ -250,56 +224,117 @@ void StatisticsPlan::add_distributions(double diameter) {
                     {}});
 }
 
-void StatisticsPlan::choose_kinds(const FrameView& view) {
-  const Scene& scene = run.scene;
-  const Frame& first = view.frame;
+void StatisticsPlan::choose_kinds(const RunBodies& bodies) {
   std::string mixing = options.mixing;
+  std::vector<const RunBody*> particles;
+  for (const RunBody& body : bodies.all) {
+    if (!run.boundary_ids.contains(body.id) && !options.without.contains(body.id)) particles.push_back(&body);
+  }
+  if (particles.empty() || mixing == "none") return;
   if (mixing == "auto") {
-    bool several = false;
-    for (std::size_t i = 1; i < scene.bodies.size(); ++i) several = several || scene.bodies.material[i] != scene.bodies.material[0];
-    for (const Inlet& inlet : scene.inlets)
-      several = several || inlet.material != (scene.bodies.size() > 0 ? scene.bodies.material[0] : scene.inlets.front().material);
+    const bool several =
+        std::any_of(particles.begin(), particles.end(), [&](auto* p) { return p->material != particles.front()->material; });
     mixing = several ? "material" : std::string("half-") + static_cast<char>('x' + facts->container.vertical);
   }
-  std::int64_t largest_id = -1;
-  for (const std::int64_t id : first.bodies.id) largest_id = std::max(largest_id, id);
-  kind.assign(static_cast<std::size_t>(largest_id + 1), 2);
-  if (mixing != "none") {
-    std::vector<double> places;
-    const int axis = mixing.back() - 'x';
-    const bool halves = mixing.starts_with("half-");
-    for (std::size_t i = 0; halves && i < first.bodies.size(); ++i) {
-      if (view.is_particle[i] != 0) places.push_back(first.bodies.position[i][axis]);
-    }
-    if (!places.empty()) std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2), places.end());
-    const std::vector<std::int32_t> sorts =
-        mixing == "size"
-            ? sorts_by_size(view)
-            : (mixing == "population" ? populations_of(scene, first) : (mixing == "shape" ? first.bodies.shape : first.bodies.material));
-    std::optional<std::int32_t> one;
-    for (std::size_t i = 0; i < first.bodies.size(); ++i) {
-      if (view.is_particle[i] == 0) continue;
-      if (!one) one = sorts[i];
-      const bool first_kind = halves ? first.bodies.position[i][axis] >= places[places.size() / 2] : sorts[i] == *one;
-      kind[static_cast<std::size_t>(first.bodies.id[i])] = first_kind ? 1 : 0;
-    }
+  if (mixing.starts_with("half-")) return choose_halves(mixing.back());
+  std::vector<std::int32_t> sorts;
+  if (mixing == "size") {
+    std::vector<double> volumes;
+    for (const RunBody* p : particles) volumes.push_back(facts->volume[static_cast<std::size_t>(p->shape)] * std::pow(p->scale, 3));
+    sorts = sorts_by_size(volumes);
+  } else {
+    for (const RunBody* p : particles) sorts.push_back(mixing == "population" ? p->origin : mixing == "shape" ? p->shape : p->material);
   }
+  // of sizes the larger are kind 1, else those that are as the first particle
+  for (std::size_t i = 0; i < particles.size(); ++i) kind[particles[i]->id] = sorts[i] == (mixing == "size" ? 1 : sorts.front()) ? 1 : 0;
 }
 
-Frame StatisticsPlan::load(std::size_t index) const {
-  Frame frame = load_frame(run, index);
-  if (options.without.empty()) return frame;
-  std::vector<std::size_t> rows;
-  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
-    if (!options.without.contains(frame.bodies.id[i])) rows.push_back(i);
+void StatisticsPlan::choose_halves(char axis_name) {
+  const int axis = axis_name - 'x';
+  // the first frame that has particles
+  for (const std::size_t f : options.frames) {
+    const Frame frame = within.part_of(run, load_frame(run, f, FrameParts::bodies));
+    const FrameBodies& b = frame.bodies;
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      if (!run.boundary_ids.contains(b.id[i]) && !options.without.contains(b.id[i])) rows.push_back(i);
+    }
+    if (rows.empty()) continue;
+    std::vector<double> places;
+    for (const std::size_t i : rows) places.push_back(b.position[i][axis]);
+    const auto middle = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
+    std::nth_element(places.begin(), middle, places.end());
+    for (const std::size_t i : rows) kind[b.id[i]] = b.position[i][axis] >= *middle ? 1 : 0;
+    break;
   }
-  take_rows(frame.bodies, rows);
-  rows.clear();
-  for (std::size_t i = 0; i < frame.contacts.size(); ++i) {
-    if (!options.without.contains(frame.contacts.body_a[i]) && !options.without.contains(frame.contacts.body_b[i])) rows.push_back(i);
+  if (!run.scene.inlets.empty())
+    gaps.emplace_back("mixing_index",
+                      fmt::format("its kinds are the halves along {} of the first frame with bodies: what came in later is of "
+                                  "neither; choose kinds with --mixing",
+                                  axis_name));
+}
+
+CountedFrame StatisticsPlan::load(std::size_t index) const {
+  CountedFrame counted{load_frame(run, index)};
+  Frame& frame = counted.frame;
+  if (!options.without.empty()) {
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+      if (!options.without.contains(frame.bodies.id[i])) rows.push_back(i);
+    }
+    take_rows(frame.bodies, rows);
+    rows.clear();
+    for (std::size_t i = 0; i < frame.contacts.size(); ++i) {
+      if (!options.without.contains(frame.contacts.body_a[i]) && !options.without.contains(frame.contacts.body_b[i])) rows.push_back(i);
+    }
+    take_rows(frame.contacts, rows);
   }
-  take_rows(frame.contacts, rows);
-  return frame;
+  const FrameBodies& b = frame.bodies;
+  for (std::size_t i = 0; discharge_axis >= 0 && i < b.size(); ++i) {
+    if (run.boundary_ids.contains(b.id[i]) || !(b.position[i][discharge_axis] > discharge_level)) continue;
+    counted.mass_above += facts->volume[static_cast<std::size_t>(b.shape[i])] * b.scale[i] * b.scale[i] * b.scale[i] *
+                          run.scene.materials[static_cast<std::size_t>(b.material[i])].density;
+  }
+  frame = within.part_of(run, std::move(frame));
+  return counted;
+}
+
+double StatisticsPlan::Steps::at(double when) const {
+  const auto after = std::upper_bound(time.begin(), time.end(), when);
+  return after == time.begin() ? 0 : mass[static_cast<std::size_t>(after - time.begin()) - 1];
+}
+
+void StatisticsPlan::read_masses() {
+  const Scene& scene = run.scene;
+  const auto counts = [&](std::int64_t id) { return !run.boundary_ids.contains(id) && !options.without.contains(id); };
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (counts(scene.bodies.id[i])) start_mass_ += scene.mass(i);
+  }
+  const auto read = [&](const char* name, const char* text, Steps& steps) {
+    const std::string path = run.folder + name;
+    steps.is_known = std::filesystem::exists(path);
+    if (!steps.is_known) return;
+    const EventTable table(path, {"time", "id", "mass"}, {text});
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const bool is_counted = table.is_whole(row) && counts(static_cast<std::int64_t>(table.number(row, 1)));
+      if (!is_counted) continue;
+      steps.time.push_back(table.number(row, 0));
+      steps.mass.push_back((steps.mass.empty() ? 0 : steps.mass.back()) + table.number(row, 2));
+    }
+  };
+  if (!scene.inlets.empty()) read("/inserted.csv", "inlet", came_in_);
+  if (scene.settings.domain.outside == Outside::remove || !scene.outlets.empty()) read("/removed.csv", "outlet", removed_);
+}
+
+double StatisticsPlan::discharged(const CountedFrame& counted) const {
+  const double time = counted.frame.time;
+  if (discharge_axis < 0) {
+    const bool are_removed = run.scene.settings.domain.outside == Outside::remove || !run.scene.outlets.empty();
+    return are_removed && removed_.is_known ? removed_.at(time) : kNaN;
+  }
+  // what came in by now counts as what was there from the start
+  const double came_in = run.scene.inlets.empty() ? 0 : came_in_.is_known ? came_in_.at(time) : kNaN;
+  return start_mass_ + came_in - counted.mass_above;
 }
 
 void StatisticsPlan::read_discharge(const std::string& text) {
@@ -323,7 +358,8 @@ std::size_t StatisticsPlan::table_begin(std::size_t table) const {
   return begin;
 }
 
-std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
+std::vector<double> StatisticsPlan::numbers_of(const CountedFrame& counted) const {
+  const Frame& frame = counted.frame;
   const FrameView view(*facts, frame);
   const bool has_contacts = run.scene.settings.output_contacts;
   const ForceChains chains = has_contacts ? force_chains(view) : ForceChains{};
@@ -370,7 +406,7 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
     add_vector(motion.centre);
     const std::size_t whole_only = row.size();
     if (g == 0) {
-      add_whole(view, chains, row);
+      add_whole(counted, view, chains, row);
     }
     row.resize(g == 0 ? row.size() : whole_only + (quantities.size() - (whole_only - begin)), kNaN);
     SCREE_ASSERT(row.size() == (g + 1) * quantities.size(), "{} numbers", row.size());
@@ -382,7 +418,8 @@ std::vector<double> StatisticsPlan::numbers_of(const Frame& frame) const {
   return row;
 }
 
-void StatisticsPlan::add_whole(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const {
+void StatisticsPlan::add_whole(const CountedFrame& counted, const FrameView& view, const ForceChains& chains,
+                               std::vector<double>& row) const {
   const Frame& frame = view.frame;
   const bool has_contacts = run.scene.settings.output_contacts;
   const double count = static_cast<double>(chains.chains.size());
@@ -391,21 +428,12 @@ void StatisticsPlan::add_whole(const FrameView& view, const ForceChains& chains,
               has_contacts ? count : kNaN, count > 0 ? static_cast<double>(chains.members) / count : kNaN});
   std::vector<std::uint8_t> kinds(frame.bodies.size(), 2);
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    const auto id = static_cast<std::size_t>(frame.bodies.id[i]);
-    if (id < kind.size()) kinds[i] = kind[id];
+    if (const auto it = kind.find(frame.bodies.id[i]); it != kind.end()) kinds[i] = it->second;
   }
   row.push_back(mixing_index(view, kinds));
   for (const double segregation : size_segregation(view)) row.push_back(segregation);
   row.push_back(options.repose == "cone" ? angle_of_repose_cone(view) : (options.repose == "slope" ? angle_of_repose_slope(view) : kNaN));
-  double above = 0;
-  for (std::size_t i = 0; discharge_axis >= 0 && i < frame.bodies.size(); ++i) {
-    if (view.is_particle[i] != 0 && frame.bodies.position[i][discharge_axis] > discharge_level) above += view.mass[i];
-  }
-  const bool are_removed = discharge_axis < 0 && (run.scene.settings.domain.outside == Outside::remove || !run.scene.outlets.empty());
-  for (std::size_t i = 0; are_removed && i < frame.bodies.size(); ++i) above += view.is_particle[i] != 0 ? view.mass[i] : 0;
-  // what came in by now counts as what was there from the start
-  const double came_in = run.scene.inlets.empty() ? 0 : log_value(run.log, "inserted_mass", frame.time);
-  row.push_back(discharge_axis >= 0 || are_removed ? scene_mass + came_in - above : kNaN);
+  row.push_back(discharged(counted));
   row.push_back(kNaN);  // the rate needs the frame before: see run_statistics
   row.insert(row.end(), {frame.kinetic, frame.potential, frame.elastic, frame.dissipated, log_value(run.log, "energy_error", frame.time)});
 }

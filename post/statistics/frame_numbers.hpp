@@ -4,10 +4,17 @@
 #include <memory>
 #include <unordered_map>
 
+#include "post/run/run_bodies.hpp"
 #include "post/statistics/space_measures.hpp"
 #include "post/statistics/statistics.hpp"
 
 namespace scree {
+
+/// A frame with what is counted in it.
+struct CountedFrame {
+  Frame frame;
+  double mass_above = 0;  ///< the level of --discharge, of all particles, those included that have left [kg]
+};
 
 /// What is worked out for each frame. Made once, before the frames.
 struct StatisticsPlan {
@@ -21,9 +28,12 @@ struct StatisticsPlan {
   bool wall_answers = false;            ///< some wall moves in answer to force
   std::vector<StatisticsTable> tables;  ///< without values
   std::vector<ProfileBins> profiles;    ///< of the first tables
-  std::vector<std::uint8_t> kind;       ///< for the mixing index, by id
+  Within within;
+  BodyExtent extent;                                      ///< of the particles over all frames
+  std::unordered_map<std::int64_t, std::uint8_t> kind;    ///< for the mixing index, by id: 0 or 1
+  std::vector<std::pair<std::string, std::string>> gaps;  ///< what some bodies have no part in, and why
   int discharge_axis = -1;
-  double discharge_level = 0, scene_mass = 0;
+  double discharge_level = 0;
 
   std::size_t size() const { return wall_begin + walls() * wall_quantities.size(); }
   std::size_t walls() const { return run.scene.walls.size(); }
@@ -32,19 +42,31 @@ struct StatisticsPlan {
   std::size_t table_begin(std::size_t table) const;  ///< then row by row: coordinate, column
   std::size_t wall_begin = 0;
 
-  /// A frame with what is counted in it.
-  Frame load(std::size_t frame) const;
-  std::vector<double> numbers_of(const Frame& frame) const;
+  CountedFrame load(std::size_t frame) const;
+  std::vector<double> numbers_of(const CountedFrame& counted) const;
 
  private:
   void add_groups();
   void add_profiles(double low, double high);  // between these heights [m]
   void add_distributions(double diameter);     // [m]
-  void choose_kinds(const FrameView& first);
+  void choose_kinds(const RunBodies& bodies);
+  void choose_halves(char axis);
+  void read_masses();
+  double discharged(const CountedFrame& counted) const;
   void read_discharge(const std::string& text);
-  void add_whole(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const;  // what only the group of all has
+  // what only the group of all has
+  void add_whole(const CountedFrame& counted, const FrameView& view, const ForceChains& chains, std::vector<double>& row) const;
   void add_tables(const FrameView& view, const ForceChains& chains, std::vector<double>& row) const;
   void add_walls(const Frame& frame, std::vector<double>& row) const;
+
+  /// Mass over time: what was there at the start or has come in, and what was removed [kg].
+  struct Steps {
+    std::vector<double> time, mass;  ///< mass: of all up to this one
+    bool is_known = true;            ///< the table is there
+    double at(double time) const;
+  };
+  double start_mass_ = 0;
+  Steps came_in_, removed_;
 };
 
 }  // namespace scree

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "post/run/contact_network.hpp"
-#include "post/run/drawn_meshes.hpp"
+#include "post/run/run_bodies.hpp"
 #include "post/statistics/volume_samples.hpp"
 
 namespace scree {
@@ -16,24 +16,27 @@ namespace {
 constexpr std::size_t kSamplesPerFrame = 3000000;
 constexpr std::size_t kFewestSamples = 32, kMostSamples = 2000;
 
+std::vector<std::uint8_t> particles_of(const Run& run, const Frame& frame) {
+  std::vector<std::uint8_t> are;
+  for (const std::int64_t id : frame.bodies.id) are.push_back(run.boundary_ids.contains(id) ? 0 : 1);
+  return are;
+}
+
 }  // namespace
 
-Container container_of(const Scene& scene, const std::optional<Region>& given, const Frame& first) {
+Container container_of(const Scene& scene, const std::optional<Region>& given, const Box3& room) {
   Container c;
-  const Vec3 g = scene.settings.gravity;
-  if (squared_length(g) > 0) {
-    for (int k = 0; k < 3; ++k) {
-      if (std::abs(g[k]) > std::abs(g[c.vertical])) c.vertical = k;
-    }
-    c.up = g[c.vertical] > 0 ? -1 : 1;
-  }
+  const UpAxis up = up_axis(scene.settings.gravity);
+  c.vertical = up.axis;
+  c.up = up.sign;
   if (given) {
     c.room = *given;
   } else {
-    const Box3 room = room_of(first.bodies, scene);
     c.room.kind = Region::Kind::box;
-    c.room.lower = room.lower;
-    c.room.upper = room.upper;
+    if (!room.is_empty()) {  // else there are no particles, and nothing has a volume
+      c.room.lower = room.lower;
+      c.room.upper = room.upper;
+    }
     for (const Wall& wall : scene.walls) {
       if (wall.kind == WallKind::box_inside) {
         c.room.lower = wall.lower;
@@ -95,19 +98,22 @@ double FrameView::room_between(double low, double high) const {
   return high > low ? facts.container.volume_in(slab) : 0;
 }
 
-SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Frame& first)
+SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Box3& room, std::size_t most)
     : run(&the_run),
-      container(container_of(the_run.scene, given, first)),
+      container(container_of(the_run.scene, given, room)),
       period(periodicity_of(the_run.scene)),
       cell_lower(the_run.scene.settings.domain.lower) {
   const std::size_t per_body =
-      std::clamp(kSamplesPerFrame / std::max<std::size_t>(1, the_run.scene.bodies.size()), kFewestSamples, kMostSamples);
+      std::clamp(kSamplesPerFrame / std::max({std::size_t{1}, most, the_run.scene.bodies.size()}), kFewestSamples, kMostSamples);
   for (const Shape& shape : the_run.scene.shapes) {
     volume.push_back(shape.mass.volume);
     diameter.push_back(shape.equivalent_diameter());
     samples.push_back(shape.kind == ShapeKind::surface ? std::vector<Vec3>{Vec3{}} : volume_samples(shape, per_body));
   }
 }
+
+SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, const Frame& frame)
+    : SceneFacts(the_run, given, box_around(frame.bodies, the_run.scene, particles_of(the_run, frame)), frame.bodies.size()) {}
 
 int SceneFacts::images_in(const Region& region, const Vec3& point) const {
   if (!period.any()) return region.contains(point) ? 1 : 0;

@@ -31,7 +31,10 @@ struct Container {
 
 /// What is the same for all frames.
 struct SceneFacts {
-  explicit SceneFacts(const Run& run, const std::optional<Region>& container, const Frame& first);
+  /// in   room   around the particles at all frames      in   most   particles at one time
+  SceneFacts(const Run& run, const std::optional<Region>& container, const Box3& room, std::size_t most);
+  /// Of one frame alone.
+  SceneFacts(const Run& run, const std::optional<Region>& container, const Frame& frame);
   const Run* run;
   Container container;
   Periodicity period;
@@ -93,8 +96,8 @@ struct FrameView {
   }
 };
 
-/// The container of a scene: the box or cylinder wall when there is one, periodic sides where there are, else the box that the
-/// bodies of `first` fill. Along gravity it is not cut.
-Container container_of(const Scene& scene, const std::optional<Region>& given, const Frame& first);
+/// The container of a scene: the box or cylinder wall when there is one, periodic sides where there are, else `room`, the box around the
+/// particles at all frames. Along gravity it is not cut.
+Container container_of(const Scene& scene, const std::optional<Region>& given, const Box3& room);
 
 }  // namespace scree

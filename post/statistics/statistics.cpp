@@ -97,7 +97,7 @@ nlohmann::json json_of(const Average& a) {
 std::pair<std::string, std::string> gap_of_repose(const StatisticsPlan& plan, const StatisticsOptions& options, const Statistics& s) {
   const std::size_t missing = s.frames - s.of("angle_of_repose").count;
   std::string reason;
-  const Frame last = plan.load(options.frames.back());
+  const Frame last = plan.load(options.frames.back()).frame;
   const FrameView view(*plan.facts, last);
   options.repose == "cone" ? angle_of_repose_cone(view, &reason) : angle_of_repose_slope(view, &reason);
   return {"angle_of_repose", fmt::format("missing in {} of {} frames{}", missing, s.frames,
@@ -129,15 +129,20 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
   const std::size_t stride = (options.frames.size() + kSeriesLength - 1) / kSeriesLength;
   const std::size_t discharged = plan.index_of("discharged_mass"), rate = plan.index_of("discharge_rate");
   double last_mass = kNaN;
+  std::vector<double> times;
+  for (const std::size_t f : options.frames) times.push_back(run.frames[f].time);
+  const std::vector<double> weights = frame_weights(times);
   const auto task = [&](std::size_t f) { return bytes_of(plan.numbers_of(plan.load(f))); };
   const auto sink = [&](std::size_t f, const std::string& bytes) {
     std::vector<double> row = doubles_of(bytes);
     const double time = run.frames[f].time;
-    row[rate] = s.frames > 0 && time > s.last_time ? (row[discharged] - last_mass) / (time - s.last_time) : kNaN;
+    const double last_time = s.last_time;
+    row[rate] = s.frames > 0 && time > last_time ? (row[discharged] - last_mass) / (time - last_time) : kNaN;
     last_mass = row[discharged];
     if (s.frames == 0) s.first_time = time;
     s.last_time = time;
-    average.add(row);
+    const auto place = static_cast<std::size_t>(std::lower_bound(options.frames.begin(), options.frames.end(), f) - options.frames.begin());
+    average.add(row, weights[place], rate, std::isfinite(row[rate]) ? time - last_time : 0);
     const std::string name = std::filesystem::path(run.frames[f].path).stem().string();  // frame_000012
     rows.add(std::atoll(name.c_str() + name.find('_') + 1), time, row);
     if (s.frames++ % stride != 0) return;
@@ -173,11 +178,13 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
     for (std::size_t q = 0; q < s.wall_quantities.size(); ++q)
       s.wall_averages[w].push_back(average.of(plan.wall_begin + w * s.wall_quantities.size() + q));
   }
+  s.left = words_of_left(plan.extent, plan.within);
+  for (const auto& gap : plan.gaps) s.gaps.push_back(gap);
   s.flow = read_flow(run, s.first_time, s.last_time, options.blocks);
   if (!s.flow.missing.empty()) s.skipped.push_back(s.flow.missing);
   if (options.repose != "none" && s.of("angle_of_repose").count < s.frames) s.gaps.push_back(gap_of_repose(plan, options, s));
   if (run.scene.settings.output_contacts && s.frames > 0) {
-    const Frame last = plan.load(options.frames.back());
+    const Frame last = plan.load(options.frames.back()).frame;
     s.chains = force_chains(FrameView(*plan.facts, last)).chains;
   }
   return s;
@@ -222,6 +229,7 @@ nlohmann::json json_of(const Run& run, const Statistics& s) {
                         {"blocks", s.blocks},
                         {"confidence", 0.95},
                         {"skipped", s.skipped},
+                        {"left", s.left},
                         {"groups", groups},
                         {"tables", tables},
                         {"walls", walls},

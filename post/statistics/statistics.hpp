@@ -28,6 +28,7 @@ struct StatisticsOptions {
   std::string repose = "none";  ///< cone | slope | none
   std::string discharge;        ///< "z=0.1": mass that has gone below that height; empty: what was removed at the sides of the domain
   std::unordered_set<std::int64_t> without{};  ///< ids of bodies and walls that are left out with their contacts
+  std::string within{};                        ///< bodies that have left are left out: see Within::named; empty: the equipment
   FramePool pool{};
 };
 
@@ -67,6 +68,7 @@ struct Statistics {
   /// Quantities that were requested and are missing in some or all frames, with the reason.
   std::vector<std::pair<std::string, std::string>> gaps;
   std::vector<std::string> skipped;  ///< damaged frames, and a table that is not there
+  std::string left;                  ///< which bodies have left and are left out; empty: none
   const Average& of(const std::string& quantity, std::size_t group = 0) const;
 };
 

@@ -1,7 +1,12 @@
 #include "post/studies/compare.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <limits>
 #include <map>
 
@@ -12,6 +17,7 @@
 #include "post/run/choice.hpp"
 #include "post/run/contact_network.hpp"
 #include "post/run/output_file.hpp"
+#include "post/run/run_bodies.hpp"
 #include "post/studies/chart_files.hpp"
 
 namespace scree {
@@ -36,7 +42,7 @@ std::map<std::string, std::string> settings_of(const Run& run) {
     all[fmt::format("shapes/{}", s.name)] =
         fmt::format("{} triangles, equivalent diameter {:.6g} m", s.mesh.triangle_count(), s.equivalent_diameter());
   }
-  for (const char* key : {"ranks", "threads", "step_size", "outcome"}) {
+  for (const char* key : {"ranks", "threads", "step_size", "outcome", "inserted_bodies", "removed_bodies"}) {
     if (run.outcome.contains(key))
       all[fmt::format("run/{}", key)] = run.outcome[key].is_string() ? run.outcome[key].get<std::string>() : run.outcome[key].dump();
   }
@@ -79,6 +85,88 @@ std::vector<SettingDifference> setting_differences(const std::vector<Run>& runs)
   return differences;
 }
 
+namespace {
+
+/// What is compared bit by bit of two frames.
+constexpr std::array<const char*, 7> kParts{"the times",
+                                            "the bodies there are",
+                                            "the motion of the bodies",
+                                            "the contacts",
+                                            "the walls",
+                                            "the bonds",
+                                            "the loads, the wear, the energies"};
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+/// Whether any column differs; `but` is left out: which rank had a body is no part of its state.
+template <class Table>
+bool rows_differ(const Table& a, const Table& b, std::string_view but = "") {
+  bool differ = false;
+  Table::visit([&](const auto& c) { differ = differ || (c.name != but && !same_bits(a.*c.column, b.*c.column)); });
+  return differ;
+}
+
+std::array<bool, kParts.size()> differences_of(const Frame& a, const Frame& b) {
+  bool energies = false;
+  std::vector<double> ours, theirs;
+  FrameScalars::visit(a, [&](const char* name, const auto& value) {
+    if (std::string_view(name) != "number") ours.push_back(static_cast<double>(value));
+  });
+  FrameScalars::visit(b, [&](const char* name, const auto& value) {
+    if (std::string_view(name) != "number") theirs.push_back(static_cast<double>(value));
+  });
+  energies = !same_bits(ours, theirs);
+  return {a.time != b.time,
+          a.bodies.id != b.bodies.id || a.bodies.shape != b.bodies.shape || a.bodies.material != b.bodies.material ||
+              !same_bits(a.bodies.scale, b.bodies.scale),
+          rows_differ(a.bodies, b.bodies, "rank"),
+          rows_differ(a.contacts, b.contacts),
+          rows_differ(a.walls, b.walls),
+          a.has_bonds != b.has_bonds || rows_differ(a.bonds, b.bonds),
+          energies || rows_differ(a.loads, b.loads) || rows_differ(a.wear, b.wear) || rows_differ(a.losses, b.losses) ||
+              rows_differ(a.impacts, b.impacts)};
+}
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// What differs beside the frames.
+std::vector<std::string> differences_of_tables(const Run& a, const Run& b, std::size_t common) {
+  std::vector<std::string> differences;
+  if (a.frames.size() != common || b.frames.size() != common)
+    differences.push_back(fmt::format("the frames: {} and {}, {} of one time", a.frames.size(), b.frames.size(), common));
+  for (const char* table : {"inserted.csv", "removed.csv"}) {
+    if (text_of_file(a.folder + "/" + table) != text_of_file(b.folder + "/" + table)) differences.emplace_back(table);
+  }
+  const std::optional<CsvTable> ours = read_csv(a.folder + "/log.csv"), theirs = read_csv(b.folder + "/log.csv");
+  if (!ours || !theirs) return differences;
+  const std::size_t step[2] = {ours->column("step"), theirs->column("step")};
+  const std::size_t hash[2] = {ours->column("state_hash"), theirs->column("state_hash")};
+  if (hash[0] == ours->names.size() || hash[1] == theirs->names.size()) return differences;
+  const auto hashes = [](const CsvTable& table, std::size_t at_step, std::size_t at_hash) {
+    std::map<std::string, std::string> found;
+    for (const CsvTable::Row& row : table.rows) {
+      if (row.cells.size() == table.names.size() && !row.cells[at_hash].empty()) found[row.cells[at_step]] = row.cells[at_hash];
+    }
+    return found;
+  };
+  const auto one = hashes(*ours, step[0], hash[0]), two = hashes(*theirs, step[1], hash[1]);
+  for (const auto& [at, value] : one) {
+    const auto other = two.find(at);
+    if (other == two.end() || other->second == value) continue;
+    differences.push_back("the hash of the state in log.csv");
+    break;
+  }
+  return differences;
+}
+
+}  // namespace
+
 TrajectoryComparison compare_trajectories(const Run& a, const Run& b, const FramePool& pool) {
   TrajectoryComparison result;
   const auto pairs = common_frames(a, b);
@@ -86,10 +174,10 @@ TrajectoryComparison compare_trajectories(const Run& a, const Run& b, const Fram
     throw InputError("{} and {}: no frames of the same time; their frames begin at {} s and {} s, write them with the same [output] every",
                      a.folder, b.folder, a.frames.front().time, b.frames.front().time);
   }
-  const BodyTable& bodies = a.scene.bodies;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    result.diameter += bodies.scale[i] * a.scene.shapes[static_cast<std::size_t>(bodies.shape[i])].equivalent_diameter() /
-                       static_cast<double>(bodies.size());
+  const RunBodies bodies(a);
+  for (const RunBody& body : bodies.all) {
+    result.diameter +=
+        body.scale * a.scene.shapes[static_cast<std::size_t>(body.shape)].equivalent_diameter() / static_cast<double>(bodies.all.size());
   }
   const Periodicity period = periodicity_of(a.scene);
   std::vector<std::size_t> index(pairs.size());
@@ -97,17 +185,17 @@ TrajectoryComparison compare_trajectories(const Run& a, const Run& b, const Fram
   const auto task = [&](std::size_t p) {
     const Frame one = load_frame(a, pairs[p].first), two = load_frame(b, pairs[p].second);
     const BodyRows row(two.bodies);
-    double sum = 0, largest = 0, angle = 0, differs = one.bodies.size() == two.bodies.size() ? 0 : 1;
-    std::size_t count = 0;
+    double sum = 0, largest = 0, angle = 0;
+    std::size_t count = 0, common = 0;
     std::int64_t furthest = -1;
     for (std::size_t i = 0; i < one.bodies.size(); ++i) {
       const std::int32_t j = row(one.bodies.id[i]);
+      common += j >= 0 ? 1 : 0;
       if (j < 0 || a.boundary_ids.contains(one.bodies.id[i])) continue;
       const auto k = static_cast<std::size_t>(j);
       const double square = squared_length(period.nearest(one.bodies.position[i] - two.bodies.position[k]));
       const Quat turn = conjugate(one.bodies.orientation[i]) * two.bodies.orientation[k];
       angle = std::max(angle, 2 * std::atan2(length(Vec3{turn.x, turn.y, turn.z}), std::abs(turn.w)));
-      if (!(one.bodies.position[i] == two.bodies.position[k] && one.bodies.orientation[i] == two.bodies.orientation[k])) differs = 1;
       sum += square;
       ++count;
       if (furthest < 0 || square > largest) {
@@ -115,15 +203,28 @@ TrajectoryComparison compare_trajectories(const Run& a, const Run& b, const Fram
         furthest = one.bodies.id[i];
       }
     }
-    return bytes_of({one.time, static_cast<double>(count), count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0, std::sqrt(largest),
-                     angle, static_cast<double>(furthest), differs});
+    std::vector<double> numbers{one.time,
+                                static_cast<double>(count),
+                                count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0,
+                                std::sqrt(largest),
+                                angle,
+                                static_cast<double>(furthest),
+                                static_cast<double>(one.bodies.size() - common),
+                                static_cast<double>(two.bodies.size() - common)};
+    for (const bool differs : differences_of(one, two)) numbers.push_back(differs ? 1 : 0);
+    return bytes_of(numbers);
   };
-  result.identical = true;
+  std::array<std::size_t, kParts.size()> differing{};
   for_each_frame(index, pool, task, [&](std::size_t, const std::string& bytes) {
     const std::vector<double> v = doubles_of(bytes);
-    result.frames.push_back({v[0], static_cast<std::size_t>(v[1]), v[2], v[3], v[4], static_cast<std::int64_t>(v[5])});
-    result.identical = result.identical && v[6] == 0;
+    result.frames.push_back({v[0], static_cast<std::size_t>(v[1]), static_cast<std::size_t>(v[6]), static_cast<std::size_t>(v[7]), v[2],
+                             v[3], v[4], static_cast<std::int64_t>(v[5])});
+    for (std::size_t k = 0; k < kParts.size(); ++k) differing[k] += v[8 + k] != 0 ? 1 : 0;
   });
+  for (std::size_t k = 0; k < kParts.size(); ++k) {
+    if (differing[k] > 0) result.differences.push_back(fmt::format("{} in {} of {} frames", kParts[k], differing[k], pairs.size()));
+  }
+  for (std::string& difference : differences_of_tables(a, b, pairs.size())) result.differences.push_back(std::move(difference));
 
   // growth while small
   double n = 0, st = 0, sl = 0, stt = 0, stl = 0;
@@ -247,7 +348,7 @@ void RunComparer::compare_statistics() {
 
 void RunComparer::compare_with_first() {
   LineChart chart{"Distance between the same bodies", "time", "s", "rms distance over the mean diameter", "", true, false, {}, {}};
-  std::string csv = "run,time,bodies,rms,largest,largest_angle,furthest_body\n# units: -,s,-,m,m,rad,-\n";
+  std::string csv = "run,time,bodies,rms,largest,largest_angle,furthest_body,only_first,only_second\n# units: -,s,-,m,m,rad,-,-,-\n";
   result_.text += fmt::format("trajectories against {}\n", names_[0]);
   for (std::size_t r = 1; r < runs_.size(); ++r) {
     TrajectoryComparison t;
@@ -259,8 +360,8 @@ void RunComparer::compare_with_first() {
     }
     ChartLine line{names_[r], {}, {}};
     for (const Divergence& d : t.frames) {
-      csv += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{}\n", csv_cell(names_[r]), d.time, d.bodies, d.rms, d.largest, d.largest_angle,
-                         d.furthest);
+      csv += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{},{},{}\n", csv_cell(names_[r]), d.time, d.bodies, d.rms, d.largest,
+                         d.largest_angle, d.furthest, d.only_first, d.only_second);
       line.x.push_back(d.time);
       line.y.push_back(t.diameter > 0 ? d.rms / t.diameter : d.rms);
     }
@@ -273,16 +374,27 @@ void RunComparer::compare_with_first() {
 
 void RunComparer::report_trajectory(const std::string& name, const TrajectoryComparison& t) {
   const Divergence& last = t.frames.back();
-  if (t.identical) {
+  std::size_t alone = 0;
+  for (const Divergence& d : t.frames) alone = std::max(alone, d.only_first + d.only_second);
+  if (t.identical()) {
     result_.text += fmt::format("  {}: the same in all {} frames, bit by bit\n", name, t.frames.size());
   } else {
-    result_.text +=
-        fmt::format("  {}: after {:.4g} s rms {:.3g} m ({:.3g} diameters), at most {:.3g} m (body {}), turned by at most {:.3g} rad{}\n",
-                    name, last.time, last.rms, t.diameter > 0 ? last.rms / t.diameter : 0, last.largest, last.furthest, last.largest_angle,
-                    std::isfinite(t.growth_rate) ? fmt::format("; while small it grows as exp({:.3g} t / s)", t.growth_rate) : "");
+    if (last.bodies == 0) {
+      result_.text += fmt::format("  {}: at {:.4g} s no body is in both\n", name, last.time);
+    } else {
+      result_.text += fmt::format(
+          "  {}: after {:.4g} s rms {:.3g} m ({:.3g} diameters), at most {:.3g} m (body {}), turned by at most {:.3g} rad{}\n", name,
+          last.time, last.rms, t.diameter > 0 ? last.rms / t.diameter : 0, last.largest, last.furthest, last.largest_angle,
+          std::isfinite(t.growth_rate) ? fmt::format("; while small it grows as exp({:.3g} t / s)", t.growth_rate) : "");
+    }
+    if (alone > 0)
+      result_.text += fmt::format("    up to {} bodies are in one of the runs alone, and have no part in these distances\n", alone);
+    result_.text += fmt::format("    different: {}\n", fmt::join(t.differences, "; "));
   }
   json_["trajectories"].push_back({{"run", name},
-                                   {"identical", t.identical},
+                                   {"identical", t.identical()},
+                                   {"differences", t.differences},
+                                   {"bodies_in_one_alone", alone},
                                    {"frames", t.frames.size()},
                                    {"rms", last.rms},
                                    {"largest", last.largest},

@@ -22,17 +22,21 @@ std::vector<SettingDifference> setting_differences(const std::vector<Run>& runs)
 /// How far two runs are apart at one time.
 struct Divergence {
   double time = 0;
-  std::size_t bodies = 0;       ///< in both, by id
-  double rms = 0, largest = 0;  ///< of the distances between their positions [m]
-  double largest_angle = 0;     ///< between their orientations [rad]
-  std::int64_t furthest = -1;   ///< body of `largest`
+  std::size_t bodies = 0;                       ///< in both, by id
+  std::size_t only_first = 0, only_second = 0;  ///< in one of the runs alone
+  double rms = 0, largest = 0;                  ///< of the distances between their positions [m]
+  double largest_angle = 0;                     ///< between their orientations [rad]
+  std::int64_t furthest = -1;                   ///< body of `largest`
 };
 
 struct TrajectoryComparison {
   std::vector<Divergence> frames;  ///< at times that both have
   double diameter = 0;             ///< mean equivalent diameter of the first run's bodies [m]
   double growth_rate = 0;          ///< of rms while it is small, by least squares of its logarithm [1/s]; NaN when it is not growing
-  bool identical = false;          ///< not a bit of position or orientation differs
+  /// What differs, in words: bodies, contacts, walls of frames, times, numbers of frames, tables of what came in and went out, hashes of
+  /// states. Empty: not a bit of them.
+  std::vector<std::string> differences;
+  bool identical() const { return differences.empty(); }
 };
 /// Frames count as of the same time when they differ by less than a hundredth of the interval between frames: with different
 /// steps they fall up to a step apart, and bodies move meanwhile.

@@ -108,12 +108,14 @@ View turned(View view, double angle) {
 /// What the frames have in common.
 Stage stage_of(const Run& run, const FilmOptions& options, std::vector<std::size_t>& frames, std::vector<std::string>& skipped,
                LongWork& work) {
-  Stage stage;
+  Stage stage(run, options.picture);
   std::vector<std::size_t> readable;
   const FramePoolResult read = for_each_frame(
       frames, options.pool,
       [&](std::size_t f) {
-        Stage one;
+        Stage one = stage;
+        one.room = Box3{};
+        one.range.reset();
         one.add(run, load_frame(run, f), options.picture);
         std::vector<double> numbers{one.room.lower.x, one.room.lower.y, one.room.lower.z,
                                     one.room.upper.x, one.room.upper.y, one.room.upper.z};
@@ -183,6 +185,8 @@ std::string write_film(const Run& run, const std::string& path, const FilmOption
   if (frames.size() > 1 && simulated > 0)
     text += fmt::format(" for {:.4g} s of the run: {}", simulated,
                         speed_text(simulated * options.rate / static_cast<double>(frames.size() - 1)));
+  if (const std::string unseen = words_of_unseen(run, frames, stage.within, {options.pool.jobs, false}); !unseen.empty())
+    text += "\n" + unseen;
   return text;
 }
 

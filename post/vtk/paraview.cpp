@@ -1,5 +1,6 @@
 #include "post/vtk/paraview.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/error.hpp"
@@ -41,19 +42,18 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
     shapes.push_back(drawn_shape(shape));
     write_mesh_vtp((folder / fmt::format("shape_{}.vtp", shapes.size() - 1)).string(), shapes.back());
   }
-  for (const std::int32_t shape : run.scene.bodies.shape) {
-    result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
-  }
-  if (!run.scene.inlets.empty()) {
-    result.triangles_per_frame = 0;
-    for (const std::int32_t shape : load_frame(run, run.frames.size() - 1).bodies.shape)
-      result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(shape)].mesh.triangles.size());
-  }
+  const RunBodies bodies(run);
+  const BodyExtent extent = extent_of_bodies(run, choose_frames(run, "all"), Within::equipment(run), options.pool);
+  for (const RunBody& body : bodies.all)
+    result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(body.shape)].mesh.triangles.size());
+  // of bodies that come and go, as many as there are at one time
+  if (!run.scene.inlets.empty() && !bodies.all.empty())
+    result.triangles_per_frame *= std::min(1.0, static_cast<double>(extent.most_of_all) / static_cast<double>(bodies.all.size()));
   result.surfaces = options.surfaces == "auto" ? expanded_frames(result.triangles_per_frame, run.frames.size()) : options.surfaces;
   const bool moving = any_wall_changes(run.scene);
   if (!run.scene.walls.empty() && !moving) {
-    const Frame first = load_frame(run, 0);
-    const Box3 room = room_of(first.bodies, run.scene);
+    const Frame first = load_frame(run, 0, FrameParts::bodies);
+    const Box3 room = extent.box.is_empty() ? room_of({}, run.scene) : extent.box;
     std::vector<TriangleMesh> walls;
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
     write_walls_vtp((folder / "walls.vtp").string(), run.scene, walls, wall_places(first, run.scene), {});
@@ -80,7 +80,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   }
   const std::string here = fs::absolute(folder).lexically_normal().string();
   const std::string back = fs::relative(fs::absolute(run.folder), fs::absolute(folder)).string();
-  h5::write_text_file((folder / "open_in_paraview.py").string(), paraview_script(run, back, here));
+  h5::write_text_file((folder / "open_in_paraview.py").string(), paraview_script(run, back, here, extent));
   return result;
 }
 

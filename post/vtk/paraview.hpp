@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "post/run/run_bodies.hpp"
 #include "post/vtk/vtk_export.hpp"
 
 namespace scree {
@@ -35,7 +36,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
 /// What `auto` stands for: all, last or none.
 std::string expanded_frames(double triangles_per_frame, std::size_t frames);
 
-/// The script's text; `run_from_script` is the run folder relative to the script's own folder.
-std::string paraview_script(const Run& run, const std::string& run_from_script, const std::string& script_folder);
+/// The script's text; `run_from_script` is the run folder relative to the script's own folder, `extent` that of all frames.
+std::string paraview_script(const Run& run, const std::string& run_from_script, const std::string& script_folder, const BodyExtent& extent);
 
 }  // namespace scree

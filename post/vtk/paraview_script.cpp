@@ -311,7 +311,8 @@ main()
 
 }  // namespace
 
-std::string paraview_script(const Run& run, const std::string& run_from_script, const std::string& script_folder) {
+std::string paraview_script(const Run& run, const std::string& run_from_script, const std::string& script_folder,
+                            const BodyExtent& extent) {
   const auto list = [](const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); };
   std::string shapes, materials, colours;
   for (std::size_t k = 0; k < run.scene.shapes.size(); ++k) {
@@ -320,26 +321,22 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
   }
   for (std::size_t k = 0; k < run.scene.materials.size(); ++k) materials += (k > 0 ? ", " : "") + quoted(run.scene.materials[k].name);
   for (std::int32_t k = 0; k < kShapeColours; ++k) colours += (k > 0 ? ", " : "") + list(shape_colour(k));
-  // Everything that is drawn at the first and at the last frame is in view.
-  const Frame last = load_frame(run, run.frames.size() - 1);
+  // the mean over all bodies that the run has or had
+  const RunBodies bodies(run);
   double size = 0;
-  const auto add_sizes = [&](const std::vector<std::int32_t>& shape, const std::vector<double>& scale) {
-    for (std::size_t i = 0; i < shape.size(); ++i) {
-      size += scale[i] * run.scene.shapes[static_cast<std::size_t>(shape[i])].equivalent_diameter() / static_cast<double>(shape.size());
-    }
-  };
-  add_sizes(run.scene.bodies.shape, run.scene.bodies.scale);
-  if (run.scene.bodies.size() == 0) add_sizes(last.bodies.shape, last.bodies.scale);  // all came in later
-  std::set<std::int32_t> body_shapes(run.scene.bodies.shape.begin(), run.scene.bodies.shape.end());
-  std::set<std::int32_t> body_materials(run.scene.bodies.material.begin(), run.scene.bodies.material.end());
+  for (const RunBody& body : bodies.all) {
+    size +=
+        body.scale * run.scene.shapes[static_cast<std::size_t>(body.shape)].equivalent_diameter() / static_cast<double>(bodies.all.size());
+  }
+  const std::vector<std::int32_t> shapes_now = bodies.shapes(), materials_now = bodies.materials();
+  std::set<std::int32_t> body_shapes(shapes_now.begin(), shapes_now.end());
+  std::set<std::int32_t> body_materials(materials_now.begin(), materials_now.end());
   for (const Inlet& inlet : run.scene.inlets) {
     for (const auto& share : inlet.shares) body_shapes.insert(share.shape);
     body_materials.insert(inlet.material);
   }
-  Box3 room = room_of(load_frame(run, 0).bodies, run.scene);
-  room.add(room_of(last.bodies, run.scene));
-  std::int32_t rank_count = 1;
-  for (const std::int32_t rank : last.bodies.rank) rank_count = std::max(rank_count, rank + 1);
+  const Box3 room = extent.box.is_empty() ? room_of({}, run.scene) : extent.box;
+  const std::int32_t rank_count = extent.ranks;
   const Vec3 gravity = run.scene.settings.gravity;
   const View view = view_of(room, gravity);
 

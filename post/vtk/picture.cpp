@@ -452,14 +452,19 @@ void add_walls(vtkRenderer* renderer, const Frame& frame, const Scene& scene, co
 
 namespace {
 
-Frame as_shown(const Run& run, const Frame& frame, const PictureOptions& options) {
-  return options.apart > 0 ? taken_apart(run.scene, frame, options.apart) : frame;
+/// What is drawn: all but bodies outside of what the user named. What has left the equipment is drawn where the camera sees it.
+Frame as_shown(const Run& run, const Frame& frame, const PictureOptions& options, const Within& within) {
+  const Frame shown = within.is_equipment() ? frame : within.part_of(run, frame);
+  return options.apart > 0 ? taken_apart(run.scene, shown, options.apart) : shown;
 }
 
 }  // namespace
 
+Stage::Stage(const Run& run, const PictureOptions& options)
+    : within(Within::named(run, options.within)), bodies(std::make_shared<RunBodies>(run)) {}
+
 void Stage::add(const Run& run, const Frame& given, const PictureOptions& options) {
-  const Frame frame = as_shown(run, given, options);
+  const Frame frame = within.part_of(run, as_shown(run, given, options, within));
   const Box3 seen = seen_room(frame, run.scene);
   room.add(seen.lower);
   room.add(seen.upper);
@@ -473,7 +478,7 @@ void Stage::add(const Run& run, const Frame& given, const PictureOptions& option
     range = range ? std::pair{std::min(range->first, of_frame.first), std::max(range->second, of_frame.second)} : of_frame;
     return;
   }
-  const BodyColours colours = body_colours(run, frame, options.colour);
+  const BodyColours colours = body_colours(run, *bodies, frame, options.colour);
   if (colours.are_kinds) return;
   for (const double v : colours.value) {
     if (!std::isfinite(v)) continue;
@@ -485,6 +490,8 @@ void Stage::add(const Run& run, const Frame& given, const PictureOptions& option
 View camera_of(const Stage& stage, const Vec3& gravity, const PictureOptions& options) {
   View view = view_of(stage.room, gravity);
   if (options.at) view.centre = *options.at;
+  // the view angle is that of the height: what is narrower than high sees less to its sides
+  if (options.width < options.height) view.radius *= static_cast<double>(options.height) / options.width;
   if (options.from) view.from = normalised(*options.from);
   if (options.up) view.up = normalised(*options.up);
   if (length(cross(view.from, view.up)) < 1e-3) {  // looking along `up`: any other direction will do
@@ -507,12 +514,13 @@ std::optional<Cut> cut_of(const View& view, const PictureOptions& options) {
 
 Image draw_frame(const Run& run, const Frame& given, const PictureOptions& options, const Stage& stage, const View& view,
                  const std::optional<Cut>& cut) {
-  const Frame frame = as_shown(run, given, options);
+  const Frame frame = as_shown(run, given, options, stage.within);
   PictureOptions look = options;
   if (!look.range) look.range = stage.range;
   const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
   if (look.load.empty())
-    add_bodies(renderer, frame.bodies, run.scene, body_colours(run, frame, look.network || !look.bonds.empty() ? "shape" : look.colour),
+    add_bodies(renderer, frame.bodies, run.scene,
+               body_colours(run, *stage.bodies, frame, look.network || !look.bonds.empty() ? "shape" : look.colour),
                look.range.value_or(std::pair{0.0, 1.0}), look, cut);
   else
     add_loads(renderer, frame, run.scene, stage.room, options);
@@ -528,19 +536,27 @@ Image draw_frame(const Run& run, const Frame& given, const PictureOptions& optio
   return draw_image({renderer}, look.width, look.height);
 }
 
-void draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
+std::string words_of_unseen(const Run& run, const std::vector<std::size_t>& frames, const Within& within, const FramePool& pool) {
+  const std::string left = words_of_left(extent_of_bodies(run, frames, within, pool), within);
+  if (left.empty()) return "";
+  return fmt::format("{}: {}; --within all shows all bodies", left,
+                     within.is_equipment() ? "the camera does not follow what has left" : "not drawn");
+}
+
+std::string draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
   if (const std::string reason = display_obstacle(); !reason.empty()) throw SystemError("cannot draw a picture: {}", reason);
   const Frame frame = load_frame(run, frame_index);
-  Stage stage;
+  Stage stage(run, options);
   stage.add(run, frame, options);
   if (options.at) {
-    Stage whole;
+    Stage whole(run, options);
     for (const std::size_t f : {std::size_t{0}, run.frames.size() - 1})
       whole.add(run, f == frame_index ? frame : load_frame(run, f), options);
     stage.room = whole.room;
   }
   const View view = camera_of(stage, run.scene.settings.gravity, options);
   write_png(draw_frame(run, frame, options, stage, view, cut_of(view, options)), path);
+  return words_of_unseen(run, {frame_index}, stage.within, {1, false});
 }
 
 }  // namespace scree

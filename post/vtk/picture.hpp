@@ -1,15 +1,21 @@
 // A picture of a frame, drawn without a window. Present only in builds with VTK.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "core/picture/picture.hpp"
+#include "post/run/run_bodies.hpp"
 #include "post/vtk/vtk_or_not.hpp"
 
 namespace scree {
 
 /// What a series of pictures has in common.
 struct Stage {
+  /// in   options   within
+  Stage(const Run& run, const PictureOptions& options);
+  Within within;
+  std::shared_ptr<const RunBodies> bodies;           ///< of the run, for legends
   Box3 room;                                         ///< that the camera shows, and that walls without an end are drawn for
   std::optional<std::pair<double, double>> range{};  ///< of the scale of numbers
   /// Takes in another frame.
@@ -28,9 +34,13 @@ std::optional<Cut> cut_of(const View& view, const PictureOptions& options);
 Image draw_frame(const Run& run, const Frame& frame, const PictureOptions& options, const Stage& stage, const View& view,
                  const std::optional<Cut>& cut);
 
+/// What pictures of these frames do not show, for the user: bodies that have left; empty: nothing.
+std::string words_of_unseen(const Run& run, const std::vector<std::size_t>& frames, const Within& within, const FramePool& pool);
+
 /// Draws one frame into a PNG. With `options.at` the camera is the same for all frames of the run: as far away as shows its first and its
 /// last frame.
+/// Returns what it does not show (words_of_unseen).
 /// Fails: SystemError when there is no X display (see display_obstacle) or the file cannot be written.
-void draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options);
+std::string draw_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options);
 
 }  // namespace scree

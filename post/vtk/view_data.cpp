@@ -59,10 +59,13 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-std::string view_data(const Run& run, const Frame& frame) {
+std::string view_data(const Run& run, const Frame& given, const Within& within) {
   const Scene& scene = run.scene;
+  // what has left the equipment is shown, but the camera does not follow it
+  const Frame inside = within.part_of(run, given);
+  const Frame& frame = within.is_equipment() ? given : inside;
   const FrameBodies& b = frame.bodies;
-  const Box3 room = room_of(b, scene);
+  const Box3 room = room_of(inside.bodies, scene);
   const View view = view_of(room, scene.settings.gravity);
   const auto list = [](const Vec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
   nlohmann::json data = {{"time", frame.time},

@@ -3,16 +3,17 @@
 
 #include <string>
 
-#include "post/run/run_folder.hpp"
+#include "post/run/within.hpp"
 
 namespace scree {
 
-/// One frame for the view: meshes of the shapes, places of all bodies, walls, the strongest contacts.
+/// One frame for the view, the camera on the bodies that are within: meshes of the shapes, places of all bodies, walls, the strongest
+/// contacts.
 ///
 /// How: positions are float32 relative to the middle, so that a scene far from the origin keeps its digits. Shapes are drawn
 /// coarser (vertices merged on a grid) when all bodies together have more than two million triangles.
 /// Size: 46 bytes a body and 28 a contact line, times 4/3; 10^5 bodies make 6 MB.
-std::string view_data(const Run& run, const Frame& frame);
+std::string view_data(const Run& run, const Frame& frame, const Within& within);
 
 /// Bytes as base64.
 std::string base64(const std::string& bytes);

@@ -9,6 +9,7 @@
 #include "post/run/contact_network.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/output_file.hpp"
+#include "post/run/run_bodies.hpp"
 #include "post/vtk/vtk_files.hpp"
 #include "post/vtk/vtk_threads.hpp"
 
@@ -49,7 +50,8 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
   std::vector<TriangleMesh> walls;
   Box3 room;
   if (wants("walls")) {
-    room = room_of(load_frame(run, options.frames.front()).bodies, run.scene);
+    room = extent_of_bodies(run, options.frames, Within::equipment(run), options.pool).box;
+    if (room.is_empty()) room = room_of({}, run.scene);
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
   }
   const Periodicity period = periodicity_of(run.scene);

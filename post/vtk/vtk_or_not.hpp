@@ -30,6 +30,7 @@ struct PictureOptions {
   std::string load{};                                ///< of load_names: walls by their load maps since the start, without bodies
   std::optional<std::pair<double, double>> range{};  ///< of the scale of numbers; else from 0, or the smallest, to the largest
   std::optional<Vec3> from{}, at{}, up{};            ///< direction to the camera, point it looks at [m], up; else chosen to show all
+  std::string within{};                              ///< bodies that are seen, see Within::named; empty: the camera shows the equipment
   double zoom = 1;                                   ///< 2: twice as near
   std::optional<std::pair<int, double>> cut{};       ///< axis and place [m] of a plane: what lies before it is cut away
 };
@@ -48,7 +49,8 @@ std::string vtk_version();
 void require_vtk();
 /// Why no picture can be drawn (no VTK, no X display) and what to do, or "".
 std::string picture_obstacle();
-void make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options);
+/// Returns what the picture does not show, for the user; empty: nothing.
+std::string make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options);
 /// Returns what to tell the user: how long the film is.
 std::string make_film(const Run& run, const std::string& path, const FilmOptions& options, std::vector<std::string>& skipped);
 /// Returns what to tell the user: what was written and how to open it.

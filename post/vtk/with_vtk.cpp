@@ -13,8 +13,8 @@ namespace scree {
 std::string vtk_version() { return std::string("VTK ") + vtkVersion::GetVTKVersion(); }
 void require_vtk() {}
 std::string picture_obstacle() { return display_obstacle(); }
-void make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
-  draw_picture(run, frame_index, path, options);
+std::string make_picture(const Run& run, std::size_t frame_index, const std::string& path, const PictureOptions& options) {
+  return draw_picture(run, frame_index, path, options);
 }
 
 std::string make_film(const Run& run, const std::string& path, const FilmOptions& options, std::vector<std::string>& skipped) {

@@ -10,7 +10,10 @@ const char* const kMissing = "this scree-post was built without VTK; install lib
 std::string vtk_version() { return "no VTK"; }
 void require_vtk() { throw UsageError("{}", kMissing); }
 std::string picture_obstacle() { return kMissing; }
-void make_picture(const Run&, std::size_t, const std::string&, const PictureOptions&) { require_vtk(); }
+std::string make_picture(const Run&, std::size_t, const std::string&, const PictureOptions&) {
+  require_vtk();
+  return "";
+}
 std::string make_film(const Run&, const std::string&, const FilmOptions&, std::vector<std::string>&) {
   require_vtk();
   return "";

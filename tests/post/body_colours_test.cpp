@@ -19,7 +19,7 @@ scree::Run sample(const char* name) {
 TEST(BodyColours, are_those_of_the_frame) {
   const auto run = sample("colours");
   const Frame frame = load_frame(run, 2);  // t = 0.2 s
-  const auto value = [&](const char* name, std::size_t i) { return body_colours(run, frame, name).value[i]; };
+  const auto value = [&](const char* name, std::size_t i) { return body_colours(run, RunBodies(run), frame, name).value[i]; };
   EXPECT_DOUBLE_EQ(value("velocity", 4), std::sqrt(0.01 + 1.0 / 9));
   EXPECT_DOUBLE_EQ(value("velocity-x", 4), 0.1);
   EXPECT_DOUBLE_EQ(value("velocity-z", 4), -1.0 / 3);
@@ -43,21 +43,21 @@ TEST(BodyColours, are_those_of_the_frame) {
 TEST(BodyColours, of_kinds_name_what_the_scene_has) {
   const auto run = sample("kinds");
   const Frame frame = load_frame(run, 0);
-  const BodyColours shapes = body_colours(run, frame, "shape");
+  const BodyColours shapes = body_colours(run, RunBodies(run), frame, "shape");
   EXPECT_TRUE(shapes.are_kinds);
   EXPECT_EQ(shapes.kinds, (std::map<int, std::string>{{0, "box"}, {1, "wedge"}, {2, "ball"}}));
   EXPECT_EQ(shapes.value[4], 1);
-  EXPECT_EQ(body_colours(run, frame, "material").kinds, (std::map<int, std::string>{{0, "rock"}}));
-  EXPECT_EQ(body_colours(run, frame, "population").kinds, (std::map<int, std::string>{{0, "[[bodies]]"}}));
-  EXPECT_FALSE(body_colours(run, frame, "id").are_kinds);
+  EXPECT_EQ(body_colours(run, RunBodies(run), frame, "material").kinds, (std::map<int, std::string>{{0, "rock"}}));
+  EXPECT_EQ(body_colours(run, RunBodies(run), frame, "population").kinds, (std::map<int, std::string>{{0, "[[bodies]]"}}));
+  EXPECT_FALSE(body_colours(run, RunBodies(run), frame, "id").are_kinds);
 }
 
 TEST(BodyColours, that_are_not_there_are_refused) {
   auto run = sample("refused");
   const Frame frame = load_frame(run, 0);
-  EXPECT_THROW(body_colours(run, frame, "speeed"), UsageError);
+  EXPECT_THROW(body_colours(run, RunBodies(run), frame, "speeed"), UsageError);
   run.scene.settings.output_contacts = false;
-  EXPECT_THROW(body_colours(run, frame, "force"), UsageError);
+  EXPECT_THROW(body_colours(run, RunBodies(run), frame, "force"), UsageError);
 }
 
 }  // namespace

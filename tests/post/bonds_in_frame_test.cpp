@@ -106,11 +106,11 @@ TEST(BondsInFrame, fragments_move_from_the_middle_of_their_parent_and_what_is_wh
 TEST(BondsInFrame, a_fragment_keeps_the_colour_of_its_lowest_body) {
   Row row = row_of_balls();
   let_hold(row.frame, 1, {});  // 0 and 1-2
-  const BodyColours colours = body_colours(row.run, row.frame, "fragment");
+  const BodyColours colours = body_colours(row.run, RunBodies(row.run), row.frame, "fragment");
   EXPECT_EQ(colours.value, (std::vector<double>{0, 1, 1, 3}));
   EXPECT_EQ(colours.kinds, (std::map<int, std::string>{{0, "1 piece"}, {1, "2 pieces"}, {3, "without bonds"}}));
   row.run.scene.bonds.clear();
-  EXPECT_THROW(body_colours(row.run, row.frame, "fragment"), UsageError);
+  EXPECT_THROW(body_colours(row.run, RunBodies(row.run), row.frame, "fragment"), UsageError);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST(Compare, a_copy_is_the_same_bit_by_bit) {
   const std::vector<scree::Run> runs{open_run((folder / "a.run").string()), open_run((folder / "b.run").string())};
   EXPECT_TRUE(setting_differences(runs).empty());
   const TrajectoryComparison t = compare_trajectories(runs[0], runs[1], {2, false});
-  EXPECT_TRUE(t.identical);
+  EXPECT_TRUE(t.identical());
   EXPECT_EQ(t.frames.size(), 3u);
   const Comparison c = compare_runs(runs, (folder / "out").string(), {1, false});
   EXPECT_NE(c.text.find("settings: no difference"), std::string::npos) << c.text;
@@ -64,7 +64,7 @@ TEST(Compare, settings_distances_and_growth_are_those_that_were_put_in) {
   EXPECT_NE(settings[0].key.find("friction"), std::string::npos);
   EXPECT_EQ(settings[0].values, (std::vector<std::string>{"0.4", "0.7"}));
   const TrajectoryComparison t = compare_trajectories(runs[0], runs[1], {1, false});
-  EXPECT_FALSE(t.identical);
+  EXPECT_FALSE(t.identical());
   for (const Divergence& d : t.frames) {
     EXPECT_NEAR(d.rms, shift(d.time), 1e-12);
     EXPECT_NEAR(d.largest_angle, shift(d.time), 1e-12);

@@ -542,6 +542,21 @@ TEST(BlockAverage, intervals_hold_the_true_mean_in_ninety_five_of_a_hundred_corr
   EXPECT_NEAR(held, 950, 30);  // four standard deviations of the count, and what is left of the correlation
 }
 
+// Data of five frames, the last of them a thousandth of an interval after the fourth: the mean over time is that of the four.
+TEST(BlockAverage, a_frame_a_few_steps_after_the_last_counts_next_to_nothing) {
+  const std::vector<double> weights = frame_weights({0, 1, 2, 3, 3.001});
+  EXPECT_NEAR(weights[0], 2 * weights[3], 1e-3);
+  EXPECT_NEAR(weights[4], 0, 1e-3);
+  EXPECT_EQ(frame_weights({0, 1, 2, 3}), std::vector<double>(4, 0.25)) << "at equal intervals all count alike";
+  EXPECT_EQ(frame_weights({7}), std::vector<double>{1});
+  EXPECT_EQ(frame_weights({7, 7}), (std::vector<double>{0.5, 0.5}));
+  BlockAverage average(1, 5, 2);
+  const double values[5] = {1, 1, 1, 1, 1000};
+  for (std::size_t i = 0; i < 5; ++i) average.add({values[i]}, weights[i]);
+  EXPECT_NEAR(average.of(0).mean, 1, 0.5);
+  EXPECT_EQ(average.of(0).largest, 1000);
+}
+
 TEST(BlockAverage, what_is_no_number_is_left_out) {
   BlockAverage average(2, 2, 10);
   average.add({1, std::nan("")});

@@ -314,7 +314,7 @@ std::array<double, 2> places_of_two(const Image& image) {
 
 constexpr double kBall = 0.03;                                         // [m]
 const double kHalfAngle = std::tan(15 * std::numbers::pi / 180);       // of the camera
-double distance_of(double room_radius) { return 3.55 * room_radius; }  // of the camera from what it looks at
+double distance_of(double room_radius) { return 3.87 * room_radius; }  // of the camera from what it looks at
 // 320 triangles inscribed in the ball lose up to 3 % of its silhouette
 constexpr double kInscribed = 0.985, kInscribedError = 0.02;
 
@@ -324,7 +324,7 @@ TEST(Picture, a_ball_is_as_large_as_perspective_makes_it) {
   options.width = options.height = 400;
   const Image image = drawn(ball_run("ball", {{{{5, -3, 2}}}}), 0, options);
   // room: the cube about the ball; its half diagonal is r sqrt 3
-  const double sine = 1 / (3.55 * std::sqrt(3.0)), tangent = sine / std::sqrt(1 - sine * sine);
+  const double sine = 1 / (3.87 * std::sqrt(3.0)), tangent = sine / std::sqrt(1 - sine * sine);
   const double radius = 200 * tangent / kHalfAngle;
   EXPECT_NEAR(covered(image) / (std::numbers::pi * radius * radius), kInscribed, kInscribedError);
 }
@@ -346,7 +346,7 @@ TEST(Picture, a_cut_ball_shows_the_disc_of_the_plane) {
   }
   // from the other side the other part is left, with the centre: the whole ball is as wide as ever
   options.from = Vec3{0, 1, 0};
-  const double sine = 1 / (3.55 * std::sqrt(3.0)), tangent = sine / std::sqrt(1 - sine * sine);
+  const double sine = 1 / (3.87 * std::sqrt(3.0)), tangent = sine / std::sqrt(1 - sine * sine);
   const double whole = 200 * tangent / kHalfAngle;
   EXPECT_NEAR(covered(drawn(open_run((fs::path(SCREE_TEST_FOLDER) / "cut" / "ball.run").string()), 0, options)) /
                   (std::numbers::pi * whole * whole),

@@ -106,10 +106,19 @@ class Frame:
         return Mesh.joined((self._body_mesh(int(row)) for row in rows), ids.tolist())
 
     def wall_mesh(self, wall: str | int) -> Mesh:
-        """The mesh of a wall, by its name or id, in the world at this time. Raises UnknownName; UsageError for a plane."""
+        """The mesh of a wall, by its name or id, in the world at this time, worn as it is then. Raises UnknownName; UsageError for a plane."""
         row = self.walls.row(wall)
         by_id = {w.id: w for w in self.scene.walls.in_order}
-        return by_id[int(self.walls.id[row])].mesh.placed(self.walls.position[row], self.walls.quaternion[row])
+        known = by_id[int(self.walls.id[row])]
+        mesh = known.worn_mesh(self._worn_vertices(known.id))
+        return mesh.placed(self.walls.position[row], self.walls.quaternion[row])
+
+    def _worn_vertices(self, wall_id: int) -> np.ndarray:
+        """V x 3, axes and scale of the wall's mesh file; none where the wall does not wear."""
+        with opened(self.path, "scree-frame", 1) as file:
+            if "wear" not in file:
+                return np.zeros((0, 3))
+            return file["wear/vertex"][()].reshape(-1, 3)[file["wear/wall"][()] == wall_id]
 
     def measures(self, part: Region | str | None = None) -> dict[str, float]:
         """Numbers of the frame under the names and by the definitions of `scree-post statistics` (post/STATISTICS.md), in SI units.

@@ -12,6 +12,7 @@ from .hdf import opened
 from .meshes import rotate
 from .regions import Region, region
 from .scene import Scene
+from .within import bodies_within
 
 if TYPE_CHECKING:
     import h5py
@@ -225,6 +226,12 @@ class Bodies(Rows):
         The rule is that of scree-post. In a periodic domain a region can extend beyond a side: it then contains images of bodies.
         """
         return self[self._store.scene.periodicity.contained(region(part), self.position)]
+
+    def within(self, place: Region | str) -> Bodies:
+        """The bodies that have not left a wall, by its name, or a region, as `--within` of scree-post: what is in front of a plane; with its
+        centre inside a box, cylinder or sphere; in the box around a mesh, or above that. Raises UsageError for what is neither.
+        """
+        return self[bodies_within(self._store, self.position, place)]
 
     def of_shape(self, name: str) -> Bodies:
         """The bodies of a shape by its name. Raises UnknownName."""

@@ -177,7 +177,8 @@ class Run:
         return self.outcome["outcome"] + (f": {self.outcome['message']}" if self.outcome.get("message") else "")
 
     def __repr__(self) -> str:
-        return f"<scree.Run '{self.folder}': {len(self.scene.start['id'])} bodies, {len(self.frames)} frames; {self._how()}>"
+        came_in = f" at the start, {self.inserted.rows} came in" if os.path.exists(os.path.join(self.folder, "inserted.csv")) else ""
+        return f"<scree.Run '{self.folder}': {len(self.scene.start['id'])} bodies{came_in}, {len(self.frames)} frames; {self._how()}>"
 
     def _repr_html_(self) -> str:
         title = f"<p><b>{html.escape(self.folder)}</b>: {html.escape(self._how())}</p>"

@@ -15,6 +15,7 @@ from .errors import InputError, UsageError, unknown_name
 from .hdf import json_of, opened, text_of
 from .meshes import Mesh, box_mesh, cylinder_mesh, icosphere
 from .regions import Periodicity
+from .tables import Table
 
 _APPARATUS_SIZE = 5.0  # as post/run/apparatus.hpp
 _KINDS = ("solid", "surface", "sphere")
@@ -157,6 +158,14 @@ class Wall:
             raise UsageError(f"wall '{self.name}': a plane has no end, and so no mesh; its point and normal are in `facts`")
         return Mesh(mesh.vertices, mesh.triangles[:, ::-1])
 
+    def worn_mesh(self, vertices: np.ndarray) -> Mesh:
+        """Its surface with other vertices: V x 3 as a frame has them, axes and scale of its shape; without any, `mesh`."""
+        if self._shape is None or not len(vertices):
+            return self.mesh
+        if len(vertices) != len(self._shape.vertices):
+            raise InputError(f"wall '{self.name}': {len(vertices)} worn vertices found, {len(self._shape.vertices)} expected; the frame is damaged")
+        return Mesh(self.facts["scale"] * vertices, self._shape.triangles)
+
     def __repr__(self) -> str:
         return f"<scree.Wall {self.id} '{self.name}': {self.kind} of {self.material}>"
 
@@ -235,16 +244,28 @@ class Scene:
     def boundary_ids(self) -> np.ndarray:
         """Ids that are no particles, as in scree-post: walls, fixed bodies, and apparatus.
 
-        Apparatus is a body of [[bodies]] at least five times as large as the median body of the populations, such as a lid.
+        Apparatus is a body of [[bodies]] at least five times as large as the median body of the populations, such as a lid; where there
+        are no populations, than the median body of those that came in (inserted.csv beside the scene).
         """
         b = self.start
         radius = np.array([shape.bounding_radius for shape in self.shapes.in_order] or [0.0])
         size = b["scale"] * radius[b["shape"]]
         boundary = b["fixed"] != 0
         poured = np.sort(size[(b["population"] >= 0) & ~boundary])
+        if not len(poured):
+            poured = np.sort(self._sizes_that_came_in())
         if len(poured):
             boundary = boundary | ((b["population"] < 0) & (size >= _APPARATUS_SIZE * poured[len(poured) // 2]))
         return np.sort(np.concatenate([[wall.id for wall in self.walls.in_order], b["id"][boundary]]).astype(np.int64))
+
+    def _sizes_that_came_in(self) -> np.ndarray:
+        """Bounding radii of the bodies that came in through inlets [m]."""
+        path = os.path.join(os.path.dirname(self.path), "inserted.csv")
+        if not os.path.exists(path):
+            return np.zeros(0)
+        table = Table.read(path)
+        ratio = {shape.name: shape.bounding_radius / shape.equivalent_diameter for shape in self.shapes.in_order if shape.volume}
+        return table["diameter"] * np.array([ratio.get(str(name), 0.0) for name in table["shape"]])
 
     def __fspath__(self) -> str:
         return self.path

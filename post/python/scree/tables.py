@@ -13,7 +13,7 @@ import numpy as np
 from .errors import InputError, missing_package, unknown_name
 
 _WHOLE = {"step", "id", "rank", "bodies", "body_a", "body_b", "feature", "frames", "blocks"}  # columns of whole numbers
-_TEXT = {"state_hash", "name", "group", "quantity", "unit", "meaning", "reason", "kind"}  # never numbers, whatever they look like
+_TEXT = {"state_hash", "name", "group", "quantity", "unit", "meaning", "reason", "kind", "shape", "inlet", "outlet", "gate"}  # never numbers, whatever they look like
 
 
 def _column(name: str, cells: Sequence[str]) -> np.ndarray:
