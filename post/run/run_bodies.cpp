@@ -18,10 +18,9 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 RunBodies::RunBodies(const Run& run) {
   add_scene(run.scene);
   if (run.scene.inlets.empty()) return;
-  if (std::filesystem::exists(run.folder + "/inserted.csv"))
-    add_inserted(run);
-  else
-    add_frames(run);
+  const bool has_table = std::filesystem::exists(run.folder + "/inserted.csv");
+  if (has_table) add_inserted(run);
+  if (!has_table || !run.is_finished()) add_frames(run);  // a run that was killed may have bodies that the table lacks
 }
 
 void RunBodies::add(const RunBody& body) {

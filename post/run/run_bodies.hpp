@@ -25,7 +25,8 @@ struct RunBody {
 /// The bodies of the scene, and those that came in.
 class RunBodies {
  public:
-  /// From the scene and inserted.csv; where that table is missing though the scene has inlets, from the frames.
+  /// From the scene and inserted.csv; where that table is missing though the scene has inlets, and of a run that did not end, from the
+  /// frames too.
   /// Fails: InputError (a damaged table or frame, named).
   explicit RunBodies(const Run& run);
 

@@ -161,6 +161,7 @@ std::string write_film(const Run& run, const std::string& path, const FilmOption
   LongWork work("film", 2.0 * static_cast<double>(frames.size()));
   const Stage stage = stage_of(run, options, frames, skipped, work);
   if (frames.empty()) throw InputError("{}: no frame of it can be read", run.folder);
+  const std::string unseen = words_of_unseen(run, frames, stage.within, {options.pool.jobs, false});
   const View first = camera_of(stage, run.scene.settings.gravity, look);
   const std::optional<Cut> cut = cut_of(first, look);
   std::map<std::size_t, double> angle;
@@ -185,8 +186,7 @@ std::string write_film(const Run& run, const std::string& path, const FilmOption
   if (frames.size() > 1 && simulated > 0)
     text += fmt::format(" for {:.4g} s of the run: {}", simulated,
                         speed_text(simulated * options.rate / static_cast<double>(frames.size() - 1)));
-  if (const std::string unseen = words_of_unseen(run, frames, stage.within, {options.pool.jobs, false}); !unseen.empty())
-    text += "\n" + unseen;
+  if (!unseen.empty()) text += "\n" + unseen;
   return text;
 }
 

@@ -52,6 +52,24 @@ TEST(BodyColours, of_kinds_name_what_the_scene_has) {
   EXPECT_FALSE(body_colours(run, RunBodies(run), frame, "id").are_kinds);
 }
 
+TEST(BodyColours, name_what_comes_in_through_inlets_and_know_where) {
+  auto run = sample("inlets");
+  Inlet feed, chute;
+  feed.name = "feed";
+  chute.name = "chute";
+  run.scene.inlets = {feed, chute};
+  std::ofstream(run.folder + "/inserted.csv") << "step,time,id,mass,diameter,x,y,z,shape,inlet\n# units: -,s,-,kg,m,m,m,m,-,-\n"
+                                                 "1,0.1,100,1,0.03,1,2,3,ball,chute\n";
+  Frame frame = load_frame(run, 0);
+  frame.bodies.id.back() = 100;
+  const RunBodies bodies(run);
+  const BodyColours colours = body_colours(run, bodies, frame, "population");
+  EXPECT_EQ(colours.kinds, (std::map<int, std::string>{{0, "[[bodies]]"}, {2, "inlet chute"}}));
+  EXPECT_EQ(colours.value.front(), 0);
+  EXPECT_EQ(colours.value.back(), 2);
+  EXPECT_EQ(body_colours(run, bodies, frame, "start-y").value.back(), 2);
+}
+
 TEST(BodyColours, that_are_not_there_are_refused) {
   auto run = sample("refused");
   const Frame frame = load_frame(run, 0);

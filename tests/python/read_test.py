@@ -53,6 +53,25 @@ class ReadTest(InFolder):
             frames[5]
         self.assertEqual(repr(frames), f"<scree.Frames: 5 frames from 0 s to {frames.times[4]:.6g} s>")
 
+    def test_what_has_left_a_wall_or_region_is_left_out(self):
+        frame = self.run_.frames[-1]
+        b = frame.bodies
+        np.testing.assert_array_equal(b.within("box").id, b.in_region("box:-18 mm,-18 mm,0,18 mm,18 mm,80 mm").id)
+        over = np.all(np.abs(b.position[:, :2]) <= 0.01, axis=1) & (b.position[:, 2] >= 0.067)  # the plate has moved down by 3 mm
+        np.testing.assert_array_equal(b.within("plate").id, b.id[over])
+        np.testing.assert_array_equal(b.within("box:0,0,0,1,1,1").id, b.in_region("box:0,0,0,1,1,1").id)
+        with self.assertRaisesRegex(scree.UsageError, "box, plate"):
+            b.within("boks")
+
+    def test_a_worn_wall_has_the_vertices_of_the_frame(self):
+        plate = self.run_.walls["plate"]
+        worn = plate.mesh.vertices - [0, 0, 1e-4]  # of scale 1
+        mesh = plate.worn_mesh(worn)
+        np.testing.assert_allclose(mesh.vertices - plate.mesh.vertices, np.broadcast_to([0, 0, -1e-4], worn.shape), atol=1e-12)
+        np.testing.assert_array_equal(plate.worn_mesh(np.zeros((0, 3))).vertices, plate.mesh.vertices)
+        with self.assertRaisesRegex(scree.InputError, "worn"):
+            plate.worn_mesh(worn[1:])
+
     def test_bodies_come_by_id_with_all_fields(self):
         for frame in self.run_.frames:
             b = frame.bodies
