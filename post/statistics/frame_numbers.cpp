@@ -290,8 +290,9 @@ CountedFrame StatisticsPlan::load(std::size_t index) const {
     take_rows(frame.contacts, rows);
   }
   const FrameBodies& b = frame.bodies;
-  for (std::size_t i = 0; discharge_axis >= 0 && i < b.size(); ++i) {
-    if (run.boundary_ids.contains(b.id[i]) || !(b.position[i][discharge_axis] > discharge_level)) continue;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const bool is_above = discharge_axis < 0 || b.position[i][discharge_axis] > discharge_level;
+    if (run.boundary_ids.contains(b.id[i]) || !is_above) continue;
     counted.mass_above += facts->volume[static_cast<std::size_t>(b.shape[i])] * b.scale[i] * b.scale[i] * b.scale[i] *
                           run.scene.materials[static_cast<std::size_t>(b.material[i])].density;
   }
@@ -330,10 +331,11 @@ double StatisticsPlan::discharged(const CountedFrame& counted) const {
   const double time = counted.frame.time;
   if (discharge_axis < 0) {
     const bool are_removed = run.scene.settings.domain.outside == Outside::remove || !run.scene.outlets.empty();
-    return are_removed && removed_.is_known ? removed_.at(time) : kNaN;
+    if (!are_removed) return kNaN;
+    if (removed_.is_known) return removed_.at(time);
   }
-  // what came in by now counts as what was there from the start
-  const double came_in = run.scene.inlets.empty() ? 0 : came_in_.is_known ? came_in_.at(time) : kNaN;
+  // what came in by now counts as what was there from the start; without its table as the log has it, between its rows
+  const double came_in = run.scene.inlets.empty() ? 0 : came_in_.is_known ? came_in_.at(time) : log_value(run.log, "inserted_mass", time);
   return start_mass_ + came_in - counted.mass_above;
 }
 

@@ -13,7 +13,7 @@ namespace scree {
 /// A frame with what is counted in it.
 struct CountedFrame {
   Frame frame;
-  double mass_above = 0;  ///< the level of --discharge, of all particles, those included that have left [kg]
+  double mass_above = 0;  ///< the level of --discharge, else anywhere: of all particles, those included that have left [kg]
 };
 
 /// What is worked out for each frame. Made once, before the frames.
