@@ -3,10 +3,15 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+
+#include "core/base/near_file.hpp"
 
 namespace scree::h5 {
 
@@ -349,11 +354,28 @@ void NewFile::commit() {
   temporary_.clear();
 }
 
+namespace {
+
+/// A mesh where a file of Scree is expected: the way from the one to the other.
+std::string advice_for_mesh(const std::string& path) {
+  const std::filesystem::path file(path);
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::array<const char*, 8> meshes{".stl", ".obj", ".ply", ".off", ".3ds", ".dae", ".step", ".stp"};
+  if (std::find(meshes.begin(), meshes.end(), ending) == meshes.end()) return "";
+  return fmt::format(
+      "; import the mesh first: scree-mesher import {} -o {} (with --unit mm where its numbers are millimetres, with --surface "
+      "for an open wall), and name that file",
+      path, (file.parent_path() / file.stem()).string() + ".shape.h5");
+}
+
+}  // namespace
+
 File::File(const std::string& path) : path_(path) {
   silence_library();
-  if (!std::filesystem::exists(path)) throw InputError("{}: no such file", path);
+  if (!std::filesystem::exists(path)) throw InputError("{}: no such file{}", path, near_file(path));
   if (std::filesystem::is_directory(path)) throw InputError("{}: is a folder, an HDF5 file was expected", path);
-  if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError("{}: not an HDF5 file, or truncated at its start", path);
+  if (H5Fis_hdf5(path.c_str()) <= 0) throw InputError("{}: not an HDF5 file, or truncated at its start{}", path, advice_for_mesh(path));
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) throw InputError("{}: cannot be opened: {}; the file is truncated or damaged, make it again", path, library_error());
   file_ = Handle(id, H5Fclose, path);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/near_file.hpp"
 #include "core/base/provenance.hpp"
 #include "core/storage/attraction.hpp"
 #include "core/storage/scene_keys.hpp"
@@ -233,7 +234,8 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
 
 Case read_case(const std::string& path, const std::vector<std::string>& changes) {
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path)) throw InputError("{}: cannot be read; expected a case file such as case.toml", path);
+  if (!stream || std::filesystem::is_directory(path))
+    throw InputError("{}: cannot be read{}; expected a case file such as case.toml", path, near_file(path));
   std::ostringstream text;
   text << stream.rdbuf();
   return parse_case(text.str(), path, std::filesystem::path(path).parent_path().string(), changes);

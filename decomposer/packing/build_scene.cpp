@@ -71,7 +71,7 @@ class Builder {
     look_into_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
-    report().doubts = doubts_about(case_, parts_, scene());
+    report().doubts = doubts_about(case_, parts_, scene(), report());
     return std::move(out_);
   }
 
@@ -213,7 +213,8 @@ class Builder {
       out_.inputs.push_back({file, sha256_of_file(file), content.provenance});
       return files_.emplace(file, std::move(content)).first->second;
     } catch (const InputError& e) {
-      throw InputError("{}: {}; make it with scree-mesher import", where, e.what());
+      const bool is_told = std::string(e.what()).find("did you mean") != std::string::npos || !file.ends_with(".h5");
+      throw InputError("{}: {}{}", where, e.what(), is_told ? "" : "; make it with scree-mesher import");
     }
   }
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "core/storage/attraction.hpp"
 
 namespace scree {
@@ -28,6 +30,13 @@ constexpr double kPressedShare = 0.5;      // of the margins, by a body's own we
 constexpr double kPressedDiameter = 0.01;  // the same where there is no margin: spheres no longer behave like spheres
 constexpr double kAlong = 0.5;             // of a surface's velocity
 constexpr double kSurely = 1.0 / 3;        // of the time of a contact: levers shorten it by no more than that
+
+constexpr double kWideMargin = 0.2;    // of a body's radius: what rolls and packs is then no longer the shape
+constexpr double kFarTouch = 0.5;      // of a margin, on the mean of a shape's surface
+constexpr double kCentrifuges = 1;     // Froude number of a container that turns: what is in it no longer falls
+constexpr double kFlings = 10;         // of any other part that turns: that of fast mixers
+constexpr int kSeams = 4;              // edges around a hole that a missing triangle or two leave: an opening that is meant is rounder
+constexpr double kSmallOpening = 0.9;  // of the wall's length: above it is its border
 
 std::string metres(double value) { return format_quantity(value, Dimension::length); }
 std::string seconds(double value) { return format_quantity(value, Dimension::time); }
@@ -134,29 +143,41 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
         "time.stop_at_rest: nothing takes energy away (restitution 1 and no friction in all pairs), so that nothing comes to rest");
 }
 
-/// Moving bodies of a packed scene, by what matters here.
+/// Moving bodies of a packed scene and those of its inlets, by what matters here.
 struct Movers {
   double lightest = 1e300, smallest = 1e300, largest = 0;  ///< [kg]; extents [m]
+  double narrowest = 1e300;                                ///< of their boxes [m]
   struct Heaviest {
     double mass = 0, diameter = 0;
   };
   std::vector<Heaviest> of_material;
 };
 
-Movers movers_of(const Scene& scene) {
+Movers movers_of(const Case& c, const SceneParts& parts, const Scene& scene) {
   Movers movers;
   movers.of_material.resize(scene.materials.size());
+  const auto add = [&](const Shape& shape, double radius, double scale, std::int32_t material) {
+    const double mass = scene.materials[static_cast<std::size_t>(material)].density * shape.mass.volume * scale * scale * scale;
+    const Vec3 box = bounding_box(shape.mesh).extent();
+    movers.lightest = std::min(movers.lightest, mass);
+    movers.smallest = std::min(movers.smallest, 2 * scale * radius);
+    movers.largest = std::max(movers.largest, 2 * scale * radius);
+    movers.narrowest = std::min(movers.narrowest, scale * (2 * shape.sphere_radius + std::min({box.x, box.y, box.z})));
+    Movers::Heaviest& heaviest = movers.of_material[static_cast<std::size_t>(material)];
+    if (mass > heaviest.mass) heaviest = {mass, scale * shape.equivalent_diameter()};
+  };
   std::vector<double> radius;
   for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    if (scene.bodies.fixed[i] != 0) continue;
     const auto shape = static_cast<std::size_t>(scene.bodies.shape[i]);
-    const double mass = scene.mass(i), extent = 2 * scene.bodies.scale[i] * radius[shape];
-    movers.lightest = std::min(movers.lightest, mass);
-    movers.smallest = std::min(movers.smallest, extent);
-    movers.largest = std::max(movers.largest, extent);
-    Movers::Heaviest& heaviest = movers.of_material[static_cast<std::size_t>(scene.bodies.material[i])];
-    if (mass > heaviest.mass) heaviest = {mass, scene.bodies.scale[i] * scene.shapes[shape].equivalent_diameter()};
+    if (scene.bodies.fixed[i] == 0) add(scene.shapes[shape], radius[shape], scene.bodies.scale[i], scene.bodies.material[i]);
+  }
+  for (const CaseInlet& i : c.inlets) {
+    for (const auto& share : i.shares) {
+      const Shape& shape = scene.shapes[static_cast<std::size_t>(parts.scene_shape[static_cast<std::size_t>(share.first)])];
+      const ScaleRange scales = scales_of(i.size, shape);
+      for (const double scale : {scales.smallest, scales.largest}) add(shape, shape.bounding_radius(), scale, i.material);
+    }
   }
   return movers;
 }
@@ -334,6 +355,194 @@ void doubt_range(const Case& c, const Scene& scene, std::vector<std::string>& do
   }
 }
 
+/// Where bodies start, and where they may come in: a few of many.
+std::vector<Vec3> starts_of(const SceneParts& parts, const Scene& scene) {
+  constexpr std::size_t kMost = 24;
+  std::vector<Vec3> all;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies.fixed[i] == 0) all.push_back(scene.bodies.position[i]);
+  std::vector<Vec3> some;
+  const std::size_t every = std::max<std::size_t>(1, all.size() / kMost);
+  for (std::size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
+  for (const Region& inlet : parts.inlets) some.push_back(0.5 * (inlet.box.lower + inlet.box.upper));
+  return some;
+}
+
+/// Whether a ray meets a triangle.   Source: Moller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
+bool meets(const Vec3& from, const Vec3& way, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a, p = cross(way, v);
+  const double det = dot(u, p);
+  if (det == 0) return false;
+  const Vec3 t = from - a, q = cross(t, u);
+  const double s = dot(t, p) / det, r = dot(way, q) / det;
+  return s >= 0 && r >= 0 && s + r <= 1 && dot(v, q) / det > 0;
+}
+
+/// Whether what falls straight from a point meets a wall; walls by formula hold what is in them.
+bool falls_on(const Wall& wall, const PlacedBody& body, const Vec3& from, const Vec3& way) {
+  switch (wall.kind) {
+    case WallKind::plane:
+      return dot(wall.normal, way) * dot(wall.normal, from - wall.point) < 0;
+    case WallKind::box_inside:
+    case WallKind::cylinder_inside:
+    case WallKind::sphere_inside:
+      return true;
+    case WallKind::mesh: {
+      const TriangleMesh& mesh = body.shape->shape.mesh;
+      const Vec3 here = (1 / wall.scale) * rotate_inverse(wall.orientation, from - wall.position);
+      const Vec3 along = rotate_inverse(wall.orientation, way);
+      for (std::int32_t t = 0; t < mesh.triangle_count(); ++t)
+        if (meets(here, along, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))) return true;
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Gravity that points away from every wall: up, in most cases.
+void doubt_fall(const SceneParts& parts, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+  const Settings& s = scene.settings;
+  const double g = length(s.gravity), fall = 0.5 * g * s.duration * s.duration;
+  const bool goes_round = s.domain.periodic[0] || s.domain.periodic[1] || s.domain.periodic[2];
+  const bool may_catch =
+      std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& w) { return w.motion.is_prescribed() && !w.motion.turn_axis(); });
+  if (scene.walls.empty() || !(g > 0) || !(fall > movers.largest) || goes_round || may_catch || !scene.bodies.size()) return;
+  if (std::any_of(scene.bodies.fixed.begin(), scene.bodies.fixed.end(), [](std::uint8_t fixed) { return fixed != 0; })) return;
+  const std::vector<Vec3> starts = starts_of(parts, scene);
+  for (const Vec3& from : starts) {
+    for (std::size_t w = 0; w < parts.walls.size(); ++w)
+      if (falls_on(parts.walls[w], parts.wall_bodies[w], from, (1 / g) * s.gravity)) return;
+  }
+  if (starts.empty()) return;
+  doubts.push_back(
+      fmt::format("gravity = [{:g}, {:g}, {:g}] points away from every wall: below none of the bodies is one, they fall {} until the "
+                  "end; is its direction right?",
+                  s.gravity.x, s.gravity.y, s.gravity.z, metres(fall)));
+}
+
+/// [[outlets]] too thin to hold the centre of a body.
+void doubt_outlets(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+  for (std::size_t k = 0; k < parts.outlets.size(); ++k) {
+    const Vec3 e = parts.outlets[k].box.extent();
+    const double narrow = std::min({e.x, e.y, e.z});
+    if (!(2 * narrow < movers.narrowest)) continue;
+    doubts.push_back(
+        fmt::format("{}: the outlet '{}' is {} thick, and the smallest body {}: only a body whose centre comes into it leaves, and one "
+                    "that rests on a wall behind it never does; make it thicker than a body",
+                    c.outlets[k].where, c.outlets[k].name, metres(narrow), metres(movers.narrowest)));
+  }
+}
+
+/// The edges around an opening of a surface.
+struct Rim {
+  Box3 box;  ///< [m], in the mesh's frame
+  int edges = 0;
+  double width() const {  // of a flat rim: its box's extent in the middle
+    const Vec3 e = box.extent();
+    return std::max({std::min(e.x, e.y), std::min(e.y, e.z), std::min(e.x, e.z)});
+  }
+};
+
+std::vector<Rim> rims_of(const TriangleMesh& mesh) {
+  std::map<std::int32_t, std::int32_t> next;  // along edges that have one triangle
+  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
+  for_each_edge(half, [&](std::size_t first, std::size_t last) {
+    if (last - first != 1) return;
+    const HalfEdge& h = half[first];
+    next[h.is_forward ? h.high : h.low] = h.is_forward ? h.low : h.high;
+  });
+  std::vector<Rim> rims;
+  while (!next.empty()) {
+    const std::int32_t begin = next.begin()->first;
+    Rim rim{{mesh.vertices[static_cast<std::size_t>(begin)], mesh.vertices[static_cast<std::size_t>(begin)]}};
+    std::int32_t at = begin;
+    for (auto found = next.find(at); found != next.end(); found = next.find(at)) {
+      const Vec3& p = mesh.vertices[static_cast<std::size_t>(at)];
+      for (int k = 0; k < 3; ++k) {
+        rim.box.lower[k] = std::min(rim.box.lower[k], p[k]);
+        rim.box.upper[k] = std::max(rim.box.upper[k], p[k]);
+      }
+      ++rim.edges;
+      at = found->second;
+      next.erase(found);
+    }
+    if (at == begin) rims.push_back(rim);
+  }
+  return rims;
+}
+
+/// Openings of walls of triangles: too narrow for any body, or where a triangle is missing.
+void doubt_openings(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+  for (std::size_t w = 0; w < c.walls.size(); ++w) {
+    const Wall& wall = parts.walls[w];
+    if (wall.kind != WallKind::mesh) continue;
+    const TriangleMesh& mesh = parts.wall_bodies[w].shape->shape.mesh;
+    const double whole = longest(bounding_box(mesh));
+    for (const Rim& rim : rims_of(mesh)) {
+      if (longest(rim.box) > kSmallOpening * whole) continue;  // its outer border
+      const double width = wall.scale * rim.width();
+      const Vec3 at = wall.position + wall.scale * rotate(wall.orientation, 0.5 * (rim.box.lower + rim.box.upper));
+      const std::string what = fmt::format(
+          "{}: wall '{}' has {} near ({:.4g}, {:.4g}, {:.4g}) m, {} wide with {} edges, and the smallest body is {}", c.walls[w].where,
+          wall.name, rim.edges > kSeams ? "an opening" : "a hole", at.x, at.y, at.z, metres(width), rim.edges, metres(movers.narrowest));
+      if (rim.edges <= kSeams && !c.walls[w].file.empty()) {
+        doubts.push_back(what + "; where it is not meant, close it: scree-mesher repair");
+        break;  // more of them say no more
+      }
+      if (width < movers.narrowest) doubts.push_back(what + ": none passes");
+    }
+  }
+}
+
+/// Margins that make another body of a shape, and touch that is not where the shape is drawn.
+void doubt_margins(const Scene& scene, const PackingReport& report, std::vector<std::string>& doubts) {
+  for (const PackingReport::Rounding& r : report.roundings) {
+    if (r.mean > kFarTouch * r.margin) {
+      doubts.push_back(fmt::format(
+          "shape '{}' touches {} from its drawn surface on the mean, {:.2f} of its margin of {}: it is too thin or too sharp to "
+          "be moved in by that, and all of it is larger than drawn; a smaller contact.margin_ratio, or a smoother shape, is needed",
+          r.shape, metres(r.mean), r.mean / r.margin, metres(r.margin)));
+    }
+  }
+  const Settings& s = scene.settings;
+  double least = 1e300, margin = 0;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])];
+    if (scene.bodies.fixed[i] != 0 || shape.kind == ShapeKind::sphere) continue;
+    least = std::min(least, 0.5 * scene.bodies.scale[i] * shape.equivalent_diameter());
+  }
+  if (least < 1e300) margin = s.surface == TouchAt::drawn ? s.margin_ratio * least : s.margin;
+  if (!(margin > kWideMargin * least)) return;
+  doubts.push_back(
+      fmt::format("contact.margin is {:.2f} of the radius of the smallest body with a mesh, {}: its edges are rounded by {}; {} or less "
+                  "keeps its shape, with a stiffer pair",
+                  margin / least, metres(least), metres(margin), metres(kWideMargin / 2 * least)));
+}
+
+/// Containers that turn so fast that nothing falls in them: revolutions a minute, given as radians a second.
+void doubt_turns(const Case& c, const SceneParts& parts, std::vector<std::string>& doubts) {
+  const double g = length(c.settings.gravity);
+  for (std::size_t i = 0; i < c.walls.size() && g > 0; ++i) {
+    const Wall& wall = parts.walls[i];
+    const auto* turn = std::get_if<Rotate>(&wall.motion.kind);
+    if (turn == nullptr || std::abs(dot(turn->axis, c.settings.gravity)) > 0.5 * g) continue;
+    double radius = wall.radius;
+    if (wall.kind == WallKind::mesh) {
+      radius = 0;
+      for (const Vec3& p : parts.wall_bodies[i].world_vertices()) radius = std::max(radius, length(cross(turn->axis, p - turn->centre)));
+    }
+    const bool holds = wall.kind != WallKind::mesh || (c.walls[i].form && !c.walls[i].form->inside.triangles.empty());
+    const double rate = std::abs(turn->rate), froude = rate * rate * radius / g, rpm = rate * 30 / std::numbers::pi;
+    const double as_rpm = froude * std::pow(rate / rpm, 2);  // were the same number revolutions a minute
+    if (!(froude > (holds ? kCentrifuges : kFlings)) || as_rpm > kCentrifuges) continue;
+    doubts.push_back(
+        fmt::format("{}: wall '{}' turns at {:.4g} rad/s ({:.4g} rpm), a Froude number of {:.3g} at its radius of {}{}; was \"{:.4g} rpm\" "
+                    "({:.4g} rad/s, {:.2g}) meant?",
+                    c.walls[i].where, wall.name, rate, rpm, froude, metres(radius),
+                    holds ? ": what is in it is pressed to the wall and does not fall" : "", rate, rate * std::numbers::pi / 30, as_rpm));
+  }
+}
+
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
 void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   for (const CasePair& p : c.pairs) {
@@ -369,9 +578,9 @@ std::vector<std::string> doubts_about(const Case& c) {
   return doubts;
 }
 
-std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene) {
+std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report) {
   std::vector<std::string> doubts = doubts_about(c);
-  const Movers movers = movers_of(scene);
+  const Movers movers = movers_of(c, parts, scene);
   if (!(movers.largest > 0)) return doubts;
   doubt_extents(c, parts, movers, doubts);
   doubt_steps(c, movers, doubts);
@@ -379,6 +588,11 @@ std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, co
   doubt_attraction(c, scene, movers, doubts);
   doubt_range(c, scene, doubts);
   doubt_surfaces(c, scene, doubts);
+  doubt_fall(parts, scene, movers, doubts);
+  doubt_outlets(c, parts, movers, doubts);
+  doubt_openings(c, parts, movers, doubts);
+  doubt_margins(scene, report, doubts);
+  doubt_turns(c, parts, doubts);
   if (scene.settings.impact_speed > kFastest) {
     doubts.push_back(
         fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",

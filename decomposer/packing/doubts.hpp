@@ -14,7 +14,7 @@ namespace scree {
 std::vector<std::string> doubts_about(const Case& c);
 
 /// What shows when bodies, walls and margin are known.
-/// in   scene   packed
-std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene);
+/// in   scene   packed     in   report   of its packing so far
+std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report);
 
 }  // namespace scree

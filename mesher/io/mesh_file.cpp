@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
+#include "core/base/near_file.hpp"
 #include "mesher/io/polygons.hpp"
 #include "mesher/io/sandbox.hpp"
 
@@ -31,7 +32,10 @@ constexpr double kStepUnit = 1e-3;  // [m]: gmsh gives lengths of a STEP file in
 
 void check_readable(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw SystemError("cannot read {}: {}", path, std::strerror(errno));
+  if (!file) {
+    const int reason = errno;
+    throw SystemError("cannot read {}: {}{}", path, std::strerror(reason), near_file(path));
+  }
   if (std::filesystem::is_directory(path)) throw SystemError("cannot read {}: it is a folder; give the mesh file in it", path);
   if (std::fgetc(file.get()) == EOF) throw InputError("{}: the file is empty (0 bytes); export the model again", path);
 }

@@ -190,5 +190,77 @@ TEST(Doubts, an_attraction_whose_range_is_not_small_beside_the_bodies) {
   EXPECT_EQ(doubts({{"friction = 0.5", pair("0.0005")}}), std::vector<std::string>{});
 }
 
+// The crate of the case as another wall.
+std::vector<std::pair<std::string, std::string>> with_wall(const std::string& shape, const std::string& more = "") {
+  return {{"shape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }", "shape = " + shape + more}};
+}
+
+TEST(Doubts, gravity_that_points_up_or_away_from_every_wall) {
+  const auto floor = with_wall("{ plane = { point = [0, 0, 0], normal = [0, 0, 1] } }");
+  EXPECT_EQ(doubts(floor), std::vector<std::string>{});
+  auto up = floor;
+  up.push_back({"[0, 0, -9.81]", "[0, 0, 9.81]"});
+  expect_doubt(up, {"gravity = [0, 0, 9.81] points away from every wall", "19.62 m", "is its direction right?"});
+  auto aside = with_wall("{ box = { corners = [[-0.01, -0.01, -0.01], [0.09, 0.09, 0.09]], open = [\"+y\"] } }");
+  EXPECT_EQ(doubts(aside), std::vector<std::string>{});
+  aside.push_back({"[0, 0, -9.81]", "[0, 9.81, 0]"});
+  expect_doubt(aside, {"gravity = [0, 9.81, 0] points away from every wall"});
+}
+
+TEST(Doubts, an_outlet_that_is_smaller_than_the_bodies) {
+  const auto hopper = [](const std::string& outlet) {
+    return with_wall("{ hopper = { outlet = " + outlet + ", bin = 0.2, half_angle = \"60 deg\", bin_height = 0.1 } }",
+                     "\nposition = [0.04, 0.04, -0.06]");
+  };
+  EXPECT_EQ(doubts(hopper("0.03")), std::vector<std::string>{});
+  expect_doubt(hopper("0.011"), {"walls[0]", "wall 'crate' has an opening", "11 mm wide", "12 mm", "none passes"});
+  const auto outlet = [](const std::string& top) {
+    return std::vector<std::pair<std::string, std::string>>{
+        {"[[walls]]", "[[outlets]]\nname = \"out\"\nregion = { box = [[0, 0, 0], [0.08, 0.08, " + top + "]] }\n[[walls]]"}};
+  };
+  EXPECT_EQ(doubts(outlet("0.012")), std::vector<std::string>{});
+  expect_doubt(outlet("0.004"), {"the outlet 'out' is 4 mm thick", "12 mm"});
+}
+
+TEST(Doubts, a_wall_with_a_hole_where_a_triangle_is_missing) {
+  const auto folder = std::filesystem::temp_directory_path() / ("scree_doubts_hole_" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  // a tray of 100 mm in squares of 10 mm
+  TriangleMesh tray;
+  for (int i = 0; i <= 10; ++i)
+    for (int j = 0; j <= 10; ++j) tray.vertices.push_back({-0.01 + 0.01 * i, -0.01 + 0.01 * j, -0.001});
+  for (std::int32_t i = 0; i < 10; ++i) {
+    for (std::int32_t j = 0; j < 10; ++j) {
+      const std::int32_t k = 11 * i + j;
+      tray.triangles.push_back({k, k + 11, k + 12});
+      tray.triangles.push_back({k, k + 12, k + 1});
+    }
+  }
+  const auto of_tray = [&](const std::string& name) {
+    const std::string file = (folder / (name + ".shape.h5")).string();
+    write_shape_file(file, {make_surface("tray", tray)}, {});
+    return with_wall("{ file = \"" + file + "\" }");
+  };
+  EXPECT_EQ(doubts(of_tray("whole")), std::vector<std::string>{});
+  tray.triangles.erase(tray.triangles.begin() + 90);
+  expect_doubt(of_tray("torn"), {"walls[0]", "wall 'crate' has a hole", "10 mm wide with 3 edges", "the smallest body is 12 mm", "scree-mesher repair"});
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Doubts, revolutions_a_minute_that_are_taken_for_radians_a_second) {
+  const auto drum = [](const std::string& rate) {
+    return std::vector<std::pair<std::string, std::string>>{{"shape = { box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }",
+                                                             "shape = { cylinder_inside = { start = [0.04, -0.01, 0.04], end = [0.04, "
+                                                             "0.09, 0.04], radius = 0.06 } }\nmotion = { rotate = { axis = [0, "
+                                                             "1, 0], centre = [0.04, 0, 0.04], rate = " +
+                                                                 rate + " } }"},
+                                                            {"[contact]", "[contact]\nimpact_speed = 1"}};
+  };
+  EXPECT_EQ(doubts(drum("\"30 rpm\"")), std::vector<std::string>{});
+  // 30^2 x 0.06 / 9.81 = 5.5, and 0.06 at 30 rpm
+  expect_doubt(drum("\"30 1/s\""),
+               {"wall 'crate' turns at 30 rad/s (286.5 rpm)", "Froude number of 5.5", "was \"30 rpm\" (3.142 rad/s, 0.06) meant?"});
+}
+
 }  // namespace
 }  // namespace scree
