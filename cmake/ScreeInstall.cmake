@@ -4,6 +4,15 @@ include(CMakePackageConfigHelpers)
 
 set(SCREE_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/Scree")
 
+# Everything that is installed, as one target: workflows/run builds the tools alone, and `cmake --install` builds nothing by itself. So the first
+# thing that an install does is to build what is missing; for a user who may not write to the build folder, after a build of all, that is nothing.
+add_custom_target(scree-installed)
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target scree-installed RESULT_VARIABLE code
+    OUTPUT_VARIABLE said ERROR_VARIABLE said)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR \"scree: what is to be installed cannot be built in ${CMAKE_BINARY_DIR}:\\n\${said}\")
+  endif()")
+
 # scree_install_library(scree_X): the library, as Scree::X, and the headers beside it.
 function(scree_install_library target)
   string(REPLACE "scree_" "" name "${target}")
@@ -11,6 +20,7 @@ function(scree_install_library target)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/scree>")
+  add_dependencies(scree-installed ${target})
   install(TARGETS ${target} EXPORT ScreeTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
   file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/scree/${folder}"
@@ -28,6 +38,7 @@ function(scree_install_tool target)
     COMMAND $<TARGET_FILE:${target}> --print-completion > "${completion}"
     DEPENDS ${target} VERBATIM)
   add_custom_target(${target}-manual ALL DEPENDS "${page}" "${completion}")
+  add_dependencies(scree-installed ${target}-manual)
   install(FILES "${page}" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
   install(FILES "${completion}" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
 endfunction()

@@ -20,6 +20,7 @@
 # minutes=1440 (of the solver's job in a queue), statistics="..." (in place of STATISTICS), and for sweeps over any keys of the case, as a grid,
 # with replicas by seed:
 #   --config "sweep=pairs.*.friction=0.2|0.4|0.6;populations.*.size=8 mm|12 mm" replicas=3 plot=coordination_number
+# plot= is a quantity of all bodies, one of a wall (torque_y@drum) or a function of yours (FILE.py:FUNCTION), see sweep_quantity.py;
 # or, for programs that choose the points themselves (workflows/calibrate), a JSON file of name -> {"case": a run of RUNS, key: value, ...}:
 #   --config points=FILE
 # of which all makes the statistics only.
@@ -32,6 +33,7 @@ import json
 import os
 import re
 import shlex
+import sys
 from snakemake.utils import min_version
 
 min_version("7.0")
@@ -95,6 +97,18 @@ elif SWEEP or REPLICAS > 1:
 
 if POINTS and "ranks" not in config:
     RANKS = 0
+
+PLOT = str(config.get("plot", globals().get("PLOT", "coordination_number")))
+if POINTS and "points" not in config:
+    sys.path.insert(0, HERE)
+    import sweep_quantity
+    try:
+        sweep_quantity.check(PLOT, sorted({os.path.join(workflow.basedir, case) for case, _ in RUNS.values()}), os.environ.get("PWD", "."))
+    except sweep_quantity.Wrong as reason:
+        raise WorkflowError(str(reason))
+    if ".py:" in PLOT:   # of where workflows/run was called; the steps run in the folder of the results
+        PLOT = os.path.join(os.environ.get("PWD", "."), PLOT)
+
 
 # Cores of a run. They are no parameter of a rule, so that another number of cores makes nothing anew.
 def cores_of_run(wildcards):
@@ -267,7 +281,7 @@ rule sweep:
     output: "sweep.csv", "sweep.svg", "sweep.png"
     params:
         points=lambda wildcards: json.dumps(POINTS),
-        plot=str(config.get("plot", globals().get("PLOT", "coordination_number"))),
+        plot=PLOT,
         script=lambda wildcards: os.path.join(HERE, "sweep_table.py"),
     shell: "/usr/bin/python3 {params.script:q} {params.points:q} {params.plot:q} {output:q}"
 

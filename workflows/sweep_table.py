@@ -2,7 +2,7 @@
 """The table and the chart of a sweep. usage: sweep_table.py POINTS QUANTITY TABLE.csv CHART.svg CHART.png
 
 POINTS is JSON: name of a run -> {"case": ..., key of the case: value, ...}. The numbers are the means over time of
-NAME.statistics/statistics.json, of all bodies; error bars are 95 % intervals over replicas, or over time when there is one only.
+NAME.statistics/statistics.json, of all bodies and walls; error bars are 95 % intervals over replicas, or over time when there is one only.
 """
 import csv
 import json
@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from scipy.stats import t as student  # noqa: E402
 
 from run_record import quantity_of, record_of  # noqa: E402  beside this script
+from sweep_quantity import Wrong, entry_of, of_walls, statistics_of  # noqa: E402
 
 POINTS, QUANTITY, TABLE, *CHARTS = json.loads(sys.argv[1]), *sys.argv[2:]
 MARKERS = "osD^vP*X"
@@ -35,19 +36,27 @@ def scale_of(values):
 
 
 def read(name):
-    with open(f"{name}.statistics/statistics.json", encoding="utf-8") as file:
-        statistics = json.load(file)
-    return statistics["groups"]["all"], record_of(name), statistics.get("gaps", {})
+    statistics = statistics_of(name)
+    numbers = dict(statistics["groups"]["all"])
+    for wall, entries in of_walls(name, statistics).items():   # "force_x@lid", or by its number where it has no name
+        numbers |= {f"{quantity}@{wall.partition(' ')[2] or wall}": entry for quantity, entry in entries.items() if entry.get("mean") is not None}
+    drawn = entry_of(QUANTITY, name, statistics)
+    if drawn:
+        numbers[QUANTITY] = drawn
+    return numbers, record_of(name), statistics.get("gaps", {})
 
 
-runs = {name: read(name) for name in POINTS}
+try:
+    runs = {name: read(name) for name in POINTS}
+except Wrong as reason:
+    sys.exit(f"sweep_table: {reason}")
 keys = [key for key in next(iter(POINTS.values())) if key != "case"]
 names = sorted(set().union(*(numbers for numbers, _, _ in runs.values())))
 for name, (_, _, gaps) in runs.items():
     if QUANTITY in gaps:
         print(f"sweep_table: note: {name}: {QUANTITY}: {gaps[QUANTITY]}", file=sys.stderr)
 if QUANTITY not in names:
-    sys.exit(f"sweep_table: there is no quantity '{QUANTITY}'; there are: {', '.join(names)}")
+    sys.exit(f"sweep_table: there is no quantity '{QUANTITY}' in these runs; there are: {', '.join(names)}")
 
 with open(TABLE, "w", newline="", encoding="utf-8") as file:
     table = csv.writer(file)

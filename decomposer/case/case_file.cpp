@@ -235,7 +235,7 @@ Case parse_case(const std::string& text, const std::string& path, const std::str
 Case read_case(const std::string& path, const std::vector<std::string>& changes) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path))
-    throw InputError("{}: cannot be read{}; expected a case file such as case.toml", path, near_file(path));
+    throw InputError("{}: cannot be read, expected a case file such as case.toml{}", path, near_file(path));
   std::ostringstream text;
   text << stream.rdbuf();
   return parse_case(text.str(), path, std::filesystem::path(path).parent_path().string(), changes);

@@ -167,15 +167,13 @@ void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
   k.section({"cylinder"}, [&](CaseKeys& below) { cylinder_keys(below, region.shape.emplace()); });
   k.section({"sphere"}, [&](CaseKeys& below) { sphere_keys(below, region.shape.emplace()); });
   k.path({"inside", "", "a closed mesh"}, region.file);
-  k.reference({"inside_wall", "", "what a wall of that name holds, with its openings closed"}, region.wall, walls, "wall named");
+  k.reference({"inside_wall", "", "what a wall of that name holds, with its openings closed; one from a file must be closed"}, region.wall,
+              walls, "wall named");
   const CaseTable* t = k.table();
   if (t == nullptr || kind != "inside_wall") return;
   const CaseWall& w = c.walls[static_cast<std::size_t>(region.wall)];
   if (w.wall.kind == WallKind::plane || (w.form && w.form->inside.triangles.empty())) {
     throw t->error("inside_wall", "this wall has no inside; name a box, cylinder, cone, sphere, hopper or drum");
-  }
-  if (!w.file.empty()) {
-    throw t->error("inside_wall", "this wall is a file, which need not be closed; give region = { inside = \"FILE\" }");
   }
 }
 

@@ -9,6 +9,8 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/geometry/closed_mesh.hpp"
+#include "core/geometry/mass_properties.hpp"
 #include "core/placing/random_numbers.hpp"
 #include "core/storage/wall_state.hpp"
 #include "core/surface/inset.hpp"
@@ -321,8 +323,7 @@ class Builder {
 
   Region load_region(const CaseRegion& asked, const std::string& where) {
     if (asked.shape) return region_of(*asked.shape);
-    if (asked.wall >= 0)
-      return inside_of(case_.walls[static_cast<std::size_t>(asked.wall)], parts_.walls[static_cast<std::size_t>(asked.wall)]);
+    if (asked.wall >= 0) return inside_of(static_cast<std::size_t>(asked.wall), where);
     const ShapeFile& file = open_shapes(asked.file, where);
     const Shape& source = file.shapes.front();
     if (file.shapes.size() != 1 || source.kind == ShapeKind::sphere) {
@@ -346,9 +347,20 @@ class Builder {
     return kept;
   }
 
-  static Region inside_of(const CaseWall& wall, const Wall& placed) {
-    if (!wall.form) return region_of(placed);
-    TriangleMesh mesh = wall.form->inside;
+  Region inside_of(std::size_t index, const std::string& where) const {
+    const CaseWall& wall = case_.walls[index];
+    const Wall& placed = parts_.walls[index];
+    if (placed.kind != WallKind::mesh) return region_of(placed);
+    TriangleMesh mesh = wall.form ? wall.form->inside : parts_.wall_shapes[index].shape.mesh;
+    if (!wall.form && !is_closed(mesh)) {
+      throw InputError(
+          "{}: inside_wall = \"{}\": {} is not closed, or its triangles do not all face one side, so that it has no inside; give region = "
+          "{{ "
+          "inside = \"FILE\" }} with a closed mesh, or region = {{ box = [[x, y, z], [x, y, z]] }}",
+          where, wall.wall.name, wall.file);
+    }
+    if (!wall.form && mass_properties(mesh).volume < 0)  // walls may face either side
+      for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
     for (Vec3& p : mesh.vertices) p = placed.position + placed.scale * rotate(placed.orientation, p);
     return region_of(std::move(mesh));
   }

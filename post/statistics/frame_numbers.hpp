@@ -26,6 +26,7 @@ struct StatisticsPlan {
   std::vector<Group> groups;
   std::vector<Quantity> quantities, wall_quantities;
   bool wall_answers = false;            ///< some wall moves in answer to force
+  bool wall_turns = false;              ///< some wall turns about an axis of its own
   std::vector<StatisticsTable> tables;  ///< without values
   std::vector<ProfileBins> profiles;    ///< of the first tables
   Within within;

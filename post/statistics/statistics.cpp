@@ -369,6 +369,7 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
     if (!c.chart.lines.empty()) charts.push_back(std::move(c));
   };
   of_walls("power", "Power of the walls", "power on the bodies", "W");
+  of_walls("axis_torque", "Torque on walls that turn", "torque about the wall's axis", "N m");
   of_walls("way", "Way of walls that answer to force", "from where they were placed", "m or rad");
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     NamedChart c{fmt::format("wall_{}_force", w), "walls.csv", {}};

@@ -348,6 +348,29 @@ TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
   EXPECT_NE(
       failure(kHead + population + "region = { inside_wall = \"drum\" }\n" + drum, ExitCode::usage).find("there is no wall named 'drum'"),
       std::string::npos);
+
+  // a wall from a file holds bodies where it is closed, whichever side its triangles face
+  TriangleMesh crate = box_mesh({0.3, 0.2, 0.4});
+  for (const bool faces_in : {false, true}) {
+    if (faces_in)
+      for (Triangle& t : crate.triangles) std::swap(t[1], t[2]);
+    write_shape_file((folder_ / "crate.shape.h5").string(), {make_surface("crate", crate)}, {});
+    const std::string file =
+        "\n[[walls]]\nname = \"crate\"\nmaterial = \"stone\"\nshape = { file = \"crate.shape.h5\" }\nposition = [3, 0, 0]\n";
+    const Scene in_crate = pack(kHead + population + "region = { inside_wall = \"crate\" }\n" + file).scene;
+    const Box3 box = bounding_box(crate);
+    for (const Vec3& p : in_crate.bodies.position) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_GE(p[k] - (k == 0 ? 3 : 0), box.lower[k] + 0.015);
+        EXPECT_LE(p[k] - (k == 0 ? 3 : 0), box.upper[k] - 0.015);
+      }
+    }
+    TriangleMesh open = crate;
+    open.triangles.pop_back();
+    write_shape_file((folder_ / "crate.shape.h5").string(), {make_surface("crate", open)}, {});
+    EXPECT_NE(failure(kHead + population + "region = { inside_wall = \"crate\" }\n" + file, ExitCode::bad_data).find("is not closed"),
+              std::string::npos);
+  }
 }
 
 /// Kolmogorov and Smirnov's distance of 10 000 balls from a closed form, by number.

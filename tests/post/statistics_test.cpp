@@ -615,6 +615,25 @@ TEST_F(StatisticsOfARun, kinds_of_the_mixing_index_are_sizes_or_populations) {
   EXPECT_LT(index(other, "size"), 0.05);
 }
 
+TEST_F(StatisticsOfARun, the_torque_on_a_wall_that_turns_is_also_told_about_its_own_axis) {
+  Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});
+  p.add({0.5, 0.5, 0.5});
+  p.run.scene.walls[0].motion.kind = Rotate{{0, 1, 0}, {1, 0, 2}, 3};
+  p.frame.walls.force = {Vec3{4, 5, 6}};
+  p.frame.walls.torque = {Vec3{7, 8, 9}};
+  StatisticsOptions options;
+  options.frames = {0};
+  const Statistics s = run_statistics(written(folder / "turns.run", p, {p.frame}), options, "");
+  for (std::size_t q = 0; q < s.wall_quantities.size(); ++q) {
+    // (7, 8, 9) - (1, 0, 2) x (4, 5, 6) along y
+    if (s.wall_quantities[q].name == "axis_torque") {
+      EXPECT_NEAR(s.wall_averages[0][q].mean, 6, 1e-12);
+      return;
+    }
+  }
+  ADD_FAILURE() << "no torque about the axis";
+}
+
 TEST_F(StatisticsOfARun, size_classes_that_lie_apart_are_segregated_and_those_that_alternate_are_not) {
   // 512 balls in a cube: three sizes in layers along x, or drawn without regard to the place
   Packing p(0.05, {0, 0, 0}, {1, 1, 1}, {0, 0, -9.81});

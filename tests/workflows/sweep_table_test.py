@@ -55,4 +55,42 @@ assert {name: float(factor) for name, factor in re.findall(r'Prefix\{"([^"]+)", 
 assert quantity_of("2.7 g/cm^3")[0] == 2700 or abs(quantity_of("2.7 g/cm^3")[0] / 2700 - 1) < 1e-12
 for words in ("rib", "5 furlong", "1.2.3", "[1, 2]", ""):
     assert quantity_of(words) is None, words
+# plot= is looked at before the first run: quantities of bodies and walls, functions of users
+import sweep_quantity  # noqa: E402
+from sweep_quantity import Wrong, check, entry_of  # noqa: E402
+numbers = (WORKFLOWS.parent / "post/statistics/frame_numbers.cpp").read_text()
+ours = re.search(r"group_quantities\(\) \{(.*?)\n\}\n", numbers, re.S)[1]
+named = re.findall(r'\{"([a-z_]{3,})", "', ours) + [f"{name}_{ij}" for name in re.findall(r'tensor\("([a-z_]+)"', ours) for ij in sweep_quantity.TENSOR]
+assert len(named) > 40 and set(named) <= set(sweep_quantity.OF_BODIES), set(named) ^ set(sweep_quantity.OF_BODIES)
+
+case = SCRATCH / "case.toml"
+case.write_text('[[walls]]\nname = "drum"\n[[walls]]\n')
+(SCRATCH / "mine.py").write_text('def ratio(run):\n    return 2.5, "N m"\n')
+for word in ("mixing_index", "torque_y", "axis_torque@drum", "power@drum", "volume_worn@1", "mine.py:ratio"):
+    check(word, [case], SCRATCH)
+for word, says in (("torqe_y", "did you mean 'torque_y'?"), ("mixing", "there are: particle_count"), ("power@drumm", "did you mean 'drum'?"),
+                   ("power@lid", "it has: 'drum'"), ("mixing_index@drum", "no quantity 'mixing_index'"), ("mine.py:ration", "no function 'ration'"),
+                   ("yours.py:ratio", "there is no file")):
+    try:
+        check(word, [case], SCRATCH)
+    except Wrong as reason:
+        assert says in str(reason), (word, str(reason))
+    else:
+        raise AssertionError(f"{word} was accepted")
+
+statistics = {"groups": {"all": {"mass": {"mean": 1.0, "ci95": None, "unit": "kg"}}},
+              "walls": {"7 drum": {"power": {"mean": 3.0, "ci95": 0.1, "unit": "W"}}, "8": {"power": {"mean": 0.0, "ci95": None, "unit": "W"}}}}
+(SCRATCH / "r0.statistics/wall_loads.csv").write_text("time,wall,sliding_power,damping_power,contact_rate,impact_power,volume_worn\n"
+                                                      "# units: s,-,W,W,1/s,W,m^3\n0,7,1,0,0,0,1e-9\n1,7,3,0,0,0,2e-9\n")
+at = str(SCRATCH / "r0")
+for word, mean in (("mass", 1.0), ("power", 3.0), ("power@drum", 3.0), ("power@8", 0.0), ("sliding_power@drum", 2.0), ("volume_worn", 2e-9),
+                   (f"{SCRATCH}/mine.py:ratio", 2.5)):
+    assert entry_of(word, at, statistics)["mean"] == mean, word
+statistics["walls"]["8"]["power"]["mean"] = 1.0
+try:
+    entry_of("power", at, statistics)
+except Wrong as reason:
+    assert "power@drum, power@8" in str(reason), reason
+else:
+    raise AssertionError("two walls have a power")
 print("all as expected")
