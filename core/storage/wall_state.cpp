@@ -31,27 +31,26 @@ WallState wall_state(const Wall& wall, double time, double step, const DriveStat
   return state;
 }
 
-Wall wall_at_start(const Wall& wall) {
+Wall wall_standing_at(const Wall& wall, const Vec3& position, const Quat& orientation) {
   Wall placed = wall;
   placed.motion = {};
   placed.surface = {};
-  const WallState state = wall_state(wall, 0);
-  if (state.position == wall.position && state.orientation == wall.orientation) return placed;
+  if (position == wall.position && orientation == wall.orientation) return placed;
   if (wall.kind == WallKind::mesh) {
-    placed.position = state.position;
-    placed.orientation = state.orientation;
+    placed.position = position;
+    placed.orientation = orientation;
     return placed;
   }
   // an analytic wall has no place of its own: its points are moved
-  const auto moved = [&](const Vec3& p) { return state.position + rotate(state.orientation, p - wall.position); };
-  if (wall.kind == WallKind::box_inside && !(state.orientation == wall.orientation)) {
+  const auto moved = [&](const Vec3& p) { return position + rotate(orientation, p - wall.position); };
+  if (wall.kind == WallKind::box_inside && !(orientation == wall.orientation)) {
     throw UsageError(
         "wall {} ('{}'): its motion starts at {:g} s, so that the box_inside is turned when the run begins; nothing can be placed "
         "in it then. Start at 0 s, or make the wall of shape = {{ box = ... }}",
         wall.id, wall.name, wall.motion.start);
   }
   placed.point = moved(wall.point);
-  placed.normal = rotate(state.orientation, wall.normal);
+  placed.normal = rotate(orientation, wall.normal);
   placed.axis_start = moved(wall.axis_start);
   placed.axis_end = moved(wall.axis_end);
   if (wall.kind == WallKind::box_inside) {
@@ -59,6 +58,11 @@ Wall wall_at_start(const Wall& wall) {
     placed.upper = moved(wall.upper);
   }
   return placed;
+}
+
+Wall wall_at_start(const Wall& wall) {
+  const WallState state = wall_state(wall, 0);
+  return wall_standing_at(wall, state.position, state.orientation);
 }
 
 }  // namespace scree

@@ -36,9 +36,12 @@ struct DriveState {
 /// in   drive   of a wall that answers to force; without one it is where it was placed
 WallState wall_state(const Wall& wall, double time, double step = 0, const DriveState* drive = nullptr);
 
+/// The wall where its frame has this pose, without its motion and that of its surface; one that is not moved is given back bit for bit.
+/// Fails: UsageError for a box_inside that is turned, since its faces lie along the axes.
+Wall wall_standing_at(const Wall& wall, const Vec3& position, const Quat& orientation);
+
 /// The wall as it stands when a run begins, without its motion and that of its surface. A `start` before 0 and the first rows of a table
-/// move it away from where the case draws it; a wall that is not moved is given back bit for bit. Fails: UsageError for a box_inside that
-/// is turned by then, since its faces lie along the axes.
+/// move it away from where the case draws it. Fails: as wall_standing_at().
 Wall wall_at_start(const Wall& wall);
 
 }  // namespace scree

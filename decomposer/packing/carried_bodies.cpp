@@ -44,9 +44,13 @@ void Packer::check_carried_at_walls(std::size_t body, bool is_wider, std::vector
       return wall_allows(parts_.walls[i], &parts_.wall_bodies[i], parts_.wall_is_solid[i], pressed, vertices, distance, *scratch_);
     };
     if (!allows(deepest(pressed, parts_.walls[i]))) {
+      const std::string stood = carried.from.where_it_stood(scene_.walls[i].name);
       throw InputError("{}: {} overlaps {} (wall '{}'), touches it to more than {} of the margins, or lies behind it; {}",
                        case_.start->where, carried.from.name_of(carried.from.bodies[body].id), case_.walls[i].where, scene_.walls[i].name,
-                       kStopOverlapRatio, carried.wall_partner[i] >= 0 ? advice_on_margin() : "move the wall");
+                       kStopOverlapRatio,
+                       carried.wall_partner[i] >= 0 ? advice_on_margin()
+                       : stood.empty()              ? "move the wall"
+                                                    : "move the wall: " + stood);
     }
     if (!allows(gap())) ++touching[i];
   }

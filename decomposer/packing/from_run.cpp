@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "core/base/error.hpp"
+#include "core/placing/placed_body.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/frame_check.hpp"
 #include "core/storage/frame_file.hpp"
@@ -91,6 +92,13 @@ class RunReader {
     from_.bodies.push_back(row);
   }
 
+  /// in   state   of a wall that answers to force
+  void stood(std::size_t wall, const Vec3& position, const Quat& orientation) {
+    const Wall& placed = from_.scene.walls[wall];
+    if (placed.kind != WallKind::mesh && !(orientation == placed.orientation)) return;  // friction springs are kept in its frame
+    from_.driven[wall] = {wall_standing_at(placed, position, orientation), position - placed.position};
+  }
+
   void take_input(const std::string& path, nlohmann::json history) {
     from_.start.file = fs::path(path).filename().string();
     from_.inputs.push_back({path, sha256_of_file(path), std::move(history)});
@@ -108,6 +116,9 @@ class RunReader {
     check_frame(from_.scene, frame, path);
     take_input(path, std::move(frame.provenance));
     from_.start.time = frame.time;
+    for (std::size_t w = 0; w < from_.scene.walls.size() && w < frame.walls.size(); ++w) {
+      if (from_.scene.walls[w].motion.drive()) stood(w, frame.walls.position[w], frame.walls.orientation[w]);
+    }
     std::map<std::int64_t, std::size_t> row_of;
     for (std::size_t i = 0; i < from_.scene.bodies.size(); ++i) row_of[from_.scene.bodies.id[i]] = i;
     const FrameBodies& b = frame.bodies;
@@ -153,6 +164,17 @@ class RunReader {
     from_.start.time = static_cast<double>(root.read_integer_attribute("step")) * root.read_double_attribute("step_size");
     if (root.has_attribute("largest_id")) use(root.read_integer_attribute("largest_id"));
     read_bodies(root);
+    if (root.has("drives")) {
+      const auto way = root.open_group("drives").read_array<double>("way", 1);
+      for (std::size_t w = 0; w < from_.scene.walls.size() && w < way.size(); ++w) {
+        const Wall& wall = from_.scene.walls[w];
+        if (!wall.motion.drive()) continue;
+        DriveState drive;
+        drive.way = way[w];
+        const WallState state = wall_state(wall, from_.start.time, 0, &drive);
+        stood(w, state.position, state.orientation);
+      }
+    }
     from_.start.pairs = read_pair_tables(root);
   }
 
@@ -205,21 +227,28 @@ std::optional<Wall> wall_at(Wall wall, double time) {
   }
 }
 
-/// Whether they are the same surface, to the last bit.
-bool are_the_same(const Wall& a, const Shape* shape_a, const Wall& b, const Shape* shape_b) {
+/// Whether they are the same surface, no further from each other than this.
+bool are_the_same(const Wall& a, const Shape* shape_a, const Wall& b, const Shape* shape_b, double apart) {
   if (a.kind != b.kind) return false;
+  const auto near = [&](const Vec3& p, const Vec3& q) { return length(p - q) <= apart; };
   switch (a.kind) {
     case WallKind::plane:
-      return a.point == b.point && a.normal == b.normal;
+      return near(a.point, b.point) && a.normal == b.normal;
     case WallKind::box_inside:
-      return a.lower == b.lower && a.upper == b.upper;
+      return near(a.lower, b.lower) && near(a.upper, b.upper);
     case WallKind::cylinder_inside:
-      return a.axis_start == b.axis_start && a.axis_end == b.axis_end && a.radius == b.radius;
+      return near(a.axis_start, b.axis_start) && near(a.axis_end, b.axis_end) && a.radius == b.radius;
     case WallKind::sphere_inside:
-      return a.point == b.point && a.radius == b.radius;
-    case WallKind::mesh:
-      return a.scale == b.scale && a.cell_size == b.cell_size && a.position == b.position && a.orientation == b.orientation &&
-             shape_a->mesh.vertices == shape_b->mesh.vertices && shape_a->mesh.triangles == shape_b->mesh.triangles;
+      return near(a.point, b.point) && a.radius == b.radius;
+    case WallKind::mesh: {
+      if (!(a.scale == b.scale && a.cell_size == b.cell_size && near(a.position, b.position) &&
+            shape_a->mesh.vertices == shape_b->mesh.vertices && shape_a->mesh.triangles == shape_b->mesh.triangles))
+        return false;
+      if (a.orientation == b.orientation) return true;
+      return std::all_of(shape_a->mesh.vertices.begin(), shape_a->mesh.vertices.end(), [&](const Vec3& p) {
+        return near(a.position + rotate(a.orientation, a.scale * p), b.position + rotate(b.orientation, b.scale * p));
+      });
+    }
   }
   return false;
 }
@@ -249,6 +278,21 @@ std::vector<std::int32_t> zones_in_case(const FromRun& from, const Scene& scene,
 
 std::string FromRun::name_of(std::int64_t id) const { return fmt::format("body {} of {}", id, start.run); }
 
+std::string FromRun::where_it_stood(const std::string& wall) const {
+  for (const auto& [w, stood] : driven) {
+    const Wall& placed = scene.walls[w];
+    if (placed.name != wall) continue;
+    if (placed.kind != WallKind::mesh)
+      return fmt::format("in {} wall '{}' had moved by [{}, {}, {}] from where its case placed it", start.run, wall, stood.displacement.x,
+                         stood.displacement.y, stood.displacement.z);
+    const Vec3& p = stood.standing.position;
+    const Quat& q = stood.standing.orientation;
+    return fmt::format("in {} wall '{}' stood at position = [{}, {}, {}]{}", start.run, wall, p.x, p.y, p.z,
+                       q == placed.orientation ? "" : fmt::format(", orientation = [{}, {}, {}, {}]", q.w, q.x, q.y, q.z));
+  }
+  return "";
+}
+
 FromRun read_run(const Case& c) { return RunReader(c).read(); }
 
 std::vector<MaterialUse> uses_of(const FromRun& from, const Case& c) {
@@ -271,19 +315,29 @@ std::vector<MaterialUse> uses_of(const FromRun& from, const Case& c) {
 std::vector<std::int32_t> partners_of_walls(const FromRun& from, const std::vector<Wall>& walls, const std::vector<Shape>& shapes) {
   std::vector<std::int32_t> partner(walls.size(), -1);
   std::vector<bool> taken(from.scene.walls.size(), false);
+  // nearer than bodies that touch are told from those that do not: places are written in decimals
+  double apart = 1e300;
+  for (const BodyRow& row : from.bodies) {
+    const Shape& shape = from.scene.shapes[static_cast<std::size_t>(row.shape)];
+    apart = std::min(apart, kTouch * 0.5 * row.scale * shape.equivalent_diameter());
+  }
   const auto shape_of = [](const std::vector<Shape>& of, const Wall& wall) {
     return wall.kind == WallKind::mesh ? &of[static_cast<std::size_t>(wall.shape)] : nullptr;
   };
   for (std::size_t k = 0; k < from.scene.walls.size(); ++k) {
     const Wall& wall = from.scene.walls[k];
-    if (wall.motion.drive()) continue;  // where it stood then is not in the scene
-    if (wall.wear > 0) continue;        // nor how it was worn
-    // its frame must not be turned: friction springs are kept in frames
-    if (!(wall_state(wall, from.start.time).orientation == wall.orientation) && wall.kind != WallKind::mesh) continue;
-    const std::optional<Wall> there = wall_at(wall, from.start.time);
+    if (wall.wear > 0) continue;  // how it was worn then is not in the scene
+    std::optional<Wall> there;
+    if (const auto driven = from.driven.find(k); driven != from.driven.end()) {
+      there = driven->second.standing;
+    } else if (!wall.motion.drive()) {
+      // its frame must not be turned: friction springs are kept in frames
+      if (!(wall_state(wall, from.start.time).orientation == wall.orientation) && wall.kind != WallKind::mesh) continue;
+      there = wall_at(wall, from.start.time);
+    }
     for (std::size_t i = 0; there && i < walls.size(); ++i) {
       if (partner[i] >= 0 || taken[k]) continue;
-      if (!are_the_same(*there, shape_of(from.scene.shapes, wall), walls[i], shape_of(shapes, walls[i]))) continue;
+      if (!are_the_same(*there, shape_of(from.scene.shapes, wall), walls[i], shape_of(shapes, walls[i]), apart)) continue;
       partner[i] = static_cast<std::int32_t>(k);
       taken[k] = true;
     }

@@ -4,6 +4,7 @@
 // moreover this case has that wall where it stood in the run. See docs/decisions.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,24 @@
 
 namespace scree {
 
+/// A wall of the run that answers to force, where it stood then.
+struct StoodWall {
+  Wall standing;      ///< without its motion
+  Vec3 displacement;  ///< from where the case of the run placed it [m]
+};
+
 struct FromRun {
-  Scene scene;                      ///< of the run
-  std::vector<BodyRow> bodies;      ///< by ascending id; shape: of the run's scene, material: of the case
-  StartState start;                 ///< with the state of all pairs, as it is in the run
-  std::vector<InputRecord> inputs;  ///< the scene of the run and its checkpoint or frame
-  std::int64_t first_free_id = 0;   ///< above all that bodies and walls had in that run, and in those before it
+  Scene scene;                              ///< of the run
+  std::vector<BodyRow> bodies;              ///< by ascending id; shape: of the run's scene, material: of the case
+  StartState start;                         ///< with the state of all pairs, as it is in the run
+  std::vector<InputRecord> inputs;          ///< the scene of the run and its checkpoint or frame
+  std::map<std::size_t, StoodWall> driven;  ///< by their index in that scene; none that has no mesh and was turned
+  std::int64_t first_free_id = 0;           ///< above all that bodies and walls had in that run, and in those before it
 
   /// "body 17 of settle.run"
   std::string name_of(std::int64_t id) const;
+  /// "in settle.run wall 'lid' stood at position = [...]" of a wall with that name that answered to force there; empty: there was none.
+  std::string where_it_stood(const std::string& wall) const;
 };
 
 /// in   c   with a start

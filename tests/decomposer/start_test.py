@@ -222,6 +222,49 @@ def renamed_materials_and_another_wall():
     decompose(other + START + 'materials = { stone = "sandstone" }\n' + narrow, "typo", 2, ["there is no material 'sandstone'"])
 
 
+def a_wall_that_a_servo_moved_is_where_it_stood():
+    """A lid presses 20 N on a soft ball, which is pressed further than kPressedIn; the next stage moves the lid at a given speed."""
+    text = """
+[time]
+duration = {duration}
+[materials.m]
+density = 2500
+[[pairs]]
+between = ["m", "m"]
+stiffness = "100 kN/m"
+restitution = 0.2
+friction = 0.4
+{what}
+[[walls]]
+shape = {{ plane = {{ point = [0, 0, 0], normal = [0, 0, 1] }} }}
+material = "m"
+[[walls]]
+name = "lid"
+shape = {{ {shape} }}
+position = [0, 0, {z!r}]
+material = "m"
+motion = {{ {motion} }}
+"""
+    plate = 'plate = { corner = ["-2 cm", "-2 cm", "11 mm"], side_a = ["4 cm", 0, 0], side_b = [0, "4 cm", 0] }'
+    ball = '[shapes.ball]\nsphere = { radius = "5 mm" }\n[[bodies]]\nshape = "ball"\nmaterial = "m"\nposition = [0, 0, "5 mm"]\n'
+    on = '[start]\nrun = "press.run"\n'
+    slow = 'translate = { velocity = [0, 0, "-1 mm/s"] }'
+    servo = 'servo = { direction = [0, 0, -1], force = "20 N", max_speed = "0.05 m/s" }'
+    decompose(text.format(duration=0.1, what=ball, shape=plate, z=0.0, motion=servo), "press")
+    run(1, "press.scene.h5", "-o", "press.run")
+    way = outcome("press.run")["drives"][0]["way"]
+    for name, z in (("there", -way), ("written", float(f"{-way:.13g}"))):
+        said = decompose(text.format(duration=0.01, what=on, shape=plate, z=z, motion=slow), name, says=["keep their springs"])
+        assert "do not" not in said and "which the run did not have there" not in said, said
+    run(1, "there.scene.h5", "-o", "there.run")
+    with open("there.run/log.csv") as log:
+        lid = [name for name in log.read().split("\n")[0].split(",") if name.endswith("_force_z")][-1]
+    force = column("there.run", lid)   # as it was left, and 50 N/s more as both contacts are pressed
+    assert abs(force[0] - 20) < 0.5 and abs(force[-1] - 20 - 50 * 0.01) < 0.5, force
+    decompose(text.format(duration=0.01, what=on, shape=plate, z=-way - 5e-4, motion=slow), "away", 3,
+              [f"in press.run wall 'lid' stood at position = [0, 0, {-way!r}"[:60]])
+
+
 def bad_input_is_refused_by_name():
     settle()
     bodies, _ = state_of(frames_of("settle.run")[-1])
@@ -277,4 +320,4 @@ def a_damaged_start_in_a_scene_is_refused():
 
 main([a_bed_at_rest_rests_on_from_its_checkpoint, without_springs_it_is_disturbed,
       what_a_case_adds_is_put_around_the_bodies_and_is_the_same_on_any_ranks, a_chain_of_starts_never_uses_an_id_again,
-      renamed_materials_and_another_wall, bad_input_is_refused_by_name, a_damaged_start_in_a_scene_is_refused])
+      renamed_materials_and_another_wall, a_wall_that_a_servo_moved_is_where_it_stood, bad_input_is_refused_by_name, a_damaged_start_in_a_scene_is_refused])
