@@ -33,6 +33,13 @@ constexpr double kOverRelaxed = 1.8;
 constexpr int kPatience = 200;
 constexpr double kProgress = 0.9;
 
+/// Of the radius of the largest body: nearer than this at the start all that are close touch and none is pressed, as far as their places
+/// tell; each contact asks for kTouch of it and for rounding.
+constexpr double kTouchesAll = 4 * kTouch;
+/// The same after all sweeps, for bodies without room: ways that are kOverRelaxed leave 1 / (2 - kOverRelaxed) times what each contact
+/// lacks, in a stack of some bodies together. A contact holds nothing that counts at this depth.
+constexpr double kTouchesLeft = 100 * kTouch;
+
 /// Of a body's radius: what it may go beyond two margins in a shallow parting, for places that were written down rounded.
 constexpr double kWrittenRounding = 1e-6;
 
@@ -274,6 +281,10 @@ class Relaxer {
       if (depth == 0) return n - 1;
       depths.push_back(depth);
       if (n > kPatience && depth > kProgress * depths[static_cast<std::size_t>(n - 1 - kPatience)]) {
+        if (tight_.depth - (gap_.reached - gap_.least) <= kTouchesLeft * largest_) {  // they fit exactly
+          if (deepest_ <= kTouchesAll * largest_) std::fill(way_.begin(), way_.end(), Vec3{});
+          return n;
+        }
         refuse(tight_, fmt::format("This remains after {} sweeps of separation", n));
       }
       if (n == kExactSweeps) gap_.reached += std::min(kCrowdShare * deepest_, kMostCrowd * smallest_);
