@@ -93,6 +93,11 @@ Shape certified_shape(const std::string& name, TriangleMesh mesh, bool surface, 
   }
   if (surface) {  // what would refuse a solid is only a remark for a wall
     for (const std::string& problem : check.problems) result.notices.push_back(fmt::format("{}: as a surface: {}", path, problem));
+    if (check.inconsistent_edges > 0)
+      result.notices.push_back(
+          fmt::format("{}: a wall acts on both sides whatever the order of vertices in its triangles; where it is to have an inside "
+                      "(inside_wall), import with --flip, which makes them agree",
+                      path));
   }
   Shape shape = surface ? make_surface(name, std::move(mesh)) : make_solid(name, std::move(mesh));
   shape.verdict = json_of(check);

@@ -157,6 +157,23 @@ MeshFile mesh_file_from(PolygonMesh&& polygons, const std::string& reader, const
   return file;
 }
 
+namespace {
+
+/// What makes a mesh that can be read of a file in a known format without a reader here.
+std::string converter_of(const std::string& extension) {
+  using Formats = std::vector<std::string>;
+  const auto is_one_of = [&](const Formats& formats) { return std::find(formats.begin(), formats.end(), extension) != formats.end(); };
+  if (is_one_of({".iges", ".igs", ".fcstd", ".sat", ".x_t", ".sldprt", ".ipt", ".prt", ".3dm", ".dwg", ".dxf", ".step", ".stp", ".brep"}))
+    return "; a CAD program (FreeCAD, gmsh) exports it as .stl";
+  if (is_one_of({".msh", ".vtk", ".vtu", ".vtp", ".med", ".inp", ".cgns", ".xdmf", ".bdf", ".nas", ".unv"}))
+    return fmt::format("; 'meshio convert NAME{} NAME.stl' makes one of them, or gmsh or ParaView by its surface", extension);
+  if (is_one_of({".3mf", ".glb", ".gltf", ".usd", ".usdz", ".wrl", ".x3d", ".dae", ".fbx", ".blend", ".3ds", ".amf", ".lwo", ".ac"}))
+    return "; Blender or MeshLab exports it as .stl or .ply";
+  return "";
+}
+
+}  // namespace
+
 MeshFile read_mesh_file(const std::string& path) { return read_mesh_file(path, importer_limits(path)); }
 
 MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLimits& limits) {
@@ -181,7 +198,8 @@ MeshFile read_mesh_file(const std::string& path, [[maybe_unused]] const ChildLim
   if (!is_known) {
     const bool is_ours = path.ends_with(".shape.h5");
     throw UsageError("{}: '{}' is no mesh format that can be read here; expected one of {}{}", path, extension,
-                     fmt::join(known_extensions(), " "), is_ours ? "; a shape file is shown by 'scree-mesher info'" : "");
+                     fmt::join(known_extensions(), " "),
+                     is_ours ? "; a shape file is shown by 'scree-mesher info'" : converter_of(extension));
   }
 #ifdef SCREE_HAVE_ASSIMP
   return mesh_file_of(run_in_child(

@@ -115,6 +115,12 @@ MeshFile parse_stl(std::vector<char> data, const std::string& path) {
   const std::uint64_t promised = bytes.size() < kHeaderBytes ? 0 : promised_triangles(bytes);
   const std::uint64_t needed = kHeaderBytes + kTriangleBytes * promised;
   if (bytes.size() >= kHeaderBytes && needed == bytes.size()) return read_binary(bytes, path);
+  // some programs write more after the triangles
+  if (promised > 0 && bytes.size() > needed && !is_text(bytes.substr(0, kProbe))) {
+    MeshFile file = read_binary(bytes.substr(0, needed), path);
+    file.notes.push_back(fmt::format("{} bytes after its {} triangles are left out", bytes.size() - needed, promised));
+    return file;
+  }
   const std::string_view probe = bytes.substr(0, kProbe);
   if (is_text(probe)) {
     const std::size_t start = probe.starts_with("\xef\xbb\xbf") ? 3 : std::min(probe.find_first_not_of(" \t\r\n"), probe.size());
