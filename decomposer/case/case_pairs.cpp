@@ -87,15 +87,21 @@ std::vector<Meeting> meetings(const Case& c, const std::vector<MaterialUse>& oth
 }  // namespace
 
 void check_pairs(const Case& c, const std::vector<MaterialUse>& others) {
+  std::vector<Meeting> missing;
   for (const Meeting& m : meetings(c, others)) {
-    const bool given = std::any_of(c.pairs.begin(), c.pairs.end(), [&](const CasePair& p) { return p.pair.a == m.a && p.pair.b == m.b; });
-    if (given) continue;
-    const std::string &na = c.materials[static_cast<std::size_t>(m.a)].name, &nb = c.materials[static_cast<std::size_t>(m.b)].name;
-    throw UsageError(
-        "{}: the materials \"{}\" and \"{}\" can touch ({} and {}), but no [[pairs]] says how; add one with "
-        "between = [\"{}\", \"{}\"]",
-        c.path, na, nb, m.mover, m.with, na, nb);
+    if (std::none_of(c.pairs.begin(), c.pairs.end(), [&](const CasePair& p) { return p.pair.a == m.a && p.pair.b == m.b; }))
+      missing.push_back(m);
   }
+  if (missing.empty()) return;
+  const auto name = [&](std::int32_t material) -> const std::string& { return c.materials[static_cast<std::size_t>(material)].name; };
+  std::vector<std::string> who, what;
+  for (const Meeting& m : missing) {
+    who.push_back(fmt::format("\"{}\" and \"{}\" can touch ({} and {})", name(m.a), name(m.b), m.mover, m.with));
+    what.push_back(fmt::format("between = [\"{}\", \"{}\"]", name(m.a), name(m.b)));
+  }
+  if (missing.size() == 1) throw UsageError("{}: the materials {}, but no [[pairs]] says how; add one with {}", c.path, who[0], what[0]);
+  throw UsageError("{}: {} pairs of materials have no [[pairs]]: {}; add one for each, with {}", c.path, missing.size(),
+                   fmt::join(who, "; "), fmt::join(what, ", "));
 }
 
 void drop_pairs_that_cannot_meet(Case& c, const std::vector<MaterialUse>& others) {

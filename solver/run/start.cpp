@@ -20,8 +20,10 @@ bool is_restart(const mpi::Communicator& comm, const RunOptions& options) {
 void check_scene(const mpi::Communicator& comm, const RunOptions& options, const LoadedScene& loaded, const RunStart& start) {
   mpi::on_root(comm, [&] {
     if (start.checkpoint && start.checkpoint->scene_sha256 != loaded.sha256) {
-      throw InputError("--restart {}: was made from another scene than {}; give the scene it came from", start.checkpoint->path,
-                       options.scene_path);
+      throw InputError(
+          "--restart {}: was made from another scene than {}; give the scene it came from, or begin a new run from it with [start] in the "
+          "case",
+          start.checkpoint->path, options.scene_path);
     }
     const std::int64_t cut_for = loaded.scene.partition.ranks;
     if (cut_for > 0 && cut_for != comm.size()) {
@@ -57,8 +59,11 @@ RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, co
     start.is_complete = start.checkpoint && start.checkpoint->step == complete;
   }
   if (start.is_complete && comm.rank() == 0) {
-    std::fprintf(stderr, "scree-solver: %s: complete at step %lld; nothing is left to do, and nothing was changed\n",
-                 options.run_folder.c_str(), static_cast<long long>(complete));
+    std::fprintf(
+        stderr,
+        "scree-solver: %s: complete at step %lld; nothing is left to do, and nothing was changed; to go on for longer, make a case with "
+        "[start] run = \"%s\"\n",
+        options.run_folder.c_str(), static_cast<long long>(complete), options.run_folder.c_str());
   }
   return start;
 }
