@@ -254,6 +254,29 @@ def other_origin_of_meshes(trial):
 
 
 @relation("near", a_little_aside)
+def winding_of_a_wall(trial):
+    """Triangles of walls turned over, all or some: bodies touch both sides of a wall."""
+    case = base(trial)
+    names = {wall["shape"]["file"][1:] for wall in case.walls if "file" in wall["shape"] and "wear" not in wall}
+    names = sorted(name for name in names if case.meshes[name].surface)
+    if not names:
+        raise NotApplicable("no walls from files that are surfaces; a wall that wears recedes to one side")
+    other = case.copy()
+    share = trial.random.choice([1.0, 0.5, 0.2])
+    for name in names:
+        mesh = case.meshes[name]
+        turned_over = numpy.array([trial.random.random() < share for _ in mesh.triangles])
+        triangles = numpy.where(turned_over[:, None], mesh.triangles[:, [0, 2, 1]], mesh.triangles)
+        other.meshes[name + "_turned"] = Mesh(mesh.vertices, triangles, True)
+    for wall in other.walls:
+        if wall["shape"].get("file", "@")[1:] in names and "wear" not in wall:
+            wall["shape"] = {"file": wall["shape"]["file"] + "_turned"}
+    run = trial.solve_case(other)
+    same_step(trial, run)
+    near(trial, run, as_it_is, 0, f"with {share:g} of the triangles of {', '.join(names)} turned over")
+
+
+@relation("near", a_little_aside)
 def placed_one_by_one(trial):
     """What the decomposer placed, placed by hand: the same places, another order of ids."""
     base(trial)
