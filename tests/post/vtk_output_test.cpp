@@ -181,7 +181,7 @@ TEST(VtkFiles, faces_of_bonds_and_fragments_are_written_with_what_they_bear) {
     for (int k = 0; k < 3; ++k)
       ASSERT_NEAR(surfaces->GetPointData()->GetArray("apart")->GetComponent(point, k), ways[static_cast<std::size_t>(body)][k], 1e-7);
   }
-  const std::string script = paraview_script(run, "..", "here");
+  const std::string script = paraview_script(run, "..", "here", {});
   EXPECT_NE(script.find("BONDED = [0, 1, 2]"), std::string::npos);
 }
 
