@@ -524,7 +524,7 @@ void doubt_turns(const Case& c, const SceneParts& parts, std::vector<std::string
   const double g = length(c.settings.gravity);
   for (std::size_t i = 0; i < c.walls.size() && g > 0; ++i) {
     const Wall& wall = parts.walls[i];
-    const auto* turn = std::get_if<Rotate>(&wall.motion.kind);
+    const auto* turn = std::get_if<Rotate>(&c.walls[i].wall.motion.kind);  // as it is later: it may stand still at the start
     if (turn == nullptr || std::abs(dot(turn->axis, c.settings.gravity)) > 0.5 * g) continue;
     double radius = wall.radius;
     if (wall.kind == WallKind::mesh) {

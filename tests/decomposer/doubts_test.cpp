@@ -243,7 +243,8 @@ TEST(Doubts, a_wall_with_a_hole_where_a_triangle_is_missing) {
   };
   EXPECT_EQ(doubts(of_tray("whole")), std::vector<std::string>{});
   tray.triangles.erase(tray.triangles.begin() + 90);
-  expect_doubt(of_tray("torn"), {"walls[0]", "wall 'crate' has a hole", "10 mm wide with 3 edges", "the smallest body is 12 mm", "scree-mesher repair"});
+  expect_doubt(of_tray("torn"),
+               {"walls[0]", "wall 'crate' has a hole", "10 mm wide with 3 edges", "the smallest body is 12 mm", "scree-mesher repair"});
   std::filesystem::remove_all(folder);
 }
 
@@ -258,8 +259,23 @@ TEST(Doubts, revolutions_a_minute_that_are_taken_for_radians_a_second) {
   };
   EXPECT_EQ(doubts(drum("\"30 rpm\"")), std::vector<std::string>{});
   // 30^2 x 0.06 / 9.81 = 5.5, and 0.06 at 30 rpm
-  expect_doubt(drum("\"30 1/s\""),
+  expect_doubt(drum("30"),
                {"wall 'crate' turns at 30 rad/s (286.5 rpm)", "Froude number of 5.5", "was \"30 rpm\" (3.142 rad/s, 0.06) meant?"});
+}
+
+TEST(Doubts, a_margin_above_a_fifth_of_a_radius) {
+  const auto folder = std::filesystem::temp_directory_path() / ("scree_doubts_margin_" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string file = (folder / "cube.shape.h5").string();
+  write_shape_file(file, {make_solid("cube", box_mesh({0.01, 0.01, 0.01}))}, {});
+  const auto cubes = [&](const std::string& margin) {
+    return std::vector<std::pair<std::string, std::string>>{{"sphere = { radius = 0.006 }", "file = \"" + file + "\""},
+                                                            {"margin = 0.0001", "margin = " + margin}};
+  };
+  // the ball of the same volume has a radius of 6.2 mm
+  EXPECT_EQ(doubts(cubes("0.001")), std::vector<std::string>{});
+  expect_doubt(cubes("0.0015"), {"contact.margin is 0.24 of the radius", "6.204 mm", "rounded by 1.5 mm"});
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

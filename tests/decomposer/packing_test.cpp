@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <set>
 
@@ -311,6 +312,17 @@ TEST_F(Packing, a_solid_used_as_a_wall_keeps_the_place_of_its_file_and_holds_nob
   const std::string lump = "[[walls]]\nshape = { file = \"lump.shape.h5\" }\nmaterial = \"stone\"\nposition = [0.25, 0.25, -0.25]\n";
   const Scene s = pack(kHead + kMixture + kBox + lump).scene;  // the lump's centre is now the centre of the box
   for (const Vec3& x : s.bodies.position) EXPECT_GT(length(x - Vec3{0.25, 0.25, 0.25}), 0.19);
+}
+
+TEST_F(Packing, a_file_that_is_not_there_is_told_with_its_neighbour_and_a_mesh_with_the_way_to_a_shape) {
+  const auto wall = [&](const std::string& file) {
+    return failure(kHead + kMixture + kBox + "[[walls]]\nshape = { file = \"" + file + "\" }\nmaterial = \"stone\"\n");
+  };
+  EXPECT_NE(wall("lumb.shape.h5").find("lump.shape.h5'?"), std::string::npos);
+  std::ofstream(folder_ / "tray.STL") << "solid tray\nendsolid\n";
+  const std::string mesh = wall("tray.STL");
+  EXPECT_NE(mesh.find("scree-mesher import"), std::string::npos) << mesh;
+  EXPECT_NE(mesh.find("tray.shape.h5"), std::string::npos) << mesh;
 }
 
 TEST_F(Packing, regions_may_be_cylinders_spheres_and_the_insides_of_walls) {
