@@ -121,7 +121,6 @@ class Run {
   int finish();
   RunRecord record_so_far() const;
   void write_outcome(const Outcome& outcome);
-  void tell_of_slowdown() const;
   void show_progress();
   template <class Action>
   void timed_output(Action&& action);
@@ -248,7 +247,7 @@ void Run::write_row() {
                           "log.csv; the run ends when their energy grows",
                           simulation_.state().clock.dt));
   }
-  tell_of_slowdown();
+  if (is_root()) warn_of_slowdown(cores_);
   guard_.check(simulation_, row.energy_error);
 }
 
@@ -319,7 +318,7 @@ int Run::finish() {
                                                                                                 : "no body is left: all left the run";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
-  tell_of_slowdown();
+  warn_of_slowdown(cores_);
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
   const RunRecord& record = guard_.record();
@@ -349,11 +348,6 @@ void Run::write_outcome(const Outcome& outcome) {
   Outcome with_pace = outcome;
   with_pace.slowdown = std::max(1.0, cores_.slowdown());
   scree::write_outcome(comm_, with_pace, options_, loaded_, simulation_, record_so_far(), rest_, writers_.provenance());
-}
-
-void Run::tell_of_slowdown() const {
-  if (is_root() && cores_.seconds() > kWorthWatching && cores_.slowdown() > kSlowedDown)
-    warn_once("scree-solver", slowdown_text(cores_.slowdown()));
 }
 
 void Run::show_progress() {

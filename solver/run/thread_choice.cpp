@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/base/error.hpp"
+
 namespace scree {
 
 namespace {
@@ -57,6 +59,10 @@ std::string slowdown_text(double slowdown) {
   return fmt::format(
       "steps take {:.0f} times as long as they compute: this process waits for cores that others have{}. {}", slowdown, others,
       omp_get_max_threads() > 1 ? "OMP_NUM_THREADS=1 waits least; the result is the same" : "A free machine computes the same faster");
+}
+
+void warn_of_slowdown(const CoreWatch& cores) {
+  if (cores.seconds() > kWorthWatching && cores.slowdown() > kSlowedDown) warn_once("scree-solver", slowdown_text(cores.slowdown()));
 }
 
 }  // namespace scree

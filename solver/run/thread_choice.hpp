@@ -48,5 +48,7 @@ inline constexpr double kWorthWatching = 1;
 
 /// What a user is told of it.
 std::string slowdown_text(double slowdown);
+/// Tells it once, where it is so.
+void warn_of_slowdown(const CoreWatch& cores);
 
 }  // namespace scree
