@@ -26,7 +26,8 @@ holds triaxial/triaxial.md "sheared by"  # pressed, and the page says how far it
 grep -qE '^\| 50 kPa \| (0\.999[5-9]|1\.000[0-5]) to (0\.999[5-9]|1\.000[0-5]) ' "$scratch/triaxial/triaxial.md" ||
   { echo "triaxial/triaxial.md: the stress is off by more than 5e-4 of that asked"; cat "$scratch/triaxial/triaxial.md"; exit 1; }
 run press
-holds press/press.md "| press-small | \(0.999[5-9]\|1.000[0-5]\) | \(0.999[5-9]\|1.000[0-5]\) |"   # smooth sides: what presses on the lid comes down to the floor
+# smooth sides: what presses on the lid comes down to the floor. Thirty grains settle anew whenever the lid wears, each 50 ms: 3e-3
+holds press/press.md "| press-small | \(0.99[789][0-9]\|1.00[0-2][0-9]\) | \(0.999[0-9]\|1.000[0-9]\) |"
 holds press/press-small.report.html "Loads on walls"
 [[ -s "$scratch/press/press-small.run/wall5_worn.shape.h5" ]]
 run mill
