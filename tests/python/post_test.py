@@ -49,7 +49,7 @@ class PostTest(InFolder):
             table = scree.Table.read(self.path("contacts.csv"))
             self.compare(table, run.frames, lambda frame: frame.contacts, {**CONTACTS, "fn": ("normal_force", None), "depth": ("overlap", None)},
                          ["body_a", "body_b", "feature"])
-            self.assertGreater(table.rows, 20, name)
+            self.assertGreater(table.rows, 10, name)
 
     def test_statistics_are_those_of_the_tool(self):
         for name, (run, region) in self.runs.items():
@@ -65,7 +65,7 @@ class PostTest(InFolder):
                             theirs = float("nan")
                         scale = max(abs(theirs), 1e-3 * numbers["mean_speed"] ** 2 if quantity == "granular_temperature" else 0)
                         np.testing.assert_allclose(value, theirs, rtol=0, atol=1e-12 * scale, equal_nan=True, err_msg=f"{name} {group} {quantity}")
-            self.assertGreater(frame.measures()["coordination_number"], 0.2)
+            self.assertGreater(frame.measures()["coordination_number"], 0.1)
             self.assertEqual(set(frame.measures(region)), set(numbers) - set())
 
     def test_bodies_in_a_region_are_those_that_scree_post_writes(self):
@@ -86,9 +86,12 @@ class PostTest(InFolder):
         self.assertEqual(made.folder, self.path("bed.statistics"))
         self.assertEqual(run.statistics.numbers, made.numbers)
         series = made["series"]
-        mean = np.mean([frame.measures()["coordination_number"] for frame in run.frames])
-        self.assertAlmostEqual(made.mean("coordination_number"), mean, delta=1e-12)
-        self.assertAlmostEqual(series["coordination_number"].mean(), mean, delta=1e-8)
+        numbers = np.array([frame.measures()["coordination_number"] for frame in run.frames])
+        # a frame counts by half of the time to its neighbours, the first and the last by as much on both sides
+        gaps = np.diff(run.frames.times)
+        weights = np.append(gaps[0], gaps) + np.append(gaps, gaps[-1])
+        self.assertAlmostEqual(made.mean("coordination_number"), np.average(numbers, weights=weights), delta=1e-12)
+        np.testing.assert_allclose(series["coordination_number"], numbers, atol=1e-8)
         self.assertGreaterEqual(made.ci95("coordination_number"), 0)
         self.assertEqual(series.units["kinetic_energy"], "J")
         self.assertIn("summary", list(made))
