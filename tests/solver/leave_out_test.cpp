@@ -68,7 +68,8 @@ TEST(LeaveOut, without_cohesion_a_contact_begins_where_the_margins_meet) {
 }
 
 TEST(LeaveOut, history_is_kept_by_contact_and_not_by_pair_of_triangles) {
-  static_assert(sizeof(FrictionSpring) == 64, "a key, a force, a stiffness, a normal; tests/benchmarks/leave_out/README.md names the bytes");
+  static_assert(sizeof(FrictionSpring) == 64,
+                "a key, a force, a stiffness, a normal; tests/benchmarks/leave_out/README.md names the bytes");
   for (const int mesh : {1, 8}) {
     TestRun run = cube_above(mesh, 0.018, 0.5);
     run.start();
