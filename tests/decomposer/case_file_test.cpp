@@ -246,6 +246,11 @@ TEST(CaseFile, a_material_pair_that_can_occur_and_is_missing_is_named_with_what_
   expect_refusal(replaced(pair, ""), {"\"rock\" and \"steel\" can touch", "populations[0]", "walls[0]", "between = [\"rock\", \"steel\"]"});
   const std::string self = "[[pairs]]\nbetween = [\"rock\", \"rock\"]\nstiffness = \"1 MN/m\"\nrestitution = 0.5\nfriction = 0.4\n";
   expect_refusal(replaced(self, ""), {"\"rock\" and \"rock\" can touch", "populations[0]"});
+  // all that are missing at once
+  std::string none = replaced(self, "");
+  none.replace(none.find(pair), pair.size(), "");
+  expect_refusal(none, {"2 pairs of materials have no [[pairs]]", "\"rock\" and \"rock\" can touch", "\"rock\" and \"steel\" can touch",
+                        "between = [\"rock\", \"rock\"], between = [\"rock\", \"steel\"]"});
 }
 
 TEST(CaseFile, a_material_pair_that_cannot_occur_may_be_missing_and_is_dropped) {

@@ -220,5 +220,31 @@ TEST_F(Relaxing, fixed_meshes_that_balls_alone_meet_have_the_margin_that_the_blo
   EXPECT_EQ(packed("margin_ratio = 0.1").scene.settings.margin_ratio, 0.1);
 }
 
+// A specimen between platens: it touches both and is pressed by neither. There is no room to part them, and none is needed.
+TEST_F(Relaxing, what_fits_exactly_between_two_walls_starts_as_it_is) {
+  const auto lid = [](double z) {
+    return fmt::format("[[walls]]\nshape = {{ plane = {{ point = [0, 0, {}], normal = [0, 0, -1] }} }}\nmaterial = \"m\"\n", z);
+  };
+  const auto stack = [](const std::string& shape, int count) {
+    std::string bodies;
+    for (int i = 0; i < count; ++i) bodies += body(shape, 0, 0, 0.05 + 0.1 * i);
+    return bodies;
+  };
+  for (const char* relax : {"", "relax = true"}) {
+    for (const auto& [shape, count] : {std::pair("ball", 1), {"cube", 3}}) {
+      const std::string text = head("impact_speed = 0.1\n" + std::string(relax)) + stack(shape, count) + kFloor;
+      const PackedScene packed = build_scene(parse_case(text + lid(0.1 * count), "case.toml", folder_.string()));
+      for (int i = 0; i < count; ++i)
+        EXPECT_EQ(packed.scene.bodies.position[static_cast<std::size_t>(i)], (Vec3{0, 0, 0.05 + 0.1 * i})) << shape << " " << relax;
+      try {  // a little less room is refused
+        build_scene(parse_case(text + lid(0.1 * count - 1e-5), "case.toml", folder_.string()));
+        ADD_FAILURE() << shape << " " << count;
+      } catch (const InputError& e) {
+        EXPECT_NE(std::string(e.what()).find("This remains after"), std::string::npos) << e.what();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace scree
