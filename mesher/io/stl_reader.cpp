@@ -115,8 +115,8 @@ MeshFile parse_stl(std::vector<char> data, const std::string& path) {
   const std::uint64_t promised = bytes.size() < kHeaderBytes ? 0 : promised_triangles(bytes);
   const std::uint64_t needed = kHeaderBytes + kTriangleBytes * promised;
   if (bytes.size() >= kHeaderBytes && needed == bytes.size()) return read_binary(bytes, path);
-  // some programs write more after the triangles
-  if (promised > 0 && bytes.size() > needed && !is_text(bytes.substr(0, kProbe))) {
+  // some programs write more after the triangles; as much as whole triangles is a count that lies
+  if (promised > 0 && bytes.size() > needed && (bytes.size() - needed) % kTriangleBytes != 0 && !is_text(bytes.substr(0, kProbe))) {
     MeshFile file = read_binary(bytes.substr(0, needed), path);
     file.notes.push_back(fmt::format("{} bytes after its {} triangles are left out", bytes.size() - needed, promised));
     return file;

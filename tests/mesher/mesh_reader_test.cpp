@@ -214,6 +214,9 @@ TEST(StlReader, text_and_binary_give_the_same_tetrahedron) {
 TEST(StlReader, counts_that_lie_and_broken_text_are_refused) {
   expect_refused("t.stl", binary_stl(5), "promises 5 triangles, which need 334 bytes, but the file has 284");
   expect_refused("t.stl", binary_stl(3), "promises 3 triangles, which need 234 bytes, but the file has 284");
+  const MeshFile longer = read("t.stl", binary_stl(4) + std::string(7, '\0'));
+  EXPECT_EQ(longer.mesh.triangle_count(), 4);
+  EXPECT_EQ(longer.notes.at(0), "7 bytes after its 4 triangles are left out");
   expect_refused("t.stl", replaced(text_stl(), "      vertex 1 0 0\n    endloop", "    endloop"), "expected 'vertex'");
   expect_refused("t.stl", text_stl().substr(0, 300), "the file ends at line");
   const MeshFile cut = read("t.stl", replaced(text_stl(), "endsolid", ""));
