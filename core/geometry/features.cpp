@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/geometry/half_edges.hpp"
+
 namespace scree {
 
 namespace {
@@ -19,24 +21,6 @@ struct MeshEdge {
   bool is_fold = false;  // convex from the side that the normals look away from
   std::int32_t feature = -1;
 };
-
-struct HalfEdge {
-  std::int32_t low, high, face, k;
-  bool is_forward;  // runs from low to high
-  bool operator<(const HalfEdge& o) const {
-    if (low != o.low) return low < o.low;
-    if (high != o.high) return high < o.high;
-    return face < o.face;
-  }
-};
-
-std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t i) {
-  while (parent[static_cast<std::size_t>(i)] != i) {
-    parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
-    i = parent[static_cast<std::size_t>(i)];
-  }
-  return i;
-}
 
 Vec3 unit_normal(const TriangleMesh& mesh, std::int32_t t) {
   const Vec3 n = cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
@@ -127,45 +111,31 @@ FeatureTable find_features(const TriangleMesh& mesh, Sides sides) {
   for (std::size_t t = 0; t < triangle_count; ++t) normal[t] = unit_normal(mesh, static_cast<std::int32_t>(t));
 
   // mesh edges from sorted half edges
-  std::vector<HalfEdge> half;
-  half.reserve(3 * triangle_count);
-  for (std::size_t t = 0; t < triangle_count; ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t a = mesh.triangles[t][static_cast<std::size_t>(k)];
-      const std::int32_t b = mesh.triangles[t][static_cast<std::size_t>((k + 1) % 3)];
-      half.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), k, a < b});
-    }
-  }
-  std::sort(half.begin(), half.end());
+  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
   std::vector<MeshEdge> edges;
-  for (std::size_t i = 0; i < half.size();) {
-    std::size_t j = i;
-    while (j < half.size() && half[j].low == half[i].low && half[j].high == half[i].high) ++j;
+  for_each_edge(half, [&](std::size_t i, std::size_t j) {
     MeshEdge edge{half[i].low, half[i].high, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j - i)};
-    edge.faces[0] = half[i].face;
+    edge.faces[0] = half[i].triangle;
     if (j - i > 1) {
-      edge.faces[1] = half[i + 1].face;
+      edge.faces[1] = half[i + 1].triangle;
       edge.is_turned = half[i].is_forward == half[i + 1].is_forward;
     }
     edges.push_back(edge);
-    i = j;
-  }
+  });
 
   // flat regions: faces joined over edges whose normals agree
   const double flat_cosine = std::cos(kFlatAngle);
-  std::vector<std::int32_t> parent(triangle_count);
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets joined(triangle_count);
   for (const MeshEdge& edge : edges) {
     if (edge.face_count != 2) continue;
     const auto f = static_cast<std::size_t>(edge.faces[0]), g = static_cast<std::size_t>(edge.faces[1]);
     const double cosine = dot(normal[f], normal[g]);
     if ((edge.is_turned ? -cosine : cosine) <= flat_cosine) continue;
-    const std::int32_t a = find_root(parent, edge.faces[0]), b = find_root(parent, edge.faces[1]);
-    if (a != b) parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    joined.join(edge.faces[0], edge.faces[1]);
   }
   std::vector<std::int32_t> region_of_root(triangle_count, -1);
   for (std::size_t t = 0; t < triangle_count; ++t) {
-    const auto root = static_cast<std::size_t>(find_root(parent, static_cast<std::int32_t>(t)));
+    const auto root = static_cast<std::size_t>(joined.find(static_cast<std::int32_t>(t)));
     if (region_of_root[root] < 0) region_of_root[root] = table.region_count++;
     table.region[t] = region_of_root[root];
   }
@@ -182,7 +152,7 @@ FeatureTable find_features(const TriangleMesh& mesh, Sides sides) {
       if (sides == Sides::both) {
         around.clear();
         for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h)
-          around.push_back(half[static_cast<std::size_t>(h)].face);
+          around.push_back(half[static_cast<std::size_t>(h)].triangle);
         const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
         edge.kind = find_convex_side(mesh, normal, around, a, b - a, edge.faces) ? EdgeKind::convex : EdgeKind::concave;
       }
@@ -199,7 +169,7 @@ FeatureTable find_features(const TriangleMesh& mesh, Sides sides) {
     }
     for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
       const HalfEdge& he = half[static_cast<std::size_t>(h)];
-      table.marks[static_cast<std::size_t>(he.face)] |= kind_mark(edge.kind, static_cast<std::size_t>(he.k));
+      table.marks[static_cast<std::size_t>(he.triangle)] |= kind_mark(edge.kind, static_cast<std::size_t>(he.k));
     }
   }
 
@@ -263,10 +233,10 @@ FeatureTable find_features(const TriangleMesh& mesh, Sides sides) {
   for (const MeshEdge& edge : edges) {
     if (edge.feature < 0) continue;
     const HalfEdge& owner = half[static_cast<std::size_t>(edge.first_face)];
-    table.marks[static_cast<std::size_t>(owner.face)] |= edge_mark(static_cast<std::size_t>(owner.k));
+    table.marks[static_cast<std::size_t>(owner.triangle)] |= edge_mark(static_cast<std::size_t>(owner.k));
     for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
       const HalfEdge& he = half[static_cast<std::size_t>(h)];
-      table.edge_of[static_cast<std::size_t>(he.face)][static_cast<std::size_t>(he.k)] = edge.feature;
+      table.edge_of[static_cast<std::size_t>(he.triangle)][static_cast<std::size_t>(he.k)] = edge.feature;
     }
   }
   table.corners.shrink_to_fit();

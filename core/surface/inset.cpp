@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/distance/mesh_distance.hpp"
 #include "core/geometry/features.hpp"
+#include "core/geometry/half_edges.hpp"
 #include "core/surface/flat_faces.hpp"
 #include "core/surface/self_intersections.hpp"
 
@@ -65,20 +65,6 @@ std::vector<Vec3> ways_of(const TriangleMesh& mesh, const FlatFaces& faces, doub
   return ways;
 }
 
-/// Corners that go together, as trees.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t of(std::size_t i) const {
-    while (parent_[i] != i) i = parent_[i];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) { parent_[std::max(of(a), of(b))] = std::min(of(a), of(b)); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
 /// Where a face or an edge is so small that it would vanish before the margin is reached, as the small cuts of a crushed stone do: its
 /// corners go together, all by one way, so that it stays as it is; and the faces around give way to each other, each as a plane, by as
 /// little as can be. Without it the smallest cut would hold back every face, since the corners of a flat face have one share.
@@ -94,7 +80,7 @@ class CornerJoiner {
       number_[at(c)] = static_cast<std::int32_t>(corners_.size());
       corners_.push_back(c);
     }
-    groups_ = Groups(corners_.size());
+    groups_ = DisjointSets(corners_.size());
     std::vector<Vec3> doubled(faces.face_count());
     std::vector<char> seen(faces.face_count(), 0);
     for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) doubled[faces.face(t)] += doubled_normal(mesh, t);
@@ -134,7 +120,7 @@ class CornerJoiner {
         best = &edge;
       }
       if (best == nullptr) continue;
-      groups_.join(at(number_[at((*best)[0])]), at(number_[at((*best)[1])]));
+      groups_.join(number_[at((*best)[0])], number_[at((*best)[1])]);
       any = true;
     }
     return any;
@@ -155,8 +141,8 @@ class CornerJoiner {
   };
 
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-  std::size_t group(std::int32_t vertex) const { return groups_.of(at(number_[at(vertex)])); }
-  Vec3 way(std::int32_t vertex) const {
+  std::size_t group(std::int32_t vertex) { return at(groups_.find(number_[at(vertex)])); }
+  Vec3 way(std::int32_t vertex) {
     const auto i = static_cast<Eigen::Index>(3 * column_[group(vertex)]);
     return margin_ * Vec3{found_(i), found_(i + 1), found_(i + 2)};
   }
@@ -166,7 +152,7 @@ class CornerJoiner {
     column_.assign(corners_.size(), 0);
     std::size_t groups = 0;
     for (std::size_t c = 0; c < corners_.size(); ++c)
-      if (groups_.of(c) == c) column_[c] = groups++;
+      if (at(groups_.find(static_cast<std::int32_t>(c))) == c) column_[c] = groups++;
     std::vector<std::vector<std::size_t>> of_plane;
     std::size_t rows = 0, wishes = 0, depths = 0;
     for (const Plane& plane : planes_) {
@@ -238,7 +224,7 @@ class CornerJoiner {
     bool any = false;
     for (std::size_t c = 0; c < corners_.size(); ++c) {
       if (partner[c] < 0 || length(way(corners_[c])) <= kLongestMove * margin_) continue;
-      groups_.join(c, at(number_[at(partner[c])]));
+      groups_.join(static_cast<std::int32_t>(c), number_[at(partner[c])]);
       any = true;
     }
     return any;
@@ -252,11 +238,11 @@ class CornerJoiner {
       const Vec3 along = mesh_.vertices[at(edge[1])] - mesh_.vertices[at(edge[0])];
       if (dot(along, along + way(edge[1]) - way(edge[0])) < kLeastEdge * squared_length(along)) vanishing.push_back(edge);
     }
-    for (const auto& edge : vanishing) groups_.join(at(number_[at(edge[0])]), at(number_[at(edge[1])]));
+    for (const auto& edge : vanishing) groups_.join(number_[at(edge[0])], number_[at(edge[1])]);
     return !vanishing.empty();
   }
 
-  std::vector<Vec3> ways() const {
+  std::vector<Vec3> ways() {
     std::vector<Vec3> all(mesh_.vertices.size());
     for (const std::int32_t c : corners_) all[at(c)] = way(c);
     return all;
@@ -267,7 +253,7 @@ class CornerJoiner {
   double margin_;
   std::vector<std::int32_t> corners_, number_;  // vertices; and of a vertex, which corner it is
   std::vector<Plane> planes_;
-  Groups groups_;
+  DisjointSets groups_;              ///< of corners that go together
   std::vector<std::size_t> column_;  // of a group
   Eigen::VectorXd found_, depths_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/half_edges.hpp"
 #include "core/surface/touch_surface.hpp"
 #include "solver/laws/pair_law.hpp"
 
@@ -57,38 +58,20 @@ bool SolverShape::find_height(std::int32_t e, int side) const {
 }
 
 bool is_convex_surface(const TriangleMesh& mesh, const FeatureTable& features) {
-  const std::size_t count = mesh.triangles.size();
-  struct Side {
-    std::int32_t low, high;
-    std::size_t triangle;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * count);
-  for (std::size_t t = 0; t < count; ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const EdgeKind kind = features.edge_kind(t, k);
-      if (kind != EdgeKind::flat && kind != EdgeKind::convex) return false;
-      const auto [low, high] = std::minmax(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]);
-      sides.push_back({low, high, t});
-    }
+  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
+  for (const HalfEdge& h : half) {
+    const EdgeKind kind = features.edge_kind(static_cast<std::size_t>(h.triangle), static_cast<std::size_t>(h.k));
+    if (kind != EdgeKind::flat && kind != EdgeKind::convex) return false;
   }
   // one surface: triangles joined over their edges
-  std::sort(sides.begin(), sides.end(), [](const Side& l, const Side& r) { return l.low != r.low ? l.low < r.low : l.high < r.high; });
-  std::vector<std::size_t> parent(count);
-  for (std::size_t t = 0; t < count; ++t) parent[t] = t;
-  const auto root = [&](std::size_t t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
-  std::size_t surfaces = count;
-  for (std::size_t i = 1; i < sides.size(); ++i) {
-    if (sides[i].low != sides[i - 1].low || sides[i].high != sides[i - 1].high) continue;
-    const std::size_t a = root(sides[i].triangle), b = root(sides[i - 1].triangle);
-    if (a == b) continue;
-    parent[a] = b;
-    --surfaces;
+  DisjointSets joined(mesh.triangles.size());
+  for_each_edge(half, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first + 1; i < last; ++i) joined.join(half[first].triangle, half[i].triangle);
+  });
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (joined.find(t) != 0) return false;
   }
-  return surfaces == 1;
+  return mesh.triangle_count() > 0;
 }
 
 namespace {
