@@ -115,10 +115,7 @@ class Estimates {
   /// What more or fewer cores would bring, of the bodies that there are; of an inlet more come.
   void add_cores() {
     const int cores = omp_get_num_procs(), used = comm_.size() * omp_get_max_threads();
-    double balls = 0;
-    for (const std::int32_t shape : scene_.bodies.shape)
-      balls += scene_.shapes[static_cast<std::size_t>(shape)].kind == ShapeKind::sphere ? 1 : 0;
-    const int busy = worthwhile_threads(static_cast<double>(scene_.bodies.size()) - balls, balls);
+    const int busy = worthwhile_threads(scene_, 1);
     if (std::min(cores, busy) > used)
       line("", fmt::format("{} of {} cores are used: OMP_NUM_THREADS, or mpirun -n{}", used, cores,
                            busy < cores ? fmt::format(", up to {} for these bodies", busy) : ""));

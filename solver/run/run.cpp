@@ -247,7 +247,7 @@ void Run::write_row() {
                           "log.csv; the run ends when their energy grows",
                           simulation_.state().clock.dt));
   }
-  if (is_root()) warn_of_slowdown(cores_);
+  if (is_root()) cores_.tell_once();
   guard_.check(simulation_, row.energy_error);
 }
 
@@ -318,7 +318,7 @@ int Run::finish() {
                                                                                                 : "no body is left: all left the run";
   write_outcome({"completed", nobody, 0});
   if (!is_root()) return 0;
-  warn_of_slowdown(cores_);
+  cores_.tell_once();
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
   const RunRecord& record = guard_.record();

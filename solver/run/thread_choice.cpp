@@ -4,37 +4,39 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
-
-#include "core/base/error.hpp"
 
 namespace scree {
 
 namespace {
 
-void take_threads(double meshes, double balls, int most) {
-  if (most > 0) omp_set_num_threads(std::min(most, worthwhile_threads(meshes, balls)));
+/// Threads that bodies keep busy, at least one.   in   is_ball   (i): whether body i is
+template <class IsBall>
+int threads_for(std::size_t bodies, int ranks, const IsBall& is_ball) {
+  constexpr double kMost = 1e6;
+  double meshes = 0, balls = 0;
+  for (std::size_t i = 0; i < bodies; ++i) ++(is_ball(i) ? balls : meshes);
+  return static_cast<int>(std::clamp(meshes / ranks / kMeshesPerThread + balls / ranks / kBallsPerThread, 1.0, kMost));
 }
 
 }  // namespace
 
-int worthwhile_threads(double meshes, double balls) {
-  constexpr double kMost = 1e6;
-  return static_cast<int>(std::clamp(meshes / kMeshesPerThread + balls / kBallsPerThread, 1.0, kMost));
+int worthwhile_threads(const Scene& scene, int ranks) {
+  return threads_for(scene.bodies.size(), ranks, [&](std::size_t i) {
+    return scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])].kind == ShapeKind::sphere;
+  });
 }
 
 void fit_threads(const Simulation& simulation, int most) {
+  if (most <= 0) return;
   const RunState& s = simulation.state();
-  std::size_t balls = 0;
-  for (std::size_t i = 0; i < s.particles.owned; ++i) balls += s.scene.shape(s.particles.shape[i]).kind == ShapeKind::sphere ? 1 : 0;
-  take_threads(static_cast<double>(s.particles.owned - balls), static_cast<double>(balls), most);
+  const auto is_ball = [&](std::size_t i) { return s.scene.shape(s.particles.shape[i]).kind == ShapeKind::sphere; };
+  omp_set_num_threads(std::min(most, threads_for(s.particles.owned, 1, is_ball)));
 }
 
 void fit_threads(const Scene& scene, int ranks, int most) {
-  double balls = 0;
-  for (const std::int32_t shape : scene.bodies.shape)
-    balls += scene.shapes[static_cast<std::size_t>(shape)].kind == ShapeKind::sphere ? 1 : 0;
-  take_threads((static_cast<double>(scene.bodies.size()) - balls) / ranks, balls / ranks, most);
+  if (most > 0) omp_set_num_threads(std::min(most, worthwhile_threads(scene, ranks)));
 }
 
 CoreWatch::CoreWatch() : time_(std::chrono::steady_clock::now()), used_(thread_seconds()) {}
@@ -61,8 +63,10 @@ std::string slowdown_text(double slowdown) {
       omp_get_max_threads() > 1 ? "OMP_NUM_THREADS=1 waits least; the result is the same" : "A free machine computes the same faster");
 }
 
-void warn_of_slowdown(const CoreWatch& cores) {
-  if (cores.seconds() > kWorthWatching && cores.slowdown() > kSlowedDown) warn_once("scree-solver", slowdown_text(cores.slowdown()));
+void CoreWatch::tell_once() {
+  if (is_told_ || !(seconds() > kWorthWatching) || !(slowdown() > kSlowedDown)) return;
+  is_told_ = true;
+  std::fprintf(stderr, "scree-solver: note: %s\n", slowdown_text(slowdown()).c_str());
 }
 
 }  // namespace scree

@@ -14,8 +14,8 @@ namespace scree {
 /// since each start waits for a core. With more, threads are left out that would help a little.
 inline constexpr double kMeshesPerThread = 100, kBallsPerThread = 1000;
 
-/// Threads that this many bodies keep busy, at least one.
-int worthwhile_threads(double meshes, double balls);
+/// Threads that the bodies of a scene keep busy on so many ranks, at least one.
+int worthwhile_threads(const Scene& scene, int ranks);
 
 /// Takes as many threads as the bodies of this rank keep busy. The numbers of the run are the same.
 /// in   most   0: leaves them as they are, for the user gave their number; else no more than this
@@ -34,11 +34,14 @@ class CoreWatch {
   /// Time on the clock so far, and over the time computed.
   double seconds() const { return clock_; }
   double slowdown() const { return clock_ / std::max(computed_, 1e-9); }
+  /// Tells the user, the first time that it is so, where steps wait far longer than they compute. Nothing is wrong with them: a note.
+  void tell_once();
 
  private:
   std::chrono::steady_clock::time_point time_;
   double used_;
   double clock_ = 0, computed_ = 0;
+  bool is_told_ = false;
 };
 
 /// A step that takes as many times longer than it computes is told.
@@ -48,7 +51,5 @@ inline constexpr double kWorthWatching = 1;
 
 /// What a user is told of it.
 std::string slowdown_text(double slowdown);
-/// Tells it once, where it is so.
-void warn_of_slowdown(const CoreWatch& cores);
 
 }  // namespace scree
