@@ -182,9 +182,14 @@ TriangleMesh whole_wall(const Wall& wall, const Scene& scene, const Box3& room, 
 
 }  // namespace
 
+std::vector<double> bounding_radii(const Scene& scene) {
+  std::vector<double> radii;
+  for (const Shape& shape : scene.shapes) radii.push_back(shape.bounding_radius());
+  return radii;
+}
+
 Box3 room_of(const FrameBodies& bodies, const Scene& scene) {
-  std::vector<double> radius;
-  for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
+  const std::vector<double> radius = bounding_radii(scene);
   Box3 room;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const double r = bodies.scale[i] * radius[static_cast<std::size_t>(bodies.shape[i])];

@@ -32,6 +32,9 @@ TriangleMesh drawn_wall(const Wall& wall, const Scene& scene, const Box3& room, 
 /// Vertices of a wall as worn in a frame, axes and scale of its mesh; none where it does not wear.
 std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);
 
+/// Bounding radius of each shape of the scene at scale 1 [m].
+std::vector<double> bounding_radii(const Scene& scene);
+
 /// Box that holds the bounding spheres of all bodies; without bodies, the walls that have an end and the regions of the inlets.
 Box3 room_of(const FrameBodies& bodies, const Scene& scene);
 

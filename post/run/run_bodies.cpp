@@ -81,8 +81,7 @@ std::vector<std::int32_t> RunBodies::kinds(std::int32_t RunBody::*kind) const {
 }
 
 Box3 box_around(const FrameBodies& b, const Scene& scene, const std::vector<std::uint8_t>& counts) {
-  std::vector<double> radius;
-  for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
+  const std::vector<double> radius = bounding_radii(scene);
   Box3 box;
   for (std::size_t i = 0; i < b.size(); ++i) {
     if (counts[i] == 0) continue;

@@ -34,12 +34,6 @@ Region inside_of(const Wall& wall) {
   return region;
 }
 
-std::vector<double> bounding_radii(const Scene& scene) {
-  std::vector<double> radii;
-  for (const Shape& shape : scene.shapes) radii.push_back(shape.bounding_radius());
-  return radii;
-}
-
 /// All walls with an end and all fixed bodies of a frame.
 Box3 equipment_of(const Run& run, const Frame& frame) {
   const Scene& scene = run.scene;
@@ -194,14 +188,15 @@ std::vector<std::uint8_t> Within::rows(const Run& run, const Frame& frame) const
   const UpAxis up = up_axis(scene.settings.gravity);
   const std::vector<double> radius = bounding_radii(scene);
   const Periodicity period = periodicity_of(scene);
-  const auto holds = [&](const Region& region, const Vec3& x) {
-    if (region.contains(x)) return true;
+  // of a body and its images at periodic sides
+  const auto any_image = [&](const Vec3& x, const auto& is_held) {
+    if (is_held(x)) return true;
     if (!period.any()) return false;
+    const Vec3 p = period.period();
     for (int x_step = -1; x_step <= 1; ++x_step) {
       for (int y_step = -1; y_step <= 1; ++y_step) {
         for (int z_step = -1; z_step <= 1; ++z_step) {
-          const Vec3 p = period.period();
-          if (region.contains(x + Vec3{x_step * p.x, y_step * p.y, z_step * p.z})) return true;
+          if (is_held(x + Vec3{x_step * p.x, y_step * p.y, z_step * p.z})) return true;
         }
       }
     }
@@ -228,14 +223,15 @@ std::vector<std::uint8_t> Within::rows(const Run& run, const Frame& frame) const
     const Vec3& x = b.position[i];
     bool is_in = true;
     if (kind_ == Kind::region) {
-      is_in = holds(region_, x);
+      is_in = any_image(x, [&](const Vec3& at) { return region_.contains(at); });
     } else if (is_equipment()) {
       is_in = reaches_into(box, x, b.scale[i] * radius[static_cast<std::size_t>(b.shape[i])]);
     } else if (wall->kind == WallKind::mesh) {
       is_in = reaches_into(box, x, 0);
     } else {
-      const Vec3 own = rotate(conjugate(place.orientation), x - place.position);
-      is_in = wall->kind == WallKind::plane ? dot(own - wall->point, wall->normal) > 0 : holds(inside, own);
+      const auto own = [&](const Vec3& at) { return rotate(conjugate(place.orientation), at - place.position); };
+      is_in = wall->kind == WallKind::plane ? dot(own(x) - wall->point, wall->normal) > 0
+                                            : any_image(x, [&](const Vec3& at) { return inside.contains(own(at)); });
     }
     in[i] = is_in ? 1 : 0;
   }

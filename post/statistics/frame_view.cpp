@@ -132,8 +132,7 @@ FrameView::FrameView(const SceneFacts& the_facts, const Frame& the_frame) : fact
   const int up_axis = facts.container.vertical;
   lowest = 1e308;
   highest = -1e308;
-  std::vector<double> bound;
-  for (const Shape& shape : scene.shapes) bound.push_back(shape.bounding_radius());
+  const std::vector<double> bound = bounding_radii(scene);
   for (std::size_t i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(b.shape[i]);
     is_particle[i] = facts.run->boundary_ids.contains(b.id[i]) ? 0 : 1;

@@ -233,8 +233,7 @@ void add_bodies(vtkRenderer* renderer, const FrameBodies& bodies, const Scene& s
   scale->SetName("scale");
   shape->SetName("shape");
   value->SetName("value");
-  std::vector<double> radius;
-  for (const Shape& s : scene.shapes) radius.push_back(s.bounding_radius());
+  const std::vector<double> radius = bounding_radii(scene);
   std::vector<std::size_t> crossing;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vec3& x = bodies.position[i];
