@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numbers>
 #include <numeric>
 #include <optional>
 
 #include "core/base/error.hpp"
+#include "core/base/near_file.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/mass_properties.hpp"
@@ -215,7 +217,7 @@ class Builder {
       out_.inputs.push_back({file, sha256_of_file(file), content.provenance});
       return files_.emplace(file, std::move(content)).first->second;
     } catch (const InputError& e) {
-      const bool is_told = std::string(e.what()).find("did you mean") != std::string::npos || !file.ends_with(".h5");
+      const bool is_told = !file.ends_with(".h5") || (!std::filesystem::exists(file) && !near_file(file).empty());
       throw InputError("{}: {}{}", where, e.what(), is_told ? "" : "; make it with scree-mesher import");
     }
   }
@@ -354,9 +356,8 @@ class Builder {
     TriangleMesh mesh = wall.form ? wall.form->inside : parts_.wall_shapes[index].shape.mesh;
     if (!wall.form && !is_closed(mesh)) {
       throw InputError(
-          "{}: inside_wall = \"{}\": {} is not closed, or its triangles do not all face one side, so that it has no inside; give region = "
-          "{{ "
-          "inside = \"FILE\" }} with a closed mesh, or region = {{ box = [[x, y, z], [x, y, z]] }}",
+          "{}: inside_wall = \"{}\": {} is not closed, or its triangles do not all face one side, so that it has no inside; give "
+          "region = {{ inside = \"FILE\" }} with a closed mesh, or region = {{ box = [[x, y, z], [x, y, z]] }}",
           where, wall.wall.name, wall.file);
     }
     if (!wall.form && mass_properties(mesh).volume < 0)  // walls may face either side

@@ -156,27 +156,30 @@ struct Movers {
 Movers movers_of(const Case& c, const SceneParts& parts, const Scene& scene) {
   Movers movers;
   movers.of_material.resize(scene.materials.size());
-  const auto add = [&](const Shape& shape, double radius, double scale, std::int32_t material) {
-    const double mass = scene.materials[static_cast<std::size_t>(material)].density * shape.mass.volume * scale * scale * scale;
+  std::vector<double> radius, width;  // of each shape at scale 1
+  for (const Shape& shape : scene.shapes) {
     const Vec3 box = bounding_box(shape.mesh).extent();
+    radius.push_back(shape.bounding_radius());
+    width.push_back(2 * shape.sphere_radius + std::min({box.x, box.y, box.z}));
+  }
+  const auto add = [&](std::size_t of_shape, double scale, std::int32_t material) {
+    const Shape& shape = scene.shapes[of_shape];
+    const double mass = scene.materials[static_cast<std::size_t>(material)].density * shape.mass.volume * scale * scale * scale;
     movers.lightest = std::min(movers.lightest, mass);
-    movers.smallest = std::min(movers.smallest, 2 * scale * radius);
-    movers.largest = std::max(movers.largest, 2 * scale * radius);
-    movers.narrowest = std::min(movers.narrowest, scale * (2 * shape.sphere_radius + std::min({box.x, box.y, box.z})));
+    movers.smallest = std::min(movers.smallest, 2 * scale * radius[of_shape]);
+    movers.largest = std::max(movers.largest, 2 * scale * radius[of_shape]);
+    movers.narrowest = std::min(movers.narrowest, scale * width[of_shape]);
     Movers::Heaviest& heaviest = movers.of_material[static_cast<std::size_t>(material)];
     if (mass > heaviest.mass) heaviest = {mass, scale * shape.equivalent_diameter()};
   };
-  std::vector<double> radius;
-  for (const Shape& shape : scene.shapes) radius.push_back(shape.bounding_radius());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const auto shape = static_cast<std::size_t>(scene.bodies.shape[i]);
-    if (scene.bodies.fixed[i] == 0) add(scene.shapes[shape], radius[shape], scene.bodies.scale[i], scene.bodies.material[i]);
+    if (scene.bodies.fixed[i] == 0) add(static_cast<std::size_t>(scene.bodies.shape[i]), scene.bodies.scale[i], scene.bodies.material[i]);
   }
   for (const CaseInlet& i : c.inlets) {
     for (const auto& share : i.shares) {
-      const Shape& shape = scene.shapes[static_cast<std::size_t>(parts.scene_shape[static_cast<std::size_t>(share.first)])];
-      const ScaleRange scales = scales_of(i.size, shape);
-      for (const double scale : {scales.smallest, scales.largest}) add(shape, shape.bounding_radius(), scale, i.material);
+      const auto shape = static_cast<std::size_t>(parts.scene_shape[static_cast<std::size_t>(share.first)]);
+      const ScaleRange scales = scales_of(i.size, scene.shapes[shape]);
+      for (const double scale : {scales.smallest, scales.largest}) add(shape, scale, i.material);
     }
   }
   return movers;
@@ -454,14 +457,10 @@ std::vector<Rim> rims_of(const TriangleMesh& mesh) {
   std::vector<Rim> rims;
   while (!next.empty()) {
     const std::int32_t begin = next.begin()->first;
-    Rim rim{{mesh.vertices[static_cast<std::size_t>(begin)], mesh.vertices[static_cast<std::size_t>(begin)]}};
+    Rim rim;
     std::int32_t at = begin;
     for (auto found = next.find(at); found != next.end(); found = next.find(at)) {
-      const Vec3& p = mesh.vertices[static_cast<std::size_t>(at)];
-      for (int k = 0; k < 3; ++k) {
-        rim.box.lower[k] = std::min(rim.box.lower[k], p[k]);
-        rim.box.upper[k] = std::max(rim.box.upper[k], p[k]);
-      }
+      rim.box.add(mesh.vertices[static_cast<std::size_t>(at)]);
       ++rim.edges;
       at = found->second;
       next.erase(found);

@@ -87,9 +87,8 @@ void check_run_folder(const std::string& folder, const std::string& scene_path, 
   const bool has_scene = fs::exists(scene, error), has_checkpoint = !list_checkpoints(folder).empty();
   if (has_scene && sha256_of_file(scene.string()) != scene_sha256) {
     throw UsageError(
-        "-o {}: holds a run of another scene than {}; choose another folder. A run whose case has changed since, such as its duration, "
-        "goes "
-        "on from a new case: [start] run = \"{}\"",
+        "-o {}: holds a run of another scene than {}; choose another folder. A run whose case has changed since, such as its "
+        "duration, goes on from a new case: [start] run = \"{}\"",
         folder, scene_path, folder);
   }
   if (restart == "latest" && !has_checkpoint) {

@@ -21,8 +21,8 @@ void check_scene(const mpi::Communicator& comm, const RunOptions& options, const
   mpi::on_root(comm, [&] {
     if (start.checkpoint && start.checkpoint->scene_sha256 != loaded.sha256) {
       throw InputError(
-          "--restart {}: was made from another scene than {}; give the scene it came from, or begin a new run from it with [start] in the "
-          "case",
+          "--restart {}: was made from another scene than {}; give the scene it came from, or begin a new run from it with [start] in "
+          "the case",
           start.checkpoint->path, options.scene_path);
     }
     const std::int64_t cut_for = loaded.scene.partition.ranks;

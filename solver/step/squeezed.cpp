@@ -75,10 +75,8 @@ std::string squeezed_between_walls(const PairPass& pass, std::int32_t k) {
   const bool two = pressed.b >= 0;
   return fmt::format(
       "{} squeezed between wall '{}', which moves, and wall '{}'{}: they are {} apart there, and {} measures {} (the ball of its volume). "
-      "No "
-      "stiffness holds against a wall that is driven: leave a gap that bodies fit through, or that is closed to them; or move the wall by "
-      "a "
-      "torque or a force (motor, servo), which stops",
+      "No stiffness holds against a wall that is driven: leave a gap that bodies fit through, or that is closed to them; or move the "
+      "wall by a torque or a force (motor, servo), which stops",
       two ? "they are" : "it is", scene.walls[at(wall_of(*driven))].name, scene.walls[at(wall_of(*other))].name,
       moves(*other) ? ", which moves too" : "", format_quantity(room, Dimension::length), two ? "the first" : "the body",
       format_quantity(size_of(pressed.a), Dimension::length));
