@@ -29,7 +29,10 @@ class KnownBodies {
   std::int64_t largest_ = -1;
 };
 
-bool is_unit(const Quat& q) { return std::abs(norm(q) - 1) <= kUnitTolerance; }
+/// Names a row, for the message of one that is wrong: a frame has millions that are not.
+auto row_of(const char* table, std::size_t i) {
+  return [table, i] { return fmt::format("row {} of its {}", i, table); };
+}
 
 class Checker {
  public:
@@ -38,29 +41,29 @@ class Checker {
   void bodies(const FrameBodies& b) const {
     const KnownBodies known(scene_);
     for (std::size_t i = 0; i < b.size(); ++i) {
-      const std::string who = fmt::format("body {}", b.id[i]);
-      if (!known.contains(b.id[i])) throw InputError("{}: holds {}, which the scene does not have; {}", path_, who, kNotOfThisScene);
+      const auto who = [&] { return fmt::format("body {}", b.id[i]); };
+      if (!known.contains(b.id[i])) throw InputError("{}: holds {}, which the scene does not have; {}", path_, who(), kNotOfThisScene);
       index(who, "shape", b.shape[i], scene_.shapes.size());
       index(who, "material", b.material[i], scene_.materials.size());
-      if (!(b.scale[i] > 0) || !std::isfinite(b.scale[i])) throw wrong(who, fmt::format("scale {:g}, a value > 0 expected", b.scale[i]));
+      if (!(b.scale[i] > 0) || !std::isfinite(b.scale[i])) throw wrong(who(), fmt::format("scale {:g}, a value > 0 expected", b.scale[i]));
       if (!is_finite(b.position[i]) || !is_finite(b.velocity[i]) || !is_finite(b.angular_velocity[i]))
-        throw wrong(who, "a position or velocity that is not a finite number");
-      if (!is_unit(b.orientation[i])) throw wrong(who, fmt::format("an orientation of norm {:.9g}, 1 expected", norm(b.orientation[i])));
+        throw wrong(who(), "a position or velocity that is not a finite number");
+      expect_unit(who, b.orientation[i]);
     }
   }
 
   void walls(const FrameWalls& w) const {
     for (std::size_t i = 0; i < w.size(); ++i) {
-      const std::string who = fmt::format("wall {}", w.id[i]);
+      const auto who = [&] { return fmt::format("wall {}", w.id[i]); };
       wall(w.id[i], "its walls");
-      if (!is_finite(w.position[i])) throw wrong(who, "a position that is not a finite number");
-      if (!is_unit(w.orientation[i])) throw wrong(who, fmt::format("an orientation of norm {:.9g}, 1 expected", norm(w.orientation[i])));
+      if (!is_finite(w.position[i])) throw wrong(who(), "a position that is not a finite number");
+      expect_unit(who, w.orientation[i]);
     }
   }
 
   void maps(const FrameLoads& loads, const FrameWear& wear) const {
     for (std::size_t i = 0; i < loads.size(); ++i)
-      index(fmt::format("row {} of its loads", i), "triangle", loads.triangle[i], mesh_of(loads.wall[i], "its loads").triangles.size());
+      index(row_of("loads", i), "triangle", loads.triangle[i], mesh_of(loads.wall[i], "its loads").triangles.size());
     for (std::size_t i = 0; i < wear.size();) {
       const std::int64_t id = wear.wall[i];
       const std::size_t first = i, vertices = mesh_of(id, "its wear").vertices.size();
@@ -75,13 +78,13 @@ class Checker {
   void materials(const Table& table, const char* what) const {
     for (std::size_t i = 0; i < table.size(); ++i) {
       for (const std::int32_t m : {table.material_a[i], table.material_b[i]})
-        index(fmt::format("row {} of its {}", i, what), "material", m, scene_.materials.size());
+        index(row_of(what, i), "material", m, scene_.materials.size());
     }
   }
 
   void bonds(const FrameBonds& b) const {
     for (std::size_t i = 0; i < b.size(); ++i) {
-      index(fmt::format("row {} of its bonds", i), "bond", b.bond[i], scene_.bonds.size());
+      index(row_of("bonds", i), "bond", b.bond[i], scene_.bonds.size());
       if (i > 0 && b.bond[i] == b.bond[i - 1]) throw InputError("{}: bond {} occurs twice; the file is damaged", path_, b.bond[i]);
     }
   }
@@ -90,9 +93,14 @@ class Checker {
   InputError wrong(const std::string& who, const std::string& what) const {
     return InputError("{}: {} has {}; the frame is damaged", path_, who, what);
   }
-  void index(const std::string& who, const char* what, std::int64_t value, std::size_t count) const {
+  template <class Who>
+  void index(const Who& who, const char* what, std::int64_t value, std::size_t count) const {
     if (value >= 0 && value < static_cast<std::int64_t>(count)) return;
-    throw InputError("{}: {} has {} {}, but the scene has {} {}s; {}", path_, who, what, value, count, what, kNotOfThisScene);
+    throw InputError("{}: {} has {} {}, but the scene has {} {}s; {}", path_, who(), what, value, count, what, kNotOfThisScene);
+  }
+  template <class Who>
+  void expect_unit(const Who& who, const Quat& q) const {
+    if (!(std::abs(norm(q) - 1) <= kUnitTolerance)) throw wrong(who(), fmt::format("an orientation of norm {:.9g}, 1 expected", norm(q)));
   }
   const Wall& wall(std::int64_t id, const char* what) const {
     const auto found = std::find_if(scene_.walls.begin(), scene_.walls.end(), [id](const Wall& w) { return w.id == id; });
