@@ -24,7 +24,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
 sys.path.insert(0, os.path.join(HERE, "..", "..", "post", "python"))
 import scree  # noqa: E402
-from rich_run import make_rich_run  # noqa: E402
+from rich_run import MATERIALS, make_rich_run  # noqa: E402
 
 warnings.simplefilter("ignore")
 NUMBERS = (0, -1, 1, -5, 2**31 - 1, -2**31, 2**31, 2**53, 2**62, -2**63, 2**63 - 1, 1e-320, 1e308, -1e308, 1e20, float("nan"), float("inf"), -float("inf"), 0.5, 3)
@@ -38,20 +38,7 @@ duration = 0.01
 [contact]
 margin = "0.4 mm"
 surface = "outside"
-[materials.m]
-density = 2500
-[materials.steel]
-density = 7800
-[[pairs]]
-between = ["m", "m"]
-stiffness = 2e4
-restitution = 0.5
-friction = 0.4
-[[pairs]]
-between = ["m", "steel"]
-stiffness = 2e4
-restitution = 0.5
-friction = 0.4
+""" + MATERIALS + """\
 [start]
 run = "changed.run"
 """

@@ -3,19 +3,7 @@ that come in and that leave."""
 import os
 import subprocess
 
-CASE = """
-title = "everything"
-seed = 2
-gravity = [0, 0, -9.81]
-[time]
-duration = 0.12
-[contact]
-margin = "0.4 mm"
-surface = "outside"
-[domain]
-min = [-0.09, -0.02, -0.09]
-max = [0.09, 0.08, 0.09]
-outside = "remove"
+MATERIALS = """\
 [materials.m]
 density = 2500
 [materials.steel]
@@ -30,6 +18,21 @@ between = ["m", "steel"]
 stiffness = 2e4
 restitution = 0.5
 friction = 0.4
+"""
+CASE = """
+title = "everything"
+seed = 2
+gravity = [0, 0, -9.81]
+[time]
+duration = 0.12
+[contact]
+margin = "0.4 mm"
+surface = "outside"
+[domain]
+min = [-0.09, -0.02, -0.09]
+max = [0.09, 0.08, 0.09]
+outside = "remove"
+""" + MATERIALS + """\
 [shapes.ball]
 sphere = { radius = "7 mm" }
 [shapes.rock]

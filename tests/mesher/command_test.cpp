@@ -169,6 +169,35 @@ TEST_F(MesherImport, a_truncated_binary_stl_is_refused_with_its_sizes) {
   expect_refused("short.stl", "4 triangles, which need 284 bytes, but the file has 150");
 }
 
+TEST_F(MesherImport, what_follows_the_triangles_of_a_binary_stl_is_left_out_and_told) {
+  folder.write("more.stl", binary_stl() + std::string(60, '\xff'));
+  const auto done = run("import more.stl --unit m -o more.shape.h5");
+  EXPECT_EQ(done.code, 0) << done.errors;
+  EXPECT_NE(done.errors.find("60 bytes after its 4 triangles are left out"), std::string::npos) << done.errors;
+}
+
+TEST_F(MesherImport, formats_without_a_reader_name_what_converts_them) {
+  for (const auto& [file, says] : {std::pair("part.iges", "a CAD program (FreeCAD, gmsh) exports it as .stl"),
+                                   {"part.msh", "meshio convert"},
+                                   {"part.3mf", "Blender or MeshLab"}}) {
+    folder.write(file, "x");
+    const ToolRun result = run(std::string("import ") + file + " -o x.shape.h5");
+    EXPECT_EQ(result.code, 2) << result.errors;
+    EXPECT_SAYS(result.errors, says);
+  }
+}
+
+// two halves of a sheet that face opposite ways: --flip turns the smaller one, the cure that the note names
+TEST_F(MesherImport, a_surface_of_mixed_winding_is_told_its_cure) {
+  folder.write("mixed.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3\nf 1 3 4\nf 2 3 5\nf 5 6 3\n");
+  const auto mixed = run("import mixed.obj --unit m --surface -o mixed.shape.h5");
+  EXPECT_EQ(mixed.code, 0) << mixed.errors;
+  EXPECT_NE(mixed.errors.find("import with --flip, which makes them agree"), std::string::npos) << mixed.errors;
+  const auto agrees = run("import mixed.obj --unit m --surface --flip -o agrees.shape.h5");
+  EXPECT_EQ(agrees.code, 0) << agrees.errors;
+  EXPECT_EQ(agrees.errors.find("opposite ways"), std::string::npos) << agrees.errors;
+}
+
 TEST_F(MesherImport, an_stl_whose_header_promises_too_much_is_refused) {
   std::string text = binary_stl();
   const std::uint32_t many = 4000000000U;
