@@ -1,6 +1,9 @@
 # Environment of every MPI test: runs as root in containers, oversubscribes, does not bind to one core.
 set(SCREE_MPI_ENVIRONMENT
   "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1"
+  # the same for Open MPI 5, which starts ranks by PRRTE
+  "PRTE_ALLOW_RUN_AS_ROOT=1;PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1;PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe"
+  "PRTE_MCA_hwloc_default_binding_policy=none"
   # more ranks and threads than cores: who waits must not hold the core of the one that is waited for
   "OMPI_MCA_mpi_yield_when_idle=1;OMP_WAIT_POLICY=passive"
   "OMPI_MCA_hwloc_base_binding_policy=none;OMPI_MCA_btl_vader_single_copy_mechanism=none"

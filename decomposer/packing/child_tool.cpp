@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 /// Variables by which Open MPI would take the child for a rank of this program's own job. The user's settings stay.
 bool is_of_this_job(const std::string& variable) {
-  for (const char* kept : {"OMPI_ALLOW_RUN_AS_ROOT"}) {
+  for (const char* kept : {"OMPI_ALLOW_RUN_AS_ROOT", "PRTE_ALLOW_RUN_AS_ROOT", "PRTE_MCA_rmaps_default", "PRTE_MCA_hwloc_default"}) {
     if (variable.starts_with(kept)) return false;
   }
   for (const char* own : {"PMIX_", "ORTE_", "PRTE_", "OMPI_MCA_orte_", "OMPI_MCA_ess", "OMPI_MCA_pmix", "OMPI_MCA_initial_wdir"}) {

@@ -1,6 +1,7 @@
 // Strong and weak scaling from the ranks.csv of several runs: a table and two charts.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -116,9 +116,11 @@ TEST(MotionPacking, a_poured_bed_lies_on_the_floor_and_on_itself) {
 
 TEST(MotionPacking, the_same_seed_pours_the_same_bed_on_any_number_of_ranks_and_threads) {
   // as in a container: root, and more ranks than cores
-  for (const char* variable : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe"}) {
+  for (const char* variable : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe",
+                               "PRTE_ALLOW_RUN_AS_ROOT", "PRTE_ALLOW_RUN_AS_ROOT_CONFIRM"}) {
     setenv(variable, "1", 0);
   }
+  setenv("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe", 0);  // Open MPI 5
   setenv("OMP_NUM_THREADS", "2", 1);
   const Scene one = pack(kHead + kPoured).scene;
   setenv("OMP_NUM_THREADS", "1", 1);

@@ -12,9 +12,12 @@ import tomllib
 
 import jsonschema
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from mpi_environment import mpi_environment  # noqa: E402
+
 SOURCE, PRINT_KEYS, DECOMPOSER = sys.argv[1:4]
 FOLDER = os.path.join(SOURCE, "decomposer", "schema")
-ENV = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+ENV = mpi_environment()
 
 cases = sorted(glob.glob(os.path.join(FOLDER, "cases", "*.toml")))
 schema_file = os.path.join(FOLDER, "case.schema.json")

@@ -11,9 +11,11 @@ import tempfile
 
 import h5py
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from mpi_environment import mpi_environment  # noqa: E402
+
 BIN, MPIEXEC = os.path.abspath(sys.argv[1]), sys.argv[2]
-ENV = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
-           OMPI_MCA_hwloc_base_binding_policy="none", OMP_NUM_THREADS="1")
+ENV = mpi_environment(OMP_NUM_THREADS="1")
 FORCE, REACH = 0.1, 1e-4  # of constant_pull.hpp
 RADIUS, DENSITY, STIFFNESS = 0.01, 2500, 1e3
 MASS = DENSITY * 4 / 3 * math.pi * RADIUS**3

@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from mpi_environment import grace_before_kill  # noqa: E402
 from tool_runs import BIN, ENV, PILE, SOLVER, children, command, main, make_killed, outcome, physics_of_log, run  # noqa: E402
 
 
@@ -93,7 +94,7 @@ def kill_at_random(runs, seed):
         assert number <= 4 * runs, "runs end before they can be killed"
         folder = f"killed{number}.run"
         begin = time.time()
-        child = start(3, "pile.scene.h5", "-o", folder, OMPI_MCA_odls_base_sigkill_timeout="1")
+        child = start(3, "pile.scene.h5", "-o", folder, **grace_before_kill(1))
         ranks = rank_processes(child, 3)
         time.sleep(random_state.uniform(0, usual))
         victim = random_state.randrange(3)
@@ -314,7 +315,7 @@ def a_stalled_rank_ends_the_run_within_the_limit_and_is_named():
     make_pile(27, 100, "long.scene.h5")
     for stalled_rank in (0, 2):
         folder = f"stalled{stalled_rank}.run"
-        child = start(3, "long.scene.h5", "-o", folder, "--stall-limit", "4", OMPI_MCA_odls_base_sigkill_timeout="1")
+        child = start(3, "long.scene.h5", "-o", folder, "--stall-limit", "4", **grace_before_kill(1))
         while not os.path.exists(f"{folder}/frame_000000.hdf"):
             assert child.poll() is None, child.stderr.read()
             time.sleep(0.02)

@@ -4,7 +4,7 @@
 #   install_test.sh BUILD OUTSIDE WORK     BUILD: built tree, OUTSIDE: the other program's source, WORK: scratch, emptied
 set -euo pipefail
 build=$1 outside=$2 work=$3
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PRTE_ALLOW_RUN_AS_ROOT=1 PRTE_ALLOW_RUN_AS_ROOT_CONFIRM=1
 rm -rf "$work"; mkdir -p "$work"; cd "$work"
 fail() { echo "install_test: $1" >&2; exit 1; }
 

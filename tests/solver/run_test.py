@@ -10,6 +10,7 @@ import sys
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from mpi_environment import grace_before_kill  # noqa: E402
 from tool_runs import BIN, ENV, MPIEXEC, PILE, SOLVER, Skipped, children, main, make_killed, outcome, physics_of_log, run  # noqa: E402
 
 
@@ -171,7 +172,7 @@ def a_killed_run_continues_to_the_same_end():
     run(2, "pile.scene.h5", "-o", "whole.run")
     child = subprocess.Popen([MPIEXEC, "-n", "2", SOLVER, "pile.scene.h5", "-o", "killed.run"],
                              # the surviving rank waits for the dead one: mpirun ends it after this many seconds
-                             env=dict(ENV, OMP_NUM_THREADS="1", OMPI_MCA_odls_base_sigkill_timeout="2"),
+                             env=dict(ENV, OMP_NUM_THREADS="1", **grace_before_kill(2)),
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.time() + 60
     while not [n for n in (os.listdir("killed.run") if os.path.isdir("killed.run") else []) if n.startswith("checkpoint_")]:

@@ -9,11 +9,11 @@ import sys
 import tempfile
 import time
 
+from mpi_environment import mpi_environment
+
 BIN, MPIEXEC = sys.argv[1], sys.argv[2]
 SOLVER, PILE = os.path.join(BIN, "scree-solver"), os.path.join(BIN, "scree_make_pile")
-ENV = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
-           OMPI_MCA_hwloc_base_binding_policy="none", # ranks that wait give their core away: these tests share the machine
-           OMPI_MCA_mpi_yield_when_idle="1")
+ENV = mpi_environment()
 
 
 def command(ranks, *arguments):

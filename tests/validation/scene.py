@@ -10,13 +10,16 @@ import math
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 
 import h5py
 import numpy
 
-import meshes
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+import meshes  # noqa: E402
+from mpi_environment import mpi_environment  # noqa: E402
 
 
 class ToolError(Exception):
@@ -37,9 +40,7 @@ class Tools:
         memory = "/dev/shm"
         in_memory = os.path.isdir(memory) and os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 2**30
         self.scratch = tempfile.mkdtemp(prefix="scree-validation-", dir=memory if in_memory else self.out)
-        self.environment = dict(os.environ, OMP_NUM_THREADS=str(threads), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                                OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none",
-                                OMPI_MCA_mpi_yield_when_idle="1")
+        self.environment = mpi_environment(OMP_NUM_THREADS=str(threads))
 
     def call(self, tool, *arguments, timeout=900, cwd=None):
         """Runs a tool; gives its stdout and stderr together. Throws ToolError for any exit code but 0."""

@@ -19,6 +19,9 @@ import subprocess
 import sys
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from mpi_environment import MPI_VARIABLES  # noqa: E402
+
 ROOT, BIN, SCRATCH = (os.path.abspath(word) for word in sys.argv[1:4])
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "scontrol", "snakemake")
 PATIENCE = 1800  # s, for a run over all its jobs, also on a busy machine
@@ -86,9 +89,8 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
 # of a job that this test may run in, nothing is passed on
 ENV = {name: value for name, value in os.environ.items() if not name.startswith(("SLURM_", "PMIX_", "OMPI_COMM", "SBATCH_"))}
-ENV.update(PATH=f"{BIN}:{os.environ['PATH']}:/usr/sbin", SCREE_BIN=BIN, OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-           OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none", OMPI_MCA_mpi_yield_when_idle="1",
-           OMPI_MCA_btl_vader_single_copy_mechanism="none")
+ENV.update(PATH=f"{BIN}:{os.environ['PATH']}:/usr/sbin", SCREE_BIN=BIN, OMP_NUM_THREADS="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
+           **MPI_VARIABLES)
 
 
 def called(*words, cwd=SCRATCH, **options):
