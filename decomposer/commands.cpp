@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/long_work.hpp"
 #include "core/base/units.hpp"
 #include "core/distance/triangle_distance.hpp"
@@ -184,7 +186,7 @@ CommandResult partition_command(const PartitionOptions& options, const std::vect
   const PredictedWork work = predicted_work(scene);
   partition_scene(scene, work, options.ranks, options.cut);
   // the configuration stays that of the case: it is what the scene is made from
-  const std::string configuration = scene.provenance.value("configuration", std::string{});
+  const std::string configuration = scene.provenance->value("configuration", std::string{});
   scene.provenance = record(start.has_value(), command, configuration,
                             {{options.scene_path, sha256_of_file(options.scene_path), scene.provenance}}, scene.settings.seed);
   write_scene_file(options.output, scene, start);
@@ -227,7 +229,7 @@ CommandResult tile_command(const TileOptions& options, const std::vector<std::st
   }
   Scene tiled = tile_scene(scene, now, options.copies);
   if (options.duration >= 0) tiled.settings.duration = options.duration;
-  tiled.provenance = record(false, command, scene.provenance.value("configuration", std::string{}), inputs, scene.settings.seed);
+  tiled.provenance = record(false, command, scene.provenance->value("configuration", std::string{}), inputs, scene.settings.seed);
   write_scene_file(options.output, tiled);
   CommandResult result;
   result.output = fmt::format("{}: {} bodies, {} x {} x {} copies of {}\n", options.output, tiled.bodies.size(), options.copies[0],

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
 
 #include "core/base/error.hpp"
+#include "core/base/nearest_name.hpp"
 #include "core/base/tool_manual.hpp"
 #include "core/base/version.hpp"
 
@@ -129,51 +129,6 @@ CLI::Option* add_quantities(CLI::App& line, const std::string& names, std::vecto
       ->expected(count);
 }
 
-void expect_ending(const std::string& option, const std::string& path, const std::string& what,
-                   std::initializer_list<const char*> endings) {
-  std::string stem = path, known;
-  for (const std::string ending : endings) {
-    if (path.size() > ending.size() && path.ends_with(ending)) return;
-    known += (known.empty() ? "NAME" : ", ") + ending;
-  }
-  // what there is of an ending goes: x, x.h5 and x.scene become x.scene.h5
-  for (const std::string ending : {".h5", ".scene", ".shape"}) {
-    if (stem.ends_with(ending)) stem.resize(stem.size() - ending.size());
-  }
-  if (stem.empty() || stem.ends_with('/')) stem += "NAME";
-  throw UsageError("{} {}: {} is called {}; write {} {}{}", option, path, what, known, option, stem, *endings.begin());
-}
-
 std::vector<std::string> command_words(int argc, char** argv) { return {argv, argv + argc}; }
-
-std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
-  // Restricted Damerau-Levenshtein distance: a swap of neighbours ("desnity") counts as one edit.
-  const auto distance = [](const std::string& a, const std::string& b) {
-    std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
-    std::iota(last.begin(), last.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-      now[0] = i;
-      for (std::size_t j = 1; j <= b.size(); ++j) {
-        now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0U : 1U)});
-        if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) now[j] = std::min(now[j], before[j - 2] + 1);
-      }
-      std::swap(before, last);
-      std::swap(last, now);
-    }
-    return last[b.size()];
-  };
-  // A third of the word may be wrong: "frction" finds "friction", while "colour" does not find "count".
-  const std::size_t allowed = std::max<std::size_t>(1, word.size() / 3);
-  std::string nearest;
-  std::size_t best = allowed + 1;
-  for (const std::string& candidate : candidates) {
-    const std::size_t edits = distance(word, candidate);
-    if (edits < best && edits < candidate.size()) {
-      best = edits;
-      nearest = candidate;
-    }
-  }
-  return nearest;
-}
 
 }  // namespace scree

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -35,14 +34,7 @@ CLI::Option* add_quantity(CLI::App& line, const std::string& names, double& valu
 CLI::Option* add_quantities(CLI::App& line, const std::string& names, std::vector<double>& values, int count, Dimension dimension,
                             const std::string& help);
 
-/// Refuses, with UsageError, the name of a file to write that has none of these endings, and says what to write.
-/// in   option   "-o"     in   what   "a scene"     in   endings   ".scene.h5"; the first is the one to write
-void expect_ending(const std::string& option, const std::string& path, const std::string& what, std::initializer_list<const char*> endings);
-
 /// Words of the command line, for provenance.
 std::vector<std::string> command_words(int argc, char** argv);
-
-/// The candidate nearest to a misspelt word by edit distance, or "" when none is near.
-std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates);
 
 }  // namespace scree

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/nearest_name.hpp"
 
 namespace scree {
 

@@ -1,6 +1,7 @@
 #include "core/base/provenance.hpp"
 
 #include <openssl/evp.h>
+#include <nlohmann/json.hpp>
 
 #include <cerrno>
 #include <cstdio>

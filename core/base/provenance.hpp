@@ -1,9 +1,11 @@
 // Where a file comes from: the record that opens every file that Scree writes.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
+
+#include "core/base/json_record.hpp"
 
 namespace scree {
 
@@ -11,7 +13,7 @@ namespace scree {
 struct InputRecord {
   std::string path;
   std::string sha256;
-  nlohmann::json history;
+  JsonRecord history;
 };
 
 /// The provenance record, made by each tool and written as JSON text (dataset or key "provenance").

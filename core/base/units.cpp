@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/nearest_name.hpp"
 
 // A unit is a product of powers of symbols: "kg/m^3", "N m", "mm/s^2". Each symbol is a factor to SI and
 // four exponents. The radian counts as a dimension of its own, so that "120 Hz" given for a rotation rate

@@ -5,7 +5,7 @@
 // Python's surrogateescape, PEP 383; JSON allows no lone surrogates.)
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace scree {

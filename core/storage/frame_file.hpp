@@ -5,12 +5,12 @@
 #include <mpi.h>
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
+#include "core/base/json_record.hpp"
 #include "core/geometry/vec3.hpp"
 #include "core/storage/frame_columns.hpp"
 
@@ -152,7 +152,7 @@ struct Frame : FrameScalars {
   FrameWear wear;          ///< empty where no wall wears
   bool has_bonds = false;  ///< whether the scene has bonds, broken ones included; the same on every rank
   FrameBonds bonds;
-  nlohmann::json provenance;
+  JsonRecord provenance;
 };
 
 /// The components of a value, as tables and ParaView files have them.

@@ -1,5 +1,7 @@
 #include "core/storage/json_keys.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace scree {
 
 namespace {

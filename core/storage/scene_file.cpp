@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 

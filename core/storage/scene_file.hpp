@@ -1,11 +1,12 @@
 // *.scene.h5: everything the solver needs, standing alone. The page of the format is SCENE_FORMAT.md.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/json_record.hpp"
 #include "core/storage/body_orientation.hpp"
 #include "core/storage/bond.hpp"
 #include "core/storage/feed_rate.hpp"
@@ -245,7 +246,7 @@ struct Scene {
   std::vector<BodyForce> forces;  ///< by id; of few bodies, mostly of none
   std::vector<Bond> bonds;
   Partition partition;
-  nlohmann::json provenance;
+  JsonRecord provenance;
 
   /// Properties of a material pair in either order; throws InputError when it is missing.
   const MaterialPair& pair(std::int32_t a, std::int32_t b) const;

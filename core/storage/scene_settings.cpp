@@ -1,6 +1,8 @@
 // What a person would read of a scene, as one JSON text: settings, materials, pairs, walls. Writing comes first, then reading.
 #include "core/storage/scene_settings.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "core/storage/json_keys.hpp"
 #include "core/storage/scene_keys.hpp"
 

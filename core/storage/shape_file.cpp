@@ -1,6 +1,7 @@
 #include "core/storage/shape_file.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/base/utf8.hpp"

@@ -1,10 +1,11 @@
 // *.shape.h5: one or more shapes. The page of the format is SHAPE_FORMAT.md beside this file.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "core/base/json_record.hpp"
 #include "core/geometry/mass_properties.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 #include "core/storage/h5.hpp"
@@ -31,7 +32,7 @@ struct Shape {
   Vec3 origin_shift;         ///< centre of mass in the coordinates of the file [m]
   MassProperties mass;       ///< density 1, about the origin of the mesh; zero for a surface
   double area = 0;           ///< [m^2]
-  nlohmann::json verdict;    ///< what the mesh check found (see mesher/README.md); null for analytic shapes
+  JsonRecord verdict;        ///< what the mesh check found (see mesher/README.md); null for analytic shapes
 
   /// Radius of the smallest sphere about the origin that holds the shape, rounding included [m].
   double bounding_radius() const;
@@ -53,7 +54,7 @@ void write_shape_file(const std::string& path, const std::vector<Shape>& shapes,
 
 struct ShapeFile {
   std::vector<Shape> shapes;
-  nlohmann::json provenance;
+  JsonRecord provenance;
   std::optional<PieceTable> pieces;  ///< of a body that was cut: all shapes are its pieces
 };
 /// Throws InputError when the file is missing, damaged, of another kind or of a newer version, or when its

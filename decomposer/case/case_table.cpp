@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/base/command_line.hpp"
+#include "core/base/nearest_name.hpp"
 #include "core/base/one_line.hpp"
 
 namespace scree {

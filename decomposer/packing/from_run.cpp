@@ -1,6 +1,7 @@
 #include "decomposer/packing/from_run.hpp"
 
 #include <mpi.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>

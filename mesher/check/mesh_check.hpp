@@ -1,7 +1,7 @@
 // The mesh check: what is right and wrong with a triangle mesh that should become a rigid body.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,13 +1,14 @@
 #include "mesher/commands/certificate.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/provenance.hpp"
 #include "core/base/units.hpp"
 

@@ -6,6 +6,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/long_work.hpp"
 #include "core/storage/h5.hpp"
 #include "mesher/commands/certificate.hpp"

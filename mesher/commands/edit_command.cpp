@@ -7,6 +7,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/mesh_refine.hpp"
 #include "mesher/check/mesh_deviation.hpp"
@@ -137,10 +138,10 @@ void write_edit_results(const std::string& what, const EditOptions& options, con
           fmt::format("{} (after it was {}; nothing is written)", refusal_of(options.file, with_advice_after(what, edited)), what);
       return;
     }
-    shapes.back().verdict["file"] = options.file;
-    shapes.back().verdict["reader"] = source.reader;
-    shapes.back().verdict["metres_per_file_unit"] = source.factor;
-    shapes.back().verdict[what] = edited.record;
+    (*shapes.back().verdict)["file"] = options.file;
+    (*shapes.back().verdict)["reader"] = source.reader;
+    (*shapes.back().verdict)["metres_per_file_unit"] = source.factor;
+    (*shapes.back().verdict)[what] = edited.record;
   }
   if (extension_of(options.output) == ".stl") {
     const std::string loss = stl_loss(results.front().mesh);

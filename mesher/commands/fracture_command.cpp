@@ -9,6 +9,7 @@
 #include "core/base/command_line.hpp"
 #include "core/base/csv.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/checksum.hpp"
 #include "mesher/check/mesh_check.hpp"

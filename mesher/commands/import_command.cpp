@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -88,11 +89,11 @@ Shape import_one(const std::string& path, const std::string& name, const ImportO
   for (const std::string& note : file.notes) result.notices.push_back(fmt::format("{}: {}", path, note));
   for (const std::string& sentence : repairs.sentences()) result.notices.push_back(fmt::format("{}: {}", path, sentence));
   Shape shape = certified_shape(name, std::move(file.mesh), options.surface, path, result);
-  shape.verdict["reader"] = file.reader;
-  shape.verdict["file"] = path;
-  shape.verdict["metres_per_file_unit"] = factor;
-  shape.verdict["stored"] = {{"vertices", stored_vertices}, {"triangles", stored_triangles}};
-  shape.verdict["repairs"] = json_of(repairs);
+  (*shape.verdict)["reader"] = file.reader;
+  (*shape.verdict)["file"] = path;
+  (*shape.verdict)["metres_per_file_unit"] = factor;
+  (*shape.verdict)["stored"] = {{"vertices", stored_vertices}, {"triangles", stored_triangles}};
+  (*shape.verdict)["repairs"] = json_of(repairs);
   return shape;
 }
 

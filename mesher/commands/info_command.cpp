@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/units.hpp"
 #include "core/geometry/features.hpp"
 #include "core/storage/shape_file.hpp"

@@ -4,6 +4,7 @@
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/units.hpp"
 #include "post/commands/commands.hpp"
 #include "post/run/body_colours.hpp"

@@ -1,9 +1,11 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
+#include "core/base/expect_ending.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "post/commands/commands.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "core/base/progress.hpp"
 #include "core/base/provenance.hpp"
@@ -54,7 +55,7 @@ std::string case_section(const Run& run) {
                                   format_quantity(start->time, Dimension::time), start->bodies, start->pair_count()));
   for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
     const Inlet& inlet = scene.inlets[k];
-    const nlohmann::json at_end = run.outcome.contains("inlets") ? run.outcome["inlets"][k] : nlohmann::json::object();
+    const nlohmann::json at_end = run.outcome->contains("inlets") ? (*run.outcome)["inlets"][k] : nlohmann::json::object();
     std::string text = inlet.rate.by_number ? fmt::format("up to {:.4g} bodies/s", inlet.rate.largest())
                                             : fmt::format("up to {:.4g} kg/s", inlet.rate.largest());
     if (!at_end.empty()) {
@@ -65,7 +66,7 @@ std::string case_section(const Run& run) {
     rows.emplace_back(escaped("Inlet " + inlet.name), text);
   }
   for (std::size_t k = 0; k < scene.outlets.size(); ++k) {
-    const nlohmann::json at_end = run.outcome.contains("outlets") ? run.outcome["outlets"][k] : nlohmann::json::object();
+    const nlohmann::json at_end = run.outcome->contains("outlets") ? (*run.outcome)["outlets"][k] : nlohmann::json::object();
     const std::int32_t to = scene.outlets[k].to;
     std::string text = at_end.empty()
                            ? "takes bodies out"
@@ -78,13 +79,13 @@ std::string case_section(const Run& run) {
                                             s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));
   rows.emplace_back("Contact", fmt::format("law {}, gathered as {}, margin {}", word_of(s.law), word_of(s.gather), length_text(s.margin)));
   rows.emplace_back("Motion", fmt::format("{}{}", word_of(s.integrator),
-                                          run.outcome.contains("step_size")
-                                              ? ", step " + format_quantity(run.outcome["step_size"].get<double>(), Dimension::time)
+                                          run.outcome->contains("step_size")
+                                              ? ", step " + format_quantity((*run.outcome)["step_size"].get<double>(), Dimension::time)
                                               : std::string()));
   if (run.is_finished()) {
-    if (const std::string limit = run.outcome.value("step_limited_by", ""); !limit.empty())
+    if (const std::string limit = run.outcome->value("step_limited_by", ""); !limit.empty())
       rows.emplace_back("Step limited by", escaped(limit));
-    rows.emplace_back("State hash", "<code>" + escaped(run.outcome.value("state_hash", "?")) + "</code>");
+    rows.emplace_back("State hash", "<code>" + escaped(run.outcome->value("state_hash", "?")) + "</code>");
   }
   std::string html = table_of(rows);
 
@@ -99,8 +100,8 @@ std::string case_section(const Run& run) {
       check = "analytic ball";
     else if (shape.kind == ShapeKind::surface)
       check = "wall surface";
-    else if (shape.verdict.is_object() && shape.verdict.contains("solid"))
-      check = shape.verdict.value("solid", false) ? "watertight, outward" : "not solid";
+    else if (shape.verdict->is_object() && shape.verdict->contains("solid"))
+      check = shape.verdict->value("solid", false) ? "watertight, outward" : "not solid";
     if (const std::int64_t pairs = crossing_pairs(shape); pairs > 0 && shape.kind == ShapeKind::solid)
       check += fmt::format("; {} of triangles {} through or touch each other", pairs == 1 ? "1 pair" : fmt::format("{} pairs", pairs),
                            pairs == 1 ? "passes" : "pass");
@@ -133,7 +134,7 @@ std::string case_section(const Run& run) {
     }
     html += "</tbody></table>\n";
   }
-  const std::string text = scene.provenance.is_object() ? scene.provenance.value("configuration", "") : "";
+  const std::string text = scene.provenance->is_object() ? scene.provenance->value("configuration", "") : "";
   if (!text.empty()) html += "<details><summary>The case file as it was read</summary><pre>" + escaped(text) + "</pre></details>\n";
   return html;
 }
@@ -173,7 +174,7 @@ std::string repeat_section(const Run& run, const nlohmann::json& record) {
     html += fmt::format(
         "<p>Given in the folders where they were given first. The same program, ranks and threads end in the state hash "
         "<code>{}</code>.</p>\n",
-        escaped(run.outcome.value("state_hash", "?")));
+        escaped(run.outcome->value("state_hash", "?")));
   }
   return html;
 }

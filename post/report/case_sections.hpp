@@ -1,7 +1,7 @@
 // The sections of the report that say what was run: verdicts, case, provenance, commands. HTML.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include "post/report/drive_verdict.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -78,12 +79,12 @@ std::pair<std::string, Judgement> drive_sentence(const Run& run, const Wall& wal
 
 Verdict judge_drives(const Run& run) {
   Verdict v{"Walls under force", Judgement::information, "known at the end", ""};
-  if (!run.outcome.contains("drives")) return v;
+  if (!run.outcome->contains("drives")) return v;
   std::size_t servos = 0, held = 0;
   for (const Wall& wall : run.scene.walls) {
     const std::optional<Drive> drive = wall.motion.drive();
     if (!drive) continue;
-    for (const nlohmann::json& record : run.outcome["drives"]) {
+    for (const nlohmann::json& record : (*run.outcome)["drives"]) {
       if (record.value("wall", std::int64_t{-1}) != wall.id) continue;
       const auto [text, judgement] = drive_sentence(run, wall, *drive, record);
       v.evidence += (v.evidence.empty() ? "" : " ") + text;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -329,8 +330,8 @@ std::string cost_section(const Run& run) {
   BarChart bars{"Time by phase (mean over ranks)", "", {}, {}, {}, false, ""};
   double total = 0;
   std::vector<std::pair<std::string, double>> phases;
-  if (run.outcome.contains("phases") && run.outcome["phases"].is_object()) {
-    for (const auto& [name, seconds] : run.outcome["phases"].items()) {
+  if (run.outcome->contains("phases") && (*run.outcome)["phases"].is_object()) {
+    for (const auto& [name, seconds] : (*run.outcome)["phases"].items()) {
       if (seconds.is_number()) phases.emplace_back(name, seconds.get<double>());
     }
   } else if (run.log.rows() > 0) {
@@ -388,7 +389,7 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
   numbers["cost"] = nlohmann::json::object();
   for (const char* key : {"wall_seconds", "steps", "step_size", "critical_step", "ranks", "threads", "phases", "mean_imbalance",
                           "peak_rss_bytes", "memory", "energy", "max_depth_ratio", "lost_bodies", "state_hash", "inlets", "outlets"}) {
-    if (run.outcome.contains(key)) numbers["cost"][key] = run.outcome[key];
+    if (run.outcome->contains(key)) numbers["cost"][key] = (*run.outcome)[key];
   }
   numbers["provenance"] = record;
   static constexpr std::array<const char*, 3> kStates{"same", "changed", "missing"};
@@ -403,7 +404,7 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
 /// What the head of the page says of the bodies that were not there at the start: of a run that has not ended, what its log has so far.
 std::string came_in(const Run& run) {
   if (run.scene.inlets.empty()) return "";
-  double count = run.is_finished() ? run.outcome.value("inserted_bodies", 0.0) : 0;
+  double count = run.is_finished() ? run.outcome->value("inserted_bodies", 0.0) : 0;
   if (!run.is_finished() && run.log.rows() > 0 && run.log.has("inserted_bodies")) count = run.log.column("inserted_bodies").back();
   return fmt::format(" at the start and {:.0f} that came in{}", count, run.is_finished() ? "" : " so far");
 }

@@ -1,10 +1,10 @@
 // report.html: one self-contained page about a run. It opens from a file, offline, and prints.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/base/json_record.hpp"
 #include "post/run/run_folder.hpp"
 #include "post/statistics/statistics.hpp"
 
@@ -19,7 +19,7 @@ struct ReportOptions {
 struct ReportResult {
   std::vector<std::string> verdicts;  ///< one line each, for the terminal
   std::vector<std::string> notes;     ///< what the page lacks and why (no picture without a display)
-  nlohmann::json numbers;             ///< format "scree-report": the numbers that the page shows
+  JsonRecord numbers;                 ///< format "scree-report": the numbers that the page shows
 };
 
 /// Writes the page: verdicts, what was run, pictures, a 3D view, statistics and charts, cost, provenance, commands.

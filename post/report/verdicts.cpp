@@ -1,6 +1,7 @@
 #include "post/report/verdicts.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -44,7 +45,7 @@ Verdict judge_outcome(const Run& run) {
     v.evidence = "There is no run.json: the run is still being written, or was killed. This page shows the complete frames so far.";
     return v;
   }
-  const std::string outcome = run.outcome.value("outcome", "?"), message = run.outcome.value("message", "");
+  const std::string outcome = run.outcome->value("outcome", "?"), message = run.outcome->value("message", "");
   v.answer = outcome;
   v.judgement = outcome == "completed" ? Judgement::good : (outcome == "interrupted" ? Judgement::doubtful : Judgement::bad);
   v.evidence = outcome == "completed" ? fmt::format("{:.0f} steps, {:.6g} s of simulated time", number_in(run.outcome, "steps", 0),
@@ -112,16 +113,16 @@ Verdict judge_rest(const Run& run) {
                       ? fmt::format(" ({:.0f} and {:.0f} %).", 100 * asleep.back() / bodies, 100 * mean / bodies)
                       : ".";
   }
-  if (run.outcome.contains("no_body_left")) {
+  if (run.outcome->contains("no_body_left")) {
     v.answer = "no body is left";
   } else if (!run.scene.settings.stop_at_rest) {
     v.answer = part < kRestKinetic ? "yes" : "no; the case does not require it";
     if (part < kRestKinetic) v.judgement = Judgement::good;
     v.evidence += fmt::format(" At rest means below {:.0e} of the peak.", kRestKinetic);
-  } else if (!run.outcome.contains("came_to_rest")) {
+  } else if (!run.outcome->contains("came_to_rest")) {
     v.answer = "known at the end";
   } else {
-    const bool rests = run.outcome["came_to_rest"] == true;
+    const bool rests = (*run.outcome)["came_to_rest"] == true;
     v.answer =
         rests ? fmt::format("yes, after {:.4g} s", number_in(run.outcome, "time", 0)) : "no, still moving at the end of the duration";
     v.judgement = rests ? Judgement::good : Judgement::doubtful;
@@ -305,9 +306,9 @@ Verdict judge_meshes(const Run& run) {
     const Shape& shape = run.scene.shapes[static_cast<std::size_t>(k)];
     if (shape.kind == ShapeKind::sphere) {
       ++analytic;
-    } else if (!shape.verdict.is_object() || !shape.verdict.contains("solid")) {
+    } else if (!shape.verdict->is_object() || !shape.verdict->contains("solid")) {
       unchecked += (unchecked.empty() ? "" : ", ") + shape.name;
-    } else if (shape.verdict.value("solid", false)) {
+    } else if (shape.verdict->value("solid", false)) {
       ++solid;
       if (const std::int64_t pairs = crossing_pairs(shape); pairs > 0)
         crossed += fmt::format("{}{} ({} {})", crossed.empty() ? "" : ", ", shape.name, pairs, pairs == 1 ? "pair" : "pairs");
@@ -347,7 +348,7 @@ double restitution_error(double steps) {
 }
 
 std::int64_t crossing_pairs(const Shape& shape) {
-  return shape.verdict.is_object() ? static_cast<std::int64_t>(number_in(shape.verdict, "self_intersections", 0)) : 0;
+  return shape.verdict->is_object() ? static_cast<std::int64_t>(number_in(shape.verdict, "self_intersections", 0)) : 0;
 }
 
 EnergyBalance energy_balance(const Run& run) {
@@ -386,7 +387,7 @@ std::vector<Verdict> judge(const Run& run) {
 }
 
 nlohmann::json provenance_of(const Run& run) {
-  return run.outcome.contains("provenance") ? run.outcome["provenance"] : load_frame(run, 0).provenance;
+  return run.outcome->contains("provenance") ? (*run.outcome)["provenance"] : load_frame(run, 0).provenance;
 }
 
 const char* name_of(Judgement judgement) {

@@ -1,6 +1,7 @@
 #include "post/run/provenance_chain.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // The history of a run as its provenance records tell it: every file behind it, and the commands that made them.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/csv.hpp"
@@ -73,9 +74,9 @@ nlohmann::json read_outcome(const std::string& path) {
 /// A finished run has a record for each inlet and outlet of its scene.
 void check_records(const Run& run, const std::string& path) {
   for (const auto& [key, expected] : {std::pair{"inlets", run.scene.inlets.size()}, std::pair{"outlets", run.scene.outlets.size()}}) {
-    if (run.outcome.contains(key) && run.outcome[key].size() != expected) {
+    if (run.outcome->contains(key) && (*run.outcome)[key].size() != expected) {
       throw InputError("{}: {} holds {} records, but the scene has {}; the file is damaged or of another run", path, key,
-                       run.outcome[key].size(), expected);
+                       (*run.outcome)[key].size(), expected);
     }
   }
 }
@@ -113,14 +114,16 @@ LogTable read_log(const std::string& path) {
   return table;
 }
 
+bool Run::is_finished() const { return outcome->is_object(); }
+
 std::string Run::notice() const {
   if (!is_finished()) {
     return fmt::format("{}: no run.json: the run is still being written, or was killed; the {} complete frames so far are used", folder,
                        frames.size());
   }
-  const std::string word = outcome.value("outcome", "?");
+  const std::string word = outcome->value("outcome", "?");
   if (word == "completed") return "";
-  return fmt::format("{}: the run did not complete: {}: {}", folder, word, outcome.value("message", ""));
+  return fmt::format("{}: the run did not complete: {}: {}", folder, word, outcome->value("message", ""));
 }
 
 Run open_run(const std::string& folder) {
@@ -164,11 +167,11 @@ namespace {
 
 /// A run that has ended knows how many bodies came in: they have the ids above all others, in their order.
 void check_ids_that_came(const Run& run, const Frame& frame, const std::string& path) {
-  if (!run.outcome.contains("inserted_bodies") || frame.bodies.size() == 0) return;
+  if (!run.outcome->contains("inserted_bodies") || frame.bodies.size() == 0) return;
   std::int64_t largest = -1;
   for (const std::int64_t id : run.scene.bodies.id) largest = std::max(largest, id);
   for (const Wall& wall : run.scene.walls) largest = std::max(largest, wall.id);
-  const double last = static_cast<double>(largest) + run.outcome["inserted_bodies"].get<double>();
+  const double last = static_cast<double>(largest) + (*run.outcome)["inserted_bodies"].get<double>();
   const std::int64_t id = frame.bodies.id.back();
   if (id > largest && static_cast<double>(id) > last)
     throw InputError("{}: holds body {}, which the run does not have: the last that came in is {:.0f}; the frame is damaged", path, id,

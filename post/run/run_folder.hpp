@@ -2,11 +2,11 @@
 // The page of the format is core/storage/RUN_FORMAT.md.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <unordered_set>
 #include <vector>
 
+#include "core/base/json_record.hpp"
 #include "core/storage/frame_file.hpp"
 #include "core/storage/scene_file.hpp"
 
@@ -30,11 +30,11 @@ struct Run {
   Scene scene;
   std::vector<FrameEntry> frames;    ///< ascending in time, each complete on disk
   LogTable log;                      ///< empty when there is no log.csv
-  nlohmann::json outcome;            ///< run.json; null while the run is being written or when it was killed
+  JsonRecord outcome;                ///< run.json; null while the run is being written or when it was killed
   std::vector<std::string> damaged;  ///< messages of frames that were left out because they cannot be read; see drop_damaged_frames
   std::unordered_set<std::int64_t> boundary_ids;  ///< walls and fixed bodies: no particles
 
-  bool is_finished() const { return outcome.is_object(); }
+  bool is_finished() const;
   /// What the user must know before trusting the output; empty for a completed run.
   std::string notice() const;
 };

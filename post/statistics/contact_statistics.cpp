@@ -1,6 +1,7 @@
 #include "post/statistics/contact_statistics.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

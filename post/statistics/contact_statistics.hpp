@@ -1,7 +1,7 @@
 // What a frame's contacts say about the packing: who touches whom, how hard, and in which directions.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <unordered_set>
 #include <vector>

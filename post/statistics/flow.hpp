@@ -5,7 +5,7 @@
 // have no residence time: of a run that is short, the distribution lacks its long times.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

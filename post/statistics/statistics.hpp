@@ -1,7 +1,7 @@
 // The statistics of a run: over time, by region, material and shape, with confidence intervals; tables, JSON and charts.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <unordered_set>

@@ -1,6 +1,7 @@
 #include "post/studies/compare.hpp"
 
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -43,8 +44,9 @@ std::map<std::string, std::string> settings_of(const Run& run) {
         fmt::format("{} triangles, equivalent diameter {:.6g} m", s.mesh.triangle_count(), s.equivalent_diameter());
   }
   for (const char* key : {"ranks", "threads", "step_size", "outcome", "inserted_bodies", "removed_bodies"}) {
-    if (run.outcome.contains(key))
-      all[fmt::format("run/{}", key)] = run.outcome[key].is_string() ? run.outcome[key].get<std::string>() : run.outcome[key].dump();
+    if (run.outcome->contains(key))
+      all[fmt::format("run/{}", key)] =
+          (*run.outcome)[key].is_string() ? (*run.outcome)[key].get<std::string>() : (*run.outcome)[key].dump();
   }
   return all;
 }

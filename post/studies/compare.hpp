@@ -1,7 +1,7 @@
 // Two or more runs side by side: what was set differently, how the statistics differ, how the trajectories part.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 // The text of open_in_paraview.py. It needs nothing but ParaView 5.11 or newer.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <set>

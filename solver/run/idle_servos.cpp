@@ -1,6 +1,7 @@
 #include "solver/run/idle_servos.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // What is reported of walls that answer to force when a run ends: where they are, with what force, and servos that do not press as asked.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include "solver/run/outcome.hpp"
 
 #include <omp.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

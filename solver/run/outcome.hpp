@@ -1,7 +1,7 @@
 // run.json: how a run ended. The page of the format is core/storage/RUN_FORMAT.md.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "solver/run/checkpoint.hpp"

@@ -1,5 +1,7 @@
 #include "solver/run/writers.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "core/storage/frame_file.hpp"
 #include "solver/run/make_frame.hpp"
 #include "solver/run/run_folder.hpp"
@@ -28,8 +30,8 @@ std::vector<RankMeasures> since_start(std::vector<RankMeasures> ranks, const Run
 }  // namespace
 
 Writers::Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::string folder, const Schedule& schedule,
-                 nlohmann::json provenance, const Simulation& simulation, bool is_restart)
-    : comm_(comm), loaded_(loaded), folder_(std::move(folder)), provenance_(std::move(provenance)), rank_log_(comm.size()) {
+                 const nlohmann::json& provenance, const Simulation& simulation, bool is_restart)
+    : comm_(comm), loaded_(loaded), folder_(std::move(folder)), provenance_(provenance), rank_log_(comm.size()) {
   const Settings& settings = loaded.scene.settings;
   has_steps_ = settings.step_control == StepControl::quantised;
   has_removed_ = can_remove(loaded.scene);

@@ -1,10 +1,11 @@
 // What a run writes into its folder while it goes on: tables, frames, checkpoints.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "core/base/json_record.hpp"
 #include "solver/run/checkpoint.hpp"
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/rank_log.hpp"
@@ -18,8 +19,8 @@ class Writers {
  public:
   /// Opens the folder. A restart keeps what was written up to its step, and the rest is made again.
   /// in   provenance   of the frames and checkpoints
-  Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::string folder, const Schedule& schedule, nlohmann::json provenance,
-          const Simulation& simulation, bool is_restart);
+  Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::string folder, const Schedule& schedule,
+          const nlohmann::json& provenance, const Simulation& simulation, bool is_restart);
 
   /// A row of log.csv, and of ranks.csv when it is due or `is_last`.
   /// in   before   of the parts of this run before this one: log.csv counts from the start of the run, ranks.csv from the last restart
@@ -40,7 +41,7 @@ class Writers {
   const mpi::Communicator& comm_;
   const LoadedScene& loaded_;
   std::string folder_;
-  nlohmann::json provenance_;
+  JsonRecord provenance_;
   bool has_steps_, has_removed_, has_inserted_;
   std::vector<std::string> tables_;  // paths; rank 0
   RankLog rank_log_;

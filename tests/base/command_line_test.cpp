@@ -1,4 +1,6 @@
 #include "core/base/command_line.hpp"
+#include "core/base/expect_ending.hpp"
+#include "core/base/nearest_name.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "core/base/provenance.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <filesystem>

@@ -1,6 +1,7 @@
 #include "core/base/utf8.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace scree {
 namespace {

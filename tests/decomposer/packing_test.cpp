@@ -713,7 +713,7 @@ TEST_F(Packing, the_inputs_hold_hash_and_history_of_every_file) {
   EXPECT_EQ(packed.inputs[0].path, "case.toml");
   for (std::size_t i = 1; i < 3; ++i) {
     EXPECT_EQ(packed.inputs[i].sha256, sha256_of_file(packed.inputs[i].path));
-    EXPECT_EQ(packed.inputs[i].history["tool"], "test");
+    EXPECT_EQ((*packed.inputs[i].history)["tool"], "test");
   }
 }
 

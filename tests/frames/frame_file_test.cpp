@@ -81,7 +81,7 @@ void expect_whole(const Frame& frame, std::int64_t count, int owners) {
   EXPECT_EQ(frame.walls.position[1], (Vec3{0, 0, 0.5}));
   EXPECT_EQ(frame.walls.force[1], (Vec3{4, 5, 6}));
   EXPECT_EQ(frame.walls.torque[0], (Vec3{-1, -2, -3}));
-  EXPECT_EQ(frame.provenance.at("text"), "Größe");
+  EXPECT_EQ(frame.provenance->at("text"), "Größe");
 }
 
 void write_and_compare(const std::string& name, std::int64_t count, int owners) {

@@ -226,8 +226,8 @@ TEST_F(MesherImport, a_binary_stl_and_an_obj_of_the_same_solid_give_the_same_sha
     EXPECT_EQ(shape.mesh.vertex_count(), 4);
     EXPECT_NEAR(shape.mass.volume, 8e-9 / 6, 1e-23);
     EXPECT_LE(length(shape.origin_shift - Vec3{0.5e-3, 0.5e-3, 0.5e-3}), 1e-17);
-    EXPECT_EQ(shape.verdict["solid"], true);
-    EXPECT_EQ(shape.verdict["metres_per_file_unit"], 2e-3);
+    EXPECT_EQ((*shape.verdict)["solid"], true);
+    EXPECT_EQ((*shape.verdict)["metres_per_file_unit"], 2e-3);
   }
 }
 

@@ -1,5 +1,6 @@
 // Solids cut into pieces: volumes, faces, and that the pieces fit.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -192,7 +193,7 @@ TEST(Fracture, a_closed_hollow_within_a_cell_stays_in_its_piece) {
   const Fracture cut =
       fracture(make_solid("bubble", box_with_bubble()), {0, 1, false, {{0.3, 0.3, 0.3}, {-0.3, -0.3, 0}, {-0.3, 0.3, -0.2}}});
   ASSERT_EQ(cut.pieces.size(), 3U);
-  EXPECT_EQ(cut.pieces[0].verdict["components"].size(), 2U);
+  EXPECT_EQ((*cut.pieces[0].verdict)["components"].size(), 2U);
 }
 
 TEST(Fracture, separate_parts_of_a_cell_become_pieces) {

@@ -36,9 +36,9 @@ TEST(RealMeshes, the_sixteen_small_bodies_of_openuniverse_are_watertight) {
     EXPECT_EQ(shapes[i].name, names[i]);
     EXPECT_EQ(shapes[i].mesh.vertex_count(), is_deimos ? 497 : 502);
     EXPECT_EQ(shapes[i].mesh.triangle_count(), is_deimos ? 990 : 1000);
-    EXPECT_EQ(shapes[i].verdict["boundary_edges"], 0);
-    EXPECT_EQ(shapes[i].verdict["euler_characteristic"], 2);
-    EXPECT_EQ(shapes[i].verdict["solid"], true);
+    EXPECT_EQ((*shapes[i].verdict)["boundary_edges"], 0);
+    EXPECT_EQ((*shapes[i].verdict)["euler_characteristic"], 2);
+    EXPECT_EQ((*shapes[i].verdict)["solid"], true);
   }
   // km^3: Stellarium's models of the same bodies have 849.5, 5750, 1014 and 15753; both come from the same
   // surveys
@@ -68,7 +68,7 @@ TEST(RealMeshes, a_step_file_of_a_linkage_becomes_a_solid_of_genus_two) {
   const ToolRun result = folder.mesher("import " + path + " --unit mm -o x.shape.h5");
   ASSERT_EQ(result.code, 0) << result.errors;
   const Shape shape = read_shape_file(folder / "x.shape.h5").shapes.at(0);
-  EXPECT_EQ(shape.verdict["euler_characteristic"], -2);
+  EXPECT_EQ((*shape.verdict)["euler_characteristic"], -2);
   EXPECT_NEAR(shape.mass.volume * 1e9, 3.847, 0.1);  // of the CAD model, by OpenCASCADE; facets of round parts cut corners
 }
 

@@ -42,7 +42,7 @@ TEST(ShapeFile, every_kind_of_shape_comes_back_bit_by_bit) {
   const std::vector<Shape> written = samples();
   write_shape_file(folder / "x.shape.h5", written, {{"tool", "test"}});
   const ShapeFile file = read_shape_file(folder / "x.shape.h5");
-  EXPECT_EQ(file.provenance["tool"], "test");
+  EXPECT_EQ((*file.provenance)["tool"], "test");
   ASSERT_EQ(file.shapes.size(), written.size());
   for (std::size_t i = 0; i < written.size(); ++i) {
     const Shape &a = written[i], &b = file.shapes[i];
@@ -173,14 +173,14 @@ TEST(ShapeFile, the_kept_sample_of_version_1_is_read) {
   EXPECT_EQ(brick.mesh.triangle_count(), 12);
   EXPECT_DOUBLE_EQ(brick.mass.volume, 6);
   EXPECT_LE(length(brick.mass.principal_moments - 6.0 / 12 * Vec3{5, 10, 13}), 1e-14);
-  EXPECT_EQ(brick.verdict["solid"], true);
-  EXPECT_EQ(file.provenance["tool"], "scree-mesher");
+  EXPECT_EQ((*brick.verdict)["solid"], true);
+  EXPECT_EQ((*file.provenance)["tool"], "scree-mesher");
 }
 
 TEST(ShapeFile, a_path_that_is_not_utf8_is_kept_byte_by_byte) {
   const Folder folder;
   write_shape_file(folder / "x.shape.h5", {make_sphere("bead", 1)}, {{"path", "caf\xe9.stl"}});
-  EXPECT_EQ(bytes_from_utf8(read_shape_file(folder / "x.shape.h5").provenance["path"]), "caf\xe9.stl");
+  EXPECT_EQ(bytes_from_utf8((*read_shape_file(folder / "x.shape.h5").provenance)["path"]), "caf\xe9.stl");
 }
 
 TEST(ShapeFile, a_folder_that_cannot_be_written_is_a_system_error) {

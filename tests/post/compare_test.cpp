@@ -2,6 +2,7 @@
 #include "post/studies/compare.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <sstream>

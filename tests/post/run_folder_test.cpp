@@ -2,6 +2,7 @@
 #include "post/run/run_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <cstring>
@@ -191,14 +192,14 @@ TEST_F(RunFolder, a_frame_that_was_left_out_is_told_in_the_verdicts) {
 TEST_F(RunFolder, the_page_and_its_json_tell_the_same_numbers) {
   const ReportResult result = write_report(open_run(folder.string()), beside("report.html"), {});
   const std::string html = text_of(beside("report.html"));
-  const nlohmann::json& all = result.numbers["statistics"]["groups"]["all"];
+  const nlohmann::json& all = (*result.numbers)["statistics"]["groups"]["all"];
   for (const char* name : {"coordination_number", "mean_normal_force", "fabric_zz", "solid_fraction"}) {
     const std::string cell = fmt::format("{}</td><td class=\"n\">{:.5g}<", name, all[name]["mean"].get<double>());
     EXPECT_NE(html.find(cell), std::string::npos) << cell;
   }
-  for (const nlohmann::json& v : result.numbers["verdicts"])
+  for (const nlohmann::json& v : (*result.numbers)["verdicts"])
     EXPECT_NE(html.find(escaped(v["answer"].get<std::string>())), std::string::npos) << v;
-  EXPECT_EQ(result.numbers["files"].size(), 3u);
+  EXPECT_EQ((*result.numbers)["files"].size(), 3u);
 }
 
 TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {

@@ -2,6 +2,7 @@
 #include "post/statistics/statistics.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

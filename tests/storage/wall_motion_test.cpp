@@ -3,6 +3,7 @@
 #include "core/storage/wall_motion.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
