@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solver/contact/triangle_contacts.hpp"
+#include "solver/features/triangle_contacts.hpp"
 
 namespace scree {
 

@@ -20,10 +20,10 @@
 #include <vector>
 
 #include "solver/built_with.hpp"
-#include "solver/contact/area_pressure.hpp"
 #include "solver/contact/pair_force.hpp"
 #include "solver/contact/pair_stiffness.hpp"
-#include "solver/contact/pair_view.hpp"
+#include "solver/features/area_pressure.hpp"
+#include "solver/features/pair_view.hpp"
 
 namespace scree {
 

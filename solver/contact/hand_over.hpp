@@ -13,8 +13,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/contact/pair_features.hpp"
 #include "solver/contact/pair_state.hpp"
+#include "solver/features/pair_features.hpp"
 
 namespace scree {
 

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/contact/area_pressure.hpp"
 #include "solver/contact/pair_state.hpp"
-#include "solver/contact/pair_view.hpp"
+#include "solver/features/area_pressure.hpp"
+#include "solver/features/pair_view.hpp"
 
 namespace scree {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "solver/contact/potential_model.hpp"
-#include "solver/contact/triangle_contacts.hpp"
+#include "solver/features/triangle_contacts.hpp"
 
 namespace scree {
 

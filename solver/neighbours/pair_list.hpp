@@ -21,7 +21,7 @@ namespace scree {
 struct BodyPair {
   PairKey key;
   std::int32_t a = 0, b = 0;              ///< rows in ParticleSet; b is -1 for a wall zone
-  std::unique_ptr<CandidateLists> lists;  ///< none until they are made; balls that go in lanes need none (contact/ball_forces.hpp)
+  std::unique_ptr<CandidateLists> lists;  ///< none until they are made; balls that go in lanes need none (lanes/ball_forces.hpp)
   PairState state;
 };
 

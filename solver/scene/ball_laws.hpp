@@ -1,6 +1,6 @@
 // The laws of a scene as pairs of balls read them side by side: numbers alone, a row for each two materials.
 //
-// Pairs of balls (analytic spheres) have one contact each and a path of their own through a step (step/ball_evaluation.hpp), with the bits
+// Pairs of balls (analytic spheres) have one contact each and a path of their own through a step (pairs/ball_evaluation.hpp), with the bits
 // of the general one. What it does not have (rolling resistance of constant moment, attraction, a barrier, bonds, other ways of gathering)
 // goes the general way: the scene as a whole, or the pairs of two materials.
 #pragma once

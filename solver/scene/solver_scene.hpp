@@ -118,7 +118,7 @@ class SolverScene {
   const LawChoice& law_choice() const { return law_choice_; }
   /// What pairs in lanes read of the laws, without zones of walls; kind none where no pair of the scene may go in lanes.
   const BallLaws& lane_laws() const { return lane_laws_; }
-  /// The same with the zones that balls meet, where they have a path of their own (step/ball_evaluation.hpp).
+  /// The same with the zones that balls meet, where they have a path of their own (pairs/ball_evaluation.hpp).
   const BallLaws& ball_laws() const { return ball_laws_; }
   /// How stiffness grows with what touches at once.
   const ContactExtent& contact_extent() const { return *contact_extent_; }

@@ -51,7 +51,7 @@ struct SolverShape {
   /// The surface of a wall: every fold is a feature edge, touched from the side on which it is convex (core/geometry/features.hpp).
   bool is_two_sided = false;
   /// A solid without concave edges: a point outside has one nearest point on it and no other local minimum of the distance. Each of its
-  /// points has one contact then (contact/surface_minima.hpp).
+  /// points has one contact then (features/surface_minima.hpp).
   bool is_convex = false;
   /// A vertex may touch several of its faces at once: a solid that is not convex, or a surface with an edge inside, from one of its sides.
   bool has_valleys = false;

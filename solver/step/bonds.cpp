@@ -1,6 +1,6 @@
 #include "solver/step/bonds.hpp"
 
-#include "solver/step/pair_evaluation.hpp"
+#include "solver/pairs/pair_evaluation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "solver/laws/bond.hpp"
-#include "solver/step/critical_step.hpp"
 #include "solver/step/force_step.hpp"
 #include "solver/step/run_state.hpp"
+#include "solver/step_size/critical_step.hpp"
 
 namespace scree {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
+#include "solver/pairs/forces.hpp"
 #include "solver/ranks/decomposition.hpp"
 #include "solver/ranks/failure.hpp"
-#include "solver/step/forces.hpp"
 #include "solver/step/run_state.hpp"
 
 namespace scree {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/units.hpp"
-#include "solver/contact/pair_features.hpp"
+#include "solver/features/pair_features.hpp"
 #include "solver/step/domain.hpp"
 
 namespace scree {

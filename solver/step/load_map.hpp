@@ -1,7 +1,7 @@
 // What bodies do to the triangles of walls that have a load map: sums since the start of the run, which no order of contacts, ranks or
 // threads changes, so that frames and checkpoints have the same bits on any of them.
 //
-// Each contact of a step makes an entry for each triangle that holds it (contact/wall_triangles.hpp), which bears an equal share:
+// Each contact of a step makes an entry for each triangle that holds it (features/wall_triangles.hpp), which bears an equal share:
 //
 //   impulse         dt times the force on the triangle, in the axes of the wall's mesh, so that it goes round with a wall that turns
 //   sliding work    of friction on the way that a contact slid: sliding force times what its spring did not take up; never below 0

@@ -16,7 +16,7 @@
 #include "solver/ranks/body_facts.hpp"
 #include "solver/step/run_totals.hpp"
 #include "solver/step/sleep.hpp"
-#include "solver/step/step_size.hpp"
+#include "solver/step_size/step_size.hpp"
 
 namespace scree {
 

@@ -8,11 +8,11 @@
 #include "solver/built_with.hpp"
 #include "solver/step/leaving_contacts.hpp"
 #include "solver/step/shared_damping.hpp"
-#include "solver/step/stability.hpp"
 #include "solver/step/start_from_run.hpp"
 #include "solver/step/wall_drives.hpp"
 #include "solver/step/wall_loads.hpp"
 #include "solver/step/wall_wear.hpp"
+#include "solver/step_size/stability.hpp"
 
 namespace scree {
 

@@ -14,13 +14,13 @@
 #include "solver/ranks/requests.hpp"
 #include "solver/step/arrivals.hpp"
 #include "solver/step/bonds.hpp"
-#include "solver/step/critical_step.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
 #include "solver/step/inlets.hpp"
 #include "solver/step/neighbour_lists.hpp"
 #include "solver/step/run_state.hpp"
-#include "solver/step/step_levels.hpp"
+#include "solver/step_size/critical_step.hpp"
+#include "solver/step_size/step_levels.hpp"
 
 namespace scree {
 

@@ -33,9 +33,9 @@
 
 #include "solver/bodies/fluid.hpp"
 #include "solver/neighbours/pair_list.hpp"
+#include "solver/pairs/forces.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/halo.hpp"
-#include "solver/step/forces.hpp"
 
 namespace scree {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.hpp"
-#include "solver/contact/wall_triangles.hpp"
+#include "solver/features/wall_triangles.hpp"
 #include "solver/step/impacts.hpp"
 
 namespace scree {

@@ -7,8 +7,8 @@
 // Cost: of a wall that is worn, its tree and features anew; a look at each of its pairs. Nothing in the steps between.
 #pragma once
 
+#include "solver/pairs/forces.hpp"
 #include "solver/ranks/failure.hpp"
-#include "solver/step/forces.hpp"
 #include "solver/step/run_state.hpp"
 
 namespace scree {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "solver/step/approach.hpp"
+#include "solver/step_size/approach.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shapes.hpp"
 

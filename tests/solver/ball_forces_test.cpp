@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/distance/triangle_distance.hpp"
-#include "solver/step/ball_evaluation.hpp"
+#include "solver/pairs/ball_evaluation.hpp"
 #include "tests/solver/lane_bits.hpp"
 #include "tests/support/parallel_scenes.hpp"
 

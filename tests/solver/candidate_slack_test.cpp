@@ -1,6 +1,6 @@
-// Candidates that wait (solver/contact/candidate_slack.hpp) change nothing: lists that are kept while two bodies move about each other
+// Candidates that wait (solver/features/candidate_slack.hpp) change nothing: lists that are kept while two bodies move about each other
 // give in every step the features of lists made in that step, to the bit.
-#include "solver/contact/candidate_slack.hpp"
+#include "solver/features/candidate_slack.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// Corners side by side in lanes (solver/contact/corner_lanes.hpp) against nearest_on_triangle(): the same points and distances, to the bit,
-// in every region of the triangle and on the borders between them, whatever the triangles are that share a vector.
-#include "solver/contact/corner_lanes.hpp"
+// Corners side by side in lanes (solver/features/corner_lanes.hpp) against nearest_on_triangle(): the same points and distances, to the
+// bit, in every region of the triangle and on the borders between them, whatever the triangles are that share a vector.
+#include "solver/features/corner_lanes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-#include "solver/contact/nearest_on_triangle.hpp"
+#include "solver/features/nearest_on_triangle.hpp"
 
 namespace scree {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-#include "solver/step/critical_step.hpp"
+#include "solver/step_size/critical_step.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"
 

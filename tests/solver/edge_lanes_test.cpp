@@ -1,6 +1,6 @@
-// Edges side by side in lanes (solver/contact/edge_lanes.hpp) against look_at_edges(): the same features, to the bit, whatever the pairs
+// Edges side by side in lanes (solver/lanes/edge_lanes.hpp) against look_at_edges(): the same features, to the bit, whatever the pairs
 // are that share a vector; and what lanes leave is little.
-#include "solver/contact/edge_lanes.hpp"
+#include "solver/lanes/edge_lanes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The law of a point at concave edges (solver/contact/surface_minima.hpp): the potential of one vertex, or of a ball, along paths over
+// The law of a point at concave edges (solver/features/surface_minima.hpp): the potential of one vertex, or of a ball, along paths over
 // grooves, pits, cups and dented bodies, against finite differences, under refinement, and against the circle that a fine tube stands for.
 // docs/reference/contact-law.md section 3.7.
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "solver/contact/nearest_on_triangle.hpp"
-#include "solver/contact/surface_minima.hpp"
+#include "solver/features/nearest_on_triangle.hpp"
+#include "solver/features/surface_minima.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace scree {

@@ -1,12 +1,12 @@
 // Walls are touched from both sides, whatever the winding of their triangles: each fold is an edge on the side on which it is convex, and
-// none on the other side (core/geometry/features.hpp, solver/contact/edge_features.hpp).
+// none on the other side (core/geometry/features.hpp, solver/features/edge_features.hpp).
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "solver/contact/candidate_slack.hpp"
-#include "solver/contact/edge_features.hpp"
-#include "solver/contact/edge_lanes.hpp"
+#include "solver/features/candidate_slack.hpp"
+#include "solver/features/edge_features.hpp"
+#include "solver/lanes/edge_lanes.hpp"
 #include "tests/solver/two_bodies.hpp"
 
 namespace scree {

@@ -1,0 +1,158 @@
+#include "solver/features/pair_view.hpp"
+
+#include <algorithm>
+
+#include "solver/built_with.hpp"
+
+namespace scree {
+
+namespace {
+
+PairGeometry geometry_of(const PairView& view) {
+  if (view.zone != nullptr && (!built_with::kMeshes || view.zone->kind != WallZone::Kind::mesh)) return PairGeometry::body_zone;
+  if constexpr (!built_with::kMeshes) return PairGeometry::two_spheres;
+  const bool a_is_sphere = view.a.shape->kind == ShapeKind::sphere, b_is_sphere = view.b.shape->kind == ShapeKind::sphere;
+  if (a_is_sphere != b_is_sphere) return PairGeometry::sphere_mesh;
+  return a_is_sphere ? PairGeometry::two_spheres : PairGeometry::two_meshes;
+}
+
+void view_body(const SolverScene& scene, const ParticleSet& p, std::size_t i, std::size_t j, PairView& view) {
+  view.b = {&scene.shape(p.shape[j]), p.scale[j], p.x[j], p.q[j], p.weights[j]};
+  if (scene.periodicity().any()) view.b.x = p.x[i] + scene.periodicity().nearest(p.x[j] - p.x[i]);
+  view.radius_b = p.radius[j];
+  const double cells_a = view.a.scale * view.a.shape->cell_size, cells_b = view.b.scale * view.b.shape->cell_size;
+  view.cell_size = std::max(cells_a, cells_b);
+  if (view.cell_size > 0) view.cells = cells_a > cells_b ? CellSide::a : cells_b > cells_a ? CellSide::b : CellSide::both;
+}
+
+void view_wall(const SolverScene& scene, const std::vector<WallState>& walls, std::int32_t zone, PairView& view) {
+  view.zone = &scene.zones()[static_cast<std::size_t>(zone)];
+  const Wall& wall = scene.source().walls[static_cast<std::size_t>(view.zone->wall)];
+  const WallState& state = walls[static_cast<std::size_t>(view.zone->wall)];
+  view.b.x = state.position;
+  view.b.q = state.orientation;
+  view.radius_b = 2 * view.radius_a;  // the wall is the frame of the pair's motion
+  const double wall_cells = view.zone->kind == WallZone::Kind::mesh ? wall.cell_size : 0.0,
+               own_cells = view.a.scale * view.a.shape->cell_size;
+  view.cell_size = std::max(own_cells, wall_cells);
+  if (view.cell_size > 0) view.cells = own_cells > wall_cells ? CellSide::a : CellSide::b;
+  if (view.zone->kind == WallZone::Kind::mesh) {
+    view.b.shape = &scene.wall_shape(view.zone->wall);
+    view.b.scale = wall.scale;
+    view.b.weights = scene.wall_weights(view.zone->wall);
+    view.radius_b = std::max(view.radius_b, wall.scale * view.b.shape->radius);
+  }
+}
+
+/// Margins that go with the size of bodies. An analytic wall is moved back by the margin of the body that it meets, and carries it: touch
+/// begins where it was drawn, and there is as much room as between two bodies.
+void view_own_margins(const SolverScene& scene, PairView& view) {
+  const double of_a = view.a.scale * view.a.shape->margin;
+  const bool has_other = view.b.shape != nullptr;
+  const double of_b = has_other ? view.b.scale * view.b.shape->margin : 0;
+  view.margin = of_a + of_b;
+  view.off_middle = 0.5 * (of_a - of_b);
+  view.room = has_other ? view.margin : 2 * of_a;
+  if (!(view.margin > 0)) {  // balls, and balls on walls: no deeper than their centres
+    view.room = view.a.scale * view.a.shape->equivalent_radius;
+    if (has_other && view.b.shape->equivalent_radius > 0) view.room = std::min(view.room, view.b.scale * view.b.shape->equivalent_radius);
+    return;
+  }
+  // Crowds of both are told for one depth, whichever is A: that of an edge pair, a mean of weights, does not go with it in proportion
+  const double depth_a = of_a > 0 ? of_a : of_b, depth_b = of_b > 0 ? of_b : scene.wall_table_depth();
+  view.crowd_depth = of_a > 0 && of_b > 0 ? 0.5 * (of_a + of_b) : depth_a;
+  if (view.a.weights != nullptr) view.a.crowd_scale = view.crowd_depth / depth_a;
+  if (has_other && view.b.weights != nullptr) view.b.crowd_scale = view.crowd_depth / depth_b;
+}
+
+}  // namespace
+
+PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,
+                 std::int32_t zone) {
+  PairView view;
+  const auto i = static_cast<std::size_t>(a);
+  view.a = {&scene.shape(p.shape[i]), p.scale[i], p.x[i], p.q[i], p.weights[i]};
+  view.radius_a = p.radius[i];
+  if (b >= 0)
+    view_body(scene, p, i, static_cast<std::size_t>(b), view);
+  else
+    view_wall(scene, walls, zone, view);
+  view.geometry = geometry_of(view);
+  if (scene.margins_by_size()) {
+    view_own_margins(scene, view);
+  } else {
+    view.margin = view.room = 2 * scene.margin();
+    view.crowd_depth = scene.margin();
+  }
+  view.reach = view.margin + scene.reach();
+  view.crowds_follow = scene.crowds_follow() && view.cells == CellSide::none;
+  view.pose = RelativePose(view.a, view.b);
+  return view;
+}
+
+PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, double range) {
+  PullView pull{range, scene.pull_table_depth(), view.a, view.b};
+  pull.a.weights = pull.b.weights = nullptr;
+  pull.a.crowd_scale = pull.b.crowd_scale = 1;                  // all its tables are made for one depth
+  if (view.geometry == PairGeometry::sphere_mesh) return pull;  // one contact for each minimum of the distance: they are no crowd
+  pull.a.weights = p.pull_weights[static_cast<std::size_t>(a)];
+  pull.b.weights = b >= 0 ? p.pull_weights[static_cast<std::size_t>(b)] : scene.wall_pull_weights(view.zone->wall);
+  return pull;
+}
+
+namespace {
+
+[[gnu::noinline]] void see_bonded(const ParticleSet& p, std::size_t a, std::int32_t b, PairMotion& m) {
+  const BondedMass *of_a = p.bonded[a], *of_b = b >= 0 ? p.bonded[static_cast<std::size_t>(b)] : nullptr;
+  // pieces of one fragment move with respect to each other, not as a whole
+  if (of_a != nullptr && of_b != nullptr && of_a->fragment == of_b->fragment) return;
+  m.bonded_a = of_a;
+  m.bonded_b = of_b;
+}
+
+}  // namespace
+
+PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,
+                     const Mat3& a_to_world) {
+  PairMotion m;
+  m.v_a = transpose_times(a_to_world, world.v_a);
+  m.w_a = transpose_times(a_to_world, world.w_a);
+  m.v_b = transpose_times(a_to_world, world.v_b);
+  m.w_b = transpose_times(a_to_world, world.w_b);
+  m.centre_b = m.pivot_b = view.pose.centre;
+  m.pivot_v_b = m.v_b;
+  if (!(world.pivot_b == view.b.x)) {
+    m.pivot_b = rotate_inverse(view.a.q, world.pivot_b - view.a.x);
+    m.pivot_v_b = transpose_times(a_to_world, world.pivot_v_b);
+  }
+  m.b_to_a = view.pose.rotation;
+  m.turn = view.pose.turn;
+  const auto i = static_cast<std::size_t>(a);
+  m.inverse_mass_a = p.inverse_mass[i];
+  m.inverse_inertia_a = p.inverse_inertia[i];
+  m.inverse_mass_b = 0;
+  if (b >= 0) {
+    const auto j = static_cast<std::size_t>(b);
+    m.inverse_mass_b = p.inverse_mass[j];
+    m.inverse_inertia_b = p.inverse_inertia[j];
+  }
+  if (!p.bonded.empty()) see_bonded(p, i, b, m);
+  return m;
+}
+
+SurfaceBeneath surface_beneath(const WallState& wall, const PairView& view, const Mat3& a_to_world, bool in_step) {
+  const SurfaceVelocity& at_wall = in_step ? wall.surface_before : wall.surface;
+  const Vec3 here = at_wall.at(view.a.x - wall.position);
+  return {{transpose_times(a_to_world, here), transpose_times(a_to_world, at_wall.spin)}, wall.surface_turned};
+}
+
+double contact_radius(const PairView& view) {
+  const double a = view.a.scale * view.a.shape->equivalent_radius;
+  if (view.zone == nullptr) {
+    const double b = view.b.scale * view.b.shape->equivalent_radius;
+    return a * b / (a + b);
+  }
+  return view.zone->kind == WallZone::Kind::sphere && view.zone->radius > a ? a * view.zone->radius / (view.zone->radius - a) : a;
+}
+
+}  // namespace scree

@@ -1,0 +1,298 @@
+// The kernels of ball_forces.hpp, compiled once for every instruction set (Highway's foreach_target); the best that the processor has is
+// taken when the program runs. Compile for the baseline, never with -march=native.
+//
+// Letters: a, b the two balls; n from B to A; x the contact point, mid-gap; w angular velocities; all in the frame of A about its centre,
+// as in pair_force.cpp, unless said otherwise. The order of operations is that of the general path, line by line: whoever changes one
+// changes both. Tests compare them (tests/solver/ball_forces_test.cpp), and the hashes of all recorded runs of balls do.
+//
+// What is left out. The mobility of a pair, Q M^-1 Q of its wrench (wrench_mobility), is |F|^2 / m* and what the torques T of the normal
+// force about both centres add. Of balls they are zero but for rounding: with u = 2^-53 at most 4 u r_A |F| about A, and 30 u d |F| about
+// B, d the distance of the centres (a wall has no inertia that they could turn). Three terms T_i^2 / I with I = 2/5 m r^2 are each below
+// 2250 u^2 (d / r)^2 |F|^2 / m, which is less than half a unit in the last place of |F|^2 / m* while d < 1e6 r, and so never changes the
+// sum. Pairs beyond kMostDistance go the general way. Effective overlaps, D = d (1)^(1/8), and weights of 1 are the numbers themselves.
+#include "solver/lanes/ball_forces.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "solver/lanes/ball_forces.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "solver/lanes/ball_lanes-inl.hpp"
+#include "solver/lanes/ball_rolling-inl.hpp"
+#include "solver/lanes/lane_contact-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace scree::HWY_NAMESPACE {
+
+constexpr double kMostDistance = 1e5;  ///< of centres, over the smaller radius; see above
+
+/// Where A and B are, and where they meet.
+struct Meeting {
+  LaneQuat qa, turn;                  ///< of A; B to A
+  Lane3 n, x, centre_b, pivot_b;      ///< frame of A
+  Lane3 branch, v_b, w_b, pivot_v_b;  ///< world
+  Lane gap, distance;                 ///< of the surfaces, of the centres
+  Lane inverse_mass_b, radius_b;
+  Lane equivalent_b;  ///< the radius that R* is made from
+};
+
+/// Two balls: sphere_pair_features.
+HWY_INLINE Meeting meet_ball(const BallScene& scene, const Rows& a, const Rows& b) {
+  const ParticleSet& p = scene.p;
+  const Lane one(1.0), half(0.5);
+  Meeting m;
+  m.qa = a.of(p.q);
+  m.turn = conjugate(m.qa) * b.of(p.q);
+  const Lane3 xa = a.of(p.x), xb = image_of(scene.periodicity, xa, b.of(p.x)), between = xa - xb;
+  const Lane radius_a = a.of(p.ball_radius);
+  m.distance = length(between);
+  m.branch = xb - xa;
+  m.radius_b = b.of(p.ball_radius);
+  m.gap = m.distance - radius_a - m.radius_b;
+  m.n = rotate_inverse(m.qa, (one / m.distance) * between);
+  m.x = (-(radius_a + half * m.gap)) * m.n;
+  m.centre_b = m.pivot_b = rotate_inverse(m.qa, m.branch);
+  m.v_b = m.pivot_v_b = b.of(p.v);
+  m.w_b = b.of(p.w);
+  m.inverse_mass_b = b.of(p.inverse_mass);
+  m.equivalent_b = b.of(p.equivalent_radius);
+  return m;
+}
+
+/// A ball at a wall: zone_pair_features, where the ball's only corner is its centre.
+HWY_INLINE Meeting meet_wall(const BallScene& scene, const Rows& a, const WallRows& b) {
+  const ParticleSet& p = scene.p;
+  const Lane zero(0.0), one(1.0), half(0.5);
+  const Lane3 origin{zero, zero, zero};
+  Meeting m;
+  m.qa = a.of(p.q);
+  m.turn = conjugate(m.qa) * b.of(&BallWall::q);
+  const LaneMatrix rotation(m.turn);
+  const Lane3 xa = a.of(p.x), direction = b.of(&BallWall::direction);
+  m.branch = b.of(&BallWall::x) - xa;
+  m.centre_b = rotate_inverse(m.qa, m.branch);
+  const Lane3 r = rotation.transpose_times(origin - m.centre_b) - b.of(&BallWall::point);
+  const Lane along = dot(r, direction);
+  Lane3 normal = direction;
+  Lane height = along;
+  if (scene.laws.has_cylinders) {
+    const Lane radius = b.of(&BallWall::radius);
+    const auto is_round = radius > zero;
+    const Lane3 radial = r - along * direction;
+    const Lane rho = length(radial);
+    normal = select(is_round, select(rho > zero, ((-one) / rho) * radial, origin), normal);
+    height = select(is_round, radius - rho, height);
+  }
+  const Lane radius_a = a.of(p.ball_radius);
+  m.gap = height - radius_a;
+  m.n = rotation.times(normal);
+  m.x = origin - (radius_a + half * m.gap) * m.n;
+  m.pivot_b = rotate_inverse(m.qa, b.of(&BallWall::pivot) - xa);
+  m.v_b = b.of(&BallWall::v);
+  m.w_b = b.of(&BallWall::w);
+  m.pivot_v_b = b.of(&BallWall::pivot_v);
+  m.distance = m.inverse_mass_b = m.radius_b = m.equivalent_b = zero;
+  return m;
+}
+
+template <bool kWall>
+HWY_INLINE Meeting meet(const BallScene& scene, const BallPairs& pairs, std::size_t k) {
+  const Rows a(pairs.a.data() + k);
+  if constexpr (kWall)
+    return meet_wall(scene, a, WallRows(scene.walls, pairs.b.data() + k));
+  else
+    return meet_ball(scene, a, Rows(pairs.b.data() + k));
+}
+
+HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, double* gap) {
+  if (pairs.with_walls) {
+    for (std::size_t k = 0; k < pairs.count; k += kLanes) meet<true>(scene, pairs, k).gap.store(gap + k);
+    return;
+  }
+  for (std::size_t k = 0; k < pairs.count; k += kLanes) meet<false>(scene, pairs, k).gap.store(gap + k);
+}
+
+/// What pairs keep no spring for, what they keep one for, and what two.
+enum class Rubs { no, slides, slides_and_rolls };
+
+template <BallLawKind kKind, Rubs kRubs, bool kWall>
+HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, std::size_t k,
+                                BallForces& out) {
+  const ParticleSet& p = scene.p;
+  const BallLaws& laws = scene.laws;
+  const LawRows<BallLaw> law(laws.laws, springs.law.data() + k);
+  const Lane zero(0.0), one(1.0), half(0.5), step(dt);
+  const Rows a(pairs.a.data() + k);
+  const Meeting m = meet<kWall>(scene, pairs, k);
+  const Lane3 n = m.n, x = m.x;
+  const Lane overlap = Lane(laws.margin) - m.gap;
+
+  // the push
+  const Lane equivalent_a = a.of(p.equivalent_radius);
+  Lane radius = zero;
+  if (laws.needs_radius) {
+    const Lane given = law.at(&BallLaw::radius);
+    radius = kWall ? equivalent_a : equivalent_a * m.equivalent_b / (equivalent_a + m.equivalent_b);
+    radius = select(given > zero, given, radius);
+  }
+  Lane push, energy;
+  if constexpr (kKind == BallLawKind::hertz_viscous) {
+    const Lane c = law.at(&BallLaw::stiffness) * sqrt(radius), root = sqrt(overlap);
+    push = c * overlap * root;
+    energy = Lane(0.4) * c * overlap * overlap * root;
+  } else {
+    const Lane stiffness = law.at(&BallLaw::stiffness) + law.at(&BallLaw::size_stiffness) * radius;
+    push = stiffness * overlap;
+    energy = half * stiffness * overlap * overlap;
+  }
+  const Lane3 force = push * n, torque = cross(x, force);
+
+  // damping
+  const Lane own = a.of(p.inverse_mass) + m.inverse_mass_b, wrench = own * dot(force, force) / (push * push);
+  const Lane mobility = select(own < wrench, wrench, own);
+  const LaneDamping damping = damping_of<kKind>(law, energy, push, mobility, step);
+  auto fits = damping.fits;
+  if constexpr (!kWall) {
+    const Lane most(kMostDistance);
+    fits = fits & (m.distance > zero) & (m.distance < most * a.of(p.ball_radius)) & (m.distance < most * m.radius_b);
+  }
+  const LaneMatrix a_to_world(m.qa);
+  const Lane3 w_a = a_to_world.transpose_times(a.of(p.w)), w_b = a_to_world.transpose_times(m.w_b);
+  const Lane3 v_a = a_to_world.transpose_times(a.of(p.v)), v_b = a_to_world.transpose_times(m.pivot_v_b);
+  const Lane3 turning_a = cross(w_a, x), turning_b = cross(w_b, x - m.pivot_b);
+  const Lane3 velocity = v_a + turning_a - v_b - turning_b;
+  const Lane vn = dot(velocity, n), damped = damped_push<kKind>(damping, push, overlap, vn, step);
+  Lane3 dissipative = (damped - push) * n;
+
+  // friction
+  Lane stored = zero;
+  Lane3 moment{zero, zero, zero};
+  if constexpr (kRubs != Rubs::no) {
+    const Lane3 slip = velocity - (half * step) * (cross(w_a, turning_a) - cross(w_b, turning_b)), vt = slip - dot(slip, n) * n;
+    const Lane kept = Lane::load(springs.kept.data() + k);
+    const auto is_kept = kept > zero;
+    const auto [spring_force, spring_stiffness] = load_fours(springs.spring, k);
+    const auto [turn_v, turn_w] = load_fours(springs.turn, k);
+    const LaneFriction friction{LaneTurn(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn),
+                                law.at(&BallLaw::friction),
+                                law.at(&BallLaw::friction_sliding),
+                                law.at(&BallLaw::tangential_ratio),
+                                law.at(&BallLaw::tangential_damping) * damping.chi,
+                                Lane(kStiffnessRounding) * length(m.centre_b)};
+    LaneSpring spring{spring_force, spring_stiffness, load_fours(springs.normal, k).first};
+    dissipative = dissipative + friction.force({n, vt, overlap, vn, push, damped}, overlap, is_kept, step, spring);
+    stored = with_energy(spring, stored);
+    store_fours(spring.force, spring.stiffness, k, out.spring);
+    store_fours(spring.normal, zero, k, out.normal);
+    if constexpr (kRubs == Rubs::slides_and_rolls) {
+      const LawRows<BallRolling> rolling(laws.rolling, springs.law.data() + k);
+      const Lane size = length(force);
+      const LaneRolling state{(one / size) * force,
+                              w_a - w_b,
+                              push,
+                              push / (push / overlap),
+                              radius,
+                              friction.damping,
+                              rolling.at(&BallRolling::friction) * radius * push,
+                              rolling.at(&BallRolling::torsional) * radius * push,
+                              friction.tangential_ratio};
+      const auto [old_roll, old_stiffness] = load_fours(springs.rolling, k);
+      const Lane3 none{zero, zero, zero};
+      const LaneMoment rolls =
+          rolling_moment(state, select(is_kept, friction.turned.of(old_roll), none), select(is_kept, old_stiffness, zero), step);
+      moment = rolls.moment;
+      stored = stored + select(rolls.stiffness > zero, half * dot(rolls.spring, rolls.spring) / rolls.stiffness, zero);
+      fits = fits & (size > zero);
+      store_fours(rolls.spring, rolls.stiffness, k, out.rolling);
+    }
+    store_fours(Lane3{m.turn.x, m.turn.y, m.turn.z}, m.turn.w, k, out.turn);
+  }
+
+  // onto the bodies
+  select(fits, zero, one).store(out.left.data() + k);
+  m.gap.store(out.gap.data() + k);
+  Lane3 dissipative_torque = cross(x, dissipative);
+  if constexpr (kRubs == Rubs::slides_and_rolls) dissipative_torque = dissipative_torque + moment;
+  const Lane3 force_a = a_to_world.times(force + dissipative), torque_a = a_to_world.times(torque + dissipative_torque);
+  const Lane3 lost_a = a_to_world.times(dissipative), lost_torque_a = a_to_world.times(dissipative_torque);
+  const Lane3 torque_b = cross(m.branch, force_a) - torque_a, lost_torque_b = cross(m.branch, lost_a) - lost_torque_a;
+  Lane ratio = zero;
+  if (laws.room_by_size)
+    ratio = overlap / (kWall ? equivalent_a : select(m.equivalent_b < equivalent_a, m.equivalent_b, equivalent_a));
+  else if (laws.margin > 0)
+    ratio = overlap / Lane(laws.margin);
+  store_fours(Lane3{ratio, energy, stored}, zero, k, out.fours[0]);
+  store_fours(force_a, torque_a.x, k, out.fours[1]);
+  store_fours(Lane3{torque_a.y, torque_a.z, torque_b.x}, torque_b.y, k, out.fours[2]);
+  store_fours(Lane3{torque_b.z, lost_a.x, lost_a.y}, lost_a.z, k, out.fours[3]);
+  store_fours(lost_torque_a, lost_torque_b.x, k, out.fours[4]);
+  store_fours(Lane3{lost_torque_b.y, lost_torque_b.z, zero}, zero, k, out.fours[5]);
+}
+
+template <BallLawKind kKind, Rubs kRubs, bool kWall>
+HWY_NOINLINE void forces_of(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+  for (std::size_t k = 0; k < pairs.count; k += kLanes) forces_in_lanes<kKind, kRubs, kWall>(scene, dt, pairs, springs, k, out);
+}
+
+template <BallLawKind kKind, Rubs kRubs>
+void forces_with(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+  return pairs.with_walls ? forces_of<kKind, kRubs, true>(scene, dt, pairs, springs, out)
+                          : forces_of<kKind, kRubs, false>(scene, dt, pairs, springs, out);
+}
+
+template <BallLawKind kKind>
+void forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+  if (!scene.laws.friction) return forces_with<kKind, Rubs::no>(scene, dt, pairs, springs, out);
+  if (scene.laws.rolling.empty()) return forces_with<kKind, Rubs::slides>(scene, dt, pairs, springs, out);
+  return forces_with<kKind, Rubs::slides_and_rolls>(scene, dt, pairs, springs, out);
+}
+
+HWY_NOINLINE void forces_of_any(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+  switch (scene.laws.kind) {
+    case BallLawKind::linear_viscous:
+      return forces_of_kind<BallLawKind::linear_viscous>(scene, dt, pairs, springs, out);
+    case BallLawKind::linear_hunt_crossley:
+      return forces_of_kind<BallLawKind::linear_hunt_crossley>(scene, dt, pairs, springs, out);
+    case BallLawKind::hertz_viscous:
+      return forces_of_kind<BallLawKind::hertz_viscous>(scene, dt, pairs, springs, out);
+    case BallLawKind::none:
+      return;
+  }
+}
+
+}  // namespace scree::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scree {
+namespace {
+
+HWY_EXPORT(gaps_in_lanes);
+HWY_EXPORT(forces_of_any);
+
+/// Lanes beyond the last pair repeat it.
+template <class Column>
+void fill_up(std::size_t count, Column& column) {
+  constexpr std::size_t kMostLanes = 8;
+  static_assert(kBallPairs % kMostLanes == 0);
+  for (std::size_t k = count; k % kMostLanes != 0; ++k) column[k] = column[count - 1];
+}
+
+}  // namespace
+
+void find_ball_gaps(const BallScene& scene, BallPairs& pairs, double* gap) {
+  fill_up(pairs.count, pairs.a);
+  fill_up(pairs.count, pairs.b);
+  HWY_DYNAMIC_DISPATCH(gaps_in_lanes)(scene, pairs, gap);
+}
+
+void find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces) {
+  fill_up(pairs.count, pairs.a);
+  fill_up(pairs.count, pairs.b);
+  fill_up(pairs.count, springs.law);
+  fill_up(pairs.count, springs.kept);
+  HWY_DYNAMIC_DISPATCH(forces_of_any)(scene, dt, pairs, springs, forces);
+}
+
+}  // namespace scree
+#endif

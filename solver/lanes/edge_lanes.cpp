@@ -1,0 +1,184 @@
+// The kernel of edge_lanes.hpp, compiled once for every instruction set, as ball_forces.cpp. The order of operations is that of
+// edge_features.cpp, line by line: whoever changes one changes both. Tests compare them (tests/solver/edge_lanes_test.cpp).
+//
+// Letters of docs/reference/contact-law.md section 3.2: u, v edge vectors, s, t parameters, r = x_A - x_B = g n.
+#include "solver/lanes/edge_lanes.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "solver/lanes/edge_lanes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "solver/bodies/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace scree::HWY_NAMESPACE {
+
+using Whole = hn::RebindToSigned<Tag<double>>;
+
+/// A row of each lane, found by its distance from the first of all [bytes].
+class LaneRows {
+ public:
+  HWY_INLINE LaneRows(const void* first, hn::Vec<Whole> offsets) : first_(static_cast<const double*>(first)), offsets_(offsets) {}
+  HWY_INLINE Lane number(std::size_t place) const { return hn::GatherOffset(Tag<double>(), first_ + place, offsets_); }
+  HWY_INLINE Lane3 vector(std::size_t place) const { return {number(place), number(place + 1), number(place + 2)}; }
+
+ private:
+  const double* first_;
+  hn::Vec<Whole> offsets_;
+};
+
+/// Places in EdgeRow and EdgePose, in doubles.
+constexpr std::size_t place_of(std::size_t bytes) { return bytes / sizeof(double); }
+constexpr std::size_t kStart = place_of(offsetof(EdgeRow, ends) + offsetof(ShapeEdge, start)),
+                      kAlong = place_of(offsetof(EdgeRow, ends) + offsetof(ShapeEdge, along)), kInto = place_of(offsetof(EdgeRow, into)),
+                      kConormal = place_of(offsetof(EdgeRow, conormal));
+
+HWY_INLINE LaneRows rows_of(const EdgeRow* const* rows, const EdgeRow* first) {
+  alignas(64) std::int64_t offsets[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) offsets[k] = reinterpret_cast<const char*>(rows[k]) - reinterpret_cast<const char*>(first);
+  return {first, hn::Load(Whole(), offsets)};
+}
+
+struct LaneRotation {
+  Lane3 row[3];
+  HWY_INLINE Lane3 times(const Lane3& v) const { return {dot(row[0], v), dot(row[1], v), dot(row[2], v)}; }
+  HWY_INLINE Lane3 transpose_times(const Lane3& v) const { return v.x * row[0] + v.y * row[1] + v.z * row[2]; }
+};
+
+/// smooth_switch() of arguments above 0.
+HWY_INLINE Lane smooth_switch(Lane y, Lane& derivative) {
+  const Lane zero(0.0), one(1.0);
+  const auto is_on = y >= one;
+  derivative = select(is_on, zero, Lane(6.0) * y * (one - y));
+  return select(is_on, one, y * y * (Lane(3.0) - Lane(2.0) * y));
+}
+
+HWY_INLINE Lane smaller(Lane a, Lane b) { return select(b < a, b, a); }  // std::min(a, b)
+
+HWY_INLINE void look_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnswers& out) {
+  const Lane zero(0.0), half(0.5), one(1.0);
+  const LaneRows pose(queue.poses.data(), hn::ShiftLeft<7>(hn::LoadU(Whole(), queue.pose.data() + k)));
+  static_assert(sizeof(EdgePose) == 128 && offsetof(EdgePose, margin) == 14 * sizeof(double));
+  const LaneRotation rotation{{pose.vector(0), pose.vector(3), pose.vector(6)}};
+  const Lane scale_a = pose.number(12), scale_b = pose.number(13), margin = pose.number(14);
+  const LaneRows a = rows_of(queue.a.data() + k, queue.a[0]), b = rows_of(queue.b.data() + k, queue.b[0]);
+
+  // where the lines are nearest
+  const Lane3 pa = scale_a * a.vector(kStart), u = scale_a * a.vector(kAlong);
+  const Lane3 pb = rotation.times(scale_b * b.vector(kStart)) + pose.vector(9), v = rotation.times(scale_b * b.vector(kAlong));
+  const Lane3 r0 = pa - pb;
+  const Lane uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r0), vr = dot(v, r0);
+  const Lane det = uu * vv - uv * uv, sine2 = det / (uu * vv);
+  const Lane s = (uv * vr - vv * ur) / det, t = (uu * vr - uv * ur) / det;
+  const Lane3 xa = pa + s * u, xb = pb + t * v, r = xa - xb;
+  const Lane g = length(r);
+  auto found = (sine2 > Lane(kParallelCutoff)) & (s > zero) & (s < one) & (t > zero) & (t < one) & (g < margin) & (g > zero);
+  const Lane3 n = (one / g) * r;
+
+  // how far the normal leans out of the wedge over each face
+  const Lane3 n_b = rotation.transpose_times(n);
+  Lane y[4];
+  Lane3 conormal[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool of_a = i < 2;
+    const std::size_t side = 3 * (i & 1);
+    const Lane sign(of_a ? -1.0 : 1.0);
+    y[i] = zero;
+    conormal[i] = {zero, zero, zero};
+    const auto may_lean = sign * dot(of_a ? n : n_b, (of_a ? a : b).vector(kInto + side)) > zero;
+    if (!any(may_lean)) continue;
+    conormal[i] = of_a ? a.vector(kConormal + side) : rotation.times(b.vector(kConormal + side));
+    y[i] = select(may_lean, sign * dot(n, conormal[i]), zero);
+    found = found & (y[i] < Lane(kFadeWedge));
+  }
+  if (queue.has_walls) {
+    const Lane3 first = b.vector(kConormal), second = b.vector(kConormal + 3);
+    const auto in_fold = (dot(first, second) < Lane(kShallowFold)) & (dot(n_b, first) + dot(n_b, second) > zero);
+    found = found & !in_fold;
+  }
+
+  // a product of switches, and their slopes
+  const Lane from_end_s = smaller(s, one - s), from_end_t = smaller(t, one - t);
+  Lane of_s, of_t, of_sine, of_y[4], switch_y[4];
+  const Lane switch_s = smooth_switch(from_end_s / Lane(kFadeEnd), of_s), switch_t = smooth_switch(from_end_t / Lane(kFadeEnd), of_t),
+             switch_sine = smooth_switch(sine2 / Lane(kFadeParallel), of_sine);
+  Lane weight = switch_s * switch_t * switch_sine;
+  for (std::size_t i = 0; i < 4; ++i) {
+    of_y[i] = zero;
+    switch_y[i] = one;
+    const auto leans = y[i] > zero;
+    if (!any(leans)) continue;
+    Lane slope;
+    switch_y[i] = select(leans, smooth_switch(one - y[i] / Lane(kFadeWedge), slope), one);
+    of_y[i] = select(leans, slope, zero);
+    weight = weight * switch_y[i];
+  }
+  found = found & (weight >= Lane(kWeightCutoff));
+  const auto store = [k](const Lane3& three, Lane last, EdgeAnswers::Fours& to) {
+    hn::StoreInterleaved4(three.x.v, three.y.v, three.z.v, last.v, Tag<double>(), to.data() + 4 * k);
+  };
+  store(half * (xa + xb), margin - g, out.place);
+  store(n, weight, out.direction);
+
+  // gradient of the weight
+  const Lane3 none{zero, zero, zero};
+  of_s = of_s * (weight / switch_s / Lane(kFadeEnd) * select(s < half, one, -one));
+  of_t = of_t * (weight / switch_t / Lane(kFadeEnd) * select(t < half, one, -one));
+  of_sine = of_sine * (weight / switch_sine / Lane(kFadeParallel));
+  auto faded = !(equal(of_s, zero) & equal(of_t, zero) & equal(of_sine, zero));
+  Lane3 across = none, turning = none;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto counts = !equal(of_y[i], zero);
+    if (!any(counts)) continue;
+    faded = faded | counts;
+    const Lane c = (i < 2 ? weight : -weight) / switch_y[i] * of_y[i] / Lane(kFadeWedge), over = c / g;
+    const Lane3 tp = conormal[i] - dot(conormal[i], n) * n;
+    across = select(counts, across + over * tp, across);
+    of_s = select(counts, of_s + over * dot(tp, u), of_s);
+    of_t = select(counts, of_t - over * dot(tp, v), of_t);
+    if (i < 2) turning = select(counts, turning + c * cross(conormal[i], n), turning);
+  }
+  const Lane is_found = select(found, one, zero), is_faded = select(faded, one, zero);
+  if (!any(faded)) {
+    store(none, is_found, out.force);
+    store(none, is_faded, out.couple);
+    return;
+  }
+  const Lane p = -(vv * of_s + uv * of_t) / det, q = -(uv * of_s + uu * of_t) / det;
+  const Lane3 force = across + p * u - q * v;
+  Lane3 couple = cross(xa, force) + p * cross(u, r) + turning;
+  if (const auto is_near_parallel = !equal(of_sine, zero); any(is_near_parallel))
+    couple = select(is_near_parallel, couple + (of_sine * Lane(-2.0) * uv / (uu * vv)) * cross(u, v), couple);
+  store(select(faded, force, none), is_found, out.force);
+  store(select(faded, couple, none), is_faded, out.couple);
+}
+
+HWY_NOINLINE void look_at_all(const EdgeQueue& queue, EdgeAnswers& out) {
+  for (std::size_t k = 0; k < queue.count; k += kLanes) look_in_lanes(queue, k, out);
+}
+
+}  // namespace scree::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scree {
+namespace {
+
+HWY_EXPORT(look_at_all);
+
+}  // namespace
+
+void look_at_edges_at_once(EdgeQueue& queue, EdgeAnswers& answers) {
+  constexpr std::size_t kMostLanes = 8;
+  static_assert(kEdgesAtOnce % kMostLanes == 0);
+  for (std::size_t k = queue.count; k % kMostLanes != 0; ++k) {  // lanes beyond the last edge repeat it
+    queue.pose[k] = queue.pose[queue.count - 1];
+    queue.a[k] = queue.a[queue.count - 1];
+    queue.b[k] = queue.b[queue.count - 1];
+  }
+  HWY_DYNAMIC_DISPATCH(look_at_all)(queue, answers);
+}
+
+}  // namespace scree
+#endif

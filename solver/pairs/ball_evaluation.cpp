@@ -1,0 +1,195 @@
+#include "solver/pairs/ball_evaluation.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+#include "solver/pairs/lane_rows.hpp"
+
+namespace scree {
+
+namespace {
+
+constexpr std::int64_t kSpringKey = kCornerOfA << 60;  ///< of the one contact of such a pair
+
+[[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
+  springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
+  springs.front().key = kSpringKey;
+  springs.back().key = kTurnKey;
+}
+
+BallWall ball_wall(const WallZone& zone, const WallState& wall) {
+  BallWall w;
+  w.x = wall.position;
+  w.q = wall.orientation;
+  w.v = wall.velocity_before;
+  w.w = wall.angular_velocity_before;
+  w.pivot = wall.pivot;
+  w.pivot_v = wall.pivot == wall.position ? w.v : wall.pivot_velocity_before;
+  w.point = zone.point;
+  w.direction = zone.direction;
+  w.radius = zone.kind == WallZone::Kind::cylinder ? zone.radius : 0;
+  return w;
+}
+
+}  // namespace
+
+bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != BallLawKind::none && pass.asks_for_forces_alone(); }
+
+BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
+  scene_.walls.reserve(scene_.laws.zones.size());
+  for (const BallZone& z : scene_.laws.zones) {
+    const WallZone& zone = pass.scene.zones()[static_cast<std::size_t>(z.zone)];
+    scene_.walls.push_back(ball_wall(zone, pass.walls[static_cast<std::size_t>(zone.wall)]));
+  }
+}
+
+BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
+  at_walls_.pairs.with_walls = old_contacts_at_walls_.pairs.with_walls = true;
+  if (balls.scene().laws.friction) spring_count_ = balls.scene().laws.rolling.empty() ? kMostSprings - 1 : kMostSprings;
+}
+
+template <class Work>
+void BallEvaluation::timed(Due& due, Work&& work) {
+  std::vector<float>& seconds = pass_.scratch.pair_seconds;
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = seconds.empty() ? Clock::time_point{} : Clock::now();
+  work(due);
+  if (!seconds.empty()) {
+    const float each = std::chrono::duration<float>(Clock::now() - start).count() / static_cast<float>(due.pairs.count);
+    for (std::size_t n = 0; n < due.pairs.count; ++n) seconds[static_cast<std::size_t>(due.index[n])] = each;
+  }
+  due.pairs.count = 0;
+}
+
+/// Pairs of which is not known whether they touch.
+void BallEvaluation::look(Due& due) {
+  timed(due, [this](Due& all) {
+    for (std::size_t n = 0; n < all.pairs.count; ++n) ask_for_springs(all.index[n]);  // they arrive while the gaps are found
+    find_ball_gaps(balls_.scene(), all.pairs, gap_.data());
+    touching_.pairs.with_walls = all.pairs.with_walls;
+    const double margin = balls_.scene().laws.margin;
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < all.pairs.count; ++n) {
+      if (gap_[n] >= margin)
+        part(all.index[n], static_cast<std::size_t>(all.pairs.a[n]), static_cast<std::size_t>(all.pairs.b[n]), all.pairs.with_walls,
+             gap_[n]);
+      else
+        take_touching(all, n, count);
+    }
+    touching_.pairs.count = count;
+    find_forces();
+  });
+}
+
+/// Pairs that touched in the last step.
+void BallEvaluation::press(Due& due) {
+  timed(due, [this](Due& all) {
+    for (std::size_t n = all.pairs.count - std::min(all.pairs.count, kAhead); n < all.pairs.count; ++n) ask_for_springs(all.index[n]);
+    touching_.pairs.with_walls = all.pairs.with_walls;
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < all.pairs.count; ++n) take_touching(all, n, count);
+    touching_.pairs.count = count;
+    find_forces();
+  });
+}
+
+/// The springs of the n-th pair that touches.   Returns false for others than those of friction and rolling and the turn that goes with
+/// them.
+[[gnu::always_inline]] inline bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs, std::size_t n) {
+  springs_.kept[n] = 0;
+  if (springs.empty()) return true;
+  const FrictionSpring* const kept = springs.data();
+  if (springs.size() != spring_count_ || kept[0].key != kSpringKey || springs.back().key != kTurnKey) return false;
+  springs_.kept[n] = 1;
+  store(kept[0], &springs_.spring[4 * n]);
+  store(kept[0].normal, &springs_.normal[4 * n]);
+  store(springs.back(), &springs_.turn[4 * n]);
+  if (spring_count_ == kMostSprings) {
+    if (kept[1].key != kRollingKey) return false;
+    store(kept[1], &springs_.rolling[4 * n]);
+  }
+  return true;
+}
+
+/// Adds the n-th pair to those that touch, with its springs, if lanes have its law.   in, out   count   of them
+[[gnu::always_inline]] inline void BallEvaluation::take_touching(const Due& due, std::size_t n, std::size_t& count) {
+  const BallLaws& laws = balls_.scene().laws;
+  const std::int32_t k = due.index[n];
+  std::size_t law = 0;
+  if (laws.laws.size() != 1) {
+    const std::vector<std::int32_t>& material = pass_.p.material;
+    const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
+    law = laws.row(material[a], due.pairs.with_walls ? laws.zones[b].material : material[b]);
+  }
+  if (laws.holds[law] == 0 || !load_springs(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs, count)) {
+    left_.push_back(k);
+    return;
+  }
+  touching_.pairs.a[count] = due.pairs.a[n];
+  touching_.pairs.b[count] = due.pairs.b[n];
+  touching_.index[count] = k;
+  springs_.law[count] = static_cast<std::int64_t>(law);
+  ++count;
+}
+
+void BallEvaluation::find_forces() {
+  if (touching_.pairs.count == 0) return;
+  find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
+  hand_out();
+}
+
+/// A pair that does not touch.   in   a, b   rows, as in BallPairs
+void BallEvaluation::part(std::int32_t k, std::size_t a, std::size_t b, bool at_wall, double gap) {
+  const std::vector<double>& radius = pass_.p.ball_radius;
+  PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+  result.active = false;
+  result.contact_count = 0;
+  IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
+  // the way of a wall that moves is in no bound
+  idle.way = at_wall && pass_.scene.has_driven_walls()
+                 ? kNeverIdle
+                 : pass_.way_of(idle) + slack_below(gap - balls_.scene().laws.margin, 0, radius[a] + (at_wall ? 0 : radius[b]));
+  pass_.list.pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
+}
+
+/// Gives the pairs that touch what was computed. One loop with all that it reads at hand: it is a tenth of a step of balls.
+void BallEvaluation::hand_out() {
+  const std::size_t spring_count = spring_count_;
+  BodyPair* const pairs = pass_.list.pairs().data();
+  PairResult* const results = pass_.list.results().data();
+  IdlePair* const idle = pass_.list.idle().data();
+  const double stop_ratio = pass_.stop_ratio, margin = balls_.scene().laws.margin;
+  double largest = largest_overlap_;
+  bool too_deep = too_deep_;
+  for (std::size_t n = 0; n < touching_.pairs.count; ++n) {
+    const auto k = static_cast<std::size_t>(touching_.index[n]);
+    if (forces_.left[n] != 0) {
+      if (forces_.gap[n] >= margin)
+        part(touching_.index[n], static_cast<std::size_t>(touching_.pairs.a[n]), static_cast<std::size_t>(touching_.pairs.b[n]),
+             touching_.pairs.with_walls, forces_.gap[n]);
+      else
+        left_.push_back(touching_.index[n]);
+      continue;
+    }
+    idle[k].way = kTouching;
+    PairResult& result = results[k];
+    result.active = true;
+    result.contact_count = 1;
+    load(forces_.fours, n, result);
+    largest = std::max(largest, result.overlap_ratio);
+    too_deep = too_deep || !(result.overlap_ratio < stop_ratio);  // or not a number
+    if (spring_count == 0) continue;
+    std::vector<FrictionSpring>& springs = pairs[k].state.springs;
+    if (springs.size() != spring_count) begin_springs(spring_count, springs);
+    FrictionSpring* const kept = springs.data();
+    load(&forces_.spring[4 * n], kept[0]);
+    load(&forces_.normal[4 * n], kept[0].normal);
+    load(&forces_.turn[4 * n], kept[spring_count - 1]);
+    if (spring_count == kMostSprings) load(&forces_.rolling[4 * n], kept[1]);
+  }
+  largest_overlap_ = largest;
+  too_deep_ = too_deep;
+}
+
+}  // namespace scree

@@ -1,0 +1,153 @@
+#include "solver/pairs/forces.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "solver/built_with.hpp"
+#include "solver/neighbours/work_shares.hpp"
+#include "solver/pairs/ball_evaluation.hpp"
+#include "solver/pairs/pair_evaluation.hpp"
+#include "solver/pairs/squeezed.hpp"
+
+namespace scree {
+
+ForceScratch::ForceScratch() {
+  for (int t = 0; t < omp_get_max_threads(); ++t) distance.push_back(make_mesh_distance_scratch());
+}
+
+namespace {
+
+constexpr std::size_t kPairsAtOnce = 64;  // that a thread takes
+
+struct Deepest {
+  double overlap = 0;  ///< over the margin sum
+  bool too_deep = false;
+};
+
+/// All pairs of a pass, by all threads.
+template <ContactModel Model>
+Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
+  double overlap = 0;
+  bool too_deep = false;
+  std::optional<BallPass> of_balls;
+  if (has_ball_way(pass)) of_balls.emplace(pass);
+  const MeshPass of_meshes(pass);
+  WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
+#pragma omp parallel if (pass.at_rest || !pass.only_looks()) reduction(max : overlap) reduction(|| : too_deep)
+  {
+    const int thread = omp_get_thread_num();
+    MeshEvaluation meshes(of_meshes);
+    PairEvaluation<Model> evaluation(pass, thread, of_meshes.has_lanes() ? &meshes : nullptr);
+    if (of_balls) {
+      BallEvaluation balls(*of_balls);
+      shares.take(thread, [&](std::size_t n) {
+        if (!balls.take(which[n])) evaluation.evaluate(which[n]);
+      });
+      balls.finish();
+      for (const std::int32_t k : balls.left()) evaluation.evaluate(k);
+      overlap = balls.largest_overlap();
+      too_deep = balls.too_deep();
+    } else {
+      shares.take_chunks(thread, [&](std::size_t begin, std::size_t end) {
+        PairsAhead ahead(pass.list, which.subspan(begin, end - begin));
+        for (std::size_t n = begin; n < end; ++n) {
+          ahead.advance(n - begin);
+          evaluation.evaluate(which[n]);
+        }
+      });
+    }
+    evaluation.finish();
+    meshes.finish();
+    for (const std::int32_t k : meshes.left()) evaluation.evaluate_alone(k);
+    overlap = std::max({overlap, meshes.largest_overlap(), evaluation.largest_overlap()});
+    too_deep = too_deep || meshes.too_deep() || evaluation.too_deep();
+  }
+  return {overlap, too_deep};
+}
+
+/// Names the pair that makes the run invalid, if one does.
+void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
+  const auto describe = [&](std::int32_t k) {
+    const PairKey& key = pass.list.pairs()[static_cast<std::size_t>(k)].key;
+    if (key.zone < 0) return fmt::format("bodies {} and {}", key.a, key.b);
+    const auto wall = static_cast<std::size_t>(pass.scene.zones()[static_cast<std::size_t>(key.zone)].wall);
+    return fmt::format("body {} and wall {} ('{}')", key.a, key.b, pass.scene.source().walls[wall].name);
+  };
+  const char* general = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
+                                  : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
+  const auto cure = [&](std::int32_t k) {
+    const std::string squeezed = squeezed_between_walls(pass, k);
+    return squeezed.empty() ? std::string(general) : squeezed;
+  };
+  if (const std::int32_t k = pass.intersecting.load(); k >= 0) throw RunInvalid("step {}: {} intersect; {}", step, describe(k), cure(k));
+  if (pass.passing.load() >= 0) {
+    throw RunInvalid(
+        "step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "
+        "unseen; reduce the step",
+        step, describe(pass.passing.load()), pass.dt);
+  }
+  for (std::size_t n = 0; n < which.size() && deepest.too_deep; ++n) {
+    const PairResult& r = pass.list.results()[static_cast<std::size_t>(which[n])];
+    if (r.active && !(r.overlap_ratio < pass.stop_ratio)) {
+      throw RunInvalid("step {}: {} touch to {:.3f} of their margin (limit {}); {}", step, describe(which[n]), r.overlap_ratio,
+                       pass.stop_ratio, cure(which[n]));
+    }
+  }
+}
+
+}  // namespace
+
+namespace {
+
+double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
+                double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, FrameContacts* out,
+                const PairVisitor* look, bool at_rest) {
+  // a barrier makes room for gaps that are otherwise too near to be followed
+  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopOverlapRatio;
+  PairPass pass{scene,
+                p,
+                walls,
+                dt,
+                friction_dt,
+                scratch,
+                list,
+                out,
+                look,
+                pair_force_function(scene.law_choice()),
+                pair_holds_function(scene.law_choice()),
+                stop_ratio,
+                scene.source().settings.output_impacts,
+                !scene.source().bonds.empty(),
+                at_rest};
+  if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
+  if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
+  if (pass.has_impacts) scratch.impacts.resize(scratch.distance.size());
+  Deepest deepest;
+  ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
+  check_pass(pass, which, step, deepest);
+  return deepest.overlap;
+}
+
+}  // namespace
+
+double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                      std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
+                      PairList& list, FrameContacts* out, const PairVisitor* look) {
+  return evaluate(scene, p, walls, which, dt, friction_dt, step, scratch, list, out, look, false);
+}
+
+void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                      std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch, PairList& list) {
+  evaluate(scene, p, walls, which, dt, 0, step, scratch, list, nullptr, nullptr, true);
+}
+
+void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
+                 std::int64_t step, ForceScratch& scratch, PairList& list, const PairVisitor& look) {
+  const std::vector<PairResult> kept = list.results();
+  evaluate_pairs(scene, p, walls, which, 0, 0, step, scratch, list, nullptr, &look);
+  list.results() = kept;
+}
+
+}  // namespace scree

@@ -1,0 +1,134 @@
+#include "solver/pairs/mesh_evaluation.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "solver/contact/pair_friction.hpp"
+#include "solver/pairs/lane_rows.hpp"
+
+namespace scree {
+
+namespace {
+
+void set(const Vec3& v, std::size_t n, std::array<MeshNumbers, 3>& to) {
+  to[0][n] = v.x;
+  to[1][n] = v.y;
+  to[2][n] = v.z;
+}
+
+/// One feature and its spring.
+void set(const ContactFeature& f, const FrictionSpring* spring, std::size_t n, MeshFeature& to) {
+  set(f.x, n, to.x);
+  set(f.n, n, to.n);
+  // a gradient that is not used may have zeros of either sign
+  const Feature6 gradient = f.faded ? f.weight_gradient : Feature6{};
+  set(gradient.force, n, to.gradient_force);
+  set(gradient.couple, n, to.gradient_couple);
+  to.overlap[n] = f.overlap;
+  to.weight[n] = f.weight;
+  to.key[n] = f.key;
+  to.kept[n] = spring != nullptr ? 1 : 0;
+  if (spring != nullptr) {
+    store(*spring, &to.spring[4 * n]);
+    store(spring->normal, &to.normal[4 * n]);
+  } else {
+    std::fill_n(&to.spring[4 * n], 4, 0.0);
+    std::fill_n(&to.normal[4 * n], 4, 0.0);
+  }
+}
+
+/// Lanes have no rolling resistance of meshes, and take no time of a pair.
+bool suits_lanes(const PairPass& pass) {
+  return pass.asks_for_forces_alone() && pass.scratch.pair_seconds.empty() && !pass.scene.law_choice().rolling;
+}
+
+}  // namespace
+
+MeshPass::MeshPass(PairPass& pass)
+    : pass_(pass),
+      has_lanes_(suits_lanes(pass) && pass.scene.lane_laws().kind != BallLawKind::none),
+      scene_{pass.p, pass.scene.periodicity(), pass.scene.lane_laws()} {}
+
+MeshEvaluation::Batches& MeshEvaluation::batches_of_thread() {
+  thread_local Batches batches;
+  return batches;
+}
+
+MeshEvaluation::MeshEvaluation(const MeshPass& meshes) : meshes_(meshes), pass_(meshes.pass()), batches_(batches_of_thread()) {
+  for (MeshPairs& batch : batches_) batch.count = 0;  // a pass that failed may have left some
+}
+
+void MeshEvaluation::add(std::int32_t k, std::size_t law, const BodyPair& pair, const PairView& view, const PairFeatures& features) {
+  const std::size_t count = features.list.size();
+  MeshPairs& batch = batches_[count - 1];
+  if (batch.features.empty()) batch.features.resize(count);
+  const std::size_t n = batch.count++;
+  batch.index[n] = k;
+  batch.a[n] = pair.a;
+  batch.b[n] = pair.b;
+  batch.law[n] = static_cast<std::int64_t>(law);
+  batch.room[n] = view.room;
+  batch.crowd_share[n] = features.crowd_share;
+  const std::vector<FrictionSpring>& springs = pair.state.springs;
+  const bool turned = !springs.empty() && springs.back().key == kTurnKey;
+  batch.turned[n] = turned ? 1 : 0;
+  if (turned) store(springs.back(), &batch.turn[4 * n]);
+  auto old = springs.begin();
+  const std::vector<HandedOver>* handed_over = nullptr;
+  for (std::size_t j = 0; j < count; ++j) {
+    const ContactFeature& f = features.list[j];
+    while (old != springs.end() && old->key < f.key) ++old;
+    const FrictionSpring* spring = old != springs.end() && old->key == f.key ? &*old : nullptr;
+    if (spring == nullptr && !springs.empty() && features.hands_over && is_handed_over(f.key)) {
+      if (handed_over == nullptr)
+        handed_over = &find_handed_over(features.list, nullptr, springs, MeanTurn(springs, view.pose.turn, pass_.friction_dt));
+      for (const HandedOver& h : *handed_over)
+        if (h.feature == f.key) spring = h.spring;
+    }
+    set(f, spring, n, batch.features[j]);
+  }
+  if (batch.count == kMeshPairs) evaluate(batch);
+}
+
+/// The forces of a batch, handed out to its pairs.
+void MeshEvaluation::evaluate(MeshPairs& batch) {
+  find_mesh_forces(meshes_.scene(), pass_.dt, batch, forces_);
+  const bool friction = meshes_.scene().laws.friction;
+  const std::size_t count = batch.features.size();
+  for (std::size_t n = 0; n < batch.count; ++n) {
+    const auto k = static_cast<std::size_t>(batch.index[n]);
+    if (forces_.left[n] != 0) {
+      left_.push_back(batch.index[n]);
+      continue;
+    }
+    PairResult& result = pass_.list.results()[k];
+    result.active = true;
+    result.contact_count = static_cast<std::int32_t>(count);
+    load(forces_.fours, n, result);
+    largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
+    if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
+    std::vector<FrictionSpring>& springs = pass_.list.pairs()[k].state.springs;
+    if (!friction) {
+      springs.clear();
+      continue;
+    }
+    springs.resize(count + 1);
+    for (std::size_t j = 0; j < count; ++j) {
+      springs[j].key = batch.features[j].key[n];
+      load(&batch.features[j].spring[4 * n], springs[j]);
+      load(&batch.features[j].normal[4 * n], springs[j].normal);
+    }
+    springs[count].key = kTurnKey;
+    springs[count].normal = {};
+    load(&batch.turn[4 * n], springs[count]);
+  }
+  batch.count = 0;
+}
+
+void MeshEvaluation::finish() {
+  for (MeshPairs& batch : batches_) {
+    if (batch.count > 0) evaluate(batch);
+  }
+}
+
+}  // namespace scree

@@ -1,0 +1,375 @@
+// What the loop over pairs does with one of them: is it idle, are its candidates still good, which features does it have, what is their
+// force. A template of the scene's contact model (contact/contact_model.hpp).
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "solver/built_with.hpp"
+#include "solver/contact/contact_models.hpp"
+#include "solver/contact/damping_share.hpp"
+#include "solver/features/pass_through.hpp"
+#include "solver/neighbours/prefetch.hpp"
+#include "solver/pairs/begun_pairs.hpp"
+#include "solver/pairs/forces.hpp"
+#include "solver/pairs/mesh_evaluation.hpp"
+#include "solver/pairs/pair_pass.hpp"
+#include "solver/step/impacts.hpp"
+#include "solver/step/wall_loads.hpp"
+
+namespace scree {
+
+/// Times one pair where that is asked for: reading the clock twice takes a tenth of an average pair.
+class PairClock {
+ public:
+  PairClock(std::vector<float>& seconds, std::int32_t pair) : slot_(seconds.empty() ? nullptr : &seconds[static_cast<std::size_t>(pair)]) {
+    if (slot_ != nullptr) start_ = Clock::now();
+  }
+  ~PairClock() {
+    if (slot_ != nullptr) *slot_ = std::chrono::duration<float>(Clock::now() - start_).count();
+  }
+  PairClock(const PairClock&) = delete;
+  PairClock& operator=(const PairClock&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  float* slot_;
+  Clock::time_point start_;
+};
+
+/// Length of the lists that a pair gets [m].
+double candidate_skin(const PairView& view, const PairVelocities& m, double dt);
+/// First look of may_have_passed_through, without its frames: false only where it says false.
+bool is_fast(const PairView& view, const PairVelocities& m, double dt);
+/// Appends the contacts of a pair as they stand in frames.
+void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
+                     const std::vector<ContactOutput>& outputs, FrameContacts& out);
+
+/// What a pair keeps lies in several places: asked for together and before they are needed.
+[[gnu::always_inline]] inline void prefetch_pair(const BodyPair& pair, const PairResult& result) {
+  prefetch<sizeof(CandidateLists)>(pair.lists.get());
+  prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
+  prefetch<sizeof(PairResult)>(&result);
+}
+
+/// The same of what its lists hold.
+[[gnu::always_inline]] inline void prefetch_candidates(const CandidateLists& lists) {
+  prefetch<1>(lists.corners_a.data());  // the rest of a list follows by itself
+  prefetch<1>(lists.corners_b.data());
+  prefetch<1>(lists.edges.data());
+  prefetch<512>(lists.slacks.data());  // all are read at once
+}
+
+/// Walks ahead of a loop over pairs and asks for what those hold that are not idle. A bed of 600 rocks of 320 triangles is more than the
+/// inner caches hold.
+class PairsAhead {
+ public:
+  /// in   which   of one thread: what others work on is not looked at
+  PairsAhead(PairList& list, std::span<const std::int32_t> which) : list_(list), which_(which) {}
+  /// Before each pair is evaluated.   in   n   its place in `which`
+  void advance(std::size_t n) {
+    next_ = std::max(next_, n + 1);
+    if (list_.idle()[static_cast<std::size_t>(which_[n])].way >= 0) return;
+    if (coming_ != nullptr && coming_->lists != nullptr) prefetch_candidates(*coming_->lists);
+    coming_ = nullptr;
+    for (; next_ < which_.size() && coming_ == nullptr; ++next_) {
+      const auto k = static_cast<std::size_t>(which_[next_]);
+      if (list_.idle()[k].way >= 0) continue;
+      coming_ = &list_.pairs()[k];
+      prefetch_pair(*coming_, list_.results()[k]);
+    }
+  }
+
+ private:
+  PairList& list_;
+  std::span<const std::int32_t> which_;
+  std::size_t next_ = 0;
+  const BodyPair* coming_ = nullptr;  ///< the next pair that is not idle
+};
+
+/// Notes the overlap that a pair counts from, in the order of keys.
+void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
+
+/// One thread's part of a pass.
+template <ContactModel Model>
+class PairEvaluation {
+ public:
+  /// in   lanes   take the pairs that they can; null: none
+  PairEvaluation(PairPass& pass, int thread, MeshEvaluation* lanes = nullptr)
+      : pass_(pass),
+        lanes_(lanes),
+        begun_(BegunPairs::of_thread()),
+        distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]),
+        thread_(static_cast<std::size_t>(thread)) {
+    begun_.clear();  // a pass that failed may have left some
+  }
+
+  void evaluate(std::int32_t k) {
+    IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
+    if (pass_.way_of(idle) < idle.way) return;  // its result says so already
+    const PairClock clock(pass_.scratch.pair_seconds, k);
+    BodyPair& pair = pass_.list.pairs()[static_cast<std::size_t>(k)];
+    PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+    prefetch_pair(pair, result);
+    result.active = false;
+    result.contact_count = 0;
+    const PairView view = view_of(pass_.scene, pass_.p, pass_.walls, pair.a, pair.b, pair.key.zone);
+    const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
+    CandidateLists& lists = lists_of(pair);
+    double moved = 0;
+    if (!keep_candidates(k, view, velocities, lists, moved)) return;
+    if (moved < lists.first_slack) return rest(view, lists.first_slack - moved, pair, idle);
+    idle.way = kNeverIdle;
+    if (!find_features(k, view, moved, lists)) return;
+    conclude(k, view, velocities, moved, lists, pair, result, idle);
+  }
+
+  /// The same without lanes, of a pair that they have left.
+  void evaluate_alone(std::int32_t k) {
+    lanes_ = nullptr;
+    evaluate(k);
+  }
+
+  /// Completes the pairs whose candidates have waited for others.
+  void finish() {
+    begun_.finish(pass_.list.pairs(), [&](BegunPair& begun) {
+      const auto k = static_cast<std::size_t>(begun.k);
+      BodyPair& pair = pass_.list.pairs()[k];
+      std::swap(features_.list, begun.features);
+      share_among_cells(begun.view, features_);
+      conclude(begun.k, begun.view, velocities_of(pass_.p, pass_.walls, pair.a, pair.b, begun.view, pass_.friction_dt > 0), begun.moved,
+               *pair.lists, pair, pass_.list.results()[k], pass_.list.idle()[k]);
+      std::swap(features_.list, begun.features);
+    });
+  }
+
+  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
+  bool too_deep() const { return too_deep_; }
+
+ private:
+  /// Returns false where the pair is left to finish(), since its candidates are looked at with those of others.
+  bool find_features(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
+    if constexpr (Model::kHasEdgeLanes) {
+      if (lanes_ != nullptr && BegunPairs::may_take(view)) return begin(k, view, moved, lists);
+    }
+    Model::find_features(view, moved, lists, features_);
+    return true;
+  }
+
+  bool begin(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
+    find_due_candidates(lists, due_);
+    if (!due_.indices.empty() && BegunPairs::could_have_room(due_)) {
+      if (!begun_.has_room(due_)) finish();
+      begun_.add(k, moved, view, lists, due_);
+      return false;
+    }
+    due_mesh_features(view.a, view.b, view.pose, view.reach, sharing_of_vertices(view), std::min(view.radius_a, view.radius_b), due_, lists,
+                      features_.list);
+    share_among_cells(view, features_);
+    return true;
+  }
+
+  /// The forces of a pair whose features are found.
+  void conclude(std::int32_t k, const PairView& view, const PairVelocities& velocities, double moved, CandidateLists& lists, BodyPair& pair,
+                PairResult& result, IdlePair& idle) {
+    if (features_.list.empty() && lists.next_look > lists.way) {
+      const double left = std::min(lists.next_look - lists.way, lists.skin - moved);
+      return rest(view, left, pair, idle);
+    }
+    if constexpr (Model::kGathering != Gathering::potential) features_.hands_over = view.geometry != PairGeometry::two_meshes;
+    if (view.off_middle != 0)
+      for (ContactFeature& f : features_.list) f.x -= view.off_middle * f.n;
+    const double rest_overlap = pass_.has_bonds ? count_from_rest(pair.state.springs) : 0;
+    const double share = pass_.has_bonds ? damping_share(pair.state.springs) : 1;
+    if (view.reach > view.margin)
+      weigh_beyond_margin(view, moved, lists, pair);
+    else
+      Model::weigh(view, kNoPull, moved, lists, features_);
+    if (features_.list.empty()) {
+      if (!pass_.only_looks()) pair.state.keep_lasting();
+    } else if (lanes_ == nullptr || !lanes_->take(k, pair, view, features_)) {
+      act(view, velocities, lists, pair, result);
+    }
+    if (share != 1 && result.active && !pass_.only_looks()) set_damping_share(pair.state.springs, share);
+    if (rest_overlap > 0 && !pass_.only_looks()) set_rest_overlap(pair.state.springs, rest_overlap);
+  }
+
+  /// Looks whether the bodies could have passed through each other, and lists candidates anew where the pair has used up its skin.
+  /// Returns false when its meshes intersect.
+  bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, CandidateLists& lists, double& moved) {
+    if (lists.skin >= 0) moved = motion_of_pair(view, lists);
+    // a body behind a plane or in a cylinder is still seen
+    if (built_with::kMeshes && view.has_mesh() && pass_.dt > 0 && moved > lists.first_slack && is_fast(view, velocities, pass_.dt)) {
+      const BodyPair& pair = pass_.list.pairs()[static_cast<std::size_t>(k)];
+      const PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, matrix_of(view.a.q));
+      if (may_have_passed_through(view.a, view.b, motion, view.radius_a, view.radius_b, view.margin, pass_.dt, moved, lists, distance_))
+        pass_.passing.store(k);
+    }
+    if (!(lists.skin < 0 || moved > lists.skin)) return true;
+    moved = 0;
+    if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, lists)) return true;
+    pass_.intersecting.store(k);
+    return false;
+  }
+
+  /// Those of the pair; made from nothing at each look for balls that lanes take in all other steps.
+  CandidateLists& lists_of(BodyPair& pair) {
+    if (is_of_lanes(pair)) {
+      lists_of_balls_.skin = -1;
+      return lists_of_balls_;
+    }
+    if (pair.lists == nullptr) pair.lists = std::make_unique<CandidateLists>();
+    prefetch_candidates(*pair.lists);
+    return *pair.lists;
+  }
+
+  bool is_of_lanes(const BodyPair& pair) const {
+    const BallLaws& laws = pass_.scene.ball_laws();
+    if (laws.kind == BallLawKind::none || !pass_.allows_lanes() || !(pass_.p.ball_radius[static_cast<std::size_t>(pair.a)] > 0))
+      return false;
+    return pair.b >= 0 ? pass_.p.ball_radius[static_cast<std::size_t>(pair.b)] > 0
+                       : laws.row_of_zone[static_cast<std::size_t>(pair.key.zone)] >= 0;
+  }
+
+  /// Since the lists were made.
+  static double motion_of_pair(const PairView& view, CandidateLists& lists) {
+    return view.geometry == PairGeometry::two_meshes ? follow_motion(lists, view.pose, view.radius_a, view.radius_b)
+                                                     : motion_since_listed(lists, view.pose, view.radius_a, view.radius_b);
+  }
+
+  /// Nothing can be within the margin before both have gone what is left [m].
+  void rest(const PairView& view, double left, BodyPair& pair, IdlePair& idle) {
+    if (pass_.only_looks()) return;
+    if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + left;
+    pair.state.keep_lasting();
+  }
+
+  /// Shifts overlaps by what the pair counts them from, until it has parted. Returns that [m].
+  double count_from_rest(const std::vector<FrictionSpring>& springs) {
+    const auto found = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key == kRestKey; });
+    if (found == springs.end() || features_.has_layer) return 0;
+    const double rest_overlap = found->force.x;
+    double deepest = 0;
+    for (ContactFeature& f : features_.list) {
+      deepest = std::max(deepest, f.overlap);
+      f.overlap -= rest_overlap;
+    }
+    std::erase_if(features_.list, [](const ContactFeature& f) { return !(f.overlap > 0); });
+    return deepest > 0 ? rest_overlap : 0;
+  }
+
+  /// Features were found as if the margins were as wide as the widest reach of a law: overlaps count from the margins, and what is
+  /// beyond the reach of this pair's law is none.
+  void weigh_beyond_margin(const PairView& view, double moved, CandidateLists& lists, const BodyPair& pair) {
+    const double reach = law_of(view, pair).reach;
+    for (ContactFeature& f : features_.list) f.overlap -= view.reach - view.margin;
+    if (!features_.has_layer)  // patches go with a layer, and have none beyond touch
+      std::erase_if(features_.list, [&](const ContactFeature& f) { return !(f.overlap > -reach); });
+    if (pass_.scene.law_choice().attraction && !pass_.scene.law_choice().necks)
+      Model::weigh(view, pull_view_of(pass_.scene, pass_.p, pair.a, pair.b, view, reach), moved, lists, features_);
+    else
+      Model::weigh(view, kNoPull, moved, lists, features_);
+    if (pass_.holds == nullptr || features_.list.empty()) return;
+    const PairLaw& law = law_of(view, pair);
+    double released = 0;
+    if (!pass_.holds(features_, law, radius_of(view, law), pair.state.springs, released)) return features_.list.clear();
+    if (released > 0 && pass_.friction_dt > 0 && !pass_.only_looks() && counts_here(pair, pass_.p))
+      pass_.scratch.released[thread_].add(released);
+  }
+
+  double radius_of(const PairView& view, const PairLaw& law) const { return law.radius > 0 ? law.radius : contact_radius(view); }
+
+  std::int32_t material_of_b(const PairView& view, const BodyPair& pair) const {
+    return view.zone == nullptr ? pass_.p.material[static_cast<std::size_t>(pair.b)]
+                                : pass_.scene.source().walls[static_cast<std::size_t>(view.zone->wall)].material;
+  }
+
+  const PairLaw& law_of(const PairView& view, const BodyPair& pair) {
+    const PairLaw& law = pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_of_b(view, pair));
+    if (!pass_.scene.laws_by_room()) return law;
+    fitted_ = pass_.scene.for_room(law, view.room);
+    return fitted_;
+  }
+
+  /// The force of the features that were found, and the pair's result.
+  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, const CandidateLists& lists, BodyPair& pair,
+                                  PairResult& result) {
+    const PairLaw& law = law_of(view, pair);
+    const Mat3 a_to_world = matrix_of(view.a.q);
+    PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
+    if (pass_.scene.law_choice().needs_radius) motion.radius = radius_of(view, law);
+    if (view.zone != nullptr && pass_.scene.has_moving_surfaces()) {
+      const auto wall = static_cast<std::size_t>(view.zone->wall);
+      if (pass_.scene.source().walls[wall].surface.moves()) {
+        surface_ = surface_beneath(pass_.walls[wall], view, a_to_world, pass_.friction_dt > 0);
+        motion.surface = &surface_;
+      }
+    }
+    if (view.zone != nullptr && pass_.scene.has_answering_walls())
+      motion.inverse_mass_b = pass_.scene.wall_mobility(static_cast<std::size_t>(view.zone->wall), view.a.x);
+    const bool is_mapped = view.zone != nullptr && pass_.scene.mapped_triangles() > 0 && !pass_.only_looks() && first_mapped_of(view) >= 0;
+    const bool is_recorded = pass_.has_impacts && !pass_.only_looks();
+    // Looking must not change anything: it works on a copy of the springs.
+    std::vector<FrictionSpring> copy;
+    if (pass_.only_looks()) copy = pair.state.springs;
+    const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, pass_.only_looks() ? copy : pair.state.springs,
+                                       pass_.out != nullptr || is_mapped || is_recorded ? &outputs_ : nullptr);
+    if (pass_.look != nullptr) (*pass_.look)({pair, features_, f, motion, law});
+    result.active = true;
+    result.contact_count = static_cast<std::int32_t>(features_.list.size());
+    // torques about B's centre: T_B = (x_B - x_A) x F - T_A
+    const Vec3 branch = view.b.x - view.a.x;
+    result.force_a = a_to_world * f.force;
+    result.torque_a = a_to_world * f.torque;
+    result.torque_b = cross(branch, result.force_a) - result.torque_a;
+    result.dissipative_force_a = a_to_world * f.dissipative_force;
+    result.dissipative_torque_a = a_to_world * f.dissipative_torque;
+    result.dissipative_torque_b = cross(branch, result.dissipative_force_a) - result.dissipative_torque_a;
+    result.elastic = f.elastic;
+    result.tangential_elastic = f.tangential_elastic;
+    result.surface_power = f.surface_power;
+    result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
+    largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
+    if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
+    if (is_mapped) map_loads(view, motion, a_to_world, lists, pair);
+    if (is_recorded) record_impact(view, motion, f, a_to_world, pair);
+    if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
+  }
+
+  std::int32_t first_mapped_of(const PairView& view) const { return pass_.scene.first_mapped(static_cast<std::size_t>(view.zone->wall)); }
+
+  [[gnu::noinline]] void map_loads(const PairView& view, const PairMotion& motion, const Mat3& a_to_world, const CandidateLists& lists,
+                                   const BodyPair& pair) {
+    append_loads({view, motion, features_, outputs_, lists, a_to_world, pair.a, first_mapped_of(view), pass_.friction_dt}, distance_,
+                 pass_.scratch.loads[thread_]);
+  }
+
+  [[gnu::noinline]] void record_impact(const PairView& view, const PairMotion& motion, const PairForce& force, const Mat3& a_to_world,
+                                       const BodyPair& pair) {
+    const std::size_t materials = material_pair(static_cast<std::size_t>(pass_.p.material[static_cast<std::size_t>(pair.a)]),
+                                                static_cast<std::size_t>(material_of_b(view, pair)));
+    pass_.scratch.impacts[thread_].push_back(impact_entry(
+        {view, motion, features_, outputs_, force, a_to_world, pair, materials, counts_here(pair, pass_.p), pass_.friction_dt}));
+  }
+
+  static inline const PullView kNoPull;
+
+  PairPass& pass_;
+  MeshEvaluation* lanes_;
+  BegunPairs& begun_;
+  DueCandidates due_;
+  MeshDistanceScratch& distance_;
+  std::size_t thread_;
+  CandidateLists lists_of_balls_;
+  PairFeatures features_;
+  std::vector<ContactOutput> outputs_;
+  SurfaceBeneath surface_;
+  PairLaw fitted_;  // to the room of a pair
+  double largest_overlap_ = 0;
+  bool too_deep_ = false;
+};
+
+}  // namespace scree

@@ -1,0 +1,39 @@
+// One pass over pairs, as all that works on it sees it.
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "solver/contact/pair_force.hpp"
+#include "solver/pairs/forces.hpp"
+
+namespace scree {
+
+/// One evaluation of pairs: what all threads read, and what any of them may find wrong.
+struct PairPass {
+  const SolverScene& scene;
+  const ParticleSet& p;
+  const std::vector<WallState>& walls;
+  double dt, friction_dt;
+  ForceScratch& scratch;
+  PairList& list;
+  FrameContacts* out;
+  const PairVisitor* look;
+  PairForceFunction force_of;
+  PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
+  double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
+  bool has_impacts;         ///< impacts and losses are recorded
+  bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
+  bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
+  std::atomic<std::int32_t> intersecting{-1}, passing{-1};
+
+  bool only_looks() const { return out != nullptr || look != nullptr || at_rest; }
+  /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.
+  bool allows_lanes() const { return !has_impacts; }
+  /// A step of the run that asks for forces, and for nothing that lanes leave out.
+  bool asks_for_forces_alone() const { return friction_dt > 0 && friction_dt == dt && !only_looks() && allows_lanes(); }
+  /// Of both bodies together since the lists were made [m].
+  double way_of(const IdlePair& idle) const { return list.travel()[idle.a] + (idle.b >= 0 ? list.travel()[idle.b] : 0.0); }
+};
+
+}  // namespace scree
