@@ -211,3 +211,61 @@ def v5(tools, report):
                     report.check(ball, depth / (.01 * radius), 1, .02, "absolute")
                 elif place == "facet" and ratio < .9:  # alone on its facet; beside that facets are coarser than R/200
                     report.check(ball, depth / (.01 * radius), 1, 1e-3, "absolute")
+
+
+@case("V6", "U", "tips and balls that bounce in grooves keep their energy under other laws: Hertz, attraction, a barrier", "energy")
+def v6(tools, report):
+    radius, drop = .01, 4e-4
+    mass = 2700 * 4 / 3 * radius**3   # of the octahedron
+    for name, words, pair in (("Hertz", {"law": "hertz-mindlin"}, {}), ("attraction", {}, {"stiffness": 1e5, "pull_off": 3 * mass * G, "adhesion_range": 1e-4}),
+                              ("barrier", {"contact": {"barrier": 1.0}}, {"stiffness": 1e4})):
+        errors = []
+        for steps in (120, 480):
+            c = Case(f"V6-{name}-{steps}", duration=.1, steps_per_contact=steps, gravity=(0, 0, -G), every=.01,
+                     **{"contact": {"margin_ratio": .05, **words.get("contact", {})}, **{k: v for k, v in words.items() if k != "contact"}})
+            c.mesh("tip", octahedron(radius))
+            c.material("m", 2700.0, young=1e7, poisson=.3)
+            c.pair_all(restitution=1.0, friction=0.0, **pair)
+            for i, angle in enumerate((30, 89, 120)):
+                c.mesh_wall(valley(angle, 3 * radius, 10 * radius), "m", position=(0, 8 * i * radius, 0))
+                height = radius * max(1, math.tan(math.radians(angle) / 2)) + drop
+                c.body("tip", "m", (1e-5, 8 * i * radius + 2e-5, height), orientation=(math.cos(.05), math.sin(.05), 0, 0))
+            run = report.run(c.run(tools))
+            energy = run.energy()
+            errors.append(numpy.abs(energy - energy[0]).max() / (3 * mass * G * drop))
+        report.at_most(f"{name}: change of the energy over that of the falls, 480 steps a contact", errors[1], 1e-3)
+        report.at_least(f"{name}: the same at 120 over that at 480 steps a contact", errors[0] / errors[1], 4)
+
+
+@case("V7", "U", "rolling resistance and wear of both faces of an edge", "constant moments of both contacts; Archard on both faces")
+def v7(tools, report):
+    # the normals of a right-angled groove are at 45 degrees to the weight: two contacts of m g / sqrt(2); (2/5) m R^2 w' = -mu_r R sqrt(2) m g
+    radius, k, mu_r, w0 = .1, 1e6, .02, 10.0
+    mass = 1000 * 4 / 3 * math.pi * radius**3
+    depth = mass * G / math.sqrt(2) / k
+    c = Case("V7-spin", duration=1.0, steps_per_contact=30, gravity=(0, 0, -G), contact={"margin": 0}, every=.02)
+    c.sphere("ball", radius)
+    c.material("m", 1000.0)
+    c.pair_all(stiffness=k, restitution=.5, friction=0.0, rolling_friction=mu_r, rolling_model="constant", contact_radius=radius)
+    c.mesh_wall(valley(90, 3 * radius, 10 * radius), "m")
+    c.body("ball", "m", (0, 0, math.sqrt(2) * (radius - depth)), angular_velocity=(w0, 0, 0))
+    run = report.run(c.run(tools))
+    late = (run.times > .1) & (run.w[:, 0, 0] > 1)
+    rate = -numpy.polyfit(run.times[late], run.w[late, 0, 0], 1)[0]
+    report.check("a ball that spins in a groove: w' [rad/s^2]", rate, 2.5 * math.sqrt(2) * mu_r * G / radius, 5e-3)
+    # a cube slides along the edge of a mesh box, pressed onto floor and wall
+    side, mu, way, coefficient, gravity = .1, .2, .5, 5e-8, numpy.array([4., 0, -8.])
+    mass, push = 1.0, 12.0
+    c = Case("V7-wear", duration=1.1 * math.sqrt(2 * way / (mu * push)), steps_per_contact=30, every=.1, gravity=gravity, contact={"margin_ratio": .02})
+    c.mesh("cube", meshes.box((side,) * 3))
+    c.material("m", mass / side**3)
+    c.pair_all(stiffness=1e6, restitution=.1, friction=mu)
+    c.body("cube", "m", (.25 - side / 2 + 1e-6, -.3, side / 2 - 2e-6), velocity=(0, math.sqrt(2 * mu * push * way), 0))
+    box = {"box": {"corners": [[-.25, -.5, 0], [.25, .5, .3]], "open": ["+z"]}}
+    c.wall(box, "m", wear={"coefficient": coefficient, "every": 5.0})
+    run = report.run(c.run(tools))
+    report.check("slid along the edge [m]", run.x[-1, 0, 1] - run.x[0, 0, 1], way, 1e-2)
+    work = run.loads[-1]["sliding_work"].sum()
+    report.check("work of sliding on both faces [J]", work, mu * mass * push * way, 1e-2)
+    impulse = numpy.abs(run.loads[-1]["impulse"].sum(axis=0))
+    report.check("impulse on the wall over that on the floor", impulse[0] / impulse[2], 4 / 8, 1e-3)
