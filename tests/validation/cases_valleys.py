@@ -221,7 +221,7 @@ def v6(tools, report):
                               ("barrier", {"contact": {"barrier": 1.0}}, {"stiffness": 1e4})):
         errors = []
         for steps in (120, 480):
-            c = Case(f"V6-{name}-{steps}", duration=.1, steps_per_contact=steps, gravity=(0, 0, -G), every=.01,
+            c = Case(f"V6-{name}-{steps}", duration=.06, steps_per_contact=steps, gravity=(0, 0, -G), every=.01,
                      **{"contact": {"margin_ratio": .05, **words.get("contact", {})}, **{k: v for k, v in words.items() if k != "contact"}})
             c.mesh("tip", octahedron(radius))
             c.material("m", 2700.0, young=1e7, poisson=.3)
