@@ -91,7 +91,7 @@ for folder in words.shapes:
         rows.append((os.path.basename(os.path.dirname(path)) if name == "result" else name, deviations(path)))
 
 text = ["# Where bodies touch, and where they were drawn", "",
-        "For contacts a mesh is moved inwards by its margin, and has the margin around it: edges and corners are rounded by it, and what is too thin is moved in",
+        "For contacts a mesh is moved inwards by its margin, and has the margin around it: edges and vertices are rounded by it, and what is too thin is moved in",
         "only partly ([decision 022](../develop/decisions/022-touch-where-surfaces-are-drawn.md)). Deviation of that surface from the drawn one, mean over the surface and (largest), as shares of the margin,",
         "for margins of 2 to 10 % of the radius of the ball of the same volume. A corner of a cube is cut by .73 of the margin. Made by `workflows/corpus/touch.py`.", "",
         "| shape | " + " | ".join(f"{100 * ratio:g} %" for ratio in RATIOS) + " |", "|---|" + "---|" * len(RATIOS)]
