@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """How many ranks a run is worth. usage: ranks.py SCENE CORES
 
-Prints the number. The result of a run does not depend on it (docs/decisions/003), its time does: ranks exchange messages in every step. On a
-machine of its own a rank pays off from 50 to 100 bodies with triangles on (docs/scaling.md); where other programs use the cores too, ranks
+Prints the number. The result of a run does not depend on it (docs/develop/decisions/003), its time does: ranks exchange messages in every step. On a
+machine of its own a rank pays off from 50 to 100 bodies with triangles on (docs/results/scaling.md); where other programs use the cores too, ranks
 wait for each other's time slices, and 120 balls took 3 to 24 times as long on two ranks as on one.
 """
 import json

@@ -13,7 +13,7 @@
 
 namespace scree {
 
-/// How bodies are shared out. Measured side by side in docs/scaling.md; the default is the first.
+/// How bodies are shared out. Measured side by side in docs/results/scaling.md; the default is the first.
 enum class CutMethod {
   rcb,   ///< recursive coordinate bisection: boxes
   rib,   ///< recursive inertial bisection: planes across the longest principal axis

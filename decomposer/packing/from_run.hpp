@@ -1,7 +1,7 @@
 // Bodies that a case takes over from a run ([start]): read from a checkpoint or a frame of its folder.
 //
 // What of the state of their pairs is taken over: that of two bodies, if contacts are gathered as in the run; that of a body and a wall, if
-// moreover this case has that wall where it stood in the run. See docs/decisions.
+// moreover this case has that wall where it stood in the run. See docs/develop/decisions.
 #pragma once
 
 #include <map>

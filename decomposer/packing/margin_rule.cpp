@@ -218,7 +218,7 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   Settings& settings = scene.settings;
   // bodies that rest on each other do so as their run had them touch
   if (parts.carried && !c.surface_given) settings.surface = parts.carried->from.scene.settings.surface;
-  // cells of a cut have corners too sharp to be moved in by a margin (docs/decisions/023)
+  // cells of a cut have corners too sharp to be moved in by a margin (docs/develop/decisions/023)
   const bool has_pieces = std::any_of(c.shapes.begin(), c.shapes.end(), [](const CaseShape& s) { return s.falls_apart(); });
   if (has_pieces && !c.surface_given) settings.surface = TouchAt::outside;
   const bool by_size = settings.surface == TouchAt::drawn;

@@ -23,12 +23,12 @@ inline constexpr double kEnergyDoubtful = 0.05;
 inline constexpr double kOverlapDoubtful = 0.8;  ///< overlap over margin; at 1 the surfaces themselves would touch
 inline constexpr double kRestKinetic = 1e-6;     ///< kinetic energy over its peak
 /// Step over the critical step of all contacts at once. A motion at a share r of its critical step keeps its energy to r^2 / 4 while its
-/// contacts last, and all of it when they end: 1 % at 0.2, 4.7 % at 0.5, 20 % at 0.9, still stable at 0.99 (X1 in docs/stability.md). A
-/// body with many neighbours is held by all of them: a bed of balls with 12 steps a contact is at 0.5 to 0.8, and its energies hold to
-/// 0.5 % (docs/guide/theory.md). That accuracy is judged by the energy balance; this verdict is on stability.
+/// contacts last, and all of it when they end: 1 % at 0.2, 4.7 % at 0.5, 20 % at 0.9, still stable at 0.99 (X1 in
+/// docs/results/stability.md). A body with many neighbours is held by all of them: a bed of balls with 12 steps a contact is at 0.5 to 0.8,
+/// and its energies hold to 0.5 % (docs/user/theory.md). That accuracy is judged by the energy balance; this verdict is on stability.
 inline constexpr double kStepGood = 0.9;
-/// The critical step in the log is a lower bound, 0.738 to 1 of the true one (docs/validation-demands.md): above 1 / 0.738 a motion of the
-/// contacts was unstable for certain, however briefly.
+/// The critical step in the log is a lower bound, 0.738 to 1 of the true one (docs/results/validation-demands.md): above 1 / 0.738 a motion
+/// of the contacts was unstable for certain, however briefly.
 inline constexpr double kStepDoubtful = 1.35;
 /// Steps that an impact of the stiffest pair takes; with fewer its restitution misses what the validation plan demands of it.
 inline constexpr double kContactStepsGood = 8;
@@ -51,7 +51,7 @@ struct EnergyBalance {
 EnergyBalance energy_balance(const Run& run);
 
 /// Error of the restitution of an impact that takes so many steps, the worst of three laws, restitutions from 0.3 to 0.9 and 41 phases of
-/// touch (docs/work-precision.md, P1).
+/// touch (docs/results/work-precision.md, P1).
 double restitution_error(double steps);
 inline constexpr double kContactError = 0.1;  ///< of the elastic energy that the error within contacts may be
 inline constexpr double kStillFall = 1e-6;    ///< diameters; the solver's own measure of rest

@@ -41,7 +41,7 @@ std::vector<Row> read_rows(const std::string& path) {
   if (!csv) throw InputError("{}: no such file, or it cannot be read", path);
   const std::vector<std::string>& names = csv->names;
   if (names.empty() || names[0] != "case")
-    throw InputError("{}:1: '{}' is no header of a study; 'case,...' expected (VALIDATION 4.5)", path, csv->header.substr(0, 40));
+    throw InputError("{}:1: '{}' is no header of a study; 'case,...' expected (validation plan 4.5)", path, csv->header.substr(0, 40));
   std::vector<Row> rows;
   for (const CsvTable::Row& from : csv->rows) {
     if (from.cells.size() != names.size())

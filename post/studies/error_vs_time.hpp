@@ -1,6 +1,6 @@
 // Error against run time: the fronts of a study, and the best choice for an error that is asked for.
 //
-// The CSV is that of VALIDATION 4.5, one row per run: what was chosen (integrator, law, ttd, precision, step ...), times and errors.
+// The CSV is that of validation plan 4.5, one row per run: what was chosen (integrator, law, ttd, precision, step ...), times and errors.
 #pragma once
 
 #include <string>

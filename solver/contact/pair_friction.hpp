@@ -125,8 +125,8 @@ class PairFriction {
     // turn with the bodies' mean frame, and from there to the present normal
     Vec3 s = transported(turned_(old->force), turned_(old->normal), f.n);
     // Unloading gives force back in proportion; loading must not create any (passivity, docs/reference/contact-law.md 3.4). A load that
-    // only rounding moves up and down is neither (docs/decisions/012): springs would lose a little each time, and a stiff heap creep
-    // for ever.
+    // only rounding moves up and down is neither (docs/develop/decisions/012): springs would lose a little each time, and a stiff heap
+    // would creep indefinitely.
     const double before = std::abs(old->stiffness);
     if (std::abs(kappa - before) * f.overlap <= rounding_ * before) kappa = before;
     if (kappa < before) s *= kappa / before;

@@ -23,7 +23,7 @@
 //
 // Source: the idea of bodies that sleep, E. Catto, "Simulation islands", Box2D (2023). Departures: who touches a sleeper may be awake, and
 // forces are tested in place of touch alone: in a heap that is pressed from one side forces change long before anything has moved by as
-// much as can be seen, and a stone that rocks forever in its hole would keep a whole heap awake (docs/decisions/030).
+// much as can be seen, and a stone that rocks forever in its hole would keep a whole heap awake (docs/develop/decisions/030).
 #pragma once
 
 #include <array>

@@ -25,7 +25,7 @@ inline constexpr double kMarginPerStep = 0.2;
 /// Share of the range of an attraction by which two surfaces may come nearer in a step.
 inline constexpr double kRangePerStep = 0.5;
 /// The same at the speed at which the attraction takes all motion of the lightest bodies, where that is slower: those that are faster pass
-/// through it with little change, and a range of nanometres need not be followed at metres a second (docs/work-precision.md, P9).
+/// through it with little change, and a range of nanometres need not be followed at metres a second (docs/results/work-precision.md, P9).
 inline constexpr double kStickingPerStep = 0.25;
 /// Share of the critical step of bonds that a step takes: the fastest motion that they can make then has 31 steps in its period, its
 /// frequency is right to 2e-3 and its energy to 1e-2; half of it costs twice the time and quarters both.

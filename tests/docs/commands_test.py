@@ -15,15 +15,15 @@ import subprocess
 import sys
 
 GROUPS = {
-    "guide": ["docs/guide/start-here.md", "docs/guide/cookbook.md"],
+    "guide": ["docs/user/install.md", "docs/user/start-here.md", "docs/user/cookbook.md"],
     "tools": ["README.md", "mesher/README.md", "decomposer/README.md", "solver/README.md", "post/README.md", "post/STATISTICS.md", "post/python/README.md"],
-    "workflows": ["docs/distance-study.md", "docs/workflows.md", *(f"workflows/{name}/README.md" for name in (
+    "workflows": ["docs/results/distance-study.md", "docs/results/cases.md", *(f"workflows/{name}/README.md" for name in (
         "beam", "boulders", "brazilian", "calibrate", "column", "conveyor", "crater", "crush", "dice", "distance-study", "drum", "granite", "granuheap", "hopper", "impact", "mill", "peers", "press", "repose", "rockfall", "scaling", "screen", "shape-dial", "silo", "stability", "sticky", "triaxial", "unbroken", "validation", "work-precision"))],
-    "tests": ["tests/sanitizers/README.md", "tests/validation/README.md", "tests/metamorphic/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
+    "tests": ["docs/develop/testing.md", "tests/sanitizers/README.md", "tests/validation/README.md", "tests/metamorphic/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
         "broad_phase", "candidates", "distance", "leave_out", "peers", "steps"))],
 }
-# a template of docs/distance-study.md, and a page whose commands need the changes that extending_test.py makes
-NOT_HERE = {"workflows/distance-study/page.md", "docs/extending.md"}
+# a template of docs/results/distance-study.md, and a page whose commands need the changes that extending_test.py makes
+NOT_HERE = {"workflows/distance-study/page.md", "docs/develop/extending.md"}
 COMMAND = re.compile(r"(\./|\(?cd |[A-Z_]+=\S+ |scree-(mesher|decomposer|solver|post|bench-|peers-)|mpirun |cmake |ctest |paraview |pvbatch |xvfb-run |tests/|workflows/)")
 
 GROUP, ROOT, BIN, SCRATCH = sys.argv[1:5]

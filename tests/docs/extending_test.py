@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Does what docs/extending.md says, in a scratch copy of the tree. usage: extending_test.py ROOT SCRATCH [--build]
+"""Does what docs/develop/extending.md says, in a scratch copy of the tree. usage: extending_test.py ROOT SCRATCH [--build]
 
 Comments in the page, before a fenced block, say what becomes of the block:
   <!-- new file PATH -->                      the block is the file
@@ -15,7 +15,7 @@ import shutil
 import subprocess
 import sys
 
-PAGE = "docs/extending.md"
+PAGE = "docs/develop/extending.md"
 BLOCK = re.compile(r"^<!-- (new file|in|run)\s*([^\n]*?)\s*-->\n```\w*\n(.*?)^```$", flags=re.S | re.M)
 TARGETS = ["scree-solver", "scree-decomposer", "scree-post"]
 

@@ -51,12 +51,12 @@ def what_the_sources_say_is_shown():
                 wrong = re.findall(r"^(?:<p>)?(?:\||- |```|<!--).*", text, flags=re.M)
                 assert not wrong, f"{path}: not understood as table, list or code: {wrong[:3]}"
                 assert "\\|" not in "".join(re.findall(r"<td.*?</td>", text, flags=re.S)), path
-    missed = re.findall(r"^- \*\*(\w+)\*\*: .*\n((?:  - .*\n)+)", open(os.path.join(ROOT, "docs/validation.md"), encoding="utf-8").read(), flags=re.M)
-    assert missed, "no case of docs/validation.md has a list below it"
+    missed = re.findall(r"^- \*\*(\w+)\*\*: .*\n((?:  - .*\n)+)", open(os.path.join(ROOT, "docs/results/validation.md"), encoding="utf-8").read(), flags=re.M)
+    assert missed, "no case of docs/results/validation.md has a list below it"
     for case_name, below in missed:
-        nested = re.search(rf"<li><strong>{case_name}</strong>.*?</ul>", page("docs/validation.html"), flags=re.S)
+        nested = re.search(rf"<li><strong>{case_name}</strong>.*?</ul>", page("docs/results/validation.html"), flags=re.S)
         assert nested and nested[0].count("<li>") == 1 + below.count("\n"), f"the list below {case_name} is not within it"
-    assert re.search(r"<main>.*?<details>\n<summary>[^<]*</summary>\n<table>", page("docs/stability.html"), flags=re.S), "no table in the first fold"
+    assert re.search(r"<main>.*?<details>\n<summary>[^<]*</summary>\n<table>", page("docs/results/stability.html"), flags=re.S), "no table in the first fold"
 
 
 def the_search_works_from_a_disk():

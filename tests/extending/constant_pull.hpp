@@ -1,4 +1,4 @@
-// The example of docs/extending.md, "A law": a linear spring that also attracts, with a constant force from a gap beyond the margins on.
+// The example of docs/develop/extending.md, "A law": a linear spring that also attracts, by a constant force from a gap beyond the margins.
 #pragma once
 
 #include "solver/laws/normal.hpp"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A law that pulls, added as docs/extending.md says (constant_pull.hpp). usage: law_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+"""A law that pulls, added as docs/develop/extending.md says (constant_pull.hpp). usage: law_test.py BIN_FOLDER MPIEXEC [TEST...]"""
 import csv
 import json
 import math

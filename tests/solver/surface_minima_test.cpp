@@ -171,7 +171,7 @@ double largest_jump(PointPotential& potential, const Vec3& from, const Vec3& to,
 
 constexpr double kReach = .03;
 
-// REST 8.2: minima alone as screens have jumps of 5e-3; the nearest face alone none, but a kink.
+// Minima alone as screens have jumps of 5e-3; the nearest face alone has none, but a kink.
 TEST(ConcaveEdge, a_vertex_has_no_jump_of_energy_along_any_path) {
   std::mt19937 g(5);
   for (const Named& shape : concave_shapes()) {
@@ -283,7 +283,7 @@ TEST(ConcaveEdge, both_faces_of_a_groove_carry_alike) {
   }
 }
 
-// REST 8.9: a fine tube is the circle that it stands for: the ball has the contact of one facet.
+// A fine tube is the circle that it stands for: the ball has the contact of one facet.
 TEST(ConcaveEdge, a_ball_in_a_fine_tube_has_the_stiffness_of_the_circle) {
   for (const double ratio : {.1, .5, .9}) {
     constexpr double kTube = 1;

@@ -1,4 +1,4 @@
-"""B: packings, silos, entangled columns against published experiments (VALIDATION 1.7 N6, 1.8), means with 95 % confidence over seeds.
+"""B: packings, silos, entangled columns against published experiments (validation plan 1.7 N6, 1.8), means with 95 % confidence over seeds.
 
 Sizes: `small` takes minutes and shows the trend with the walls and the noise of a small sample; `real` is that of the experiments.
 """

@@ -1,4 +1,4 @@
-"""C3 to C11: Hertz, and the benchmark tests 1 to 8 of Chung and Ooi (Granular Matter 13 (2011) 643; VALIDATION 1.2).
+"""C3 to C11: Hertz, and the benchmark tests 1 to 8 of Chung and Ooi (Granular Matter 13 (2011) 643; validation plan 1.2).
 
 Tests 1 to 3 ask for the Hertz law; the gross-slip values of tests 4 to 8 are impulses, the same for every law.
 """

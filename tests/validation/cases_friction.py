@@ -1,4 +1,4 @@
-"""F: friction and rolling (VALIDATION 1.4)."""
+"""F: friction and rolling (validation plan 1.4)."""
 import math
 
 import numpy

@@ -1,4 +1,4 @@
-"""G: mass properties and what the mesher says of broken meshes (VALIDATION 1.1)."""
+"""G: mass properties and what the mesher says of broken meshes (validation plan 1.1)."""
 import json
 import math
 import os

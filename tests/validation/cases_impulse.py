@@ -1,4 +1,4 @@
-"""I: impacts of bodies off centre against rigid-body impulses (VALIDATION 1.3)."""
+"""I: impacts of bodies off centre against rigid-body impulses (validation plan 1.3)."""
 import math
 
 import numpy

@@ -1,4 +1,4 @@
-"""N: non-convex bodies and interlock (VALIDATION 1.7)."""
+"""N: non-convex bodies and interlock (validation plan 1.7)."""
 import math
 
 import numpy

@@ -1,4 +1,4 @@
-"""C: single normal contacts. Restitution, duration, depth, conservation (VALIDATION 1.2)."""
+"""C: single normal contacts. Restitution, duration, depth, conservation (validation plan 1.2)."""
 import math
 
 import numpy
@@ -42,7 +42,7 @@ def bounces(tools, report, name, steps, zetas, phases=PHASES, law=None, every=No
 
 @case("C1", "U", "linear spring-dashpot: restitution, duration, overlap", "Schwager and Poeschel 2007")
 def c1(tools, report):
-    # what VALIDATION 1.2 demands at e = 0.5, worst phase
+    # what validation plan 1.2 demands at e = 0.5, worst phase
     for steps, limit, elastic in ((20, 2.3e-2, 2.6e-4), (50, 8.5e-3, 1.7e-5), (100, 4.3e-3, 2e-6)):
         run, v, dt = bounces(tools, report, f"C1-{steps}", steps, [cf.damping_ratio(.5), 0.0])
         worst = numpy.abs(v[0] - .5).max()

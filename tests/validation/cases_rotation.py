@@ -1,4 +1,4 @@
-"""R: free rotation against Jacobi's solution (VALIDATION 1.5)."""
+"""R: free rotation against Jacobi's solution (validation plan 1.5)."""
 import math
 
 import numpy
@@ -12,7 +12,7 @@ CASES = []
 case = case_of(CASES)
 
 INERTIA = (1 / 30, .34 / 3, .4 / 3)  # of the box 0.4 x 0.2 x 0.1 with mass 8
-# VALIDATION 1.5: body angular velocity and orientation (w x y z)
+# validation plan 1.5: body angular velocity and orientation (w x y z)
 JACOBI = {"R1": {1: ((-1.914759158752, -.281010163039, 3.415596966274), (-.2156635263, .0310759697, .1933742762, .9566242297)),
                  10: ((.197551123061, -2.326627688869, 2.835317697582), (.4228517539, -.3100925385, .0549651270, -.8497163330))},
           "R2": {1: ((8.082115287249, -1.988722795730, -8.081496613647), (.1807161123, .0321527822, -.6069381730, .7732618828)),
@@ -97,7 +97,7 @@ def jacobi(tools, report, name, w0, times, duration):
     report.at_most("|dL|/L", numpy.linalg.norm(momentum - momentum[0], axis=1).max() / numpy.linalg.norm(momentum[0]), 1e-13)
 
 
-@case("R4", "N", "free rotation over 1e6 steps: energy offset without slope", "VALIDATION 4.1")
+@case("R4", "N", "free rotation over 1e6 steps: energy offset without slope", "validation plan 4.1")
 def r4(tools, report):
     for name, w0, limit in (("R1", (1, 2, 3), 6e-6), ("R2", (.1, 10, 0), 6e-6)):
         run = report.run(free_box(tools, f"R4-{name}", w0, 5000.0, 5e-3, 10.0))

@@ -1,4 +1,4 @@
-"""E: cases that start from a run ([start]; docs/decisions/017)."""
+"""E: cases that start from a run ([start]; docs/develop/decisions/017)."""
 import math
 import os
 import shutil

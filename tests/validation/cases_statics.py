@@ -1,4 +1,4 @@
-"""S: bodies at rest, rocking, toppling (VALIDATION 1.6)."""
+"""S: bodies at rest, rocking, toppling (validation plan 1.6)."""
 import math
 
 import numpy

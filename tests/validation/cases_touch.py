@@ -1,4 +1,4 @@
-"""T: where touch begins, at the surfaces as drawn (docs/decisions/022)."""
+"""T: where touch begins, at the surfaces as drawn (docs/develop/decisions/022)."""
 import math
 
 import numpy

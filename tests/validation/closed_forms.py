@@ -55,7 +55,7 @@ def hunt_crossley_alpha(e):
 
 def oblique_impact(angle, speed, radius, e, mu, rho=2 / 7, density=1000.0, dashpot=True, steps=20000):
     """Sphere on a rigid plane with linear springs, normal and tangential (rho = kt/kn): v_t'/v_t and w', by small steps.
-    The tangential dashpot is sqrt(rho) times the normal one; without it this is the linear spring of VALIDATION 1.2."""
+    The tangential dashpot is sqrt(rho) times the normal one; without it this is the linear spring of validation plan 1.2."""
     m = density * 4 / 3 * math.pi * radius**3
     k, zeta = 1.0, 0.0 if e == 1 else damping_ratio(e)
     w0 = math.sqrt(k / m)

@@ -4,7 +4,7 @@ import os
 
 import numpy
 
-# VALIDATION section 4.5; what a run does not have stays empty
+# docs/reference/validation-plan.md, section 4.5; what a run does not have stays empty
 COLUMNS = ["case", "commit", "compiler", "isa", "precision", "threads", "ranks", "integrator", "law", "ttd", "steps_per_contact", "step",
            "margin", "triangles", "steps", "contacts_per_step", "pairs_per_step", "wall_median", "wall_min", "t_search", "t_contact",
            "t_integrate", "t_halo", "t_migrate", "t_output", "error_e", "error_t", "error_traj", "energy_drift_slope", "energy_drift_rms",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page of docs/validation.md from the results of validate.py --json. usage: tables.py RESULT.json... [--note TEXT] (to stdout)
+"""The page of docs/results/validation.md from the results of validate.py --json. usage: tables.py RESULT.json... [--note TEXT] (to stdout)
 
 What was found comes first: counts and the missed requirements with their reasons. All tables are folded below. TEXT says how the
 results were obtained.
@@ -28,7 +28,7 @@ GROUPS = {
 
 READING = """Tier U runs with every commit, tier N in the workflow, tier W (B and N6, at a small size) on demand. A body with facets is compared with
 the formula with its own mass and inertia; the error of the facets is listed separately. Mesh independence, ranks and features that are left
-out have no case here: see `docs/validation-demands.md`. Two requirements cannot be met for physical reasons: `docs/decisions/010`.
+out have no case here: see `docs/results/validation-demands.md`. Two requirements cannot be met for physical reasons: `docs/develop/decisions/010`.
 """
 
 

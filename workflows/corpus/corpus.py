@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks, repairs and remeshes meshes from other sources, and writes a page with the outcome of each.
 
-    workflows/corpus/corpus.py OUT [--mesher scree-mesher] [--fetch] [--table docs/mesh-corpus.md]
+    workflows/corpus/corpus.py OUT [--mesher scree-mesher] [--fetch] [--table docs/results/mesh-corpus.md]
 
 Meshes come from Debian packages that are installed, or, with --fetch, are unpacked under OUT/packages (apt-get download,
 dpkg -x: nothing is installed). Each mesh ends as
@@ -136,7 +136,7 @@ def page_of(rows):
     counts = {word: sum(row[3] == word for row in rows) for word in MEANING}
     lines = ["# Meshes from other sources", "",
              "Meshes of Debian packages, each checked, repaired or remeshed by `scree-mesher`. Made by",
-             "`workflows/corpus/corpus.py OUT --fetch --table docs/mesh-corpus.md`.", "", "## Findings", "",
+             "`workflows/corpus/corpus.py OUT --fetch --table docs/results/mesh-corpus.md`.", "", "## Findings", "",
              f"**{summary_of(rows)}.**", "", "| outcome | meshes | meaning |", "|---|---|---|"]
     lines += [f"| {word} | {n} | {MEANING[word]} |" for word, n in counts.items() if n]
     kinds = {}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far the surface at which bodies touch is off the one that was drawn, of meshes at several margins.
 
-    workflows/corpus/touch.py OUT [--tools FOLDER] [--shapes FOLDER ...] [--table docs/touch-surface.md]
+    workflows/corpus/touch.py OUT [--tools FOLDER] [--shapes FOLDER ...] [--table docs/results/touch-surface.md]
 
 Shapes are generated ones, the rocks of the ready cases, and the *.shape.h5 of the folders (corpus.py leaves those of its meshes in OUT). For each,
 `scree-decomposer pack` tells the mean over the surface and the largest deviation, over the margin.
@@ -91,8 +91,8 @@ for folder in words.shapes:
         rows.append((os.path.basename(os.path.dirname(path)) if name == "result" else name, deviations(path)))
 
 text = ["# Where bodies touch, and where they were drawn", "",
-        "For contacts a mesh is moved inwards by its margin, and has the margin around it: edges and corners are rounded by it, and what is too thin is moved in",
-        "only partly ([decision 022](decisions/022-touch-where-surfaces-are-drawn.md)). Deviation of that surface from the drawn one, mean over the surface and (largest), as shares of the margin,",
+        "For contacts a mesh is moved inwards by its margin, and has the margin around it: edges and vertices are rounded by it, and what is too thin is moved in",
+        "only partly ([decision 022](../develop/decisions/022-touch-where-surfaces-are-drawn.md)). Deviation of that surface from the drawn one, mean over the surface and (largest), as shares of the margin,",
         "for margins of 2 to 10 % of the radius of the ball of the same volume. A corner of a cube is cut by .73 of the margin. Made by `workflows/corpus/touch.py`.", "",
         "| shape | " + " | ".join(f"{100 * ratio:g} %" for ratio in RATIOS) + " |", "|---|" + "---|" * len(RATIOS)]
 for name, found in rows:

@@ -1,4 +1,4 @@
-"""X cases about attraction (COHESION.md section 2)."""
+"""X cases about attraction: stiff, narrow and fast (X32)."""
 import math
 
 import numpy

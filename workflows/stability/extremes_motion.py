@@ -1,4 +1,4 @@
-"""X cases about steps, masses, speeds and loads (VALIDATION section 2)."""
+"""X cases about steps, masses, speeds and loads (docs/reference/validation-plan.md, section 2)."""
 import math
 
 import numpy

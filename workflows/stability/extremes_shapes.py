@@ -1,4 +1,4 @@
-"""X cases about meshes, placement, scales and precision (VALIDATION section 2)."""
+"""X cases about meshes, placement, scales and precision (docs/reference/validation-plan.md, section 2)."""
 import math
 import os
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page of docs/stability.md from the results of stability.py --json. usage: table.py RESULT.json... (to stdout)
+"""The page of docs/results/stability.md from the results of stability.py --json. usage: table.py RESULT.json... (to stdout)
 
 Counts, failures and notes.md (of the cases that were run) come first; the lines of each case are folded.
 """

@@ -2,7 +2,7 @@
 """Measures error against run time for what a user can choose. usage: measure.py STUDY BIN OUT [--repeats 5]
 
 STUDY is one of: integrators, impact, collision, mesh, margin, drift, attraction. Writes OUT/STUDY.csv (one row per setting,
-columns of VALIDATION 4.5) and OUT/STUDY.json (what the plots draw). The time of a setting is that of its steps, output
+columns of validation plan 4.5) and OUT/STUDY.json (what the plots draw). The time of a setting is that of its steps, output
 left out, the least of all repeats (the median is in the CSV); repeats of all settings of a study are interleaved, so that a
 busy machine spoils all alike.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the plots P1, P2, P4, P5, P8 of VALIDATION 4.5. usage: plots.py FOLDER (reads *.json and fronts/, writes P*.svg and P*.png)
+"""Draws the plots P1, P2, P4, P5, P8 of validation plan 4.5. usage: plots.py FOLDER (reads *.json and fronts/, writes P*.svg and P*.png)
 
 The front of a plot: settings for which no other is both faster and more accurate, as scree-post error-vs-time finds them; marked by a
 grey line and rings.

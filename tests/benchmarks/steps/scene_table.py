@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The speed of finished runs with their errors, one row each, as a table for docs/performance.md.
+"""The speed of finished runs with their errors, one row each, as a table for docs/results/performance.md.
 
   tests/benchmarks/steps/scene_table.py OUT/*.run ...
 
