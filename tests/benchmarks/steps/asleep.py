@@ -14,9 +14,7 @@ MARGIN = 0.05 * scene.RADIUS
 STIFFNESS = 3e4   # stops the last rock of 11 g, which falls at 1.6 m/s, within 0.7 of both margins
 STEP = 6e-5       # 20 and more to a contact
 ROLLING = 0.02    # and torsional: a round rock in a hole between others rolls for ever where nothing resists, and keeps its neighbours awake
-# of the weight: one rock in five hundred rattles in a valley of its neighbour, and pushes those around it by more than the thousandth
-# that is the default (docs/user/theory.md, contact force)
-TOLERANCE = 0.01
+TOLERANCE = 0.01   # of the weight; with the thousandth that is the default the heap sleeps at the same time, after more waking
 SECONDS = {False: 4.0, True: 0.02}
 TILES = {False: 4, True: 1}
 
