@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/base/command_line.hpp"
 #include "core/base/error.hpp"
@@ -99,6 +100,18 @@ std::string roundings_text(const PackingReport& report) {
   return text;
 }
 
+/// What facets of a curved surface do to balls.
+std::string facets_text(const PackingReport& report) {
+  std::string text;
+  for (const Facets& f : report.facets) {
+    text += fmt::format(
+        "facets             wall '{}': {} concave edges of up to {:.3g} degrees; a ball on two facets is up to {:.2g} % stiffer than on "
+        "one\n",
+        f.wall, f.edges, f.angle * 180 / std::numbers::pi, 100 * f.stiffer);
+  }
+  return text;
+}
+
 std::string write_preview(const std::string& name, const Scene& scene, const std::vector<double>& work) {
   if (scene.bodies.size() == 0) throw InputError("--preview: the scene holds no bodies to cut");
   h5::write_text_file(name + ".vtp", preview_file(scene, work));
@@ -167,6 +180,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
                                format_quantity(scene.settings.margin, Dimension::length), ratio, report.margin_from,
                                format_quantity(report.fastest_impact, Dimension::velocity), report.overlap_share);
   result.output += roundings_text(report);
+  result.output += facets_text(report);
   result.output += sizes_text(c, scene);
   if (!options.sizes.empty()) {
     h5::write_text_file(options.sizes + ".csv", sizes_table(c, scene));

@@ -75,6 +75,7 @@ class Builder {
     look_into_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
+    report().facets = facets_of_walls(parts_, scene());
     report().doubts = doubts_about(case_, parts_, scene(), report());
     return std::move(out_);
   }

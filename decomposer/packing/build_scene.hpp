@@ -13,6 +13,7 @@
 #include "core/storage/start_state.hpp"
 #include "decomposer/case/case_file.hpp"
 #include "decomposer/packing/child_solver.hpp"
+#include "decomposer/packing/facets.hpp"
 
 namespace scree {
 
@@ -39,7 +40,8 @@ struct PackingReport {
     double margin = 0, mean = 0, largest = 0, radius = 0;
   };
   std::vector<Rounding> roundings;
-  double overlap_share = 0;  ///< share of the margins that it uses up; above 1 the run will stop
+  std::vector<Facets> facets;  ///< of mesh walls that balls may meet
+  double overlap_share = 0;    ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;
   std::vector<std::string> doubts;  ///< doubts.hpp
 };

@@ -10,6 +10,7 @@
 #include "core/base/units.hpp"
 #include "core/geometry/half_edges.hpp"
 #include "core/storage/attraction.hpp"
+#include "decomposer/packing/start_points.hpp"
 
 namespace scree {
 
@@ -358,19 +359,6 @@ void doubt_range(const Case& c, const Scene& scene, std::vector<std::string>& do
   }
 }
 
-/// Where bodies start, and where they may come in: a few of many.
-std::vector<Vec3> starts_of(const SceneParts& parts, const Scene& scene) {
-  constexpr std::size_t kMost = 24;
-  std::vector<Vec3> all;
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    if (scene.bodies.fixed[i] == 0) all.push_back(scene.bodies.position[i]);
-  std::vector<Vec3> some;
-  const std::size_t every = std::max<std::size_t>(1, all.size() / kMost);
-  for (std::size_t i = 0; i < all.size(); i += every) some.push_back(all[i]);
-  for (const Region& inlet : parts.inlets) some.push_back(0.5 * (inlet.box.lower + inlet.box.upper));
-  return some;
-}
-
 /// Whether a ray meets a triangle.   Source: Moller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
 bool meets(const Vec3& from, const Vec3& way, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, p = cross(way, v);
@@ -411,7 +399,7 @@ void doubt_fall(const SceneParts& parts, const Scene& scene, const Movers& mover
       std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& w) { return w.motion.is_prescribed() && !w.motion.turn_axis(); });
   if (scene.walls.empty() || !(g > 0) || !(fall > movers.largest) || goes_round || may_catch || !scene.bodies.size()) return;
   if (std::any_of(scene.bodies.fixed.begin(), scene.bodies.fixed.end(), [](std::uint8_t fixed) { return fixed != 0; })) return;
-  const std::vector<Vec3> starts = starts_of(parts, scene);
+  const std::vector<Vec3> starts = start_points(parts, scene);
   for (const Vec3& from : starts) {
     for (std::size_t w = 0; w < parts.walls.size(); ++w)
       if (falls_on(parts.walls[w], parts.wall_bodies[w], from, (1 / g) * s.gravity)) return;

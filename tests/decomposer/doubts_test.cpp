@@ -1,5 +1,9 @@
 // What is allowed and mostly a slip is told in one line with numbers; what is plainly fine is not.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "decomposer/packing/build_scene.hpp"
@@ -276,6 +280,35 @@ TEST(Doubts, a_margin_above_a_fifth_of_a_radius) {
   EXPECT_EQ(doubts(cubes("0.001")), std::vector<std::string>{});
   expect_doubt(cubes("0.0015"), {"contact.margin is 0.24 of the radius", "6.204 mm", "rounded by 1.5 mm"});
   std::filesystem::remove_all(folder);
+}
+
+// docs/reference/contact-law.md section 3.7: two equal contacts that share nothing are 2^(1/4) as stiff as one.
+TEST(Facets, two_that_balls_lie_on_are_one_contact_or_two) {
+  EXPECT_EQ(stiffness_of_two_facets(0), 0);
+  EXPECT_NEAR(stiffness_of_two_facets(kFacetAngle), std::pow(2, 0.25) - 1, 1e-12);
+  EXPECT_NEAR(stiffness_of_two_facets(3.04 * std::numbers::pi / 180), 0.02, 5e-4);
+}
+
+std::vector<Facets> facets_in(const std::string& wall) {
+  std::string text = kCase;
+  const std::string box = "{ box_inside = [[0, 0, 0], [0.08, 0.08, 0.08]] }";
+  text.replace(text.find(box), box.size(), wall);
+  return build_scene(test::touching_outside(parse_case(text, "case.toml", ""))).report.facets;
+}
+
+TEST(Facets, of_a_tube_around_balls_are_reported_and_those_of_a_tube_beside_them_are_not) {
+  const auto tube = [](double x, double radius, int segments) {
+    return fmt::format("{{ cylinder = {{ start = [{0}, 0.04, -0.05], end = [{0}, 0.04, 0.15], radius = {1}, segments = {2} }} }}", x,
+                       radius, segments);
+  };
+  const std::vector<Facets> around = facets_in(tube(0.04, 0.07, 64));
+  ASSERT_EQ(around.size(), 1U);
+  EXPECT_EQ(around[0].wall, "crate");
+  EXPECT_EQ(around[0].edges, 64);
+  EXPECT_NEAR(around[0].angle, 2 * std::numbers::pi / 64, 1e-6);
+  EXPECT_NEAR(around[0].stiffer, 0.188, 1e-3);
+  EXPECT_LT(facets_in(tube(0.04, 0.07, 256)).at(0).stiffer, 2e-3);
+  EXPECT_TRUE(facets_in(tube(0.2, 0.07, 64)).empty());
 }
 
 }  // namespace
