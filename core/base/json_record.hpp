@@ -2,6 +2,7 @@
 // a second a file, is read by the files that look inside.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 
@@ -10,8 +11,9 @@ namespace scree {
 /// Copies deeply, as the value itself does. Moved from, it is null.
 class JsonRecord {
  public:
-  JsonRecord();                             ///< null
-  JsonRecord(const nlohmann::json& value);  // NOLINT(google-explicit-constructor): a JSON value is what it is made of
+  JsonRecord();                                 ///< null
+  JsonRecord(std::nullptr_t) : JsonRecord() {}  // NOLINT(google-explicit-constructor): null
+  JsonRecord(const nlohmann::json& value);      // NOLINT(google-explicit-constructor): a JSON value is what it is made of
   JsonRecord(const JsonRecord& other);
   JsonRecord(JsonRecord&& other) noexcept;
   JsonRecord& operator=(const JsonRecord& other);

@@ -256,12 +256,11 @@ std::string format_quantity(double value, Dimension dimension) {
     const char* unit = facts_of(dimension).unit;
     return *unit == '\0' ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
   }
-  std::string unit = facts_of(dimension).unit;
+  const char* const unit = dimension == Dimension::mass ? "g" : facts_of(dimension).unit;  // the kilogram already carries a prefix
   double scaled = value;
   if (dimension == Dimension::mass) {
     if (std::abs(value) >= 999.95) return fmt::format("{:.4g} t", value * 1e-3);
     if (std::abs(value) >= 0.99995) return fmt::format("{:.4g} kg", value);
-    unit = "g";  // the kilogram already carries a prefix
     scaled = value * 1e3;
   }
   struct Step {

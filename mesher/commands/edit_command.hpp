@@ -1,6 +1,7 @@
 // What the commands that change meshes share: where meshes come from and where they go.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

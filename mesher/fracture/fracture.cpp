@@ -1,6 +1,7 @@
 #include "mesher/fracture/fracture.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
