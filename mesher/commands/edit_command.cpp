@@ -1,6 +1,7 @@
 #include "mesher/commands/edit_command.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdlib>

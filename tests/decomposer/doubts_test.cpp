@@ -1,6 +1,8 @@
 // What is allowed and mostly a slip is told in one line with numbers; what is plainly fine is not.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,7 @@
 // Packing: nothing overlaps, margins are kept, and the same seed gives the same scene.
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <fmt/ranges.h>
 

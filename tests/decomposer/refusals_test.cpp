@@ -2,6 +2,7 @@
 // solver would refuse before its first step.
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 

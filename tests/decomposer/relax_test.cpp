@@ -1,6 +1,7 @@
 // Gentle starts: what margins there are, and what becomes of bodies that start inside them (contact.relax).
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 

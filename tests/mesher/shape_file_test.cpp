@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "tests/mesher/tool_run.hpp"
 #include "tests/support/shapes.hpp"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mpi.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <filesystem>

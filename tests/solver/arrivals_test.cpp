@@ -1,6 +1,7 @@
 // Bodies that join a run after its start, and leave it: the same bits on any number of ranks and after a restart. Runs on four ranks.
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <filesystem>
