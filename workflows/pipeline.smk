@@ -34,6 +34,7 @@ import os
 import re
 import shlex
 import sys
+import packaging.version  # min_version of Snakemake 7.32 (Debian 13) needs it and does not import it
 from snakemake.utils import min_version
 
 min_version("7.0")

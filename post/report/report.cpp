@@ -326,6 +326,9 @@ double mean_bodies(const Run& run) {
   return log.rows() > 0 ? sum / static_cast<double>(log.rows()) : start;
 }
 
+/// Steps that take so many times what they compute say more of the machine than of the run.
+constexpr double kWorthReporting = 1.5;
+
 std::string cost_section(const Run& run) {
   BarChart bars{"Time by phase (mean over ranks)", "", {}, {}, {}, false, ""};
   double total = 0;
@@ -360,6 +363,10 @@ std::string cost_section(const Run& run) {
   FactRows rows{{"Wall time", fmt::format("{} for {:.0f} steps", format_duration(wall), steps)},
                 {"Ran on", fmt::format("{} ranks x {} threads", o.value("ranks", 1), o.value("threads", 1))}};
   if (wall > 0) rows.emplace_back("Rate", fmt::format("{:.3g} particle steps per second", mean_bodies(run) * steps / wall));
+  if (const double slowdown = o.value("slowdown", 1.0); slowdown >= kWorthReporting)
+    rows.emplace_back("Waited for cores", fmt::format("steps took {:.2g} times as long as they computed, near the end: other processes, or "
+                                                      "other ranks, had the cores",
+                                                      slowdown));
   if (o.contains("mean_imbalance"))
     rows.emplace_back("Mean imbalance", fmt::format("{:.3f} (largest over mean work of the ranks)", o.value("mean_imbalance", 1.0)));
   if (o.contains("peak_rss_bytes"))
@@ -387,7 +394,7 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
   numbers["settings"] = settings_json(run.scene);
   numbers["statistics"] = json_of(run, statistics);
   numbers["cost"] = nlohmann::json::object();
-  for (const char* key : {"wall_seconds", "steps", "step_size", "critical_step", "ranks", "threads", "phases", "mean_imbalance",
+  for (const char* key : {"wall_seconds", "steps", "step_size", "critical_step", "ranks", "threads", "phases", "mean_imbalance", "slowdown",
                           "peak_rss_bytes", "memory", "energy", "max_depth_ratio", "lost_bodies", "state_hash", "inlets", "outlets"}) {
     if (run.outcome->contains(key)) numbers["cost"][key] = (*run.outcome)[key];
   }
