@@ -192,6 +192,8 @@ TEST_F(RunFolder, a_frame_that_was_left_out_is_told_in_the_verdicts) {
 TEST_F(RunFolder, the_page_and_its_json_tell_the_same_numbers) {
   const ReportResult result = write_report(open_run(folder.string()), beside("report.html"), {});
   const std::string html = text_of(beside("report.html"));
+  EXPECT_NE(html.find("Waited for cores"), std::string::npos);
+  EXPECT_EQ((*result.numbers)["cost"]["slowdown"], 12.0);
   const nlohmann::json& all = (*result.numbers)["statistics"]["groups"]["all"];
   for (const char* name : {"coordination_number", "mean_normal_force", "fabric_zz", "solid_fraction"}) {
     const std::string cell = fmt::format("{}</td><td class=\"n\">{:.5g}<", name, all[name]["mean"].get<double>());

@@ -168,6 +168,7 @@ inline nlohmann::json sample_outcome(const Scene& scene, const Frame& frame) {
           {"wall_seconds", 6.5},
           {"phases", {{"search", 1.0}, {"force", 5.0}}},
           {"max_depth_ratio", 0.25},
+          {"slowdown", 12.0},
           {"peak_rss_bytes", 1000000},
           {"provenance", frame.provenance}};
 }
