@@ -53,7 +53,7 @@ inline Frame share_of(std::int64_t body_count, int rank, int owners) {
     frame.walls.orientation = {Quat{}, quaternion_of(Vec3{0, 0, 1}, 1.0)};
     frame.walls.force = {Vec3{1, 2, 3}, Vec3{4, 5, 6}};
     frame.walls.torque = {Vec3{-1, -2, -3}, Vec3{}};
-    frame.provenance = nlohmann::json({{"tool", "test"}, {"text", "Größe"}});
+    frame.provenance = nlohmann::json{{"tool", "test"}, {"text", "Größe"}};
   }
   return frame;
 }

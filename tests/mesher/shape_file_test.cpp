@@ -23,7 +23,7 @@ std::vector<Shape> samples() {
   sheet.vertices = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   sheet.triangles = {{0, 1, 2}};
   std::vector<Shape> shapes{make_solid("rock", rock), make_surface("sheet", sheet), make_sphere("bead", 0.25)};
-  shapes[0].verdict = nlohmann::json({{"solid", true}, {"triangles", 320}});
+  shapes[0].verdict = nlohmann::json{{"solid", true}, {"triangles", 320}};
   return shapes;
 }
 

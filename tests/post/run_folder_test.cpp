@@ -207,7 +207,7 @@ TEST_F(RunFolder, the_page_and_its_json_tell_the_same_numbers) {
 TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
   std::ofstream(folder / "log.csv") << test::sample_log(-2.0, 1e-3, 1.25);  // 10 %, moving, surfaces met
   Scene scene = test::sample_scene(12);
-  scene.shapes[1].verdict = nlohmann::json({{"solid", false}});
+  scene.shapes[1].verdict = nlohmann::json{{"solid", false}};
   write_scene_file((folder / "scene.h5").string(), scene);
   nlohmann::json outcome = test::sample_outcome(scene, test::sample_frame(scene, 0, 0));
   outcome["outcome"] = "invalid";
@@ -225,7 +225,7 @@ TEST_F(RunFolder, each_fault_spoils_its_own_verdict) {
 TEST_F(RunFolder, a_solid_with_triangles_that_cross_is_not_said_to_be_without) {
   EXPECT_NE(verdict(judge(open_run(folder.string())), "Mesh certificates").evidence.find("without crossing surfaces"), std::string::npos);
   Scene scene = test::sample_scene(12);
-  scene.shapes[0].verdict = nlohmann::json({{"solid", true}, {"watertight", true}, {"self_intersections", 6}});
+  scene.shapes[0].verdict = nlohmann::json{{"solid", true}, {"watertight", true}, {"self_intersections", 6}};
   write_scene_file((folder / "scene.h5").string(), scene);
   const Verdict v = verdict(judge(open_run(folder.string())), "Mesh certificates");
   EXPECT_EQ(v.judgement, Judgement::doubtful);

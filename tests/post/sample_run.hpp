@@ -46,8 +46,8 @@ inline Scene sample_scene(std::size_t bodies) {
   scene.materials = {{"rock", 2500, 0, 0}};
   scene.pairs = {{0, 0, 1e5, 0.5, 0.4, -1, 0}};
   scene.shapes = {make_solid("box", box_mesh({0.04, 0.02, 0.03})), make_solid("wedge", wedge_mesh()), make_sphere("ball", 0.015)};
-  scene.shapes[0].verdict = nlohmann::json({{"solid", true}, {"watertight", true}});
-  scene.shapes[1].verdict = nlohmann::json({{"solid", true}, {"watertight", true}});
+  scene.shapes[0].verdict = nlohmann::json{{"solid", true}, {"watertight", true}};
+  scene.shapes[1].verdict = nlohmann::json{{"solid", true}, {"watertight", true}};
   for (std::size_t i = 0; i < bodies; ++i) {
     BodyRow row;
     row.id = static_cast<std::int64_t>(i);

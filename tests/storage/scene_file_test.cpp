@@ -88,7 +88,7 @@ Scene rich_scene() {
   s.partition.lower = {{-1e300, -1e300, -1e300}, {0.1, -1e300, -1e300}};
   s.partition.upper = {{0.1, 1e300, 1e300}, {1e300, 1e300, 1e300}};
   s.partition.predicted_imbalance = 1.25;
-  s.provenance = nlohmann::json({{"tool", "test"}});
+  s.provenance = nlohmann::json{{"tool", "test"}};
   return s;
 }
 
