@@ -123,7 +123,7 @@ TEST_F(Command, partition_cuts_a_scene_again_and_changes_nothing_else) {
   EXPECT_EQ(a.bodies.position, b.bodies.position);
   EXPECT_EQ(a.bodies.orientation, b.bodies.orientation);
   EXPECT_EQ(settings_json(a), settings_json(b));
-  EXPECT_EQ((*b.provenance)["inputs"][0]["history"], a.provenance);
+  EXPECT_EQ((*b.provenance)["inputs"][0]["history"], *a.provenance);
   EXPECT_EQ((*b.provenance)["configuration"], kCase);
 }
 
@@ -197,7 +197,7 @@ TEST_F(Command, tile_repeats_the_bodies_and_grows_the_box) {
   EXPECT_EQ(t.bodies.position[40 + 7], a.bodies.position[7] + (Vec3{0.5, 0, 0}));
   EXPECT_EQ(t.bodies.position[200 + 7], a.bodies.position[7] + (Vec3{0.5, 0, 1.0}));
   EXPECT_EQ(std::set<std::int64_t>(t.bodies.id.begin(), t.bodies.id.end()).size(), 240u);
-  EXPECT_EQ((*t.provenance)["inputs"][0]["history"], a.provenance);
+  EXPECT_EQ((*t.provenance)["inputs"][0]["history"], *a.provenance);
   write_changed("[[walls]]\nshape = { box_inside = [[0, 0, 0], [0.5, 0.5, 0.5]] }\nmaterial = \"stone\"\n", "");
   expect("pack case.toml -o a.scene.h5", 0, {});
   expect("tile a.scene.h5 --copies 2,1,1 -o u.scene.h5", 2, {"0 walls"});
