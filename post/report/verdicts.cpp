@@ -387,7 +387,8 @@ std::vector<Verdict> judge(const Run& run) {
 }
 
 nlohmann::json provenance_of(const Run& run) {
-  return run.outcome->contains("provenance") ? nlohmann::json((*run.outcome)["provenance"]) : nlohmann::json(*load_frame(run, 0).provenance);
+  return run.outcome->contains("provenance") ? nlohmann::json((*run.outcome)["provenance"])
+                                             : nlohmann::json(*load_frame(run, 0).provenance);
 }
 
 const char* name_of(Judgement judgement) {

@@ -43,7 +43,7 @@ TEST(provenance, records_what_was_done_with_which_build_on_which_inputs) {
   provenance.command = {"scree-mesher", "import", "rock.stl"};
   provenance.seed = 7;
   provenance.ranks = 2;
-  provenance.inputs = {{"rock.stl", kHashOfAbc, nullptr}, {"a.shape.h5", kHashOfNothing, {{"tool", "scree-mesher"}}}};
+  provenance.inputs = {{"rock.stl", kHashOfAbc, nullptr}, {"a.shape.h5", kHashOfNothing, nlohmann::json{{"tool", "scree-mesher"}}}};
   const nlohmann::json record = provenance_record(provenance);
   EXPECT_EQ(record.at("format"), "scree-shape");
   EXPECT_EQ(record.at("format_version"), 3);
