@@ -19,6 +19,10 @@ bool has_moving_balls(const SceneParts& parts, const Scene& scene) {
          std::any_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& s) { return s.kind == ShapeKind::sphere; });
 }
 
+/// Bodies are in the hollow of a wall when more than this share of its shallow edges is hollow towards them: all are inside of a tube, half
+/// of them, behind what is in between, from beside it.
+constexpr double kAround = 0.75;
+
 /// Vertex of a triangle that is not on an edge.
 std::int32_t opposite(const Triangle& t, const HalfEdge& h) {
   for (const std::int32_t v : t)
@@ -46,6 +50,7 @@ std::vector<Facets> facets_of_walls(const SceneParts& parts, const Scene& scene)
     const std::vector<Vec3> world = parts.wall_bodies[w].world_vertices();
     const auto at = [&](std::int32_t v) -> const Vec3& { return world[static_cast<std::size_t>(v)]; };
     Facets found{parts.walls[w].name, 0, 0, 0};
+    std::int64_t shallow = 0;
     const std::vector<HalfEdge> half = sorted_half_edges(mesh);
     for_each_edge(half, [&](std::size_t first, std::size_t last) {
       if (last - first != 2) return;
@@ -60,6 +65,7 @@ std::vector<Facets> facets_of_walls(const SceneParts& parts, const Scene& scene)
       const Vec3 n_a = normalised(doubled_a), n_b = normalised(doubled_b);
       const double angle = std::atan2(length(cross(n_a, n_b)), dot(n_a, n_b));
       if (angle <= kFlatAngle || angle > kFacetAngle) return;
+      ++shallow;
       // the side on which the faces lean towards each other
       const Vec3 hollow = (dot(n_a, to_b) > 0 ? 1.0 : -1.0) * (n_a + n_b);
       const auto on_it = std::count_if(starts.begin(), starts.end(), [&](const Vec3& p) { return dot(p - middle, hollow) > 0; });
@@ -68,7 +74,7 @@ std::vector<Facets> facets_of_walls(const SceneParts& parts, const Scene& scene)
       found.angle = std::max(found.angle, angle);
     });
     found.stiffer = stiffness_of_two_facets(found.angle);
-    if (found.edges > 0) all.push_back(found);
+    if (found.edges > kAround * static_cast<double>(shallow)) all.push_back(found);
   }
   return all;
 }
