@@ -389,11 +389,11 @@ def mixing_scene(trial):
     if kind != "inlets":
         words["populations"] = [of_kind(k) | {"count": r.randint(25, 80)} for k in range(r.choice([1, 2, 2]))]
     if kind != "populations":
-        words["inlets"] = [of_kind(k) | {"name": f"feed{k}", "number_rate": r.uniform(100, 250)} for k in range(r.choice([1, 2, 2]))]
+        words["inlets"] = [of_kind(k) | {"name": f"feed{k}", "number_rate": r.uniform(100, 250), "region": {"box": [room[0], [0, half, half]]}} for k in range(r.choice([1, 2, 2]))]
         if r.random() < 0.3:
             words["inlets"][0]["start"] = 0.15
     if r.random() < 0.5:
-        words["outlets"] = [{"region": {"box": [[r.uniform(0, half), -half, -half], [half, half, half]]}}]
+        words["outlets"] = [{"region": {"box": [[r.uniform(0.1, 1) * half, -half, -half], [half, half, half]]}}]
     return Case(words)
 
 
