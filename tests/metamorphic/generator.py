@@ -842,7 +842,8 @@ def contact(d):
     elif given:
         table["margin"] = d.margin
     surface = d.pick({None: 5, "outside": 3, "drawn": 2})
-    if gather == "area" and not d.meshed:
+    used = {body["shape"] for body in d.case.bodies}.union(*([p["shape"]] if "shape" in p else p["shapes"] for p in d.case.populations))
+    if gather == "area" and all(name.startswith("ball") for name in used):
         surface = "outside"   # balls have a layer with this only
     if surface is not None:
         table["surface"] = surface
@@ -928,7 +929,10 @@ def lay(d, body, point, normals, gap):
     else:
         corners = turned(q, scale * d.case.meshes[body["shape"]].vertices)
         reach = [float((-corners @ n).max()) for n in normals]
-    n, reach = numpy.array(normals, float), numpy.array(reach) + gap + scale * d.margin * d.pick({0.0: 2, d.between(0, 0.5): 1, d.between(-0.3, 0): 0.5})
+    away = scale * d.margin * d.pick({0.0: 2, d.between(0, 0.5): 1, d.between(-0.3, 0): 0.5})
+    if body["shape"].startswith("ball"):
+        away = max(away, -0.015 * reach[0])   # more is refused
+    n, reach = numpy.array(normals, float), numpy.array(reach) + gap + away
     if len(normals) <= 3:
         way = numpy.linalg.lstsq(n, reach, rcond=None)[0]
     else:
