@@ -1498,6 +1498,8 @@ def sleep(d):
     if d.g > 0 and own.random() < 0.8:
         for pair in d.words["pairs"]:
             pair["restitution"] = min(pair["restitution"], own.uniform(0.05, 0.4))
+            if d.law == "hunt-crossley":
+                pair.setdefault("restitution_speed", d.speed)
             pair["friction"] = max(pair.get("friction", 0), own.uniform(0.2, 0.8))
         fall = 2 * math.sqrt(d.radius / d.g)   # by a diameter: what is at rest sleeps after it
         time["duration"] = d.duration = max(d.duration, min(own.uniform(6, 12) * fall, 30000 * d.step_guess))
