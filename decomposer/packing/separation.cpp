@@ -95,7 +95,7 @@ Vec3 Separation::from_body(const PlacedBody& a, const PlacedBody& b, const GapWa
   if (a.is_sphere() && b.is_sphere()) return (reach + gap.reached - distance) * (distance > 0 ? (1 / distance) * between : Vec3{1, 0, 0});
   const double found = gap_between(a, b, gap.least * kJustAbove, *scratch_);
   if (found >= gap.least) return {};
-  const double margins = a.margin() + b.margin();  // within them meshes have a normal too
+  const double margins = a.rounding() + b.rounding();  // within them meshes have a normal too, and balls as far as their centres
   if (found + margins > kClear * smaller) {
     const Vec3 normal = common_normal(a, b, gap.least * kJustAbove + margins);
     if (length(normal) > 0) return (gap.reached - found) * normal;
@@ -177,8 +177,8 @@ Vec3 Separation::from_wall(const Wall& wall, const PlacedBody* mesh, bool is_sol
     const Vec3 corner = (1 / mesh->scale) * rotate_inverse(mesh->orientation, vertices_.front() - mesh->position);
     return is_solid && is_inside(mesh->shape->shape.mesh, corner);
   };
-  if (found + body.margin() > kClear * size && found < gap.least && !is_in_solid()) {
-    const Vec3 normal = common_normal(body, *mesh, gap.least * kJustAbove + body.margin());
+  if (found + body.rounding() > kClear * size && found < gap.least && !is_in_solid()) {
+    const Vec3 normal = common_normal(body, *mesh, gap.least * kJustAbove + body.rounding());
     if (length(normal) > 0) return (gap.reached - found) * normal;
   }
   std::vector<Vec3> directions;

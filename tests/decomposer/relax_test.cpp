@@ -184,6 +184,20 @@ TEST_F(Relaxing, what_is_pressed_into_a_corner_or_lies_outside_a_container_is_br
   }
 }
 
+TEST_F(Relaxing, a_ball_that_touches_several_faces_of_a_mesh_box_is_parted_from_all_of_them) {
+  const std::string mesh_box = "[[walls]]\nshape = { box = { corners = [[0, 0, 0], [1, 1, 1]], open = [\"+z\"] } }\nmaterial = \"m\"\n";
+  for (const double at : {0.05, 0.0499999999, 0.0495}) {
+    for (const bool is_corner : {false, true}) {
+      const std::string given = ball(at, is_corner ? 0.95 + (0.05 - at) : 0.5, at);
+      const PackedScene packed = build_scene(parse_case(head("") + given + mesh_box, "case.toml", folder_.string()));
+      const Vec3 x = packed.scene.bodies.position[0];
+      EXPECT_NEAR(x.x, 0.05, 1e-9) << given;
+      EXPECT_NEAR(x.y, is_corner ? 0.95 : 0.5, 1e-9) << given;
+      EXPECT_NEAR(x.z, 0.05, 1e-9) << given;
+    }
+  }
+}
+
 /// A bed of balls that rest on each other in staggered layers of n x n, each a hair too close to six others.
 std::string bed(int n, int layers, double radius) {
   std::string text;

@@ -29,6 +29,8 @@ class Draft:
 
     radius of the largest body, speed: units of length and velocity; margin, depth: of a contact that takes the fastest impact
     room: where bodies may be placed, two corners; clear of all walls by `gap`
+    valleys: concave places of walls, a point and the normals of the faces that meet there; laid: how many bodies lie in
+    some; laid_in: where, two corners
     """
 
     def __init__(self, seed):
@@ -36,6 +38,8 @@ class Draft:
         self.case = Case({"title": f"seed {seed}", "seed": self.random.randrange(1000)}, note=f"seed {seed}")
         self.words = self.case.words
         self.extra_speed = 0.0    # of walls
+        self.valleys, self.laid, self.laid_in = [], 0, None
+        self.by_size = False      # margins, of bodies of different scales
 
     def chance(self, probability):
         return self.random.random() < probability
@@ -124,6 +128,26 @@ def shapes(d):
             d.words["shapes"][name] = {"file": "@" + name}
             names.append(name)
     d.shapes, d.meshed = names, kind != "balls"
+
+
+@feature
+def thin_and_dented_shapes(d):
+    """One of the meshes is thin, with margins about half its thickness, so that it is moved inwards only partly; or has dents that others lie in. From
+    numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"thin shapes {d.words['title']}")
+    meshed = [name for name in d.shapes if not name.startswith("ball")]
+    kind = d.pick({"thin": 2, "dented": 1.5, "none": 6.5}) if meshed else "none"
+    if kind != "none":
+        old, makers = d.random.choice(meshed), solids.THIN if kind == "thin" else solids.DENTED
+        maker = d.random.choice(sorted(makers))
+        del d.case.meshes[old]
+        name = maker + old[-1]
+        mesh = d.case.meshes[name] = makers[maker](d.random, d.radius * d.between(0.6, 1))
+        d.words["shapes"] = {name if key == old else key: {"file": "@" + name} if key == old else shape for key, shape in d.words["shapes"].items()}
+        d.shapes[d.shapes.index(old)] = name
+        if kind == "thin" and d.chance(0.85):
+            d.margin = min(0.5 * solids.thickness_of(mesh) * d.between(0.4, 1.3), 0.1 * d.radius)
+    d.random = others
 
 
 @feature
@@ -353,6 +377,94 @@ def two_things(d):
         inside[1][2] += 2 * d.gap
 
 
+# ---- walls with concave edges and corners, and room for bodies that lie in them
+
+def raise_room(d, height, length=0.0):
+    """What lies in valleys is below the room, and may lie further out along x."""
+    d.laid_in = d.room + [[0, 0, -d.gap], [0, 0, 0]]
+    d.laid_in[:, 0] = min(d.laid_in[0][0], -length), max(d.laid_in[1][0], length)
+    d.room = d.room + [0, 0, height]
+
+
+@container(3)
+def box_with_bodies_at_its_edges(d):
+    """A box of a mesh: bodies lie along its lower edges and in its corners."""
+    least = 4.6 * d.radius if d.chance(0.5) else 7.5 * d.radius
+    d.size[:2] = numpy.maximum(d.size[:2], least)
+    half = d.size / 2
+    d.room[:, 0], d.room[:, 1] = (-half[0], half[0]), (-half[1], half[1])
+    raise_room(d, 2.3 * d.radius)
+    low, high = numpy.array([*(d.room[0][:2] - d.gap), 0]), d.room[1] + d.gap
+    shape = {"corners": [low.tolist(), high.tolist()]}
+    if d.chance(0.8):
+        shape["open"] = ["+z"]
+    d.wall({"box": shape})
+    d.closed = "open" not in shape
+    inwards = ([1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0])
+    for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)):
+        corner = [(low, high)[x][0], (low, high)[y][1], 0]
+        d.valleys.append((corner, [numpy.multiply(n, s) for n, s in zip(inwards, (1 - 2 * x, 1 - 2 * y, 1))]))
+    if least > 7 * d.radius:
+        for side in (-1, 1):
+            d.valleys.append(([0, side * high[1], 0], [numpy.multiply(inwards[1], -side), inwards[2]]))
+            d.valleys.append(([side * high[0], 0, 0], [numpy.multiply(inwards[0], -side), inwards[2]]))
+
+
+@container(3)
+def grooves(d):
+    """V-shaped walls of a mesh, from narrow to nearly flat, with bodies in them; some are closed by triangles at their ends."""
+    angle = d.pick({math.pi / 4: 1, d.between(0.2, 1.0): 2, d.between(1.0, 1.55): 2})
+    width = d.radius * (1.3 / math.tan(angle) + d.between(1.2, 3))
+    length = max(float(d.size[0]) / 2, 2.5 * d.radius) * d.between(1, 1.5) + d.radius / math.sin(angle)
+    ends = d.chance(0.4)
+    name = "grooves"
+    d.case.meshes[name] = solids.grooves(angle, width, length, d.pick({1: 3, 3: 1}), d.pick({1: 3, 2: 1, 3: 1}), ends)
+    raise_room(d, max(width * math.cos(angle), d.radius / math.sin(angle) + d.radius) + 0.1 * d.radius, length)
+    d.wall({"file": "@" + name})
+    normals = [numpy.array([0, math.cos(angle), math.sin(angle)]), numpy.array([0, -math.cos(angle), math.sin(angle)])]
+    places = int(length / (1.1 * d.radius))
+    d.valleys = [([x, 0, 0], normals) for x in (2.2 * d.radius * (i - 0.5 * (places - 1)) for i in range(places)) if abs(x) + 1.1 * d.radius < length]
+    d.random.shuffle(d.valleys)
+    if ends:
+        d.valleys = [([side * length, 0, 0], [*normals, numpy.array([-side, 0, 0])]) for side in (-1, 1)] + [
+            v for v in d.valleys if abs(v[0][0]) + 3.3 * d.radius < length]
+
+
+@container(2)
+def tube_around_a_row(d):
+    """A tube that lies, of few to many faces, not much wider than what lies in it; the other bodies fall on it from outside."""
+    sides = d.random.choice([5, 6, 8, 12, 24, 64])
+    inside = d.radius * d.pick({d.between(1.05, 1.3): 1, d.between(1.3, 3): 1})
+    outside = inside / math.cos(math.pi / sides)
+    length = max(float(d.size[0]) / 2, 2.5 * d.radius) * d.between(1, 1.3)
+    raise_room(d, 2 * outside + d.gap, length)
+    shape = {"start": [-length, 0, outside], "end": [length, 0, outside], "radius": outside, "segments": sides}
+    openings = d.pick({(): 1, ("end",): 1, ("start", "end"): 1})
+    if openings:
+        shape["open"] = list(openings)
+    d.wall({"cylinder": shape})
+    turn = math.pi / sides * d.between(-1, 1)
+    down = numpy.array([0, math.sin(turn), -math.cos(turn)])
+    places = max(1, int(length / (1.1 * d.radius)) - 1)
+    d.valleys = [((inside * down + [2.2 * d.radius * (i - 0.5 * (places - 1)), 0, outside]), [-down]) for i in range(places)]
+
+
+@container(2)
+def floor_with_a_pit(d):
+    """A pyramid pressed into a floor, shallow or deep."""
+    corners = d.random.choice([3, 4, 6, 12])
+    inner = d.between(0.15, 1.45)   # angle of its faces to the floor
+    depth = d.radius * d.between(0.1, 1.2)
+    inside = depth / math.tan(inner)
+    half = 2 * (float(d.size[:2].max()) + inside + 2 * d.radius)
+    d.case.meshes["pit"] = solids.pitted_floor(corners, inside / math.cos(math.pi / corners), depth, half)
+    raise_room(d, 2.2 * d.radius)
+    d.wall({"file": "@pit"})
+    if inside > 0.6 * d.radius * math.sin(inner):   # what is larger lies on the rim
+        turns = [2 * math.pi * (k + 1) / corners for k in range(corners)]
+        d.valleys = [([0, 0, -depth], [numpy.array([-math.sin(inner) * math.cos(t), -math.sin(inner) * math.sin(t), math.cos(inner)]) for t in turns])]
+
+
 def make_periodic(d, axes, reach=None):
     """A domain around the room, periodic along the axes."""
     if not axes:
@@ -378,7 +490,13 @@ def domain(d):
     if d.chance(0.25):
         outside = d.pick({"remove": 3, "keep": 1, "stop": 1})
         room = d.radius * (d.log_between(0.2, 5) if outside != "stop" else 50)
-        d.words["domain"] = {"min": (d.room[0] - room - d.gap).tolist(), "max": (d.room[1] + room + d.gap).tolist(), "outside": outside}
+        low, high = all_places(d)
+        d.words["domain"] = {"min": (low - room - d.gap).tolist(), "max": (high + room + d.gap).tolist(), "outside": outside}
+
+
+def all_places(d):
+    """The corners of all that bodies are placed in."""
+    return d.room if d.laid_in is None else numpy.array([numpy.minimum(d.room[0], d.laid_in[0]), numpy.maximum(d.room[1], d.laid_in[1])])
 
 
 # ---- bodies
@@ -437,7 +555,9 @@ def populations(d):
     d.words["populations"] = []
     for layer in layers:
         population = {"material": d.random.choice(d.materials)}
-        names = d.random.sample(d.shapes, d.random.randint(1, len(d.shapes)))
+        fewest = max(1, d.count // len(layers) // 2)
+        # at least one of each shape, also where one has a quarter
+        names = d.random.sample(d.shapes, d.random.randint(1, len(d.shapes) if fewest > 4 * len(d.shapes) else 1))
         if len(names) == 1 and d.chance(0.7):
             population["shape"] = names[0]
         else:
@@ -722,6 +842,9 @@ def contact(d):
     elif given:
         table["margin"] = d.margin
     surface = d.pick({None: 5, "outside": 3, "drawn": 2})
+    used = {body["shape"] for body in d.case.bodies}.union(*([p["shape"]] if "shape" in p else p["shapes"] for p in d.case.populations))
+    if gather == "area" and all(name.startswith("ball") for name in used):
+        surface = "outside"   # balls have a layer with this only
     if surface is not None:
         table["surface"] = surface
     if surface != "outside" and "margin" in table and d.meshed and gather != "area" and d.chance(0.3):
@@ -729,10 +852,98 @@ def contact(d):
     if d.chance(0.2):
         table["impact_speed"] = fastest(d) * d.between(0.9, 1.5)
     d.barrier = 0.0
-    if gather == "potential" and table.get("margin", 0) > 0 and d.chance(0.1):
+    if gather == "potential" and table.get("margin", 0) > 0 and (d.meshed or surface == "outside") and d.chance(0.1):
         d.barrier = table["barrier"] = d.log_between(0.05, 3)
     if table:
         d.words["contact"] = table
+
+
+@feature
+def margins_by_size(d):
+    """Bodies of scales that differ widely, each with a margin of its size; thin ones with the margin that they were given. From numbers of its own,
+    as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"margins by size {d.words['title']}")
+    table = d.words.setdefault("contact", {})
+    thin = [name for name in d.shapes if name[:-1] in solids.THIN]
+    if d.meshed and d.gather != "area" and not d.barrier and d.chance(0.8 if thin else 0.15):
+        if table.get("surface") == "outside":
+            del table["surface"]
+        for key in ("margin", "margin_ratio"):
+            table.pop(key, None)
+        if thin and d.chance(0.3):
+            table["margin"] = d.margin
+        else:
+            radius = 0.5 * min(equivalent_diameters(d, thin)) if thin else d.radius
+            table["margin_ratio"] = d.margin / radius
+            d.by_size = True
+            for body in d.case.bodies:
+                if not body.get("fixed") and d.chance(0.6):
+                    body["scale"] = d.log_between(0.2, 1)
+    if not table:
+        del d.words["contact"]
+    d.random = others
+
+
+@feature
+def laid_in_valleys(d):
+    """The first bodies lie in the concave edges and corners of the walls, a dented one with another in its dent. From numbers of its own, as surfaces."""
+    own = random_numbers.Random(f"laid {d.words['title']}")
+    kept, d.random = d.random, own
+    gap = 2 * d.margin if d.words.get("contact", {}).get("surface") == "outside" else 0.0
+    valleys = list(d.valleys)
+    for body in d.case.bodies[:own.randint(1, 4)] if valleys else []:
+        if not valleys or body.get("fixed"):
+            break
+        point, normals = valleys.pop(0 if d.chance(0.7) else own.randrange(len(valleys)))
+        if not body["shape"].startswith("ball") and d.chance(0.6):
+            body["orientation"] = [1.0, 0.0, 0.0, 0.0]   # faces flush with those of boxes
+        lay(d, body, numpy.array(point, float), normals, gap)
+        d.laid += 1
+    dented = [body for body in d.case.bodies[d.laid:] if body["shape"][:-1] in solids.DENTED]
+    movers = [body for body in d.case.bodies[d.laid:] if not body.get("fixed")]
+    if dented and len(movers) > 1 and d.chance(0.8):
+        host = dented[0]
+        guest = own.choice([body for body in movers if body is not host])
+        point, normals = solids.valley_of(host["shape"][:-1], d.case.meshes[host["shape"]])
+        q, scale = host.get("orientation", [1, 0, 0, 0]), host.get("scale", 1.0)
+        before = copy.deepcopy(guest)
+        guest["scale"] = guest.get("scale", 1.0) * d.between(0.3, 1)
+        lay(d, guest, numpy.array(host["position"]) + scale * turned(q, point[None])[0], list(turned(q, numpy.array(normals))), gap)
+        for key in ("velocity", "angular_velocity"):   # together
+            guest.pop(key, None)
+            if key in host and key == "velocity":
+                guest[key] = host[key]
+        if (numpy.array(guest["position"]) < d.room[0]).any() or (numpy.array(guest["position"]) > d.room[1]).any():
+            guest.clear()   # in a wall
+            guest.update(before)
+        else:
+            host.pop("angular_velocity", None)
+    d.random = kept
+
+
+def lay(d, body, point, normals, gap):
+    """Puts a body where it touches the faces through a point: all of up to three, or the first that it meets on its way down into a pit."""
+    q, scale = body.get("orientation", [1, 0, 0, 0]), body.get("scale", 1.0)
+    if body["shape"].startswith("ball"):
+        reach = [d.words["shapes"][body["shape"]]["sphere"]["radius"] * scale] * len(normals)
+    else:
+        corners = turned(q, scale * d.case.meshes[body["shape"]].vertices)
+        reach = [float((-corners @ n).max()) for n in normals]
+    away = scale * d.margin * d.pick({0.0: 2, d.between(0, 0.5): 1, d.between(-0.3, 0): 0.5})
+    if body["shape"].startswith("ball"):
+        away = max(away, -0.015 * reach[0])   # more is refused
+    n, reach = numpy.array(normals, float), numpy.array(reach) + gap + away
+    if len(normals) <= 3:
+        way = numpy.linalg.lstsq(n, reach, rcond=None)[0]
+    else:
+        up = n.sum(axis=0) / numpy.linalg.norm(n.sum(axis=0))
+        way = max(reach / (n @ up)) * up
+    body["position"] = (point + way).tolist()
+    if d.chance(0.5):
+        body.pop("velocity", None)
+        body.pop("angular_velocity", None)
+    elif "velocity" in body:
+        body["velocity"] = (0.3 * numpy.array(body["velocity"])).tolist()
 
 
 @feature
@@ -743,12 +954,17 @@ def pressed_starts(d):
     relax = d.pick({None: 12, True: 1.5, False: 1, "shallow": 1})
     if relax is not None:
         table["relax"] = relax
-    movers = [body for body in bodies if not body.get("fixed")]
+    movers = [body for body in bodies[d.laid:] if not body.get("fixed")]
     if len(movers) > 1 and d.chance(0.6 if relax is not None else 0.1):
         a, b = d.random.sample(movers, 2)
         gap = d.margin * d.between(0.1, 1.9) if relax is not True else d.radius * d.between(-0.3, 0.1)
         if relax is not True and table.get("surface") != "outside":
             gap -= 2 * d.margin   # pressed where touch begins at the surfaces
+        if d.by_size:
+            gap *= min(body.get("scale", 1) for body in (a, b))
+        if relax is not True and table.get("surface") != "outside" and a["shape"].startswith("ball") and b["shape"].startswith("ball"):
+            # balls have no margins then, and may be pressed by 2 % of a radius
+            gap = 0.02 * min(d.words["shapes"][body["shape"]]["sphere"]["radius"] * body.get("scale", 1) for body in (a, b)) * d.between(-0.9, 1)
         # as near as balls about both would be
         reach = sum(d.radius * body.get("scale", 1) if not body["shape"].startswith("ball")
                     else d.words["shapes"][body["shape"]]["sphere"]["radius"] * body.get("scale", 1) for body in (a, b))
@@ -828,6 +1044,26 @@ def friction_of(d, pair):
 
 
 @feature
+def contacts_in_valleys(d):
+    """What lies in edges and dents: elastic without losses, or damped, with friction that is less while it slides. From numbers of its own, as surfaces."""
+    others, d.random = d.random, random_numbers.Random(f"contacts in valleys {d.words['title']}")
+    if d.valleys or any(name[:-1] in solids.DENTED for name in d.shapes):
+        kind = d.pick({"elastic": 3, "sliding": 4, "drawn": 3})
+        for pair in d.words["pairs"] if kind != "drawn" else []:
+            if kind == "elastic":
+                pair["restitution"] = 1.0
+                for key in ("friction", "friction_sliding", "tangential_ratio", "tangential_damping", "rolling_friction", "rolling_model", "torsional_friction"):
+                    pair.pop(key, None)
+            else:
+                pair["restitution"] = min(pair["restitution"], d.between(0.1, 0.8))
+                if d.law == "hunt-crossley":
+                    pair.setdefault("restitution_speed", d.speed)
+                pair["friction"] = d.between(0.2, 1)
+                pair["friction_sliding"] = pair["friction"] * d.between(0.2, 0.95)
+    d.random = others
+
+
+@feature
 def cells_of_large_things(d):
     for wall in d.case.walls:
         if is_mesh_wall(wall) and d.chance(0.1):
@@ -866,10 +1102,6 @@ def fluid(d):
 def methods(d):
     if d.chance(0.3):
         d.words["motion"] = {"integrator": d.pick({"kdk-dlm": 1, "midpoint": 1, "spiral": 1, "rig": 1, "euler": 1})}
-    if d.chance(0.2):
-        d.words["distance"] = {"precision": d.random.choice(["mixed", "double"])}
-        if d.chance(0.3):
-            d.words["distance"]["method"] = "brute-force"
 
 
 # ---- time and output
@@ -963,7 +1195,7 @@ def inlets_and_outlets(d):
         low, high = d.room[0].copy(), d.room[1].copy()
         if not again:
             low, high = low - 30 * d.radius, high + 30 * d.radius
-            high[2] = d.room[0][2] - 0.6 * d.gap
+            high[2] = all_places(d)[0][2] - 0.6 * d.gap
         outlet = {} if d.chance(0.3) else {"name": d.random.choice(["end", "left, right", "o"]) + str(i)}
         outlet |= region_of(d, numpy.array([low, high]), "random") if again else {"region": {"box": [low.tolist(), high.tolist()]}}
         outlets.append(outlet | ({"to": d.random.choice(names)} if again else {}))
@@ -1006,6 +1238,27 @@ def inlet_of(d, name):
 
 
 @feature
+def inlets_beside_bodies(d):
+    """An inlet that reaches around a body that is there already. Draws of its own: what other features draw stays."""
+    own = random_numbers.Random(f"inlets beside {d.case.note}")
+    time = d.words["time"]
+    if own.random() >= (0.6 if d.words.get("inlets") else 0.08) or not d.case.bodies or time.get("stop_at_rest") or time.get("stop_when_empty"):
+        return
+    kept, d.random = d.random, own
+    inlets = d.words.setdefault("inlets", [])
+    if not inlets or d.chance(0.3):
+        inlets.append(inlet_of(d, f"beside{len(inlets)}"))
+    beside = own.choice(d.case.bodies)
+    half = d.radius * d.between(1.1, 2.5)
+    middle = numpy.array(beside["position"]) + d.direction() * d.radius * d.between(0, 1.5)
+    inlets[-1]["region"] = {"sphere": {"centre": middle.tolist(), "radius": half}} if d.chance(0.3) else \
+        {"box": [(middle - half).tolist(), (middle + half).tolist()]}
+    for outlet in d.words.get("outlets", []):
+        outlet.setdefault("to", own.choice(inlets)["name"])   # else it might take bodies out as they come in, which is refused
+    d.random = kept
+
+
+@feature
 def anywhere(d):
     """The whole scene turned and moved: nothing may depend on axes, but boxes stay along them."""
     if d.case.populations or d.words.get("inlets") or d.words.get("outlets"):
@@ -1030,10 +1283,7 @@ def thickness(d):
         if "sphere" in shape:
             thinnest = min(thinnest, 2 * shape["sphere"]["radius"])
         elif name in d.case.meshes:
-            vertices, triangles = (numpy.asarray(part) for part in (d.case.meshes[name].vertices, d.case.meshes[name].triangles))
-            p, q, r = (vertices[triangles[:, k]] for k in range(3))
-            area = numpy.linalg.norm(numpy.cross(q - p, r - p), axis=1).sum() / 2
-            thinnest = min(thinnest, 2 * abs(numpy.einsum("ij,ij->i", p, numpy.cross(q, r)).sum() / 6) / area)
+            thinnest = min(thinnest, solids.thickness_of(d.case.meshes[name]))
     return thinnest
 
 
@@ -1043,6 +1293,10 @@ def attraction(d):
     that the rest of a case does not depend on it."""
     if d.gather != "potential" or "cell_size" in d.case.text() or not d.words["pairs"] or not d.chance(0.25):
         return
+    attract(d)
+
+
+def attract(d):
     depth = math.sqrt(d.heaviest / d.stiffness) * 0.6 * fastest(d)
     widest = 0.5 * thickness(d) - 3 * d.margin   # bodies may be smaller, and a derived margin wider
     if widest < 0.2 * depth:
@@ -1107,6 +1361,33 @@ def cohesion(d):
     d.random = kept
 
 
+@feature
+def attracted_bodies_leave(d):
+    """What attracts is taken out beside what it sticks to, by an outlet about one of the bodies, or with half of the bodies. Draws of its own: what other
+    features draw stays."""
+    own = random_numbers.Random(f"attracted and gone {d.case.note}")
+    time, pairs = d.words["time"], d.words["pairs"]
+    leave = "outlets" in d.words or d.words.get("domain", {}).get("outside") == "remove"
+    sticks = any(word in pair for pair in pairs for word in ("pull_off", "adhesion", "surface_tension"))
+    if not (leave or sticks) or own.random() >= 0.5 or time.get("stop_at_rest") or time.get("stop_when_empty"):
+        return
+    kept, d.random = d.random, own
+    if not sticks and d.gather == "potential" and pairs and "cell_size" not in d.case.text():
+        attract(d)
+    movers = [body for body in d.case.bodies if not body.get("fixed")]
+    if movers and not leave and any(word in pair for pair in pairs for word in ("pull_off", "adhesion", "surface_tension")):
+        at = numpy.array(own.choice(movers)["position"])
+        if d.chance(0.5):
+            region = {"sphere": {"centre": at.tolist(), "radius": d.radius * d.between(0.2, 1)}}
+        else:
+            low, high = at - 30 * d.radius, at + 30 * d.radius
+            k = own.randrange(3)
+            (low if d.chance(0.5) else high)[k] = at[k]   # those whose centre is on one side of it
+            region = {"box": [low.tolist(), high.tolist()]}
+        d.words["outlets"] = [{"region": region}]
+    d.random = kept
+
+
 def rotation(q):
     w, x, y, z = q
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -1135,7 +1416,7 @@ def draw_strength(d, bond, stress, depth):
 @feature
 def bonds(d):
     """One of the bodies in two halves, face to face, that hold together until they do not."""
-    whole = [b for b in d.case.bodies if not b.get("fixed") and not b.get("lock_rotation")]
+    whole = [b for b in d.case.bodies[d.laid:] if not b.get("fixed") and not b.get("lock_rotation")]
     if not whole or not d.words.get("contact", {}).get("margin") or not d.chance(0.12):
         return
     body = d.random.choice(whole)
@@ -1167,7 +1448,7 @@ def pieces(d):
     contact = d.words.get("contact", {})
     # pieces ask for surface = "outside", which is their default, and must be wider than their margins
     fits = contact.get("margin") and contact["margin"] < 0.05 * d.radius and contact.get("surface") != "drawn"
-    whole = [b for b in d.case.bodies if not b.get("fixed") and not b.get("lock_rotation") and b["shape"] != "half"]
+    whole = [b for b in d.case.bodies[d.laid:] if not b.get("fixed") and not b.get("lock_rotation") and b["shape"] != "half"]
     if not fits or not whole or own.random() >= 0.35:
         return
     kept, d.random = d.random, own
@@ -1206,7 +1487,7 @@ def sleep(d):
     """From numbers of its own, as surfaces. Mostly in cases that lose their motion, and last until bodies have slept for a while."""
     own = random_numbers.Random(f"sleep {d.case.note}")
     streams = any(d.words.get("fluid", {}).get("velocity", [0, 0, 0]))
-    if own.random() >= 0.2 or d.words.get("bonds") or streams or d.words["output"].get("impacts"):
+    if own.random() >= (0.4 if d.valleys else 0.2) or d.words.get("bonds") or streams or d.words["output"].get("impacts"):
         return
     time = d.words["time"]
     time["sleep"] = own.random() < 0.95
@@ -1217,6 +1498,8 @@ def sleep(d):
     if d.g > 0 and own.random() < 0.8:
         for pair in d.words["pairs"]:
             pair["restitution"] = min(pair["restitution"], own.uniform(0.05, 0.4))
+            if d.law == "hunt-crossley":
+                pair.setdefault("restitution_speed", d.speed)
             pair["friction"] = max(pair.get("friction", 0), own.uniform(0.2, 0.8))
         fall = 2 * math.sqrt(d.radius / d.g)   # by a diameter: what is at rest sleeps after it
         time["duration"] = d.duration = max(d.duration, min(own.uniform(6, 12) * fall, 30000 * d.step_guess))

@@ -145,3 +145,43 @@ def body_samples(shape, scale, count=2000):
         points = points[point_in_solid(points, shape["vertices"][shape["triangles"]])] * scale
     volume = shape["volume"] * scale**3
     return points, volume / max(1, len(points))
+
+
+def has_a_flat_face_that_is_not_convex(vertices, triangles):
+    """Whether triangles side by side in one plane have an outline with a corner that goes inwards, or a hole."""
+    vertices, triangles = numpy.asarray(vertices, float), numpy.asarray(triangles, int)
+    p, q, r = (vertices[triangles[:, k]] for k in range(3))
+    cross = numpy.cross(q - p, r - p)
+    twice = numpy.linalg.norm(cross, axis=1)
+    normals = cross / twice[:, None]
+    edges = {(int(t[k]), int(t[(k + 1) % 3])): i for i, t in enumerate(triangles) for k in range(3)}
+    left = set(range(len(triangles)))
+    while left:
+        face, front = [], [left.pop()]
+        while front:
+            i = front.pop()
+            face.append(i)
+            for k in range(3):
+                j = edges.get((int(triangles[i][(k + 1) % 3]), int(triangles[i][k])))
+                if j in left and normals[j] @ normals[face[0]] > 1 - 1e-9:
+                    left.discard(j)
+                    front.append(j)
+        across = numpy.linalg.svd(normals[face[0]][None])[2][1:]
+        hull = area_of_hull((vertices[numpy.unique(triangles[face])] @ across.T).tolist())
+        if twice[face].sum() / 2 < hull * (1 - 1e-6):
+            return True
+    return False
+
+
+def area_of_hull(points):
+    """Of the smallest convex polygon around points of a plane."""
+    points = sorted(map(tuple, points))
+    outline = []
+    for way in (points, points[::-1]):
+        side = []
+        for x in way:
+            while len(side) > 1 and (side[-1][0] - side[-2][0]) * (x[1] - side[-2][1]) - (side[-1][1] - side[-2][1]) * (x[0] - side[-2][0]) <= 0:
+                side.pop()
+            side.append(x)
+        outline += side[:-1]
+    return 0.5 * abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(outline, outline[1:] + outline[:1])))

@@ -23,6 +23,7 @@ import mesh_formats  # noqa: F401
 import near  # noqa: F401
 import packings  # noqa: F401
 import post_says  # noqa: F401
+import post_series  # noqa: F401
 import starts  # noqa: F401
 import sums  # noqa: F401
 from generator import generate

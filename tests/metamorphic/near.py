@@ -9,6 +9,8 @@ import random
 
 import numpy
 
+import solids
+from geometry import has_a_flat_face_that_is_not_convex
 from geometry import turned as turned_by
 from model import Mesh
 from relations import NotApplicable, Refused, Violation, relation, require
@@ -222,9 +224,28 @@ def split_faces(trial):
         raise NotApplicable("triangles are no more than a surface with gather = potential only")
     if any("wear" in wall for wall in case.walls):
         raise NotApplicable("a wall wears triangle by triangle")
-    other = trial.solve_case(with_split_faces(case, trial.random))
+    partly = moved_in_partly(case, trial.frozen_scene)
+    if partly >= set(case.meshes):
+        raise NotApplicable("only bodies whose margins depend on how faces are split")
+    other = trial.solve_case(with_split_faces(case, trial.random, partly))
     same_step(trial, other)
     near(trial, other, as_it_is, 0, "with split faces")
+
+
+def moved_in_partly(case, scene):
+    """Names of body meshes with flat faces that are not convex and with margins of more than a quarter of the width of a limb: how such faces are split
+    changes how far they are moved inwards (docs/decisions/022), which is known."""
+    found = set()
+    if scene.general.get("surface", "outside") != "drawn":
+        return found
+    for shape in scene.shapes:
+        name = case.words["shapes"].get(shape["name"], {}).get("file", "@")[1:]
+        if name not in case.meshes or not has_a_flat_face_that_is_not_convex(shape["vertices"], shape["triangles"]):
+            continue
+        radius = (3 * shape["volume"] / (4 * math.pi)) ** (1 / 3)
+        if scene.general.get("margin_ratio", 0) * radius > 0.25 * solids.thickness_of(case.meshes[name]):
+            found.add(name)
+    return found
 
 
 @relation("near", a_little_aside)

@@ -178,9 +178,11 @@ def packings_as_asked(trial):
     relax = words.get("contact", {}).get("relax", "shallow")
     for i, body in enumerate(asked):
         if relax is not True:
-            # parted by at most two margins; balls without margins by what separates touch from overlap
+            # parted by at most two margins; balls that touch where they are drawn by 2 % of their radius
             margin = scene.general.get("margin_ratio", 0) * scene.radii()[i] if scene.general.get("surface") == "drawn" else scene.general["margin"]
-            most = 2 * margin * 1.0001 + 1e-6 * scene.radii()[i] if relax == "shallow" else 0.0
+            is_ball = scene.shapes[scene.body("shape")[i]]["kind"] == 2
+            pressed_in = 0.02 * scene.radii()[i] if is_ball and scene.general.get("surface") == "drawn" else 2 * margin
+            most = pressed_in * 1.0001 + 1e-6 * scene.radii()[i] if relax == "shallow" else 0.0
             way = float(numpy.linalg.norm(scene.body("position")[i] - body["position"]))
             require(way <= most, f"bodies[{i}] is at {scene.body('position')[i].tolist()}, {way:.6g} m from {body['position']} that was asked")
         require(numpy.array_equal(scene.body("velocity")[i], numpy.array(body.get("velocity", [0, 0, 0]), float)), f"bodies[{i}] has another velocity")

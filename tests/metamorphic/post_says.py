@@ -72,31 +72,29 @@ def inside_cylinder(points, start, end, radius):
     return (along >= 0) & (along <= numpy.linalg.norm(end - start)) & (across <= radius)
 
 
+def fixed_ids(scene):
+    return {int(i) for i in scene.body("id")[~scene.moving()]}
+
+
 @relation("sums", fuller)
 def post_regions(trial):
     """Solid fraction, number and mass in boxes, cylinders and spheres: held against dense samples of each body, images included."""
     run = trial.completed()
     frame = run.frames[trial.random.randrange(len(run.frames))]
     scene = run.scene
-    if run.record.get("inserted_bodies"):
-        raise NotApplicable("bodies came in that are not in the scene")
-    here = {int(i): k for k, i in enumerate(scene.body("id"))}
-    rows = numpy.array([here[int(i)] for i in frame.ids], int)
-    moving = scene.moving()[rows]
+    moving = numpy.array([int(i) not in fixed_ids(scene) for i in frame.ids], bool)
     if not moving.any():
         raise NotApplicable("no particles")
     points, weights, owner = [], [], []
     shifts = periodic_shifts(scene.general)
-    for k, i in enumerate(rows):
-        if not moving[k]:
-            continue
-        samples, volume = body_samples(scene.shapes[scene.body("shape")[i]], scene.body("scale")[i], 1500)
+    volumes = numpy.array([scene.shapes[s]["volume"] for s in frame.bodies["shape"]]) * frame.bodies["scale"] ** 3
+    for k in numpy.flatnonzero(moving):
+        samples, volume = body_samples(scene.shapes[frame.bodies["shape"][k]], frame.bodies["scale"][k], 1500)
         for shift in shifts:
             points.append(turned(frame.quat[k], samples) + frame.position[k] + shift)
             weights.append(numpy.full(len(samples), volume))
             owner.append(numpy.full(len(samples), k))
     points, weights, owner = numpy.concatenate(points), numpy.concatenate(weights), numpy.concatenate(owner)
-    volumes = (scene.of_shape("volume") * scene.body("scale") ** 3)[rows]
     low, high = frame.position[moving].min(axis=0) - scene.size(), frame.position[moving].max(axis=0) + scene.size()
     domain = scene.general.get("domain", {})
     for k in range(3):   # regions that lie in the domain
@@ -126,7 +124,7 @@ def post_regions(trial):
     words = [word for name, (kind, numbers, _, _) in regions.items() for word in ("--region", f"{name}={kind}:" + ",".join(repr(float(x)) for x in numbers))]
     if not run.scene.general.get("output_contacts", True):
         raise NotApplicable("no contacts in the frames")
-    post(trial, "statistics", run.folder, "-o", out, "--frames", str(frame.number), "--no-charts", *words)
+    post(trial, "statistics", run.folder, "-o", out, "--frames", str(frame.number), "--no-charts", "--count-all", "--within", "all", *words)
     table = read_csv(os.path.join(out, "series.csv"))
     trial.seen(table)
     found = {row["group"].split()[-1]: row for row in table}
@@ -140,7 +138,7 @@ def post_regions(trial):
         # post has up to 2000 points for a body in so small a scene
         slack = 0.05 * math.sqrt((volumes[cut] ** 2).sum()) + 0.01 * solid + 0.01 * volumes.max()
         require(abs(said - solid) <= slack, f"frame {frame.number}, region {kind}:{numbers}: post finds {said:.6g} m^3 of solid, there are {solid:.6g} m^3 ({len(cut)} bodies cut)")
-        centres = numpy.zeros(len(rows), bool)
+        centres = numpy.zeros(len(frame.ids), bool)
         doubtful = False
         for shift in shifts:
             centres |= holds(frame.position + shift)
@@ -171,15 +169,12 @@ def post_layers(trial):
     if not gravity.any() or not run.scene.general.get("output_contacts", True) or any(run.scene.general.get("domain", {}).get("periodic", [False])):
         raise NotApplicable("no axis of gravity, or no contacts")
     frame, scene, r = run.frames[-1], run.scene, trial.random
-    if len(frame.ids) == 0 or not scene.moving().any():
+    moving = numpy.array([int(i) not in fixed_ids(scene) for i in frame.ids], bool)
+    if not moving.any():
         raise NotApplicable("no particles")
     vertical = int(numpy.argmax(numpy.abs(gravity)))
-    if run.record.get("inserted_bodies"):
-        raise NotApplicable("bodies came in that are not in the scene")
-    here = {int(i): k for k, i in enumerate(scene.body("id"))}
-    rows = numpy.array([here[int(i)] for i in frame.ids], int)
-    moving = scene.moving()[rows]
-    reach = scene.radii()[rows]
+    reach = numpy.array([shape["radius"] if shape["kind"] == 2 else float(numpy.linalg.norm(shape["vertices"], axis=1).max())
+                         for shape in (scene.shapes[s] for s in frame.bodies["shape"])]) * frame.bodies["scale"]
     low, high = (frame.position - reach[:, None])[moving].min(axis=0), (frame.position + reach[:, None])[moving].max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
     kind, k = r.choice(["box", "upright", "lying"]), vertical
@@ -193,13 +188,14 @@ def post_layers(trial):
         "cylinder:" + ",".join(repr(float(x)) for x in [*start, *end, radius])
     out = trial.tools.new_path(".statistics")
     axis = "xyz"[vertical]
-    post(trial, "statistics", run.folder, "-o", out, "--frames", str(frame.number), "--no-charts", "--container", words, "--profile", f"{axis}:6")
+    post(trial, "statistics", run.folder, "-o", out, "--frames", str(frame.number), "--no-charts", "--container", words, "--profile", f"{axis}:6",
+         "--count-all", "--within", "all")
     table = read_csv(os.path.join(out, f"profile_{axis}.csv"))
     trial.seen(table)
     at = numpy.array([float(row[axis]) for row in table])
     fraction = numpy.array([float(row["solid_fraction"] or 0) for row in table])
     width = at[1] - at[0]
-    solid = (scene.of_shape("volume") * scene.body("scale") ** 3)[rows][moving].sum()
+    solid = (numpy.array([scene.shapes[s]["volume"] for s in frame.bodies["shape"]]) * frame.bodies["scale"] ** 3)[moving].sum()
     if kind == "box":
         rooms = numpy.full(len(at), width * float(numpy.prod([(2.1 * half)[j] for j in range(3) if j != vertical])))
     elif kind == "upright":

@@ -16,6 +16,7 @@ import mesh_formats  # noqa: F401
 import near  # noqa: F401
 import packings  # noqa: F401
 import post_says  # noqa: F401
+import post_series  # noqa: F401
 import starts  # noqa: F401
 import sums  # noqa: F401
 from dimensions import DIMENSIONS, PLAIN, in_other_units
@@ -175,6 +176,8 @@ def every_word_of_the_language_is_drawn(_):
         for key, value in leaves_of(generate(seed).words):
             drawn.add(key)
             drawn |= {(key, entry) for entry in flat(value) if isinstance(entry, (str, bool))}
+    strange = sorted(key for key in drawn if isinstance(key, str) and key not in keys and not any(k.startswith(key + ".") for k in keys))
+    assert not strange, f"keys that cases have and the case language has not: {strange}"
     left = sorted(map(str, (keys | words) - drawn - NOT_DRAWN))
     assert not left, f"keys and words that no case of {CASES_DRAWN} has; generator.py draws them, or NOT_DRAWN says why not: {left}"
 

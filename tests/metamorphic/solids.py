@@ -79,7 +79,75 @@ def rock(random, radius):
     return scaled_to(library.rock(random.randrange(1000), 1), radius)
 
 
+def thin_angle(random, radius):
+    return scaled_to(library.prism(library.l_outline(1.0, random.uniform(0.06, 0.18)), random.uniform(0.2, 0.6)), radius)
+
+
+def thin_channel(random, radius):
+    return scaled_to(library.prism(library.u_outline(1.0, random.uniform(0.5, 1.2), random.uniform(0.06, 0.18)), random.uniform(0.2, 0.6)), radius)
+
+
+def thin_ring(random, radius):
+    return scaled_to(library.tube(random.uniform(0.82, 0.94), 1.0, random.uniform(0.1, 0.4), random.choice([6, 8, 12])), radius)
+
+
+def hook(random, radius):
+    """A U whose legs differ."""
+    t, long, short = random.uniform(0.06, 0.18), random.uniform(0.9, 1.3), random.uniform(0.3, 0.6)
+    outline = [(0, 0), (0.7, 0), (0.7, short), (0.7 - t, short), (0.7 - t, t), (t, t), (t, long), (0, long)]
+    return scaled_to(library.prism(outline, random.uniform(0.15, 0.5)), radius)
+
+
+def dented(random, radius):
+    """A cube with a pyramid pressed into its upper face, and into some of the others. Vertex 8 is the bottom of the upper one."""
+    corners = [(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+    faces = [(4, 5, 6, 7), (3, 2, 1, 0), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+    depth, vertices, triangles = random.uniform(0.05, 0.35), list(corners), []
+    for k, face in enumerate(faces):
+        if k > 0 and random.random() < 0.6:
+            triangles += [(face[0], face[1], face[2]), (face[0], face[2], face[3])]
+            continue
+        middle = numpy.mean([corners[i] for i in face], axis=0)
+        triangles += [(face[i - 1], face[i], len(vertices)) for i in range(4)]
+        vertices.append(tuple(middle * (1 - 2 * depth)))
+    return scaled_to((numpy.array(vertices), numpy.array(triangles)), radius)
+
+
+def notched(random, radius):
+    """A block with a V along z: vertex 4 of each end is its bottom."""
+    half, depth = random.uniform(0.3, 0.9), random.uniform(0.1, 1.5)
+    outline = [(-1, -1), (1, -1), (1, 1), (half, 1), (0, 1 - depth), (-half, 1), (-1, 1)]
+    return scaled_to(library.prism(outline, random.uniform(0.6, 2)), radius)
+
+
 SOLIDS = {f.__name__: f for f in (cube, brick, tetrahedron, octahedron, prism, icosphere, ellipsoid, angle, channel, ring, torus, rock)}
+THIN = {f.__name__: f for f in (thin_angle, thin_channel, thin_ring, hook)}
+DENTED = {f.__name__: f for f in (dented, notched)}
+
+
+def thickness_of(mesh):
+    """Twice volume over area: of a plate its thickness."""
+    p, q, r = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    area = numpy.linalg.norm(numpy.cross(q - p, r - p), axis=1).sum() / 2
+    return 2 * abs(numpy.einsum("ij,ij->i", p, numpy.cross(q, r)).sum() / 6) / area
+
+
+def valley_of(name, mesh):
+    """Of a dented body: a point of its valley, and the normals of the faces that meet there."""
+    bottom = {"dented": 8, "notched": 4}[name]
+    faces = [t for t in mesh.triangles if bottom in t]
+    normals = [numpy.cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]) for t in faces]
+    normals = [n / numpy.linalg.norm(n) for n in normals]
+    # the ends of a notch are no part of it
+    return mesh.vertices[bottom], distinct([n for n in normals if name == "dented" or abs(n[2]) < 0.5])
+
+
+def distinct(normals):
+    kept = []
+    for n in normals:
+        if all(n @ m < 1 - 1e-6 for m in kept):
+            kept.append(n)
+    return kept
 
 
 # surfaces, for walls from files: about the origin, with room for what lies above z = 0 and within `half` of the z axis
@@ -109,6 +177,34 @@ def tray(random, half):
 def slab(random, half):
     """A solid plate whose upper face is z = 0, closed: met from outside."""
     return clean_mesh(library.box((2 * half, 2 * half, half / 2), random.choice([1, 2]), (0, 0, -half / 4)), True)
+
+
+def grooves(angle, width, length, count, pieces, ends):
+    """V-shaped grooves side by side along x, lowest at z = 0: half the angle between their faces [rad], width of a face, half their length; pieces along
+    x; whether the ends are closed."""
+    y, z = width * math.sin(angle), width * math.cos(angle)
+    profile = [((i - count) * y, z if i % 2 == 0 else 0.0) for i in range(2 * count + 1)]   # a middle one lies on the x axis where there is an odd number
+    across = len(profile)
+    vertices = [(length * (2 * k / pieces - 1), *p) for k in range(pieces + 1) for p in profile]
+    triangles = []
+    for k in range(pieces):
+        for i in range(across - 1):
+            a, b = k * across + i, (k + 1) * across + i
+            triangles += [(a, b, b + 1), (a, b + 1, a + 1)]
+    for k in (0, pieces) if ends else ():
+        triangles += [(k * across + i, k * across + i + 1, k * across + i + 2) for i in range(0, across - 1, 2)]
+    return clean_mesh((numpy.array(vertices), numpy.array(triangles)), True)
+
+
+def pitted_floor(corners, radius, depth, half):
+    """A floor at z = 0 with a pyramid pressed into it, of so many corners at this radius."""
+    turns = [2 * math.pi * (k + 0.5) / corners for k in range(corners)]
+    vertices = [(0, 0, -depth)] + [(r * math.cos(t), r * math.sin(t), 0) for r in (radius, half) for t in turns]
+    triangles = []
+    for k in range(corners):
+        i, j = 1 + k, 1 + (k + 1) % corners
+        triangles += [(0, i, j), (i, i + corners, j + corners), (i, j + corners, j)]
+    return clean_mesh((numpy.array(vertices), numpy.array(triangles)), True)
 
 
 def scaled(mesh, size):

@@ -253,6 +253,26 @@ TEST(Domain, removes_what_leaves_it_and_tells_what_that_was) {
   EXPECT_DOUBLE_EQ(mass, totals.mass);
 }
 
+// Bodies leave between the two kicks of a step, in the middle of an impact: what they take with them is that of one moment, to second order in the step.
+TEST(Domain, a_body_takes_along_what_its_contact_stores_at_that_moment) {
+  constexpr double kStiffness = 1e6, kOverlap = 1e-3;
+  TestRun run(test::empty_scene(kStiffness, 1, 0, 0.002));
+  make_periodic(run.scene, {-1, -1, -1}, {1, 1, 1}, {false, false, false});
+  run.scene.settings.domain.outside = Outside::remove;
+  run.scene.settings.steps_per_contact = 400;
+  run.scene.shapes = {make_sphere("ball", 0.05)};
+  const double apart = 2 * (0.05 + 0.002) - kOverlap, out = 1 - 1e-7;
+  test::add_body(run.scene, 0, {out, 0, 0}, {}, {0.1, 0, 0}, {});
+  test::add_body(run.scene, 0, {out - apart, 0, 0}, {}, {}, {});
+  run.start();
+  const double start = energies_of(run.simulation->state()).balance();
+  while (removed_totals(run.simulation->state()).count == 0) {
+    ASSERT_LT(run.simulation->step(), 200);
+    run.simulation->advance();
+  }
+  EXPECT_NEAR(energies_of(run.simulation->state()).balance(), start, 5e-5 * 0.5 * kStiffness * kOverlap * kOverlap);
+}
+
 TEST(Domain, stops_the_run_or_lets_bodies_go_as_asked) {
   TestRun stop = leaving_rocks(Outside::stop);
   stop.start();
