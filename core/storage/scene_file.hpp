@@ -207,7 +207,8 @@ struct Settings {
   ContactLaw law = ContactLaw::linear;
   Gathering gather = Gathering::potential;
   VertexWeights weights = VertexWeights::density;
-  double barrier = 0;       ///< [-] stiffness of the barrier over that of a contact; 0: none
+  double barrier = 0;  ///< [-] stiffness of the barrier over that of a contact; 0: none
+  OnOverlap on_overlap = OnOverlap::stop;
   double impact_speed = 0;  ///< [m/s] of the fastest impact expected; 0 when not known
   TouchAt surface = TouchAt::outside;
   double margin = 0;        ///< [m] surface = outside: of each body; 0 means contact at touch, allowed for analytic pairs only

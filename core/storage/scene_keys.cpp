@@ -106,6 +106,12 @@ void contact_keys(KeyVisitor& k, Settings& s) {
             "stiffness of a barrier over that of a contact: from a fifth of the margins on it pushes without end, so that surfaces never "
             "meet, at steps that are `sqrt(1 + 24 barrier)` times shorter; 10 doubles the energy that a contact can take"},
            s.barrier, Dimension::none, Range::not_negative);
+  k.word(
+      {"on_overlap", "",
+       "where a wall that moves presses bodies deeper than their margins have room for: the run ends (exit 5); or it continues, the force "
+       "grows along the tangent of the law, and log, `run.json` and report say how many contacts, how deep and where. Bodies there lie "
+       "in each other or in the wall, so that the result is doubtful. `continue` needs a wall that moves and `gather = \"potential\"`"},
+      s.on_overlap);
 }
 
 void motion_keys(KeyVisitor& k, Settings& s) {

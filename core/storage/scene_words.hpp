@@ -61,6 +61,12 @@ enum class TouchAt { drawn, outside };
 template <>
 inline constexpr auto kWordsOf<TouchAt> = std::to_array<Word<TouchAt>>({{TouchAt::drawn, "drawn"}, {TouchAt::outside, "outside"}});
 
+/// What happens where bodies are pressed deeper into each other than the law has room for: the run stops, or the force goes on along the
+/// law's tangent and the contact is counted (solver/contact/overlap_limit.hpp).
+enum class OnOverlap { stop, proceed };
+template <>
+inline constexpr auto kWordsOf<OnOverlap> = std::to_array<Word<OnOverlap>>({{OnOverlap::stop, "stop"}, {OnOverlap::proceed, "continue"}});
+
 /// How a step moves the bodies (solver/bodies/motion.hpp).
 enum class Integrator { kdk_dlm, rig, spiral, midpoint, euler };
 template <>

@@ -1,5 +1,6 @@
 #include "decomposer/case/case_file.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -198,6 +199,8 @@ void case_keys(CaseKeys& k, Case& c) {
   k.sections({"pairs"}, [&](CaseKeys& below) { pair_section(below, c); });
   k.sections({"bodies"}, [&](CaseKeys& below) { body_section(below, c); });
   wall_sections(k, c);
+  if (c.no_wall_moves && std::none_of(c.walls.begin(), c.walls.end(), [](const CaseWall& w) { return w.wall.motion.moves(); }))
+    throw *c.no_wall_moves;
   population_sections(k, c);
   k.section({"start", "bodies of this case only"}, [&](CaseKeys& below) { start_section(below, c); });
   inlet_sections(k, c);

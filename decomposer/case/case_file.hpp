@@ -140,6 +140,7 @@ struct Case {
   std::string sha256;  ///< of the file as it lies on the disk, whatever was changed on the command line
   Settings settings;
   bool margin_given = false, surface_given = false;
+  std::optional<UsageError> no_wall_moves;  ///< what is wrong where none does
   Relax relax = Relax::shallow;
   std::optional<CaseStart> start;
   std::vector<CaseShape> shapes;

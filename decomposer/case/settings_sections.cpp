@@ -69,6 +69,14 @@ void contact_section(CaseKeys& k, Case& c) {
   if (t->has("margin_ratio") && s.surface == TouchAt::outside)
     throw t->error("margin_ratio", "goes with surface = \"drawn\"; with \"outside\" all bodies have one margin");
   if (s.barrier > 0 && s.gather != Gathering::potential) throw t->error("barrier", "goes with gather = \"potential\" only");
+  if (s.on_overlap == OnOverlap::proceed) {
+    if (s.gather != Gathering::potential) throw t->error("on_overlap", "\"continue\" goes with gather = \"potential\" only");
+    if (s.barrier > 0)
+      throw t->error("on_overlap", "\"continue\" does not go with a barrier, which lets no surfaces meet; leave out one of both");
+    c.no_wall_moves = t->error("on_overlap",
+                               "\"continue\" is for what a wall that moves presses on, and no wall of this case moves; a contact "
+                               "that is too soft needs a larger stiffness. Leave on_overlap out");
+  }
   if (t->has("weights") && s.gather != Gathering::potential) throw t->error("weights", "goes with gather = \"potential\" only");
   if (s.gather == Gathering::area && s.law == ContactLaw::hertz_mindlin)
     throw t->error("gather", "\"area\" has a law of its own; use it with law = \"linear\" or \"hunt-crossley\"");

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <set>
 
+#include "core/base/units.hpp"
 #include "post/report/drive_verdict.hpp"
 #include "post/run/drawn_meshes.hpp"
 #include "post/run/provenance_chain.hpp"
@@ -76,7 +78,25 @@ Verdict judge_energy(const Run& run) {
   return v;
 }
 
+/// Contacts that the run went on with beyond their room; of a run that is not finished, from its log.
+std::optional<Verdict> judge_deep_contacts(const Run& run) {
+  const nlohmann::json record = run.outcome.contains("deep_contacts") ? run.outcome["deep_contacts"] : nlohmann::json::object();
+  const double steps = std::max(number_in(record, "contact_steps", 0), largest(run.log, "deep_contact_steps"));
+  if (!(steps > 0)) return std::nullopt;
+  const double excess = std::max(number_in(record.contains("deepest") ? record["deepest"] : nlohmann::json(), "excess", 0),
+                                 largest(run.log, "deepest_excess"));
+  Verdict v{"Contact overlap", Judgement::doubtful, "", ""};
+  v.answer = fmt::format("deeper than the law has room for, by {} at most", format_quantity(excess, Dimension::length));
+  v.evidence = record.contains("text") ? record["text"].get<std::string>() + "." : fmt::format("{:.0f} contact-steps so far.", steps);
+  v.evidence +=
+      " Up to that depth the case has this run go on (contact.on_overlap) where a wall leaves bodies no place: the force there grows along "
+      "the "
+      "tangent of the law. A wider gap, or a wall that a torque or a force moves, leaves none of it.";
+  return v;
+}
+
 Verdict judge_depth(const Run& run) {
+  if (const std::optional<Verdict> deep = judge_deep_contacts(run)) return *deep;
   Verdict v{"Contact overlap", Judgement::information, "", ""};
   const double ratio = std::max(largest(run.log, "max_depth_ratio"), number_in(run.outcome, "max_depth_ratio", 0));
   if (run.scene.settings.margin <= 0) {

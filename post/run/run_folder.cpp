@@ -27,7 +27,7 @@ constexpr std::array kNumbers{"steps",          "step_size",     "critical_step"
                               "threads",        "bodies",        "removed_bodies",        "removed_mass", "inserted_bodies",
                               "inserted_mass",  "lost_bodies",   "bodies_outside_domain", "wall_seconds", "max_depth_ratio",
                               "mean_imbalance", "peak_rss_bytes"};
-constexpr std::array kObjects{"phases", "energy", "memory"};
+constexpr std::array kObjects{"phases", "energy", "memory", "deep_contacts"};
 /// Lists of records, and what is read of each.
 constexpr std::array kLists{"inlets", "outlets", "drives"};
 constexpr std::array kNumbersOfRecords{"bodies", "mass", "shortfall", "wall"};
@@ -59,6 +59,11 @@ nlohmann::json read_outcome(const std::string& path) {
   for (const char* key : kNumbers) check_number(run, key, key);
   for (const char* key : kObjects) {
     if (run.contains(key) && !run[key].is_object()) throw wrong(key, "an object", run[key]);
+  }
+  if (run.contains("deep_contacts")) {
+    nlohmann::json& deep = run["deep_contacts"];
+    if (deep.contains("text") && !deep["text"].is_string()) throw wrong("deep_contacts.text", "a text", deep["text"]);
+    if (deep.contains("deepest") && !deep["deepest"].is_object()) throw wrong("deep_contacts.deepest", "an object", deep["deepest"]);
   }
   for (const char* key : kLists) {
     if (!run.contains(key)) continue;

@@ -68,6 +68,15 @@ double overlap_at(const PairLaw& pair_law, double depth) {
   }
 }
 
+/// The law of a pair as it is at an effective overlap. Beyond its limit features share the overlap as they do at the limit.
+/// in   shared   effective overlap over that of the deepest feature
+template <class Law>
+Law law_beyond(const Law& law, double limit, double shared) {
+  Law beyond = law;
+  if constexpr (LimitedLaw<Law>) beyond.limit = limit * shared;
+  return beyond;
+}
+
 struct PotentialModel {
   static constexpr Gathering kGathering = Gathering::potential;
   static constexpr bool kDampsEachFeature = false;
@@ -158,7 +167,9 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
     sum += f.weight * power7(r) * r;
   }
   const double depth = largest * std::sqrt(std::sqrt(std::sqrt(sum))), D = overlap_at<Law>(pair_law, depth);
-  const PushAndPull at = PushAndPull::of(law, D);
+  const PushAndPull at = pair_law.limit > 0 && result.largest_overlap > pair_law.limit
+                             ? PushAndPull::of(law_beyond(law, pair_law.limit, depth / largest), D)
+                             : PushAndPull::of(law, D);
   result.elastic = at.push_energy;
   const double slope = pair.crowd_share * at.push;
   double push = 0;
@@ -271,8 +282,10 @@ void PotentialModel::linearise(const LinearContact& contact, const Law& law) {
     double push = 0, tangent = 0;  // U', U'' at most: a pull that grows with the overlap softens, one that fades stiffens
     const double of_push = overlap_of_push(law, D);
     if (of_push > 0) {
-      push = part * law.force(of_push);
-      tangent = part * law.stiffness(of_push);
+      const bool is_beyond = contact.law.limit > 0 && largest > contact.law.limit;
+      const Law as_it_is = is_beyond ? law_beyond(law, contact.law.limit, depth / largest) : law;
+      push = part * as_it_is.force(of_push);
+      tangent = part * as_it_is.stiffness(of_push);
     }
     if constexpr (PullingLaw<Law>) tangent += part * law.pull_stiffness(D);
     const double slope = push / depth;

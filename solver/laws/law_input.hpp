@@ -20,6 +20,7 @@ struct LawInput {
   double room;                                    ///< largest overlap at which meshes meet [m]; 0: no limit
   double least_room;                              ///< the least of it [m]
   bool step_given;                                ///< the step is not derived
+  bool continues;                                 ///< contacts go on beyond their room, along the tangent that they have there
   std::function<LargestImpact()> largest_impact;  ///< goes over all bodies
 };
 

@@ -6,6 +6,8 @@
 //   prepare(input, law)  fills what it reads of PairLaw, and step_stiffness. Throws UsageError for what the user must give
 //   Law(law, radius)     made for a pair in every step; radius is R* [m] where needed
 //   energy(D) force(D) stiffness(D)   of its push at the overlap D > 0: U [J], dU/dD [N], d2U/dD2 [N/m], all >= 0
+// A law that is not linear and may go on along its tangent (contact/overlap_limit.hpp) has
+//   limit   overlap beyond which its push grows by the stiffness that it has there; infinite as it is made
 // A law that pulls as well begins to act at an overlap of -PairLaw::reach, which its prepare fills, and has
 //   pull(D) pull_energy(D) pull_stiffness(D)   for D > -reach: attraction [N] >= 0, its integral from -reach to D [J], and its largest
 //                        slope there [N/m]
@@ -13,8 +15,10 @@
 // the push alone.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <numbers>
 
 #include "solver/laws/law_input.hpp"
@@ -64,13 +68,17 @@ struct HertzLaw {
   static constexpr bool kNeedsRadius = true;
   using InLayer = void;
   static constexpr double kExponent = 1.5;
-  double modulus, radius;  ///< E* [Pa], R* [m]
-  double c;                ///< 4/3 E* sqrt(R*) [N/m^(3/2)]
+  double modulus, radius;                                  ///< E* [Pa], R* [m]
+  double c;                                                ///< 4/3 E* sqrt(R*) [N/m^(3/2)]
+  double limit = std::numeric_limits<double>::infinity();  ///< overlap beyond which it goes along its tangent [m]
   static void prepare(const LawInput& in, PairLaw& law);
   HertzLaw(const PairLaw& law, double r) : modulus(law.stiffness), radius(r), c(4.0 / 3 * modulus * std::sqrt(radius)) {}
-  double energy(double D) const { return 0.4 * c * D * D * std::sqrt(D); }
-  double force(double D) const { return c * D * std::sqrt(D); }
-  double stiffness(double D) const { return 2 * modulus * std::sqrt(radius * D); }
+  double energy(double D) const {
+    if (D > limit) return energy(limit) + (D - limit) * (force(limit) + 0.5 * (D - limit) * stiffness(limit));
+    return 0.4 * c * D * D * std::sqrt(D);
+  }
+  double force(double D) const { return D > limit ? force(limit) + (D - limit) * stiffness(limit) : c * D * std::sqrt(D); }
+  double stiffness(double D) const { return 2 * modulus * std::sqrt(radius * std::min(D, limit)); }
 };
 
 /// The step follows from the stiffest tangent: that at the overlap of the severest impact, and of the whole margin at most.
@@ -82,7 +90,10 @@ inline void HertzLaw::prepare(const LawInput& in, PairLaw& law) {
   if (in.pair.tangential_ratio < 0) law.tangential_ratio = 6 * effective_shear_modulus(in.a, in.b) / law.stiffness;
   const LargestImpact impact = in.largest_impact();
   double overlap = hertz_impact_overlap(law.stiffness, impact.radius, impact.mass, impact.speed);
-  if (in.room > 0) overlap = impact.speed > 0 ? std::min(overlap, in.room) : in.room;
+  if (in.room > 0)
+    overlap = impact.speed > 0 && !in.continues ? std::min(overlap, in.room) : in.room;
+  else if (in.continues)
+    overlap = impact.radius;  // of balls: their room
   if (!(overlap > 0) && !in.step_given && impact.mass > 0) {
     throw UsageError(
         "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its overlap; "
@@ -95,6 +106,12 @@ inline void HertzLaw::prepare(const LawInput& in, PairLaw& law) {
 template <class Law>
 concept PowerLaw = requires {
   Law::kExponent;
+};
+
+/// A law that is not linear and can go on along its tangent.
+template <class Law>
+concept LimitedLaw = requires(Law law) {
+  law.limit;
 };
 
 /// A law with attraction.

@@ -23,6 +23,7 @@ struct PairLaw {
   double radius = 0;                                    ///< R* [m] as given by the user; 0: that of the bodies' equivalent spheres
   double barrier = 0;                                   ///< k_b of laws/barrier.hpp [N/m]; 0: none
   double margin = 0;                                    ///< margin sum, of a barrier [m]
+  double limit = 0;                                     ///< overlap from which the push goes on along its tangent [m]; 0: none
   double layer_modulus = 0;                             ///< of an elastic layer [Pa]
   double reach = 0;          ///< gap beyond the margins at which the law or an attraction begins to act [m]; 0 where nothing pulls
   double neck_adhesion = 0;  ///< w of laws/neck.hpp [J/m^2]; 0: these materials do not stick so

@@ -162,6 +162,7 @@ void BallEvaluation::hand_out() {
   const double stop_ratio = pass_.stop_ratio, margin = balls_.scene().laws.margin;
   double largest = largest_overlap_;
   bool too_deep = too_deep_;
+  const bool continues = pass_.continues;
   for (std::size_t n = 0; n < touching_.pairs.count; ++n) {
     const auto k = static_cast<std::size_t>(touching_.index[n]);
     if (forces_.left[n] != 0) {
@@ -177,6 +178,10 @@ void BallEvaluation::hand_out() {
     result.active = true;
     result.contact_count = 1;
     load(forces_.fours, n, result);
+    if (continues && !(result.overlap_ratio < stop_ratio)) {
+      left_.push_back(touching_.index[n]);
+      continue;
+    }
     largest = std::max(largest, result.overlap_ratio);
     too_deep = too_deep || !(result.overlap_ratio < stop_ratio);  // or not a number
     if (spring_count == 0) continue;

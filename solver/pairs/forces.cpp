@@ -69,12 +69,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
 
 /// Names the pair that makes the run invalid, if one does.
 void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
-  const auto describe = [&](std::int32_t k) {
-    const PairKey& key = pass.list.pairs()[static_cast<std::size_t>(k)].key;
-    if (key.zone < 0) return fmt::format("bodies {} and {}", key.a, key.b);
-    const auto wall = static_cast<std::size_t>(pass.scene.zones()[static_cast<std::size_t>(key.zone)].wall);
-    return fmt::format("body {} and wall {} ('{}')", key.a, key.b, pass.scene.source().walls[wall].name);
-  };
+  const auto describe = [&](std::int32_t k) { return name_of_pair(pass.scene, pass.list.pairs()[static_cast<std::size_t>(k)].key); };
   const char* general = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
                                   : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
   const auto cure = [&](std::int32_t k) {
@@ -87,6 +82,12 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
         "step {}: {} move by more than the sum of their margins in a step of {:.3g} s and could have passed through each other "
         "unseen; reduce the step",
         step, describe(pass.passing.load()), pass.dt);
+  }
+  if (const std::int32_t k = pass.through.load(); k >= 0) {
+    throw RunInvalid(
+        "step {}: {} lie in each other by more than {} times the bounding radius of the smaller: nothing is left for on_overlap = "
+        "\"continue\" to continue; {}",
+        step, describe(k), kMostOverlap, cure(k));
   }
   for (std::size_t n = 0; n < which.size() && deepest.too_deep; ++n) {
     const PairResult& r = pass.list.results()[static_cast<std::size_t>(which[n])];
@@ -120,9 +121,11 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 stop_ratio,
                 scene.source().settings.output_impacts,
                 !scene.source().bonds.empty(),
+                scene.continues(),
                 at_rest};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
   if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
+  if (pass.continues) scratch.deep.resize(scratch.distance.size());
   if (pass.has_impacts) scratch.impacts.resize(scratch.distance.size());
   Deepest deepest;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });

@@ -8,6 +8,7 @@
 #include "core/storage/contact_limits.hpp"
 #include "core/storage/frame_file.hpp"
 #include "solver/neighbours/pair_list.hpp"
+#include "solver/pairs/deep_contacts.hpp"
 #include "solver/ranks/exact_sum.hpp"
 #include "solver/step/impacts.hpp"
 #include "solver/step/load_map.hpp"
@@ -24,6 +25,8 @@ struct ForceScratch {
   std::vector<std::vector<LoadEntry>> loads;
   /// One per thread where impacts are recorded: evaluate_pairs appends the pairs in contact.
   std::vector<std::vector<ImpactEntry>> impacts;
+  /// One per thread where contacts go on beyond their room: evaluate_pairs appends those that do, of the pairs counted here.
+  std::vector<std::vector<DeepContact>> deep;
   ForceScratch();
 };
 

@@ -11,6 +11,7 @@
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
 #include "solver/contact/damping_share.hpp"
+#include "solver/contact/overlap_limit.hpp"
 #include "solver/features/pass_through.hpp"
 #include "solver/neighbours/prefetch.hpp"
 #include "solver/pairs/begun_pairs.hpp"
@@ -119,8 +120,15 @@ class PairEvaluation {
     const PairView view = view_of(pass_.scene, pass_.p, pass_.walls, pair.a, pair.b, pair.key.zone);
     const PairVelocities velocities = velocities_of(pass_.p, pass_.walls, pair.a, pair.b, view, pass_.friction_dt > 0);
     CandidateLists& lists = lists_of(pair);
+    if (pass_.continues) {
+      const Vec3 shift = view.pose.rotation * deep_entry_of(pair.state.springs).shift;
+      if (squared_length(shift) > 0) return evaluate_shifted(k, view, velocities, shift, lists, pair, result, idle);
+    }
     double moved = 0;
-    if (!keep_candidates(k, view, velocities, lists, moved)) return;
+    if (!keep_candidates(k, view, velocities, lists, moved)) {
+      if (pass_.continues) evaluate_crossing(k, view, velocities, Vec3{}, lists, pair, result, idle);
+      return;
+    }
     if (moved < lists.first_slack) return rest(view, lists.first_slack - moved, pair, idle);
     idle.way = kNeverIdle;
     if (!find_features(k, view, moved, lists)) return;
@@ -172,6 +180,75 @@ class PairEvaluation {
     return true;
   }
 
+  /// A pair whose surfaces may cross: its features are those that it has where A is moved out.
+  [[gnu::noinline]] void evaluate_shifted(std::int32_t k, const PairView& view, const PairVelocities& velocities, const Vec3& shift,
+                                          CandidateLists& lists, BodyPair& pair, PairResult& result, IdlePair& idle) {
+    double moved = 0;
+    const PairView shifted = shifted_view(view, shift);
+    if (!keep_candidates(k, shifted, velocities, lists, moved))
+      return evaluate_crossing(k, view, velocities, shift, lists, pair, result, idle);
+    shift_ = shift;
+    conclude_shifted(k, view, shifted, velocities, moved, lists, pair, result, idle);
+  }
+
+  /// A pair whose surfaces cross at the shift that it has, which may be none.
+  [[gnu::noinline]] void evaluate_crossing(std::int32_t k, const PairView& view, const PairVelocities& velocities, Vec3 shift,
+                                           CandidateLists& lists, BodyPair& pair, PairResult& result, IdlePair& idle) {
+    if (!list_shifted(view, velocities, lists, shift)) {
+      lists.skin = -1;
+      return pass_.intersecting.store(k);
+    }
+    shift_ = shift;
+    has_other_shift_ = true;
+    conclude_shifted(k, view, shifted_view(view, shift), velocities, 0, lists, pair, result, idle);
+    has_other_shift_ = false;
+    lists.skin = -1;
+  }
+
+  void conclude_shifted(std::int32_t k, const PairView& view, const PairView& shifted, const PairVelocities& velocities, double moved,
+                        CandidateLists& lists, BodyPair& pair, PairResult& result, IdlePair& idle) {
+    idle.way = kNeverIdle;
+    Model::find_features(shifted, moved, lists, features_);
+    take_shift_back(shift_, features_.list);
+    share_among_cells(view, features_);
+    if (features_.list.empty()) {
+      part_shifted(view, velocities, lists, pair);
+    } else {
+      MeshEvaluation* const lanes = std::exchange(lanes_, nullptr);
+      conclude(k, view, velocities, moved, lists, pair, result, idle);
+      lanes_ = lanes;
+    }
+    shift_ = {};
+  }
+
+  /// Such a pair that does not touch: its shift goes, unless the surfaces cross where the bodies are.
+  void part_shifted(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair) {
+    if (pass_.only_looks() || !(pass_.friction_dt > 0)) return;
+    DeepEntry left = deep_entry_of(pair.state.springs);
+    left.passed = false;
+    if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, lists)) left = {};
+    lists.skin = -1;
+    pair.state.keep_lasting();
+    set_deep_entry(pair.state.springs, left);
+  }
+
+  /// A shift of A, frame of A, at which the candidates of a pair whose surfaces cross can be listed: back on the way that it came.
+  /// Returns whether there is one.
+  bool list_shifted(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, Vec3& shift) {
+    Vec3 way = shift;
+    if (!(squared_length(way) > 0))
+      way = rotate_inverse(view.a.q, velocities.v_b + cross(velocities.w_b, view.a.x - view.b.x) - velocities.v_a);
+    const double most = kMostOverlap * std::min(view.radius_a, view.radius_b), size = length(way);
+    if (!(size > 0)) return false;
+    const double begin = length(shift);
+    for (double further = kShiftMore * view.room; begin + further < most; further *= 2) {
+      shift = ((begin + further) / size) * way;
+      const PairView shifted = shifted_view(view, shift);
+      if (Model::list(shifted, candidate_skin(view, velocities, pass_.dt), distance_, lists)) return true;
+    }
+    return false;
+  }
+
   /// The forces of a pair whose features are found.
   void conclude(std::int32_t k, const PairView& view, const PairVelocities& velocities, double moved, CandidateLists& lists, BodyPair& pair,
                 PairResult& result, IdlePair& idle) {
@@ -211,7 +288,7 @@ class PairEvaluation {
     if (!(lists.skin < 0 || moved > lists.skin)) return true;
     moved = 0;
     if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, lists)) return true;
-    pass_.intersecting.store(k);
+    if (!pass_.continues) pass_.intersecting.store(k);
     return false;
   }
 
@@ -294,10 +371,44 @@ class PairEvaluation {
     return fitted_;
   }
 
+  /// The same with the overlap from which it goes on along its tangent.
+  const PairLaw& limited_law_of(const PairView& view, const BodyPair& pair) {
+    fitted_ = law_of(view, pair);
+    fitted_.limit = pass_.stop_ratio * view.room;
+    return fitted_;
+  }
+
+  /// Of a pair that may be beyond its room: counts it, and notes how far it is to be moved out in the next step.
+  [[gnu::noinline]] void go_on(const PairView& view, const PairMotion& motion, const PairForce& force, const DeepEntry& deep,
+                               CandidateLists& lists, BodyPair& pair, const PairResult& result) {
+    if (!std::isfinite(force.largest_overlap)) too_deep_ = true;
+    if (!(force.largest_overlap <= kMostOverlap * std::min(view.radius_a, view.radius_b)))
+      pass_.through.store(static_cast<std::int32_t>(&pair - pass_.list.pairs().data()));
+    if (pass_.only_looks()) return;
+    DeepEntry next = deep;
+    if (pass_.friction_dt > 0) {
+      const bool is_beyond = !(result.overlap_ratio < pass_.stop_ratio);
+      if (is_beyond && counts_here(pair, pass_.p))
+        pass_.scratch.deep[thread_].push_back(
+            {pair.key, force.largest_overlap, force.largest_overlap - pass_.stop_ratio * view.room, view.a.x, !deep.passed});
+      next.passed = is_beyond || (deep.passed && result.overlap_ratio > kForgetRatio);
+      if (view.has_mesh()) {
+        const Vec3 shift = next_shift(view, motion, features_.list, shift_, pass_.friction_dt);
+        if (has_other_shift_ || !(shift == shift_)) {
+          next.shift = transpose_times(view.pose.rotation, shift);
+          lists.skin = -1;
+        }
+      }
+    }
+    set_deep_entry(pair.state.springs, next);
+  }
+
   /// The force of the features that were found, and the pair's result.
-  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, const CandidateLists& lists, BodyPair& pair,
+  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair,
                                   PairResult& result) {
-    const PairLaw& law = law_of(view, pair);
+    DeepEntry deep;
+    if (pass_.continues) deep = deep_entry_of(pair.state.springs);
+    const PairLaw& law = pass_.continues ? limited_law_of(view, pair) : law_of(view, pair);
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
     if (pass_.scene.law_choice().needs_radius) motion.radius = radius_of(view, law);
@@ -333,7 +444,10 @@ class PairEvaluation {
     result.surface_power = f.surface_power;
     result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
-    if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
+    if (pass_.continues)
+      go_on(view, motion, f, deep, lists, pair, result);
+    else if (!(result.overlap_ratio < pass_.stop_ratio))
+      too_deep_ = true;  // or not a number
     if (is_mapped) map_loads(view, motion, a_to_world, lists, pair);
     if (is_recorded) record_impact(view, motion, f, a_to_world, pair);
     if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
@@ -367,7 +481,9 @@ class PairEvaluation {
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
   SurfaceBeneath surface_;
-  PairLaw fitted_;  // to the room of a pair
+  PairLaw fitted_;                // to the room of a pair
+  Vec3 shift_;                    // of A in the pair that is concluded (contact/overlap_limit.hpp), frame of A
+  bool has_other_shift_ = false;  // than the one that the pair keeps
   double largest_overlap_ = 0;
   bool too_deep_ = false;
 };

@@ -24,8 +24,9 @@ struct PairPass {
   double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
   bool has_impacts;         ///< impacts and losses are recorded
   bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
+  bool continues;           ///< beyond that ratio pairs go on (contact/overlap_limit.hpp)
   bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
-  std::atomic<std::int32_t> intersecting{-1}, passing{-1};
+  std::atomic<std::int32_t> intersecting{-1}, passing{-1}, through{-1};
 
   bool only_looks() const { return out != nullptr || look != nullptr || at_rest; }
   /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.

@@ -76,10 +76,11 @@ std::string squeezed_between_walls(const PairPass& pass, std::int32_t k) {
   return fmt::format(
       "{} squeezed between wall '{}', which moves, and wall '{}'{}: they are {} apart there, and {} measures {} (the ball of its volume). "
       "No stiffness holds against a wall that is driven: leave a gap that bodies fit through, or that is closed to them; or move the "
-      "wall by a torque or a force (motor, servo), which stops",
+      "wall by a torque or a force (motor, servo), which stops{}",
       two ? "they are" : "it is", scene.walls[at(wall_of(*driven))].name, scene.walls[at(wall_of(*other))].name,
       moves(*other) ? ", which moves too" : "", format_quantity(room, Dimension::length), two ? "the first" : "the body",
-      format_quantity(size_of(pressed.a), Dimension::length));
+      format_quantity(size_of(pressed.a), Dimension::length),
+      pass.continues ? "" : "; or set contact.on_overlap = \"continue\", with a doubtful result");
 }
 
 }  // namespace scree

@@ -224,6 +224,12 @@ std::int64_t contact_count(const RunState& s) {
   return s.comm.sum(count);
 }
 
+std::int64_t deep_pair_count(const RunState& s) {
+  std::int64_t count = 0;
+  for_each_contact(s, [&](const BodyPair&, const PairResult& r) { count += r.overlap_ratio < kStopOverlapRatio ? 0 : 1; });
+  return s.comm.sum(count);
+}
+
 std::int64_t holding_bond_count(const RunState& s) {
   if (!s.bonds) return 0;
   const std::vector<std::int64_t> broken_at = all_broken_at(s);
@@ -268,6 +274,7 @@ RunTotals overall_totals(const RunState& s) {
   totals.outlets = over_ranks(s.comm.get(), s.totals.outlets);
   add_over_ranks(s.comm.get(), totals.loads);
   add_over_ranks(s.comm.get(), totals.impacts);
+  if (s.scene.continues()) totals.deep = over_ranks(s.comm.get(), s.totals.deep);
   totals.level = s.clock.level;
   if (s.sleep) totals.slept = slept_energy(s);
   if (s.bonds) {

@@ -73,6 +73,28 @@ nlohmann::json worn_walls(const RunState& s, const std::string& folder, const nl
   return walls;
 }
 
+/// Contacts deeper than their room, which the run went on with.
+nlohmann::json deep_json(const RunState& s, const DeepTotals& t, const Vec3& origin) {
+  const double step = s.clock.size.step;
+  nlohmann::json j{{"contacts", t.contacts}, {"contact_steps", t.contact_steps}};
+  if (t.contact_steps == 0) return j;
+  j["first"] = static_cast<double>(t.first_step) * step;
+  j["last"] = static_cast<double>(t.last_step) * step;
+  const Vec3 place = t.place + origin;
+  nlohmann::json deepest{{"overlap", t.overlap},
+                         {"excess", t.excess},
+                         {"time", static_cast<double>(t.step) * step},
+                         {"place", {place.x, place.y, place.z}},
+                         {"body", t.key.a}};
+  if (t.key.zone < 0)
+    deepest["other_body"] = t.key.b;
+  else
+    deepest["wall"] = s.scene.source().walls[static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(t.key.zone)].wall)].name;
+  j["deepest"] = std::move(deepest);
+  j["text"] = text_of(s.scene, t, step);
+  return j;
+}
+
 /// What was measured while it ran.
 void add_measures(nlohmann::json& run, const RunRecord& record) {
   run["wall_seconds"] = record.wall_seconds;
@@ -95,6 +117,8 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
   const RemovedTotals arrived = arrived_totals(simulation.state());
   const std::int64_t bodies = body_count(simulation.state()), outside = bodies_outside(simulation.state());
   const std::int64_t free = free_body_count(simulation.state());
+  const bool continues = simulation.state().scene.continues();
+  const DeepTotals deep = continues ? over_ranks(comm.get(), simulation.state().totals.deep) : DeepTotals{};
   const std::vector<RankMeasures> ranks = gather_measures(comm, rank_measures(simulation));
   mpi::on_root(comm, [&] {
     nlohmann::json run;
@@ -128,6 +152,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     }
     for (std::size_t k = 0; k < loaded.scene.inlets.size(); ++k)
       run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
+    if (continues) run["deep_contacts"] = deep_json(simulation.state(), deep, loaded.origin);
     if (nlohmann::json drives = drives_json(simulation.state()); !drives.empty()) run["drives"] = std::move(drives);
     if (simulation.state().scene.worn_vertices() > 0) run["wear"] = worn_walls(simulation.state(), options.run_folder, provenance);
     run["lost_bodies"] = static_cast<std::int64_t>(loaded.scene.bodies.size()) + static_cast<std::int64_t>(arrived.count) - bodies -

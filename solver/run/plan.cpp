@@ -8,6 +8,8 @@
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
+#include "core/storage/contact_limits.hpp"
+#include "solver/contact/overlap_limit.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/run/run.hpp"
 #include "solver/step/wall_wear.hpp"
@@ -109,6 +111,14 @@ void Plan::add_contact() {
     else
       out("weights by density", "no two vertices lie so close that they carry as one");
   }
+  if (scene_.continues())
+    in("contacts beyond their room",
+       fmt::format(
+           "on_overlap = \"continue\": from {:g} of the room on along the tangent of the law, up to {:g} times the bounding radius of "
+           "the smaller body; they are counted, and the result is doubtful",
+           kStopOverlapRatio, kMostOverlap));
+  else
+    out("contacts beyond their room", "on_overlap = \"stop\": they end the run");
   if (scene_.has_damping())
     in("damping", "restitution below 1 for some pair");
   else

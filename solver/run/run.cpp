@@ -121,6 +121,7 @@ class Run {
   void keep_invalid_state(const Error& error);
   int finish();
   RunRecord record_so_far() const;
+  DeepTotals deep_of_all() const;
   void write_outcome(const Outcome& outcome);
   void show_progress();
   template <class Action>
@@ -137,7 +138,8 @@ class Run {
   bool is_restart_;
   RunRecord before_;
   RestWatch rest_;
-  bool is_empty_ = false;  // only where the run ends then: no body is left that is free to move
+  bool deep_is_told_ = false;  // the first contacts deeper than their room
+  bool is_empty_ = false;      // only where the run ends then: no body is left that is free to move
   Schedule schedule_;
   Writers writers_;
   Guard guard_;
@@ -248,6 +250,10 @@ void Run::write_row() {
                           "log.csv; the run ends when their energy grows",
                           simulation_.state().clock.dt));
   }
+  if (is_root() && row.deep.contact_steps > 0 && !deep_is_told_) {
+    deep_is_told_ = true;
+    warn_once("scree-solver", "so far " + text_of(simulation_.state().scene, row.deep, simulation_.state().clock.size.step));
+  }
   if (is_root()) cores_.tell_once();
   guard_.check(simulation_, row.energy_error);
 }
@@ -262,6 +268,10 @@ LogRow Run::take_row() {
   row.imbalance = simulation_.decomposition().take_imbalance();
   row.contacts = contact_count(simulation_.state());
   if (simulation_.state().sleep) row.asleep = asleep_count(simulation_.state());
+  if (simulation_.state().scene.continues()) {
+    row.deep_now = deep_pair_count(simulation_.state());
+    row.deep = deep_of_all();
+  }
   row.bonds = holding_bond_count(simulation_.state());
   row.loads = wall_loads_of(simulation_.state());
   row.walls = simulation_.state().walls;
@@ -318,7 +328,10 @@ int Run::finish() {
                              : loaded_.scene.outlets.empty()                                    ? "no body is left: all left the domain"
                                                                                                 : "no body is left: all left the run";
   write_outcome({"completed", nobody, 0});
+  const DeepTotals deep = deep_of_all();
   if (!is_root()) return 0;
+  if (deep.contact_steps > 0)
+    std::fprintf(stderr, "scree-solver: %s\n", text_of(simulation_.state().scene, deep, simulation_.state().clock.size.step).c_str());
   cores_.tell_once();
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
@@ -327,6 +340,12 @@ int Run::finish() {
                                 simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,
                                 record.energy_error / std::max(record.energy_scale(), 1e-300)));
   return 0;
+}
+
+/// Contacts deeper than their room since the start.
+DeepTotals Run::deep_of_all() const {
+  if (!simulation_.state().scene.continues()) return {};
+  return over_ranks(comm_.get(), simulation_.state().totals.deep);
 }
 
 /// Rows so far, and the sums of the parts before this one with those of this one.

@@ -72,6 +72,11 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
     columns.push_back({"asleep", "-", fmt::format("{}", row.asleep)});
     columns.push_back({"slept", "J", exact(e.slept)});
   }
+  if (scene.settings.on_overlap == OnOverlap::proceed) {
+    columns.push_back({"deep_contacts", "-", fmt::format("{}", row.deep_now)});
+    columns.push_back({"deep_contact_steps", "-", fmt::format("{}", row.deep.contact_steps)});
+    columns.push_back({"deepest_excess", "m", exact(row.deep.excess)});
+  }
   columns.push_back({"critical_step", "s", fmt::format("{:.6g}", row.critical.step)});
   columns.push_back({"state_hash", "-", row.state_hash});
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {

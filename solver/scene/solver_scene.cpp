@@ -95,6 +95,7 @@ SolverScene::SolverScene(const Scene& scene)
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
+  check_on_overlap();
   prepare_weights();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const auto who = [&] { return fmt::format("body {}", bodies.id[b]); };
@@ -314,6 +315,17 @@ void SolverScene::prepare_barrier() {
   }
 }
 
+void SolverScene::check_on_overlap() const {
+  const Settings& settings = scene_->settings;
+  if (!continues()) return;
+  if (settings.gather != Gathering::potential)
+    throw UsageError("contact.on_overlap = \"continue\" goes with contact.gather = \"potential\" only");
+  if (settings.barrier > 0)
+    throw UsageError("contact.on_overlap = \"continue\" does not go with contact.barrier, which lets no surfaces meet");
+  if (std::none_of(scene_->walls.begin(), scene_->walls.end(), [](const Wall& w) { return w.motion.moves(); }))
+    throw UsageError("contact.on_overlap = \"continue\" is for what a wall that moves presses on, and no wall of this scene moves");
+}
+
 double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const {
   const PairLaw& as_made = law(pair.a, pair.b);
   double stiffness = make_pair_law(pair, extremes).step_stiffness;
@@ -356,6 +368,7 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes&
                        margins_by_size() && extremes.least_ball < BodyExtremes::kNone ? 0 : largest_room_,
                        least_room_,
                        scene_->settings.step > 0,
+                       continues(),
                        [&] { return largest_impact(pair, extremes); }};
   with_law(scene_->settings, [&]<class Entry, class Normal>() {
     Normal::prepare(input, law);

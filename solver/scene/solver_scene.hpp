@@ -71,6 +71,8 @@ class SolverScene {
   const std::vector<Region>& outlets() const { return outlets_; }
   /// Whether touch begins where surfaces were drawn, with margins that go with the size of bodies (core/surface/touch_surface.hpp).
   bool margins_by_size() const { return scene_->settings.surface == TouchAt::drawn; }
+  /// Whether contacts go on beyond their room (contact/overlap_limit.hpp).
+  bool continues() const { return scene_->settings.on_overlap == OnOverlap::proceed; }
   double margin() const { return margin_; }  ///< of each body [m]; 0 where margins go with size
   /// What the scene's law or attraction reaches beyond the margins [m].
   double reach() const { return reach_; }
@@ -146,6 +148,7 @@ class SolverScene {
   void include_inlets();
   void prepare_laws();
   void prepare_barrier();
+  void check_on_overlap() const;
   void prepare_weights();
   void check_necks() const;
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;

@@ -80,6 +80,10 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
       s.totals.walls.dissipated.add(released);
       released = {};
     }
+    for (std::vector<DeepContact>& of_thread : scratch_.deep) {
+      for (const DeepContact& contact : of_thread) s.totals.deep.add(contact, s.clock.step);
+      of_thread.clear();
+    }
     for (std::vector<LoadEntry>& of_thread : scratch_.loads) {
       s.loads.insert(s.loads.end(), of_thread.begin(), of_thread.end());
       of_thread.clear();

@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/storage/wall_state.hpp"
 #include "solver/ranks/exact_sum.hpp"
+#include "solver/pairs/deep_contacts.hpp"
 #include "solver/step/impacts.hpp"
 #include "solver/step/inlet_state.hpp"
 #include "solver/step/load_map.hpp"
@@ -57,6 +58,7 @@ struct RunTotals {
   std::vector<OutletTotals> outlets;
   std::vector<InletState> inlets;  ///< the same on every rank
   LoadMap loads;                   ///< of the walls that have one
+  DeepTotals deep;                 ///< contacts deeper than their room, where a run goes on with them
   ImpactTotals impacts;            ///< where they are recorded
   WearState wear;                  ///< the same on every rank; empty where no wall wears
   std::vector<DriveState> drives;  ///< of each wall, the same on every rank; empty where none answers to force

@@ -1483,6 +1483,15 @@ def stiffness_by_size(d):
 
 
 @feature
+def on_overlap(d):
+    """Whether runs go on beyond the room of a contact, where a wall moves. From numbers of its own, as surfaces."""
+    own = random_numbers.Random(f"on overlap {d.case.note}")
+    table = d.words.get("contact", {})
+    if d.gather == "potential" and "barrier" not in table and any("motion" in wall for wall in d.case.walls) and own.random() < 0.4:
+        d.words.setdefault("contact", {})["on_overlap"] = own.choices(["continue", "stop"], [3, 1])[0]
+
+
+@feature
 def sleep(d):
     """From numbers of its own, as surfaces. Mostly in cases that lose their motion, and last until bodies have slept for a while."""
     own = random_numbers.Random(f"sleep {d.case.note}")
