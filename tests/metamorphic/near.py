@@ -234,7 +234,7 @@ def split_faces(trial):
 
 def moved_in_partly(case, scene):
     """Names of body meshes with flat faces that are not convex and with margins of more than a quarter of the width of a limb: how such faces are split
-    changes how far they are moved inwards (docs/decisions/022), which is known."""
+    changes how far they are moved inwards (docs/develop/decisions/022), which is known."""
     found = set()
     if scene.general.get("surface", "outside") != "drawn":
         return found
