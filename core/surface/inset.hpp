@@ -27,7 +27,8 @@ struct Inset {
 };
 
 /// in   mesh   closed, outward; what it crosses itself with stays where it is drawn     in   margin   [m], > 0
-/// Fails: never.   Cost: a check for crossings for each round of reductions, O(T log T); one where nothing is thin.
+/// Fails: never.   Cost: a check for crossings for each round of reductions, O(T log T); one where nothing is thin. And vertices times
+/// triangles of each face that has other triangles: half a second for one of 10 000.
 Inset inset(const TriangleMesh& mesh, double margin);
 
 /// How far the surface at `margin` around an inset mesh is from the one that was drawn: mean over the area, and largest [m].

@@ -259,6 +259,30 @@ TEST(Inset, of_faces_that_are_not_convex_does_not_depend_on_how_they_are_split) 
   EXPECT_GT(anew, 30);
 }
 
+// Where a triangle inside a face is so flat that mean value weights are infinite, weights are equal.
+TEST(Inset, of_a_face_with_a_needle_inside_is_the_smaller_box) {
+  TriangleMesh drawn = box_mesh({1, 1, 1});
+  const auto top = std::find_if(drawn.triangles.begin(), drawn.triangles.end(), [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](std::int32_t v) { return drawn.vertices[static_cast<std::size_t>(v)].z > 0; });
+  });
+  ASSERT_NE(top, drawn.triangles.end());
+  const std::size_t k =
+      length(drawn.vertices[static_cast<std::size_t>((*top)[1])] - drawn.vertices[static_cast<std::size_t>((*top)[0])]) > 1.1
+          ? 0
+          : (length(drawn.vertices[static_cast<std::size_t>((*top)[2])] - drawn.vertices[static_cast<std::size_t>((*top)[1])]) > 1.1 ? 1
+                                                                                                                                     : 2);
+  const std::int32_t a = (*top)[k], b = (*top)[(k + 1) % 3], c = (*top)[(k + 2) % 3], inside = drawn.vertex_count();
+  const Vec3& corner = drawn.vertices[static_cast<std::size_t>(c)];
+  drawn.vertices.push_back({1e-10 * corner.x, 1e-10 * corner.y, corner.z});  // off the diagonal from a to b
+  *top = {a, b, inside};
+  drawn.triangles.push_back({b, c, inside});
+  drawn.triangles.push_back({c, a, inside});
+  const TriangleMesh moved = inset(drawn, .1).mesh;
+  for (std::size_t v = 0; v < 8; ++v)
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(moved.vertices[v][i], std::copysign(.4, drawn.vertices[v][i]), 1e-12);
+  EXPECT_LT(length(moved.vertices[8] - Vec3{0, 0, .4}), .5);
+}
+
 TEST(Inset, of_smooth_bodies_touches_where_they_are_drawn) {
   for (const int level : {2, 3, 4}) {
     const TriangleMesh drawn = test::icosphere(level);
