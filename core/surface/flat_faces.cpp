@@ -34,8 +34,50 @@ FlatFaces::FlatFaces(const TriangleMesh& mesh)
     make_unique(corners);
     if (corners.size() > 3) rigid_faces_.push_back(corners);
   }
+  find_outlines(mesh);
   find_edges(mesh);
   find_insides(mesh);
+}
+
+void FlatFaces::find_outlines(const TriangleMesh& mesh) {
+  std::vector<std::int32_t> of_face(face_corners_.size(), -1);
+  std::int32_t count = 0;
+  for (std::size_t f = 0; f < face_corners_.size(); ++f)
+    if (face_corners_[f].size() > 3) of_face[f] = count++;
+  outlines_.resize(static_cast<std::size_t>(count));
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    if (of_face[face(t)] < 0) continue;
+    FaceOutline& outline = outlines_[static_cast<std::size_t>(of_face[face(t)])];
+    const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
+    outline.normal += cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+    outline.triangles.push_back(t);
+    outline.vertices.insert(outline.vertices.end(), corners.begin(), corners.end());
+    for (std::size_t k = 0; k < 3; ++k)
+      if (features_.edge_kind(static_cast<std::size_t>(t), k) != EdgeKind::flat)
+        outline.sides.push_back({corners[k], corners[(k + 1) % 3]});
+  }
+  for (FaceOutline& outline : outlines_) {
+    const double doubled = length(outline.normal);
+    outline.area = 0.5 * doubled;
+    if (doubled > 0) outline.normal = normalised(outline.normal);
+    make_unique(outline.vertices);
+    std::sort(outline.sides.begin(), outline.sides.end());
+    // straight edges: on from sides that begin at corners
+    for (const auto& [from, second] : outline.sides) {
+      if (!is_corner(from)) continue;
+      std::int32_t to = second;
+      for (std::size_t step = 0; !is_corner(to) && step < outline.sides.size(); ++step) {
+        const auto next = std::lower_bound(outline.sides.begin(), outline.sides.end(), std::array{to, 0});
+        if (next == outline.sides.end() || (*next)[0] != to) break;  // winding is not the same everywhere
+        to = (*next)[1];
+      }
+      outline.edges.push_back({from, to});
+    }
+    for (auto* pairs : {&outline.sides, &outline.edges})
+      for (auto& pair : *pairs)
+        for (std::int32_t& v : pair)
+          v = static_cast<std::int32_t>(std::lower_bound(outline.vertices.begin(), outline.vertices.end(), v) - outline.vertices.begin());
+  }
 }
 
 void FlatFaces::find_edges(const TriangleMesh& mesh) {
@@ -94,35 +136,40 @@ void FlatFaces::find_insides(const TriangleMesh& mesh) {
     const auto place = [](const std::vector<std::int32_t>& in, std::int32_t v) {
       return static_cast<Eigen::Index>(std::lower_bound(in.begin(), in.end(), v) - in.begin());
     };
-    // row of v: sum over its neighbours w_vj (x_v - x_j) = 0, each w from the two triangles at v j
-    std::vector<Eigen::Triplet<double>> sought, known;
-    for (const std::int32_t t : triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
-        const std::int32_t v = corners[k];
-        if (!is_inside[static_cast<std::size_t>(v)]) continue;
-        const Vec3& from = mesh.vertices[static_cast<std::size_t>(v)];
-        const std::int32_t ends[2] = {corners[(k + 1) % 3], corners[(k + 2) % 3]};
-        const Vec3 ways[2] = {mesh.vertices[static_cast<std::size_t>(ends[0])] - from,
-                              mesh.vertices[static_cast<std::size_t>(ends[1])] - from};
-        const double tangent = half_tangent(ways[0], ways[1]);
-        const Eigen::Index row = place(inside.vertices, v);
-        for (int e = 0; e < 2; ++e) {
-          const double weight = tangent / length(ways[e]);
-          sought.emplace_back(row, row, weight);
-          if (is_inside[static_cast<std::size_t>(ends[e])])
-            sought.emplace_back(row, place(inside.vertices, ends[e]), -weight);
-          else
-            known.emplace_back(row, place(inside.around, ends[e]), weight);
+    // row of v: sum over its neighbours w_vj (x_v - x_j) = 0, each w from the two triangles at v j; equal ones where a triangle has no area
+    const auto factorise = [&](bool has_mean_values) {
+      std::vector<Eigen::Triplet<double>> sought, known;
+      for (const std::int32_t t : triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Triangle& corners = mesh.triangles[static_cast<std::size_t>(t)];
+          const std::int32_t v = corners[k];
+          if (!is_inside[static_cast<std::size_t>(v)]) continue;
+          const Vec3& from = mesh.vertices[static_cast<std::size_t>(v)];
+          const std::int32_t ends[2] = {corners[(k + 1) % 3], corners[(k + 2) % 3]};
+          const Vec3 ways[2] = {mesh.vertices[static_cast<std::size_t>(ends[0])] - from,
+                                mesh.vertices[static_cast<std::size_t>(ends[1])] - from};
+          const double tangent = half_tangent(ways[0], ways[1]);
+          const Eigen::Index row = place(inside.vertices, v);
+          for (int e = 0; e < 2; ++e) {
+            const double weight = has_mean_values ? tangent / length(ways[e]) : 1;
+            if (!std::isfinite(weight)) return false;
+            sought.emplace_back(row, row, weight);
+            if (is_inside[static_cast<std::size_t>(ends[e])])
+              sought.emplace_back(row, place(inside.vertices, ends[e]), -weight);
+            else
+              known.emplace_back(row, place(inside.around, ends[e]), weight);
+          }
         }
       }
-    }
-    const auto size = static_cast<Eigen::Index>(inside.vertices.size());
-    Eigen::SparseMatrix<double> matrix(size, size);
-    matrix.setFromTriplets(sought.begin(), sought.end());
-    inside.weights.resize(size, static_cast<Eigen::Index>(inside.around.size()));
-    inside.weights.setFromTriplets(known.begin(), known.end());
-    inside.sought.compute(matrix);
+      const auto size = static_cast<Eigen::Index>(inside.vertices.size());
+      Eigen::SparseMatrix<double> matrix(size, size);
+      matrix.setFromTriplets(sought.begin(), sought.end());
+      inside.weights.resize(size, static_cast<Eigen::Index>(inside.around.size()));
+      inside.weights.setFromTriplets(known.begin(), known.end());
+      inside.sought.compute(matrix);
+      return inside.sought.info() == Eigen::Success;
+    };
+    if (!factorise(true) && !factorise(false)) continue;
     insides_.push_back(found);
   }
 }

@@ -22,12 +22,19 @@ namespace {
 constexpr double kLeastSingular = 1e-3;
 /// A triangle has turned over when its normal has gone further than 60 degrees, or nothing is left of its area.
 constexpr double kLeastCosine = 0.5, kLeastArea = 1e-3;
+/// What a way longer by this share would turn over counts as turned: parts of a face that just meet have one answer, however rounded.
+constexpr double kBeyond = 1e-3;
 constexpr double kReducedByTurn = 0.6, kReducedByCrossing = 0.5;
 constexpr double kLeastShare = 1e-2;  // below, a vertex stays where it is
 constexpr int kMostRounds = 200;
 
+Vec3 doubled_normal(const std::vector<Vec3>& vertices, const Triangle& t) {
+  const Vec3& first = vertices[static_cast<std::size_t>(t[0])];
+  return cross(vertices[static_cast<std::size_t>(t[1])] - first, vertices[static_cast<std::size_t>(t[2])] - first);
+}
+
 Vec3 doubled_normal(const TriangleMesh& mesh, std::int32_t t) {
-  return cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0));
+  return doubled_normal(mesh.vertices, mesh.triangles[static_cast<std::size_t>(t)]);
 }
 
 /// The shortest way that takes all planes of these normals back by `margin`, as nearly as can be.
@@ -274,7 +281,7 @@ class Shares {
           ways_ = std::move(*joined);
           move();
           if (!is_wrong()) return {std::move(moved_), share_};
-          if (!joiner.join_at(turned_triangles())) break;
+          if (!joiner.join_at(turned_faces())) break;
         }
         ways_ = plain;
       }
@@ -300,6 +307,7 @@ class Shares {
       way[static_cast<std::size_t>(c)] = share_[static_cast<std::size_t>(c)] * ways_[static_cast<std::size_t>(c)];
     faces_.spread(way);
     for (std::size_t v = 0; v < share_.size(); ++v) moved_.vertices[v] = mesh_.vertices[v] + way[v];
+    if (std::exchange(is_split_anew_, false)) moved_.triangles = mesh_.triangles;
   }
 
   std::vector<double> of_all_vertices() const {
@@ -321,19 +329,63 @@ class Shares {
     for (const std::int32_t v : faces_.corners_of_face(t)) factor[static_cast<std::size_t>(v)] = by;
   }
 
-  std::vector<std::int32_t> turned_triangles() const {
-    std::vector<std::int32_t> turned;
-    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
-      const Vec3 before = doubled_normal(mesh_, t), now = doubled_normal(moved_, t);
-      const double area_before = length(before), area = length(now);
-      if (!(area_before > 0) || !moves(t)) continue;
-      if (dot(before, now) < kLeastCosine * area_before * area || area < kLeastArea * area_before) turned.push_back(t);
+  bool is_turned(std::int32_t t) const {
+    const Vec3 before = doubled_normal(mesh_, t), now = doubled_normal(moved_.vertices, mesh_.triangles[static_cast<std::size_t>(t)]);
+    const double area_before = length(before), area = length(now);
+    if (!(area_before > 0) || !moves(t)) return false;
+    return dot(before, now) < kLeastCosine * area_before * area || area < kLeastArea * area_before;
+  }
+
+  /// Where the vertices of a face are when they go this share of their ways.
+  std::vector<Vec3> places(const FaceOutline& outline, double share) const {
+    std::vector<Vec3> found;
+    for (const std::int32_t v : outline.vertices) {
+      const Vec3 &drawn = mesh_.vertices[static_cast<std::size_t>(v)], &moved = moved_.vertices[static_cast<std::size_t>(v)];
+      found.push_back(share == 1 ? moved : drawn + share * (moved - drawn));
     }
+    return found;
+  }
+
+  /// Gives a face other triangles. Returns false where there are none.
+  bool split_anew(const FaceOutline& outline) {
+    std::vector<Vec3> at = places(outline, 1);
+    const std::vector<Triangle> found = triangles_between(outline, at);
+    if (found.empty()) return false;
+    is_split_anew_ = true;
+    for (std::size_t i = 0; i < at.size(); ++i) moved_.vertices[static_cast<std::size_t>(outline.vertices[i])] = at[i];
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Vec3 now = doubled_normal(moved_.vertices, found[i]);
+      if (dot(outline.normal, now) < kLeastCosine * length(now)) return false;
+      moved_.triangles[static_cast<std::size_t>(outline.triangles[i])] = found[i];
+    }
+    return true;
+  }
+
+  /// One triangle of each face that has turned over, or of which nothing is left. Of a face of more than three corners the outline says so;
+  /// where it is sound and the triangles that it was drawn with are not, it has others from now on.
+  std::vector<std::int32_t> turned_faces() {
+    std::vector<char> has_turned(faces_.face_count(), 0);
+    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+      char& has = has_turned[faces_.face(t)];
+      has = has != 0 || is_turned(t);
+    }
+    for (const FaceOutline& outline : faces_.outlines()) {
+      const std::int32_t first = outline.triangles.front();
+      if (!(outline.area > 0) || !moves(first)) continue;
+      char& has = has_turned[faces_.face(first)];
+      if (!is_sound(outline, places(outline, 1 + kBeyond), kLeastArea * outline.area))
+        has = 1;
+      else if (has != 0)
+        has = !split_anew(outline);
+    }
+    std::vector<std::int32_t> turned;
+    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t)
+      if (std::exchange(has_turned[faces_.face(t)], 0) != 0) turned.push_back(t);
     return turned;
   }
 
-  bool reduce_turned(std::vector<double>& factor) const {
-    const std::vector<std::int32_t> turned = turned_triangles();
+  bool reduce_turned(std::vector<double>& factor) {
+    const std::vector<std::int32_t> turned = turned_faces();
     for (const std::int32_t t : turned) reduce(t, kReducedByTurn, factor);
     return !turned.empty();
   }
@@ -378,7 +430,7 @@ class Shares {
     }
   }
 
-  bool is_wrong() const {
+  bool is_wrong() {
     std::vector<double> factor(share_.size(), 1.0);
     return reduce_turned(factor) || reduce_crossing(factor);
   }
@@ -389,6 +441,7 @@ class Shares {
   std::vector<Vec3> ways_;
   std::vector<double> share_;  ///< of corners; 1 of other vertices
   TriangleMesh moved_;
+  bool is_split_anew_ = false;  ///< faces of it
 };
 
 }  // namespace

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
+#include <string>
 
+#include "core/geometry/features.hpp"
 #include "core/placing/placed_body.hpp"
 #include "core/surface/flat_faces.hpp"
 #include "core/surface/inset.hpp"
@@ -157,6 +160,127 @@ TEST(Inset, moves_both_sides_of_a_concave_corner_by_the_margin) {
     const Vec3 n = normalised(area_of(drawn, t));
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(dot(n, moved.corner(t, k) - drawn.corner(t, k)), -margin, 1e-14);
   }
+}
+
+/// A prism over the cells of a plane grid that are marked by an x, the diagonals of whose squares are drawn by lot.
+TriangleMesh prism_of_cells(const std::vector<std::string>& cells, const std::vector<double>& x, const std::vector<double>& y,
+                            double height, unsigned seed) {
+  std::mt19937 random(seed);
+  TriangleMesh mesh;
+  std::map<std::array<std::size_t, 3>, std::int32_t> index;
+  const auto vertex = [&](std::size_t i, std::size_t j, std::size_t top) {
+    const auto [it, inserted] = index.try_emplace({i, j, top}, mesh.vertex_count());
+    if (inserted) mesh.vertices.push_back({x[i], y[j], top * height});
+    return it->second;
+  };
+  const auto quad = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+    if (random() % 2 == 0)
+      mesh.triangles.insert(mesh.triangles.end(), {Triangle{a, b, c}, Triangle{a, c, d}});
+    else
+      mesh.triangles.insert(mesh.triangles.end(), {Triangle{b, c, d}, Triangle{b, d, a}});
+  };
+  const auto is_full = [&](std::size_t i, std::size_t j) { return j < cells.size() && i < cells[j].size() && cells[j][i] == 'x'; };
+  for (std::size_t j = 0; j < cells.size(); ++j) {
+    for (std::size_t i = 0; i < cells[j].size(); ++i) {
+      if (!is_full(i, j)) continue;
+      quad(vertex(i, j, 1), vertex(i + 1, j, 1), vertex(i + 1, j + 1, 1), vertex(i, j + 1, 1));
+      quad(vertex(i, j, 0), vertex(i, j + 1, 0), vertex(i + 1, j + 1, 0), vertex(i + 1, j, 0));
+      const auto side = [&](std::size_t i0, std::size_t j0, std::size_t i1, std::size_t j1) {
+        quad(vertex(i0, j0, 0), vertex(i1, j1, 0), vertex(i1, j1, 1), vertex(i0, j0, 1));
+      };
+      if (!is_full(i, j - 1)) side(i, j, i + 1, j);
+      if (!is_full(i + 1, j)) side(i + 1, j, i + 1, j + 1);
+      if (!is_full(i, j + 1)) side(i + 1, j + 1, i, j + 1);
+      if (!is_full(i - 1, j)) side(i, j + 1, i, j);
+    }
+  }
+  return mesh;
+}
+
+/// The same surface and vertices, with edges turned inside flat faces where both triangles stay fat.
+TriangleMesh turned_within_faces(TriangleMesh mesh, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto vertex = [&](std::int32_t v) { return mesh.vertices[static_cast<std::size_t>(v)]; };
+  for (Triangle& t : mesh.triangles) {
+    const std::size_t k = random() % 3;
+    const std::int32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+    const Vec3 n = normalised(cross(vertex(b) - vertex(a), vertex(c) - vertex(a)));
+    for (Triangle& other : mesh.triangles) {
+      for (std::size_t l = 0; l < 3; ++l) {
+        if (other[l] != b || other[(l + 1) % 3] != a) continue;
+        const std::int32_t d = other[(l + 2) % 3];
+        const Vec3 first = cross(vertex(a) - vertex(c), vertex(d) - vertex(c)),
+                   second = cross(vertex(d) - vertex(c), vertex(b) - vertex(c));
+        const double least = .01 * squared_length(vertex(d) - vertex(c));
+        if (std::abs(dot(n, vertex(d) - vertex(a))) > 1e-12 || dot(n, first) < least || dot(n, second) < least) continue;
+        t = {c, a, d};
+        other = {c, d, b};
+        l = 3;
+      }
+    }
+  }
+  return mesh;
+}
+
+// Profiles of a channel, an angle, a hook, a comb and a frame, with limbs of .2 to .3: triangles of such faces may turn over where the
+// face does not. The surface is the one that was asked for while limbs are wider than two margins, whatever the triangles.
+TEST(Inset, of_faces_that_are_not_convex_does_not_depend_on_how_they_are_split) {
+  const std::vector<double> limbs = {0, .2, .5, .7, 1, 1.3};
+  int anew = 0;
+  for (const std::vector<std::string>& cells : std::vector<std::vector<std::string>>{
+           {"xxx", "x.x", "x.x"}, {"xxxx", "x", "x"}, {"xxx", "x.x", "..x", "..x"}, {"xxxxx", "x.x.x", "x...x"}, {"xxx", "x.x", "xxx"}}) {
+    for (const double margin : {.02, .06, .098, .103, .12}) {
+      TriangleMesh drawn = prism_of_cells(cells, limbs, limbs, .5, 1);
+      const Quat turn = normalised(Quat{.9, .3, -.2, .4});
+      for (Vec3& p : drawn.vertices) p = rotate(turn, p);
+      const FlatFaces faces(drawn);
+      const Inset first = inset(drawn, margin);
+      for (unsigned seed = 0; seed < 6; ++seed) {
+        TriangleMesh other = prism_of_cells(cells, limbs, limbs, .5, seed);
+        for (Vec3& p : other.vertices) p = rotate(turn, p);
+        for (unsigned times = 0; times < seed; ++times)
+          other = turned_within_faces(times % 2 == 0 ? other : split(other, times), seed + times);
+        const Inset found = inset(other, margin);
+        anew += found.mesh.triangles != other.triangles;
+        ASSERT_EQ(found.mesh.triangle_count(), other.triangle_count());
+        for (const std::int32_t c : faces.corners()) {
+          const auto v = static_cast<std::size_t>(c);
+          EXPECT_EQ(found.share[v], first.share[v]) << cells[0] << ' ' << margin << ' ' << seed;
+          EXPECT_EQ(found.share[v] == 1, margin < .1) << cells[0] << ' ' << margin << ' ' << seed;
+          EXPECT_LT(length(found.mesh.vertices[v] - first.mesh.vertices[v]), 1e-12) << cells[0] << ' ' << margin << ' ' << seed;
+        }
+        // with the same corners and area, and nothing that crosses: the same surface
+        EXPECT_TRUE(find_crossing_pairs(found.mesh, CrossingAt::corners_too).empty()) << cells[0] << ' ' << margin << ' ' << seed;
+        EXPECT_NEAR(surface_area(found.mesh), surface_area(first.mesh), 1e-12) << cells[0] << ' ' << margin << ' ' << seed;
+        EXPECT_EQ(find_features(found.mesh).corners, faces.corners()) << cells[0] << ' ' << margin << ' ' << seed;
+      }
+    }
+  }
+  EXPECT_GT(anew, 30);
+}
+
+// Where a triangle inside a face is so flat that mean value weights are infinite, weights are equal.
+TEST(Inset, of_a_face_with_a_needle_inside_is_the_smaller_box) {
+  TriangleMesh drawn = box_mesh({1, 1, 1});
+  const auto top = std::find_if(drawn.triangles.begin(), drawn.triangles.end(), [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](std::int32_t v) { return drawn.vertices[static_cast<std::size_t>(v)].z > 0; });
+  });
+  ASSERT_NE(top, drawn.triangles.end());
+  const std::size_t k =
+      length(drawn.vertices[static_cast<std::size_t>((*top)[1])] - drawn.vertices[static_cast<std::size_t>((*top)[0])]) > 1.1
+          ? 0
+          : (length(drawn.vertices[static_cast<std::size_t>((*top)[2])] - drawn.vertices[static_cast<std::size_t>((*top)[1])]) > 1.1 ? 1
+                                                                                                                                     : 2);
+  const std::int32_t a = (*top)[k], b = (*top)[(k + 1) % 3], c = (*top)[(k + 2) % 3], inside = drawn.vertex_count();
+  const Vec3& corner = drawn.vertices[static_cast<std::size_t>(c)];
+  drawn.vertices.push_back({1e-10 * corner.x, 1e-10 * corner.y, corner.z});  // off the diagonal from a to b
+  *top = {a, b, inside};
+  drawn.triangles.push_back({b, c, inside});
+  drawn.triangles.push_back({c, a, inside});
+  const TriangleMesh moved = inset(drawn, .1).mesh;
+  for (std::size_t v = 0; v < 8; ++v)
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(moved.vertices[v][i], std::copysign(.4, drawn.vertices[v][i]), 1e-12);
+  EXPECT_LT(length(moved.vertices[8] - Vec3{0, 0, .4}), .5);
 }
 
 TEST(Inset, of_smooth_bodies_touches_where_they_are_drawn) {
