@@ -147,32 +147,6 @@ def body_samples(shape, scale, count=2000):
     return points, volume / max(1, len(points))
 
 
-def has_a_flat_face_that_is_not_convex(vertices, triangles):
-    """Whether triangles side by side in one plane have an outline with a corner that goes inwards, or a hole."""
-    vertices, triangles = numpy.asarray(vertices, float), numpy.asarray(triangles, int)
-    p, q, r = (vertices[triangles[:, k]] for k in range(3))
-    cross = numpy.cross(q - p, r - p)
-    twice = numpy.linalg.norm(cross, axis=1)
-    normals = cross / twice[:, None]
-    edges = {(int(t[k]), int(t[(k + 1) % 3])): i for i, t in enumerate(triangles) for k in range(3)}
-    left = set(range(len(triangles)))
-    while left:
-        face, front = [], [left.pop()]
-        while front:
-            i = front.pop()
-            face.append(i)
-            for k in range(3):
-                j = edges.get((int(triangles[i][(k + 1) % 3]), int(triangles[i][k])))
-                if j in left and normals[j] @ normals[face[0]] > 1 - 1e-9:
-                    left.discard(j)
-                    front.append(j)
-        across = numpy.linalg.svd(normals[face[0]][None])[2][1:]
-        hull = area_of_hull((vertices[numpy.unique(triangles[face])] @ across.T).tolist())
-        if twice[face].sum() / 2 < hull * (1 - 1e-6):
-            return True
-    return False
-
-
 def area_of_hull(points):
     """Of the smallest convex polygon around points of a plane."""
     points = sorted(map(tuple, points))

@@ -9,8 +9,6 @@ import random
 
 import numpy
 
-import solids
-from geometry import has_a_flat_face_that_is_not_convex
 from geometry import turned as turned_by
 from model import Mesh
 from relations import NotApplicable, Refused, Violation, relation, require
@@ -224,21 +222,12 @@ def split_faces(trial):
         raise NotApplicable("triangles are no more than a surface with gather = potential only")
     if any("wear" in wall for wall in case.walls):
         raise NotApplicable("a wall wears triangle by triangle")
-    partly = moved_in_partly(case, trial.frozen_scene)
-    if partly >= set(case.meshes):
-        raise NotApplicable("only bodies whose margins depend on how faces are split")
-    other = trial.solve_case(with_split_faces(case, trial.random, partly))
+    other = trial.solve_case(with_split_faces(case, trial.random))
     same_step(trial, other)
     near(trial, other, as_it_is, 0, "with split faces")
 
 
-def moved_in_partly(case, scene):
-    """Names of body meshes with flat faces that are not convex and with margins of more than a quarter of the width of a limb: how such faces are split
-    changes how far they are moved inwards (docs/develop/decisions/022), which is known."""
-    found = set()
-    if scene.general.get("surface", "outside") != "drawn":
-        return found
-    for shape in scene.shapes:
+for shape in scene.shapes:
         name = case.words["shapes"].get(shape["name"], {}).get("file", "@")[1:]
         if name not in case.meshes or not has_a_flat_face_that_is_not_convex(shape["vertices"], shape["triangles"]):
             continue

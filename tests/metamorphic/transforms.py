@@ -264,9 +264,9 @@ def split_mesh(mesh, random, share=0.4):
     return Mesh(vertices, triangles, mesh.surface)
 
 
-def with_split_faces(case, random, but=()):
+def with_split_faces(case, random):
     result = case.copy()
-    result.meshes = {name: mesh if name in but else split_mesh(mesh, random) for name, mesh in sorted(case.meshes.items())}
+    result.meshes = {name: split_mesh(mesh, random) for name, mesh in sorted(case.meshes.items())}
     return result
 
 
