@@ -80,7 +80,7 @@ Verdict judge_energy(const Run& run) {
 
 /// Contacts that the run went on with beyond their room; of a run that is not finished, from its log.
 std::optional<Verdict> judge_deep_contacts(const Run& run) {
-  const nlohmann::json record = run.outcome.contains("deep_contacts") ? run.outcome["deep_contacts"] : nlohmann::json::object();
+  const nlohmann::json record = run.outcome->contains("deep_contacts") ? (*run.outcome)["deep_contacts"] : nlohmann::json::object();
   const double steps = std::max(number_in(record, "contact_steps", 0), largest(run.log, "deep_contact_steps"));
   if (!(steps > 0)) return std::nullopt;
   const double excess = std::max(number_in(record.contains("deepest") ? record["deepest"] : nlohmann::json(), "excess", 0),
