@@ -216,6 +216,8 @@ def finer_steps_keep_energy(trial):
         off.append(numpy.abs(run.column("energy_error")).max())
     scale = max(run.column(name).max() for name in ("kinetic_translational", "elastic", "kinetic_rotational"))
     scale = max([scale, *(numpy.abs(run.column(name)).max() for name in ("wall_work", "removed", "inserted") if name in run.log)])
+    if scale == 0:
+        raise NotApplicable("nothing moves")
     rounding = 1e-8 * scale + 1e-12 * numpy.abs(run.column("potential")).max()
     require(off[1] <= 0.5 * off[0] + 5e-4 * scale + rounding,
             f"energy is off by {off[0] / scale:.3g} of what is in motion with {steps:g} steps a contact, by {off[1] / scale:.3g} with four times as many")
