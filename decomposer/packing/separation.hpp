@@ -20,10 +20,10 @@ class Separation {
 
   /// Way of `a` away from `b`, zero when they are apart.
   ///
-  /// How: two spheres along the line of centres; what is too close by less than margins, and balls whose centre is outside, along the common
-  /// normal at the nearest points, so that several faces part a body one after the other; what overlaps further in the direction with the
-  /// shortest way, of the line of centres, the axes of both bodies and those of the world, found by marching and bisection with exact
-  /// distances.   Cost: one distance, or for overlaps of meshes about 1000.
+  /// How: two spheres along the line of centres; what is too close by less than margins, and balls whose centre is outside, along the
+  /// common normal at the nearest points, so that several faces part a body one after the other; what overlaps further in the direction
+  /// with the shortest way, of the line of centres, the axes of both bodies and those of the world, found by marching and bisection with
+  /// exact distances.   Cost: one distance, or for overlaps of meshes about 1000.
   Vec3 from_body(const PlacedBody& a, const PlacedBody& b, const GapWanted& gap);
 
   /// Way of a body to the particles' side of a wall, zero when the wall allows the body where it is.

@@ -11,13 +11,13 @@
 #include "solver/built_with.hpp"
 #include "solver/contact/contact_models.hpp"
 #include "solver/contact/damping_share.hpp"
-#include "solver/contact/overlap_limit.hpp"
 #include "solver/features/pass_through.hpp"
-#include "solver/neighbours/prefetch.hpp"
 #include "solver/pairs/begun_pairs.hpp"
+#include "solver/pairs/deep_pairs.hpp"
 #include "solver/pairs/forces.hpp"
 #include "solver/pairs/mesh_evaluation.hpp"
 #include "solver/pairs/pair_pass.hpp"
+#include "solver/pairs/pairs_ahead.hpp"
 #include "solver/step/impacts.hpp"
 #include "solver/step/wall_loads.hpp"
 
@@ -48,48 +48,6 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt);
 /// Appends the contacts of a pair as they stand in frames.
 void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
                      const std::vector<ContactOutput>& outputs, FrameContacts& out);
-
-/// What a pair keeps lies in several places: asked for together and before they are needed.
-[[gnu::always_inline]] inline void prefetch_pair(const BodyPair& pair, const PairResult& result) {
-  prefetch<sizeof(CandidateLists)>(pair.lists.get());
-  prefetch<4 * sizeof(FrictionSpring)>(pair.state.springs.data());
-  prefetch<sizeof(PairResult)>(&result);
-}
-
-/// The same of what its lists hold.
-[[gnu::always_inline]] inline void prefetch_candidates(const CandidateLists& lists) {
-  prefetch<1>(lists.corners_a.data());  // the rest of a list follows by itself
-  prefetch<1>(lists.corners_b.data());
-  prefetch<1>(lists.edges.data());
-  prefetch<512>(lists.slacks.data());  // all are read at once
-}
-
-/// Walks ahead of a loop over pairs and asks for what those hold that are not idle. A bed of 600 rocks of 320 triangles is more than the
-/// inner caches hold.
-class PairsAhead {
- public:
-  /// in   which   of one thread: what others work on is not looked at
-  PairsAhead(PairList& list, std::span<const std::int32_t> which) : list_(list), which_(which) {}
-  /// Before each pair is evaluated.   in   n   its place in `which`
-  void advance(std::size_t n) {
-    next_ = std::max(next_, n + 1);
-    if (list_.idle()[static_cast<std::size_t>(which_[n])].way >= 0) return;
-    if (coming_ != nullptr && coming_->lists != nullptr) prefetch_candidates(*coming_->lists);
-    coming_ = nullptr;
-    for (; next_ < which_.size() && coming_ == nullptr; ++next_) {
-      const auto k = static_cast<std::size_t>(which_[next_]);
-      if (list_.idle()[k].way >= 0) continue;
-      coming_ = &list_.pairs()[k];
-      prefetch_pair(*coming_, list_.results()[k]);
-    }
-  }
-
- private:
-  PairList& list_;
-  std::span<const std::int32_t> which_;
-  std::size_t next_ = 0;
-  const BodyPair* coming_ = nullptr;  ///< the next pair that is not idle
-};
 
 /// Notes the overlap that a pair counts from, in the order of keys.
 void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
@@ -194,7 +152,7 @@ class PairEvaluation {
   /// A pair whose surfaces cross at the shift that it has, which may be none.
   [[gnu::noinline]] void evaluate_crossing(std::int32_t k, const PairView& view, const PairVelocities& velocities, Vec3 shift,
                                            CandidateLists& lists, BodyPair& pair, PairResult& result, IdlePair& idle) {
-    if (!list_shifted(view, velocities, lists, shift)) {
+    if (!list_shifted<Model>(view, velocities, candidate_skin(view, velocities, pass_.dt), distance_, lists, shift)) {
       lists.skin = -1;
       return pass_.intersecting.store(k);
     }
@@ -212,41 +170,14 @@ class PairEvaluation {
     take_shift_back(shift_, features_.list);
     share_among_cells(view, features_);
     if (features_.list.empty()) {
-      part_shifted(view, velocities, lists, pair);
+      if (!pass_.only_looks() && pass_.friction_dt > 0)
+        part_shifted<Model>(view, candidate_skin(view, velocities, pass_.dt), distance_, lists, pair.state);
     } else {
       MeshEvaluation* const lanes = std::exchange(lanes_, nullptr);
       conclude(k, view, velocities, moved, lists, pair, result, idle);
       lanes_ = lanes;
     }
     shift_ = {};
-  }
-
-  /// Such a pair that does not touch: its shift goes, unless the surfaces cross where the bodies are.
-  void part_shifted(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair) {
-    if (pass_.only_looks() || !(pass_.friction_dt > 0)) return;
-    DeepEntry left = deep_entry_of(pair.state.springs);
-    left.passed = false;
-    if (Model::list(view, candidate_skin(view, velocities, pass_.dt), distance_, lists)) left = {};
-    lists.skin = -1;
-    pair.state.keep_lasting();
-    set_deep_entry(pair.state.springs, left);
-  }
-
-  /// A shift of A, frame of A, at which the candidates of a pair whose surfaces cross can be listed: back on the way that it came.
-  /// Returns whether there is one.
-  bool list_shifted(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, Vec3& shift) {
-    Vec3 way = shift;
-    if (!(squared_length(way) > 0))
-      way = rotate_inverse(view.a.q, velocities.v_b + cross(velocities.w_b, view.a.x - view.b.x) - velocities.v_a);
-    const double most = kMostOverlap * std::min(view.radius_a, view.radius_b), size = length(way);
-    if (!(size > 0)) return false;
-    const double begin = length(shift);
-    for (double further = kShiftMore * view.room; begin + further < most; further *= 2) {
-      shift = ((begin + further) / size) * way;
-      const PairView shifted = shifted_view(view, shift);
-      if (Model::list(shifted, candidate_skin(view, velocities, pass_.dt), distance_, lists)) return true;
-    }
-    return false;
   }
 
   /// The forces of a pair whose features are found.
@@ -378,31 +309,6 @@ class PairEvaluation {
     return fitted_;
   }
 
-  /// Of a pair that may be beyond its room: counts it, and notes how far it is to be moved out in the next step.
-  [[gnu::noinline]] void go_on(const PairView& view, const PairMotion& motion, const PairForce& force, const DeepEntry& deep,
-                               CandidateLists& lists, BodyPair& pair, const PairResult& result) {
-    if (!std::isfinite(force.largest_overlap)) too_deep_ = true;
-    if (!(force.largest_overlap <= kMostOverlap * std::min(view.radius_a, view.radius_b)))
-      pass_.through.store(static_cast<std::int32_t>(&pair - pass_.list.pairs().data()));
-    if (pass_.only_looks()) return;
-    DeepEntry next = deep;
-    if (pass_.friction_dt > 0) {
-      const bool is_beyond = !(result.overlap_ratio < pass_.stop_ratio);
-      if (is_beyond && counts_here(pair, pass_.p))
-        pass_.scratch.deep[thread_].push_back(
-            {pair.key, force.largest_overlap, force.largest_overlap - pass_.stop_ratio * view.room, view.a.x, !deep.passed});
-      next.passed = is_beyond || (deep.passed && result.overlap_ratio > kForgetRatio);
-      if (view.has_mesh()) {
-        const Vec3 shift = next_shift(view, motion, features_.list, shift_, pass_.friction_dt);
-        if (has_other_shift_ || !(shift == shift_)) {
-          next.shift = transpose_times(view.pose.rotation, shift);
-          lists.skin = -1;
-        }
-      }
-    }
-    set_deep_entry(pair.state.springs, next);
-  }
-
   /// The force of the features that were found, and the pair's result.
   [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair,
                                   PairResult& result) {
@@ -445,7 +351,7 @@ class PairEvaluation {
     result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (pass_.continues)
-      go_on(view, motion, f, deep, lists, pair, result);
+      go_on(pass_, thread_, {view, motion, features_.list, f, shift_, has_other_shift_}, deep, lists, pair, too_deep_);
     else if (!(result.overlap_ratio < pass_.stop_ratio))
       too_deep_ = true;  // or not a number
     if (is_mapped) map_loads(view, motion, a_to_world, lists, pair);

@@ -77,24 +77,6 @@ void set_sum(const std::vector<std::int64_t>& words, ExactSum& sum) {
 /// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
 std::size_t home_rank(std::int64_t id, int ranks) { return static_cast<std::size_t>(id % ranks); }
 
-/// The numbers of what is counted of contacts deeper than their room, with their names, for writer and reader alike.
-template <class Totals, class Action>
-void for_each_deep_number(Totals& t, Action&& action) {
-  action("contacts", t.contacts);
-  action("contact_steps", t.contact_steps);
-  action("first_step", t.first_step);
-  action("last_step", t.last_step);
-  action("overlap", t.overlap);
-  action("excess", t.excess);
-  action("a", t.key.a);
-  action("b", t.key.b);
-  action("zone", t.key.zone);
-  action("step", t.step);
-  action("x", t.place.x);
-  action("y", t.place.y);
-  action("z", t.place.z);
-}
-
 /// Own bodies, and the state of the pairs that count here: those listed, and those that wait while their bodies are apart.
 void collect_state(const Simulation& simulation, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
   const ParticleSet& p = simulation.state().particles;
@@ -200,16 +182,7 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     c.totals.impacts.pairs.resize(impacts.size() / kImpactWords);
     set_words(impacts, c.totals.impacts);
   }
-  if (root.has("deep_contacts")) {
-    const h5::Group group = root.open_group("deep_contacts");
-    for_each_deep_number(c.totals.deep, [&](const char* name, auto& value) {
-      using Value = std::decay_t<decltype(value)>;
-      if constexpr (std::is_floating_point_v<Value>)
-        value = group.read_double_attribute(name);
-      else
-        value = static_cast<Value>(group.read_integer_attribute(name));
-    });
-  }
+  if (root.has("deep_contacts")) read_deep_contacts(root.open_group("deep_contacts"), c.totals.deep);
   if (root.has("wear")) {
     const h5::Group wear = root.open_group("wear");
     c.totals.wear.vertices = wear.read_vectors("vertices");
@@ -301,10 +274,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         file.write(root, "impacts", impacts.data(), comm.rank() == 0 ? Rows{pairs, 0, pairs} : Rows{0, pairs, pairs},
                    static_cast<std::int64_t>(kImpactWords), H5T_NATIVE_INT64, "");
       }
-      if (totals.deep.contact_steps > 0) {
-        const h5::Group deep = root.create_group("deep_contacts");
-        for_each_deep_number(totals.deep, [&](const char* name, const auto& value) { deep.write_attribute(name, value); });
-      }
+      if (totals.deep.contact_steps > 0) write_deep_contacts(root.create_group("deep_contacts"), totals.deep);
       if (!totals.wear.vertices.empty()) {
         const h5::Group wear = root.create_group("wear");
         const auto of_root = [&](const auto& values) {

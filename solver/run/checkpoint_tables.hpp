@@ -1,5 +1,5 @@
 // The tables in a checkpoint, each with its columns declared once: bodies, the state of pairs, inlets and what is in transit to them, walls
-// that answer to force.
+// that answer to force; and what is counted of contacts deeper than their room.
 #pragma once
 
 #include <string_view>
@@ -10,6 +10,7 @@
 #include "solver/bodies/particle_set.hpp"
 #include "solver/contact/pair_state.hpp"
 #include "solver/ranks/mpi_session.hpp"
+#include "solver/pairs/deep_contacts.hpp"
 #include "solver/step/inlet_state.hpp"
 
 namespace scree {
@@ -183,6 +184,37 @@ inline std::vector<InletState> read_inlets(const h5::Group& root) {
     inlets[static_cast<std::size_t>(row.inlet)].queue.push_back(row.body);
   }
   return inlets;
+}
+
+/// The numbers of what is counted of contacts deeper than their room, with their names, for writer and reader alike.
+template <class Totals, class Action>
+void for_each_deep_number(Totals& t, Action&& action) {
+  action("contacts", t.contacts);
+  action("contact_steps", t.contact_steps);
+  action("first_step", t.first_step);
+  action("last_step", t.last_step);
+  action("overlap", t.overlap);
+  action("excess", t.excess);
+  action("a", t.key.a);
+  action("b", t.key.b);
+  action("zone", t.key.zone);
+  action("step", t.step);
+  action("x", t.place.x);
+  action("y", t.place.y);
+  action("z", t.place.z);
+}
+
+inline void write_deep_contacts(const h5::Group& group, const DeepTotals& totals) {
+  for_each_deep_number(totals, [&](const char* name, const auto& value) { group.write_attribute(name, value); });
+}
+inline void read_deep_contacts(const h5::Group& group, DeepTotals& totals) {
+  for_each_deep_number(totals, [&](const char* name, auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_floating_point_v<Value>)
+      value = group.read_double_attribute(name);
+    else
+      value = static_cast<Value>(group.read_integer_attribute(name));
+  });
 }
 
 }  // namespace scree

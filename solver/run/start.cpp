@@ -1,6 +1,9 @@
 #include "solver/run/start.hpp"
 
+#include <algorithm>
 #include <cstdio>
+
+#include "core/base/progress.hpp"
 
 namespace scree {
 
@@ -66,6 +69,30 @@ RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, co
         options.run_folder.c_str(), static_cast<long long>(complete), options.run_folder.c_str());
   }
   return start;
+}
+
+void check_step_size(const mpi::Communicator& comm, const RunOptions& options, const Settings& settings, const StepSize& step) {
+  constexpr double kMostSteps = 0x1p53;  // counted exactly everywhere
+  mpi::on_root(comm, [&] {
+    if (settings.duration / step.step >= kMostSteps) {
+      throw InputError("{}: {:g} s in steps of {:.3g} s ({}) are more steps than can be counted; check density, stiffness and sizes",
+                       options.scene_path, settings.duration, step.step, step.limited_by);
+    }
+    if (step.given && step.crossing > 0 && step.step > step.crossing) {
+      warn_once(
+          "scree-solver",
+          fmt::format("time.step = {:g} s: bodies go {:.2g} times too far in a step to follow an attraction through its range; use at most "
+                      "{:.3g} s, or leave it out",
+                      step.step, step.step / step.crossing, step.crossing));
+    }
+    const double unevenness = step.slowest_contact_time / std::max(step.contact_time, step.step);
+    if (unevenness > kUnevenContacts) {
+      warn_once("scree-solver",
+                fmt::format("{} sets the step, and the contact of the heaviest body lasts {:.0f} times as long: a mass ratio that "
+                            "costs as many times the steps; a softer pair or a larger light body makes the run shorter",
+                            step.limited_by, unevenness));
+    }
+  });
 }
 
 }  // namespace scree

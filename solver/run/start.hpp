@@ -22,4 +22,7 @@ struct RunStart {
 /// made from another scene.
 RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, const LoadedScene& loaded);
 
+/// Refuses a run of more steps than can be counted, and warns of a step that a light body sets. Collective.
+void check_step_size(const mpi::Communicator& comm, const RunOptions& options, const Settings& settings, const StepSize& step);
+
 }  // namespace scree

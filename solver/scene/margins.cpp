@@ -35,6 +35,17 @@ void SolverScene::find_rooms() {
   largest_room_ = std::max(largest_room_, *std::max_element(extremes_.radius.begin(), extremes_.radius.end()));
 }
 
+void SolverScene::check_on_overlap() const {
+  const Settings& settings = scene_->settings;
+  if (!continues()) return;
+  if (settings.gather != Gathering::potential)
+    throw UsageError("contact.on_overlap = \"continue\" goes with contact.gather = \"potential\" only");
+  if (settings.barrier > 0)
+    throw UsageError("contact.on_overlap = \"continue\" does not go with contact.barrier, which lets no surfaces meet");
+  if (std::none_of(scene_->walls.begin(), scene_->walls.end(), [](const Wall& w) { return w.motion.moves(); }))
+    throw UsageError("contact.on_overlap = \"continue\" is for what a wall that moves presses on, and no wall of this scene moves");
+}
+
 PairLaw SolverScene::for_room(const PairLaw& law, double room) const {
   PairLaw fitted = law;
   fitted.margin = room;

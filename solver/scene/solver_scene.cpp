@@ -315,17 +315,6 @@ void SolverScene::prepare_barrier() {
   }
 }
 
-void SolverScene::check_on_overlap() const {
-  const Settings& settings = scene_->settings;
-  if (!continues()) return;
-  if (settings.gather != Gathering::potential)
-    throw UsageError("contact.on_overlap = \"continue\" goes with contact.gather = \"potential\" only");
-  if (settings.barrier > 0)
-    throw UsageError("contact.on_overlap = \"continue\" does not go with contact.barrier, which lets no surfaces meet");
-  if (std::none_of(scene_->walls.begin(), scene_->walls.end(), [](const Wall& w) { return w.motion.moves(); }))
-    throw UsageError("contact.on_overlap = \"continue\" is for what a wall that moves presses on, and no wall of this scene moves");
-}
-
 double SolverScene::step_stiffness(const MaterialPair& pair, const BodyExtremes& extremes) const {
   const PairLaw& as_made = law(pair.a, pair.b);
   double stiffness = make_pair_law(pair, extremes).step_stiffness;
