@@ -9,8 +9,8 @@
 #include "core/storage/collective_file.hpp"
 #include "solver/bodies/particle_set.hpp"
 #include "solver/contact/pair_state.hpp"
-#include "solver/ranks/mpi_session.hpp"
 #include "solver/pairs/deep_contacts.hpp"
+#include "solver/ranks/mpi_session.hpp"
 #include "solver/step/inlet_state.hpp"
 
 namespace scree {
