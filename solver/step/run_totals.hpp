@@ -8,8 +8,8 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/wall_state.hpp"
-#include "solver/ranks/exact_sum.hpp"
 #include "solver/pairs/deep_contacts.hpp"
+#include "solver/ranks/exact_sum.hpp"
 #include "solver/step/impacts.hpp"
 #include "solver/step/inlet_state.hpp"
 #include "solver/step/load_map.hpp"
