@@ -253,7 +253,8 @@ TEST(Domain, removes_what_leaves_it_and_tells_what_that_was) {
   EXPECT_DOUBLE_EQ(mass, totals.mass);
 }
 
-// Bodies leave between the two kicks of a step, in the middle of an impact: what they take with them is that of one moment, to second order in the step.
+// Bodies leave between the two kicks of a step, in the middle of an impact: what they take with them is that of one moment, to second order
+// in the step.
 TEST(Domain, a_body_takes_along_what_its_contact_stores_at_that_moment) {
   constexpr double kStiffness = 1e6, kOverlap = 1e-3;
   TestRun run(test::empty_scene(kStiffness, 1, 0, 0.002));
