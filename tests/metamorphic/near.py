@@ -227,16 +227,6 @@ def split_faces(trial):
     near(trial, other, as_it_is, 0, "with split faces")
 
 
-for shape in scene.shapes:
-        name = case.words["shapes"].get(shape["name"], {}).get("file", "@")[1:]
-        if name not in case.meshes or not has_a_flat_face_that_is_not_convex(shape["vertices"], shape["triangles"]):
-            continue
-        radius = (3 * shape["volume"] / (4 * math.pi)) ** (1 / 3)
-        if scene.general.get("margin_ratio", 0) * radius > 0.25 * solids.thickness_of(case.meshes[name]):
-            found.add(name)
-    return found
-
-
 @relation("near", a_little_aside)
 def other_origin_of_meshes(trial):
     """A wall's mesh told about another origin, placed where it was: motions turn about their own centre, not about the mesh's."""
