@@ -90,8 +90,7 @@ std::optional<Verdict> judge_deep_contacts(const Run& run) {
   v.evidence = record.contains("text") ? record["text"].get<std::string>() + "." : fmt::format("{:.0f} contact-steps so far.", steps);
   v.evidence +=
       " Up to that depth the case has this run go on (contact.on_overlap) where a wall leaves bodies no place: the force there grows along "
-      "the "
-      "tangent of the law. A wider gap, or a wall that a torque or a force moves, leaves none of it.";
+      "the tangent of the law. A wider gap, or a wall that a torque or a force moves, leaves none of it.";
   return v;
 }
 

@@ -11,22 +11,21 @@
 namespace scree {
 
 /// Among equals the lower key wins, and the earlier step: the name does not depend on ranks.
-bool DeepTotals::is_deeper(double other_excess, const PairKey& other_key, std::int64_t at_step) const {
-  if (step < 0 || other_excess != excess) return step < 0 || other_excess > excess;
-  return other_key < key || (other_key == key && at_step < step);
+bool DeepTotals::is_less_deep_than(const DeepTotals& other) const {
+  if (step < 0 || other.excess != excess) return step < 0 || other.excess > excess;
+  return other.key < key || (other.key == key && other.step < step);
 }
 
 void DeepTotals::add(const DeepContact& contact, std::int64_t at_step) {
-  contacts += contact.begins ? 1 : 0;
-  ++contact_steps;
-  if (first_step < 0) first_step = at_step;
-  last_step = at_step;
-  if (!is_deeper(contact.excess, contact.key, at_step)) return;
-  overlap = contact.overlap;
-  excess = contact.excess;
-  key = contact.key;
-  step = at_step;
-  place = contact.place;
+  DeepTotals one;
+  one.contacts = contact.begins ? 1 : 0;
+  one.contact_steps = 1;
+  one.first_step = one.last_step = one.step = at_step;
+  one.overlap = contact.overlap;
+  one.excess = contact.excess;
+  one.key = contact.key;
+  one.place = contact.place;
+  add(one);
 }
 
 void DeepTotals::add(const DeepTotals& other) {
@@ -35,7 +34,7 @@ void DeepTotals::add(const DeepTotals& other) {
   contact_steps += other.contact_steps;
   first_step = first_step < 0 ? other.first_step : std::min(first_step, other.first_step);
   last_step = std::max(last_step, other.last_step);
-  if (!is_deeper(other.excess, other.key, other.step)) return;
+  if (!is_less_deep_than(other)) return;
   overlap = other.overlap;
   excess = other.excess;
   key = other.key;
@@ -63,8 +62,7 @@ std::string text_of(const SolverScene& scene, const DeepTotals& t, double step_s
   const auto time = [&](std::int64_t step) { return format_quantity(static_cast<double>(step) * step_size, Dimension::time); };
   return fmt::format(
       "{} contact{} went deeper than the law has room for (on_overlap = \"continue\"), for {} contact-steps from {} to {}; the deepest are "
-      "{} "
-      "at {}, {} deep, {} too deep. Bodies lie in each other or in walls there: what presses them is doubtful",
+      "{} at {}, {} deep, {} too deep. Bodies lie in each other or in walls there: what presses them is doubtful",
       t.contacts, t.contacts == 1 ? "" : "s", t.contact_steps, time(t.first_step), time(t.last_step), name_of_pair(scene, t.key),
       time(t.step), format_quantity(t.overlap, Dimension::length), format_quantity(t.excess, Dimension::length));
 }

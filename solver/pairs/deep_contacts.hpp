@@ -36,7 +36,7 @@ struct DeepTotals {
   void add(const DeepTotals& other);
 
  private:
-  bool is_deeper(double other_excess, const PairKey& other_key, std::int64_t at_step) const;
+  bool is_less_deep_than(const DeepTotals& other) const;
 };
 
 /// Of all ranks, on every rank. Collective.

@@ -58,12 +58,7 @@ void for_each_number(Record& r, Action&& action) {
 /// Numbers that the file does not have stay as they are: a later version may have more of them, and version 3 has four.
 void read_record(const h5::Group& group, RunRecord& record) {
   for_each_number(record, [&](const std::string& name, auto& value) {
-    using Value = std::decay_t<decltype(value)>;
-    if (!group.has_attribute(name)) return;
-    if constexpr (std::is_same_v<Value, double>)
-      value = group.read_double_attribute(name);
-    else
-      value = static_cast<Value>(group.read_integer_attribute(name));
+    if (group.has_attribute(name)) read_number(group, name, value);
   });
 }
 

@@ -2,6 +2,7 @@
 // that answer to force; and what is counted of contacts deeper than their room.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -186,6 +187,15 @@ inline std::vector<InletState> read_inlets(const h5::Group& root) {
   return inlets;
 }
 
+/// A number of a record, as write_attribute has written it.
+template <class Value>
+void read_number(const h5::Group& group, const std::string& name, Value& value) {
+  if constexpr (std::is_floating_point_v<Value>)
+    value = group.read_double_attribute(name);
+  else
+    value = static_cast<Value>(group.read_integer_attribute(name));
+}
+
 /// The numbers of what is counted of contacts deeper than their room, with their names, for writer and reader alike.
 template <class Totals, class Action>
 void for_each_deep_number(Totals& t, Action&& action) {
@@ -208,13 +218,7 @@ inline void write_deep_contacts(const h5::Group& group, const DeepTotals& totals
   for_each_deep_number(totals, [&](const char* name, const auto& value) { group.write_attribute(name, value); });
 }
 inline void read_deep_contacts(const h5::Group& group, DeepTotals& totals) {
-  for_each_deep_number(totals, [&](const char* name, auto& value) {
-    using Value = std::decay_t<decltype(value)>;
-    if constexpr (std::is_floating_point_v<Value>)
-      value = group.read_double_attribute(name);
-    else
-      value = static_cast<Value>(group.read_integer_attribute(name));
-  });
+  for_each_deep_number(totals, [&](const char* name, auto& value) { read_number(group, name, value); });
 }
 
 }  // namespace scree
