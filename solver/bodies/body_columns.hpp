@@ -23,7 +23,7 @@ enum BodyUse : unsigned {
   kLater = 8,     ///< checkpoints of earlier versions lack it: it is 0 then
 };
 
-/// In place of the number of looks: the body sleeps (step/sleep.hpp).
+/// In place of the number of looks: the body sleeps (effects/sleep/sleep.hpp).
 inline constexpr std::int32_t kAsleep = -1;
 
 }  // namespace scree

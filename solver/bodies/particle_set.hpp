@@ -40,7 +40,7 @@ struct ParticleSet {
   std::size_t owned = 0;  ///< rows [0, owned) are ours
   /// Of every row the fragment that it is part of, null where it is none; empty in a scene without bonds (neighbours/fragment_masses.hpp).
   std::vector<const BondedMass*> bonded;
-  /// Where bodies may sleep (step/sleep.hpp): the owned rows that are awake, in ascending order. Else all are, and this is empty.
+  /// Where bodies may sleep (effects/sleep/sleep.hpp): the owned rows that are awake, in ascending order. Else all are, and this is empty.
   std::vector<RowRun> awake;
   bool may_sleep = false;
 

@@ -58,8 +58,8 @@ struct PairKind<FrictionSpring> {
   static constexpr bool is_later(std::string_view column) { return column == "normal"; }
 };
 
-/// Force of a contact as it was when the first of its bodies fell asleep (step/sleep.hpp): one row, of a pair in contact with a body
-/// asleep.
+/// Force of a contact as it was when the first of its bodies fell asleep (effects/sleep/sleep.hpp): one row, of a pair in contact with a
+/// body asleep.
 struct KeptForce {
   std::int64_t key;
   Vec3 force;  ///< on A, world [N]

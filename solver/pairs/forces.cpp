@@ -102,9 +102,12 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
 
 namespace {
 
+/// What a pass is for, besides forces.
+enum class Purpose { forces, examination, rest };
+
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
-                double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, FrameContacts* out,
-                const PairVisitor* look, bool at_rest) {
+                double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, PairObservers observers,
+                Purpose purpose) {
   // a barrier makes room for gaps that are otherwise too near to be followed
   const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopOverlapRatio;
   PairPass pass{scene,
@@ -114,42 +117,75 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 friction_dt,
                 scratch,
                 list,
-                out,
-                look,
+                observers,
                 pair_force_function(scene.law_choice()),
                 pair_holds_function(scene.law_choice()),
                 stop_ratio,
-                scene.source().settings.output_impacts,
                 !scene.source().bonds.empty(),
                 scene.continues(),
-                at_rest};
+                purpose == Purpose::examination,
+                purpose == Purpose::rest};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
-  if (scene.mapped_triangles() > 0) scratch.loads.resize(scratch.distance.size());
   if (pass.continues) scratch.deep.resize(scratch.distance.size());
-  if (pass.has_impacts) scratch.impacts.resize(scratch.distance.size());
   Deepest deepest;
   ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
   check_pass(pass, which, step, deepest);
   return deepest.overlap;
 }
 
+class Visitor : public PairObserver {
+ public:
+  explicit Visitor(const PairVisitor& visit) : visit_(visit) {}
+  bool observes(const PairView&) const override { return true; }
+  bool needs_outputs() const override { return false; }
+  void observe(const PairContact& contact) override { visit_(contact); }
+
+ private:
+  const PairVisitor& visit_;
+};
+
+class FrameWriter : public PairObserver {
+ public:
+  explicit FrameWriter(FrameContacts& contacts) : contacts_(contacts) {}
+  bool observes(const PairView&) const override { return true; }
+  void observe(const PairContact& c) override {
+    if (c.counts_here) append_contacts(c.pair, c.view, c.features.list, c.outputs, contacts_);
+  }
+
+ private:
+  FrameContacts& contacts_;
+};
+
 }  // namespace
 
 double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                       std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
-                      PairList& list, FrameContacts* out, const PairVisitor* look) {
-  return evaluate(scene, p, walls, which, dt, friction_dt, step, scratch, list, out, look, false);
+                      PairList& list, PairObservers observers) {
+  return evaluate(scene, p, walls, which, dt, friction_dt, step, scratch, list, observers, Purpose::forces);
 }
 
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
                       std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch, PairList& list) {
-  evaluate(scene, p, walls, which, dt, 0, step, scratch, list, nullptr, nullptr, true);
+  evaluate(scene, p, walls, which, dt, 0, step, scratch, list, {}, Purpose::rest);
 }
 
 void visit_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
-                 std::int64_t step, ForceScratch& scratch, PairList& list, const PairVisitor& look) {
+                 std::int64_t step, ForceScratch& scratch, PairList& list, const PairVisitor& visit) {
   const std::vector<PairResult> kept = list.results();
-  evaluate_pairs(scene, p, walls, which, 0, 0, step, scratch, list, nullptr, &look);
+  Visitor visitor(visit);
+  PairObserver* const observers[] = {&visitor};
+  evaluate(scene, p, walls, which, 0, 0, step, scratch, list, observers, Purpose::examination);
+  list.results() = kept;
+}
+
+void append_frame_contacts(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
+                           std::span<const std::int32_t> which, double dt, std::int64_t step, ForceScratch& scratch, PairList& list,
+                           FrameContacts& contacts) {
+  // what the step computed, with the velocities that bodies had then, stays: loads of walls are read from it
+  const std::vector<PairResult> kept = list.results();
+  FrameWriter writer(contacts);
+  PairObserver* const observers[] = {&writer};
+  evaluate(scene, p, walls, which, dt, 0, step, scratch, list, observers, Purpose::examination);
   list.results() = kept;
 }
 

@@ -18,8 +18,6 @@
 #include "solver/pairs/mesh_evaluation.hpp"
 #include "solver/pairs/pair_pass.hpp"
 #include "solver/pairs/pairs_ahead.hpp"
-#include "solver/step/impacts.hpp"
-#include "solver/step/wall_loads.hpp"
 
 namespace scree {
 
@@ -327,14 +325,12 @@ class PairEvaluation {
     }
     if (view.zone != nullptr && pass_.scene.has_answering_walls())
       motion.inverse_mass_b = pass_.scene.wall_mobility(static_cast<std::size_t>(view.zone->wall), view.a.x);
-    const bool is_mapped = view.zone != nullptr && pass_.scene.mapped_triangles() > 0 && !pass_.only_looks() && first_mapped_of(view) >= 0;
-    const bool is_recorded = pass_.has_impacts && !pass_.only_looks();
+    const bool needs_outputs = !pass_.observers.empty() && is_output_needed(view);
     // Looking must not change anything: it works on a copy of the springs.
     std::vector<FrictionSpring> copy;
     if (pass_.only_looks()) copy = pair.state.springs;
     const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, pass_.only_looks() ? copy : pair.state.springs,
-                                       pass_.out != nullptr || is_mapped || is_recorded ? &outputs_ : nullptr);
-    if (pass_.look != nullptr) (*pass_.look)({pair, features_, f, motion, law});
+                                       needs_outputs ? &outputs_ : nullptr);
     result.active = true;
     result.contact_count = static_cast<std::int32_t>(features_.list.size());
     // torques about B's centre: T_B = (x_B - x_A) x F - T_A
@@ -354,25 +350,22 @@ class PairEvaluation {
       go_on(pass_, thread_, {view, motion, features_.list, f, shift_, has_other_shift_}, deep, lists, pair, too_deep_);
     else if (!(result.overlap_ratio < pass_.stop_ratio))
       too_deep_ = true;  // or not a number
-    if (is_mapped) map_loads(view, motion, a_to_world, lists, pair);
-    if (is_recorded) record_impact(view, motion, f, a_to_world, pair);
-    if (pass_.out != nullptr && counts_here(pair, pass_.p)) append_contacts(pair, view, features_.list, outputs_, *pass_.out);
+    if (!pass_.observers.empty()) show(view, law, motion, f, a_to_world, lists, pair);
   }
 
-  std::int32_t first_mapped_of(const PairView& view) const { return pass_.scene.first_mapped(static_cast<std::size_t>(view.zone->wall)); }
-
-  [[gnu::noinline]] void map_loads(const PairView& view, const PairMotion& motion, const Mat3& a_to_world, const CandidateLists& lists,
-                                   const BodyPair& pair) {
-    append_loads({view, motion, features_, outputs_, lists, a_to_world, pair.a, first_mapped_of(view), pass_.friction_dt}, distance_,
-                 pass_.scratch.loads[thread_]);
+  [[gnu::noinline]] bool is_output_needed(const PairView& view) const {
+    return std::any_of(pass_.observers.begin(), pass_.observers.end(),
+                       [&](const PairObserver* o) { return o->needs_outputs() && o->observes(view); });
   }
 
-  [[gnu::noinline]] void record_impact(const PairView& view, const PairMotion& motion, const PairForce& force, const Mat3& a_to_world,
-                                       const BodyPair& pair) {
-    const std::size_t materials = material_pair(static_cast<std::size_t>(pass_.p.material[static_cast<std::size_t>(pair.a)]),
-                                                static_cast<std::size_t>(material_of_b(view, pair)));
-    pass_.scratch.impacts[thread_].push_back(impact_entry(
-        {view, motion, features_, outputs_, force, a_to_world, pair, materials, counts_here(pair, pass_.p), pass_.friction_dt}));
+  [[gnu::noinline]] void show(const PairView& view, const PairLaw& law, const PairMotion& motion, const PairForce& force,
+                              const Mat3& a_to_world, const CandidateLists& lists, const BodyPair& pair) {
+    const PairContact contact{
+        pair,      view,   features_, force, motion, law, outputs_, lists, a_to_world, pass_.friction_dt, counts_here(pair, pass_.p),
+        distance_, thread_};
+    for (PairObserver* observer : pass_.observers) {
+      if (observer->observes(view)) observer->observe(contact);
+    }
   }
 
   static inline const PullView kNoPull;

@@ -1,6 +1,7 @@
 // One pass over pairs, as all that works on it sees it.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <vector>
 
@@ -17,20 +18,21 @@ struct PairPass {
   double dt, friction_dt;
   ForceScratch& scratch;
   PairList& list;
-  FrameContacts* out;
-  const PairVisitor* look;
+  PairObservers observers;
   PairForceFunction force_of;
   PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
   double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
-  bool has_impacts;         ///< impacts and losses are recorded
   bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
   bool continues;           ///< beyond that ratio pairs go on (contact/overlap_limit.hpp)
+  bool examines = false;    ///< for observers alone, one thread: neither springs nor candidates' idle times change
   bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
   std::atomic<std::int32_t> intersecting{-1}, passing{-1}, through{-1};
 
-  bool only_looks() const { return out != nullptr || look != nullptr || at_rest; }
+  bool only_looks() const { return examines || at_rest; }
   /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.
-  bool allows_lanes() const { return !has_impacts; }
+  bool allows_lanes() const {
+    return std::none_of(observers.begin(), observers.end(), [](const PairObserver* o) { return o->observes_bodies(); });
+  }
   /// A step of the run that asks for forces, and for nothing that lanes leave out.
   bool asks_for_forces_alone() const { return friction_dt > 0 && friction_dt == dt && !only_looks() && allows_lanes(); }
   /// Of both bodies together since the lists were made [m].

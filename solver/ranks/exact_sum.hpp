@@ -127,4 +127,13 @@ void add_over_ranks(MPI_Comm comm, std::vector<Sum>& sums) {
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i].set_words(words[i]);
 }
 
+/// Sums the words of many sums over all ranks: to be carried by set_words(). Collective.
+inline void add_words_over_ranks(MPI_Comm comm, std::vector<std::int64_t>& words) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 27;  // numbers in one message are counted by an int
+  for (std::size_t first = 0; first < words.size(); first += kAtOnce) {
+    MPI_Allreduce(MPI_IN_PLACE, words.data() + first, static_cast<int>(std::min(kAtOnce, words.size() - first)), MPI_INT64_T, MPI_SUM,
+                  comm);
+  }
+}
+
 }  // namespace scree

@@ -12,6 +12,7 @@
 #include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
+#include "solver/effects/effects.hpp"
 #include "solver/run/checkpoint_tables.hpp"
 #include "solver/run/run_folder.hpp"
 
@@ -60,13 +61,6 @@ void read_record(const h5::Group& group, RunRecord& record) {
   for_each_number(record, [&](const std::string& name, auto& value) {
     if (group.has_attribute(name)) read_number(group, name, value);
   });
-}
-
-void set_sum(const std::vector<std::int64_t>& words, ExactSum& sum) {
-  ExactSum::Words w{};
-  if (words.size() != w.size()) throw InputError("a total of {} numbers instead of {}; the file is damaged", words.size(), w.size());
-  std::copy(words.begin(), words.end(), w.begin());
-  sum.set_words(w);
 }
 
 /// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
@@ -161,35 +155,8 @@ void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<P
     set_words(outlets, c.totals.outlets);
   }
   if (root.has("inlets")) c.totals.inlets = read_inlets(root);
-  if (root.has("drives")) {
-    const h5::Group drives = root.open_group("drives");
-    c.totals.drives = read_rows<DriveTableColumns>(drives, 0, drives.row_count("way"));
-  }
-  if (root.has("loads")) {
-    constexpr std::int64_t kRow = static_cast<std::int64_t>(kLoadSums * ShortSum::kWords);
-    const auto loads = root.read_array<std::int64_t>("loads", kRow);
-    c.totals.loads.triangles.resize(loads.size() / static_cast<std::size_t>(kRow));
-    set_words(loads, c.totals.loads);
-  }
-  if (root.has("impacts")) {
-    constexpr auto kRow = static_cast<std::int64_t>(kImpactWords);
-    const auto impacts = root.read_array<std::int64_t>("impacts", kRow);
-    c.totals.impacts.pairs.resize(impacts.size() / kImpactWords);
-    set_words(impacts, c.totals.impacts);
-  }
+  for (const EffectKind& kind : effect_kinds()) c.totals.effects.push_back(read_effect(root, kind.format));
   if (root.has("deep_contacts")) read_deep_contacts(root.open_group("deep_contacts"), c.totals.deep);
-  if (root.has("wear")) {
-    const h5::Group wear = root.open_group("wear");
-    c.totals.wear.vertices = wear.read_vectors("vertices");
-    c.totals.wear.work = wear.read_array<double>("work", 1);
-  }
-  if (root.has("bonds")) {
-    const h5::Group bonds = root.open_group("bonds");
-    c.totals.broken_at = bonds.read_array<std::int64_t>("broken_at", 1);
-    std::vector<std::int64_t> fracture = bonds.read_array<std::int64_t>("fracture", kWords);
-    set_sum(fracture, c.totals.fracture);
-  }
-  if (root.has("slept")) set_sum(root.read_array<std::int64_t>("slept", kWords), c.totals.slept);
   if (root.has_attribute("largest_id")) {
     set_words(root.read_array<std::int64_t>("arrivals", kWords), c.totals.arrived);
     c.totals.largest_id = root.read_integer_attribute("largest_id");
@@ -206,7 +173,7 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
   std::vector<WaitingState> states;
   collect_state(simulation, bodies, states);
   const RunTotals totals = overall_totals(simulation.state());
-  const std::vector<std::int64_t> words = words_of(totals), loads = words_of(totals.loads), impacts = words_of(totals.impacts);
+  const std::vector<std::int64_t> words = words_of(totals);
   const std::string hash = state_hash(simulation.state());
   // attributes are written by all ranks alike, and each has measured other times
   RunRecord run = so_far.record;
@@ -218,10 +185,11 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
     const std::string record = broadcast_text(comm.get(), comm.rank() == 0 ? json_text(provenance) : std::string());
     const Rows body_rows = distribute(comm.get(), static_cast<std::int64_t>(bodies.size()));
     std::int64_t bytes = body_rows.total * bytes_per_row<BodyTableColumns>() +
-                         static_cast<std::int64_t>(
-                             (words.size() + loads.size() + impacts.size() + totals.wear.work.size() + 3 * totals.wear.vertices.size()) *
-                                 sizeof(std::int64_t) +
-                             record.size());
+                         static_cast<std::int64_t>(words.size() * sizeof(std::int64_t) + record.size());
+    for (const EffectRecord& of_effect : totals.effects) {
+      for (const StateArray& array : of_effect)
+        bytes += static_cast<std::int64_t>(array.reals.size() * sizeof(double) + array.integers.size() * sizeof(std::int64_t));
+    }
     for_each_kind(PairState{}, [&](const auto& kind) {
       using Row = typename std::decay_t<decltype(kind)>::value_type;
       bytes += comm.sum(static_cast<std::int64_t>(keyed_rows<Row>(states).size())) * bytes_per_row<PairTableColumns<Row>>();
@@ -253,41 +221,8 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
       write_sums(root, "totals", words);
       if (!totals.outlets.empty()) write_sums(root, "outlets", words_of(totals.outlets));
       if (!totals.inlets.empty()) write_inlets(comm, file, root, totals.inlets);
-      if (!totals.drives.empty()) {
-        const std::vector<DriveState> drives = comm.rank() == 0 ? totals.drives : std::vector<DriveState>{};
-        write_columns<DriveTableColumns>(file, root.create_group("drives"), drives,
-                                         distribute(comm.get(), static_cast<std::int64_t>(drives.size())));
-      }
-      if (!loads.empty()) {
-        constexpr auto kRow = static_cast<std::int64_t>(kLoadSums * ShortSum::kWords);
-        const auto triangles = static_cast<std::int64_t>(loads.size()) / kRow;
-        file.write(root, "loads", loads.data(), comm.rank() == 0 ? Rows{triangles, 0, triangles} : Rows{0, triangles, triangles}, kRow,
-                   H5T_NATIVE_INT64, "");
-      }
-      if (!impacts.empty()) {
-        const auto pairs = static_cast<std::int64_t>(totals.impacts.pairs.size());
-        file.write(root, "impacts", impacts.data(), comm.rank() == 0 ? Rows{pairs, 0, pairs} : Rows{0, pairs, pairs},
-                   static_cast<std::int64_t>(kImpactWords), H5T_NATIVE_INT64, "");
-      }
+      for (std::size_t k = 0; k < effect_kinds().size(); ++k) write_effect(comm, file, root, effect_kinds()[k].format, totals.effects[k]);
       if (totals.deep.contact_steps > 0) write_deep_contacts(root.create_group("deep_contacts"), totals.deep);
-      if (!totals.wear.vertices.empty()) {
-        const h5::Group wear = root.create_group("wear");
-        const auto of_root = [&](const auto& values) {
-          const auto rows = static_cast<std::int64_t>(values.size());
-          return comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows};
-        };
-        const WearState mine = comm.rank() == 0 ? totals.wear : WearState{};
-        file.write(wear, "vertices", mine.vertices, of_root(totals.wear.vertices), "m");
-        file.write(wear, "work", mine.work, of_root(totals.wear.work), "J");
-      }
-      if (simulation.state().bonds) {
-        const h5::Group bonds = root.create_group("bonds");
-        const auto count = static_cast<std::int64_t>(totals.broken_at.size());
-        const Rows rows = comm.rank() == 0 ? Rows{count, 0, count} : Rows{0, count, count};
-        file.write(bonds, "broken_at", totals.broken_at.data(), rows, 1, H5T_NATIVE_INT64, "");
-        write_sums(bonds, "fracture", ExactSum(totals.fracture).words());
-      }
-      if (simulation.state().sleep) write_sums(root, "slept", ExactSum(totals.slept).words());
       if (totals.largest_id >= 0) {
         root.write_attribute("largest_id", totals.largest_id);
         write_sums(root, "arrivals", words_of(totals.arrived));
@@ -368,9 +303,11 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
           "{}: was computed about another origin than this version of the solver chooses; continue with the version that wrote it",
           checkpoint.path);
     }
-    const std::size_t bonds = simulation.state().scene.source().bonds.size();
-    if (checkpoint.totals.broken_at.size() != bonds)
-      throw InputError("{}: has {} bonds, the scene has {}", checkpoint.path, checkpoint.totals.broken_at.size(), bonds);
+    for (const std::unique_ptr<Effect>& effect : simulation.state().effects) {
+      const EffectFormat& format = effect_kinds()[effect->kind()].format;
+      if (!format.arrays.empty() && checkpoint.totals.effects[effect->kind()].empty())
+        throw InputError("{}: holds no '{}', which the scene has; it is of another scene", checkpoint.path, format.name());
+    }
   });
   simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size,
                                 checkpoint.step_limited_by, checkpoint.totals);

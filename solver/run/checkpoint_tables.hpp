@@ -1,7 +1,8 @@
-// The tables in a checkpoint, each with its columns declared once: bodies, the state of pairs, inlets and what is in transit to them, walls
-// that answer to force; and what is counted of contacts deeper than their room.
+// The tables in a checkpoint, each with its columns declared once: bodies, the state of pairs, inlets and what is in transit to them, what
+// effects keep; and what is counted of contacts deeper than their room.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -12,7 +13,8 @@
 #include "solver/contact/pair_state.hpp"
 #include "solver/pairs/deep_contacts.hpp"
 #include "solver/ranks/mpi_session.hpp"
-#include "solver/step/inlet_state.hpp"
+#include "solver/state/effect_record.hpp"
+#include "solver/state/inlet_state.hpp"
 
 namespace scree {
 
@@ -103,27 +105,6 @@ struct TransitTableColumns {
   }
 };
 
-struct DriveTableColumns {
-  using Item = DriveState;
-  template <class Action>
-  static void visit(Action&& action) {
-    action(
-        "way", "", [](auto& s) -> auto& { return s.way; });
-    action(
-        "rate", "", [](auto& s) -> auto& { return s.rate; });
-    action(
-        "rate_before", "", [](auto& s) -> auto& { return s.rate_before; });
-    action(
-        "force", "", [](auto& s) -> auto& { return s.force; });
-    action(
-        "stiffness", "", [](auto& s) -> auto& { return s.stiffness; });
-    action(
-        "impedance", "", [](auto& s) -> auto& { return s.impedance; });
-    action(
-        "yield", "", [](auto& s) -> auto& { return s.yield; });
-  }
-};
-
 template <class Columns>
 std::int64_t bytes_per_row() {
   std::size_t bytes = 0;
@@ -185,6 +166,36 @@ inline std::vector<InletState> read_inlets(const h5::Group& root) {
     inlets[static_cast<std::size_t>(row.inlet)].queue.push_back(row.body);
   }
   return inlets;
+}
+
+/// What an effect keeps, the same on every rank: rank 0 writes it, and all read it. A scene without the effect has none of it.
+inline void write_effect(const mpi::Communicator& comm, CollectiveFile& file, const h5::Group& root, const EffectFormat& format,
+                         const EffectRecord& record) {
+  if (record.empty()) return;
+  const std::optional<h5::Group> group = *format.group != 0 ? std::optional(root.create_group(format.group)) : std::nullopt;
+  for (std::size_t k = 0; k < record.size(); ++k) {
+    const ArrayFormat& array = format.arrays[k];
+    const std::size_t numbers = array.is_real ? record[k].reals.size() : record[k].integers.size();
+    const auto rows = static_cast<std::int64_t>(numbers) / array.width;
+    const void* data = array.is_real ? static_cast<const void*>(record[k].reals.data()) : record[k].integers.data();
+    file.write(group ? *group : root, array.name, data, comm.rank() == 0 ? Rows{rows, 0, rows} : Rows{0, rows, rows}, array.width,
+               array.is_real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64, array.unit);
+  }
+}
+inline EffectRecord read_effect(const h5::Group& root, const EffectFormat& format) {
+  EffectRecord record;
+  if (format.arrays.empty()) return record;
+  const bool is_there = *format.group != 0 ? root.has(format.group) : root.has(format.arrays.front().name);
+  if (!is_there) return record;
+  const std::optional<h5::Group> group = *format.group != 0 ? std::optional(root.open_group(format.group)) : std::nullopt;
+  for (const ArrayFormat& array : format.arrays) {
+    const h5::Group& in = group ? *group : root;
+    if (array.is_real)
+      record.push_back({.reals = in.read_array<double>(array.name, array.width)});
+    else
+      record.push_back({.integers = in.read_array<std::int64_t>(array.name, array.width)});
+  }
+  return record;
 }
 
 /// A number of a record, as write_attribute has written it.

@@ -106,13 +106,6 @@ Differences compare_with_checkpoint(const Checkpoint& now, const Checkpoint& rec
       if ((c.uses & kMeasured) == 0) noted.compare(c.dataset, a.*c.field, b.*c.field);
     });
   });
-  // the same on every rank: that of the lowest bond is noted by all, and reported once
-  for (std::size_t k = 0; k < std::min(recorded.totals.broken_at.size(), now.totals.broken_at.size()); ++k) {
-    const std::int64_t a = recorded.totals.broken_at[k], b = now.totals.broken_at[k];
-    if (a == b) continue;
-    differences.add(static_cast<std::int64_t>(k), fmt::format("bond {}: recorded as broken at step {}, found {} (-1: holds)", k, a, b));
-    break;
-  }
   // state in the order of its pairs; the first that differs is that of the lower body
   const std::size_t pairs = std::max(recorded.states.size(), now.states.size());
   for (std::size_t k = 0; k < pairs; ++k) {

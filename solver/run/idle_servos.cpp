@@ -16,7 +16,7 @@ std::string fault_of_servo(const RunState& s, std::size_t w) {
   const Drive* drive = s.scene.drive(w);
   if (drive == nullptr || drive->inertia > 0) return "";
   const std::string& name = s.scene.source().walls[w].name;
-  const DriveState& at = s.totals.drives[w];
+  const DriveState& at = s.drives[w];
   const auto value = [&](double x, Dimension along, Dimension about) { return format_quantity(x, drive->guide.turns ? about : along); };
   const std::string way = value(at.way, Dimension::length, Dimension::angle);
   constexpr double kShort = 0.01;  // of the force asked
@@ -37,7 +37,7 @@ std::string fault_of_servo(const RunState& s, std::size_t w) {
 
 std::vector<std::string> idle_servos(const RunState& s) {
   std::vector<std::string> lines;
-  for (std::size_t w = 0; w < s.totals.drives.size(); ++w) {
+  for (std::size_t w = 0; w < s.drives.size(); ++w) {
     if (std::string line = fault_of_servo(s, w); !line.empty()) lines.push_back(std::move(line));
   }
   return lines;
@@ -45,11 +45,11 @@ std::vector<std::string> idle_servos(const RunState& s) {
 
 nlohmann::json drives_json(const RunState& s) {
   nlohmann::json all = nlohmann::json::array();
-  for (std::size_t w = 0; w < s.totals.drives.size(); ++w) {
+  for (std::size_t w = 0; w < s.drives.size(); ++w) {
     const Drive* drive = s.scene.drive(w);
     if (drive == nullptr) continue;
     const Wall& wall = s.scene.source().walls[w];
-    const DriveState& at = s.totals.drives[w];
+    const DriveState& at = s.drives[w];
     nlohmann::json j{{"wall", wall.id}, {"name", wall.name}, {"kind", wall.motion.word()}, {"way", at.way},
                      {"rate", at.rate}, {"force", at.force}, {"at_end", nullptr},          {"note", nullptr}};
     if (!(drive->inertia > 0)) j["asked"] = drive->push;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

@@ -6,39 +6,12 @@
 
 #include "core/storage/checksum.hpp"
 #include "solver/bodies/motion.hpp"
-#include "solver/step/bonds.hpp"
+#include "solver/effects/effects.hpp"
 #include "solver/step/domain.hpp"
-#include "solver/step/wall_loads.hpp"
 
 namespace scree {
 
 namespace {
-
-struct ItemHash {
-  std::uint64_t a = 1, b = 2;
-  void add(std::uint64_t bits) {
-    a = mix(a ^ bits);
-    b = mix(b + bits);
-  }
-  void add(double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    add(bits);
-  }
-  template <std::integral Value>
-  void add(Value value) {
-    add(static_cast<std::uint64_t>(value));
-  }
-  void add(const Vec3& v) {
-    add(v.x);
-    add(v.y);
-    add(v.z);
-  }
-  void add(const Quat& q) {
-    add(q.w);
-    add(Vec3{q.x, q.y, q.z});
-  }
-};
 
 ItemHash hash_of(const InletState& inlet) {
   ItemHash h;
@@ -46,31 +19,6 @@ ItemHash hash_of(const InletState& inlet) {
   h.add(inlet.mass);
   h.add(inlet.returned);
   for (const TransitBody& body : inlet.queue) h.add(body.id);
-  return h;
-}
-
-ItemHash hash_of(const DriveState& drive) {
-  ItemHash h;
-  for (const double value : {drive.way, drive.rate, drive.rate_before}) h.add(value);
-  return h;
-}
-
-ItemHash hash_of(const LoadMap& loads) {
-  ItemHash h;
-  for (const std::int64_t word : words_of(loads)) h.add(word);
-  return h;
-}
-
-ItemHash hash_of(const ImpactTotals& impacts) {
-  ItemHash h;
-  for (const std::int64_t word : words_of(impacts)) h.add(word);
-  return h;
-}
-
-ItemHash hash_of(const WearState& wear) {
-  ItemHash h;
-  for (const Vec3& v : wear.vertices) h.add(v);
-  for (const double work : wear.work) h.add(work);
   return h;
 }
 
@@ -88,24 +36,6 @@ WallTotals wall_totals(const RunState& s) {
   WallTotals walls = s.totals.walls;
   add_wall_effects(s, -0.5 * s.clock.dt, walls);
   return over_ranks(s.comm.get(), std::move(walls));
-}
-
-/// Of all ranks [J].
-ExactSum slept_energy(const RunState& s) {
-  std::vector<ExactSum> slept{s.totals.slept};
-  add_over_ranks(s.comm.get(), slept);
-  return slept[0];
-}
-
-void add_bond_energies(const RunState& s, Energies& all) {
-  std::vector<ExactSum> e{{}, s.totals.fracture};
-  const std::vector<ListedBond>& bonds = s.bonds->listed();
-  for (std::size_t k = 0; k < bonds.size(); ++k) {
-    if (s.bonds->counts_here(bonds[k], s.particles)) e[0].add(s.bonds->forces()[k].energy);
-  }
-  add_over_ranks(s.comm.get(), e);
-  all.bond = e[0].value();
-  all.fracture = e[1].value();
 }
 
 }  // namespace
@@ -139,8 +69,7 @@ Energies energies_of(const RunState& s) {
   all.wall_work = walls.work.value();
   all.removed = departed.energy.value();
   all.arrived = over_ranks(s.comm.get(), s.totals.arrived).energy.value();
-  if (s.bonds) add_bond_energies(s, all);
-  if (s.sleep) all.slept = slept_energy(s).value();
+  for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_energies(s, all);
   return all;
 }
 
@@ -205,17 +134,18 @@ void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& w
   for (WallState& wall : walls) wall.position += origin;
 }
 
+std::vector<Column> columns_of_effects(const RunState& s) {
+  std::vector<Column> columns;
+  for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_log_columns(s, columns);
+  return columns;
+}
+
 std::int64_t body_count(const RunState& s) { return s.comm.sum(static_cast<std::int64_t>(s.particles.owned)); }
 
 std::int64_t free_body_count(const RunState& s) {
   std::int64_t count = 0;
   for (std::size_t i = 0; i < s.particles.owned; ++i) count += s.particles.fixed[i] ? 0 : 1;
   return s.comm.sum(count);
-}
-
-std::int64_t asleep_count(const RunState& s) {
-  const auto end = s.particles.rest.begin() + static_cast<std::ptrdiff_t>(s.particles.owned);
-  return s.comm.sum(static_cast<std::int64_t>(std::count(s.particles.rest.begin(), end, kAsleep)));
 }
 
 std::int64_t contact_count(const RunState& s) {
@@ -228,12 +158,6 @@ std::int64_t deep_pair_count(const RunState& s) {
   std::int64_t count = 0;
   for_each_contact(s, [&](const BodyPair&, const PairResult& r) { count += r.overlap_ratio < kStopOverlapRatio ? 0 : 1; });
   return s.comm.sum(count);
-}
-
-std::int64_t holding_bond_count(const RunState& s) {
-  if (!s.bonds) return 0;
-  const std::vector<std::int64_t> broken_at = all_broken_at(s);
-  return std::count(broken_at.begin(), broken_at.end(), kHolds);
 }
 
 std::int64_t active_pair_count(const RunState& s) {
@@ -272,17 +196,10 @@ RunTotals overall_totals(const RunState& s) {
   totals.max_overlap_ratio = s.comm.max(s.totals.max_overlap_ratio);
   totals.arrived = over_ranks(s.comm.get(), s.totals.arrived);
   totals.outlets = over_ranks(s.comm.get(), s.totals.outlets);
-  add_over_ranks(s.comm.get(), totals.loads);
-  add_over_ranks(s.comm.get(), totals.impacts);
   if (s.scene.continues()) totals.deep = over_ranks(s.comm.get(), s.totals.deep);
   totals.level = s.clock.level;
-  if (s.sleep) totals.slept = slept_energy(s);
-  if (s.bonds) {
-    std::vector<ExactSum> fracture{s.totals.fracture};
-    add_over_ranks(s.comm.get(), fracture);
-    totals.fracture = fracture[0];
-    totals.broken_at = all_broken_at(s);
-  }
+  totals.effects.resize(effect_kinds().size());
+  for (const std::unique_ptr<Effect>& effect : s.effects) totals.effects[effect->kind()] = effect->record(s);
   return totals;
 }
 
@@ -317,28 +234,13 @@ std::string state_hash(const RunState& s) {
       }
     });
   }
-  if (!s.totals.loads.triangles.empty()) {
-    LoadMap loads = s.totals.loads;
-    add_over_ranks(s.comm.get(), loads);
-    if (s.comm.rank() == 0) add(hash_of(loads));
-  }
-  if (!s.totals.impacts.pairs.empty()) {
-    ImpactTotals impacts = s.totals.impacts;
-    add_over_ranks(s.comm.get(), impacts);
-    if (s.comm.rank() == 0) add(hash_of(impacts));
-  }
-  if (s.comm.rank() == 0 && !s.totals.wear.vertices.empty()) add(hash_of(s.totals.wear));
-  const std::vector<std::int64_t> broken_at = s.bonds ? all_broken_at(s) : std::vector<std::int64_t>{};
-  for (std::size_t k = 0; s.comm.rank() == 0 && k < broken_at.size(); ++k) {
-    if (broken_at[k] == kHolds) continue;
-    ItemHash h;
-    h.add(static_cast<std::int64_t>(k));
-    h.add(broken_at[k]);
-    add(h);
+  for (const std::unique_ptr<Effect>& effect : s.effects) {
+    const EffectRecord record = effect->record(s);  // of all ranks: one of them adds it
+    if (s.comm.rank() != 0) continue;
+    for (const ItemHash& item : effect->hashes(record)) add(item);
   }
   if (s.comm.rank() == 0) {
     for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));
-    for (const DriveState& drive : s.totals.drives) add(hash_of(drive));
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_UINT64_T, MPI_SUM, s.comm.get());
   if (sums[2] == 0) {  // no body is a state too, and no hash of it would look like one that was never made

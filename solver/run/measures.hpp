@@ -6,25 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "solver/state/energies.hpp"
 #include "solver/step/simulation.hpp"
 
 namespace scree {
 
-/// Energies of the whole scene [J], at a full step.
-struct Energies {
-  double translational = 0, rotational = 0, potential = 0, elastic = 0, tangential_elastic = 0;
-  double dissipated = 0;  ///< accumulated from the damping and friction forces, never the remainder
-  double wall_work = 0;   ///< done by driven walls on the bodies
-  double removed = 0;     ///< kinetic and potential, taken away by bodies that left the domain
-  double arrived = 0;     ///< kinetic and potential, brought by bodies that joined after the start
-  double bond = 0;        ///< of the bonds that hold
-  double fracture = 0;    ///< of bonds as they broke, less that of the contacts that took their place
-  double slept = 0;       ///< kinetic, of bodies as they fell asleep
-  double balance() const {
-    return translational + rotational + potential + elastic + tangential_elastic + dissipated - wall_work + removed - arrived + bond +
-           fracture + slept;
-  }
-};
 Energies energies_of(const RunState& s);
 /// What the energies of a leapfrog swing by at this step [J]: h^2 / 8 times the sum of squared forces over masses. The
 /// difference of both is kept exactly by linear contacts at any stable step.
@@ -47,12 +33,13 @@ std::vector<WallLoad> wall_loads_of(const RunState& s);
 /// Loads and walls with places and torques about the world's origin again, see scene/origin.hpp.
 void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin);
 
+/// What effects add to a row of the log. Collective.
+std::vector<Column> columns_of_effects(const RunState& s);
+
 std::int64_t body_count(const RunState& s);
 std::int64_t free_body_count(const RunState& s);  ///< of those that are free to move
-std::int64_t asleep_count(const RunState& s);
 std::int64_t contact_count(const RunState& s);
 std::int64_t deep_pair_count(const RunState& s);  ///< pairs in contact that are deeper than their room
-std::int64_t holding_bond_count(const RunState& s);
 std::int64_t active_pair_count(const RunState& s);
 std::int64_t bodies_outside(const RunState& s);  ///< of the domain
 

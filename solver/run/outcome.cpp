@@ -8,9 +8,9 @@
 
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
+#include "solver/effects/wear/wear.hpp"
 #include "solver/run/idle_servos.hpp"
 #include "solver/scene/origin.hpp"
-#include "solver/step/wall_wear.hpp"
 
 namespace scree {
 
@@ -67,7 +67,7 @@ nlohmann::json worn_walls(const RunState& s, const std::string& folder, const nl
     if (s.scene.first_worn(w) < 0) continue;
     const std::string file = fmt::format("wall{}_worn.shape.h5", wall.id);
     write_shape_file(folder + "/" + file, {make_surface(wall.name, s.scene.wall_shape(static_cast<std::int32_t>(w)).mesh)}, provenance);
-    const WornAway away = worn_away(s, w);
+    const WornAway away = s.effect<Wear>()->worn_away(s, w);
     walls.push_back({{"wall", wall.id}, {"name", wall.name}, {"volume", away.volume}, {"depth", away.depth}, {"file", file}});
   }
   return walls;

@@ -10,9 +10,10 @@
 #include "core/storage/attraction.hpp"
 #include "core/storage/contact_limits.hpp"
 #include "solver/contact/overlap_limit.hpp"
+#include "solver/effects/effects.hpp"
+#include "solver/effects/sleep/sleep.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/run/run.hpp"
-#include "solver/step/wall_wear.hpp"
 
 namespace scree {
 
@@ -263,15 +264,6 @@ std::string Plan::text_of(const Inlet& inlet) const {
 }
 
 void Plan::add_space() {
-  if (!source_.bonds.empty()) {
-    const CriticalStep critical = critical_step_of_bonds(scene_);
-    in("bonds", fmt::format("{}, {} bytes each; critical step of the {} {}", source_.bonds.size(),
-                            sizeof(Bond) + sizeof(ListedBond) + sizeof(BondForce), critical.name(),
-                            format_quantity(critical.step, Dimension::time)));
-  } else {
-    out("bonds", "no [[bonds]]: no bodies hold together");
-  }
-  if (!source_.forces.empty()) in("given forces", fmt::format("on {} bodies", source_.forces.size()));
   if (scene_.has_driven_walls()) {
     for (const Wall& wall : source_.walls) {
       if (wall.motion.is_prescribed()) in("driven walls", fmt::format("'{}' {}", wall.name, wall.motion.text()));
@@ -284,24 +276,15 @@ void Plan::add_space() {
     }
   } else
     out("moving surfaces", "no wall has one");
-  if (scene_.mapped_triangles() > 0) {
-    for (const Wall& wall : source_.walls) {
-      if (!wall.load_map) continue;
-      const auto triangles = static_cast<double>(scene_.shape(wall.shape).mesh.triangle_count());
-      in("load map",
-         fmt::format("'{}': {:.0f} triangles, {:.1f} kB on each rank", wall.name, triangles, triangles * sizeof(TriangleLoad) / 1e3));
-    }
-  } else
-    out("load maps", "no wall has one");
-  if (scene_.worn_vertices() > 0) {
-    for (const Wall& wall : source_.walls) {
-      if (!(wall.wear > 0)) continue;
-      const std::int64_t steps = wear_steps(wall, simulation_.state().clock.size.step);
-      in("wear", fmt::format("'{}': {} per sliding work, every {} steps", wall.name,
-                             format_quantity(wall.wear, Dimension::wear_coefficient), steps));
-    }
-  } else
-    out("wear", "no wall wears");
+  for (std::size_t k = 0; k < effect_kinds().size(); ++k) {
+    const PlanLine& without = effect_kinds()[k].without;
+    const Effect* effect = nullptr;
+    for (const std::unique_ptr<Effect>& found : simulation_.state().effects)
+      if (found->kind() == k) effect = found.get();
+    if (effect == nullptr && !without.first.empty()) out(without.first, without.second);
+    if (effect == nullptr) continue;
+    for (const PlanLine& line : effect->plan(simulation_.state())) in(line.first, line.second);
+  }
   if (comm_.size() > 1)
     in("halo and migration", fmt::format("{} bytes per ghost and step", kGhostBytes));
   else
@@ -329,12 +312,6 @@ void Plan::add_output() {
     in("contacts in frames", "output.contacts = true");
   else
     out("contacts in frames", "output.contacts = false");
-  if (settings_.output_impacts)
-    in("impacts",
-       fmt::format("energies and losses by {} pairs of materials, {:.1f} kB on each rank", material_pairs(source_.materials.size()),
-                   material_pairs(source_.materials.size()) * sizeof(MaterialPairTotals) / 1e3));
-  else
-    out("impacts", "output.impacts = false");
   if (settings_.checkpoint_every > 0)
     in("checkpoints", fmt::format("output.checkpoint = {}", format_quantity(settings_.checkpoint_every, Dimension::time)));
   else if (settings_.checkpoint_by_clock)

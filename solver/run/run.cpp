@@ -242,15 +242,14 @@ LogRow Run::take_row() {
   row.max_overlap_ratio = simulation_.take_max_overlap_ratio();
   row.imbalance = simulation_.decomposition().take_imbalance();
   row.contacts = contact_count(simulation_.state());
-  if (simulation_.state().sleep) row.asleep = asleep_count(simulation_.state());
+  row.of_effects = columns_of_effects(simulation_.state());
   if (simulation_.state().scene.continues()) {
     row.deep_now = deep_pair_count(simulation_.state());
     row.deep = deep_of_all();
   }
-  row.bonds = holding_bond_count(simulation_.state());
   row.loads = wall_loads_of(simulation_.state());
   row.walls = simulation_.state().walls;
-  row.drives = simulation_.state().totals.drives;
+  row.drives = simulation_.state().drives;
   move_loads_to_world(row.loads, row.walls, loaded_.origin);
   row.state_hash = state_hash(simulation_.state());
   row.ranks = gather_measures(comm_, rank_measures(simulation_));

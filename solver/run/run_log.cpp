@@ -7,8 +7,6 @@ namespace scree {
 
 namespace {
 
-std::string exact(double value) { return fmt::format("{:.17g}", value); }
-
 void add_vector(std::vector<Column>& columns, std::string_view name, const char* unit, const Vec3& v) {
   for (int k = 0; k < 3; ++k) columns.push_back({fmt::format("{}_{}", name, "xyz"[k]), unit, exact(v[k])});
 }
@@ -63,15 +61,7 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
     columns.push_back({"inserted_mass", "kg", exact(row.inserted.mass)});
     columns.push_back({"inserted", "J", exact(e.arrived)});
   }
-  if (!scene.bonds.empty()) {
-    columns.push_back({"bond", "J", exact(e.bond)});
-    columns.push_back({"fracture", "J", exact(e.fracture)});
-    columns.push_back({"bonds", "-", fmt::format("{}", row.bonds)});
-  }
-  if (scene.settings.sleep) {
-    columns.push_back({"asleep", "-", fmt::format("{}", row.asleep)});
-    columns.push_back({"slept", "J", exact(e.slept)});
-  }
+  columns.insert(columns.end(), row.of_effects.begin(), row.of_effects.end());
   if (scene.settings.on_overlap == OnOverlap::proceed) {
     columns.push_back({"deep_contacts", "-", fmt::format("{}", row.deep_now)});
     columns.push_back({"deep_contact_steps", "-", fmt::format("{}", row.deep.contact_steps)});

@@ -15,10 +15,9 @@ struct LogRow {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
   Energies energies;
-  double energy_error = 0;               ///< change of the balance since the start [J]
-  std::int64_t asleep = 0;               ///< bodies
-  std::int64_t contacts = 0, bonds = 0;  ///< bonds that hold
-  std::int64_t deep_now = 0;             ///< pairs deeper than their room, and what there was of them since the start
+  double energy_error = 0;  ///< change of the balance since the start [J]
+  std::int64_t contacts = 0;
+  std::int64_t deep_now = 0;  ///< pairs deeper than their room, and what there was of them since the start
   DeepTotals deep;
   double max_overlap_ratio = 0, imbalance = 0;  ///< since the row before
   std::vector<RankMeasures> ranks;              ///< since the start of the run; the row has the mean of their times
@@ -28,6 +27,7 @@ struct LogRow {
   std::vector<WallLoad> loads;   ///< in the world
   std::vector<WallState> walls;  ///< in the world
   std::vector<DriveState> drives;
+  std::vector<Column> of_effects;
   std::string state_hash;
 };
 

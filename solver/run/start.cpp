@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/base/progress.hpp"
+#include "solver/step_size/step_size.hpp"
 
 namespace scree {
 

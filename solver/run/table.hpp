@@ -6,15 +6,10 @@
 #include <vector>
 
 #include "core/base/csv.hpp"
+#include "solver/state/column.hpp"
 
 namespace scree {
 
-/// A column of a table with its cell in one row. A table lists its columns once, for its header and its rows alike.
-struct Column {
-  std::string name;
-  const char* unit;  ///< "-": none
-  std::string cell;
-};
 /// Names, and the units as a comment.
 std::string header_of(const std::vector<Column>& columns);
 std::string row_of(const std::vector<Column>& columns);

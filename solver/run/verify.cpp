@@ -1,4 +1,5 @@
 #include "solver/run/verify.hpp"
+#include "solver/effects/effects.hpp"
 
 #include <omp.h>
 
@@ -142,9 +143,13 @@ std::string Verifier::difference_from_checkpoint(const Checkpoint& now, const st
   if (words_of(recorded.totals) != words_of(now.totals)) return "the accumulated work and impulse of walls differ";
   if (words_of(recorded.totals.outlets) != words_of(now.totals.outlets)) return "what outlets took out differs";
   if (recorded.totals.inlets != now.totals.inlets) return "the state of an inlet differs";
-  if (recorded.totals.drives != now.totals.drives) return "the way, rate or force of a wall that answers to force differs";
-  if (words_of(recorded.totals.loads) != words_of(now.totals.loads)) return "the load map of a wall differs";
-  if (recorded.totals.wear != now.totals.wear) return "the vertices of a wall that wears differ";
+  for (std::size_t k = 0; k < effect_kinds().size(); ++k) {
+    const EffectRecord &was = recorded.totals.effects[k], &is = now.totals.effects[k];
+    if (was == is) continue;
+    const EffectFormat& format = effect_kinds()[k].format;
+    const std::string more = format.difference != nullptr ? format.difference(was, is) : "";
+    return more.empty() ? format.differs : more;
+  }
   if (words_of(recorded.totals.arrived) != words_of(now.totals.arrived)) return "what bodies brought that joined differs";
   return recorded.state_hash == now.state_hash ? "" : "the hash that the checkpoint gives differs";
 }

@@ -37,19 +37,21 @@ Writers::Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::
   has_removed_ = can_remove(loaded.scene);
   has_inserted_ = !loaded.scene.inlets.empty();
   const std::int64_t keep_up_to_step = is_restart ? simulation.step() : -1;
+  LogRow header;
+  header.of_effects = columns_of_effects(simulation.state());
   mpi::on_root(comm_, [&] {
     open_run_folder(folder_, loaded_.path);
     frames_ = trim_run_folder(folder_, {schedule.frame, schedule.last, simulation.state().clock.size.step}, keep_up_to_step);
-    start_tables(keep_up_to_step);
+    start_tables(header, keep_up_to_step);
   });
 }
 
-void Writers::start_tables(std::int64_t keep_up_to_step) {
+void Writers::start_tables(const LogRow& header, std::int64_t keep_up_to_step) {
   const auto start = [&](const std::string& path, const std::vector<Column>& columns) {
     start_table(path, header_of(columns), keep_up_to_step);
     tables_.push_back(path);
   };
-  start(log_path(), log_columns(loaded_.scene, {}));
+  start(log_path(), log_columns(loaded_.scene, header));
   start(folder_ + "/ranks.csv", rank_columns(0, 0, {}));
   if (has_steps_) start(folder_ + "/steps.csv", step_columns({}));
   InsertedBody nobody_came{};

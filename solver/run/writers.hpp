@@ -36,7 +36,7 @@ class Writers {
   std::string log_path() const { return folder_ + "/log.csv"; }
 
  private:
-  void start_tables(std::int64_t keep_up_to_step);
+  void start_tables(const LogRow& header, std::int64_t keep_up_to_step);
 
   const mpi::Communicator& comm_;
   const LoadedScene& loaded_;

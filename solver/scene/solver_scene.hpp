@@ -63,7 +63,6 @@ class SolverScene {
   bool crowds_follow() const { return crowds_follow_; }
   /// What there is of weights so far; null where all are 1.
   const DensityWeights* density_weights() const { return weights_.get(); }
-  bool has_bonds_or_forces() const { return !scene_->bonds.empty() || !scene_->forces.empty(); }
   /// That the case gives to a body; null for most.
   const BodyForce* given_force(std::int64_t id) const;
   const std::vector<WallZone>& zones() const { return zones_; }

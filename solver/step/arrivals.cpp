@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "solver/built_with.hpp"
+#include "solver/step_size/step_size.hpp"
 
 namespace scree {
 
@@ -102,6 +103,13 @@ bool Arrivals::join(RunState& s, const Halo& halo) {
   }
   s.particles.owned = s.particles.size();
   return true;
+}
+
+void agree_on_bodies(RunState& s) {
+  s.facts = agree_on_facts(s.comm, s.particles);
+  const ContactLimit limit = limit_of_contacts(s.comm, s.scene, s.particles);
+  s.clock.size.contact_time = limit.time;
+  s.clock.size.slowest_contact_time = limit.slowest_time;
 }
 
 }  // namespace scree

@@ -4,12 +4,15 @@
 #include <vector>
 
 #include "solver/ranks/halo.hpp"
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 
 /// A study build refuses what was left out of it.
 void check_built_with(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
+
+/// Agrees what is known of all bodies, and of the contacts that they can have, after bodies came or went. The step stays. Collective.
+void agree_on_bodies(RunState& s);
 
 class Arrivals {
  public:

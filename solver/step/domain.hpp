@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "solver/ranks/failure.hpp"
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

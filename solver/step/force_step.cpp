@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "solver/built_with.hpp"
-#include "solver/step/bonds.hpp"
+#include "solver/effects/sleep/sleep.hpp"
 
 namespace scree {
 
@@ -27,8 +27,11 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   Balance& balance = decomposition.balance();
   const bool refresh_ghosts = built_with::kRanks && refresh, overlap = decomposition.options().strategy == HaloStrategy::overlap;
   const bool timed = refresh_ghosts && balance.is_sample(s.clock.step);
-  s.loads.clear();
-  s.impacts.clear();
+  observers_.clear();
+  for (const std::unique_ptr<Effect>& effect : s.effects) {
+    effect->before_forces(s);
+    if (PairObserver* const observer = effect->observer()) observers_.push_back(observer);
+  }
   if (s.sleep) s.sleep->sort_pairs(s, scratch_, failure);
   const auto due = [&s](Sleep::Which which, const std::vector<std::int32_t>& all) {
     return s.sleep ? s.sleep->due(which, all) : std::span(all);
@@ -54,16 +57,15 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   if (s.sleep) s.sleep->wake_disturbed(s);
   s.pairs.sum_onto_bodies(s.scene.source().settings.gravity, p);
   if (s.fluid) s.fluid->add_buoyancy(p);
-  if (!s.given_forces.empty()) add_given_forces(s);
-  if (s.bonds) add_bonds(s);
+  for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_forces(s);
 }
 
 void ForceStep::compute_begun(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which) {
   if (failure.exists() || which.empty()) return;
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;
+    // nobody is shown these contacts: bodies do not get their forces in this step
     largest = std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, 0, s.clock.step, scratch_, s.pairs));
-    for (std::vector<ImpactEntry>& of_thread : scratch_.impacts) of_thread.clear();  // bodies do not get these forces
   });
 }
 
@@ -74,22 +76,14 @@ void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failu
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;
-    largest =
-        std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, friction_dt, s.clock.step, scratch_, s.pairs));
+    largest = std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, friction_dt, s.clock.step, scratch_,
+                                               s.pairs, observers_));
     for (ExactSum& released : scratch_.released) {
       s.totals.walls.dissipated.add(released);
       released = {};
     }
     for (std::vector<DeepContact>& of_thread : scratch_.deep) {
       for (const DeepContact& contact : of_thread) s.totals.deep.add(contact, s.clock.step);
-      of_thread.clear();
-    }
-    for (std::vector<LoadEntry>& of_thread : scratch_.loads) {
-      s.loads.insert(s.loads.end(), of_thread.begin(), of_thread.end());
-      of_thread.clear();
-    }
-    for (std::vector<ImpactEntry>& of_thread : scratch_.impacts) {
-      s.impacts.insert(s.impacts.end(), of_thread.begin(), of_thread.end());
       of_thread.clear();
     }
   });
@@ -101,14 +95,9 @@ FrameContacts ForceStep::contacts(RunState& s, Halo& halo) {
     halo.start_refresh(s.particles, s.times);
     halo.finish_refresh(s.particles, s.times);
   }
-  // Damping acts here with the velocities of the full step; what the step computed, with those that it had then, stays: loads of walls are
-  // read from it.
-  const std::vector<PairResult> kept = s.pairs.results();
   FrameContacts out;
-  for (const auto* which : {&s.pairs.inner(), &s.pairs.outer()}) {
-    evaluate_pairs(s.scene, s.particles, s.walls, *which, s.clock.dt, 0, s.clock.step, scratch_, s.pairs, &out);
-  }
-  s.pairs.results() = kept;
+  for (const auto* which : {&s.pairs.inner(), &s.pairs.outer()})
+    append_frame_contacts(s.scene, s.particles, s.walls, *which, s.clock.dt, s.clock.step, scratch_, s.pairs, out);
   return out;
 }
 

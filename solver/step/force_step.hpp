@@ -7,7 +7,7 @@
 #include "solver/pairs/forces.hpp"
 #include "solver/ranks/decomposition.hpp"
 #include "solver/ranks/failure.hpp"
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 
@@ -32,6 +32,7 @@ class ForceStep {
                      Phase phase);
 
   ForceScratch scratch_;
+  std::vector<PairObserver*> observers_;  // of the effects, in this step
 };
 
 }  // namespace scree

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "core/placing/region.hpp"
+#include "solver/state/run_state.hpp"
 #include "solver/step/arrivals.hpp"
-#include "solver/step/run_state.hpp"
 
 namespace scree {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

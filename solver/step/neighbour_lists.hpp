@@ -8,7 +8,7 @@
 
 #include "solver/ranks/agreement.hpp"
 #include "solver/ranks/balance.hpp"
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

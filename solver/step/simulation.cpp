@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "solver/built_with.hpp"
+#include "solver/effects/effects.hpp"
+#include "solver/effects/sleep/sleep.hpp"
 #include "solver/step/leaving_contacts.hpp"
-#include "solver/step/shared_damping.hpp"
 #include "solver/step/start_from_run.hpp"
-#include "solver/step/wall_drives.hpp"
-#include "solver/step/wall_loads.hpp"
-#include "solver/step/wall_wear.hpp"
 #include "solver/step_size/stability.hpp"
+#include "solver/step_size/step_size.hpp"
 
 namespace scree {
 
@@ -35,7 +34,16 @@ std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const Sol
 }  // namespace
 
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
-    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm), inlets_(scene) {}
+    : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm), inlets_(scene) {
+  agree_ = [this] { agree_on_failures(); };
+  compute_begun_ = [this](const std::vector<std::int32_t>& which) { forces_.compute_begun(state_, failure_, which); };
+  state_.effects = make_effects(state_);
+  state_.sleep = state_.effect<Sleep>();
+}
+
+void Simulation::for_each_effect(void (Effect::*hook)(RunState&)) {
+  for (const std::unique_ptr<Effect>& effect : state_.effects) (*effect.*hook)(state_);
+}
 
 void Simulation::start_from_scene(const std::optional<StartState>& start) {
   const std::vector<ParticleRecord> records = own_records(state_.comm, state_.scene, start);
@@ -45,12 +53,10 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   forces_.compute(state_, decomposition_, failure_, 0, false);
   // contacts that there are from the start on may ask for a shorter step, for which damping is computed anew
   if (levels_.begin_with_contacts(state_, forces_.scratch(), failure_)) forces_.compute(state_, decomposition_, failure_, 0, false);
-  feel_drives(state_);
   if (start) book_starting_springs(state_);
+  for_each_effect(&Effect::start);
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
-  book_loads(state_, 0.5 * state_.clock.dt, false, state_.totals.loads);
-  book_impacts(state_, 0.5 * state_.clock.dt, false, state_.totals.impacts);
   add_dissipation(state_, 0.5 * state_.clock.dt);
   agree_on_failures();
 }
@@ -62,9 +68,12 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.totals.max_overlap_ratio = totals.max_overlap_ratio;
   state_.totals.largest_id = totals.largest_id;
   state_.totals.inlets = totals.inlets;
-  state_.totals.drives = totals.drives;
-  if (!totals.wear.vertices.empty()) state_.totals.wear = totals.wear;
-  if (state_.bonds) state_.bonds->set_broken_at(totals.broken_at);
+  state_.totals.effects.clear();
+  for (const std::unique_ptr<Effect>& effect : state_.effects) {
+    // a record that is missing, of an older version, leaves what a scene begins with; the state hash judges it
+    if (effect->kind() < totals.effects.size() && !totals.effects[effect->kind()].empty())
+      mpi::on_all(state_.comm, [&] { effect->restore(state_, totals.effects[effect->kind()]); });
+  }
   state_.largest_id = std::max(state_.largest_id, totals.largest_id);
   state_.clock.level = totals.level;
   begin(records, step, step_size, false);
@@ -84,9 +93,8 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   mpi::on_all(state_.comm, [&] { clock.size = derive_step_size(state_.comm, state_.scene, p); });
   if (step_size > 0) clock.size.step = step_size;  // a run keeps the step that it began with
   clock.set_level(clock.level);
-  if (state_.bonds) begin_fragments(state_);
   state_.set_walls();
-  mpi::on_all(state_.comm, [&] { place_worn_vertices(state_); });
+  mpi::on_all(state_.comm, [&] { for_each_effect(&Effect::begin); });
   if (step == 0) levels_.begin(state_, forces_.scratch(), failure_);
   lists_.begin(state_);
   if (!is_cut && state_.comm.size() > 1) decomposition_.cut_anew(p, state_.pairs, true);
@@ -99,29 +107,23 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
 void Simulation::advance() {
   const std::int64_t next = step() + 1;
   while (step() < next) advance_substep();
-  if (wear_is_due(state_)) {
-    agree_on_failures();
-    wear_walls(state_, forces_.scratch(), failure_);
-    walls_worn_ = true;
-  }
-  if (state_.sleep && step() % kSleepSteps == 0) state_.sleep->review(state_, decomposition_.halo(), forces_.scratch(), failure_);
+  for (const std::unique_ptr<Effect>& effect : state_.effects) needs_lists_ = effect->after_step(parts()) || needs_lists_;
   levels_.review(state_, forces_.scratch(), failure_);
 }
 
 void Simulation::advance_substep() {
   move_bodies();
   const bool level_changed = levels_.take_change(), bodies_leave = domain_.review(state_, failure_);
-  if (state_.bonds) review_fragments(state_);
+  for_each_effect(&Effect::review);
   inlets_.feed(state_, arrivals_);
-  const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting() || std::exchange(walls_worn_, false));
+  const StepReport all = agree_on_step(level_changed || bodies_leave || arrivals_.are_waiting() || std::exchange(needs_lists_, false));
   requests_.hear(all);
   if (all.failed != 0) agree_on_failures();
   if (all.rebuild != 0) rebuild_lists(all);
   forces_.compute(state_, decomposition_, failure_, state_.clock.dt, all.rebuild == 0);
-  if (state_.bonds) breakage_.decide(state_, forces_, failure_);
+  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->before_kick(parts());
   finish_motion();
-  if (state_.bonds) breakage_.replace_forces(state_);
-  share_damping(state_);
+  for_each_effect(&Effect::end_step);
 }
 
 void Simulation::move_bodies() {
@@ -130,7 +132,7 @@ void Simulation::move_bodies() {
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
   begin_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
   if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
-  if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { move_drives(state_); });
+  failure_.watch(step(), [&] { for_each_effect(&Effect::drift); });
   state_.clock.advance();
   failure_.watch(step(), [&] { check_displacement(state_); });
   if (state_.scene.has_driven_walls() || state_.scene.has_moving_surfaces()) state_.set_walls();
@@ -141,10 +143,8 @@ void Simulation::finish_motion() {
   Balance& balance = decomposition_.balance();
   const WorkTimer work(balance.computing(), balance.weight_of(step()));
   end_step(state_.integrator, state_.particles, state_.clock.dt, state_.fluid_forces());
-  if (state_.scene.has_answering_walls()) failure_.watch(step(), [&] { respond_drives(state_); });
+  failure_.watch(step(), [&] { for_each_effect(&Effect::after_kick); });
   add_wall_effects(state_, state_.clock.dt, state_.totals.walls);
-  book_loads(state_, state_.clock.dt, true, state_.totals.loads);
-  book_impacts(state_, state_.clock.dt, true, state_.totals.impacts);
   // The force of step n acts over a whole step around it, with the mean velocity of that step: that of the full step.
   add_dissipation(state_, state_.clock.dt);
 }
@@ -196,8 +196,9 @@ void Simulation::rebuild_lists(const StepReport& report) {
     const PhaseTimer timer(state_.times, Phase::migrate);
     if (!failure_.exists()) failure_.watch(step(), [&] { check_finite(state_); });
     agree_on_failures();
-    const bool has_bonds = state_.bonds.has_value();
-    const double further = has_bonds ? extra_reach(state_, lists_.rebuilds() == 0) : 0;
+    double further = 0;
+    for (const std::unique_ptr<Effect>& effect : state_.effects)
+      further = std::max(further, effect->extra_reach(state_, lists_.rebuilds() == 0));
     std::vector<std::int64_t> disturbed;
     if (state_.sleep && domain_.is_removal_due()) disturbed = state_.sleep->touching_those_that_leave(state_, domain_.leaving(state_));
     if (domain_.is_removal_due()) book_contacts_of_leaving(state_, domain_.leaving(state_));
@@ -205,13 +206,12 @@ void Simulation::rebuild_lists(const StepReport& report) {
     if (state_.sleep) Sleep::wake(state_, disturbed);
     const bool left = domain_.remove(state_), came = arrivals_.join(state_, decomposition_.halo());
     if (left || came) agree_on_bodies(state_);
-    if (has_bonds) share_broken(state_, left);
+    for (const std::unique_ptr<Effect>& effect : state_.effects) effect->after_migration(state_, left);
     lists_.set_skin(state_, report.fastest);
     if (built_with::kRanks) decomposition_.halo().make_ghosts(state_.scene, p, state_.facts.largest_radius, lists_.skin() + further);
   }
   lists_.rebuild(state_, decomposition_.balance());
-  if (state_.sleep) state_.sleep->begin_lists(state_);
-  if (state_.scene.has_bonds_or_forces()) list_bonds(state_, failure_);
+  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->on_rebuild(parts());
 }
 
 double Simulation::take_max_overlap_ratio() {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/storage/start_state.hpp"
@@ -12,13 +13,12 @@
 #include "solver/ranks/decomposition.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/requests.hpp"
+#include "solver/state/run_state.hpp"
 #include "solver/step/arrivals.hpp"
-#include "solver/step/bonds.hpp"
 #include "solver/step/domain.hpp"
 #include "solver/step/force_step.hpp"
 #include "solver/step/inlets.hpp"
 #include "solver/step/neighbour_lists.hpp"
-#include "solver/step/run_state.hpp"
 #include "solver/step_size/critical_step.hpp"
 #include "solver/step_size/step_levels.hpp"
 
@@ -68,6 +68,8 @@ class Simulation {
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
   void advance_substep();
+  StepParts parts() { return {state_, forces_.scratch(), failure_, decomposition_.halo(), agree_, compute_begun_}; }
+  void for_each_effect(void (Effect::*hook)(RunState&));
   void move_bodies();
   void finish_motion();
   StepReport agree_on_step(bool forced);
@@ -84,8 +86,9 @@ class Simulation {
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;
-  bool walls_worn_ = false;  // since the last step: lists were made for other walls
-  Breakage breakage_;
+  bool needs_lists_ = false;     // an effect has changed since the last step what they were made for
+  std::function<void()> agree_;  // as effects call them
+  std::function<void(const std::vector<std::int32_t>&)> compute_begun_;
 };
 
 }  // namespace scree

@@ -8,7 +8,7 @@
 #include "core/storage/start_state.hpp"
 #include "solver/bodies/particle_set.hpp"
 #include "solver/contact/pair_state.hpp"
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "solver/step/bonds.hpp"
-#include "solver/step/wall_drives.hpp"
-
 namespace scree {
 
 namespace {
@@ -41,10 +38,8 @@ void fetch_bounds_of_ghosts(const RunState& s, const std::vector<std::int32_t>& 
   };
   for (const std::int32_t k : touching)
     share(s.pairs.pairs()[static_cast<std::size_t>(k)].a, s.pairs.pairs()[static_cast<std::size_t>(k)].b);
-  if (s.bonds) {
-    for (const ListedBond& bond : s.bonds->listed()) {
-      if (!s.bonds->is_broken(bond)) share(bond.a, bond.b);
-    }
+  for (const std::unique_ptr<Effect>& effect : s.effects) {
+    for (const BodyLink& link : effect->links(s)) share(link.a, link.b);
   }
   const auto ranks = static_cast<std::size_t>(s.comm.size());
   std::unordered_map<std::int64_t, BodyBound> of_id;
@@ -80,11 +75,7 @@ CriticalStep critical_step(RunState& s, ForceScratch& scratch) {
     bounds.add(linearise(pair, function), of_wall);
   };
   visit_pairs(s.scene, s.particles, s.walls, touching, s.clock.step, scratch, s.pairs, look);
-  if (s.bonds) {
-    for (const ListedBond& bond : s.bonds->listed()) {
-      if (!s.bonds->is_broken(bond)) bounds.add(linearise(*s.bonds, bond, s.particles));
-    }
-  }
+  for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_stiffness(s, bounds);
   if (s.comm.size() > 1) fetch_bounds_of_ghosts(s, touching, bounds);
   const CriticalStep mine = bounds.critical_step(s.scene.law_choice().lag_corrected);
   return s.comm.size() > 1 ? smallest_of(s.comm, mine) : mine;

@@ -1,7 +1,7 @@
 // The critical step of the contacts that there are, over all ranks.
 #pragma once
 
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 #include "solver/step_size/critical_step.hpp"
 
 namespace scree {

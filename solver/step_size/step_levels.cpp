@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "solver/step_size/stability.hpp"
+#include "solver/step_size/step_size.hpp"
 
 namespace scree {
 

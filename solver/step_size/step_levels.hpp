@@ -8,7 +8,7 @@
 
 #include "solver/pairs/forces.hpp"
 #include "solver/ranks/failure.hpp"
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

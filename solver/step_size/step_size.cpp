@@ -4,9 +4,9 @@
 #include "core/storage/attraction.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/scene/hollow_walls.hpp"
-#include "solver/step/bonds.hpp"
 #include "solver/step/inlets.hpp"
 #include "solver/step_size/approach.hpp"
+#include "solver/step_size/bond_stiffness.hpp"
 
 #include <algorithm>
 #include <array>

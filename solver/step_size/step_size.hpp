@@ -6,19 +6,9 @@
 
 #include "solver/bodies/particle_set.hpp"
 #include "solver/ranks/mpi_session.hpp"
+#include "solver/state/step_clock.hpp"
 
 namespace scree {
-
-struct StepSize {
-  double step = 0;                  ///< [s]
-  double contact_time = 0;          ///< half period of the limiting contact [s]; 0: no contact can occur
-  double slowest_contact_time = 0;  ///< half period of the most sluggish body's contact [s]; 0: no contact can occur
-  std::string limited_by;           ///< "body 17 (rock) on fixed steel", for the user
-  bool given = false;               ///< taken from the case
-  double crossing = 0;              ///< longest that follows the attraction of all pairs through its range [s]; 0: none attract
-  /// Step above which the limiting contact is unstable, damping left out [s]: 2 / omega.
-  double critical() const { return contact_time * 2 / 3.14159265358979323846; }
-};
 
 /// Share of the sum of their margins by which two surfaces may come nearer in a step.
 inline constexpr double kMarginPerStep = 0.2;

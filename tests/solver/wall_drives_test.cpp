@@ -84,7 +84,7 @@ TEST(WallDrives, of_a_free_part_keep_momentum_and_energy) {
   run.start();
   const double m = kBall, M = 2;
   run.run_for(0.1);
-  const double plate = run.simulation->state().totals.drives[0].rate, ball = run.velocity(0).z;
+  const double plate = run.simulation->state().drives[0].rate, ball = run.velocity(0).z;
   EXPECT_NEAR(m * ball + M * plate, m, 1e-12 * m);
   EXPECT_NEAR(plate, 2 * m / (m + M), 1e-3 * plate) << "elastic: v = 2 m v0 / (m + M)";
   EXPECT_NEAR(ball, (m - M) / (m + M), 1e-3);
@@ -109,7 +109,7 @@ TEST(WallDrives, are_damped_as_they_should) {
   run.start();
   run.run_for(0.2);
   const double exact = 2 * (1 - std::exp(-10 * run.simulation->time()));
-  EXPECT_NEAR(run.simulation->state().totals.drives[0].rate, exact, 1e-4 * exact);
+  EXPECT_NEAR(run.simulation->state().drives[0].rate, exact, 1e-4 * exact);
 }
 
 }  // namespace

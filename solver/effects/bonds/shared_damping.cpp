@@ -1,4 +1,4 @@
-#include "solver/step/shared_damping.hpp"
+#include "solver/effects/bonds/shared_damping.hpp"
 
 #include <algorithm>
 #include <map>

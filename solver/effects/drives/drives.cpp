@@ -1,4 +1,4 @@
-#include "solver/step/wall_drives.hpp"
+#include "solver/effects/drives/drives.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,8 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/wall_state.hpp"
+#include "solver/state/run_state.hpp"
+#include "solver/step_size/step_size.hpp"
 
 namespace scree {
 
@@ -43,18 +45,17 @@ double rate_ahead(const Drive& drive, const DriveState& at, const Vec3& gravity,
 /// Calls action(wall, drive) for each that answers to force.
 template <class Action>
 void for_each_drive(const RunState& s, Action&& action) {
-  for (std::size_t w = 0; w < s.totals.drives.size(); ++w) {
+  for (std::size_t w = 0; w < s.drives.size(); ++w) {
     if (const Drive* drive = s.scene.drive(w)) action(w, *drive);
   }
 }
 
-}  // namespace
-
+/// Moves them by the present step. Throws RunInvalid, on every rank, for one that goes too far in it.
 void move_drives(RunState& s) {
   const double dt = s.clock.dt, middle = s.clock.time() + 0.5 * dt;
   const Vec3 gravity = s.scene.source().settings.gravity;
   for_each_drive(s, [&](std::size_t w, const Drive& drive) {
-    DriveState& at = s.totals.drives[w];
+    DriveState& at = s.drives[w];
     at.rate_before = 0;
     if (!is_on(s.scene.source().walls[w].motion, middle)) return;
     const double rate = rate_ahead(drive, at, gravity, dt), to = at.way + dt * rate;
@@ -72,8 +73,6 @@ void move_drives(RunState& s) {
     at.way = end;
   });
 }
-
-namespace {
 
 /// Of one contact of a wall, along the way that the wall can go.
 struct Resistance {
@@ -99,14 +98,12 @@ Resistance resistance_of(const RunState& s, const Guide& guide, const PairResult
   return of;
 }
 
-}  // namespace
-
-void feel_drives(RunState& s) {
-  if (s.totals.drives.empty()) return;
+/// Sums what contacts do to them. Collective.
+void sum_drive_forces(RunState& s) {
   enum { force, stiffness, impedance, yield, count };
   const Settings& settings = s.scene.source().settings;
   const double crowd = settings.gather == Gathering::area ? 1 : s.scene.extent_of_rough_pair(s.scene.extremes());
-  std::vector<ExactSum> sums(count * s.totals.drives.size());
+  std::vector<ExactSum> sums(count * s.drives.size());
   for (const std::int32_t k : s.pairs.with_walls()) {
     const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
@@ -129,7 +126,7 @@ void feel_drives(RunState& s) {
   }
   add_over_ranks(s.comm.get(), sums);
   for_each_drive(s, [&](std::size_t w, const Drive&) {
-    DriveState& at = s.totals.drives[w];
+    DriveState& at = s.drives[w];
     at.force = sums[count * w + force].value();
     at.stiffness = sums[count * w + stiffness].value();
     at.impedance = sums[count * w + impedance].value();
@@ -137,13 +134,15 @@ void feel_drives(RunState& s) {
   });
 }
 
-void respond_drives(RunState& s) {
-  feel_drives(s);
+/// After the forces of a step: sums them, and sets the rates of the present moment, of `s.walls` too. Collective.
+/// Throws RunInvalid on every rank for a part that is too light for the contacts that it has, at this step.
+void kick_drives(RunState& s) {
+  sum_drive_forces(s);
   const double dt = s.clock.dt, time = s.clock.time();
   const Vec3 gravity = s.scene.source().settings.gravity;
   for_each_drive(s, [&](std::size_t w, const Drive& drive) {
     const Wall& wall = s.scene.source().walls[w];
-    DriveState& at = s.totals.drives[w];
+    DriveState& at = s.drives[w];
     const bool is_at_end = at.way == drive.lowest || at.way == drive.highest;
     if (!is_on(wall.motion, time - 0.5 * dt)) {
       at.rate = 0;
@@ -166,10 +165,56 @@ void respond_drives(RunState& s) {
   });
 }
 
-double wall_share_of_frequency(const RunState& s, std::size_t wall) {
-  if (wall >= s.totals.drives.size()) return 0;
-  const Drive* drive = s.scene.drive(wall);
-  return drive != nullptr && drive->inertia > 0 ? s.totals.drives[wall].stiffness / drive->inertia : 0;
+struct DriveColumn {
+  ArrayFormat format;
+  double DriveState::*field;
+};
+constexpr DriveColumn kColumns[] = {
+    {{"way", ""}, &DriveState::way},     {{"rate", ""}, &DriveState::rate},           {{"rate_before", ""}, &DriveState::rate_before},
+    {{"force", ""}, &DriveState::force}, {{"stiffness", ""}, &DriveState::stiffness}, {{"impedance", ""}, &DriveState::impedance},
+    {{"yield", ""}, &DriveState::yield}};
+
+class Drives : public Effect {
+ public:
+  void start(RunState& s) override { sum_drive_forces(s); }
+  void drift(RunState& s) override { move_drives(s); }
+  void after_kick(RunState& s) override { kick_drives(s); }
+
+  EffectRecord record(const RunState& s) const override {
+    EffectRecord record;
+    for (const DriveColumn& column : kColumns) {
+      StateArray& array = record.emplace_back();
+      for (const DriveState& at : s.drives) array.reals.push_back(at.*column.field);
+    }
+    return record;
+  }
+  void restore(RunState& s, const EffectRecord& record) override {
+    for (std::size_t c = 0; c < std::size(kColumns); ++c) {
+      if (record[c].reals.size() != s.drives.size())
+        throw InputError("{} walls that answer to force instead of {}; the file is damaged or of another scene", record[c].reals.size(),
+                         s.drives.size());
+      for (std::size_t w = 0; w < s.drives.size(); ++w) s.drives[w].*kColumns[c].field = record[c].reals[w];
+    }
+  }
+  /// The forces follow from bodies and pairs.
+  std::vector<ItemHash> hashes(const EffectRecord& record) const override {
+    std::vector<ItemHash> items(record.front().reals.size());
+    for (std::size_t w = 0; w < items.size(); ++w) {
+      for (std::size_t c = 0; c < 3; ++c) items[w].add(record[c].reals[w]);
+    }
+    return items;
+  }
+};
+
+}  // namespace
+
+EffectKind drives_effect() {
+  EffectFormat format{"drives", "the way, rate or force of a wall that answers to force differs", {}};
+  for (const DriveColumn& column : kColumns) format.arrays.push_back(column.format);
+  return {format, {}, [](const RunState& s) -> std::unique_ptr<Effect> {
+            if (!s.scene.has_answering_walls()) return nullptr;
+            return std::make_unique<Drives>();
+          }};
 }
 
 }  // namespace scree

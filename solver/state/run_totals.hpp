@@ -10,9 +10,8 @@
 #include "core/storage/wall_state.hpp"
 #include "solver/pairs/deep_contacts.hpp"
 #include "solver/ranks/exact_sum.hpp"
-#include "solver/step/impacts.hpp"
-#include "solver/step/inlet_state.hpp"
-#include "solver/step/load_map.hpp"
+#include "solver/state/effect_record.hpp"
+#include "solver/state/inlet_state.hpp"
 
 namespace scree {
 
@@ -52,19 +51,13 @@ struct RunTotals {
   WallTotals walls;
   DepartureTotals departed;
   ArrivalTotals arrived;
-  ExactSum slept;                       ///< kinetic energy of bodies as they fell asleep [J]
-  ExactSum fracture;                    ///< energy of bonds as they broke, less that of the contacts in their place [J]
-  std::vector<std::int64_t> broken_at;  ///< of all bonds, as checkpoints hold them (BondList); empty elsewhere
   std::vector<OutletTotals> outlets;
-  std::vector<InletState> inlets;  ///< the same on every rank
-  LoadMap loads;                   ///< of the walls that have one
-  DeepTotals deep;                 ///< contacts deeper than their room, where a run goes on with them
-  ImpactTotals impacts;            ///< where they are recorded
-  WearState wear;                  ///< the same on every rank; empty where no wall wears
-  std::vector<DriveState> drives;  ///< of each wall, the same on every rank; empty where none answers to force
-  std::int64_t largest_id = -1;    ///< of the bodies that joined, the same on every rank
-  double max_overlap_ratio = 0;    ///< since it was last taken
-  std::int64_t level = 0;          ///< of the step, see StepClock
+  std::vector<InletState> inlets;     ///< the same on every rank
+  DeepTotals deep;                    ///< contacts deeper than their room, where a run goes on with them
+  std::vector<EffectRecord> effects;  ///< of all ranks, in the order of effect_kinds(), as a checkpoint holds them; empty while it runs
+  std::int64_t largest_id = -1;       ///< of the bodies that joined, the same on every rank
+  double max_overlap_ratio = 0;       ///< since it was last taken
+  std::int64_t level = 0;             ///< of the step, see StepClock
 };
 
 /// Calls action(sum) for every sum, in the order in which checkpoints hold them; those of RunTotals without arrivals and outlets, which

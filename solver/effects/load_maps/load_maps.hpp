@@ -22,6 +22,7 @@
 
 #include "core/geometry/vec3.hpp"
 #include "solver/ranks/exact_sum.hpp"
+#include "solver/state/effect.hpp"
 
 namespace scree {
 
@@ -44,13 +45,6 @@ struct LoadMap {
   std::vector<TriangleLoad> triangles;
 };
 
-/// Of all walls that wear; the same on every rank.
-struct WearState {
-  std::vector<Vec3> vertices;  ///< as they are now, axes of their meshes, wall after wall (SolverScene::first_worn)
-  std::vector<double> work;    ///< of each triangle of a load map: the sliding work that its wall has been worn for [J]
-  bool operator==(const WearState&) const = default;
-};
-
 /// A contact's share in a triangle, world axes.
 struct LoadEntry {
   std::int32_t triangle;            ///< row of the map
@@ -62,12 +56,33 @@ struct LoadEntry {
   double contacts = 0, impact = 0;  ///< [-], [J]
 };
 
-/// The same for all triangles on every rank. Collective.
-void add_over_ranks(MPI_Comm comm, LoadMap& map);
+/// The effect, for those that read the map: wear.
+class LoadMaps : public Effect, public PairObserver {
+ public:
+  explicit LoadMaps(const RunState& s);
 
-/// The words of all sums, as checkpoints and hashes take them: kLoadSums x ShortSum::kWords for each triangle.
-std::vector<std::int64_t> words_of(const LoadMap& map);
-/// in   words   as many as words_of() gives for such a map. Throws InputError.
-void set_words(const std::vector<std::int64_t>& words, LoadMap& map);
+  void before_forces(RunState&) override;
+  PairObserver* observer() override { return this; }
+  bool observes(const PairView& view) const override;
+  bool observes_bodies() const override { return false; }
+  void observe(const PairContact& contact) override;
+  void start(RunState& s) override;
+  void after_kick(RunState& s) override;
+
+  EffectRecord record(const RunState& s) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  void add_frame(const RunState& s, Frame& frame) const override;
+  std::vector<PlanLine> plan(const RunState& s) const override;
+
+  /// The map of all ranks; the forces of the last step count in full. Collective.
+  LoadMap of_all_ranks(const RunState& s) const;
+
+ private:
+  const SolverScene& scene_;
+  LoadMap map_;                                  // of this rank
+  std::vector<std::vector<LoadEntry>> entries_;  // of the present forces, by thread
+};
+
+EffectKind load_maps_effect();
 
 }  // namespace scree

@@ -20,21 +20,11 @@
 // Source: the controllers of Yade (TriaxialStressController) and LIGGGHTS (mesh/surface/stress/servo), with the contacts' own impedance.
 #pragma once
 
-#include "solver/step/run_state.hpp"
+#include "solver/state/effect.hpp"
 
 namespace scree {
 
-/// Moves them by the present step. Before the clock is advanced. Throws RunInvalid, on every rank, for one that goes too far in it.
-void move_drives(RunState& s);
-
-/// Sums what contacts do to them. Collective.
-void feel_drives(RunState& s);
-
-/// After the forces of a step: sums them, and sets the rates of the present moment, of `s.walls` too. Collective.
-/// Throws RunInvalid on every rank for a part that is too light for the contacts that it has, at this step.
-void respond_drives(RunState& s);
-
-/// The part of omega^2 [1/s^2] that a wall's own inertia brings to its contacts; 0 of one that has none.
-double wall_share_of_frequency(const RunState& s, std::size_t wall);
+/// The states of the walls are RunState::drives: the places of walls follow from them.
+EffectKind drives_effect();
 
 }  // namespace scree

@@ -10,7 +10,7 @@
 // part of a contact between stiff fragments, it counts as alone. Laws whose chi does not depend on U need none of it.
 #pragma once
 
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 

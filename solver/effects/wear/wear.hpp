@@ -7,11 +7,15 @@
 // Cost: of a wall that is worn, its tree and features anew; a look at each of its pairs. Nothing in the steps between.
 #pragma once
 
-#include "solver/pairs/forces.hpp"
-#include "solver/ranks/failure.hpp"
-#include "solver/step/run_state.hpp"
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/vec3.hpp"
+#include "solver/state/effect.hpp"
 
 namespace scree {
+
+struct Wall;
 
 /// Of the margin of a body: by more than this no vertex recedes at a time. What touches a wall would lose its contact and fall onto it, and
 /// a run would depend on the interval; a tenth keeps the forces of a contact at rest within some tenths.
@@ -20,20 +24,39 @@ inline constexpr double kMostWear = 0.1;
 /// In how many steps a wall is worn.
 std::int64_t wear_steps(const Wall& wall, double step);
 
-/// Whether one is due after the present whole step.
-bool wear_is_due(const RunState& s);
-
-/// Wears the walls that are due. Candidates of pairs are forgotten; new lists are left to the caller. Collective; a mesh that cannot be
-/// worn so is kept in `failure` on every rank.
-void wear_walls(RunState& s, ForceScratch& scratch, FirstFailure& failure);
-
-/// Gives the scene the vertices that the state has: at the start and after a restart.
-void place_worn_vertices(const RunState& s);
+/// Of all walls that wear; the same on every rank.
+struct WearState {
+  std::vector<Vec3> vertices;  ///< as they are now, axes of their meshes, wall after wall (SolverScene::first_worn)
+  std::vector<double> work;    ///< of each triangle of a load map: the sliding work that its wall has been worn for [J]
+};
 
 /// Volume that a wall has lost so far [m^3], and how far its farthest vertex has receded [m].
 struct WornAway {
   double volume = 0, depth = 0;
 };
-WornAway worn_away(const RunState& s, std::size_t wall);
+
+/// The effect, for those that read what walls have lost.
+class Wear : public Effect {
+ public:
+  explicit Wear(const RunState& s);
+
+  /// Gives the scene the vertices that the state has: at the start and after a restart.
+  void begin(RunState& s) override;
+  /// Wears the walls that are due. Candidates of pairs are forgotten. A mesh that cannot be worn so is kept as the failure of every rank.
+  bool after_step(const StepParts& parts) override;
+  EffectRecord record(const RunState&) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  void add_frame(const RunState& s, Frame& frame) const override;
+  std::vector<PlanLine> plan(const RunState& s) const override;
+
+  WornAway worn_away(const RunState& s, std::size_t wall) const;
+
+ private:
+  void wear_walls(const StepParts& parts, const std::vector<std::size_t>& due);
+
+  WearState state_;
+};
+
+EffectKind wear_effect();
 
 }  // namespace scree

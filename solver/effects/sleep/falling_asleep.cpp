@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "solver/bodies/motion.hpp"
-#include "solver/step/run_state.hpp"
-#include "solver/step/sleep.hpp"
-#include "solver/step/sleep_loads.hpp"
+#include "solver/effects/sleep/sleep.hpp"
+#include "solver/effects/sleep/sleep_loads.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 
@@ -87,14 +87,14 @@ void Sleep::stay_with_neighbours(RunState& s) const {
 }
 
 /// All that are left with a mark. Returns whether somebody was.
-bool Sleep::fall_asleep(RunState& s) const {
+bool Sleep::fall_asleep(RunState& s) {
   ParticleSet& p = s.particles;
   bool any = false;
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (!is_awake(p, i) || (p.rest[i] & kReady) == 0) continue;
     // half of what the last step was counted with lies ahead, and is not to come
     p.dissipated[i] += contact_dissipation(p, i, -0.5 * s.clock.dt);
-    s.totals.slept.add(kinetic_energy(p, i));
+    slept_.add(kinetic_energy(p, i));
     p.v[i] = p.L[i] = p.w[i] = {};
     p.rest[i] = kAsleep;
     any = true;

@@ -1,4 +1,4 @@
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 #include <omp.h>
 
@@ -19,29 +19,14 @@ RunState::RunState(const mpi::Communicator& on, const SolverScene& of)
     bonds.emplace(of);
     fragments.emplace(of);
   }
-  const Settings& settings = of.source().settings;
-  if (settings.sleep && (!of.source().bonds.empty() || settings.output_impacts || (settings.fluid && length(settings.fluid->velocity) > 0)))
-    throw UsageError("time.sleep does not go with bonds, output.impacts or a fluid that streams; leave out one of both");
-  // without gravity nothing has a weight to compare a force with
-  if (of.source().settings.sleep && length(of.source().settings.gravity) > 0) sleep.emplace();
-  if (of.has_answering_walls()) totals.drives.resize(of.source().walls.size());
-  totals.loads.triangles.resize(static_cast<std::size_t>(of.mapped_triangles()));
-  if (of.source().settings.output_impacts) totals.impacts.pairs.resize(material_pairs(of.source().materials.size()));
-  if (of.worn_vertices() > 0) {
-    totals.wear.work.resize(totals.loads.triangles.size());
-    for (const Wall& wall : of.source().walls) {
-      if (!(wall.wear > 0)) continue;
-      const std::vector<Vec3>& vertices = of.shape(wall.shape).mesh.vertices;
-      totals.wear.vertices.insert(totals.wear.vertices.end(), vertices.begin(), vertices.end());
-    }
-  }
+  if (of.has_answering_walls()) drives.resize(of.source().walls.size());
 }
 
 void RunState::set_walls() {
   walls.clear();
   const std::vector<Wall>& source = scene.source().walls;
   for (std::size_t w = 0; w < source.size(); ++w)
-    walls.push_back(wall_state(source[w], clock.time(), clock.dt, w < totals.drives.size() ? &totals.drives[w] : nullptr));
+    walls.push_back(wall_state(source[w], clock.time(), clock.dt, w < drives.size() ? &drives[w] : nullptr));
 }
 
 double potential_energy(const RunState& s, const ParticleSet& p, std::size_t body) {
@@ -64,13 +49,6 @@ void finish_in_free_flight(const RunState& s, ParticleSet& p, std::size_t body) 
   p.force[body] = s.fluid->weighed_mass(p, body) * gravity;
   p.torque[body] = {};
   s.fluid->kick_body(p, body, 0.5 * s.clock.dt);
-}
-
-void agree_on_bodies(RunState& s) {
-  s.facts = agree_on_facts(s.comm, s.particles);
-  const ContactLimit limit = limit_of_contacts(s.comm, s.scene, s.particles);
-  s.clock.size.contact_time = limit.time;
-  s.clock.size.slowest_contact_time = limit.slowest_time;
 }
 
 double walls_moved(const RunState& s, const std::vector<WallState>& from, const std::vector<WallState>& to) {
@@ -103,6 +81,12 @@ double fastest_wall(const RunState& s, const std::vector<WallState>& walls) {
     fastest = std::max(fastest, length(w.velocity) + farthest * length(w.angular_velocity));
   }
   return fastest;
+}
+
+double wall_share_of_frequency(const RunState& s, std::size_t wall) {
+  if (wall >= s.drives.size()) return 0;
+  const Drive* drive = s.scene.drive(wall);
+  return drive != nullptr && drive->inertia > 0 ? s.drives[wall].stiffness / drive->inertia : 0;
 }
 
 namespace {

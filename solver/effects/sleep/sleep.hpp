@@ -34,8 +34,10 @@
 #include "solver/bodies/fluid.hpp"
 #include "solver/neighbours/pair_list.hpp"
 #include "solver/pairs/forces.hpp"
+#include "solver/ranks/exact_sum.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/halo.hpp"
+#include "solver/state/effect.hpp"
 
 namespace scree {
 
@@ -50,13 +52,21 @@ inline constexpr double kSleepEnergy = 1e-8;
 /// Weight of a body [N], less that of the fluid that it displaces. 0 of a body that nothing pulls: it never sleeps.
 double weight_of(const RunState& s, std::size_t body);
 
-class Sleep {
+/// The effect. Which pairs are due is asked by the force stage of a step, beside the hooks of all effects.
+class Sleep : public Effect {
  public:
   /// The three lists of PairList.
   enum Which : std::size_t { kInner, kOuter, kDuplicated, kLists };
 
-  /// After lists were rebuilt: rows and pairs are others.
-  void begin_lists(RunState& s);
+  void on_rebuild(const StepParts& parts) override;
+  /// In a step in which that is due: puts to sleep who is ready. Collective.
+  bool after_step(const StepParts& parts) override;
+  EffectRecord record(const RunState& s) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  std::vector<ItemHash> hashes(const EffectRecord&) const override { return {}; }  // `rest` of bodies and kept forces say it
+  void add_log_columns(const RunState& s, std::vector<Column>& columns) const override;
+  void add_energies(const RunState& s, Energies& energies) const override;
+
   /// Before the forces of a step, and once more when ghosts are those of the step: sorts pairs by who sleeps, where that has changed.
   void sort_pairs(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   void hear_of_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& failure);
@@ -66,8 +76,6 @@ class Sleep {
   }
   /// Once all pairs are computed, before their forces are summed: wakes who is disturbed.
   void wake_disturbed(RunState& s);
-  /// At the end of a step in which that is due: puts to sleep who is ready. Collective.
-  void review(RunState& s, Halo& halo, ForceScratch& scratch, FirstFailure& failure);
 
   /// Bodies asleep that touch one of those that leave, of all ranks. Before bodies migrate and are taken out. Collective.
   /// in   leaves   for each owned row
@@ -78,13 +86,15 @@ class Sleep {
  private:
   enum class Kind : std::uint8_t { unknown, awake, border, resting };
 
+  void review(RunState& s, Halo& halo, ForceScratch& scratch, FirstFailure& failure);
+  ExactSum slept_of_all_ranks(const RunState& s) const;
   bool find_restless_walls(const RunState& s);
   Kind kind_of_pair(const RunState& s, std::size_t k) const;
   void find_awake_rows(RunState& s);
   void compute_resting(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   bool count_quiet(RunState& s) const;
   void stay_with_neighbours(RunState& s) const;
-  bool fall_asleep(RunState& s) const;
+  bool fall_asleep(RunState& s);
 
   bool any_ = false, dirty_ = false;                   // somebody sleeps, owned or ghost; pairs are to be sorted
   std::vector<Kind> kind_;                             // of each pair
@@ -93,6 +103,9 @@ class Sleep {
   std::vector<std::int32_t> fresh_;                    // resting, and their results not known
   std::vector<std::uint8_t> restless_;                 // of each wall
   std::vector<std::uint8_t> ghost_sleeps_;
+  ExactSum slept_;  // kinetic energy of bodies of this rank as they fell asleep [J]
 };
+
+EffectKind sleep_effect();
 
 }  // namespace scree

@@ -1,11 +1,13 @@
-#include "solver/step/sleep.hpp"
+#include "solver/effects/sleep/sleep.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
 
-#include "solver/step/run_state.hpp"
-#include "solver/step/sleep_loads.hpp"
+#include <fmt/format.h>
+
+#include "solver/effects/sleep/sleep_loads.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 
@@ -36,7 +38,8 @@ double weight_of(const RunState& s, std::size_t body) {
   return mass * length(s.scene.source().settings.gravity);
 }
 
-void Sleep::begin_lists(RunState& s) {
+void Sleep::on_rebuild(const StepParts& parts) {
+  RunState& s = parts.state;
   kind_.assign(s.pairs.pairs().size(), Kind::unknown);
   dirty_ = true;
   find_awake_rows(s);
@@ -192,6 +195,55 @@ void Sleep::wake(RunState& s, const std::vector<std::int64_t>& ids) {
   for (std::size_t i = 0; i < s.particles.owned; ++i) {
     if (s.particles.rest[i] == kAsleep && known.contains(s.particles.id[i])) s.particles.rest[i] = 0;
   }
+}
+
+bool Sleep::after_step(const StepParts& parts) {
+  if (parts.state.clock.step % kSleepSteps == 0) review(parts.state, parts.halo, parts.scratch, parts.failure);
+  return false;
+}
+
+/// Collective.
+ExactSum Sleep::slept_of_all_ranks(const RunState& s) const {
+  std::vector<ExactSum> slept{slept_};
+  add_over_ranks(s.comm.get(), slept);
+  return slept[0];
+}
+
+EffectRecord Sleep::record(const RunState& s) const {
+  const ExactSum::Words words = slept_of_all_ranks(s).words();
+  return {{.integers = {words.begin(), words.end()}}};
+}
+
+void Sleep::restore(RunState& s, const EffectRecord& record) {
+  ExactSum::Words words{};
+  if (record.front().integers.size() != words.size())
+    throw InputError("a total of {} numbers instead of {}; the file is damaged", record.front().integers.size(), words.size());
+  std::copy(record.front().integers.begin(), record.front().integers.end(), words.begin());
+  if (s.comm.rank() == 0) slept_.set_words(words);
+}
+
+void Sleep::add_log_columns(const RunState& s, std::vector<Column>& columns) const {
+  const auto end = s.particles.rest.begin() + static_cast<std::ptrdiff_t>(s.particles.owned);
+  const std::int64_t asleep = s.comm.sum(static_cast<std::int64_t>(std::count(s.particles.rest.begin(), end, kAsleep)));
+  columns.push_back({"asleep", "-", fmt::format("{}", asleep)});
+  columns.push_back({"slept", "J", exact(slept_of_all_ranks(s).value())});
+}
+
+void Sleep::add_energies(const RunState& s, Energies& energies) const { energies.slept = slept_of_all_ranks(s).value(); }
+
+EffectKind sleep_effect() {
+  return {{"", "the energy of bodies that fell asleep differs", {{"slept", "", static_cast<std::int64_t>(ExactSum::kWords), false}}},
+          {},
+          [](const RunState& s) -> std::unique_ptr<Effect> {
+            const Settings& settings = s.scene.source().settings;
+            if (!settings.sleep) return nullptr;
+            const bool streams = settings.fluid && length(settings.fluid->velocity) > 0;
+            if (!s.scene.source().bonds.empty() || settings.output_impacts || streams)
+              throw UsageError("time.sleep does not go with bonds, output.impacts or a fluid that streams; leave out one of both");
+            // without gravity nothing has a weight to compare a force with
+            if (!(length(settings.gravity) > 0)) return nullptr;
+            return std::make_unique<Sleep>();
+          }};
 }
 
 }  // namespace scree

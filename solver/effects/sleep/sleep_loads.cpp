@@ -1,9 +1,9 @@
-#include "solver/step/sleep_loads.hpp"
+#include "solver/effects/sleep/sleep_loads.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "solver/step/run_state.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 
@@ -26,8 +26,8 @@ std::vector<BodyLoad> loads_on(RunState& s, const std::vector<std::size_t>& rows
   s.pairs.sum_onto_bodies(s.scene.source().settings.gravity, p);
   if (s.fluid) s.fluid->add_buoyancy(p);
   std::swap(p.awake, runs);
-  for (const GivenForce& given : s.given_forces) {
-    if (std::binary_search(rows.begin(), rows.end(), given.row)) p.force[given.row] += given.force;
+  for (const std::size_t i : rows) {
+    if (const BodyForce* given = s.scene.given_force(p.id[i])) p.force[i] += given->force;
   }
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const std::size_t i = rows[n];

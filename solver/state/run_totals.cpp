@@ -1,4 +1,4 @@
-#include "solver/step/run_totals.hpp"
+#include "solver/state/run_totals.hpp"
 
 namespace scree {
 

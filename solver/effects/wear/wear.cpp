@@ -1,4 +1,4 @@
-#include "solver/step/wall_wear.hpp"
+#include "solver/effects/wear/wear.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,11 @@
 #include "core/base/units.hpp"
 #include "core/geometry/closed_mesh.hpp"
 #include "core/geometry/worn_mesh.hpp"
-#include "solver/step/wall_loads.hpp"
+#include "core/storage/frame_file.hpp"
+#include "solver/effects/load_maps/load_maps.hpp"
+#include "solver/pairs/forces.hpp"
+#include "solver/ranks/failure.hpp"
+#include "solver/state/run_state.hpp"
 
 namespace scree {
 
@@ -16,8 +20,8 @@ namespace {
 
 const TriangleMesh& mesh_of(const RunState& s, std::size_t wall) { return s.scene.wall_shape(static_cast<std::int32_t>(wall)).mesh; }
 
-std::vector<Vec3> vertices_of(const RunState& s, std::size_t wall) {
-  const auto first = s.totals.wear.vertices.begin() + s.scene.first_worn(wall);
+std::vector<Vec3> vertices_of(const RunState& s, const WearState& state, std::size_t wall) {
+  const auto first = state.vertices.begin() + s.scene.first_worn(wall);
   return {first, first + s.scene.shape(s.scene.source().walls[wall].shape).mesh.vertex_count()};
 }
 
@@ -123,19 +127,35 @@ void rename_springs(const PairLook& before, const PairLook& after, double farthe
 
 std::int64_t wear_steps(const Wall& wall, double step) { return std::max<std::int64_t>(1, std::llround(wall.wear_every / step)); }
 
-bool wear_is_due(const RunState& s) { return s.scene.worn_vertices() > 0 && !walls_due(s).empty(); }
+Wear::Wear(const RunState& s) {
+  state_.work.resize(static_cast<std::size_t>(s.scene.mapped_triangles()));
+  for (const Wall& wall : s.scene.source().walls) {
+    if (!(wall.wear > 0)) continue;
+    const std::vector<Vec3>& vertices = s.scene.shape(wall.shape).mesh.vertices;
+    state_.vertices.insert(state_.vertices.end(), vertices.begin(), vertices.end());
+  }
+}
 
-void wear_walls(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
-  const std::vector<std::size_t> due = walls_due(s);
-  LoadMap loads = s.totals.loads;
-  add_over_ranks(s.comm.get(), loads);
+bool Wear::after_step(const StepParts& parts) {
+  const std::vector<std::size_t> due = walls_due(parts.state);
+  if (due.empty()) return false;
+  parts.agree_on_failures();
+  wear_walls(parts, due);
+  return true;
+}
+
+void Wear::wear_walls(const StepParts& parts, const std::vector<std::size_t>& due) {
+  RunState& s = parts.state;
+  ForceScratch& scratch = parts.scratch;
+  FirstFailure& failure = parts.failure;
+  const LoadMap loads = s.effect<LoadMaps>()->of_all_ranks(s);  // a wall that wears has a map
 
   // 1. where the vertices go to: the same on every rank
-  WearState next = s.totals.wear;
+  WearState next = state_;
   failure.watch(s.clock.step, [&] {
     for (const std::size_t w : due) {
       const WearOfMesh wear = wear_due(s, w, loads, next.work);
-      const std::vector<Vec3> before = vertices_of(s, w);
+      const std::vector<Vec3> before = vertices_of(s, next, w);
       std::vector<Vec3> after;
       try {
         after = worn_vertices(mesh_of(s, w), wear);
@@ -157,8 +177,8 @@ void wear_walls(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
     if (s.pairs.results()[static_cast<std::size_t>(k)].active && std::find(due.begin(), due.end(), wall) != due.end()) which.push_back(k);
   }
   const Looks before = look_at_pairs(s, which, scratch);
-  s.totals.wear = std::move(next);
-  for (const std::size_t w : due) s.scene.set_wall_vertices(static_cast<std::int32_t>(w), vertices_of(s, w));
+  state_ = std::move(next);
+  for (const std::size_t w : due) s.scene.set_wall_vertices(static_cast<std::int32_t>(w), vertices_of(s, state_, w));
   s.pairs.forget_candidates();
   failure.watch(s.clock.step, [&] {
     const Looks after = look_at_pairs(s, which, scratch);
@@ -174,21 +194,84 @@ void wear_walls(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
   });
 }
 
-void place_worn_vertices(const RunState& s) {
+void Wear::begin(RunState& s) {
   for (std::size_t w = 0; w < s.scene.source().walls.size(); ++w) {
-    if (s.scene.first_worn(w) >= 0) s.scene.set_wall_vertices(static_cast<std::int32_t>(w), vertices_of(s, w));
+    if (s.scene.first_worn(w) >= 0) s.scene.set_wall_vertices(static_cast<std::int32_t>(w), vertices_of(s, state_, w));
   }
 }
 
-WornAway worn_away(const RunState& s, std::size_t wall) {
+WornAway Wear::worn_away(const RunState& s, std::size_t wall) const {
   const Wall& of = s.scene.source().walls[wall];
   WornAway away;
   const TriangleMesh& mesh = mesh_of(s, wall);
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t)
-    away.volume += of.wear * s.totals.wear.work[static_cast<std::size_t>(s.scene.first_mapped(wall) + t)];
+    away.volume += of.wear * state_.work[static_cast<std::size_t>(s.scene.first_mapped(wall) + t)];
   const std::vector<Vec3>& drawn = s.scene.shape(of.shape).mesh.vertices;
   for (std::size_t v = 0; v < drawn.size(); ++v) away.depth = std::max(away.depth, of.scale * length(mesh.vertices[v] - drawn[v]));
   return away;
+}
+
+EffectRecord Wear::record(const RunState&) const {
+  StateArray vertices;
+  for (const Vec3& v : state_.vertices) vertices.reals.insert(vertices.reals.end(), {v.x, v.y, v.z});
+  return {vertices, {.reals = state_.work}};
+}
+
+void Wear::restore(RunState&, const EffectRecord& record) {
+  const std::vector<double>&vertices = record[0].reals, &work = record[1].reals;
+  if (vertices.size() != 3 * state_.vertices.size() || work.size() != state_.work.size()) {
+    throw InputError("worn walls of {} vertices and {} triangles instead of {} and {}; the file is damaged or of another scene",
+                     vertices.size() / 3, work.size(), state_.vertices.size(), state_.work.size());
+  }
+  for (std::size_t v = 0; v < state_.vertices.size(); ++v) state_.vertices[v] = {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
+  state_.work = work;
+}
+
+namespace {
+
+/// One line for each column of SCREE_FRAME_WEAR.
+struct ComputedOfVertex {
+  const Wall& of;
+  const Vec3& place;
+  std::int64_t wall() const { return of.id; }
+  Vec3 vertex() const { return place; }
+};
+
+}  // namespace
+
+void Wear::add_frame(const RunState& s, Frame& frame) const {
+  if (s.comm.rank() != 0) return;
+  FrameWear& wear = frame.wear;
+  for (std::size_t w = 0; w < s.scene.source().walls.size(); ++w) {
+    const std::int32_t first = s.scene.first_worn(w);
+    if (first < 0) continue;
+    const Wall& wall = s.scene.source().walls[w];
+    for (std::int32_t v = 0; v < s.scene.shape(wall.shape).mesh.vertex_count(); ++v) {
+      const ComputedOfVertex computed{wall, state_.vertices[static_cast<std::size_t>(first + v)]};
+#define SCREE_FILL_COMPUTED(type, name, path, unit, csv, uses, what) wear.name.push_back(computed.name());
+      SCREE_FRAME_WEAR(SCREE_FILL_COMPUTED)
+#undef SCREE_FILL_COMPUTED
+    }
+  }
+}
+
+std::vector<PlanLine> Wear::plan(const RunState& s) const {
+  std::vector<PlanLine> lines;
+  for (const Wall& wall : s.scene.source().walls) {
+    if (!(wall.wear > 0)) continue;
+    lines.emplace_back("wear", fmt::format("'{}': {} per sliding work, every {} steps", wall.name,
+                                           format_quantity(wall.wear, Dimension::wear_coefficient), wear_steps(wall, s.clock.size.step)));
+  }
+  return lines;
+}
+
+EffectKind wear_effect() {
+  return {{"wear", "the vertices of a wall that wears differ", {{"vertices", "m", 3}, {"work", "J"}}},
+          {"wear", "no wall wears"},
+          [](const RunState& s) -> std::unique_ptr<Effect> {
+            if (s.scene.worn_vertices() == 0) return nullptr;
+            return std::make_unique<Wear>(s);
+          }};
 }
 
 }  // namespace scree

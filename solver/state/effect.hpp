@@ -1,0 +1,120 @@
+// What a scene may have besides bodies, contacts and walls is an effect: one folder in effects/, which declares what it does in a step and
+// what it keeps. A scene holds only the effects that it needs, and pays for no other. Step, checkpoint, state hash, log, frame and plan go
+// over the list and know none by its name.
+//
+// Source: the shape of LAMMPS' fixes and granular sub-models, of OpenMC's filters and of exaDEM's operators.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solver/pairs/pair_observer.hpp"
+#include "solver/state/column.hpp"
+#include "solver/state/effect_record.hpp"
+#include "solver/state/energies.hpp"
+#include "solver/state/item_hash.hpp"
+
+namespace scree {
+
+class FirstFailure;
+class Halo;
+class SolverScene;
+class StabilityBound;
+struct ForceScratch;
+struct Frame;
+struct RunState;
+
+/// What the end of a step needs beyond the state.
+struct StepParts {
+  RunState& state;
+  ForceScratch& scratch;
+  FirstFailure& failure;
+  Halo& halo;
+  /// Throws on every rank what one of them met. Collective.
+  const std::function<void()>& agree_on_failures;
+  /// Computes pairs that have just begun, by their numbers: no observer is shown them, and bodies do not get their forces in this step.
+  const std::function<void(const std::vector<std::int32_t>&)>& compute_begun;
+};
+
+/// Rows of two bodies that hold together without a contact.
+struct BodyLink {
+  std::int32_t a, b;
+};
+
+/// A line of `--plan`: name and text.
+using PlanLine = std::pair<std::string, std::string>;
+
+/// All functions are called on every rank, in the order of the list (effects/effects.cpp), and may be collective.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  // 1. The start of a run or of a restart.
+  /// Bodies, step and walls are there; neighbour lists are not.
+  virtual void begin(RunState&) {}
+  /// A run from its scene alone: the forces of the start are there. The first kick is by half a step.
+  virtual void start(RunState&) {}
+
+  // 2. A step, in this order.
+  /// Bodies have moved by the step, walls have not, the clock shows the time before. What is thrown is kept until all ranks stop.
+  virtual void drift(RunState&) {}
+  /// The clock shows the end of the step, ranks have not agreed on it yet.
+  virtual void review(RunState&) {}
+  /// Only if neighbour lists are made anew. Bodies are on their ranks, ghosts are not there yet.   in   left   whether bodies left the run
+  virtual void after_migration(RunState&, bool /*left*/) {}
+  /// The same: lists are new, rows and pairs are others.
+  virtual void on_rebuild(const StepParts&) {}
+  virtual void before_forces(RunState&) {}
+  /// Is shown the contacts of the step; null: nobody.
+  virtual PairObserver* observer() { return nullptr; }
+  /// The forces of contacts and gravity are summed: adds its own.
+  virtual void add_forces(RunState&) {}
+  /// Bodies have all their forces.
+  virtual void before_kick(const StepParts&) {}
+  /// Bodies have their velocities at the end of the step. What is thrown is kept as in drift().
+  virtual void after_kick(RunState&) {}
+  /// What was dissipated in the step is counted.
+  virtual void end_step(RunState&) {}
+  /// After a whole step. Returns whether neighbour lists must be made anew.
+  virtual bool after_step(const StepParts&) { return false; }
+
+  /// How much further than otherwise ranks must see each other's bodies [m]. Before lists are made anew.
+  virtual double extra_reach(const RunState&, bool /*is_begin*/) const { return 0; }
+  /// What it adds to the critical step: bodies that it links, and their stiffness, sorted by key.
+  virtual std::vector<BodyLink> links(const RunState&) const { return {}; }
+  virtual void add_stiffness(const RunState&, StabilityBound&) const {}
+
+  // 3. What a restart needs.
+  /// Of all ranks, on every rank. Collective.
+  virtual EffectRecord record(const RunState&) const { return {}; }
+  /// Throws InputError for a record of another scene.
+  virtual void restore(RunState&, const EffectRecord&) {}
+  /// The items that the state hash adds up for a record; those of a record, as one item, if nothing else is said.
+  virtual std::vector<ItemHash> hashes(const EffectRecord& record) const;
+
+  // 4. What a run writes, at a full step.
+  virtual void add_frame(const RunState&, Frame&) const {}  ///< rank 0 adds what is not of a body
+  virtual void add_log_columns(const RunState&, std::vector<Column>&) const {}
+  virtual void add_energies(const RunState&, Energies&) const {}
+  virtual std::vector<PlanLine> plan(const RunState&) const { return {}; }
+
+  std::size_t kind() const { return kind_; }  ///< place in the list of kinds
+  void set_kind(std::size_t kind) { kind_ = kind; }
+
+ private:
+  std::size_t kind_ = 0;
+};
+
+/// An effect as the list has it.
+struct EffectKind {
+  EffectFormat format;
+  PlanLine without;  ///< of `--plan` for scenes without it; an empty name: no line
+  /// Null where the scene does not need it. Throws UsageError for what cannot be combined with it.
+  std::unique_ptr<Effect> (*make)(const RunState&);
+};
+
+}  // namespace scree
