@@ -16,31 +16,31 @@ void run_keys(KeyVisitor& k, Settings& s) {
 
 void time_keys(KeyVisitor& k, Settings& s) {
   k.number({"duration", kRequired, "of the simulation", kAlways}, s.duration, Dimension::time, Range::not_negative);
-  k.number({"steps_per_contact", "", "the step is the stiffest contact's duration divided by it; low restitution takes more, 29 at most",
-            kAlways},
-           s.steps_per_contact, Dimension::none, Range::positive);
+  k.number(
+      {"steps_per_contact", "",
+       "the step is the duration of the stiffest contact divided by this number; low restitution needs more steps, 29 at most", kAlways},
+      s.steps_per_contact, Dimension::none, Range::positive);
   k.number({"step", "derived", "fixes the step; not together with `steps_per_contact`", kAlways}, s.step, Dimension::time, Range::positive);
-  k.boolean(
-      {"stop_at_rest", "",
-       "ends the run at the first output time at which all bodies rest and nothing is due to disturb them: no wall moves or has a motion "
-       "ahead of it; since the last wall stopped, and for as long as it takes a body to fall its own diameter, the kinetic energy of all "
-       "has stayed below 1e-6 of what they would gain by that fall; and no single body has 1e-2 of its own. In a fluid, by falling there, "
-       "and no more than they have at their terminal speed; where a body weighs nothing there, by falling in a void. Ends too when no body "
-       "is left. The log then has at least four rows in the time of such a fall. Needs gravity"},
-      s.stop_at_rest);
+  k.boolean({"stop_at_rest", "",
+             "ends the run at the first output time at which all bodies rest and no wall moves or will move. Bodies rest if, since the "
+             "last wall stopped and at least for the time in which a body falls by its own diameter, their total kinetic energy has stayed "
+             "below 1e-6 of the energy of that fall, and the energy of each body below 1e-2 of its own. In a fluid the fall is one in that "
+             "fluid, at most at the terminal speed; if a body weighs nothing there, a fall in a void. The run ends also when no body is "
+             "left. The log then has at least four rows in the time of such a fall. Needs gravity"},
+            s.stop_at_rest);
   k.boolean({"stop_when_empty", "",
              "ends the run at the first output time at which no body is left that is free to move: when a silo has emptied, for instance. "
              "Bodies leave through the sides of a domain with `outside = \"remove\"`, which it needs"},
             s.stop_when_empty);
-  k.boolean({"sleep", "", "bodies at rest fall asleep, and cost next to nothing until something disturbs them; see below. Needs gravity"},
-            s.sleep);
+  k.boolean({"sleep", "", "bodies at rest sleep: they are not computed until a contact disturbs them; see below. Needs gravity"}, s.sleep);
   k.number({"sleep_tolerance", "",
-            "of `sleep`: change of a force, over the weight of a body, that leaves it asleep; and largest force on a body at rest"},
+            "of `sleep`: change of force, over the weight of a body, below which the body stays asleep; also the largest net force on a "
+            "body at rest"},
            s.sleep_tolerance, Dimension::none, Range::fraction);
   k.word({"step_control", "",
-          "`quantised`: the step is halved, again and again, while the speed of a body (its spin counts as far as it moves the surface "
-          "outwards) uses up a fifth of its margin in a step, its spin turns it by 0.1 rad, or the contacts that there are ask for it; "
-          "`steps.csv` lists every change. The energy is kept best with `fixed`"},
+          "`quantised`: the step is halved as often as needed, so that in one step no body moves by more than a fifth of its margin "
+          "(rotation counts if it moves the surface outwards) or rotates by more than 0.1 rad, and the present contacts are stable; "
+          "`steps.csv` lists every change. `fixed` conserves energy best"},
          s.step_control);
 }
 
@@ -50,8 +50,8 @@ void domain_keys(KeyVisitor& k, Domain& d) {
     k.vector({"max", "none", "the opposite corner", kAlways, true}, d.upper, Dimension::length);
   }
   k.word({"outside", "",
-          "what happens when a body's centre leaves through a side that is not periodic: the run stops (exit 5); the body is taken out and "
-          "noted in `removed.csv`; or it flies on and is counted",
+          "what happens when a body's centre leaves through a side that is not periodic: the run stops (exit 5); the body is removed and "
+          "listed in `removed.csv`; or it is kept and counted",
           kAlways},
          d.outside);
   k.axes({"periodic", "none", "what leaves through one side comes in through the other; needs `min` and `max`", kAlways}, d.periodic);
@@ -63,8 +63,8 @@ void fluid_keys(KeyVisitor& k, Fluid& f) {
   k.number({"viscosity", kRequired, "dynamic; water has `\"1 mPa s\"`", kAlways}, f.viscosity, Dimension::viscosity, Range::positive);
   k.vector({"velocity", "", "of the fluid, the same everywhere and at all times", kAlways}, f.velocity, Dimension::velocity);
   k.word({"drag", "",
-          "drag by sphericity at any Reynolds number, and a moment on the spin (sources and limits in `solver/bodies/fluid.hpp`); or what "
-          "both tend to when all is slow",
+          "drag by sphericity at any Reynolds number, and a moment against rotation (sources and limits in `solver/bodies/fluid.hpp`); or "
+          "the limit of both at low Reynolds numbers",
           kAlways},
          f.drag);
 }
@@ -78,9 +78,9 @@ void contact_keys(KeyVisitor& k, Settings& s) {
       {"impact_speed", "derived from the case", "fastest impact expected: the margin follows from it, and the step of `hertz-mindlin`"},
       s.impact_speed, Dimension::velocity, Range::positive);
   k.word({"gather", "",
-          "how contacts become a force: one potential per pair of bodies; an elastic layer, pressure over the area where faces face each "
-          "other, for conforming faces (needs `margin` and `layer_modulus`; a corner carries little, `F ~ d^3`); or one spring per pair of "
-          "triangles (for comparison only: stiffness and damping grow with the mesh)",
+          "how contacts become a force: one potential per pair of bodies; an elastic layer, pressure over the area where faces are "
+          "opposite each other, for conforming faces (needs `margin` and `layer_modulus`; a vertex carries little load, `F ~ d^3`); or one "
+          "spring per pair of triangles (for comparison only: stiffness and damping grow with the mesh)",
           kAlways},
          s.gather);
   k.word({"weights", "",
@@ -88,36 +88,36 @@ void contact_keys(KeyVisitor& k, Settings& s) {
           "limit "
           "as the mesh of a curved surface is refined; or each counts (`unit`), for comparison"},
          s.weights);
-  k.word(
-      {"surface", "",
-       "where touch begins: at the surfaces as drawn (bodies are their meshes moved inwards by their margin, and the margin around them: "
-       "edges and corners are rounded by it), or two margins outside them (for comparison: bodies are larger than drawn)"},
-      s.surface);
+  k.word({"surface", "",
+          "where touch begins: at the surfaces as drawn (meshes are moved inwards by their margin and surrounded by a layer of that "
+          "thickness: edges and vertices are rounded), or two margins outside them (for comparison: bodies are larger than drawn)"},
+         s.surface);
   k.number(
-      {"margin", "derived (README)",
-       "boundary layer of each body, which contacts press into; with `surface = \"drawn\"` that of the body of median mass, the others "
-       "in proportion to their size; 0 where all bodies are analytic spheres; a `barrier` of these needs `surface = \"outside\"`",
+      {"margin", "derived from speed and stiffness",
+       "thickness of the layer of each body into which contacts press; with `surface = \"drawn\"` that of the body of median mass, the "
+       "others in proportion to their size; 0 where all bodies are analytic spheres; a `barrier` of these needs `surface = \"outside\"`",
        kAlways},
       s.margin, Dimension::length, Range::not_negative);
   k.number(
       {"margin_ratio", "from `margin`", "the margin of each mesh over the radius of the ball of its volume, with `surface = \"drawn\"`"},
       s.margin_ratio, Dimension::none, Range::not_negative);
   k.number({"barrier", "",
-            "stiffness of a barrier over that of a contact: from a fifth of the margins on it pushes without end, so that surfaces never "
-            "meet, at steps that are `sqrt(1 + 24 barrier)` times shorter; 10 doubles the energy that a contact can take"},
+            "stiffness of a barrier over that of a contact: from an overlap of a fifth of the margins on its force grows without limit, so "
+            "that the moved meshes never meet, at steps that are `sqrt(1 + 24 barrier)` times shorter; 10 doubles the energy that a "
+            "contact can take"},
            s.barrier, Dimension::none, Range::not_negative);
-  k.word(
-      {"on_overlap", "",
-       "where a wall that moves presses bodies deeper than their margins have room for: the run ends (exit 5); or it continues, the force "
-       "grows along the tangent of the law, and log, `run.json` and report say how many contacts, how deep and where. Bodies there lie "
-       "in each other or in the wall, so that the result is doubtful. `continue` needs a wall that moves and `gather = \"potential\"`"},
-      s.on_overlap);
+  k.word({"on_overlap", "",
+          "if a moving wall presses bodies beyond the maximum overlap that their margins allow, the run ends (exit 5); or it continues: "
+          "the force grows along the tangent of the law, and log, `run.json` and report give number, depth and place of such contacts. "
+          "Bodies then penetrate each other or the wall, so that the result is doubtful. `continue` needs a moving wall and `gather = "
+          "\"potential\"`"},
+         s.on_overlap);
 }
 
 void motion_keys(KeyVisitor& k, Settings& s) {
   k.word({"integrator", "",
-          "the first is the one to use: no drift of energy, momentum kept to rounding; the others are kept to compare with "
-          "(`solver/README.md`)",
+          "the first is the one to use: no drift of energy, momentum conserved to rounding; the others are for comparison "
+          "(`docs/results/work-precision.md`)",
           kAlways},
          s.integrator);
 }
@@ -125,7 +125,10 @@ void motion_keys(KeyVisitor& k, Settings& s) {
 void output_keys(KeyVisitor& k, Settings& s) {
   k.number({"every", "duration / 100", "between frames", {"output_every", true}}, s.output_every, Dimension::time, Range::positive);
   k.boolean({"contacts", "", "in the frames", {"output_contacts", true}}, s.output_contacts);
-  k.boolean({"impacts", "", "in the frames: energies of impacts and what contacts dissipate, by pair of materials", {"output_impacts"}},
+  k.boolean({"impacts",
+             "",
+             "in the frames: impact energies and the energy dissipated by contacts, for each pair of materials",
+             {"output_impacts"}},
             s.output_impacts);
   k.number({"checkpoint",
             "every 30 min of run time",
@@ -145,11 +148,9 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
   // a Hertz contact and a layer have no stiffness of their own: it comes from the materials
   const bool has_spring = s.law != ContactLaw::hertz_mindlin && s.gather != Gathering::area;
   k.number({"modulus", "none",
-            "in place of `stiffness`, a stiffness that goes with size: of one contact, `modulus` times 2 R_a R_b / (R_a + R_b) of the "
-            "spheres of "
-            "equal volume, R_b infinite for a wall, and -R inside of a sphere_inside of radius R. Overlaps are the same share of all sizes "
-            "at one speed, and the step goes with the "
-            "smallest radius"},
+            "instead of `stiffness`, a stiffness that depends on size: of one contact, `modulus` times 2 R_a R_b / (R_a + R_b) of the "
+            "spheres of equal volume, R_b infinite for a wall, and -R inside of a sphere_inside of radius R. At one impact speed the ratio "
+            "of overlap to size is then the same for all sizes, and the step is proportional to the smallest radius"},
            p.modulus, Dimension::pressure, Range::positive);
   k.number({"stiffness", "required, but for `hertz-mindlin` and `area`, or `modulus`", "of one contact", kAlways,
             has_spring && !(p.modulus > 0)},
@@ -160,16 +161,16 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
            p.restitution_speed, Dimension::velocity, Range::positive);
   k.number({"friction", "", "static coefficient", kAlways}, p.friction, Dimension::none, Range::not_negative);
   k.number({"friction_sliding", "as `friction`",
-            "from 0 to `friction`: the coefficient of a contact that slides, from the step in which it begins to until it no longer moves "
-            "against its spring",
+            "from 0 to `friction`: the coefficient of a sliding contact, from the step in which sliding begins until the contact no longer "
+            "moves against its spring",
             kAlways},
            p.friction_sliding, Dimension::none, Range::any);
   k.number({"tangential_ratio", "2/7; Mindlin's 3 (1 - poisson) / (2 - poisson)", "tangential stiffness over normal force per overlap"},
            p.tangential_ratio, Dimension::none, Range::not_negative);
-  k.number({"tangential_damping", "", "factor on the damping of sliding that goes with `restitution`"}, p.tangential_damping,
+  k.number({"tangential_damping", "", "factor on the tangential damping that follows from `restitution`"}, p.tangential_damping,
            Dimension::none, Range::not_negative);
-  k.number({"rolling_friction", "", "rolling moment at most this times R* times the normal force", kAlways}, p.rolling_friction,
-           Dimension::none, Range::not_negative);
+  k.number({"rolling_friction", "", "the rolling moment is at most this number times R* times the normal force", kAlways},
+           p.rolling_friction, Dimension::none, Range::not_negative);
   k.number({"torsional_friction", "", "the same for the moment about the normal"}, p.torsional_friction, Dimension::none,
            Range::not_negative);
   k.word(
@@ -177,7 +178,7 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
       p.rolling_model);
   k.number(
       {"layer_modulus",
-       "needed with `gather = \"area\"`, in place of `stiffness`",
+       "needed with `gather = \"area\"`, instead of `stiffness`",
        "pressure is this times the overlap over the sum of both margins (one at a mesh wall): a flat contact of area A has the stiffness "
        "`layer_modulus A` over that sum",
        {},
@@ -187,26 +188,26 @@ void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {
             "R* of `hertz-mindlin`, of rolling and of `adhesion`: 1/R* = 1/R_a + 1/R_b of the spheres of equal volume, R_b infinite for a "
             "wall, and -R inside of a sphere_inside of radius R"},
            p.contact_radius, Dimension::length, Range::positive);
-  k.number({"pull_off", "none", "attraction: the force that parts one contact; with `gather = \"potential\"` and any `law`"}, p.pull_off,
-           Dimension::force, Range::positive);
+  k.number({"pull_off", "none", "attraction: the force that separates one contact; with `gather = \"potential\"` and any `law`"},
+           p.pull_off, Dimension::force, Range::positive);
   k.number({"adhesion", "none",
-            "or the work of adhesion w, from which that force follows, with R* of `contact_radius`; with `gather = \"area\"` the work that "
-            "parts each area"},
+            "or the work of adhesion w, from which that force follows, with R* of `contact_radius`; with `gather = \"area\"` the work of "
+            "separation per area"},
            p.adhesion, Dimension::surface_energy, Range::positive);
   k.word({"adhesion_model", "required with `adhesion`, but for `area`",
           "the force is 3/2 pi w R* (`jkr`, soft large bodies) or 2 pi w R* (`dmt`, hard small ones)"},
          p.adhesion_model);
+  k.number({"adhesion_range", "required with attraction, or `separation_energy`",
+            "gap beyond touch over which the attraction grows to its full force; neighbour lists become wider by the range. The derived "
+            "step crosses the range in two steps at `impact_speed`, or in four at the speed at which the lightest bodies stick, whichever "
+            "step is longer"},
+           p.adhesion_range, Dimension::length, Range::positive);
   k.number(
-      {"adhesion_range", "required with attraction, or `separation_energy`",
-       "gap beyond touch over which the attraction grows to its full force; the lists of neighbours are as much wider, and a derived step "
-       "takes two steps through it at `impact_speed`, or four at the speed at which the lightest bodies stick, whichever is longer"},
-      p.adhesion_range, Dimension::length, Range::positive);
-  k.number({"separation_energy", "from `adhesion_range`",
-            "work that parts a contact at rest; the range follows from it, whatever the stiffness"},
-           p.separation_energy, Dimension::energy, Range::positive);
+      {"separation_energy", "from `adhesion_range`", "work to separate a contact at rest, for any stiffness; the range follows from it"},
+      p.separation_energy, Dimension::energy, Range::positive);
   k.boolean({"adhesion_hysteresis", "",
-             "with `hertz-mindlin`, `jkr` and balls alone, in place of a range: the force of JKR itself, which begins at touch and ends "
-             "where the neck tears, beyond touch"},
+             "with `hertz-mindlin`, `jkr` and analytic spheres only, instead of a range: the JKR force, which begins at touch and ends "
+             "where the neck ruptures, beyond touch"},
             p.adhesion_hysteresis);
   k.number(
       {"surface_tension", "none", "of a liquid bridge, which forms at touch and holds until it ruptures; with `gather = \"potential\"`"},

@@ -188,10 +188,10 @@ void Servo::keys(KeyVisitor& k) {
   k.number({"torque", "with `axis`", ""}, torque, Dimension::torque, Range::not_negative);
   k.number({"max_speed", "with `direction`", ""}, max_speed, Dimension::velocity, Range::not_negative);
   k.number({"max_rate", "with `axis`", ""}, max_rate, Dimension::angular_velocity, Range::not_negative);
-  k.number({"share", "", "of what is missing of the force that it makes up for within the time of a contact"}, share, Dimension::none,
+  k.number({"share", "", "of the force error that is corrected within the duration of a contact"}, share, Dimension::none,
            Range::unit_interval);
-  k.numbers({"stroke", "none", "`[lowest, highest]`: ends of its way, with `direction`"}, stroke, Dimension::length);
-  k.numbers({"swing", "none", "`[lowest, highest]`: ends of its way, with `axis`"}, swing, Dimension::angle);
+  k.numbers({"stroke", "none", "`[lowest, highest]`: limits of its displacement, with `direction`"}, stroke, Dimension::length);
+  k.numbers({"swing", "none", "`[lowest, highest]`: limits of its rotation, with `axis`"}, swing, Dimension::angle);
 }
 
 Drive Servo::drive() const {
@@ -258,7 +258,7 @@ void Free::keys(KeyVisitor& k) {
   k.number({"torque", "", "about the hinge"}, torque, Dimension::torque, Range::any);
   k.number({"damping", "", "with `guide`"}, damping, Dimension::damping, Range::not_negative);
   k.number({"turn_damping", "", "with `hinge`"}, turn_damping, Dimension::rotational_damping, Range::not_negative);
-  k.numbers({"stroke", "none", "`[lowest, highest]`: ends of its way, with `guide`; it stops there without a rebound"}, stroke,
+  k.numbers({"stroke", "none", "`[lowest, highest]`: limits of its displacement, with `guide`; it stops there without a rebound"}, stroke,
             Dimension::length);
   k.numbers({"swing", "none", "`[lowest, highest]`: the same, with `hinge`"}, swing, Dimension::angle);
 }
@@ -312,9 +312,9 @@ void Motor::keys(KeyVisitor& k) {
   k.direction({"axis", kRequired, "", kAlways}, axis);
   k.vector({"centre", "", "a point on the axis", kAlways}, centre, Dimension::length);
   k.number({"torque", kRequired, "of the drive"}, torque, Dimension::torque, Range::any);
-  k.number({"inertia", kRequired, "of all that turns, about the axis"}, inertia, Dimension::moment_of_inertia, Range::positive);
-  k.number({"max_rate", "none", "at which the drive holds the rate, whatever torque that takes"}, max_rate, Dimension::angular_velocity,
-           Range::positive);
+  k.number({"inertia", kRequired, "of all rotating parts, about the axis"}, inertia, Dimension::moment_of_inertia, Range::positive);
+  k.number({"max_rate", "none", "the highest rate; the drive holds it with any torque that this needs"}, max_rate,
+           Dimension::angular_velocity, Range::positive);
 }
 
 Drive Motor::drive() const {

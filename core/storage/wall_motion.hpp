@@ -125,7 +125,7 @@ struct Translate {
 
 struct Oscillate {
   static constexpr const char* kWord = "oscillate";
-  static constexpr const char* kMeaning = "moves to and fro, `amplitude (sin(2 pi frequency t + phase) - sin(phase))`";
+  static constexpr const char* kMeaning = "oscillates, `amplitude (sin(2 pi frequency t + phase) - sin(phase))`";
   Vec3 axis{0, 0, 1};    ///< unit
   double amplitude = 0;  ///< [m]
   double frequency = 0;  ///< [Hz]
@@ -140,7 +140,7 @@ struct Oscillate {
 
 struct FollowTable {
   static constexpr const char* kWord = "table";
-  static constexpr const char* kMeaning = "is displaced as a table says, linear in between";
+  static constexpr const char* kMeaning = "is displaced by a table, linear in between";
   std::vector<double> time{};    ///< [s] from the start, ascending
   std::vector<Vec3> position{};  ///< displacement [m]
   void keys(KeyVisitor& k);
@@ -156,8 +156,8 @@ struct FollowTable {
 struct Servo {
   static constexpr const char* kWord = "servo";
   static constexpr const char* kMeaning =
-      "presses with a `force`, a `stress` on an `area`, or a `torque`, and moves as fast as that takes, at most at `max_speed` or "
-      "`max_rate`, with which it also comes nearer while it touches nothing";
+      "presses with a `force`, a `stress` on an `area`, or a `torque`, and moves as fast as needed, at most at `max_speed` or `max_rate`; "
+      "it approaches at that speed while it touches nothing";
   Vec3 direction{}, axis{}, centre{};  ///< the first or the second is given, of any length > 0; a point on the axis [m]
   double force = 0, stress = 0, area = 0, torque = 0;
   double max_speed = 0, max_rate = 0;
@@ -179,7 +179,7 @@ struct Servo {
 struct Free {
   static constexpr const char* kWord = "free";
   static constexpr const char* kMeaning =
-      "has a mass and moves along a direction (`guide`) or about an axis (`hinge`) by its weight, by what touches it, and by `force` or "
+      "has a mass and moves along a direction (`guide`) or about an axis (`hinge`) under its weight, contact forces, and `force` or "
       "`torque`";
   Vec3 guide{}, hinge{}, centre{};  ///< the first or the second is given, of any length > 0; a point on the hinge [m]
   double mass = 0, inertia = 0;
@@ -202,7 +202,7 @@ struct Free {
 struct Motor {
   static constexpr const char* kWord = "motor";
   static constexpr const char* kMeaning =
-      "turns about an axis by a `torque` on its `inertia`, against what touches it; at most at `max_rate`";
+      "turns about an axis by a `torque` on its `inertia`, against contact forces; at most at `max_rate`";
   Vec3 axis{0, 0, 1};  ///< unit
   Vec3 centre{};       ///< a point on the axis [m]
   double torque = 0, inertia = 0;

@@ -40,18 +40,18 @@ void bond_section(CaseKeys& k, Case& c) {
            b.young, Dimension::pressure, Range::positive);
   k.number({"tangential_ratio", "", "shear stiffness over normal stiffness; sets Poisson's ratio (1 - ratio) / (4 + ratio), about"},
            b.tangential_ratio, Dimension::none, Range::positive);
-  k.number({"tension", "never breaks", "stress at the rim of a face at which it breaks, with what bending adds"}, b.tension,
+  k.number({"tension", "never breaks", "normal stress at the rim of a face, bending included, at which the bond breaks"}, b.tension,
            Dimension::pressure, Range::positive);
-  k.number({"cohesion", "never breaks in shear", "shear stress at which it breaks without pressure"}, b.cohesion, Dimension::pressure,
+  k.number({"cohesion", "never breaks in shear", "shear stress at which the bond breaks without pressure"}, b.cohesion, Dimension::pressure,
            Range::positive);
   k.number({"friction_angle", "", "pressure times its tangent adds to `cohesion`"}, b.friction_angle, Dimension::angle,
            Range::not_negative);
   k.number(
-      {"fracture_energy", "none", "energy of opening and sliding, of each area, at which a bond breaks; beside or in place of stresses"},
+      {"fracture_energy", "none", "energy of opening and sliding per area at which a bond breaks; in addition to or instead of stresses"},
       b.fracture_energy, Dimension::surface_energy, Range::positive);
   k.section({"strength_scatter", "none, all alike", "strengths of bonds are drawn; those given are the means"}, [&](CaseKeys& below) {
-    below.number({"weibull_modulus", kRequired, "of stresses; energies go with their square"}, b.weibull_modulus, Dimension::none,
-                 Range::positive);
+    below.number({"weibull_modulus", kRequired, "of stresses; energies scale with the square of stresses"}, b.weibull_modulus,
+                 Dimension::none, Range::positive);
   });
   k.number({"damping", "", "share of critical damping of each motion of two pieces"}, b.damping, Dimension::none, Range::not_negative);
   if (t == nullptr) return;

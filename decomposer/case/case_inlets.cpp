@@ -63,11 +63,12 @@ void inlet_section(CaseKeys& k, Case& c) {
   k.vector({"angular_velocity", "", "the same"}, i.angular_velocity, Dimension::angular_velocity);
   rate_keys(k, inlet.rate);
   k.number({"start", "", "nothing comes before"}, inlet.start, Dimension::time, Range::any);
-  k.number({"stop", "never", "no more is owed after"}, inlet.stop, Dimension::time, Range::any);
+  k.number({"stop", "never", "no further body becomes due after"}, inlet.stop, Dimension::time, Range::any);
   k.number({"limit", "none", "of the mass of all"}, inlet.limit, Dimension::mass, Range::positive);
   k.integer({"count", "none", "of all"}, inlet.count, 1);
   k.word({"when_full", "",
-          "when its next body finds no room: it waits, and what is missing comes as soon as there is room; or the run stops (exit 5)"},
+          "if the next body finds no free place: the inlet waits, and the missing bodies come in as soon as there is space; or the run "
+          "stops (exit 5)"},
          inlet.when_full);
   if (t == nullptr) return;
   if (!(inlet.start < inlet.stop)) throw t->error("stop", "must come after start");

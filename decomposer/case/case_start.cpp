@@ -6,12 +6,12 @@ namespace scree {
 void start_section(CaseKeys& k, Case& c) {
   CaseStart s;
   k.path({"run", kRequired,
-          "folder of a run: its bodies with their velocities, ids and shapes, and what their contacts remember, are where this case "
-          "begins. Populations, bodies and walls of this case are added to them"},
+          "folder of a run: this case begins with its bodies, their velocities, ids and shapes, and the history of their contacts. "
+          "Populations, bodies and walls of this case are added to them"},
          s.run);
-  k.integer({"checkpoint", "the last", "step of the checkpoint to take, the number in its name"}, s.checkpoint, 0);
-  k.integer({"frame", "none", "number of a frame to take in place of a checkpoint: contacts start without springs"}, s.frame, 0);
-  k.named_texts({"materials", "as in the run", "`{ NAME IN THE RUN = \"NAME HERE\", ... }`: materials that are called otherwise here"},
+  k.integer({"checkpoint", "the last", "step of the checkpoint to read, the number in its name"}, s.checkpoint, 0);
+  k.integer({"frame", "none", "number of a frame to read instead of a checkpoint: contacts start without springs"}, s.frame, 0);
+  k.named_texts({"materials", "as in the run", "`{ NAME IN THE RUN = \"NAME HERE\", ... }`: materials that have another name here"},
                 s.materials);
   const CaseTable* t = k.table();
   if (t == nullptr) return;

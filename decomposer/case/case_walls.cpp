@@ -77,7 +77,7 @@ void surface_section(CaseKeys& k, WallSurface& surface) {
   const bool along = k.one_of({"velocity", "rate"}) == "velocity";
   Translate belt;
   Rotate table;
-  if (k.when(along)) k.velocity({"velocity", "or `rate`", "of a belt; only what lies along the surface counts"}, belt.rate, belt.axis);
+  if (k.when(along)) k.velocity({"velocity", "or `rate`", "of a belt; only the tangential component counts"}, belt.rate, belt.axis);
   if (k.when(!along)) {
     k.number({"rate", "or `velocity`", "of a surface that turns"}, table.rate, Dimension::angular_velocity, Range::any);
     k.direction({.name = "axis", .otherwise = "with `rate`", .meaning = "about which it turns", .needed = true}, table.axis);
@@ -327,7 +327,7 @@ void wall_section(CaseKeys& k, Case& c) {
   if (t == nullptr || w.form) {
     double size = 0;
     k.number({"triangle_size", "none",
-              "of a form of this list: no edge of its triangles is longer, so that `load_map` and `wear` have as much detail"},
+              "of a form of this list: no edge of its triangles is longer, which sets the resolution of `load_map` and `wear`"},
              size, Dimension::length, Range::positive);
     if (t != nullptr && size > 0) refine_form(*t, size, *w.form);
   } else if (t->has("triangle_size")) {
@@ -336,14 +336,14 @@ void wall_section(CaseKeys& k, Case& c) {
                                         : fmt::format("a {} has no triangles; make the wall {}", shape, mesh_form_of(shape)));
   }
   if (k.when(w.wall.kind == WallKind::mesh)) {
-    k.boolean({"load_map", "", "of a mesh: sums up what bodies do to each triangle, for frames, ParaView and the report"}, w.wall.load_map);
+    k.boolean({"load_map", "", "of a mesh: sums impulse, sliding work and impacts on each triangle, for frames, ParaView and the report"},
+              w.wall.load_map);
   } else if (t->has("load_map")) {
     throw t->error("load_map", fmt::format("needs triangles, which a {} has none of; make the wall {}", shape, mesh_form_of(shape)));
   }
   if (t == nullptr || w.wall.kind == WallKind::mesh) {
     k.section(
-        {"wear", "none", "of a mesh, Archard's: the wall recedes where bodies slide over it; brings its `load_map` along"},
-        [&](CaseKeys& below) {
+        {"wear", "none", "of a mesh, Archard's: the wall recedes where bodies slide over it; includes a `load_map`"}, [&](CaseKeys& below) {
           below.number({"coefficient", kRequired, "volume per sliding work"}, w.wall.wear, Dimension::wear_coefficient, Range::positive);
           below.number({"every", kRequired,
                         "after which vertices are moved, counted from the start; more than a tenth of the margin "
@@ -357,19 +357,18 @@ void wall_section(CaseKeys& k, Case& c) {
   const bool several = t != nullptr && t->is_list("motion");
   if (k.when(!several))
     k.section({"motion", "none",
-               "prescribed, or in answer to force; or a list of prescribed ones, applied in order, each from where those "
-               "before it have the wall"},
+               "prescribed, or force-controlled; or a list of prescribed motions, applied in order: each acts on the wall as moved by "
+               "those before it"},
               [&](CaseKeys& below) { motion_section(below, w.wall.motion); });
   if (k.when(several)) several_motions(k, w.wall.motion);
   if (const std::optional<Drive> drive = w.wall.motion.drive();
       t != nullptr && w.wall.kind == WallKind::plane && drive && drive->guide.turns) {
     throw t->error("motion", "turns a plane in answer to force, which has no end and so any lever; use a plate or another mesh");
   }
-  k.section(
-      {"surface", "none",
-       "moves along itself, while the wall stays where it is: a belt, a turntable. Given where the wall is placed; it goes along with "
-       "the wall's motion, on top of which it comes"},
-      [&](CaseKeys& below) { surface_section(below, w.wall.surface); });
+  k.section({"surface", "none",
+             "velocity of the surface of a wall that itself stays in place: a belt, a turntable. Given for the wall as placed; it moves "
+             "with the wall and adds to the velocity of the wall"},
+            [&](CaseKeys& below) { surface_section(below, w.wall.surface); });
   if (t != nullptr) c.walls.push_back(w);
 }
 

@@ -122,7 +122,7 @@ def main():
         rows.append(row(c["case"], c["title"], c["tier"], c["checks"], f"**did not run**: {c['failure']}" if c["failure"] else missed,
                         c["steps"], f"{c['contacts']:.3g}", f"{c['solver_seconds']:.2f}", f"{max((k['used'] for k in own[c['case']]), default=0):.0%}"))
     fold("All cases: checks, size and time", [
-        "Times are seconds in the solver, on a machine that does other work too; steps and contacts (largest mean of a run) give the size. The last",
+        "Times are upper bounds of the seconds in the solver; steps and contacts (largest mean of a run) give the size. The last",
         "column is the share of its tolerance that the check closest to its limit uses.\n",
         *table(("case", "what", "tier", "checks", "missed", "steps", "contacts", "s", "of the tolerance"), rows)])
     rows = []

@@ -90,9 +90,9 @@ for folder in words.shapes:
         name = os.path.basename(path).removesuffix(".shape.h5")
         rows.append((os.path.basename(os.path.dirname(path)) if name == "result" else name, deviations(path)))
 
-text = ["# Where bodies touch, and where they were drawn", "",
-        "For contacts a mesh is moved inwards by its margin, and has the margin around it: edges and vertices are rounded by it, and what is too thin is moved in",
-        "only partly ([decision 022](../develop/decisions/022-touch-where-surfaces-are-drawn.md)). Deviation of that surface from the drawn one, mean over the surface and (largest), as shares of the margin,",
+text = ["# Contact surface and drawn surface", "",
+        "For contacts a mesh is moved inwards by its margin and surrounded by a layer of that thickness: edges and vertices are rounded, and thin parts are moved",
+        "only partly ([decision 022](../develop/decisions/022-touch-where-surfaces-are-drawn.md)). Distance of the contact surface from the drawn surface, mean over the surface and (largest), over the margin,",
         "for margins of 2 to 10 % of the radius of the ball of the same volume. A corner of a cube is cut by .73 of the margin. Made by `workflows/corpus/touch.py`.", "",
         "| shape | " + " | ".join(f"{100 * ratio:g} %" for ratio in RATIOS) + " |", "|---|" + "---|" * len(RATIOS)]
 for name, found in rows:

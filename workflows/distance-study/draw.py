@@ -162,7 +162,7 @@ def main(csv_path, page_path, picture_path):
     page = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "page.md")).read()
     values = {
         "picture": os.path.basename(picture_path),
-        "target": head["simd"], "compiler": head["compiler"], "commit": head["commit"][:12],
+        "target": head["simd"], "compiler": head["compiler"],
         "front_near_double": names(("double", "near_ns")), "front_all_double": names(("double", "mean_ns")),
         "front_near_single": names(("single", "near_ns")), "front_all_single": names(("single", "mean_ns")),
         "hybrid_ratio": f"{mix['near_ns'] / own['near_ns']:.2f}",

@@ -89,10 +89,10 @@ for kind, colour in zip(cuts, ("#0072B2", "#56B4E9", "#009E73")):
     strain, stress, disc = curves[kind]
     axes[0].plot(1e3 * strain, stress / 1e6, color=colour, label=f"cut {kind}")
     axes[1].plot(1e3 * disc.time, disc.force / DISC / 1e6, color=colour, label=f"cut {kind}")
-axes[0].axline((0, 0), slope=69, color="0.5", lw=0.8, ls="--")
-axes[0].axhline(200, color="0.5", lw=0.8)
+axes[0].axline((0, 0), slope=69, color="0.5", lw=0.8, ls="--", label="granite, 69 GPa")
+axes[0].axhline(200, color="0.5", lw=0.8, label="granite, 200 MPa")
 axes[0].set(xlabel="strain [1e-3]", ylabel="stress [MPa]", title="compression, up to the largest force", xlim=(0, None), ylim=(0, 1.1 * max(200, *(rows[kind][2] for kind in cuts))))
-axes[1].axhline(9.3, color="0.5", lw=0.8)
+axes[1].axhline(9.3, color="0.5", lw=0.8, label="granite, 9.3 MPa")
 axes[1].set(xlabel="time [ms]", ylabel="2 P / (π D t) [MPa]", title="Brazilian test", ylim=(0, None))
 for a in axes[:2]:
     a.legend(frameon=False)

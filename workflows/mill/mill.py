@@ -124,7 +124,7 @@ figure, axes = plt.subplots(1, 3, figsize=(12, 3.7), gridspec_kw={"width_ratios"
 first = found[NAMES[0]]
 reach = first["reach"]
 image = axes[0].imshow(np.ma.masked_less(first["density"].T, 1e-3), origin="lower", extent=[-reach, reach] * 2, cmap="magma_r", vmin=0, vmax=0.65)
-figure.colorbar(image, ax=axes[0], label="solid fraction", shrink=0.8)
+figure.colorbar(image, ax=axes[0], label="solid fraction [-]", shrink=0.8)
 turn = np.linspace(0, 2 * np.pi, 200)
 axes[0].plot(reach * np.sin(turn), reach * np.cos(turn), color="#444444", linewidth=1)
 for angles, colour, text in ((MEASURED, "#2a6f97", "measured"), ({"shoulder": first["shoulder"], "toe": first["toe"]}, "#2f9e44", NAMES[0])):
@@ -133,16 +133,16 @@ for angles, colour, text in ((MEASURED, "#2a6f97", "measured"), ({"shoulder": fi
         axes[0].plot([0, reach * np.sin(at)], [0, reach * np.cos(at)], color=colour, linewidth=1, label=text if k == 0 else None)
 axes[0].legend(frameon=False, fontsize=7, loc="upper right")
 axes[0].set_aspect("equal")
-axes[0].set_xlabel("[m]")
-axes[0].set_title("mean over time", fontsize=9)
+axes[0].set(xlabel="x [m]", ylabel="z [m]")
+axes[0].set_title("mean solid fraction; lines: shoulder and toe", fontsize=9)
 for (name, r), colour in zip(found.items(), ("#2f9e44", "#bc6c25")):
     axes[1].plot(np.arange(SECTORS) + 0.5, r["smooth"], color=colour, label=name)
 for what in ("shoulder", "toe"):
     axes[1].axvline(MEASURED[what], color="#2a6f97", linestyle="--", linewidth=0.9)
 axes[1].axhline(0.5, color="#999999", linewidth=0.6)
-axes[1].set_xlabel("from the top, with the turn [degrees]")
-axes[1].set_ylabel("ring along the liner, of the bed's fraction")
-axes[1].set_title("dashed: shoulder and toe measured", fontsize=9)
+axes[1].set_xlabel("angle from the top, along the rotation [deg]")
+axes[1].set_ylabel("solid fraction, liner ring / bed [-]")
+axes[1].set_title("dashed: shoulder and toe as measured", fontsize=9)
 axes[1].legend(frameon=False, fontsize=7)
 styles = iter(["-", "--", ":", "-."] * 4)
 for name, r in found.items():
@@ -158,7 +158,7 @@ for name, r in found.items():
 axes[2].set_xscale("log")
 axes[2].set_yscale("log")
 axes[2].set_xlabel("energy of the impact along the normal [J]")
-axes[2].set_ylabel("impacts per second and power of two")
+axes[2].set_ylabel("impacts per second and octave [1/s]")
 axes[2].legend(frameon=False, fontsize=7)
 figure.tight_layout()
 figure.savefig(SVG, dpi=150)

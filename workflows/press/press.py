@@ -58,7 +58,7 @@ def read(name):
     return result
 
 
-lines = ["| sides | lid, of what its servo was asked | floor, of lid and weight | hangs on the sides | of their friction | K by Janssen | K measured |",
+lines = ["| sides | force on the lid / set force | force on the floor / lid force and weight | share carried by the sides | mobilised share of their friction | K from Janssen | K measured |",
          "| --- | --- | --- | --- | --- | --- | --- |"]
 for name in NAMES:
     r = read(name)

@@ -60,7 +60,7 @@ for name in NAMES:
     assert len(sizes) == len(np.unique(of)), name   # two ways to the same fragments
     rows.append((name, len(sizes), sizes.max() / sizes.sum(), x[:, 0].max(), short, 1 - short - beyond, beyond, speed, run.log["fracture"][-1]))
 with open(TABLE, "w", encoding="utf-8") as file:
-    file.write("| boulder | fragments | largest | farthest x [m] | short of the ditch | in it | beyond | speed at the end [m/s] | fracture [J] |\n|---|---|---|---|---|---|---|---|---|\n")
+    file.write("| boulder | fragments | largest | farthest x [m] | mass fraction before the ditch | in the ditch | beyond | speed at the end [m/s] | fracture [J] |\n|---|---|---|---|---|---|---|---|---|\n")
     for r in rows:
         file.write(f"| {r[0]} | {r[1]} | {r[2]:.2f} | {r[3]:.1f} | {r[4]:.2f} | {r[5]:.2f} | {r[6]:.2f} | {r[7]:.2f} | {r[8]:.0f} |\n")
 figure, axes = plt.subplots(figsize=(11, 5.2))

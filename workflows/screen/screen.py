@@ -37,7 +37,7 @@ left = {int(i): (t, outlet) for i, t, outlet in zip(removed["id"], removed["time
 end = run.frames[-1].time
 there = {int(i) for i in run.frames[-1].bodies.id}
 
-lines = ["| size | came in | passed the deck | left at its end | still there | passed, of those that left |", "| --- | --- | --- | --- | --- | --- |"]
+lines = ["| size | fed | passed the deck | left over the end | still on the deck | passed / all that left |", "| --- | --- | --- | --- | --- | --- |"]
 for name in sizes:
     ids = [i for i in kind if kind[i] == name]
     under = [i for i in ids if i in left and left[i][1] == "under"]

@@ -49,7 +49,7 @@ for name, colour in zip(NAMES, ["#0072B2", "#D55E00"]):
         plot.plot([0, time[-1]], [0, PUBLISHED[orifice] * time[-1] / 1e3], "--", color=colour, label=f"{orifice} orifice, published rate")
     speed = record["bodies"] * record["steps"] / record["wall_seconds"]
     rows.append(f"| {name} | {len(time)} | {mean:.0f} +- {interval:.0f} | {f'{PUBLISHED[orifice]:.0f}' if published else ''} | {verdict} | {speed:.2g} on {record['ranks']} x {record['threads']} cores |")
-    plot.plot(time, np.arange(1, len(time) + 1) / 1e3, "-", color=colour, label=name)
+    plot.plot(time, np.arange(1, len(time) + 1) / 1e3, "-", color=colour, label=f"{orifice} orifice, {name}")
 with open(TABLE, "w", encoding="utf-8") as file:
     file.write("| run | balls out | rate [1/s] | published | verdict | particle-steps/s at most |\n|---|---|---|---|---|---|\n" + "\n".join(rows) + "\n")
     if len(rates) == 2:

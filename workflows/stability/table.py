@@ -50,7 +50,7 @@ if failed:
     print()
 notes = [note for note in re.findall(r"^- .*\n(?:  .*\n)*", text_of("notes.md"), flags=re.M) if re.match(r"- (X\d+)", note).group(1) in titles]
 if notes:
-    print("### Differences from the plan, and what was learned\n")
+    print("### Notes, and differences from the plan\n")
     print("".join(notes))
 print("## Cases\n")
 for name in order:

@@ -84,7 +84,7 @@ for name in NAMES:
         row["unconfined"] = unconfined(name)
     shapes.setdefault(shape, []).append(float(bond))
 
-lines = ["| grains | Bond number | angle of the heap [deg] | height left of a column | its height [grains] | unconfined strength [Pa] | "
+lines = ["| grains | Bond number | angle of the heap [deg] | height of the column at the end / at the start | height at the start [grains] | unconfined strength [Pa] | "
          "height that stands by it [grains] | height that stands by Rumpf [grains] |", "|---|---|---|---|---|---|---|---|"]
 for (shape, bond), row in rows.items():
     column = row.get("column")
@@ -105,7 +105,7 @@ for shape in shapes:
     columns = [(bond, row["column"][0]) for bond, row in points if "column" in row]
     right.plot(*zip(*columns), "o-", color=COLOURS[shape], label=f"{shape}s") if columns else None
 left.set_ylabel("angle of the heap [deg]")
-right.set_ylabel("height left of a column")
+right.set_ylabel("height of the column, end / start [-]")
 right.set_ylim(0, 1.05)
 for axes in (left, right):
     axes.set_xscale("symlog", linthresh=0.5)

@@ -52,7 +52,7 @@ def angle(s1, s3):
     return np.degrees(np.arcsin((s1 - s3) / (s1 + s3)))
 
 
-lines = ["| stress asked | pressed: force over that asked | strength at its peak | at strain | at the end | volume |", "| --- | --- | --- | --- | --- | --- |"]
+lines = ["| set stress | before shear: force / set force | peak friction angle | at axial strain | friction angle at the end | change of volume |", "| --- | --- | --- | --- | --- | --- |"]
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
 peaks = []
 for name, colour in zip(NAMES, COLOURS):
