@@ -2,9 +2,9 @@
 
 #include "core/base/units.hpp"
 #include "core/storage/attraction.hpp"
+#include "solver/bodies/bodies_to_come.hpp"
 #include "solver/laws/restitution.hpp"
 #include "solver/scene/hollow_walls.hpp"
-#include "solver/step/inlets.hpp"
 #include "solver/step_size/approach.hpp"
 #include "solver/step_size/bond_stiffness.hpp"
 

@@ -1,27 +1,78 @@
 #!/usr/bin/env python3
 """Holds solver/README.md to the files: rooms in the order of its table include nothing above them, and every file that it names is there.
-Also: no file of the solver has more than 400 lines. usage: rooms_test.py ROOT"""
+Also, in all tools and core: no two rooms include each other, and units that do become fewer. No file of the solver has more than 400 lines. usage: rooms_test.py ROOT"""
 import os
 import re
 import sys
 
 ROOT = sys.argv[1]
 kLongest = 400
-# Includes that point up, to be removed: what a scene may have (bonds, inlets, wall loads, impacts) is known to the loop over pairs and to the step size.
-POINT_UP = {
-    ("pairs/forces.hpp", "step/impacts.hpp"), ("pairs/forces.hpp", "step/load_map.hpp"),
-    ("pairs/pair_evaluation.hpp", "step/impacts.hpp"), ("pairs/pair_evaluation.hpp", "step/wall_loads.hpp"),
-    ("step_size/stability.hpp", "step/run_state.hpp"), ("step_size/step_levels.hpp", "step/run_state.hpp"),
-    ("step_size/step_size.cpp", "step/bonds.hpp"), ("step_size/step_size.cpp", "step/inlets.hpp"),
-    ("step_size/stability.cpp", "step/bonds.hpp"), ("step_size/stability.cpp", "step/wall_drives.hpp"),
-}
+# Units of one folder that reach each other by includes, and so are one unit in fact: no new ones, and those that are left become fewer.
+KNOTS = [
+    "core/base: long_work progress",
+    "core/distance: mesh_descent mesh_distance",
+    "core/storage: scene_file scene_keys scene_settings start_state",
+    "decomposer/case: case_file case_pairs case_sections",
+    "decomposer/packing: build_scene compact cut_bodies doubts faces_between margin_rule packer relax settle softness",
+    "mesher/fracture: cut_faces cut_mesh",
+    "post/run: drawn_meshes within",
+    "post/statistics: flow_output frame_numbers statistics",
+    "post/report: drive_verdict verdicts",
+    "solver/scene: ball_laws solver_scene",
+    "solver/contact: area_model contact_model contact_models crowds hand_over pair_force pair_friction pair_stiffness pairs_model potential_model",
+    "solver/features: candidate_slack edge_features",
+    "solver/lanes: ball_forces ball_lanes lane_contact",
+    "solver/pairs: ball_evaluation deep_pairs forces mesh_evaluation pair_evaluation pair_pass squeezed",
+    "solver/run: outcome run start",
+]
 
+
+def includes():
+    """Of each unit, a header with its sources, those that it includes."""
+    def unit(path):
+        return re.sub(r"(-inl)?\.(hpp|cpp|inc)$", "", path)
+    files = [os.path.relpath(os.path.join(folder, name), ROOT) for top in ("core", "mesher", "decomposer", "solver", "post")
+             for folder, _, names in os.walk(os.path.join(ROOT, top)) for name in names if name.endswith((".hpp", ".cpp", ".inc"))]
+    found = {unit(path): set() for path in files}
+    for path in files:
+        with open(os.path.join(ROOT, path), encoding="utf-8") as source:
+            for other in re.findall(r'^#include "([\w/-]+\.(?:hpp|inc))"', source.read(), flags=re.M):
+                if unit(other) in found and unit(other) != unit(path):
+                    found[unit(path)].add(unit(other))
+    return found
+
+
+def knots(graph):
+    """Sets of more than one node that reach each other (R. Tarjan, Depth-first search and linear graph algorithms, 1972)."""
+    number, low, stack, result = {}, {}, [], []
+
+    def visit(node):
+        number[node] = low[node] = len(number)
+        stack.append(node)
+        for other in sorted(graph[node]):
+            if other not in number:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], number[other])
+        if low[node] == number[node]:
+            knot = stack[stack.index(node):]
+            del stack[stack.index(node):]
+            if len(knot) > 1:
+                result.append(sorted(knot))
+    for node in sorted(graph):
+        if node not in number:
+            visit(node)
+    return result
+
+
+sys.setrecursionlimit(10000)
 with open(os.path.join(ROOT, "solver/README.md"), encoding="utf-8") as file:
     page = file.read()
 rooms = re.findall(r"^\| `(\w+)/` \|", page, flags=re.M)
 assert len(rooms) >= 8, f"the table of rooms has {rooms}"
 floor = {room: len(rooms) - k for k, room in enumerate(rooms)}  # the ground is 1
-wrong, pointing_up = [], set()
+wrong = []
 found = {name for name in os.listdir(os.path.join(ROOT, "solver")) if os.path.isdir(os.path.join(ROOT, "solver", name))}
 wrong += [f"solver/{name} is not in the table of rooms" for name in sorted(found - set(rooms))]
 wrong += [f"the table has solver/{name}, which is not there" for name in sorted(set(rooms) - found)]
@@ -37,11 +88,16 @@ for room in found & set(rooms):
             for number, line in enumerate(lines, 1):
                 other = re.match(r'#include "solver/((\w+)/[^"]+)"', line)
                 if other and floor.get(other.group(2), 0) > floor[room]:
-                    if (arrow := (where.removeprefix("solver/"), other.group(1))) in POINT_UP:
-                        pointing_up.add(arrow)
-                        continue
                     wrong.append(f"{where}:{number} includes {other.group(2)}/, a room above {room}/")
-wrong += [f"{source} no longer includes {target}: take it off the list POINT_UP" for source, target in sorted(POINT_UP - pointing_up)]
+graph = includes()
+rooms_of = {}
+for unit, others in graph.items():
+    room = "/".join(unit.split("/")[:2])
+    rooms_of.setdefault(room, set()).update(other for other in ("/".join(o.split("/")[:2]) for o in others) if other != room)
+wrong += [f"rooms that include each other in a circle: {' '.join(knot)}" for knot in knots(rooms_of)]
+tied = [f"{os.path.dirname(knot[0])}: {' '.join(os.path.basename(unit) for unit in knot)}" for knot in knots(graph)]
+wrong += [f"units that reach each other by includes: {knot}" for knot in sorted(set(tied) - set(KNOTS))]
+wrong += [f"no longer a knot, take it off the list KNOTS: {knot}" for knot in sorted(set(KNOTS) - set(tied))]
 section = page[page.index("## Rooms"):]
 for name in re.findall(r"`([\w/]+\.(?:hpp|cpp|md))`", section):
     rows = [line for line in section.splitlines() if f"`{name}`" in line]
@@ -50,4 +106,4 @@ for name in re.findall(r"`([\w/]+\.(?:hpp|cpp|md))`", section):
     if not any(os.path.isfile(os.path.join(ROOT, place)) for place in places):
         wrong.append(f"solver/README.md names {name}, which is not there")
 assert not wrong, "\n".join(wrong)
-print(f"{len(rooms)} rooms; {len(POINT_UP)} includes point up")
+print(f"{len(rooms)} rooms; {len(KNOTS)} knots of units are left")
