@@ -3,6 +3,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -46,6 +47,9 @@ class PairObserver {
 inline std::size_t most_threads() { return static_cast<std::size_t>(omp_get_max_threads()); }
 
 using PairObservers = std::span<PairObserver* const>;
+inline bool any_observes_bodies(PairObservers observers) {
+  return std::any_of(observers.begin(), observers.end(), [](const PairObserver* o) { return o->observes_bodies(); });
+}
 
 /// Of visit_pairs.
 using PairVisitor = std::function<void(const PairContact&)>;

@@ -1,7 +1,6 @@
 // One pass over pairs, as all that works on it sees it.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <vector>
 
@@ -30,9 +29,7 @@ struct PairPass {
 
   bool only_looks() const { return examines || at_rest; }
   /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.
-  bool allows_lanes() const {
-    return std::none_of(observers.begin(), observers.end(), [](const PairObserver* o) { return o->observes_bodies(); });
-  }
+  bool allows_lanes() const { return !any_observes_bodies(observers); }
   /// A step of the run that asks for forces, and for nothing that lanes leave out.
   bool asks_for_forces_alone() const { return friction_dt > 0 && friction_dt == dt && !only_looks() && allows_lanes(); }
   /// Of both bodies together since the lists were made [m].
