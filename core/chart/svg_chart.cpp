@@ -136,174 +136,244 @@ std::vector<double> round_ticks(double low, double high, int count) {
   return ticks;
 }
 
-std::string svg_of(const LineChart& chart) {
-  // ranges
-  double x_low = std::numeric_limits<double>::infinity(), x_high = -x_low, y_low = x_low, y_high = -x_low;
-  const auto is_drawn = [&](double x, double y) {
-    return std::isfinite(x) && std::isfinite(y) && (!chart.logarithmic || y > 0) && (!chart.logarithmic_x || x > 0);
-  };
-  const auto spread_at = [](const ChartLine& line, std::size_t i) {
-    return i < line.spread.size() && std::isfinite(line.spread[i]) ? line.spread[i] : 0.0;
-  };
-  for (const ChartLine& line : chart.lines) {
+namespace {
+
+/// What a line chart shows of its plane, and where on the page.
+class Plane {
+ public:
+  explicit Plane(const LineChart& chart) : chart_(chart) {
+    find_ranges();
+    if (!is_empty()) choose_axes();
+  }
+
+  bool is_empty() const { return !(x_high_ >= x_low_); }
+  bool shows(double x, double y) const {
+    return std::isfinite(x) && std::isfinite(y) && (!chart_.logarithmic || y > 0) && (!chart_.logarithmic_x || x > 0);
+  }
+  double px(double x) const {
+    const double part = chart_.logarithmic_x ? std::log(x / x_low_) / std::log(x_high_ / x_low_) : (x - x_low_) / (x_high_ - x_low_);
+    return kLeft + width() * part;
+  }
+  double py(double y) const {
+    const double part = chart_.logarithmic ? std::log(y / y_low_) / std::log(y_high_ / y_low_) : (y - y_low_) / (y_high_ - y_low_);
+    return kTop + height() * (1 - part);
+  }
+  double py_within(double y) const { return py(std::clamp(y, y_low_, y_high_)); }
+  static double width() { return kWidth - kLeft - kRight; }
+  static double height() { return kHeight - kTop - kBottom; }
+
+  std::string axes() const;
+
+ private:
+  void find_ranges();
+  void choose_axes();
+  std::string levels() const;
+  std::string marks() const;
+
+  const LineChart& chart_;
+  double x_low_ = std::numeric_limits<double>::infinity(), x_high_ = -x_low_, y_low_ = x_low_, y_high_ = -x_low_;
+  Prefix xp_{}, yp_{};
+  std::vector<double> y_ticks_;  // decided once: ticks of the widened axis could be coarser and reach beyond it
+};
+
+double spread_at(const ChartLine& line, std::size_t i) {
+  return i < line.spread.size() && std::isfinite(line.spread[i]) ? line.spread[i] : 0.0;
+}
+
+void Plane::find_ranges() {
+  for (const ChartLine& line : chart_.lines) {
     for (std::size_t i = 0; i < line.x.size(); ++i) {
-      if (!is_drawn(line.x[i], line.y[i])) continue;
-      x_low = std::min(x_low, line.x[i]);
-      x_high = std::max(x_high, line.x[i]);
-      const double spread = chart.logarithmic ? 0 : spread_at(line, i);  // half a decade of doubt must not make ten decades of axis
-      // what cannot be negative keeps its axis at 0, whatever the doubt
-      y_low = std::min(y_low, chart.from_zero && line.y[i] >= 0 ? std::max(0.0, line.y[i] - spread) : line.y[i] - spread);
-      y_high = std::max(y_high, line.y[i] + spread);
+      if (!shows(line.x[i], line.y[i])) continue;
+      x_low_ = std::min(x_low_, line.x[i]);
+      x_high_ = std::max(x_high_, line.x[i]);
+      const double spread = chart_.logarithmic ? 0 : spread_at(line, i);  // half a decade of doubt must not make ten decades of axis
+      // a quantity that cannot be negative keeps its axis at 0, whatever the doubt
+      y_low_ = std::min(y_low_, chart_.from_zero && line.y[i] >= 0 ? std::max(0.0, line.y[i] - spread) : line.y[i] - spread);
+      y_high_ = std::max(y_high_, line.y[i] + spread);
     }
   }
-  std::string svg = svg_head(chart.title, kHeight);
-  if (!(x_high >= x_low)) return svg + "<text x=\"0\" y=\"60\" class=\"chart-text\">nothing to draw</text>\n</svg>\n";
-  for (const ChartLimit& limit : chart.limits) {
-    if (is_drawn(1, limit.y)) {
-      y_low = std::min(y_low, limit.y);
-      y_high = std::max(y_high, limit.y);
-    }
+  for (const ChartLimit& limit : chart_.limits) {
+    if (is_empty() || !shows(1, limit.y)) continue;
+    y_low_ = std::min(y_low_, limit.y);
+    y_high_ = std::max(y_high_, limit.y);
   }
-  if (chart.from_zero && !chart.logarithmic) y_low = std::min(0.0, y_low);
+}
+
+void Plane::choose_axes() {
+  if (chart_.from_zero && !chart_.logarithmic) y_low_ = std::min(0.0, y_low_);
   const auto whole_decades = [](double& low, double& high) {
     low = std::pow(10.0, std::floor(std::log10(low) + 1e-12));
     high = std::pow(10.0, std::ceil(std::log10(high) - 1e-12));
     if (high <= low) high = 10 * low;
   };
-  if (chart.logarithmic_x) whole_decades(x_low, x_high);
-  if (is_flat(x_low, x_high)) x_high = x_low + std::max(1.0, std::abs(x_low));
-  const Prefix xp = chart.logarithmic_x ? Prefix{1, chart.x_unit} : prefix_for(std::max(std::abs(x_low), std::abs(x_high)), chart.x_unit);
-  const Prefix yp = chart.logarithmic ? Prefix{1, chart.y_unit} : prefix_for(std::max(std::abs(y_low), std::abs(y_high)), chart.y_unit);
-  std::vector<double> y_ticks;  // decided once: ticks of the widened axis could be coarser and reach beyond it
-  if (chart.logarithmic) {
+  if (chart_.logarithmic_x) whole_decades(x_low_, x_high_);
+  if (is_flat(x_low_, x_high_)) x_high_ = x_low_ + std::max(1.0, std::abs(x_low_));
+  xp_ = chart_.logarithmic_x ? Prefix{1, chart_.x_unit} : prefix_for(std::max(std::abs(x_low_), std::abs(x_high_)), chart_.x_unit);
+  yp_ = chart_.logarithmic ? Prefix{1, chart_.y_unit} : prefix_for(std::max(std::abs(y_low_), std::abs(y_high_)), chart_.y_unit);
+  if (chart_.logarithmic) {
     constexpr double kMostDecades = 14;  // a value at rounding level must not squeeze the rest
-    y_low = std::max(y_low, y_high * std::pow(10.0, -kMostDecades));
-    whole_decades(y_low, y_high);
-  } else {
-    if (is_flat(y_low, y_high)) {
-      const double pad = y_high != 0 ? 0.5 * std::abs(y_high) : 1;
-      y_low -= chart.from_zero ? 0 : pad;
-      y_high += pad;
-    }
-    y_ticks = round_ticks(y_low / yp.factor, y_high / yp.factor, 5);
-    y_low = y_ticks.front() * yp.factor;
-    y_high = y_ticks.back() * yp.factor;
+    y_low_ = std::max(y_low_, y_high_ * std::pow(10.0, -kMostDecades));
+    whole_decades(y_low_, y_high_);
+    return;
   }
-  const double width = kWidth - kLeft - kRight, height = kHeight - kTop - kBottom;
-  const auto px = [&](double x) {
-    const double part = chart.logarithmic_x ? std::log(x / x_low) / std::log(x_high / x_low) : (x - x_low) / (x_high - x_low);
-    return kLeft + width * part;
-  };
-  const auto py = [&](double y) {
-    const double part = chart.logarithmic ? std::log(y / y_low) / std::log(y_high / y_low) : (y - y_low) / (y_high - y_low);
-    return kTop + height * (1 - part);
-  };
+  if (is_flat(y_low_, y_high_)) {
+    const double pad = y_high_ != 0 ? 0.5 * std::abs(y_high_) : 1;
+    y_low_ -= chart_.from_zero ? 0 : pad;
+    y_high_ += pad;
+  }
+  y_ticks_ = round_ticks(y_low_ / yp_.factor, y_high_ / yp_.factor, 5);
+  y_low_ = y_ticks_.front() * yp_.factor;
+  y_high_ = y_ticks_.back() * yp_.factor;
+}
 
-  // grid and axes
+/// Lines of the grid with the values of y.
+std::string Plane::levels() const {
+  std::string svg;
   const auto level = [&](double y, const std::string& text) {
     svg += fmt::format(
         "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" class=\"tick\" "
         "text-anchor=\"end\">{}</text>\n",
-        kLeft, kLeft + width, py(y), py(y), kLeft - 7, py(y) + 4, text);
+        kLeft, kLeft + width(), py(y), py(y), kLeft - 7, py(y) + 4, text);
   };
-  if (chart.logarithmic) {
-    const int low = static_cast<int>(std::lround(std::log10(y_low))), high = static_cast<int>(std::lround(std::log10(y_high)));
+  if (chart_.logarithmic) {
+    const int low = static_cast<int>(std::lround(std::log10(y_low_))), high = static_cast<int>(std::lround(std::log10(y_high_)));
     const int stride = std::max(1, (high - low + 5) / 6);
     for (int e = high; e >= low; e -= stride) level(std::pow(10.0, e), power_of_ten(e));
   } else {
-    const double step = y_ticks.size() > 1 ? y_ticks[1] - y_ticks[0] : 1;
-    for (double t : y_ticks) level(t * yp.factor, number(t, step));
+    const double step = y_ticks_.size() > 1 ? y_ticks_[1] - y_ticks_[0] : 1;
+    for (double t : y_ticks_) level(t * yp_.factor, number(t, step));
   }
+  return svg;
+}
+
+/// Marks of the lower axis with the values of x.
+std::string Plane::marks() const {
+  std::string svg;
   const auto mark = [&](double x, const std::string& text) {
     svg += fmt::format(
         "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" class=\"axis\"/><text x=\"{0:.1f}\" y=\"{3}\" class=\"tick\" "
         "text-anchor=\"middle\">{4}</text>\n",
-        px(x), kTop + height, kTop + height + 5, kTop + height + 18, text);
+        px(x), kTop + height(), kTop + height() + 5, kTop + height() + 18, text);
   };
-  if (chart.logarithmic_x) {
-    const int low = static_cast<int>(std::lround(std::log10(x_low))), high = static_cast<int>(std::lround(std::log10(x_high)));
+  if (chart_.logarithmic_x) {
+    const int low = static_cast<int>(std::lround(std::log10(x_low_))), high = static_cast<int>(std::lround(std::log10(x_high_)));
     for (int e = low; e <= high; e += std::max(1, (high - low + 7) / 8)) mark(std::pow(10.0, e), power_of_ten(e));
-  } else {
-    const std::vector<double> x_ticks = round_ticks(x_low / xp.factor, x_high / xp.factor, 7);
-    const double x_step = x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1;
-    for (double t : x_ticks) {
-      if (t * xp.factor < x_low - 1e-9 * (x_high - x_low) || t * xp.factor > x_high + 1e-9 * (x_high - x_low)) continue;
-      mark(t * xp.factor, number(t, x_step));
-    }
+    return svg;
   }
-  svg += fmt::format("<polyline points=\"{0},{1} {0},{2} {3},{2}\" class=\"axis\"/>\n", kLeft, kTop, kTop + height, kLeft + width);
-  svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\" text-anchor=\"middle\">{}</text>\n", kLeft + width / 2, kHeight - 8,
-                     escaped(axis_text(chart.x_label, xp.text)));
-  svg += fmt::format("<text transform=\"translate(14 {}) rotate(-90)\" class=\"chart-text\" text-anchor=\"middle\">{}</text>\n",
-                     kTop + height / 2, escaped(axis_text(chart.y_label, yp.text)));
+  const std::vector<double> x_ticks = round_ticks(x_low_ / xp_.factor, x_high_ / xp_.factor, 7);
+  const double x_step = x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1;
+  for (double t : x_ticks) {
+    if (t * xp_.factor < x_low_ - 1e-9 * (x_high_ - x_low_) || t * xp_.factor > x_high_ + 1e-9 * (x_high_ - x_low_)) continue;
+    mark(t * xp_.factor, number(t, x_step));
+  }
+  return svg;
+}
 
-  for (const ChartLimit& limit : chart.limits) {
-    if (!is_drawn(1, limit.y)) continue;
+std::string Plane::axes() const {
+  std::string svg = levels() + marks();
+  svg += fmt::format("<polyline points=\"{0},{1} {0},{2} {3},{2}\" class=\"axis\"/>\n", kLeft, kTop, kTop + height(), kLeft + width());
+  svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\" text-anchor=\"middle\">{}</text>\n", kLeft + width() / 2, kHeight - 8,
+                     escaped(axis_text(chart_.x_label, xp_.text)));
+  svg += fmt::format("<text transform=\"translate(14 {}) rotate(-90)\" class=\"chart-text\" text-anchor=\"middle\">{}</text>\n",
+                     kTop + height() / 2, escaped(axis_text(chart_.y_label, yp_.text)));
+  for (const ChartLimit& limit : chart_.limits) {
+    if (!shows(1, limit.y)) continue;
     svg += fmt::format(
         "<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" class=\"limit\"/><text x=\"{1}\" y=\"{3:.1f}\" "
         "class=\"limit-text\" text-anchor=\"end\">{4}</text>\n",
-        kLeft, kLeft + width, py(limit.y), py(limit.y) - 5, escaped(limit.text));
+        kLeft, kLeft + width(), py(limit.y), py(limit.y) - 5, escaped(limit.text));
+  }
+  return svg;
+}
+
+/// How a line is drawn.
+struct Pen {
+  std::size_t number;
+  const char *colour, *dash;
+  bool has_line, has_points;
+};
+
+/// The band of doubt about a line.
+std::string band_of(const ChartLine& line, const Pen& pen, const Plane& plane) {
+  if (line.spread.empty()) return "";
+  std::string upper, lower;
+  for (std::size_t i = 0; i < line.x.size(); ++i) {
+    if (!plane.shows(line.x[i], line.y[i])) continue;
+    const double spread = spread_at(line, i);
+    upper += fmt::format("{:.1f},{:.1f} ", plane.px(line.x[i]), plane.py_within(line.y[i] + spread));
+    lower.insert(0, fmt::format("{:.1f},{:.1f} ", plane.px(line.x[i]), plane.py_within(line.y[i] - spread)));
+  }
+  return fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.22\" stroke=\"none\"/>\n", upper, lower, pen.colour);
+}
+
+/// Points with their labels, and the line through them.
+std::string curve_of(const ChartLine& line, const Pen& pen, const Plane& plane) {
+  std::string svg, path;
+  bool pen_down = false;
+  for (std::size_t i = 0; i < line.x.size(); ++i) {
+    if (!plane.shows(line.x[i], line.y[i])) {
+      pen_down = false;
+      continue;
+    }
+    const double x = plane.px(line.x[i]), y = plane.py_within(line.y[i]);
+    path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", x, y);
+    pen_down = true;
+    if (pen.has_points) svg += marker(pen.number, x, y, pen.colour);
+    if (i < line.labels.size() && !line.labels[i].empty()) {
+      const bool left = x > kLeft + 100;
+      // a ring about the point; the text below and left of it, where a front has nothing else
+      svg += fmt::format(
+          "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7.5\" fill=\"none\" stroke=\"#1c2430\" stroke-width=\"1.4\"/><text x=\"{2:.1f}\" "
+          "y=\"{3:.1f}\" "
+          "class=\"tick\" text-anchor=\"{4}\">{5}</text>\n",
+          x, y, x + (left ? -8 : 8), y + 19, left ? "end" : "start", escaped(line.labels[i]));
+    }
+  }
+  if (!pen.has_line) return svg;
+  return svg + fmt::format(
+                   "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-dasharray=\"{}\"/>\n",
+                   path, pen.colour, pen.dash);
+}
+
+/// Entries of the legend above the frame, row after row.
+class Legend {
+ public:
+  std::string entry(const ChartLine& line, const Pen& pen) {
+    const double long_name = 32 + 8.8 * static_cast<double>(line.name.size()) + 14;  // room for the larger letters on a phone
+    if (x_ > kLeft && x_ + long_name > kWidth) {
+      x_ = kLeft;
+      y_ += 15;
+    }
+    std::string svg;
+    if (pen.has_line) {
+      svg += fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{4}\" y2=\"{4}\" stroke=\"{2}\" stroke-width=\"2.4\" stroke-dasharray=\"{3}\"/>",
+                         x_, x_ + 26, pen.colour, pen.dash, y_);
+    }
+    if (pen.has_points) svg += marker(pen.number, x_ + 13, y_, pen.colour);
+    svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\">{}</text>\n", x_ + 32, y_ + 4, escaped(line.name));
+    x_ += long_name;
+    return svg;
   }
 
-  // bands, lines and points, then the legend above the frame
-  double legend_x = kLeft, legend_y = 42;
+ private:
+  double x_ = kLeft, y_ = 42;
+};
+
+}  // namespace
+
+std::string svg_of(const LineChart& chart) {
+  const Plane plane(chart);
+  std::string svg = svg_head(chart.title, kHeight);
+  if (plane.is_empty()) return svg + "<text x=\"0\" y=\"60\" class=\"chart-text\">nothing to draw</text>\n</svg>\n";
+  svg += plane.axes();
+  Legend legend;
   for (std::size_t s = 0; s < chart.lines.size(); ++s) {
     const ChartLine line = thinned(chart.lines[s]);
-    const bool has_line = line.style != ChartLine::Style::points, has_points = line.style != ChartLine::Style::line;
-    const char* colour = kColours[s % kColours.size()];
-    const char* dash = kDashes[s % kDashes.size()];
-    const auto y_at = [&](double y) { return py(std::clamp(y, y_low, y_high)); };
-    if (!line.spread.empty()) {
-      std::string upper, lower;
-      for (std::size_t i = 0; i < line.x.size(); ++i) {
-        if (!is_drawn(line.x[i], line.y[i])) continue;
-        const double spread = spread_at(line, i);
-        upper += fmt::format("{:.1f},{:.1f} ", px(line.x[i]), y_at(line.y[i] + spread));
-        lower.insert(0, fmt::format("{:.1f},{:.1f} ", px(line.x[i]), y_at(line.y[i] - spread)));
-      }
-      svg += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.22\" stroke=\"none\"/>\n", upper, lower, colour);
-    }
-    std::string path;
-    bool pen_down = false;
-    for (std::size_t i = 0; i < line.x.size(); ++i) {
-      if (!is_drawn(line.x[i], line.y[i])) {
-        pen_down = false;
-        continue;
-      }
-      path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", px(line.x[i]), y_at(line.y[i]));
-      pen_down = true;
-      if (has_points) svg += marker(s, px(line.x[i]), y_at(line.y[i]), colour);
-      if (i < line.labels.size() && !line.labels[i].empty()) {
-        const bool left = px(line.x[i]) > kLeft + 100;
-        // a ring about the point; the text below and left of it, where a front has nothing else
-        svg += fmt::format(
-            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"7.5\" fill=\"none\" stroke=\"#1c2430\" stroke-width=\"1.4\"/><text x=\"{2:.1f}\" "
-            "y=\"{3:.1f}\" "
-            "class=\"tick\" text-anchor=\"{4}\">{5}</text>\n",
-            px(line.x[i]), y_at(line.y[i]), px(line.x[i]) + (left ? -8 : 8), y_at(line.y[i]) + 19, left ? "end" : "start",
-            escaped(line.labels[i]));
-      }
-    }
-    if (has_line) {
-      svg += fmt::format(
-          "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-linejoin=\"round\" stroke-dasharray=\"{}\"/>\n", path,
-          colour, dash);
-    }
-    if (chart.lines.size() > 1 || !line.spread.empty()) {
-      const double long_name = 32 + 8.8 * static_cast<double>(line.name.size()) + 14;  // room for the larger letters on a phone
-      if (legend_x > kLeft && legend_x + long_name > kWidth) {
-        legend_x = kLeft;
-        legend_y += 15;
-      }
-      if (has_line) {
-        svg +=
-            fmt::format("<line x1=\"{0}\" x2=\"{1}\" y1=\"{4}\" y2=\"{4}\" stroke=\"{2}\" stroke-width=\"2.4\" stroke-dasharray=\"{3}\"/>",
-                        legend_x, legend_x + 26, colour, dash, legend_y);
-      }
-      if (has_points) svg += marker(s, legend_x + 13, legend_y, colour);
-      svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"chart-text\">{}</text>\n", legend_x + 32, legend_y + 4, escaped(line.name));
-      legend_x += long_name;
-    }
+    const Pen pen{s, kColours[s % kColours.size()], kDashes[s % kDashes.size()], line.style != ChartLine::Style::points,
+                  line.style != ChartLine::Style::line};
+    svg += band_of(line, pen, plane);
+    svg += curve_of(line, pen, plane);
+    if (chart.lines.size() > 1 || !line.spread.empty()) svg += legend.entry(line, pen);
   }
   return svg + "</svg>\n";
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/half_edges.hpp"
 
@@ -79,6 +81,195 @@ std::uint16_t corner_mark(std::size_t k) { return static_cast<std::uint16_t>(1u 
 std::uint16_t edge_mark(std::size_t k) { return static_cast<std::uint16_t>(1u << (3 + k)); }
 std::uint16_t kind_mark(EdgeKind kind, std::size_t k) { return static_cast<std::uint16_t>(static_cast<unsigned>(kind) << (6 + 3 * k)); }
 
+/// The parts of find_features(), in their order.
+class FeatureFinder {
+ public:
+  FeatureFinder(const TriangleMesh& mesh, Sides sides)
+      : mesh_(mesh), sides_(sides), half_(sorted_half_edges(mesh)), sharp_at_(static_cast<std::size_t>(mesh.vertex_count())) {
+    const auto triangles = static_cast<std::size_t>(mesh.triangle_count());
+    table_.corner_of.assign(sharp_at_.size(), -1);
+    table_.edge_of.assign(triangles, {-1, -1, -1});
+    table_.marks.assign(triangles, 0);
+    table_.region.assign(triangles, 0);
+    for (std::size_t t = 0; t < triangles; ++t) normal_.push_back(unit_normal(mesh, static_cast<std::int32_t>(t)));
+  }
+
+  FeatureTable find() {
+    if (mesh_.triangle_count() == 0) {  // a lone point (the centre of an analytic sphere) is a corner
+      std::iota(table_.corner_of.begin(), table_.corner_of.end(), 0);
+      table_.corners = table_.corner_of;
+      return std::move(table_);
+    }
+    list_edges();
+    find_regions();
+    find_kinds();
+    find_corners();
+    number_edges(false);
+    if (sides_ == Sides::both) number_edges(true);
+    mark_edges();
+    table_.corners.shrink_to_fit();
+    table_.edges.shrink_to_fit();
+    return std::move(table_);
+  }
+
+ private:
+  void list_edges();
+  void find_regions();
+  void find_kinds();
+  void find_kind(MeshEdge& edge);
+  void find_corners();
+  void number_edges(bool folds);
+  void mark_edges();
+
+  bool is_corner(std::int32_t v) const;
+  std::int32_t walk(std::int32_t v, std::int32_t e, std::int32_t feature);
+  std::int32_t other_end(std::int32_t e, std::int32_t v) const {
+    const MeshEdge& edge = edges_[static_cast<std::size_t>(e)];
+    return edge.low == v ? edge.high : edge.low;
+  }
+  const Vec3& vertex(std::int32_t v) const { return mesh_.vertices[static_cast<std::size_t>(v)]; }
+  const Vec3& normal(std::int32_t face) const { return normal_[static_cast<std::size_t>(face)]; }
+
+  const TriangleMesh& mesh_;
+  Sides sides_;
+  const std::vector<HalfEdge> half_;
+  const double flat_cosine_ = std::cos(kFlatAngle);
+  std::vector<Vec3> normal_;  // of each triangle
+  std::vector<MeshEdge> edges_;
+  std::vector<std::vector<std::int32_t>> sharp_at_;  // edges that are not flat, of each vertex
+  FeatureTable table_;
+};
+
+/// Mesh edges from sorted half edges.
+void FeatureFinder::list_edges() {
+  for_each_edge(half_, [&](std::size_t i, std::size_t j) {
+    MeshEdge edge{half_[i].low, half_[i].high, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j - i)};
+    edge.faces[0] = half_[i].triangle;
+    if (j - i > 1) {
+      edge.faces[1] = half_[i + 1].triangle;
+      edge.is_turned = half_[i].is_forward == half_[i + 1].is_forward;
+    }
+    edges_.push_back(edge);
+  });
+}
+
+/// Flat regions: faces joined over edges whose normals agree.
+void FeatureFinder::find_regions() {
+  DisjointSets joined(normal_.size());
+  for (const MeshEdge& edge : edges_) {
+    if (edge.face_count != 2) continue;
+    const double cosine = dot(normal(edge.faces[0]), normal(edge.faces[1]));
+    if ((edge.is_turned ? -cosine : cosine) <= flat_cosine_) continue;
+    joined.join(edge.faces[0], edge.faces[1]);
+  }
+  std::vector<std::int32_t> region_of_root(normal_.size(), -1);
+  for (std::size_t t = 0; t < normal_.size(); ++t) {
+    const auto root = static_cast<std::size_t>(joined.find(static_cast<std::int32_t>(t)));
+    if (region_of_root[root] < 0) region_of_root[root] = table_.region_count++;
+    table_.region[t] = region_of_root[root];
+  }
+}
+
+void FeatureFinder::find_kind(MeshEdge& edge) {
+  if (edge.face_count == 1) {
+    edge.kind = EdgeKind::boundary;
+  } else if (edge.face_count > 2) {
+    edge.kind = EdgeKind::non_manifold;
+    if (sides_ != Sides::both) return;
+    std::vector<std::int32_t> around;
+    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h)
+      around.push_back(half_[static_cast<std::size_t>(h)].triangle);
+    const Vec3 &a = vertex(edge.low), &b = vertex(edge.high);
+    edge.kind = find_convex_side(mesh_, normal_, around, a, b - a, edge.faces) ? EdgeKind::convex : EdgeKind::concave;
+  } else if (table_.region[static_cast<std::size_t>(edge.faces[0])] != table_.region[static_cast<std::size_t>(edge.faces[1])]) {
+    const Vec3 &a = vertex(edge.low), &b = vertex(edge.high);
+    const double side = dot(normal(edge.faces[0]), conormal_of(mesh_, edge.faces[1], normal(edge.faces[1]), a, b - a));
+    edge.is_fold = sides_ == Sides::both && side > 0;
+    edge.kind = side > 0 && sides_ == Sides::outside ? EdgeKind::concave : EdgeKind::convex;
+  }
+}
+
+/// The kind of each edge, and the sharp edges around each vertex.
+void FeatureFinder::find_kinds() {
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    MeshEdge& edge = edges_[e];
+    find_kind(edge);
+    if (edge.kind != EdgeKind::flat) {
+      for (const std::int32_t end : {edge.low, edge.high}) sharp_at_[static_cast<std::size_t>(end)].push_back(static_cast<std::int32_t>(e));
+    }
+    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
+      const HalfEdge& he = half_[static_cast<std::size_t>(h)];
+      table_.marks[static_cast<std::size_t>(he.triangle)] |= kind_mark(edge.kind, static_cast<std::size_t>(he.k));
+    }
+  }
+}
+
+/// Not flat, and not the inside of a straight edge.
+bool FeatureFinder::is_corner(std::int32_t v) const {
+  const auto& sharp = sharp_at_[static_cast<std::size_t>(v)];
+  if (sharp.empty()) return false;
+  if (sharp.size() != 2) return true;
+  if (edges_[static_cast<std::size_t>(sharp[0])].kind != edges_[static_cast<std::size_t>(sharp[1])].kind) return true;
+  const Vec3 a = vertex(other_end(sharp[0], v)) - vertex(v), b = vertex(other_end(sharp[1], v)) - vertex(v);
+  return dot(a, b) > -flat_cosine_ * length(a) * length(b);
+}
+
+void FeatureFinder::find_corners() {
+  for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
+    if (!is_corner(v)) continue;
+    table_.corner_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(table_.corners.size());
+    table_.corners.push_back(v);
+  }
+  std::vector<char> taken(table_.corners.size(), 0);
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t c = table_.corner_of[static_cast<std::size_t>(mesh_.triangles[t][k])];
+      if (c < 0 || taken[static_cast<std::size_t>(c)]) continue;
+      taken[static_cast<std::size_t>(c)] = 1;
+      table_.marks[t] |= corner_mark(k);
+    }
+  }
+}
+
+/// Follows a straight run of sharp edges from a vertex on, and numbers them. Returns the vertex where the run ends.
+std::int32_t FeatureFinder::walk(std::int32_t v, std::int32_t e, std::int32_t feature) {
+  while (table_.corner_of[static_cast<std::size_t>(v)] < 0) {
+    const auto& sharp = sharp_at_[static_cast<std::size_t>(v)];
+    const std::int32_t next = sharp[0] == e ? sharp[1] : sharp[0];
+    if (edges_[static_cast<std::size_t>(next)].feature >= 0) break;
+    edges_[static_cast<std::size_t>(next)].feature = feature;
+    v = other_end(next, v);
+    e = next;
+  }
+  return v;
+}
+
+/// Feature edges: each straight run of sharp edges from corner to corner.   in   folds   those that are convex from behind, or the others
+void FeatureFinder::number_edges(bool folds) {
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    MeshEdge& edge = edges_[e];
+    if (edge.kind == EdgeKind::flat || edge.kind == EdgeKind::concave || edge.feature >= 0 || edge.is_fold != folds) continue;
+    edge.feature = static_cast<std::int32_t>(table_.edges.size());
+    FeatureEdge feature;
+    feature.vertex_a = walk(edge.low, static_cast<std::int32_t>(e), edge.feature);
+    feature.vertex_b = walk(edge.high, static_cast<std::int32_t>(e), edge.feature);
+    if (edge.kind != EdgeKind::non_manifold) std::copy(edge.faces, edge.faces + 2, feature.face);
+    table_.edges.push_back(feature);
+  }
+}
+
+void FeatureFinder::mark_edges() {
+  for (const MeshEdge& edge : edges_) {
+    if (edge.feature < 0) continue;
+    const HalfEdge& owner = half_[static_cast<std::size_t>(edge.first_face)];
+    table_.marks[static_cast<std::size_t>(owner.triangle)] |= edge_mark(static_cast<std::size_t>(owner.k));
+    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
+      const HalfEdge& he = half_[static_cast<std::size_t>(h)];
+      table_.edge_of[static_cast<std::size_t>(he.triangle)][static_cast<std::size_t>(he.k)] = edge.feature;
+    }
+  }
+}
+
 }  // namespace
 
 Vec3 conormal(const TriangleMesh& mesh, const FeatureEdge& edge, int side) {
@@ -93,155 +284,6 @@ std::size_t FeatureTable::memory() const {
   return bytes(corners) + bytes(corner_of) + bytes(edges) + bytes(edge_of) + bytes(marks) + bytes(region);
 }
 
-FeatureTable find_features(const TriangleMesh& mesh, Sides sides) {
-  const auto triangle_count = static_cast<std::size_t>(mesh.triangle_count());
-  const auto vertex_count = static_cast<std::size_t>(mesh.vertex_count());
-  FeatureTable table;
-  table.corner_of.assign(vertex_count, -1);
-  table.edge_of.assign(triangle_count, {-1, -1, -1});
-  table.marks.assign(triangle_count, 0);
-  table.region.assign(triangle_count, 0);
-  if (triangle_count == 0) {  // a lone point (the centre of an analytic sphere) is a corner
-    std::iota(table.corner_of.begin(), table.corner_of.end(), 0);
-    table.corners = table.corner_of;
-    return table;
-  }
-
-  std::vector<Vec3> normal(triangle_count);
-  for (std::size_t t = 0; t < triangle_count; ++t) normal[t] = unit_normal(mesh, static_cast<std::int32_t>(t));
-
-  // mesh edges from sorted half edges
-  const std::vector<HalfEdge> half = sorted_half_edges(mesh);
-  std::vector<MeshEdge> edges;
-  for_each_edge(half, [&](std::size_t i, std::size_t j) {
-    MeshEdge edge{half[i].low, half[i].high, static_cast<std::int32_t>(i), static_cast<std::int32_t>(j - i)};
-    edge.faces[0] = half[i].triangle;
-    if (j - i > 1) {
-      edge.faces[1] = half[i + 1].triangle;
-      edge.is_turned = half[i].is_forward == half[i + 1].is_forward;
-    }
-    edges.push_back(edge);
-  });
-
-  // flat regions: faces joined over edges whose normals agree
-  const double flat_cosine = std::cos(kFlatAngle);
-  DisjointSets joined(triangle_count);
-  for (const MeshEdge& edge : edges) {
-    if (edge.face_count != 2) continue;
-    const auto f = static_cast<std::size_t>(edge.faces[0]), g = static_cast<std::size_t>(edge.faces[1]);
-    const double cosine = dot(normal[f], normal[g]);
-    if ((edge.is_turned ? -cosine : cosine) <= flat_cosine) continue;
-    joined.join(edge.faces[0], edge.faces[1]);
-  }
-  std::vector<std::int32_t> region_of_root(triangle_count, -1);
-  for (std::size_t t = 0; t < triangle_count; ++t) {
-    const auto root = static_cast<std::size_t>(joined.find(static_cast<std::int32_t>(t)));
-    if (region_of_root[root] < 0) region_of_root[root] = table.region_count++;
-    table.region[t] = region_of_root[root];
-  }
-
-  // kind of each edge, and the sharp edges around each vertex
-  std::vector<std::vector<std::int32_t>> sharp_at(vertex_count);
-  std::vector<std::int32_t> around;
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    MeshEdge& edge = edges[e];
-    if (edge.face_count == 1) {
-      edge.kind = EdgeKind::boundary;
-    } else if (edge.face_count > 2) {
-      edge.kind = EdgeKind::non_manifold;
-      if (sides == Sides::both) {
-        around.clear();
-        for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h)
-          around.push_back(half[static_cast<std::size_t>(h)].triangle);
-        const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
-        edge.kind = find_convex_side(mesh, normal, around, a, b - a, edge.faces) ? EdgeKind::convex : EdgeKind::concave;
-      }
-    } else if (table.region[static_cast<std::size_t>(edge.faces[0])] != table.region[static_cast<std::size_t>(edge.faces[1])]) {
-      const Vec3 &a = mesh.vertices[static_cast<std::size_t>(edge.low)], &b = mesh.vertices[static_cast<std::size_t>(edge.high)];
-      const Vec3 into = conormal_of(mesh, edge.faces[1], normal[static_cast<std::size_t>(edge.faces[1])], a, b - a);
-      const double side = dot(normal[static_cast<std::size_t>(edge.faces[0])], into);
-      edge.is_fold = sides == Sides::both && side > 0;
-      edge.kind = side > 0 && sides == Sides::outside ? EdgeKind::concave : EdgeKind::convex;
-    }
-    if (edge.kind != EdgeKind::flat) {
-      sharp_at[static_cast<std::size_t>(edge.low)].push_back(static_cast<std::int32_t>(e));
-      sharp_at[static_cast<std::size_t>(edge.high)].push_back(static_cast<std::int32_t>(e));
-    }
-    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
-      const HalfEdge& he = half[static_cast<std::size_t>(h)];
-      table.marks[static_cast<std::size_t>(he.triangle)] |= kind_mark(edge.kind, static_cast<std::size_t>(he.k));
-    }
-  }
-
-  // corners: not flat, and not the inside of a straight edge
-  const auto other_end = [&](std::int32_t e, std::int32_t v) {
-    const MeshEdge& edge = edges[static_cast<std::size_t>(e)];
-    return edge.low == v ? edge.high : edge.low;
-  };
-  const auto is_corner = [&](std::int32_t v) {
-    const auto& sharp = sharp_at[static_cast<std::size_t>(v)];
-    if (sharp.empty()) return false;
-    if (sharp.size() != 2) return true;
-    if (edges[static_cast<std::size_t>(sharp[0])].kind != edges[static_cast<std::size_t>(sharp[1])].kind) return true;
-    const Vec3& p = mesh.vertices[static_cast<std::size_t>(v)];
-    const Vec3 a = mesh.vertices[static_cast<std::size_t>(other_end(sharp[0], v))] - p;
-    const Vec3 b = mesh.vertices[static_cast<std::size_t>(other_end(sharp[1], v))] - p;
-    return dot(a, b) > -flat_cosine * length(a) * length(b);
-  };
-  std::vector<std::int32_t>& corner_of = table.corner_of;
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (!is_corner(v)) continue;
-    corner_of[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(table.corners.size());
-    table.corners.push_back(v);
-  }
-  std::vector<char> corner_taken(table.corners.size(), 0);
-  for (std::size_t t = 0; t < triangle_count; ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t c = corner_of[static_cast<std::size_t>(mesh.triangles[t][k])];
-      if (c < 0 || corner_taken[static_cast<std::size_t>(c)]) continue;
-      corner_taken[static_cast<std::size_t>(c)] = 1;
-      table.marks[t] |= corner_mark(k);
-    }
-  }
-
-  // feature edges: walk each straight run of sharp edges from corner to corner
-  const auto walk = [&](std::int32_t v, std::int32_t e, std::int32_t feature) {
-    while (corner_of[static_cast<std::size_t>(v)] < 0) {
-      const auto& sharp = sharp_at[static_cast<std::size_t>(v)];
-      const std::int32_t next = sharp[0] == e ? sharp[1] : sharp[0];
-      if (edges[static_cast<std::size_t>(next)].feature >= 0) break;
-      edges[static_cast<std::size_t>(next)].feature = feature;
-      v = other_end(next, v);
-      e = next;
-    }
-    return v;
-  };
-  const auto number_edges = [&](bool folds) {
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      MeshEdge& edge = edges[e];
-      if (edge.kind == EdgeKind::flat || edge.kind == EdgeKind::concave || edge.feature >= 0 || edge.is_fold != folds) continue;
-      edge.feature = static_cast<std::int32_t>(table.edges.size());
-      FeatureEdge feature;
-      feature.vertex_a = walk(edge.low, static_cast<std::int32_t>(e), edge.feature);
-      feature.vertex_b = walk(edge.high, static_cast<std::int32_t>(e), edge.feature);
-      if (edge.kind != EdgeKind::non_manifold) std::copy(edge.faces, edge.faces + 2, feature.face);
-      table.edges.push_back(feature);
-    }
-  };
-  number_edges(false);
-  if (sides == Sides::both) number_edges(true);
-  for (const MeshEdge& edge : edges) {
-    if (edge.feature < 0) continue;
-    const HalfEdge& owner = half[static_cast<std::size_t>(edge.first_face)];
-    table.marks[static_cast<std::size_t>(owner.triangle)] |= edge_mark(static_cast<std::size_t>(owner.k));
-    for (std::int32_t h = edge.first_face; h < edge.first_face + edge.face_count; ++h) {
-      const HalfEdge& he = half[static_cast<std::size_t>(h)];
-      table.edge_of[static_cast<std::size_t>(he.triangle)][static_cast<std::size_t>(he.k)] = edge.feature;
-    }
-  }
-  table.corners.shrink_to_fit();
-  table.edges.shrink_to_fit();
-  return table;
-}
+FeatureTable find_features(const TriangleMesh& mesh, Sides sides) { return FeatureFinder(mesh, sides).find(); }
 
 }  // namespace scree
