@@ -16,7 +16,7 @@
 #include "decomposer/cut/compare_cuts.hpp"
 #include "decomposer/cut/predicted_work.hpp"
 #include "decomposer/packing/build_scene.hpp"
-#include "decomposer/packing/doubts.hpp"
+#include "decomposer/packing/case_warnings.hpp"
 #include "decomposer/preview.hpp"
 #include "decomposer/sizes_report.hpp"
 #include "decomposer/tile_scene.hpp"
@@ -142,7 +142,7 @@ CommandResult check_command(const std::string& case_path, const std::vector<std:
     count += p.value;
   }
   CommandResult result;
-  result.warnings = doubts_about(c);
+  result.warnings = warnings_of_case(c);
   result.output = fmt::format("{}: correct; {} materials, {} pairs that can meet, {} shapes, {} bodies, {} populations{}, {} walls\n",
                               case_path, c.materials.size(), c.pairs.size(), c.shapes.size(), c.bodies.size(), c.populations.size(),
                               by_count && count > 0 ? fmt::format(" ({:.0f} particles)", count) : "", c.walls.size());

@@ -10,7 +10,7 @@
 
 namespace scree {
 
-/// Skin of the body lists that costs are reckoned with, of the smallest radius.
+/// Skin of the body lists that costs are computed with, of the smallest radius.
 inline constexpr double kDefaultSkin = 0.1;
 
 struct CommandResult {

@@ -27,7 +27,7 @@ int cores_of_process() {
 }
 
 /// Tells of threads that were asked for and that have no core of their own, where the machine has more cores than they may use.
-void tell_of_bound_threads(const scree::mpi::Communicator& comm) {
+void warn_of_bound_threads(const scree::mpi::Communicator& comm) {
   const int cores = cores_of_process(), threads = omp_get_max_threads();
   if (comm.rank() != 0 || threads <= cores || cores >= sysconf(_SC_NPROCESSORS_ONLN)) return;
   scree::warn_once(
@@ -179,7 +179,7 @@ int do_command(const mpi::Communicator& comm, int argc, char** argv) {
   limit_simd(c.simd);
   if (c.verify) return verify(comm, c.again);
   if (c.slurm || c.plan) return print_only(comm, c);
-  tell_of_bound_threads(comm);
+  warn_of_bound_threads(comm);
   return run_scene(comm, c.options);
 }
 

@@ -65,7 +65,7 @@ class ChildProcess {
   ~ChildProcess();
 
   enum class Read { data, end, nothing_yet };
-  /// Appends what the child has written; waits for it at most so long [ms], or for ever (-1). `end`: all its writers have gone.
+  /// Appends what the child has written; waits for it at most so long [ms], or indefinitely (-1). `end`: all its writers have gone.
   Read read(std::vector<char>& to, int wait);
   /// Reads exactly so many bytes; false when the child ends before.
   bool read_exactly(void* to, std::size_t size);

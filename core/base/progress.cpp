@@ -14,7 +14,7 @@ namespace scree {
 namespace {
 constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal; more often only costs time and flickers
 constexpr int kLinesInAFile = 20;        ///< one line per 5 %
-constexpr double kMostInAFile = 600;     ///< [s] after which the next one comes at the latest
+constexpr double kMaxInAFile = 600;      ///< [s] after which the next one comes at the latest
 }  // namespace
 
 Progress::Progress(std::string title, double total, std::function<Time()> now)
@@ -35,7 +35,7 @@ void Progress::update(double done, const std::string& text) {
     if (silent < kRedrawInterval) return;
   } else {
     const int step = static_cast<int>(std::floor(share * kLinesInAFile + 1e-9));
-    if (silent < patience_ || (step <= last_step_ && silent < kMostInAFile)) return;
+    if (silent < patience_ || (step <= last_step_ && silent < kMaxInAFile)) return;
     last_step_ = step;
   }
   last_print_ = now;

@@ -1,4 +1,4 @@
-// What the build knows of itself. The values come from the generated version.cpp, made anew at each build.
+// What the build knows of itself. The values come from the generated version.cpp, made again at each build.
 #pragma once
 
 #include <string>

@@ -20,7 +20,7 @@ constexpr std::array<const char*, 7> kDashes{"", "7 3", "2 3", "10 3 2 3", "", "
 
 constexpr double kWidth = 640, kHeight = 320;
 constexpr double kLeft = 74, kRight = 16, kTop = 62, kBottom = 48;  // two rows of legend fit above
-constexpr std::size_t kMostPoints = 1500;                           // more than two points a pixel only make the page heavy
+constexpr std::size_t kMaxPoints = 1500;                            // more than two points a pixel only make the page heavy
 
 struct Prefix {
   double factor;
@@ -51,9 +51,9 @@ std::string power_of_ten(int exponent) { return fmt::format("10<tspan dy=\"-5\" 
 
 /// Keeps the smallest and the largest of each run of points, so that no peak is lost.
 ChartLine thinned(const ChartLine& line) {
-  if (line.x.size() <= kMostPoints || line.style != ChartLine::Style::line) return line;
+  if (line.x.size() <= kMaxPoints || line.style != ChartLine::Style::line) return line;
   ChartLine result{line.name, {}, {}};
-  const std::size_t runs = kMostPoints / 2;
+  const std::size_t runs = kMaxPoints / 2;
   for (std::size_t r = 0; r < runs; ++r) {
     const std::size_t begin = r * line.x.size() / runs, end = (r + 1) * line.x.size() / runs;
     std::size_t low = begin, high = begin;
@@ -87,8 +87,8 @@ std::string marker(std::size_t line, double x, double y, const char* colour) {
 
 /// Whether two ends of an axis are one value for its labels: steps between them would be lost to rounding.
 bool is_flat(double low, double high) {
-  constexpr double kLeastSpan = 1e-9;  // of the values: far above roundoff, far below what a label can show
-  return !(high - low > kLeastSpan * std::max(std::abs(low), std::abs(high)));
+  constexpr double kMinSpan = 1e-9;  // of the values: far above roundoff, far below what a label can show
+  return !(high - low > kMinSpan * std::max(std::abs(low), std::abs(high)));
 }
 
 std::string svg_head(const std::string& title, double height) {
@@ -211,8 +211,8 @@ void Plane::choose_axes() {
   xp_ = chart_.logarithmic_x ? Prefix{1, chart_.x_unit} : prefix_for(std::max(std::abs(x_low_), std::abs(x_high_)), chart_.x_unit);
   yp_ = chart_.logarithmic ? Prefix{1, chart_.y_unit} : prefix_for(std::max(std::abs(y_low_), std::abs(y_high_)), chart_.y_unit);
   if (chart_.logarithmic) {
-    constexpr double kMostDecades = 14;  // a value at rounding level must not squeeze the rest
-    y_low_ = std::max(y_low_, y_high_ * std::pow(10.0, -kMostDecades));
+    constexpr double kMaxDecades = 14;  // a value at rounding level must not squeeze the rest
+    y_low_ = std::max(y_low_, y_high_ * std::pow(10.0, -kMaxDecades));
     whole_decades(y_low_, y_high_);
     return;
   }

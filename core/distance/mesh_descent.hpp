@@ -149,14 +149,14 @@ void open_subtrees(const Bvh& a, const Bvh& b, const DescentFrame& frame, const 
 
 /// The pairs of subtrees that look nearest so far, nearest first.
 struct NearestSubtrees {
-  static constexpr std::size_t kMost = 2;
+  static constexpr std::size_t kMax = 2;
   std::size_t count = 0;
-  std::array<float, kMost> key;
-  std::array<SubtreePair, kMost> pair;
-  float worst() const { return count < kMost ? 3e38f : key[kMost - 1]; }
+  std::array<float, kMax> key;
+  std::array<SubtreePair, kMax> pair;
+  float worst() const { return count < kMax ? 3e38f : key[kMax - 1]; }
   /// With a key below the worst.
   void offer(float of_next, const SubtreePair& next) {
-    std::size_t k = count < kMost ? count++ : kMost - 1;
+    std::size_t k = count < kMax ? count++ : kMax - 1;
     for (; k > 0 && key[k - 1] > of_next; --k) key[k] = key[k - 1], pair[k] = pair[k - 1];
     key[k] = of_next;
     pair[k] = next;

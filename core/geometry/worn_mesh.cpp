@@ -76,13 +76,13 @@ std::vector<Vec3> worn_vertices(const TriangleMesh& mesh, const WearOfMesh& wear
     }
   }
   if (!(target > 0)) return mesh.vertices;
-  constexpr double kLeastSine = 1e-3;  // of a way to the surface about a vertex: along the surface nothing is worn off, whatever the way
+  constexpr double kMinSine = 1e-3;  // of a way to the surface about a vertex: along the surface nothing is worn off, whatever the way
   for (std::size_t v = 0; v < count; ++v) {
     const double size = length(way[v]);
     if (!(size > 0)) continue;
     way[v] *= 1 / size;
     const double across = dot(around[v], way[v]);
-    if (!(std::abs(across) > kLeastSine * length(around[v]))) {
+    if (!(std::abs(across) > kMinSine * length(around[v]))) {
       way[v] = {};
       continue;
     }
@@ -91,11 +91,11 @@ std::vector<Vec3> worn_vertices(const TriangleMesh& mesh, const WearOfMesh& wear
   }
   // the factor that makes it exact: the volume is nearly in proportion to it
   double factor = 1;
-  constexpr int kMostRounds = 60;
+  constexpr int kMaxRounds = 60;
   constexpr double kExact = 1e-13;  // of the volume; rounding of a sum over the triangles
   for (int round = 0;; ++round) {
     const double lost = lost_volume(mesh, way, side, factor);
-    if (!(lost > 0) || round == kMostRounds) throw InputError("no displacement of its vertices gives the volume that was worn off");
+    if (!(lost > 0) || round == kMaxRounds) throw InputError("no displacement of its vertices gives the volume that was worn off");
     if (std::abs(lost - target) <= kExact * target) break;
     const double next = factor * (target / lost);
     if (std::abs(next - factor) <= kExact * factor) break;

@@ -55,9 +55,9 @@ std::string cookie_entry() {
 }
 
 std::string end_of(std::string text) {
-  constexpr std::size_t kMost = 400;  // characters of what Xvfb wrote: the reason stands at its end
+  constexpr std::size_t kMax = 400;  // characters of what Xvfb wrote: the reason stands at its end
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  return text.size() > kMost ? "... " + text.substr(text.size() - kMost) : text;
+  return text.size() > kMax ? "... " + text.substr(text.size() - kMax) : text;
 }
 
 /// An Xvfb of this process.

@@ -11,7 +11,7 @@ namespace {
 /// Farther out than this many of the coarsest cells, rounding would begin to move balls between cells.
 constexpr double kFarthestCell = 0x1p40;
 /// Periods that a body may have travelled: images are counted in 32 bits.
-constexpr double kMostTurns = 0x1p30;
+constexpr double kMaxTurns = 0x1p30;
 /// The low 10 bits of x, two zeros between one another.
 std::uint64_t spread(std::uint64_t x) {
   x &= 0x3FF;
@@ -84,7 +84,7 @@ void MultilevelGrid::build(std::span<const Vec3> centres, std::span<const double
   const double width = 4 * largest * (1 + kCellSlack);
   double limit = kFarthestCell * width;
   for (int c = 0; c < 3; ++c)
-    if (period_[c] > 0) limit = std::min(limit, kMostTurns * period_[c]);
+    if (period_[c] > 0) limit = std::min(limit, kMaxTurns * period_[c]);
   if (farthest > limit)
     throw InputError(
         "a body has a coordinate of {:.6g} m; expected at most {:.6g} m, where rounding would begin to move bodies of this size "

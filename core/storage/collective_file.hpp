@@ -4,7 +4,7 @@
 // the prefix sum of the row counts.
 //
 // A full disk is the failure that is met in practice, and the one that parallel HDF5 takes badly: tried with Open MPI 4.1 and
-// HDF5 1.10.8 on a full tmpfs, two ranks crash in the next collective call and four wait for ever. So rank 0 first makes the
+// HDF5 1.10.8 on a full tmpfs, two ranks crash in the next collective call and four wait indefinitely. So rank 0 first makes the
 // file as long as it can become, with space that is truly taken: reserved by the file system, or filled with zeros where it
 // cannot reserve (ext2, ext3, NFS 3). When that fails, all ranks are told before HDF5 has begun. The file is cut to its length
 // when it is closed. Errors that come later are collected, not thrown, until all ranks have made the same collective calls.

@@ -257,9 +257,9 @@ std::int64_t Group::array_size(const std::string& name, std::int64_t columns) co
   if (found != columns) throw InputError("{}: {} columns found, {} expected", where, found, columns);
   expect_content(type.id(), Content::number, where);
   // no file holds more than deflate can press into it
-  constexpr double kMostDeflated = 1032;  // RFC 1951: 258 bytes from two bits, at best
+  constexpr double kMaxDeflated = 1032;  // RFC 1951: 258 bytes from two bits, at best
   expect_bytes(dataset.id(), static_cast<double>(extent[0]) * static_cast<double>(columns) * static_cast<double>(H5Tget_size(type.id())),
-               kMostDeflated, where);
+               kMaxDeflated, where);
   return static_cast<std::int64_t>(extent[0]) * columns;
 }
 

@@ -123,7 +123,7 @@ struct Wall {
 };
 
 /// Why nobody sleeps who touches the wall (time.sleep), whether it moves or not; null: no reason.
-inline const char* what_keeps_awake(const Wall& wall) {
+inline const char* sleep_blocker(const Wall& wall) {
   return wall.load_map ? "has a load map" : wall.motion.drive() ? "answers to force" : nullptr;
 }
 

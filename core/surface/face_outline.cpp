@@ -10,7 +10,7 @@ namespace scree {
 namespace {
 
 /// Height of the flattest triangle over its longest side: rounding turns its normal by 1e-7, far less than kFlatAngle.
-constexpr double kLeastHeight = 1e-9;
+constexpr double kMinHeight = 1e-9;
 /// A vertex inside keeps its place where it is farther than this share of a side from it: triangles between them are no needles.
 constexpr double kClearance = 1e-3;
 
@@ -90,7 +90,7 @@ class Front {
     for (const std::int32_t c : active_) {
       const Point to_a = pa - points_[at(c)], to_b = pb - points_[at(c)];
       const double twice = cross(to_a, to_b), longest = std::max({dot(to_a, to_a), dot(to_b, to_b), dot(pb - pa, pb - pa)});
-      if (twice > kLeastHeight * longest) found_.push_back({dot(to_a, to_b) / twice, c});
+      if (twice > kMinHeight * longest) found_.push_back({dot(to_a, to_b) / twice, c});
     }
     // the widest angle has the least cotangent
     const auto is_later = [](const Seen& s, const Seen& t) {

@@ -20,7 +20,7 @@ struct FaceOutline {
 };
 
 /// Whether the outline, with its vertices at `places`, meets itself nowhere and holds more than `least_area` [m^2].
-/// Cost: O(E log E) for E edges that do not crowd.
+/// Cost: O(E log E) for E edges that do not cluster.
 bool is_sound(const FaceOutline& outline, const std::vector<Vec3>& places, double least_area);
 
 /// Triangles between the outline, as many as the face was drawn with: those of Delaunay, as far as the outline lets them.

@@ -19,14 +19,14 @@ namespace scree {
 namespace {
 
 /// Singular values below this share of the largest count as none: the way has no part where the normals do not say.
-constexpr double kLeastSingular = 1e-3;
+constexpr double kMinSingular = 1e-3;
 /// A triangle has turned over when its normal has gone further than 60 degrees, or nothing is left of its area.
-constexpr double kLeastCosine = 0.5, kLeastArea = 1e-3;
+constexpr double kMinCosine = 0.5, kMinArea = 1e-3;
 /// What a way longer by this share would turn over counts as turned: parts of a face that just meet have one answer, however rounded.
 constexpr double kBeyond = 1e-3;
 constexpr double kReducedByTurn = 0.6, kReducedByCrossing = 0.5;
-constexpr double kLeastShare = 1e-2;  // below, a vertex stays where it is
-constexpr int kMostRounds = 200;
+constexpr double kMinShare = 1e-2;  // below, a vertex stays where it is
+constexpr int kMaxRounds = 200;
 
 Vec3 doubled_normal(const std::vector<Vec3>& vertices, const Triangle& t) {
   const Vec3& first = vertices[static_cast<std::size_t>(t[0])];
@@ -44,7 +44,7 @@ Vec3 way_of(const std::vector<Vec3>& normals, double margin) {
   Eigen::MatrixXd planes(static_cast<Eigen::Index>(normals.size()), 3);
   for (std::size_t i = 0; i < normals.size(); ++i) planes.row(static_cast<Eigen::Index>(i)) << normals[i].x, normals[i].y, normals[i].z;
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(planes, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(kLeastSingular);
+  svd.setThreshold(kMinSingular);
   const Eigen::Vector3d way = svd.solve(Eigen::VectorXd::Constant(planes.rows(), -margin));
   const Vec3 found{way(0), way(1), way(2)};
   const double size = length(found), most = kLongestMove * margin;
@@ -100,7 +100,7 @@ class CornerJoiner {
 
   /// Ways of all vertices, zero but at corners. Nothing where faces would have to give way too far, or the shape has too many corners.
   std::optional<std::vector<Vec3>> find() {
-    if (3 * corners_.size() + planes_.size() > kMostUnknowns) return {};
+    if (3 * corners_.size() + planes_.size() > kMaxUnknowns) return {};
     constexpr int kRounds = 20;
     for (int round = 0; round < kRounds; ++round) {
       if (!solve()) return {};
@@ -134,11 +134,11 @@ class CornerJoiner {
   }
 
  private:
-  static constexpr std::size_t kMostUnknowns = 1200;  // dense matrices: a second
+  static constexpr std::size_t kMaxUnknowns = 1200;  // dense matrices: a second
   /// An edge of which less than this share is left, along itself, joins its corners.
-  static constexpr double kLeastEdge = 0.1;
+  static constexpr double kMinEdge = 0.1;
   /// Depths of faces over the margin that are taken: beyond, parts are thin, and shares say more.
-  static constexpr double kLeastDepth = 0.5, kMostDepth = 2;
+  static constexpr double kMinDepth = 0.5, kMaxDepth = 2;
 
   struct Plane {
     Vec3 normal;
@@ -197,13 +197,13 @@ class CornerJoiner {
     }
     // what keeps faces flat: the null space of the rows that are held
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> kept(held);
-    kept.setThreshold(kLeastSingular * 1e-6);
+    kept.setThreshold(kMinSingular * 1e-6);
     const Eigen::Index rank = kept.rank();
     if (rank >= columns) return false;
     const Eigen::MatrixXd turned = kept.matrixZ().transpose();
     const Eigen::MatrixXd free = kept.colsPermutation() * turned.rightCols(columns - rank);
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> best;
-    best.setThreshold(kLeastSingular * 1e-3);
+    best.setThreshold(kMinSingular * 1e-3);
     best.compute(wanted * free);
     found_ = free * best.solve(goal);
     depths_ = found_.tail(static_cast<Eigen::Index>(depths));
@@ -211,7 +211,7 @@ class CornerJoiner {
   }
 
   /// Whether no face gives way too far.
-  bool is_taken() const { return depths_.size() == 0 || (depths_.minCoeff() >= kLeastDepth && depths_.maxCoeff() <= kMostDepth); }
+  bool is_taken() const { return depths_.size() == 0 || (depths_.minCoeff() >= kMinDepth && depths_.maxCoeff() <= kMaxDepth); }
 
   /// Joins corners that would go too far, where faces are nearly flat to each other, with the nearest. Returns whether there were any.
   bool join_far() {
@@ -243,7 +243,7 @@ class CornerJoiner {
     for (const auto& edge : faces_.edges()) {
       if (group(edge[0]) == group(edge[1])) continue;
       const Vec3 along = mesh_.vertices[at(edge[1])] - mesh_.vertices[at(edge[0])];
-      if (dot(along, along + way(edge[1]) - way(edge[0])) < kLeastEdge * squared_length(along)) vanishing.push_back(edge);
+      if (dot(along, along + way(edge[1]) - way(edge[0])) < kMinEdge * squared_length(along)) vanishing.push_back(edge);
     }
     for (const auto& edge : vanishing) groups_.join(number_[at(edge[0])], number_[at(edge[1])]);
     return !vanishing.empty();
@@ -286,14 +286,14 @@ class Shares {
         ways_ = plain;
       }
     }
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       move();
       std::vector<double> factor(share_.size(), 1.0);
       if (!reduce_turned(factor) && !reduce_crossing(factor)) return {std::move(moved_), of_all_vertices()};
       for (std::size_t v = 0; v < share_.size(); ++v) share_[v] *= factor[v];
       even_out();
       for (double& t : share_)
-        if (t < kLeastShare) t = 0;
+        if (t < kMinShare) t = 0;
       hold_flat_faces();
     }
     std::fill(share_.begin(), share_.end(), 0.0);
@@ -307,7 +307,7 @@ class Shares {
       way[static_cast<std::size_t>(c)] = share_[static_cast<std::size_t>(c)] * ways_[static_cast<std::size_t>(c)];
     faces_.spread(way);
     for (std::size_t v = 0; v < share_.size(); ++v) moved_.vertices[v] = mesh_.vertices[v] + way[v];
-    if (std::exchange(is_split_anew_, false)) moved_.triangles = mesh_.triangles;
+    if (std::exchange(is_split_again_, false)) moved_.triangles = mesh_.triangles;
   }
 
   std::vector<double> of_all_vertices() const {
@@ -333,7 +333,7 @@ class Shares {
     const Vec3 before = doubled_normal(mesh_, t), now = doubled_normal(moved_.vertices, mesh_.triangles[static_cast<std::size_t>(t)]);
     const double area_before = length(before), area = length(now);
     if (!(area_before > 0) || !moves(t)) return false;
-    return dot(before, now) < kLeastCosine * area_before * area || area < kLeastArea * area_before;
+    return dot(before, now) < kMinCosine * area_before * area || area < kMinArea * area_before;
   }
 
   /// Where the vertices of a face are when they go this share of their ways.
@@ -347,15 +347,15 @@ class Shares {
   }
 
   /// Gives a face other triangles. Returns false where there are none.
-  bool split_anew(const FaceOutline& outline) {
+  bool split_again(const FaceOutline& outline) {
     std::vector<Vec3> at = places(outline, 1);
     const std::vector<Triangle> found = triangles_between(outline, at);
     if (found.empty()) return false;
-    is_split_anew_ = true;
+    is_split_again_ = true;
     for (std::size_t i = 0; i < at.size(); ++i) moved_.vertices[static_cast<std::size_t>(outline.vertices[i])] = at[i];
     for (std::size_t i = 0; i < found.size(); ++i) {
       const Vec3 now = doubled_normal(moved_.vertices, found[i]);
-      if (dot(outline.normal, now) < kLeastCosine * length(now)) return false;
+      if (dot(outline.normal, now) < kMinCosine * length(now)) return false;
       moved_.triangles[static_cast<std::size_t>(outline.triangles[i])] = found[i];
     }
     return true;
@@ -373,10 +373,10 @@ class Shares {
       const std::int32_t first = outline.triangles.front();
       if (!(outline.area > 0) || !moves(first)) continue;
       char& has = has_turned[faces_.face(first)];
-      if (!is_sound(outline, places(outline, 1 + kBeyond), kLeastArea * outline.area))
+      if (!is_sound(outline, places(outline, 1 + kBeyond), kMinArea * outline.area))
         has = 1;
       else if (has != 0)
-        has = !split_anew(outline);
+        has = !split_again(outline);
     }
     std::vector<std::int32_t> turned;
     for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t)
@@ -441,7 +441,7 @@ class Shares {
   std::vector<Vec3> ways_;
   std::vector<double> share_;  ///< of corners; 1 of other vertices
   TriangleMesh moved_;
-  bool is_split_anew_ = false;  ///< faces of it
+  bool is_split_again_ = false;  ///< faces of it
 };
 
 }  // namespace
@@ -467,7 +467,7 @@ class DeviationOver {
   // corners 1/20, middles of edges 2/15, centroid 9/20: exact for cubic functions on a triangle (Stroud 1971)
   static constexpr double kCorner = 1.0 / 20, kMiddle = 2.0 / 15, kCentroid = 9.0 / 20;
   static constexpr double kEven = 0.1, kFinest = 0.5;  // of the margin
-  static constexpr int kMostCuts = 6;
+  static constexpr int kMaxCuts = 6;
 
   double off(const Vec3& at) {
     Vec3 nearest;
@@ -487,7 +487,7 @@ class DeviationOver {
     const double middle = off((1.0 / 3) * (a.x + b.x + c.x));
     const auto [least, most] = std::minmax({a.off, b.off, c.off, ab.off, bc.off, ca.off, middle});
     const double longest = std::max({length(b.x - a.x), length(c.x - b.x), length(a.x - c.x)});
-    if (most - least > kEven * margin_ && longest > kFinest * margin_ && cuts < kMostCuts) {
+    if (most - least > kEven * margin_ && longest > kFinest * margin_ && cuts < kMaxCuts) {
       add(a, ab, ca, cuts + 1);
       add(ab, b, bc, cuts + 1);
       add(ca, bc, c, cuts + 1);

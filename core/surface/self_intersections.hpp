@@ -21,7 +21,7 @@ enum class CrossingAt {
 ///
 /// How: a bounding volume hierarchy descends against itself; the exact triangle test decides.
 /// in   mesh   finite, welded, without zero-area triangles
-/// Fails: never.   Cost: O(T log T) for surfaces that do not crowd.
+/// Fails: never.   Cost: O(T log T) for surfaces that do not cluster.
 /// Limits: triangles that share two vertices are not tested; a fold right at an edge goes unseen.
 std::vector<CrossingPair> find_crossing_pairs(const TriangleMesh& mesh, CrossingAt where = CrossingAt::no_corner);
 

@@ -136,7 +136,7 @@ enum class Relax {
 struct Case {
   Case() { settings.surface = TouchAt::drawn; }
   std::string path;
-  std::string text;    ///< word for word, or written anew when keys were changed
+  std::string text;    ///< word for word, or written again when keys were changed
   std::string sha256;  ///< of the file as it lies on the disk, whatever was changed on the command line
   Settings settings;
   bool margin_given = false, surface_given = false;

@@ -110,7 +110,7 @@ void apply_settings(toml::table& file, const std::vector<std::string>& settings)
     if (equals == std::string::npos || std::any_of(names.begin(), names.end(), [](const std::string& n) { return n.empty(); })) {
       throw UsageError("--set {}: expected KEY=VALUE, for instance pairs.0.friction=0.4 or contact.margin=\"2 mm\"", setting);
     }
-    if (names.size() > kMostKeyParts) throw UsageError("--set: a key of {} parts; expected at most {}", names.size(), kMostKeyParts);
+    if (names.size() > kMaxKeyParts) throw UsageError("--set: a key of {} parts; expected at most {}", names.size(), kMaxKeyParts);
     Setter(setting, names, parsed_value(setting.substr(equals + 1), setting)).set(file, 0);
   }
 }

@@ -41,8 +41,8 @@ void check_key_lengths(std::string_view text, const std::string& path) {
       i = std::min(text.find('\n', i), text.size());
       continue;
     }
-    if (c == '.' && ++dots >= kMostKeyParts)
-      throw UsageError("{}:{}: a key of more than {} parts; the longest of a case has fewer, see CASE.md", path, line, kMostKeyParts);
+    if (c == '.' && ++dots >= kMaxKeyParts)
+      throw UsageError("{}:{}: a key of more than {} parts; the longest of a case has fewer, see CASE.md", path, line, kMaxKeyParts);
     if (c == '\n') ++line;
     if (std::string_view("\n=,{}[]").find(c) != std::string_view::npos) dots = 0;
     ++i;

@@ -7,9 +7,9 @@
 namespace scree {
 
 /// Parts of a key such as shapes.rock.file. No key of a case has more than seven; --set counts indices of lists too.
-inline constexpr std::size_t kMostKeyParts = 16;
+inline constexpr std::size_t kMaxKeyParts = 16;
 
-/// Parses a text, whose keys may have kMostKeyParts parts.
+/// Parses a text, whose keys may have kMaxKeyParts parts.
 ///
 /// Tables inside tables are destroyed, and read, by functions that call themselves: a key of some ten thousand parts would overflow the
 /// stack. Values inside values are limited by the parser (256).

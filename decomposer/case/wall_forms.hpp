@@ -1,6 +1,6 @@
 // Containers from a few numbers: plates, boxes, tubes, cones, hoppers and drums as triangle meshes.
 //
-// The walls that the solver knows by formula (plane, box_inside, cylinder_inside, sphere_inside) go on for ever or have
+// The walls that the solver knows by formula (plane, box_inside, cylinder_inside, sphere_inside) go on indefinitely or have
 // no openings; these are finite, may be open, and are met from both sides. Triangles face the inside: edges between
 // faces that are concave from there then carry no contact of their own (core/geometry/features.hpp), however finely a
 // tube is faceted. From outside such an edge is met by corners and faces only.

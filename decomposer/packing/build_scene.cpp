@@ -18,9 +18,9 @@
 #include "core/storage/wall_state.hpp"
 #include "core/surface/inset.hpp"
 #include "core/surface/touch_surface.hpp"
+#include "decomposer/packing/case_warnings.hpp"
 #include "decomposer/packing/compact.hpp"
 #include "decomposer/packing/cut_bodies.hpp"
-#include "decomposer/packing/doubts.hpp"
 #include "decomposer/packing/feasibility.hpp"
 #include "decomposer/packing/inlets.hpp"
 #include "decomposer/packing/margin_rule.hpp"
@@ -73,11 +73,11 @@ class Builder {
     add_forces();
     for (std::size_t s = 0; s < case_.shapes.size(); ++s) cut_here(s);
     cut_bodies(case_, parts_, pieces_, scene(), report());
-    look_into_outlets();
+    check_outlets();
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
     report().facets = facets_of_walls(parts_, scene());
-    report().doubts = doubts_about(case_, parts_, scene(), report());
+    report().doubts = warnings_of_case(case_, parts_, scene(), report());
     return std::move(out_);
   }
 
@@ -458,7 +458,7 @@ class Builder {
   }
 
   /// Bodies that would leave with the first steps.
-  void look_into_outlets() {
+  void check_outlets() {
     const BodyTable& bodies = scene().bodies;
     for (std::size_t k = 0; k < case_.outlets.size(); ++k) {
       std::size_t inside = 0;

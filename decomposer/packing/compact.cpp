@@ -19,7 +19,7 @@ constexpr double kRecovery = 1.5;        // of the growth, after each stage that
 constexpr double kSlowestGrowth = 1e-4;  // of the scale: below, the packing is jammed
 // A packing that jams is drawn back by this share of the scale, with margins that fill a little more than the gap: pressed thus it comes to
 // rest in a denser order, and grows again. Two such rounds took 260 balls from 0.627 to above 0.630; more add little.
-constexpr int kMostRounds = 2;
+constexpr int kMaxRounds = 2;
 constexpr double kDrawnBack = 0.05, kMarginOfGap = 1.2;
 constexpr double kPressedShare = 0.5;     // of the margins, that one stage presses two bodies into each other
 constexpr double kTooDeep = 0.9;          // of the margins, at the end of a stage: the next one would not begin
@@ -78,7 +78,7 @@ class Compactor {
       most = 0.5 * std::min(most, std::max(wanted, kSlowestGrowth));
       if (most >= kSlowestGrowth) continue;
       jammed_at_ = std::max(jammed_at_, scale);
-      if (rounds++ < kMostRounds && grow((1 - kDrawnBack) * scale, std::max(case_margin(), kMarginOfGap * kDrawnBack * scale * largest_))) {
+      if (rounds++ < kMaxRounds && grow((1 - kDrawnBack) * scale, std::max(case_margin(), kMarginOfGap * kDrawnBack * scale * largest_))) {
         scale *= 1 - kDrawnBack;
         most = kFastestGrowth;
         continue;
@@ -143,9 +143,9 @@ class Compactor {
   static double grown(double scale, double wanted) { return 1 / scale - 1 <= wanted * (1 + 1e-12) ? 1 : scale * (1 + wanted); }
   /// Stages from a scale to the end when none of them fails.
   int stages_left(double scale, double most) const {
-    constexpr int kMostStages = 10000;
+    constexpr int kMaxStages = 10000;
     int stages = 0;
-    for (; scale < 1 && stages < kMostStages; ++stages) {
+    for (; scale < 1 && stages < kMaxStages; ++stages) {
       scale = grown(scale, growth(scale, most));
       most = std::min(kRecovery * most, kFastestGrowth);
     }

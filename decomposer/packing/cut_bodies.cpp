@@ -23,7 +23,7 @@ constexpr double kInsetRounding = 1e-9;
 constexpr double kTouchingFaces = 1e-6;
 /// A face of less than this part of the largest face of both of its pieces holds nothing and carries no bond: cells that meet in a corner
 /// by chance have such faces.
-constexpr double kLeastFace = 1e-6;
+constexpr double kMinFace = 1e-6;
 
 std::int32_t index_in_case(const SceneParts& parts, std::int32_t scene_shape) {
   for (std::size_t i = 0; i < parts.scene_shape.size(); ++i) {
@@ -167,7 +167,7 @@ class Cutter {
       own_weight_[first_id + static_cast<std::int64_t>(p)] = density * length(scene_.settings.gravity) * height;
     for (const SharedFace& f : file.pieces->faces) {
       const auto a = static_cast<std::size_t>(f.piece_a), b = static_cast<std::size_t>(f.piece_b);
-      if (f.area < kLeastFace * std::max(largest[a], largest[b])) continue;
+      if (f.area < kMinFace * std::max(largest[a], largest[b])) continue;
       SharedFace face = f;
       Bond bond;
       bond.a = first_id + f.piece_a;

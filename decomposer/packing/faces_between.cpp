@@ -18,7 +18,7 @@ constexpr double kConvexRounding = 1e-6;
 /// Faces that turn by less than this from facing each other [rad]: what placing with a few digits leaves.
 constexpr double kParallel = 1e-3;
 /// Common areas below this part of the smaller face are a touch of edges.
-constexpr double kLeastCommon = 1e-6;
+constexpr double kMinCommon = 1e-6;
 /// Of the size of a body: by as much may faces lie in each other where they are placed to touch.
 constexpr double kTouching = 1e-9;
 
@@ -156,7 +156,7 @@ std::size_t bond_faces_between(const CaseBond& given, double distance, const Who
           const double gap = dot(fa.normal, fb.corners[0] - fa.corners[0]), height = dot(fa.normal, branch);
           if (gap > distance || gap < -kTouching * (radius(a) + radius(b)) || !(height > 0)) continue;
           const std::vector<Vec3> part = common_part(fa, fb);
-          if (part.size() < 3 || !(area_of(part, fa.normal) > kLeastCommon * std::min(fa.area, fb.area))) continue;
+          if (part.size() < 3 || !(area_of(part, fa.normal) > kMinCommon * std::min(fa.area, fb.area))) continue;
           const PolygonMoments m = polygon_moments(std::vector<std::vector<Vec3>>{part}, fa.normal);
           const Vec3 point = m.centroid + (0.5 * gap) * fa.normal;
           const Quat frame = normalised(quaternion_of(transpose(Mat3{{fa.normal, m.axis, cross(fa.normal, m.axis)}})));

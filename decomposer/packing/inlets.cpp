@@ -37,7 +37,7 @@ class Trial {
       if (!place(random, body)) continue;
       fits = true;
       is_free = walls_allow(body, wall);
-      if (is_free) look_for_outlet(body);
+      if (is_free) find_outlet(body);
     }
     const std::string what = fmt::format("'{}' of diameter {}", case_.shapes[static_cast<std::size_t>(of)].name,
                                          metres(body.scale * shape.shape.equivalent_diameter()));
@@ -72,7 +72,7 @@ class Trial {
     return true;
   }
 
-  void look_for_outlet(const PlacedBody& body) const {
+  void find_outlet(const PlacedBody& body) const {
     for (std::size_t k = 0; k < case_.outlets.size(); ++k) {
       const CaseOutlet& outlet = case_.outlets[k];
       if (outlet.to >= 0 || !parts_.outlets[k].contains(body.position)) continue;

@@ -178,10 +178,10 @@ std::string choices(const Sizing& s) {
     text += fmt::format("\n  - pairs.stiffness = \"{}\": {}, {}", format_quantity(stiffer, Dimension::stiffness), margin, cost(stiffer));
   text += fmt::format("\n  - contact.impact_speed = \"{}\", where nothing meets faster than that: {}, {}",
                       format_quantity(s.speed / deeper, Dimension::velocity), margin, cost(s.softest));
-  constexpr double kMostShare = 0.5;
+  constexpr double kMaxShare = 0.5;
   if (s.balls_alone) {
     text += fmt::format("\n  - contact.margin = 0: {}", cost(s.softest));
-  } else if (s.derived < kMostShare * s.smallest) {
+  } else if (s.derived < kMaxShare * s.smallest) {
     text += fmt::format("\n  - contact.margin = \"{}\", {:.0f} % of the smallest body, whose shape is then rounded by as much: {}",
                         metres(s.derived), 100 * s.derived / s.smallest, cost(s.softest));
   }

@@ -22,11 +22,11 @@ constexpr double kBeyond = 1e-9;
 /// pair that lies far from the origin is found too close again and again by less than it can be moved.
 constexpr double kRoundings = 16;
 
-/// Sweeps in which all is exact; a few bodies are parted by then, a crowd is not.
+/// Sweeps in which all is exact; a few bodies are parted by then, a cluster is not.
 constexpr int kExactSweeps = 20;
-/// In a crowd ways go further by this share of what was deepest at the start, at most kMostCrowd of the smallest radius.
-constexpr double kCrowdShare = 0.1, kMostCrowd = 1e-3;
-/// In a crowd ways are this much longer than needed (successive over-relaxation): a bed of 25 000 balls takes 200 sweeps in place of 830.
+/// In a cluster ways go further by this share of what was deepest at the start, at most kMaxCrowd of the smallest radius.
+constexpr double kCrowdShare = 0.1, kMaxCrowd = 1e-3;
+/// In a cluster ways are this much longer than needed (successive over-relaxation): a bed of 25 000 balls takes 200 sweeps in place of 830.
 /// At 2 they would never end. Carrying ways on from sweep to sweep (Nesterov) was tried and needs more sweeps: what is apart has no force.
 constexpr double kOverRelaxed = 1.8;
 /// Bodies have no room when all depths together have not fallen by a tenth in so many sweeps.
@@ -287,7 +287,7 @@ class Relaxer {
         }
         refuse(tight_, fmt::format("This remains after {} sweeps of separation", n));
       }
-      if (n == kExactSweeps) gap_.reached += std::min(kCrowdShare * deepest_, kMostCrowd * smallest_);
+      if (n == kExactSweeps) gap_.reached += std::min(kCrowdShare * deepest_, kMaxCrowd * smallest_);
     }
   }
 

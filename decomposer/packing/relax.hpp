@@ -25,7 +25,7 @@ inline constexpr double kRelaxShare = 0.1;
 /// How: sweeps over the pairs that are close, each time in the order of the case; the list of them comes from a grid and lasts until a
 /// body has used up its skin. A pair that is too close goes the shortest way apart (separation.hpp), both in inverse proportion to
 /// their masses, so that their common centre of mass stays; fixed bodies and walls stay, velocities and orientations are kept.
-/// In a crowd one way spoils another, and sweeps go on: then ways are longer than needed (kOverRelaxed), and gaps end a little wider
+/// In a cluster one way spoils another, and sweeps go on: then ways are longer than needed (kOverRelaxed), and gaps end a little wider
 /// (kCrowdShare), which ends what would otherwise only converge.
 /// Nothing is stored in contacts and no kinetic energy is made.
 /// in   gap   to be reached [m], > 0

@@ -83,7 +83,7 @@ class Settler {
         });
       }
     }
-    if (!rests) refuse_what_does_not_fit();
+    if (!rests) check_compatibility();
     if (softness_ < 1) {
       slow_down();
       grow_stiff();
@@ -228,7 +228,7 @@ class Settler {
     }
   }
 
-  void refuse_what_does_not_fit() {
+  void check_compatibility() {
     for (const std::size_t i : waiting_) {
       const std::size_t k = parts_.draws[i].population;
       const CasePopulation& p = case_.populations[k];

@@ -9,7 +9,7 @@ namespace {
 
 // Finer voxels close more of what is closed, and cost more to close: a quarter of the ball loses a fifth of a radius.
 constexpr double kVoxelShare = 0.25;
-constexpr double kMostVoxels = 1 << 24;  // 80 MB with the list
+constexpr double kMaxVoxels = 1 << 24;  // 80 MB with the list
 
 }  // namespace
 
@@ -21,7 +21,7 @@ VacancyMap::VacancyMap(const Box3& box, double smallest_ball, double smallest_bo
     for (int k = 0; k < 3; ++k) product *= std::max(1.0, std::ceil(extent[k] / size));
     return product;
   };
-  while (voxels() > kMostVoxels) size *= 1.1;
+  while (voxels() > kMaxVoxels) size *= 1.1;
   for (int k = 0; k < 3; ++k) {
     count_[k] = static_cast<std::int64_t>(std::max(1.0, std::ceil(extent[k] / size)));
     edge_[k] = std::max(0.0, extent[k]) / static_cast<double>(count_[k]);
@@ -66,7 +66,7 @@ void VacancyMap::close(const Vec3& centre, double distance) {
 Vec3 VacancyMap::draw(const RandomNumbers& random, std::uint64_t first, const Vec3& within) {
   std::size_t voxel = 0;
   do {
-    // made anew whenever half of it has been closed: drawing from it costs two trials on average
+    // made again whenever half of it has been closed: drawing from it costs two trials on average
     if (list_.empty() || 2 * open_count_ < list_.size()) {
       list_.clear();
       for (std::size_t i = 0; i < open_.size(); ++i) {

@@ -22,7 +22,7 @@ namespace scree {
 
 namespace {
 
-constexpr std::int64_t kMostTriangles = 20'000'000;
+constexpr std::int64_t kMaxTriangles = 20'000'000;
 
 std::string length_text(double x) { return format_quantity(x, Dimension::length); }
 
@@ -263,14 +263,14 @@ CommandResult refine_command(const RefineOptions& options, const std::vector<std
     const std::int32_t from = edited.mesh.triangle_count();
     if (options.times > 0) {
       for (int i = 0; i < options.times; ++i) {
-        if (4 * static_cast<std::int64_t>(edited.mesh.triangles.size()) > kMostTriangles)
-          throw UsageError("--times {}: more than {} triangles would arise", options.times, kMostTriangles);
+        if (4 * static_cast<std::int64_t>(edited.mesh.triangles.size()) > kMaxTriangles)
+          throw UsageError("--times {}: more than {} triangles would arise", options.times, kMaxTriangles);
         split_in_four(edited.mesh);
       }
     } else {
       const double longest = parse_quantity(options.edge_length, Dimension::length, "--edge-length");
       if (!(longest > 0)) throw UsageError("--edge-length {}: expected a length > 0", options.edge_length);
-      refine_mesh(edited.mesh, longest, kMostTriangles);
+      refine_mesh(edited.mesh, longest, kMaxTriangles);
     }
     edited.steps.push_back(fmt::format("{} triangles became {}; the surface is the same", from, edited.mesh.triangle_count()));
   }

@@ -22,7 +22,7 @@ namespace scree {
 namespace {
 
 /// Generators are compared each with each, and every cell becomes a shape.
-constexpr std::int32_t kMostCells = 20'000;
+constexpr std::int32_t kMaxCells = 20'000;
 /// What the volumes of the pieces may lack, as part of the body's: far above the rounding of the coordinates of some 10^5 vertices.
 constexpr double kVolumeRounding = 1e-9;
 
@@ -121,8 +121,8 @@ CommandResult fracture_command(const FractureOptions& options, const std::vector
   expect_shape_path(options.output);
   if (!options.picture.empty()) expect_ending("--picture", options.picture, "a picture", {".png"});
   if (options.points.empty() == (options.cells == 0)) throw UsageError("fracture: give either --cells N or --points FILE");
-  if (options.points.empty() && (options.cells < 2 || options.cells > kMostCells))
-    throw UsageError("--cells {}: expected from 2 to {}", options.cells, kMostCells);
+  if (options.points.empty() && (options.cells < 2 || options.cells > kMaxCells))
+    throw UsageError("--cells {}: expected from 2 to {}", options.cells, kMaxCells);
   const ShapeFile file = read_shape_file(options.file);
   const Shape& body = chosen_shape(file, options);
   expect_solid(body, options.file);

@@ -26,7 +26,7 @@ constexpr double kEdgePerRadius = 0.25;
 /// Default edge length of rounded edges: steps of at most an eighth of a circle, which leave out 8 % of the radius.
 constexpr double kEdgePerRounding = 0.25 * std::numbers::pi;
 /// Most triangles that a generated shape may have, by estimate from its area.
-constexpr double kMostTriangles = 5e6;
+constexpr double kMaxTriangles = 5e6;
 constexpr double kPi = std::numbers::pi;
 
 double positive_length(const std::string& text, const char* option) {
@@ -103,9 +103,9 @@ void refuse_others(const GenerateOptions& options) {
 
 void check_triangle_count(double area, double edge_length) {
   const double triangles = area / (0.433 * edge_length * edge_length);  // equilateral triangles
-  if (triangles > kMostTriangles) {
+  if (triangles > kMaxTriangles) {
     throw UsageError("--edge-length: {:.3g} m would make about {:.2g} triangles, more than {:g}; give a larger one", edge_length, triangles,
-                     kMostTriangles);
+                     kMaxTriangles);
   }
 }
 

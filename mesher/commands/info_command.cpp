@@ -87,10 +87,10 @@ CommandResult info_command(const InfoOptions& options) {
   text += "made by\n";
   add_history(file.provenance, 2, text);
   if (options.picture.empty()) return result;
-  constexpr std::size_t kMostPanes = 8;  // side by side; more would be too small to be seen
+  constexpr std::size_t kMaxPanes = 8;  // side by side; more would be too small to be seen
   std::vector<std::pair<std::string, const TriangleMesh*>> meshes;
   for (const Shape& shape : file.shapes) {
-    if (shape.mesh.triangle_count() > 0 && meshes.size() < kMostPanes) meshes.emplace_back(shape.name, &shape.mesh);
+    if (shape.mesh.triangle_count() > 0 && meshes.size() < kMaxPanes) meshes.emplace_back(shape.name, &shape.mesh);
   }
   if (meshes.empty()) throw InputError("{}: has no shape with triangles to draw; leave --picture out", options.file);
   if (meshes.size() < file.shapes.size())

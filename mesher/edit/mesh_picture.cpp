@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kPaneWidth = 640, kPaneHeight = 560;  // [pixels]
 constexpr double kApart = 0.6;                      // exploded pieces move out by this part of their distance from the origin
-constexpr std::int32_t kMostEdgesShown = 20'000;    // above this many triangles edges would blacken the picture
+constexpr std::int32_t kMaxEdgesShown = 20'000;     // above this many triangles edges would blacken the picture
 
 vtkSmartPointer<vtkPolyData> open_edges(const TriangleMesh& mesh) {
   const std::vector<HalfEdge> half = sorted_half_edges(mesh);
@@ -91,7 +91,7 @@ void draw_meshes(const std::vector<std::pair<std::string, const TriangleMesh*>>&
     const auto& [title, mesh] = meshes[i];
     const vtkSmartPointer<vtkRenderer> renderer = lit_renderer();
     renderer->SetViewport(share * static_cast<double>(i), 0, share * static_cast<double>(i + 1), 1);
-    add(renderer, vtk_triangles(*mesh), {0.84, 0.70, 0.50}, 1, mesh->triangle_count() <= kMostEdgesShown);
+    add(renderer, vtk_triangles(*mesh), {0.84, 0.70, 0.50}, 1, mesh->triangle_count() <= kMaxEdgesShown);
     add(renderer, open_edges(*mesh), {0.85, 0.1, 0.1}, 6, false);
     add_title(renderer, fmt::format("{}: {} triangles", title, mesh->triangle_count()));
     set_camera(renderer, view);

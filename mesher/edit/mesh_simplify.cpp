@@ -32,8 +32,8 @@ constexpr double kVolumePrice = 4;
 /// Errors of at most this part of the trace of the quadric (in extents squared) are rounding.
 constexpr double kRounding = 1e-14;
 /// A triangle may turn by less than acos of this in one collapse, and keeps at least this quality: 1 for equal sides.
-constexpr double kLeastCosine = 0.1;
-constexpr double kLeastQuality = 0.02;
+constexpr double kMinCosine = 0.1;
+constexpr double kMinQuality = 0.02;
 /// A handle or a neck is cut when the three edges around it are shorter than this part of those of a triangle of the
 /// result: it could not be shown with so few triangles. A piece that falls off is dropped when it has at most so many.
 constexpr double kShortLoop = 1.0;
@@ -314,13 +314,13 @@ class Simplifier {
       for (int k = 0; k < 3; ++k) p[k] = mesh_.triangles[at(t)][at(k)] == v ? x : mesh_.corner(t, k);
       const Vec3 before = normal_of(t), after = cross(p[1] - p[0], p[2] - p[0]);
       const double area2 = length(after);
-      if (!(dot(before, after) > kLeastCosine * length(before) * area2)) return false;
+      if (!(dot(before, after) > kMinCosine * length(before) * area2)) return false;
       const auto quality = [](double twice, const Vec3& a, const Vec3& b, const Vec3& c) {
         return 3.4641016151377544 * twice / (squared_length(b - a) + squared_length(c - b) + squared_length(a - c));
       };
       // a needle may stay a needle, but none is made
       const double q = quality(area2, p[0], p[1], p[2]);
-      if (q < kLeastQuality && q < quality(length(before), mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2))) return false;
+      if (q < kMinQuality && q < quality(length(before), mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2))) return false;
     }
     return true;
   }
@@ -481,7 +481,7 @@ class Simplifier {
     return true;
   }
 
-  /// Puts all edges of a changed vertex on the heap anew, and those around it that waited for a change.
+  /// Puts all edges of a changed vertex on the heap again, and those around it that waited for a change.
   void renew(std::int32_t v) {
     ++stamp_[at(v)];
     asleep_[at(v)].clear();

@@ -25,16 +25,16 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Cuts that are tried with generators moved by a few parts of Generators::kGrid, before the body is refused. One is enough for points
 /// at random; two for points that a user has laid in a pattern, whose planes meet in more than they should.
-constexpr std::uint64_t kMostAttempts = 8;
+constexpr std::uint64_t kMaxAttempts = 8;
 /// By how much generators are moved then, as part of the body's extent: far above the grid, far below the size of a cell.
 constexpr double kNudge = 1e-5;
 /// Rounds in which generators of slivers are drawn again.
-constexpr std::uint64_t kMostRounds = 30;
+constexpr std::uint64_t kMaxRounds = 30;
 /// Rounds in which generators move to the centres of their cells (S. Lloyd, Least squares quantization in PCM, IEEE Trans. Inf. Theory 28
 /// (1982) 129): after eight, volumes of cells differ by a tenth, and more hardly helps.
 constexpr int kEvenRounds = 8;
 /// Draws in the bounding box for a point in the body: enough for bodies that fill a thousandth of their box.
-constexpr std::uint64_t kMostDraws = 20'000;
+constexpr std::uint64_t kMaxDraws = 20'000;
 
 /// Smallest power of two above all coordinates of the mesh.
 double unit_of(const TriangleMesh& mesh) {
@@ -51,13 +51,13 @@ class PointsInside {
   Vec3 draw(std::int32_t index, std::uint64_t round) const {
     const RandomNumbers random(form_.seed, index, round);
     const Vec3 e = box_.extent();
-    for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
+    for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
       const Vec3 p =
           box_.lower + Vec3{e.x * random.uniform(3 * draw), e.y * random.uniform(3 * draw + 1), e.z * random.uniform(3 * draw + 2)};
       if (is_inside(p)) return p;
     }
     throw InputError("'{}': of {} points in the box around it none lies inside: it is too thin to be cut at random places", body_.name,
-                     kMostDraws);
+                     kMaxDraws);
   }
 
   bool is_inside(const Vec3& p) const { return field_.at(p) > 0.5; }
@@ -231,7 +231,7 @@ TriangleMesh moved_inwards(const Fracture& cut, std::int32_t piece, double inset
     mirrored[cut.cell_of[at(face.piece_a == piece ? face.piece_b : face.piece_a)]] = (2 / unit) * (distance - inset) * outward;
   }
   if (mirrored.empty()) return shape.mesh;
-  for (std::uint64_t attempt = 0; attempt < kMostAttempts; ++attempt) {
+  for (std::uint64_t attempt = 0; attempt < kMaxAttempts; ++attempt) {
     std::vector<Vec3> points{Vec3{}};
     for (const auto& [cell, point] : mirrored) {
       // Rounding to the grid and the nudge move and tilt the plane: within the piece, whose extent is 1, by as much as this. Faces end up
@@ -281,7 +281,7 @@ std::vector<double> cell_volumes(const Fracture& cut, std::size_t cells) {
 
 /// Cuts with these points, moved a little where a plane passes through a vertex.
 Fracture cut_at(const Shape& body, const FractureForm& form, const std::vector<Vec3>& points, double unit) {
-  for (std::uint64_t attempt = 0; attempt < kMostAttempts; ++attempt) {
+  for (std::uint64_t attempt = 0; attempt < kMaxAttempts; ++attempt) {
     std::vector<Vec3> moved;
     for (std::size_t i = 0; i < points.size(); ++i) {
       Vec3 p = (1 / unit) * points[i];
@@ -301,7 +301,7 @@ Fracture cut_at(const Shape& body, const FractureForm& form, const std::vector<V
       "'{}': {} cuts into {} cells have each passed through a vertex or left a piece that is no solid; try another --seed, or simplify the "
       "mesh "
       "({} triangles)",
-      body.name, kMostAttempts, points.size(), body.mesh.triangle_count());
+      body.name, kMaxAttempts, points.size(), body.mesh.triangle_count());
 }
 
 }  // namespace
@@ -314,7 +314,7 @@ Fracture fracture(const Shape& body, const FractureForm& form) {
   for (std::int32_t i = 0; i < form.cells; ++i) points.push_back(inside.draw(i, 0));
   for (int round = 0; form.evenly && round < kEvenRounds; ++round) move_to_centres(cut_at(body, form, points, unit), inside, points);
   std::int32_t redrawn = 0;
-  for (std::uint64_t round = 1; round <= kMostRounds; ++round) {
+  for (std::uint64_t round = 1; round <= kMaxRounds; ++round) {
     Fracture result = cut_at(body, form, points, unit);
     result.redrawn = redrawn;
     const std::vector<double> volume = cell_volumes(result, points.size());
@@ -332,7 +332,7 @@ Fracture fracture(const Shape& body, const FractureForm& form) {
       "'{}': after {} rounds some of {} cells still have less than {:g} of the mean volume; the body does not hold that many: ask for "
       "fewer "
       "cells, or --evenly",
-      body.name, kMostRounds, form.cells, kSliverCell);
+      body.name, kMaxRounds, form.cells, kSliverCell);
 }
 
 }  // namespace scree

@@ -13,7 +13,7 @@ namespace scree {
 
 namespace {
 
-constexpr std::int64_t kMostIndices = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kMaxIndices = std::numeric_limits<std::int32_t>::max();
 
 /// What stands before the first vertex: [ST][C][N][4][n]OFF [BINARY], then three counts, of which that of the edges has no meaning.
 struct OffHeader {
@@ -54,7 +54,7 @@ void expect_counts(const OffHeader& header, std::size_t bytes_left, std::size_t 
                    const std::string& place) {
   const std::int64_t v = header.vertex_count, f = header.facet_count;
   if (v < 0 || f < 0) throw InputError("{}: {} vertices and {} facets; expected counts of at least 0", place, v, f);
-  const bool fits = v <= kMostIndices && f <= kMostIndices &&
+  const bool fits = v <= kMaxIndices && f <= kMaxIndices &&
                     static_cast<std::size_t>(v) * least_vertex + static_cast<std::size_t>(f) * least_facet <= bytes_left + 1;
   if (fits) return;
   throw InputError(

@@ -20,7 +20,7 @@ namespace {
 /// Rounds of removing and filling crossing triangles: each takes one ring more.
 constexpr int kCrossingRounds = 6;
 /// Share of the triangles that resolving self-intersections may remove in a round; more would be a guess of the shape.
-constexpr double kMostRemoved = 0.1;
+constexpr double kMaxRemoved = 0.1;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -314,7 +314,7 @@ std::int32_t recut(TriangleMesh& mesh, double most_area, double filled) {
       if (bad[at(c[0])] || bad[at(c[1])] || bad[at(c[2])]) dropped.push_back(t);
     }
     removed += static_cast<std::int32_t>(dropped.size());
-    if (static_cast<double>(removed) > kMostRemoved * static_cast<double>(mesh.triangles.size())) return 0;
+    if (static_cast<double>(removed) > kMaxRemoved * static_cast<double>(mesh.triangles.size())) return 0;
     drop_triangles(trial, dropped);
     OpenHoles ignored;  // the trial counts only when it is closed
     fill_holes(trial, most_area, filled, ignored);
@@ -343,7 +343,7 @@ std::size_t resolve_crossings(TriangleMesh& mesh, double most_area, std::int32_t
     for (std::size_t t = 0; t < drop.size(); ++t) {
       if (drop[t]) dropped.push_back(static_cast<std::int32_t>(t));
     }
-    if (static_cast<double>(dropped.size()) > kMostRemoved * static_cast<double>(trial.triangles.size()) + 64) break;
+    if (static_cast<double>(dropped.size()) > kMaxRemoved * static_cast<double>(trial.triangles.size()) + 64) break;
     drop_triangles(trial, dropped);
     double filled = 0;
     OpenHoles ignored;  // the trial counts only when it is closed

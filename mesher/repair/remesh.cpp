@@ -149,9 +149,9 @@ TriangleMesh remesh(const TriangleMesh& mesh, double edge_length) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double steps = box.extent()[static_cast<int>(axis)] / lattice.spacing + 8;
     points *= steps;
-    if (!(points < kMostLatticePoints)) {
+    if (!(points < kMaxLatticePoints)) {
       throw UsageError("remesh: edges of {:.4g} m need more than {:g} lattice points; give a larger length", edge_length,
-                       kMostLatticePoints);
+                       kMaxLatticePoints);
     }
     lattice.size[axis] = static_cast<std::int64_t>(steps);
   }

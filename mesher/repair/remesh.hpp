@@ -14,11 +14,11 @@ namespace scree {
 /// Source: F. Labelle, J. Shewchuk, Isosurface stuffing, SIGGRAPH 2007 (lattice); A. Doi, A. Koide, An efficient method of
 /// triangulating equi-valued surfaces by using tetrahedral cells, 1991.
 /// in   mesh   finite, with its triangles turned outward as far as possible (see turn_outward)
-/// in   edge_length   [m], > 0; throws UsageError when the lattice would have more than kMostLatticePoints
+/// in   edge_length   [m], > 0; throws UsageError when the lattice would have more than kMaxLatticePoints
 /// Cost: O(lattice points log T); for closed meshes O(lattice points near the surface).
 TriangleMesh remesh(const TriangleMesh& mesh, double edge_length);
 
-inline constexpr double kMostLatticePoints = 5e7;
+inline constexpr double kMaxLatticePoints = 5e7;
 
 /// Volume of the points around which the surface winds [m^3], sampled: that of overlapping parts once, and up to the gaps of an open mesh.
 double enclosed_volume(const TriangleMesh& mesh);

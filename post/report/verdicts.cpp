@@ -78,7 +78,7 @@ Verdict judge_energy(const Run& run) {
   return v;
 }
 
-/// Contacts that the run went on with beyond their room; of a run that is not finished, from its log.
+/// Contacts that the run went on with beyond their maximum overlap; of a run that is not finished, from its log.
 std::optional<Verdict> judge_deep_contacts(const Run& run) {
   const nlohmann::json record = run.outcome->contains("deep_contacts") ? (*run.outcome)["deep_contacts"] : nlohmann::json::object();
   const double steps = std::max(number_in(record, "contact_steps", 0), largest(run.log, "deep_contact_steps"));

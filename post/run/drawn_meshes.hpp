@@ -36,7 +36,7 @@ std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);
 std::vector<double> bounding_radii(const Scene& scene);
 
 /// Box that holds the bounding spheres of all bodies; without bodies, the walls that have an end and the regions of the inlets.
-Box3 room_of(const FrameBodies& bodies, const Scene& scene);
+Box3 max_overlap_of(const FrameBodies& bodies, const Scene& scene);
 
 /// World position and orientation of each wall of the scene in a frame; where the frame has none, the scene's.
 struct WallPlace {
@@ -48,7 +48,7 @@ std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene);
 /// The same with the walls that a picture is to show: those that have an end and are not much larger than what the bodies fill, as drums,
 /// hoppers and bowls; of a larger one, and of one that has moved away from all bodies, what lies near them. Planes and boxes do not count:
 /// they are drawn to fit.
-Box3 seen_room(const Frame& frame, const Scene& scene);
+Box3 seen_max_overlap(const Frame& frame, const Scene& scene);
 
 View view_of(const Box3& room, const Vec3& gravity);
 

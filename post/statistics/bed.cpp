@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kColumnWidth = 2;    // mean diameters: narrower and single particles make the surface rough
-constexpr int kMostColumns = 64;      // along an axis: bounds the memory, and so many are fine enough for any surface
+constexpr int kMaxColumns = 64;       // along an axis: bounds the memory, and so many are fine enough for any surface
 constexpr std::size_t kLevels = 256;  // of the histogram of a column; places between are interpolated
 constexpr double kInner = 0.1;        // of a column's solid that is left out below, and above
 constexpr int kLines = 12;            // along each axis of a column, for a round container: 1 % of a column that it cuts
@@ -41,7 +41,7 @@ std::vector<Column> columns_of(const FrameView& view) {
   const Vec3 extent = bounds.extent();
   const double height = view.highest - view.lowest;
   const auto count_of = [&](int axis) {
-    return std::clamp(static_cast<int>(extent[axis] / (kColumnWidth * view.mean_diameter)), 1, kMostColumns);
+    return std::clamp(static_cast<int>(extent[axis] / (kColumnWidth * view.mean_diameter)), 1, kMaxColumns);
   };
   const int nu = count_of(u), nv = count_of(v);
   std::vector<Column> columns(static_cast<std::size_t>(nu * nv));

@@ -18,9 +18,9 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// An interval is to hold so many bodies on average, such that its rate is no noise; and a chart has room for so many intervals.
-constexpr std::size_t kBodiesInInterval = 10, kMostIntervals = 200, kFewestIntervals = 5;
+constexpr std::size_t kBodiesInInterval = 10, kMaxIntervals = 200, kMinIntervals = 5;
 
-std::size_t interval_count(std::size_t bodies) { return std::clamp(bodies / kBodiesInInterval, kFewestIntervals, kMostIntervals); }
+std::size_t interval_count(std::size_t bodies) { return std::clamp(bodies / kBodiesInInterval, kMinIntervals, kMaxIntervals); }
 
 class FlowReader {
  public:

@@ -14,7 +14,7 @@ namespace {
 
 // More points are more exact (a layer as thick as a body is counted to about 1 / points^(2/3)); these cost about 0.05 s a frame.
 constexpr std::size_t kSamplesPerFrame = 3000000;
-constexpr std::size_t kFewestSamples = 32, kMostSamples = 2000;
+constexpr std::size_t kMinSamples = 32, kMaxSamples = 2000;
 
 std::vector<std::uint8_t> particles_of(const Run& run, const Frame& frame) {
   std::vector<std::uint8_t> are;
@@ -91,7 +91,7 @@ double Container::distance_from_axis(const Vec3& p) const {
   return length(d - dot(d, axis) * axis);
 }
 
-double FrameView::room_between(double low, double high) const {
+double FrameView::max_overlap_between(double low, double high) const {
   Box3 slab = facts.container.room.bounds();
   slab.lower[facts.container.vertical] = low;
   slab.upper[facts.container.vertical] = high;
@@ -104,7 +104,7 @@ SceneFacts::SceneFacts(const Run& the_run, const std::optional<Region>& given, c
       period(periodicity_of(the_run.scene)),
       cell_lower(the_run.scene.settings.domain.lower) {
   const std::size_t per_body =
-      std::clamp(kSamplesPerFrame / std::max({std::size_t{1}, most, the_run.scene.bodies.size()}), kFewestSamples, kMostSamples);
+      std::clamp(kSamplesPerFrame / std::max({std::size_t{1}, most, the_run.scene.bodies.size()}), kMinSamples, kMaxSamples);
   for (const Shape& shape : the_run.scene.shapes) {
     volume.push_back(shape.mass.volume);
     diameter.push_back(shape.equivalent_diameter());

@@ -204,7 +204,7 @@ std::vector<double> pair_correlation(const FrameView& view, std::size_t shells, 
 }
 
 double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind) {
-  constexpr double kPerCell = 12, kFewest = 60;  // with fewer than five cells the index is noise
+  constexpr double kPerCell = 12, kMin = 60;  // with fewer than five cells the index is noise
   const FrameBodies& b = view.frame.bodies;
   Box3 box;
   double ones = 0, all = 0;
@@ -216,7 +216,7 @@ double mixing_index(const FrameView& view, const std::vector<std::uint8_t>& kind
   }
   const double p = ones / all;
   const Vec3 extent = box.extent();
-  if (all < kFewest || !(p > 0 && p < 1)) return kNaN;
+  if (all < kMin || !(p > 0 && p < 1)) return kNaN;
   // an extent of 0 (a single layer) must not make the cell vanish
   const double largest = std::max({extent.x, extent.y, extent.z});
   const double room = std::max(extent.x, 1e-6 * largest) * std::max(extent.y, 1e-6 * largest) * std::max(extent.z, 1e-6 * largest);
@@ -279,12 +279,12 @@ std::vector<Vec3> surface_of(const FrameView& view) {
   return points;
 }
 
-constexpr std::size_t kLeastColumns = 8;
+constexpr std::size_t kMinColumns = 8;
 
 double no_surface(std::size_t columns, std::string* reason) {
   if (reason != nullptr) {
     *reason = fmt::format("the surface has {} {} one mean diameter wide, and {} are needed: too few bodies", columns,
-                          columns == 1 ? "column" : "columns", kLeastColumns);
+                          columns == 1 ? "column" : "columns", kMinColumns);
   }
   return kNaN;
 }
@@ -293,7 +293,7 @@ double no_surface(std::size_t columns, std::string* reason) {
 
 double angle_of_repose_cone(const FrameView& view, std::string* reason) {
   const std::vector<Vec3> surface = surface_of(view);
-  if (surface.size() < kLeastColumns) return no_surface(surface.size(), reason);
+  if (surface.size() < kMinColumns) return no_surface(surface.size(), reason);
   const Container& c = view.facts.container;
   const Vec3 centre = motion_measures(view, {}).centre;
   const double base = c.up > 0 ? view.lowest : -view.highest, height = view.highest - view.lowest;
@@ -344,7 +344,7 @@ double angle_of_repose_slope(const FrameView& view, std::string* reason) {
     right += row * (p[c.vertical] - centre[c.vertical]);
     ++count;
   }
-  if (count < kLeastColumns) return no_surface(count, reason);
+  if (count < kMinColumns) return no_surface(count, reason);
   const Eigen::Vector3d slope = left.ldlt().solve(right);
   return kDegrees * std::atan(std::hypot(slope[0], slope[1]));
 }

@@ -102,7 +102,7 @@ ScalingRow read_scaling_row(const std::string& run_folder) {
   }
   const auto ranks = static_cast<std::size_t>(row.ranks);
   const std::vector<double>& step = log.column("step");
-  // A restart begins its times anew: what counts are the rows at the end over which no time falls.
+  // A restart begins its times again: what counts are the rows at the end over which no time falls.
   const std::vector<double>& contact = log.column("t_contact");
   const std::size_t last = log.rows() - ranks;
   std::size_t first = last;

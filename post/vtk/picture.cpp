@@ -119,8 +119,8 @@ void add_legend(vtkRenderer* renderer, vtkScalarsToColors* colours, const std::s
 
 /// Names of kinds beside squares of their colour, from the upper right corner down.
 void add_kinds(vtkRenderer* renderer, const std::map<int, std::string>& kinds, int width, int height) {
-  constexpr std::size_t kMost = 12;  // more would cover the picture, and colours repeat after eight
-  if (kinds.size() < 2 || kinds.size() > kMost) return;
+  constexpr std::size_t kMax = 12;  // more would cover the picture, and colours repeat after eight
+  if (kinds.size() < 2 || kinds.size() > kMax) return;
   const double unit = text_scale(height), side = 30 * unit, step = 44 * unit, right = 2 * width - 40 * unit;
   double top = 2 * height - 44 * unit;
   for (const auto& [kind, name] : kinds) {
@@ -464,7 +464,7 @@ Stage::Stage(const Run& run, const PictureOptions& options)
 
 void Stage::add(const Run& run, const Frame& given, const PictureOptions& options) {
   const Frame frame = within.part_of(run, as_shown(run, given, options, within));
-  const Box3 seen = seen_room(frame, run.scene);
+  const Box3 seen = seen_max_overlap(frame, run.scene);
   room.add(seen.lower);
   room.add(seen.upper);
   if (options.network) {

@@ -14,8 +14,8 @@ namespace scree {
 
 namespace {
 
-constexpr std::size_t kMostTriangles = 2000000;  // a laptop's graphics still turns these
-constexpr std::size_t kMostLines = 60000;
+constexpr std::size_t kMaxTriangles = 2000000;  // a laptop's graphics still turns these
+constexpr std::size_t kMaxLines = 60000;
 
 template <class T>
 std::string array(const std::vector<T>& values) {
@@ -66,7 +66,7 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
   const Frame inside = within.part_of(run, given);
   const Frame& frame = within.is_equipment() ? given : inside;
   const FrameBodies& b = frame.bodies;
-  const Box3 room = room_of(inside.bodies, scene);
+  const Box3 room = max_overlap_of(inside.bodies, scene);
   const View view = view_of(room, scene.settings.gravity);
   const auto list = [](const Vec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
   nlohmann::json data = {{"time", frame.time},
@@ -81,7 +81,7 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
   for (std::int32_t k = 0; k < kShapeColours; ++k) data["colours"].push_back(list(shape_colour(k)));
 
   // meshes, coarser when there are very many bodies
-  const std::size_t share = std::max<std::size_t>(12, kMostTriangles / std::max<std::size_t>(1, b.size()));
+  const std::size_t share = std::max<std::size_t>(12, kMaxTriangles / std::max<std::size_t>(1, b.size()));
   for (const Shape& shape : scene.shapes) {
     const DrawnMesh full = drawn_shape(shape);
     const bool fits = full.mesh.triangles.size() <= share;
@@ -135,10 +135,10 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     add_edges(drawn_wall(scene.walls[w], scene, room, &frame), places[w], view.centre, edges);
   std::vector<NetworkLine> strongest = network;
-  if (strongest.size() > kMostLines) {
-    std::nth_element(strongest.begin(), strongest.begin() + kMostLines, strongest.end(),
+  if (strongest.size() > kMaxLines) {
+    std::nth_element(strongest.begin(), strongest.begin() + kMaxLines, strongest.end(),
                      [](const auto& p, const auto& q) { return p.normal_force > q.normal_force; });
-    strongest.resize(kMostLines);
+    strongest.resize(kMaxLines);
   }
   for (const NetworkLine& line : strongest) {
     push(lines, line.from - view.centre);

@@ -53,7 +53,7 @@ inline constexpr std::int32_t kAsleep = -1;
   column(double, entered, "entered", "s", kLater, "when it came into the run; 0 for those that the scene starts with")                         \
   column(std::int32_t, rest, "rest", "", kGhost | kLater, "looks that found it at rest, one after the other; kAsleep: it sleeps")
 
-/// What follows from the state, the scene and the step: made anew where the body arrives.
+/// What follows from the state, the scene and the step: made again where the body arrives.
 #define SCREE_BODY_DERIVED(column)                                                                           \
   column(double, radius, "bounding, scaled [m]")                                                             \
   column(double, ball_radius, "of an analytic sphere without cells and margin, scaled [m]; 0 of any other")  \

@@ -104,11 +104,11 @@ struct DlmRotor {
 struct MidpointRotor {
   static void advance(const Vec3&, const Vec3& inverse_inertia, double h, Vec3& L, Quat& q, Quat& remainder) {
     // The fixed point contracts by about |w| h, at most 0.1 by the step limit of spin: 16 digits in 16 rounds.
-    constexpr int kMostRounds = 40;
+    constexpr int kMaxRounds = 40;
     constexpr double kConverged = 1e-16;  // of the momentum: rounding
     const Vec3 start = rotate_inverse(q, L);
     Vec3 middle = start;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const Vec3 next = rotate_inverse(rotation_by((0.5 * h) * scaled(inverse_inertia, middle)), start);
       const bool done = squared_length(next - middle) <= kConverged * kConverged * squared_length(start);
       middle = next;
@@ -196,7 +196,7 @@ void kick_and_drift(ParticleSet& p, double kick_time, double h) {
   for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
     while (begin < end) {
       begin = drift_in_lanes(p, kick_time, h, std::is_same_v<Rotor, DlmRotor>, begin, end);
-      for (const std::size_t plain = std::min(end, begin + kMostDriftLanes); begin < plain; ++begin)
+      for (const std::size_t plain = std::min(end, begin + kMaxDriftLanes); begin < plain; ++begin)
         kick_and_drift_row<Rotor>(p, kick_time, h, begin);
     }
   });

@@ -16,6 +16,6 @@ std::size_t kick_in_lanes(ParticleSet& p, double h, std::size_t begin, std::size
 std::size_t drift_in_lanes(ParticleSet& p, double kick_time, double h, bool has_rotor, std::size_t begin, std::size_t end);
 
 /// Rows that drift_in_lanes takes at once, at most: where it stops, as many go the plain way.
-inline constexpr std::size_t kMostDriftLanes = 8;
+inline constexpr std::size_t kMaxDriftLanes = 8;
 
 }  // namespace scree

@@ -9,7 +9,7 @@
 //   list                makes the candidates of a pair; returns false when its meshes intersect
 //   find_features       features below the reach of a view at the present pose, in ascending key order, and what they share; overlaps
 //                       count from the reach; candidates may get other slacks
-//   weigh               what features count for by the crowd that they lie in, given the attraction of the pair (range 0: none); they
+//   weigh               what features count for by the cluster that they lie in, given the attraction of the pair (range 0: none); they
 //                       are those of the pair's law alone now, and overlaps count from the margins. A model may add what is within the
 //                       range of the attraction alone, from the candidates
 //   potential<Law>      energy, force of each feature, and wrench

@@ -1,4 +1,4 @@
-// What damping of a contact on a fragment reckons with where several of its pieces press on the same partner (step/shared_damping.hpp).
+// What damping of a contact on a fragment needs where several of its pieces press on the same partner (step/shared_damping.hpp).
 #pragma once
 
 #include <algorithm>

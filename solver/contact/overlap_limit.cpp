@@ -30,12 +30,12 @@ Vec3 next_shift(const PairView& view, const PairMotion& motion, const std::vecto
     deepest = &f;
     overlap = next;
   }
-  const double too_deep = overlap - kShiftTo * view.room;
-  if (overlap > kShiftFrom * view.room) return shift + too_deep * deepest->n;
+  const double too_deep = overlap - kShiftTo * view.max_overlap;
+  if (overlap > kShiftFrom * view.max_overlap) return shift + too_deep * deepest->n;
   const double size = length(shift);
-  if (!(size > 0) || overlap > kShiftBack * view.room) return shift;
+  if (!(size > 0) || overlap > kShiftBack * view.max_overlap) return shift;
   const double cosine = dot(shift, deepest->n) / size;
-  if (cosine < kLeastCosine) return shift;
+  if (cosine < kMinCosine) return shift;
   const double left = size + too_deep / cosine;
   return left > 0 ? (left / size) * shift : Vec3{};
 }

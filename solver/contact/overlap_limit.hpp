@@ -1,8 +1,9 @@
-// Contacts deeper than their room, which contact.on_overlap = "continue" lets a run go on with: a wall that moves leaves a body no place,
-// and no stiffness holds against that.
+// Contacts deeper than their maximum overlap, which contact.on_overlap = "continue" lets a run go on with: a wall that moves leaves a body
+// no place, and no stiffness holds against that.
 //
-// The force. Up to kStopOverlapRatio of the room (PairView::room), where a run ends otherwise, nothing differs. Beyond, the potential goes
-// on along its tangent: U(l + y) = U(l) + F(l) y + F'(l) y^2 / 2. A linear law does so by itself; HertzLaw has its limit l from PairLaw.
+// The force. Up to kStopOverlapRatio of the maximum overlap of a pair (PairView::max_overlap), where a run ends otherwise, nothing differs.
+// Beyond, the potential goes on along its tangent: U(l + y) = U(l) + F(l) y + F'(l) y^2 / 2. A linear law does so by itself; HertzLaw has
+// its limit l from PairLaw.
 //
 // The overlap. Balls, and any body at an analytic wall, have a gap with a sign: nothing is to be done. Of triangles nothing is known once
 // surfaces cross. So a pair with a mesh on both sides, or a ball and a mesh, keeps a shift s of A against B, from a place where they nearly
@@ -22,27 +23,27 @@
 namespace scree {
 
 /// Key of an entry that is no spring, after kRestKey and before kLinkKey: its force is the shift of A, frame of B [m], its stiffness 1
-/// where the contact has been beyond its room since it began, 0 else.
+/// where the contact has been beyond its maximum overlap since it began, 0 else.
 inline constexpr std::int64_t kDeepKey = kRestKey | 1;
 
-/// A pair is shifted where what is left of its room, after one more step at the present speed, is less than 1 - kShiftFrom of it; to
-/// kShiftTo. It is shifted back by as much as it comes out below kShiftBack. Far enough from each other that a shift lasts many steps, and
-/// from 1 that no step crosses what is left.
+/// A pair is shifted where what is left of its maximum overlap, after one more step at the present speed, is less than 1 - kShiftFrom of
+/// it; to kShiftTo. It is shifted back by as much as it comes out below kShiftBack. Far enough from each other that a shift lasts many
+/// steps, and from 1 that no step crosses what is left.
 inline constexpr double kShiftFrom = 0.8, kShiftTo = 0.5, kShiftBack = 0.3;
-/// Lanes leave pairs from this share of their room on to the general path, which looks after shifts.
+/// Lanes leave pairs from this share of their maximum overlap on to the general path, which looks after shifts.
 inline constexpr double kLookFrom = 0.3;
-/// Below it a contact that was beyond its room has ended: the next time it passes the limit counts as another one.
+/// Below it a contact that was beyond its maximum overlap has ended: the next time it passes the limit counts as another one.
 inline constexpr double kForgetRatio = 0.8;
 /// Overlap over the bounding radius of the smaller body at which a run is stopped all the same: a body is nearly through by then.
-inline constexpr double kMostOverlap = 1.5;
-/// A shift that leaves surfaces crossed grows by this share of the room and twice that, again and again, up to kMostOverlap.
+inline constexpr double kMaxOverlap = 1.5;
+/// A shift that leaves surfaces crossed grows by this share of the maximum overlap and twice that, again and again, up to kMaxOverlap.
 inline constexpr double kShiftMore = 0.5;
 /// Least cosine between a shift and a normal by which the shift can be taken back.
-inline constexpr double kLeastCosine = 0.1;
+inline constexpr double kMinCosine = 0.1;
 
 struct DeepEntry {
   Vec3 shift;           ///< of A, frame of B [m]
-  bool passed = false;  ///< the contact has been beyond its room
+  bool passed = false;  ///< the contact has been beyond its maximum overlap
 };
 
 inline DeepEntry deep_entry_of(const std::vector<FrictionSpring>& springs) {

@@ -272,7 +272,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
 }
 
 template <class Model, class Entry, class Law>
-PairForceFunction without_the_unneeded(const LawChoice& choice) {
+PairForceFunction specialise(const LawChoice& choice) {
   if constexpr (!built_with::kFriction) return &pair_force<Model, Entry, Law, false, false>;
   if (choice.rolling) {
     return choice.friction ? &pair_force<Model, Entry, Law, true, true> : &pair_force<Model, Entry, Law, false, true>;
@@ -301,7 +301,7 @@ PairHoldsFunction pair_holds_function(const LawChoice& choice) {
 
 PairForceFunction pair_force_function(const LawChoice& choice) {
   PairForceFunction function = nullptr;
-  for_chosen_law(choice, [&]<class Model, class Entry, class Law>() { function = without_the_unneeded<Model, Entry, Law>(choice); });
+  for_chosen_law(choice, [&]<class Model, class Entry, class Law>() { function = specialise<Model, Entry, Law>(choice); });
   SCREE_ASSERT(function != nullptr, "law {} does not go with this gathering", word_of(choice.law));
   return function;
 }

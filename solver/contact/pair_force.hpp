@@ -13,10 +13,10 @@
 
 namespace scree {
 
-/// The features of one pair, and what of them shares an energy. Each thread has one and fills it anew for every pair.
+/// The features of one pair, and what of them shares an energy. Each thread has one and fills it again for every pair.
 struct PairFeatures {
   std::vector<ContactFeature> list;  ///< ascending keys
-  double crowd_share = 1;            ///< what is left of dD/dd_j where weights fall as D grows (contact/crowds.hpp)
+  double cluster_share = 1;          ///< what is left of dD/dd_j where weights fall as D grows (contact/clusters.hpp)
   bool has_cells = false;            ///< one potential for each of `cells`, with this part of the energy
   double cell_energy = 1;
   std::vector<CellShare> cells;
@@ -24,7 +24,7 @@ struct PairFeatures {
   bool has_layer = false;  ///< gather = "area": patches of `layer` as the features
   AreaContact layer;
   AreaContact pull_layer;  ///< the same with the range of an attraction beside the margins; its patches go with `list` too
-  // of an attraction: the weight of each of `list` over that in the push, 1 where empty, and what crowd_share is of the push
+  // of an attraction: the weight of each of `list` over that in the push, 1 where empty, and what cluster_share is of the push
   std::vector<double> pull_weight;
   double pull_share = 1;
 };

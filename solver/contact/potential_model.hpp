@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "solver/contact/cluster_weights.hpp"
 #include "solver/contact/contact_model.hpp"
-#include "solver/contact/crowds.hpp"
 
 namespace scree {
 
@@ -99,11 +99,11 @@ struct PotentialModel {
   }
 
   static void weigh(const PairView& view, const PullView& pull, double /*moved*/, const CandidateLists& /*lists*/, PairFeatures& features) {
-    features.crowd_share = 1;
+    features.cluster_share = 1;
     if (pull.range > 0)
-      settle_crowds_apart(view.crowd_depth, view.crowds_follow, pull, features);
+      solve_weights_separately(view.cluster_depth, view.weights_follow_overlap, pull, features);
     else if (view.a.weights != nullptr || view.b.weights != nullptr)
-      settle_crowds(view.crowd_depth, view.crowds_follow, features);
+      solve_weights(view.cluster_depth, view.weights_follow_overlap, features);
   }
 
   template <class Law>
@@ -171,7 +171,7 @@ PushSum PotentialModel::add_potential(const PairFeatures& pair, const PairLaw& p
                              ? PushAndPull::of(law_beyond(law, pair_law.limit, depth / largest), D)
                              : PushAndPull::of(law, D);
   result.elastic = at.push_energy;
-  const double slope = pair.crowd_share * at.push;
+  const double slope = pair.cluster_share * at.push;
   double push = 0;
   for (std::size_t j = 0; j < features.size(); ++j) {
     const ContactFeature& f = features[j];

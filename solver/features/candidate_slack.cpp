@@ -10,8 +10,8 @@ namespace scree {
 
 namespace {
 
-constexpr double kChord = 0.866;      // sine over chord of an angle whose chord is at most 1: sqrt(3) / 2, rounded down
-constexpr double kLeastSine2 = 1e-4;  // of edges about which something is said: s and t are then exact to 1e-11
+constexpr double kChord = 0.866;    // sine over chord of an angle whose chord is at most 1: sqrt(3) / 2, rounded down
+constexpr double kMinSine2 = 1e-4;  // of edges about which something is said: s and t are then exact to 1e-11
 // Of the conormals of a fold, cosine: below it no normal that leans over neither face by kFadeWedge is square to the direction half way
 // between them, 1 - 2 kFadeWedge^2, rounded down. Only knife edges of less than 26 degrees are above it.
 constexpr double kFoldSeen = 0.9;
@@ -21,7 +21,7 @@ constexpr double kRounding = 1 - 1e-6;  // of the slack, and absolute of a lean:
 }  // namespace
 
 double slack_of_ends(const EdgeLines& e, double s, double t, double margin, double size) {
-  if (!(e.sine2 > kLeastSine2)) return 0;
+  if (!(e.sine2 > kMinSine2)) return 0;
   const auto beyond = [](double parameter) { return std::max({-parameter, parameter - 1, 0.0}); };
   const double away = std::max(beyond(s) * std::sqrt(e.uu), beyond(t) * std::sqrt(e.vv));
   const double cosine = std::sqrt(std::max(0.0, 1 - e.sine2));
@@ -49,7 +49,7 @@ double slack_of_side(const PairBody& a, const PairBody& b, const RelativePose& p
 
 double slack_of_wedge(const PairBody& a, const PairBody& b, const RelativePose& pose, std::int32_t edge_a, std::int32_t edge_b,
                       const EdgeLines& e, double margin, double size, double enough) {
-  if (!(e.sine2 > kLeastSine2)) return 0;
+  if (!(e.sine2 > kMinSine2)) return 0;
   const double sine = std::sqrt(e.sine2);
   const Vec3 w = cross(e.u, e.v);
   const Vec3 n = (1 / length(w)) * w;

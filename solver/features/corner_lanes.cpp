@@ -19,7 +19,7 @@ HWY_INLINE Lane3 load(const CornerVectors& from, std::size_t k) {
   return {Lane::load(from.x.data() + k), Lane::load(from.y.data() + k), Lane::load(from.z.data() + k)};
 }
 
-HWY_INLINE void look_in_lanes(const CornerQueue& queue, std::size_t k, CornerAnswers& out) {
+HWY_INLINE void examine_in_lanes(const CornerQueue& queue, std::size_t k, CornerAnswers& out) {
   const Lane zero(0.0);
   const Lane3 p = load(queue.p, k), a = load(queue.a, k), b = load(queue.b, k), c = load(queue.c, k);
   const Lane3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -50,8 +50,8 @@ HWY_INLINE void look_in_lanes(const CornerQueue& queue, std::size_t k, CornerAns
   sqrt(squared).store(out.distance.data() + k);
 }
 
-HWY_NOINLINE void look_at_all_corners(const CornerQueue& queue, CornerAnswers& out) {
-  for (std::size_t k = 0; k < queue.count; k += kLanes) look_in_lanes(queue, k, out);
+HWY_NOINLINE void examine_all_vertices(const CornerQueue& queue, CornerAnswers& out) {
+  for (std::size_t k = 0; k < queue.count; k += kLanes) examine_in_lanes(queue, k, out);
 }
 
 }  // namespace scree::HWY_NAMESPACE
@@ -61,17 +61,17 @@ HWY_AFTER_NAMESPACE();
 namespace scree {
 namespace {
 
-HWY_EXPORT(look_at_all_corners);
+HWY_EXPORT(examine_all_vertices);
 
 }  // namespace
 
-void look_at_corners_at_once(CornerQueue& queue, CornerAnswers& answers) {
-  constexpr std::size_t kMostLanes = 8;
-  static_assert(kCornersAtOnce % kMostLanes == 0);
-  for (std::size_t k = queue.count; k % kMostLanes != 0; ++k) {  // lanes beyond the last corner repeat it
+void examine_vertices_at_once(CornerQueue& queue, CornerAnswers& answers) {
+  constexpr std::size_t kMaxLanes = 8;
+  static_assert(kCornersAtOnce % kMaxLanes == 0);
+  for (std::size_t k = queue.count; k % kMaxLanes != 0; ++k) {  // lanes beyond the last corner repeat it
     for (CornerVectors* of : {&queue.p, &queue.a, &queue.b, &queue.c}) of->set(k, of->at(queue.count - 1));
   }
-  HWY_DYNAMIC_DISPATCH(look_at_all_corners)(queue, answers);
+  HWY_DYNAMIC_DISPATCH(examine_all_vertices)(queue, answers);
 }
 
 }  // namespace scree

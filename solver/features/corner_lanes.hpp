@@ -47,6 +47,6 @@ struct CornerAnswers {
 };
 
 /// Fills up to the lanes of a vector what is beyond queue.count.
-void look_at_corners_at_once(CornerQueue& queue, CornerAnswers& answers);
+void examine_vertices_at_once(CornerQueue& queue, CornerAnswers& answers);
 
 }  // namespace scree

@@ -103,7 +103,7 @@ bool fade(const EdgePair& e, ContactFeature& f) {
 
 }  // namespace
 
-double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+double examine_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
                      const EdgeCandidate& candidate, std::vector<ContactFeature>& features) {
   const EdgeLines lines(a, b, pose, candidate.edge_a, candidate.edge_b);
   const auto& [pa, u, pb, v, r0, uu, uv, vv, ur, vr, det, sine2] = lines;

@@ -32,14 +32,14 @@ inline bool is_in_fold(const Vec3& conormal_0, const Vec3& conormal_1, const Vec
 /// Appends the feature below `margin` that two edges are at the present pose, if they are one. Returns the motion before which they are
 /// none [m]; 0 where they are.
 /// in   size   bounding radius of the smaller body [m]
-double look_at_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
+double examine_edges(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size,
                      const EdgeCandidate& candidate, std::vector<ContactFeature>& features);
 
-/// Key and crowd of such a feature: what of it does not depend on the pose.
+/// Key and cluster of such a feature: what of it does not depend on the pose.
 inline void name_edge_feature(const PairBody& a, const PairBody& b, const EdgeCandidate& candidate, ContactFeature& f) {
   f.key = make_key(kEdgeEdge, candidate.edge_a, candidate.edge_b);
   if (a.weights != nullptr || b.weights != nullptr)
-    f.crowd = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
+    f.cluster = 4 / (a.weight_of_ends(candidate.edge_a) + b.weight_of_ends(candidate.edge_b)) - 1;
 }
 
 }  // namespace scree

@@ -47,8 +47,8 @@ class CornerSide {
 
   /// The features of a corner, if it has any, and the new slacks of its candidates.   in   looks   (n): what its n-th triangle is to it
   template <class Looks>
-  void conclude(std::int32_t corner, std::size_t begin, std::size_t end, const Vec3& p, const Looks& looks, double margin, double sharing,
-                double size, CandidateLists& lists, std::vector<ContactFeature>& features) const {
+  void finish_features(std::int32_t corner, std::size_t begin, std::size_t end, const Vec3& p, const Looks& looks, double margin,
+                       double sharing, double size, CandidateLists& lists, std::vector<ContactFeature>& features) const {
     std::size_t nearest = 0;
     for (std::size_t n = 1; n < end - begin; ++n)
       if (looks.squared(n) < looks.squared(nearest)) nearest = n;
@@ -88,7 +88,7 @@ class CornerSide {
     f.key = make_key(kOfA ? kCornerOfA : kCornerOfB, corner, place);
     f.overlap = margin - surface_scale_ * distance;
     f.weight = 1;
-    f.crowd = from_.crowd(corner);
+    f.cluster = from_.cluster(corner);
     // At gap 0 there is no direction; the guard on overlap over margin stops the run before this can matter.
     const Vec3 direction = distance > 0 ? (1 / distance) * (p - foot) : Vec3{};
     const Vec3 middle = surface_scale_ * (0.5 * (p + foot));
@@ -175,7 +175,7 @@ void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePo
       looks.clear();
       for (std::size_t n = begin; n < end; ++n)
         looks.add(p, nearest_on_triangle(p, side.triangle_corner(n, 0), side.triangle_corner(n, 1), side.triangle_corner(n, 2)).point);
-      side.conclude(corner, begin, end, p, looks, margin, sharing, size, lists, features);
+      side.finish_features(corner, begin, end, p, looks, margin, sharing, size, lists, features);
     });
   });
 }
@@ -187,7 +187,8 @@ void mesh_corner_features(const PairBody& a, const PairBody& b, const RelativePo
   std::size_t first = looks.first;
   for_both_sides(a, b, pose, lists, due, [&](const auto& side) {
     side.for_each_corner([&](std::int32_t corner, std::size_t begin, std::size_t end) {
-      side.conclude(corner, begin, end, looks.queue.p.at(first), LaneLooks{looks.answers, first}, margin, sharing, size, lists, features);
+      side.finish_features(corner, begin, end, looks.queue.p.at(first), LaneLooks{looks.answers, first}, margin, sharing, size, lists,
+                           features);
       first += end - begin;
     });
   });
@@ -199,11 +200,11 @@ void set_edge_slack(double lacks, double size, std::int32_t edge, CandidateLists
 
 void mesh_edge_feature(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double size, std::int32_t edge,
                        CandidateLists& lists, std::vector<ContactFeature>& features) {
-  set_edge_slack(look_at_edges(a, b, pose, margin, size, lists.edges[static_cast<std::size_t>(edge)], features), size, edge, lists);
+  set_edge_slack(examine_edges(a, b, pose, margin, size, lists.edges[static_cast<std::size_t>(edge)], features), size, edge, lists);
 }
 
 void end_mesh_features(CandidateLists& lists, const std::vector<ContactFeature>& features) {
-  if (features.empty() && !lists.slacks.empty()) lists.next_look = least_of(lists.slacks);
+  if (features.empty() && !lists.slacks.empty()) lists.next_examination = least_of(lists.slacks);
 }
 
 void due_mesh_features(const PairBody& a, const PairBody& b, const RelativePose& pose, double margin, double sharing, double size,

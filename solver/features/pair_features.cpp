@@ -60,7 +60,7 @@ void begin_lists(const PairBody& a, const PairBody& b, double skin, double radiu
   lists.turn = lists.last_turn = pose.turn;
   lists.skin = skin;
   lists.first_slack = skin;
-  lists.way = lists.next_look = 0;
+  lists.way = lists.next_examination = 0;
 }
 
 void end_lists(CandidateLists& lists) {

@@ -23,14 +23,14 @@ struct PairBody {
   Vec3 x;
   Quat q;
   const double* weights = nullptr;  ///< of the shape's corners; null: all 1 (solver/scene/density_weights.hpp)
-  double crowd_scale = 1;           ///< factor on the crowds of that table, for another depth than it was made for
+  double cluster_scale = 1;         ///< factor on the clusters of that table, for another depth than it was made for
 
   double weight(std::int32_t corner) const {
     if (weights == nullptr) return 1;
     const double w = weights[corner];
-    return crowd_scale == 1 ? w : w / (w + crowd_scale * (1 - w));
+    return cluster_scale == 1 ? w : w / (w + cluster_scale * (1 - w));
   }
-  double crowd(std::int32_t corner) const { return weights == nullptr ? 0.0 : 1 / weight(corner) - 1; }
+  double cluster(std::int32_t corner) const { return weights == nullptr ? 0.0 : 1 / weight(corner) - 1; }
   /// Of both ends of an edge of the shape together.
   double weight_of_ends(std::int32_t edge) const {
     if (weights == nullptr) return 2;
@@ -70,10 +70,10 @@ struct CandidateLists {
   double skin = -1;                                   ///< [m]; < 0: no lists yet
   double first_slack = 0;  ///< motion at which the first candidate, or what is not listed, can come within the margin [m]
   // the way of the pair: motion from step to step since listed, so that slacks can count from any step
-  std::vector<float> slacks;  ///< of all candidates of two meshes, as they are now (due_candidates.hpp) [m]
-  double way = 0;             ///< [m]
-  double next_look = 0;       ///< way at which the first candidate of two meshes that have no feature is to be looked at [m]
-  Vec3 last_centre;           ///< as `centre` and `turn`, at the end of the way
+  std::vector<float> slacks;    ///< of all candidates of two meshes, as they are now (due_candidates.hpp) [m]
+  double way = 0;               ///< [m]
+  double next_examination = 0;  ///< way at which the first candidate of two meshes that have no feature is to be looked at [m]
+  Vec3 last_centre;             ///< as `centre` and `turn`, at the end of the way
   Quat last_turn;
 };
 
@@ -89,8 +89,8 @@ struct ContactFeature {
   Vec3 x;          ///< contact point, mid-gap, A frame [m]
   Vec3 n;          ///< unit, from B to A, A frame
   double overlap;  ///< margin sum minus gap, > 0 [m]
-  double weight;   ///< a_j in (0, 1], fading and shares of minima; without its crowd as found, with it once settle_crowds() has been
-  double crowd;    ///< how many others share the place of the feature, where D is the margin of one body (contact/crowds.hpp)
+  double weight;   ///< a_j in (0, 1], fading and shares of minima; without its cluster as found, with it once solve_weights() has been
+  double cluster;  ///< how many others share the place of the feature, where D is the margin of one body (contact/clusters.hpp)
   bool faded;      ///< weight depends on the pose: weight_gradient is filled
   Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
 };

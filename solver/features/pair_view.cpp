@@ -52,17 +52,18 @@ void view_own_margins(const SolverScene& scene, PairView& view) {
   const double of_b = has_other ? view.b.scale * view.b.shape->margin : 0;
   view.margin = of_a + of_b;
   view.off_middle = 0.5 * (of_a - of_b);
-  view.room = has_other ? view.margin : 2 * of_a;
+  view.max_overlap = has_other ? view.margin : 2 * of_a;
   if (!(view.margin > 0)) {  // balls, and balls on walls: no deeper than their centres
-    view.room = view.a.scale * view.a.shape->equivalent_radius;
-    if (has_other && view.b.shape->equivalent_radius > 0) view.room = std::min(view.room, view.b.scale * view.b.shape->equivalent_radius);
+    view.max_overlap = view.a.scale * view.a.shape->equivalent_radius;
+    if (has_other && view.b.shape->equivalent_radius > 0)
+      view.max_overlap = std::min(view.max_overlap, view.b.scale * view.b.shape->equivalent_radius);
     return;
   }
   // Crowds of both are told for one depth, whichever is A: that of an edge pair, a mean of weights, does not go with it in proportion
   const double depth_a = of_a > 0 ? of_a : of_b, depth_b = of_b > 0 ? of_b : scene.wall_table_depth();
-  view.crowd_depth = of_a > 0 && of_b > 0 ? 0.5 * (of_a + of_b) : depth_a;
-  if (view.a.weights != nullptr) view.a.crowd_scale = view.crowd_depth / depth_a;
-  if (has_other && view.b.weights != nullptr) view.b.crowd_scale = view.crowd_depth / depth_b;
+  view.cluster_depth = of_a > 0 && of_b > 0 ? 0.5 * (of_a + of_b) : depth_a;
+  if (view.a.weights != nullptr) view.a.cluster_scale = view.cluster_depth / depth_a;
+  if (has_other && view.b.weights != nullptr) view.b.cluster_scale = view.cluster_depth / depth_b;
 }
 
 }  // namespace
@@ -81,11 +82,11 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
   if (scene.margins_by_size()) {
     view_own_margins(scene, view);
   } else {
-    view.margin = view.room = 2 * scene.margin();
-    view.crowd_depth = scene.margin();
+    view.margin = view.max_overlap = 2 * scene.margin();
+    view.cluster_depth = scene.margin();
   }
   view.reach = view.margin + scene.reach();
-  view.crowds_follow = scene.crowds_follow() && view.cells == CellSide::none;
+  view.weights_follow_overlap = scene.weights_follow_overlap() && view.cells == CellSide::none;
   view.pose = RelativePose(view.a, view.b);
   return view;
 }
@@ -93,8 +94,8 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
 PullView pull_view_of(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, double range) {
   PullView pull{range, scene.pull_table_depth(), view.a, view.b};
   pull.a.weights = pull.b.weights = nullptr;
-  pull.a.crowd_scale = pull.b.crowd_scale = 1;                  // all its tables are made for one depth
-  if (view.geometry == PairGeometry::sphere_mesh) return pull;  // one contact for each minimum of the distance: they are no crowd
+  pull.a.cluster_scale = pull.b.cluster_scale = 1;              // all its tables are made for one depth
+  if (view.geometry == PairGeometry::sphere_mesh) return pull;  // one contact for each minimum of the distance: they are no cluster
   pull.a.weights = p.pull_weights[static_cast<std::size_t>(a)];
   pull.b.weights = b >= 0 ? p.pull_weights[static_cast<std::size_t>(b)] : scene.wall_pull_weights(view.zone->wall);
   return pull;

@@ -25,15 +25,15 @@ struct PairView {
   RelativePose pose;
   double radius_a = 0, radius_b = 0;  ///< bounding; of a wall at least twice that of its body, so that the wall is the frame [m]
   double margin = 0;                  ///< gap of the meshes at which touch begins: the margin sum [m]
-  double room = 0;                    ///< overlap at which meshes or centres would meet: what contacts may use up [m]; 0: no limit
+  double max_overlap = 0;             ///< overlap at which meshes or centres would meet: what contacts may use up [m]; 0: no limit
   double off_middle = 0;              ///< where the surfaces as drawn meet is so much further from A than the middle of the gap [m]
   double reach = 0;                   ///< gap at which something may act: the margin sum, and what laws reach beyond it [m]
   const WallZone* zone = nullptr;     ///< null for two bodies
   double cell_size = 0;               ///< [m]; 0: none
   CellSide cells = CellSide::none;
   PairGeometry geometry = PairGeometry::two_spheres;
-  bool crowds_follow = true;  ///< the radius of crowds follows D
-  double crowd_depth = 0;     ///< D for which the crowds of features are told [m]
+  bool weights_follow_overlap = true;  ///< the radius of clusters follows D
+  double cluster_depth = 0;            ///< D for which the clusters of features are told [m]
   bool has_mesh() const { return geometry == PairGeometry::sphere_mesh || geometry == PairGeometry::two_meshes; }
 };
 
@@ -89,7 +89,7 @@ struct PairMotion {
   Quat turn;                                ///< the same rotation, B to A
   double radius = 0;                        ///< R* [m]; filled only when the law asks for it (LawChoice::needs_radius)
   const SurfaceBeneath* surface = nullptr;  ///< of a wall whose surface moves
-  /// Where bonds hold a body to others: what damping reckons with in place of the body; null for both pieces of one fragment.
+  /// Where bonds hold a body to others: what damping needs in place of the body; null for both pieces of one fragment.
   const BondedMass *bonded_a = nullptr, *bonded_b = nullptr;
   bool is_bonded() const { return bonded_a != nullptr || bonded_b != nullptr; }
 };

@@ -18,12 +18,12 @@ double surface_distance(const PairBody& a, const PairBody& b, double reach, Mesh
 /// Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996), section 2.3, without its time ordering.
 /// in   motion    motion_since_listed [m]     in  radius_a, radius_b  bounding; a wall's at least twice that of its body [m]
 /// Cost: a few operations for slow pairs; a fast one that touches takes (motion in the step / gap) distance queries, and counts
-/// as crossed when that is more than kMostLooks.
+/// as crossed when that is more than kMaxLooks.
 /// Limits: an accelerated wall is followed back with its present velocity.
 bool may_have_passed_through(const PairBody& a, const PairBody& b, const PairMotion& m, double radius_a, double radius_b, double margin,
                              double dt, double motion, const CandidateLists& lists, MeshDistanceScratch& scratch);
 
 /// Distance queries after which a pair counts as crossed: a body that slides at a gap of half the margin may go 50 margins a step.
-inline constexpr int kMostLooks = 100;
+inline constexpr int kMaxLooks = 100;
 
 }  // namespace scree

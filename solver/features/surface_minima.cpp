@@ -215,8 +215,8 @@ void weigh_minima(Workspace& work, double reach, double sharing, std::vector<Sur
   for (std::size_t i = 0; i < count; ++i) {
     const double v = work.visible[i];
     if (!(v > 0) || !(feet[i].g < reach)) continue;
-    double crowd = 0;
-    Vec3 crowd_gradient;
+    double cluster = 0;
+    Vec3 cluster_gradient;
     for (std::size_t j = 0; j < count; ++j) {
       if (j == i || !(work.visible[j] > 0)) continue;
       const double apart = squared_length(feet[i].n - feet[j].n), together = squared_length(feet[i].n + feet[j].n);
@@ -226,12 +226,12 @@ void weigh_minima(Workspace& work, double reach, double sharing, std::vector<Sur
       const double cosine = dot(feet[i].n, feet[j].n);
       const Vec3 xi_gradient = (-2 / ((1 + cosine) * (1 + cosine))) * cosine_gradient(feet[i], feet[j]);
       const Vec3 y_gradient = (1 / sharing) * (xi * (feet[i].n + feet[j].n) + gaps * xi_gradient);
-      crowd += K * work.visible[j];
-      crowd_gradient += K * work.visible_gradient[j] + (work.visible[j] * (-4 * y * (1 - y * y))) * y_gradient;
+      cluster += K * work.visible[j];
+      cluster_gradient += K * work.visible_gradient[j] + (work.visible[j] * (-4 * y * (1 - y * y))) * y_gradient;
     }
-    const double kappa = crowd < 1 ? crowd * (2 - crowd) : 1, kappa_slope = crowd < 1 ? 2 - 2 * crowd : 0;
-    const double whole = 1 + crowd - (1 - v) * kappa;
-    const Vec3 whole_gradient = (1 - (1 - v) * kappa_slope) * crowd_gradient + kappa * work.visible_gradient[i];
+    const double kappa = cluster < 1 ? cluster * (2 - cluster) : 1, kappa_slope = cluster < 1 ? 2 - 2 * cluster : 0;
+    const double whole = 1 + cluster - (1 - v) * kappa;
+    const Vec3 whole_gradient = (1 - (1 - v) * kappa_slope) * cluster_gradient + kappa * work.visible_gradient[i];
     const Vec3 gradient = (1 / whole) * work.visible_gradient[i] - (v / (whole * whole)) * whole_gradient;
     minima.push_back({feet[i].near, feet[i].q, feet[i].squared, feet[i].place, v / whole, gradient, squared_length(gradient) > 0});
   }

@@ -43,10 +43,9 @@ void triangles_of(const PairView& view, const CandidateLists& lists, const Conta
     thread_local std::vector<TrianglePair> pairs;
     Placement place;
     place.translation = point;
-    constexpr int kMostTimes =
-        64;  // the place of a contact is within the margins but for rounding; the end is for one that is not a number
+    constexpr int kMaxTimes = 64;  // the place of a contact is within the margins but for rounding; the end is for one that is not a number
     pairs.clear();
-    for (double reach = margin; pairs.empty() && reach < std::ldexp(margin, kMostTimes); reach *= 2)
+    for (double reach = margin; pairs.empty() && reach < std::ldexp(margin, kMaxTimes); reach *= 2)
       triangle_pairs_within({&wall.mesh, &wall.bvh}, {&dot, &dot_tree}, place, reach, scratch, pairs);
     for (const TrianglePair& pair : pairs) triangles.push_back(pair.a);
   }

@@ -57,7 +57,7 @@ void zone_pair_features(const PairBody& a, const RelativePose& pose, const WallZ
     f.x = p - (a.scale * a.shape->rounding + 0.5 * gap) * f.n;
     f.overlap = margin - gap;
     f.weight = 1;
-    f.crowd = a.crowd(candidate.corner);
+    f.cluster = a.cluster(candidate.corner);
     features.push_back(f);
   }
 }

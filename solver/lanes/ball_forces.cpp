@@ -9,7 +9,7 @@
 // force about both centres add. Of balls they are zero but for rounding: with u = 2^-53 at most 4 u r_A |F| about A, and 30 u d |F| about
 // B, d the distance of the centres (a wall has no inertia that they could turn). Three terms T_i^2 / I with I = 2/5 m r^2 are each below
 // 2250 u^2 (d / r)^2 |F|^2 / m, which is less than half a unit in the last place of |F|^2 / m* while d < 1e6 r, and so never changes the
-// sum. Pairs beyond kMostDistance go the general way. Effective overlaps, D = d (1)^(1/8), and weights of 1 are the numbers themselves.
+// sum. Pairs beyond kMaxDistance go the general way. Effective overlaps, D = d (1)^(1/8), and weights of 1 are the numbers themselves.
 #include "solver/lanes/ball_forces.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -24,7 +24,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
 
-constexpr double kMostDistance = 1e5;  ///< of centres, over the smaller radius; see above
+constexpr double kMaxDistance = 1e5;  ///< of centres, over the smaller radius; see above
 
 /// Where A and B are, and where they meet.
 struct Meeting {
@@ -115,12 +115,12 @@ HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, 
 /// What pairs keep no spring for, what they keep one for, and what two.
 enum class Rubs { no, slides, slides_and_rolls };
 
-template <BallLawKind kKind, Rubs kRubs, bool kWall>
+template <LaneLawKind kKind, Rubs kRubs, bool kWall>
 HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, std::size_t k,
                                 BallForces& out) {
   const ParticleSet& p = scene.p;
-  const BallLaws& laws = scene.laws;
-  const LawRows<BallLaw> law(laws.laws, springs.law.data() + k);
+  const LaneLaws& laws = scene.laws;
+  const LawRows<LaneLaw> law(laws.laws, springs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
   const Rows a(pairs.a.data() + k);
   const Meeting m = meet<kWall>(scene, pairs, k);
@@ -131,17 +131,17 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   const Lane equivalent_a = a.of(p.equivalent_radius);
   Lane radius = zero;
   if (laws.needs_radius) {
-    const Lane given = law.at(&BallLaw::radius);
+    const Lane given = law.at(&LaneLaw::radius);
     radius = kWall ? equivalent_a : equivalent_a * m.equivalent_b / (equivalent_a + m.equivalent_b);
     radius = select(given > zero, given, radius);
   }
   Lane push, energy;
-  if constexpr (kKind == BallLawKind::hertz_viscous) {
-    const Lane c = law.at(&BallLaw::stiffness) * sqrt(radius), root = sqrt(overlap);
+  if constexpr (kKind == LaneLawKind::hertz_viscous) {
+    const Lane c = law.at(&LaneLaw::stiffness) * sqrt(radius), root = sqrt(overlap);
     push = c * overlap * root;
     energy = Lane(0.4) * c * overlap * overlap * root;
   } else {
-    const Lane stiffness = law.at(&BallLaw::stiffness) + law.at(&BallLaw::size_stiffness) * radius;
+    const Lane stiffness = law.at(&LaneLaw::stiffness) + law.at(&LaneLaw::size_stiffness) * radius;
     push = stiffness * overlap;
     energy = half * stiffness * overlap * overlap;
   }
@@ -153,7 +153,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   const LaneDamping damping = damping_of<kKind>(law, energy, push, mobility, step);
   auto fits = damping.fits;
   if constexpr (!kWall) {
-    const Lane most(kMostDistance);
+    const Lane most(kMaxDistance);
     fits = fits & (m.distance > zero) & (m.distance < most * a.of(p.ball_radius)) & (m.distance < most * m.radius_b);
   }
   const LaneMatrix a_to_world(m.qa);
@@ -174,10 +174,10 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     const auto [spring_force, spring_stiffness] = load_fours(springs.spring, k);
     const auto [turn_v, turn_w] = load_fours(springs.turn, k);
     const LaneFriction friction{LaneTurn(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn),
-                                law.at(&BallLaw::friction),
-                                law.at(&BallLaw::friction_sliding),
-                                law.at(&BallLaw::tangential_ratio),
-                                law.at(&BallLaw::tangential_damping) * damping.chi,
+                                law.at(&LaneLaw::friction),
+                                law.at(&LaneLaw::friction_sliding),
+                                law.at(&LaneLaw::tangential_ratio),
+                                law.at(&LaneLaw::tangential_damping) * damping.chi,
                                 Lane(kStiffnessRounding) * length(m.centre_b)};
     LaneSpring spring{spring_force, spring_stiffness, load_fours(springs.normal, k).first};
     dissipative = dissipative + friction.force({n, vt, overlap, vn, push, damped}, overlap, is_kept, step, spring);
@@ -217,7 +217,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   const Lane3 lost_a = a_to_world.times(dissipative), lost_torque_a = a_to_world.times(dissipative_torque);
   const Lane3 torque_b = cross(m.branch, force_a) - torque_a, lost_torque_b = cross(m.branch, lost_a) - lost_torque_a;
   Lane ratio = zero;
-  if (laws.room_by_size)
+  if (laws.max_overlap_by_size)
     ratio = overlap / (kWall ? equivalent_a : select(m.equivalent_b < equivalent_a, m.equivalent_b, equivalent_a));
   else if (laws.margin > 0)
     ratio = overlap / Lane(laws.margin);
@@ -229,18 +229,18 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
   store_fours(Lane3{lost_torque_b.y, lost_torque_b.z, zero}, zero, k, out.fours[5]);
 }
 
-template <BallLawKind kKind, Rubs kRubs, bool kWall>
+template <LaneLawKind kKind, Rubs kRubs, bool kWall>
 HWY_NOINLINE void forces_of(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
   for (std::size_t k = 0; k < pairs.count; k += kLanes) forces_in_lanes<kKind, kRubs, kWall>(scene, dt, pairs, springs, k, out);
 }
 
-template <BallLawKind kKind, Rubs kRubs>
+template <LaneLawKind kKind, Rubs kRubs>
 void forces_with(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
   return pairs.with_walls ? forces_of<kKind, kRubs, true>(scene, dt, pairs, springs, out)
                           : forces_of<kKind, kRubs, false>(scene, dt, pairs, springs, out);
 }
 
-template <BallLawKind kKind>
+template <LaneLawKind kKind>
 void forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
   if (!scene.laws.friction) return forces_with<kKind, Rubs::no>(scene, dt, pairs, springs, out);
   if (scene.laws.rolling.empty()) return forces_with<kKind, Rubs::slides>(scene, dt, pairs, springs, out);
@@ -249,13 +249,13 @@ void forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, c
 
 HWY_NOINLINE void forces_of_any(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
   switch (scene.laws.kind) {
-    case BallLawKind::linear_viscous:
-      return forces_of_kind<BallLawKind::linear_viscous>(scene, dt, pairs, springs, out);
-    case BallLawKind::linear_hunt_crossley:
-      return forces_of_kind<BallLawKind::linear_hunt_crossley>(scene, dt, pairs, springs, out);
-    case BallLawKind::hertz_viscous:
-      return forces_of_kind<BallLawKind::hertz_viscous>(scene, dt, pairs, springs, out);
-    case BallLawKind::none:
+    case LaneLawKind::linear_viscous:
+      return forces_of_kind<LaneLawKind::linear_viscous>(scene, dt, pairs, springs, out);
+    case LaneLawKind::linear_hunt_crossley:
+      return forces_of_kind<LaneLawKind::linear_hunt_crossley>(scene, dt, pairs, springs, out);
+    case LaneLawKind::hertz_viscous:
+      return forces_of_kind<LaneLawKind::hertz_viscous>(scene, dt, pairs, springs, out);
+    case LaneLawKind::none:
       return;
   }
 }
@@ -273,9 +273,9 @@ HWY_EXPORT(forces_of_any);
 /// Lanes beyond the last pair repeat it.
 template <class Column>
 void fill_up(std::size_t count, Column& column) {
-  constexpr std::size_t kMostLanes = 8;
-  static_assert(kBallPairs % kMostLanes == 0);
-  for (std::size_t k = count; k % kMostLanes != 0; ++k) column[k] = column[count - 1];
+  constexpr std::size_t kMaxLanes = 8;
+  static_assert(kBallPairs % kMaxLanes == 0);
+  for (std::size_t k = count; k % kMaxLanes != 0; ++k) column[k] = column[count - 1];
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "solver/bodies/particle_set.hpp"
-#include "solver/scene/ball_laws.hpp"
+#include "solver/scene/lane_laws.hpp"
 
 namespace scree {
 
@@ -37,7 +37,7 @@ struct alignas(256) BallWall {
 struct BallScene {
   const ParticleSet& p;
   const Periodicity& periodicity;
-  const BallLaws& laws;
+  const LaneLaws& laws;
   std::vector<BallWall> walls{};  ///< one for each of laws.zones
 };
 
@@ -54,7 +54,7 @@ using BallFours = std::array<double, 4 * kBallPairs>;
 /// What pairs that touch have kept and will keep: their springs as in FrictionSpring (x, y, z, stiffness), and how B was turned against A
 /// when they were set (x, y, z, w).
 struct BallSprings {
-  alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of BallLaws
+  alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of LaneLaws
   alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
   alignas(64) BallFours spring, turn, rolling;
   alignas(64) BallFours normal;  ///< x, y, z, and a place that is left
@@ -62,8 +62,8 @@ struct BallSprings {
 
 /// What pairs do to their bodies, world axes; as in PairResult.
 struct BallForces {
-  /// In fours: overlap over room, elastic and tangential energy, 0; then force, torque on A, torque on B, and the same three of what is
-  /// dissipative; two places are left.
+  /// In fours: overlap over maximum overlap, elastic and tangential energy, 0; then force, torque on A, torque on B, and the same three of
+  /// what is dissipative; two places are left.
   static constexpr std::size_t kFours = 6;
   alignas(64) std::array<BallFours, kFours> fours;
   alignas(64) BallFours spring, turn, rolling, normal;

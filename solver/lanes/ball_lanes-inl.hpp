@@ -95,7 +95,7 @@ class WallRows {
   hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
 
-/// Rows of BallLaws, and of what goes with it, one in each lane. Most scenes have one row, which all lanes share.
+/// Rows of LaneLaws, and of what goes with it, one in each lane. Most scenes have one row, which all lanes share.
 template <class Law>
 class LawRows {
  public:

@@ -56,7 +56,7 @@ HWY_INLINE Lane smooth_switch(Lane y, Lane& derivative) {
 
 HWY_INLINE Lane smaller(Lane a, Lane b) { return select(b < a, b, a); }  // std::min(a, b)
 
-HWY_INLINE void look_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnswers& out) {
+HWY_INLINE void examine_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnswers& out) {
   const Lane zero(0.0), half(0.5), one(1.0);
   const LaneRows pose(queue.poses.data(), hn::ShiftLeft<7>(hn::LoadU(Whole(), queue.pose.data() + k)));
   static_assert(sizeof(EdgePose) == 128 && offsetof(EdgePose, margin) == 14 * sizeof(double));
@@ -154,8 +154,8 @@ HWY_INLINE void look_in_lanes(const EdgeQueue& queue, std::size_t k, EdgeAnswers
   store(select(faded, couple, none), is_faded, out.couple);
 }
 
-HWY_NOINLINE void look_at_all(const EdgeQueue& queue, EdgeAnswers& out) {
-  for (std::size_t k = 0; k < queue.count; k += kLanes) look_in_lanes(queue, k, out);
+HWY_NOINLINE void examine_all(const EdgeQueue& queue, EdgeAnswers& out) {
+  for (std::size_t k = 0; k < queue.count; k += kLanes) examine_in_lanes(queue, k, out);
 }
 
 }  // namespace scree::HWY_NAMESPACE
@@ -165,19 +165,19 @@ HWY_AFTER_NAMESPACE();
 namespace scree {
 namespace {
 
-HWY_EXPORT(look_at_all);
+HWY_EXPORT(examine_all);
 
 }  // namespace
 
-void look_at_edges_at_once(EdgeQueue& queue, EdgeAnswers& answers) {
-  constexpr std::size_t kMostLanes = 8;
-  static_assert(kEdgesAtOnce % kMostLanes == 0);
-  for (std::size_t k = queue.count; k % kMostLanes != 0; ++k) {  // lanes beyond the last edge repeat it
+void examine_edges_at_once(EdgeQueue& queue, EdgeAnswers& answers) {
+  constexpr std::size_t kMaxLanes = 8;
+  static_assert(kEdgesAtOnce % kMaxLanes == 0);
+  for (std::size_t k = queue.count; k % kMaxLanes != 0; ++k) {  // lanes beyond the last edge repeat it
     queue.pose[k] = queue.pose[queue.count - 1];
     queue.a[k] = queue.a[queue.count - 1];
     queue.b[k] = queue.b[queue.count - 1];
   }
-  HWY_DYNAMIC_DISPATCH(look_at_all)(queue, answers);
+  HWY_DYNAMIC_DISPATCH(examine_all)(queue, answers);
 }
 
 }  // namespace scree

@@ -2,7 +2,7 @@
 //
 // Of the edges that a step looks at, 97 in 100 are features, two thirds of them faded, since those that are none wait for what they lack
 // (candidate_slack.hpp). So lanes have the formula of a feature alone: what comes out as none, or as one that is faded to nothing, is left
-// to look_at_edges(), which says why. The bits are those of look_at_edges() on every instruction set: the same operations in the same
+// to examine_edges(), which says why. The bits are those of examine_edges() on every instruction set: the same operations in the same
 // order, none fused, only those that IEEE 754 rounds exactly.
 #pragma once
 
@@ -57,11 +57,11 @@ struct EdgeAnswers {
   using Fours = std::array<double, 4 * kEdgesAtOnce>;
   alignas(64) Fours place;      ///< x, overlap
   alignas(64) Fours direction;  ///< n, weight
-  alignas(64) Fours force;      ///< of the weight's gradient, 0 where it has none; 1: a feature; 0: look_at_edges() is to be asked
+  alignas(64) Fours force;      ///< of the weight's gradient, 0 where it has none; 1: a feature; 0: examine_edges() is to be asked
   alignas(64) Fours couple;     ///< of the same; 1: the weight depends on the pose
 
   bool found(std::size_t k) const { return force[4 * k + 3] > 0; }
-  /// Without key and crowd, which do not depend on the pose.
+  /// Without key and cluster, which do not depend on the pose.
   void set(std::size_t k, ContactFeature& f) const {
     const auto at = [k](const Fours& fours) { return Vec3{fours[4 * k], fours[4 * k + 1], fours[4 * k + 2]}; };
     f.x = at(place);
@@ -74,6 +74,6 @@ struct EdgeAnswers {
 };
 
 /// Fills up to the lanes of a vector what is beyond queue.count.
-void look_at_edges_at_once(EdgeQueue& queue, EdgeAnswers& answers);
+void examine_edges_at_once(EdgeQueue& queue, EdgeAnswers& answers);
 
 }  // namespace scree

@@ -28,16 +28,16 @@ struct LaneDamping {
 };
 
 /// in   energy [J], push [N], mobility [1/kg]   of each pair
-template <BallLawKind kKind>
-HWY_INLINE LaneDamping damping_of(const LawRows<BallLaw>& law, Lane energy, Lane push, Lane mobility, Lane step) {
+template <LaneLawKind kKind>
+HWY_INLINE LaneDamping damping_of(const LawRows<LaneLaw>& law, Lane energy, Lane push, Lane mobility, Lane step) {
   const Lane one(1.0);
-  Lane chi = law.at(&BallLaw::damping), lagged = one, free_rate(HuntCrossleyDamping::kFreeRate);
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
+  Lane chi = law.at(&LaneLaw::damping), lagged = one, free_rate(HuntCrossleyDamping::kFreeRate);
+  if constexpr (kKind != LaneLawKind::linear_hunt_crossley) {
     chi = chi / sqrt(Lane(2.0) * energy * mobility);
     free_rate = Lane(ViscousDamping::kFreeRate);
   }
   const Lane rate = chi * push * mobility * step;
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
+  if constexpr (kKind != LaneLawKind::linear_hunt_crossley) {
     lagged = one + Lane(0.25) * rate;
     chi = chi / lagged;
   }
@@ -45,14 +45,14 @@ HWY_INLINE LaneDamping damping_of(const LawRows<BallLaw>& law, Lane energy, Lane
 }
 
 /// How much of its damping a contact feels: all, but for those that began within the step.
-template <BallLawKind kKind>
+template <LaneLawKind kKind>
 HWY_INLINE Lane onset_of(const LaneDamping& damping, Lane overlap, Lane closing) {
   const Lane zero(0.0), one(1.0);
   const auto begins = overlap < closing;
   if (!any(begins)) return one;  // never above the most that it may be
   Lane most_onset = one;
-  if constexpr (kKind != BallLawKind::linear_hunt_crossley) {
-    const Lane most(ViscousDamping::kMostOnset), onset = damping.lagged / damping.rate;
+  if constexpr (kKind != LaneLawKind::linear_hunt_crossley) {
+    const Lane most(ViscousDamping::kMaxOnset), onset = damping.lagged / damping.rate;
     most_onset = select(damping.rate > zero, select(onset < one, one, select(most < onset, most, onset)), one);
   }
   const Lane onset = select(begins, overlap / closing + Lane(0.5), one);
@@ -60,7 +60,7 @@ HWY_INLINE Lane onset_of(const LaneDamping& damping, Lane overlap, Lane closing)
 }
 
 /// The push of a contact with its damping [N].   in   vn   at which the surfaces part [m/s]
-template <BallLawKind kKind>
+template <LaneLawKind kKind>
 HWY_INLINE Lane damped_push(const LaneDamping& damping, Lane push, Lane overlap, Lane vn, Lane step) {
   const Lane zero(0.0), weight = onset_of<kKind>(damping, overlap, (-vn) * step), share = Lane(1.0) - damping.chi * weight * vn;
   return push * select(zero < share, share, zero);

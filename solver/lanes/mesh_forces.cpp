@@ -63,14 +63,14 @@ struct MeshPush {
 };
 
 /// PotentialModel::add_potential.
-template <BallLawKind kKind>
-HWY_INLINE MeshPush push_in_lanes(const BallScene& scene, const LawRows<BallLaw>& law, const Rows& a, const Rows& b, MeshPairs& pairs,
+template <LaneLawKind kKind>
+HWY_INLINE MeshPush push_in_lanes(const BallScene& scene, const LawRows<LaneLaw>& law, const Rows& a, const Rows& b, MeshPairs& pairs,
                                   std::size_t k) {
-  const BallLaws& laws = scene.laws;
+  const LaneLaws& laws = scene.laws;
   const Lane zero(0.0), half(0.5);
   Lane radius = zero;
   if (laws.needs_radius) {
-    const Lane given = law.at(&BallLaw::radius), ra = a.of(scene.p.equivalent_radius), rb = b.of(scene.p.equivalent_radius);
+    const Lane given = law.at(&LaneLaw::radius), ra = a.of(scene.p.equivalent_radius), rb = b.of(scene.p.equivalent_radius);
     radius = select(given > zero, given, ra * rb / (ra + rb));
   }
   MeshPush m;
@@ -83,16 +83,16 @@ HWY_INLINE MeshPush push_in_lanes(const BallScene& scene, const LawRows<BallLaw>
   }
   m.D = m.largest * sqrt(sqrt(sqrt(norm)));
   Lane push;
-  if constexpr (kKind == BallLawKind::hertz_viscous) {
-    const Lane c = law.at(&BallLaw::stiffness) * sqrt(radius), root = sqrt(m.D);
+  if constexpr (kKind == LaneLawKind::hertz_viscous) {
+    const Lane c = law.at(&LaneLaw::stiffness) * sqrt(radius), root = sqrt(m.D);
     push = c * m.D * root;
     m.energy = Lane(0.4) * c * m.D * m.D * root;
   } else {
-    const Lane stiffness = law.at(&BallLaw::stiffness) + law.at(&BallLaw::size_stiffness) * radius;
+    const Lane stiffness = law.at(&LaneLaw::stiffness) + law.at(&LaneLaw::size_stiffness) * radius;
     push = stiffness * m.D;
     m.energy = half * stiffness * m.D * m.D;
   }
-  const Lane slope = at(pairs.crowd_share, k) * push, of_weight = slope * m.D / Lane(static_cast<double>(kNorm));
+  const Lane slope = at(pairs.cluster_share, k) * push, of_weight = slope * m.D / Lane(static_cast<double>(kNorm));
   m.force = m.torque = Lane3{zero, zero, zero};
   for (MeshFeature& f : pairs.features) {
     const Lane r = at(f.overlap, k) / m.D, r7 = power7(r), part = slope * at(f.weight, k) * r7, c = of_weight * r7 * r;
@@ -117,9 +117,9 @@ HWY_INLINE Lane mobility_of(const MeshMotion& m, const MeshPush& push) {
   return larger(m.inverse_mass, wrench / (push.sum * push.sum));
 }
 
-template <BallLawKind kKind, bool kFriction>
+template <LaneLawKind kKind, bool kFriction>
 HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pairs, std::size_t k, MeshForces& out) {
-  const LawRows<BallLaw> law(scene.laws.laws, pairs.law.data() + k);
+  const LawRows<LaneLaw> law(scene.laws.laws, pairs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
   const Rows a(pairs.a.data() + k), b(pairs.b.data() + k);
   const MeshMotion m = motion_in_lanes(scene, a, b);
@@ -136,10 +136,10 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
     store_fours(Lane3{m.turn.x, m.turn.y, m.turn.z}, m.turn.w, k, pairs.turn);
   }
   const LaneFriction friction{LaneTurn(before, m.turn),
-                              law.at(&BallLaw::friction),
-                              law.at(&BallLaw::friction_sliding),
-                              law.at(&BallLaw::tangential_ratio),
-                              law.at(&BallLaw::tangential_damping) * damping.chi,
+                              law.at(&LaneLaw::friction),
+                              law.at(&LaneLaw::friction_sliding),
+                              law.at(&LaneLaw::tangential_ratio),
+                              law.at(&LaneLaw::tangential_damping) * damping.chi,
                               Lane(kStiffnessRounding) * length(m.centre_b)};
   Lane stored = zero;
   Lane3 lost{zero, zero, zero}, lost_torque{zero, zero, zero};
@@ -168,7 +168,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
   const Lane3 force_a = m.a_to_world.times(push.force + lost), torque_a = m.a_to_world.times(push.torque + lost_torque);
   const Lane3 lost_a = m.a_to_world.times(lost), lost_torque_a = m.a_to_world.times(lost_torque);
   const Lane3 torque_b = cross(m.branch, force_a) - torque_a, lost_torque_b = cross(m.branch, lost_a) - lost_torque_a;
-  const Lane room = at(pairs.room, k), ratio = select(room > zero, push.largest / room, zero);
+  const Lane max_overlap = at(pairs.max_overlap, k), ratio = select(max_overlap > zero, push.largest / max_overlap, zero);
   store_fours(Lane3{ratio, push.energy, stored}, zero, k, out.fours[0]);
   store_fours(force_a, torque_a.x, k, out.fours[1]);
   store_fours(Lane3{torque_a.y, torque_a.z, torque_b.x}, torque_b.y, k, out.fours[2]);
@@ -177,7 +177,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
   store_fours(Lane3{lost_torque_b.y, lost_torque_b.z, zero}, zero, k, out.fours[5]);
 }
 
-template <BallLawKind kKind>
+template <LaneLawKind kKind>
 void forces_of_kind(const BallScene& scene, double dt, MeshPairs& pairs, MeshForces& out) {
   for (std::size_t k = 0; k < pairs.count; k += kLanes) {
     if (scene.laws.friction)
@@ -189,13 +189,13 @@ void forces_of_kind(const BallScene& scene, double dt, MeshPairs& pairs, MeshFor
 
 HWY_NOINLINE void forces_of_meshes(const BallScene& scene, double dt, MeshPairs& pairs, MeshForces& out) {
   switch (scene.laws.kind) {
-    case BallLawKind::linear_viscous:
-      return forces_of_kind<BallLawKind::linear_viscous>(scene, dt, pairs, out);
-    case BallLawKind::linear_hunt_crossley:
-      return forces_of_kind<BallLawKind::linear_hunt_crossley>(scene, dt, pairs, out);
-    case BallLawKind::hertz_viscous:
-      return forces_of_kind<BallLawKind::hertz_viscous>(scene, dt, pairs, out);
-    case BallLawKind::none:
+    case LaneLawKind::linear_viscous:
+      return forces_of_kind<LaneLawKind::linear_viscous>(scene, dt, pairs, out);
+    case LaneLawKind::linear_hunt_crossley:
+      return forces_of_kind<LaneLawKind::linear_hunt_crossley>(scene, dt, pairs, out);
+    case LaneLawKind::hertz_viscous:
+      return forces_of_kind<LaneLawKind::hertz_viscous>(scene, dt, pairs, out);
+    case LaneLawKind::none:
       return;
   }
 }

@@ -40,8 +40,8 @@ struct MeshFeature {
 struct MeshPairs {
   std::size_t count = 0;
   alignas(64) std::array<std::int64_t, kMeshPairs> a, b;  ///< rows of the particle set
-  alignas(64) std::array<std::int64_t, kMeshPairs> law;   ///< row of BallLaws
-  alignas(64) MeshNumbers room, crowd_share;              ///< see PairView, PairFeatures
+  alignas(64) std::array<std::int64_t, kMeshPairs> law;   ///< row of LaneLaws
+  alignas(64) MeshNumbers max_overlap, cluster_share;     ///< see PairView, PairFeatures
   alignas(64) MeshNumbers turned;                         ///< 1: `turn` is how B was turned against A when the springs were set
   alignas(64) MeshFours turn;                             ///< in and out, x y z w
   std::array<std::int32_t, kMeshPairs> index;             ///< in the list of pairs

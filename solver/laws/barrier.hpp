@@ -14,14 +14,14 @@ namespace scree {
 
 inline constexpr double kBarrierShare = 0.2;
 /// A run is stopped at this share of the barrier's reach: curvature is 1e6 k_b there, beyond what a step can follow.
-inline constexpr double kLeastBarrierGap = 1e-3;
+inline constexpr double kMinBarrierGap = 1e-3;
 /// The derived step resolves the curvature at this share of the reach, 24 k_b; the critical step of log.csv that of the present gaps.
 inline constexpr double kBarrierStepGap = 0.25;
 
 struct Barrier {
   double stiffness, reach;  ///< k_b [N/m], h [m]
   explicit Barrier(const PairLaw& law) : stiffness(law.barrier), reach(kBarrierShare * law.margin) {}
-  double ratio(double gap) const { return std::max(gap / reach, kLeastBarrierGap); }
+  double ratio(double gap) const { return std::max(gap / reach, kMinBarrierGap); }
   bool acts(double gap) const { return gap < reach; }
   double energy(double gap) const {
     const double r = ratio(gap);

@@ -46,7 +46,7 @@ struct ViscousDamping {
   static constexpr bool kLagCorrected = true;
   /// The rate of the least restitution at 30 steps a contact: up to it the correction of the lag is right.
   static constexpr double kFreeRate = 1.05;
-  static constexpr double kMostOnset = 1.5;  ///< a whole step in touch, and the half step after it
+  static constexpr double kMaxOnset = 1.5;  ///< a whole step in touch, and the half step after it
   static void prepare(const LawInput&, PairLaw& law) { law.damping_ratio = law.step_damping; }
   static bool acts(const PairLaw& law) { return law.damping_ratio > 0; }
   /// in   elastic  U of the push [J], > 0    in  mobility  1/m* [1/kg], > 0
@@ -58,11 +58,11 @@ struct ViscousDamping {
   static Damping in_step(double chi, double rate, double pair_rate) {
     if (pair_rate > kFreeRate) {
       const double share = share_in_step(pair_rate - kFreeRate, kFreeShare, kFreeSlope);
-      return {chi * (share / pair_rate), std::clamp(1 / share, 1.0, kMostOnset)};
+      return {chi * (share / pair_rate), std::clamp(1 / share, 1.0, kMaxOnset)};
     }
     Damping d{chi / (1 + 0.25 * rate), 1};
     // weighted damping must not turn the motion round within one step
-    if (rate > 0) d.most_onset = std::clamp((1 + 0.25 * rate) / rate, 1.0, kMostOnset);
+    if (rate > 0) d.most_onset = std::clamp((1 + 0.25 * rate) / rate, 1.0, kMaxOnset);
     return d;
   }
 

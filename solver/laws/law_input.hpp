@@ -17,10 +17,10 @@ struct LargestImpact {
 struct LawInput {
   const MaterialPair& pair;
   const Material &a, &b;
-  double room;                                    ///< largest overlap at which meshes meet [m]; 0: no limit
-  double least_room;                              ///< the least of it [m]
+  double max_overlap;                             ///< largest overlap at which meshes meet [m]; 0: no limit
+  double smallest_max_overlap;                    ///< the least of it [m]
   bool step_given;                                ///< the step is not derived
-  bool continues;                                 ///< contacts go on beyond their room, along the tangent that they have there
+  bool continues;                                 ///< contacts go on beyond their maximum overlap, along the tangent that they have there
   std::function<LargestImpact()> largest_impact;  ///< goes over all bodies
 };
 

@@ -36,7 +36,7 @@ struct LayerLaw {
       throw UsageError("pairs: '{}' and '{}': layer_modulus is missing; contact.gather = \"area\" needs it", in.a.name, in.b.name);
     }
     law.layer_modulus = in.pair.layer_modulus;
-    law.stiffness = law.step_stiffness = in.pair.layer_modulus / in.least_room;
+    law.stiffness = law.step_stiffness = in.pair.layer_modulus / in.smallest_max_overlap;
   }
   LayerLaw(const PairLaw& law, double radius) : kappa(law.stiffness), c(law.stiffness * std::numbers::pi * radius) {}
   double energy(double D) const { return c * D * D * D / 3; }
@@ -90,10 +90,10 @@ inline void HertzLaw::prepare(const LawInput& in, PairLaw& law) {
   if (in.pair.tangential_ratio < 0) law.tangential_ratio = 6 * effective_shear_modulus(in.a, in.b) / law.stiffness;
   const LargestImpact impact = in.largest_impact();
   double overlap = hertz_impact_overlap(law.stiffness, impact.radius, impact.mass, impact.speed);
-  if (in.room > 0)
-    overlap = impact.speed > 0 && !in.continues ? std::min(overlap, in.room) : in.room;
+  if (in.max_overlap > 0)
+    overlap = impact.speed > 0 && !in.continues ? std::min(overlap, in.max_overlap) : in.max_overlap;
   else if (in.continues)
-    overlap = impact.radius;  // of balls: their room
+    overlap = impact.radius;  // of balls: their maximum overlap
   if (!(overlap > 0) && !in.step_given && impact.mass > 0) {
     throw UsageError(
         "contact.impact_speed is missing: the step follows from the stiffness of a Hertz contact, which grows with its overlap; "

@@ -20,7 +20,7 @@ double restitution_of_damping_ratio(double zeta) {
 
 double damping_ratio_of_restitution(double restitution) {
   if (restitution >= 1) return 0;
-  restitution = std::max(restitution, kLeastRestitution);
+  restitution = std::max(restitution, kMinRestitution);
   double low = 0, high = 1;
   while (restitution_of_damping_ratio(high) > restitution) high *= 2;
   // 200 halvings reach the last bit from any start: the map is monotone.
@@ -33,7 +33,7 @@ double damping_ratio_of_restitution(double restitution) {
 }
 
 double hunt_crossley_number_of_restitution(double restitution) {
-  const double e = std::max(restitution, kLeastRestitution);
+  const double e = std::max(restitution, kMinRestitution);
   if (e >= 1) return 0;
   // alpha (1 + e) exceeds the logarithm by alpha^2 (1 - e^2) / 2 for small alpha, and the logarithm grows without bound
   // towards 1/e: one root in between.

@@ -6,7 +6,7 @@ namespace scree {
 /// The least restitution that is computed; less, 0 included, is computed as this. A rebound of a hundredth of the arrival speed has 1e-4 of
 /// its energy. Less would need a damping ratio that grows without end (1 / (2 sqrt(e)), 4.8 here): steps far shorter than the contact
 /// asks for, and contacts that take hundreds of contact times to part.
-inline constexpr double kLeastRestitution = 0.01;
+inline constexpr double kMinRestitution = 0.01;
 
 /// Damping ratio zeta that gives restitution e in [0, 1] for an impact without tension.
 ///

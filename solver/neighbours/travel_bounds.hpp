@@ -1,7 +1,7 @@
 // How far the points of each body have gone, step by step: two bodies cannot have come nearer than the sum of their ways.
 //
 // A pair that looked at its candidates knows how far both may go before the first of them can matter; until then it costs
-// two additions a step. The way is a bound, never a result: it is made anew with the body lists and differs between ranks.
+// two additions a step. The way is a bound, never a result: it is made again with the body lists and differs between ranks.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace scree {
 
 class TravelBounds {
  public:
-  /// Begins anew: nobody has gone anywhere.
+  /// Begins again: nobody has gone anywhere.
   void restart(const ParticleSet& p);
   /// Adds what the owned bodies, or the ghosts, have moved since the last call.   Threads: parallel inside.
   void add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity);

@@ -34,7 +34,7 @@ BallWall ball_wall(const WallZone& zone, const WallState& wall) {
 
 }  // namespace
 
-bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != BallLawKind::none && pass.asks_for_forces_alone(); }
+bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != LaneLawKind::none && pass.asks_for_forces_alone(); }
 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
   scene_.walls.reserve(scene_.laws.zones.size());
@@ -46,7 +46,7 @@ BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.peri
 
 BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
   at_walls_.pairs.with_walls = old_contacts_at_walls_.pairs.with_walls = true;
-  if (balls.scene().laws.friction) spring_count_ = balls.scene().laws.rolling.empty() ? kMostSprings - 1 : kMostSprings;
+  if (balls.scene().laws.friction) spring_count_ = balls.scene().laws.rolling.empty() ? kMaxSprings - 1 : kMaxSprings;
 }
 
 template <class Work>
@@ -105,7 +105,7 @@ void BallEvaluation::press(Due& due) {
   store(kept[0], &springs_.spring[4 * n]);
   store(kept[0].normal, &springs_.normal[4 * n]);
   store(springs.back(), &springs_.turn[4 * n]);
-  if (spring_count_ == kMostSprings) {
+  if (spring_count_ == kMaxSprings) {
     if (kept[1].key != kRollingKey) return false;
     store(kept[1], &springs_.rolling[4 * n]);
   }
@@ -114,7 +114,7 @@ void BallEvaluation::press(Due& due) {
 
 /// Adds the n-th pair to those that touch, with its springs, if lanes have its law.   in, out   count   of them
 [[gnu::always_inline]] inline void BallEvaluation::take_touching(const Due& due, std::size_t n, std::size_t& count) {
-  const BallLaws& laws = balls_.scene().laws;
+  const LaneLaws& laws = balls_.scene().laws;
   const std::int32_t k = due.index[n];
   std::size_t law = 0;
   if (laws.laws.size() != 1) {
@@ -191,7 +191,7 @@ void BallEvaluation::hand_out() {
     load(&forces_.spring[4 * n], kept[0]);
     load(&forces_.normal[4 * n], kept[0].normal);
     load(&forces_.turn[4 * n], kept[spring_count - 1]);
-    if (spring_count == kMostSprings) load(&forces_.rolling[4 * n], kept[1]);
+    if (spring_count == kMaxSprings) load(&forces_.rolling[4 * n], kept[1]);
   }
   largest_overlap_ = largest;
   too_deep_ = too_deep;

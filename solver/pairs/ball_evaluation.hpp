@@ -64,7 +64,7 @@ class BallEvaluation {
 
   /// Pairs that were taken, and that the general path is to compute.
   const std::vector<std::int32_t>& left() const { return left_; }
-  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
+  double largest_overlap() const { return largest_overlap_; }  ///< over the maximum overlap of its pair
   bool too_deep() const { return too_deep_; }
 
  private:
@@ -88,7 +88,7 @@ class BallEvaluation {
     if (due.pairs.count == kBallPairs) press(due);
   }
   void ask_for_springs(std::int32_t k) const {
-    prefetch<kMostSprings * sizeof(FrictionSpring)>(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs.data());
+    prefetch<kMaxSprings * sizeof(FrictionSpring)>(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs.data());
   }
   void look(Due& due);
   void press(Due& due);
@@ -101,8 +101,8 @@ class BallEvaluation {
   void find_forces();
   void hand_out();
 
-  static constexpr std::size_t kAhead = 8;        ///< pairs before a pair's springs are asked for: where they lie is known by then
-  static constexpr std::size_t kMostSprings = 3;  ///< of friction, of rolling, and the turn that goes with them
+  static constexpr std::size_t kAhead = 8;       ///< pairs before a pair's springs are asked for: where they lie is known by then
+  static constexpr std::size_t kMaxSprings = 3;  ///< of friction, of rolling, and the turn that goes with them
 
   const BallPass& balls_;
   PairPass& pass_;

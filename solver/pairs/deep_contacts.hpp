@@ -1,4 +1,4 @@
-// What a run counts of contacts deeper than their room (contact/overlap_limit.hpp); part of a checkpoint.
+// What a run counts of contacts deeper than their maximum overlap (contact/overlap_limit.hpp); part of a checkpoint.
 #pragma once
 
 #include <mpi.h>

@@ -1,4 +1,4 @@
-// What a loop over pairs does with those that may be deeper than their room (contact/overlap_limit.hpp).
+// What a loop over pairs does with those that may be deeper than their maximum overlap (contact/overlap_limit.hpp).
 #pragma once
 
 #include <algorithm>
@@ -18,9 +18,9 @@ bool list_shifted(const PairView& view, const PairVelocities& velocities, double
   Vec3 way = shift;
   if (!(squared_length(way) > 0))
     way = rotate_inverse(view.a.q, velocities.v_b + cross(velocities.w_b, view.a.x - view.b.x) - velocities.v_a);
-  const double most = kMostOverlap * std::min(view.radius_a, view.radius_b), size = length(way), begin = length(shift);
+  const double most = kMaxOverlap * std::min(view.radius_a, view.radius_b), size = length(way), begin = length(shift);
   if (!(size > 0)) return false;
-  for (double further = kShiftMore * view.room; begin + further < most; further *= 2) {
+  for (double further = kShiftMore * view.max_overlap; begin + further < most; further *= 2) {
     shift = ((begin + further) / size) * way;
     if (Model::list(shifted_view(view, shift), skin, scratch, lists)) return true;
   }
@@ -48,7 +48,7 @@ struct DeepPair {
   bool has_other_shift;  ///< than the one that the pair keeps
 };
 
-/// Counts a pair that is beyond its room, and notes how far it is to be moved out in the next step.
+/// Counts a pair that is beyond its maximum overlap, and notes how far it is to be moved out in the next step.
 /// in    before     the pair's entry before its springs were replaced
 /// out   too_deep   set where the overlap is not a number
 void go_on(PairPass& pass, std::size_t thread, const DeepPair& at, const DeepEntry& before, CandidateLists& lists, BodyPair& pair,

@@ -35,7 +35,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   if (has_ball_way(pass)) of_balls.emplace(pass);
   const MeshPass of_meshes(pass);
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
-#pragma omp parallel if (pass.at_rest || !pass.only_looks()) reduction(max : overlap) reduction(|| : too_deep)
+#pragma omp parallel if (pass.at_rest || !pass.is_read_only()) reduction(max : overlap) reduction(|| : too_deep)
   {
     const int thread = omp_get_thread_num();
     MeshEvaluation meshes(of_meshes);
@@ -87,7 +87,7 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
     throw RunInvalid(
         "step {}: {} lie in each other by more than {} times the bounding radius of the smaller: nothing is left for on_overlap = "
         "\"continue\" to continue; {}",
-        step, describe(k), kMostOverlap, cure(k));
+        step, describe(k), kMaxOverlap, cure(k));
   }
   for (std::size_t n = 0; n < which.size() && deepest.too_deep; ++n) {
     const PairResult& r = pass.list.results()[static_cast<std::size_t>(which[n])];
@@ -109,7 +109,7 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, PairObservers observers,
                 Purpose purpose) {
   // a barrier makes room for gaps that are otherwise too near to be followed
-  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kLeastBarrierGap : kStopOverlapRatio;
+  const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kMinBarrierGap : kStopOverlapRatio;
   PairPass pass{scene,
                 p,
                 walls,

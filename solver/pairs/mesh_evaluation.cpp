@@ -47,7 +47,7 @@ bool suits_lanes(const PairPass& pass) {
 
 MeshPass::MeshPass(PairPass& pass)
     : pass_(pass),
-      has_lanes_(suits_lanes(pass) && pass.scene.lane_laws().kind != BallLawKind::none),
+      has_lanes_(suits_lanes(pass) && pass.scene.lane_laws().kind != LaneLawKind::none),
       scene_{pass.p, pass.scene.periodicity(), pass.scene.lane_laws()} {}
 
 MeshEvaluation::Batches& MeshEvaluation::batches_of_thread() {
@@ -68,8 +68,8 @@ void MeshEvaluation::add(std::int32_t k, std::size_t law, const BodyPair& pair, 
   batch.a[n] = pair.a;
   batch.b[n] = pair.b;
   batch.law[n] = static_cast<std::int64_t>(law);
-  batch.room[n] = view.room;
-  batch.crowd_share[n] = features.crowd_share;
+  batch.max_overlap[n] = view.max_overlap;
+  batch.cluster_share[n] = features.cluster_share;
   const std::vector<FrictionSpring>& springs = pair.state.springs;
   const bool turned = !springs.empty() && springs.back().key == kTurnKey;
   batch.turned[n] = turned ? 1 : 0;

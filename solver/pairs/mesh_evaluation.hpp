@@ -12,7 +12,7 @@
 namespace scree {
 
 /// Pairs with more features than this go the general way: their own loops are long enough.
-inline constexpr std::size_t kMostFeatures = 16;
+inline constexpr std::size_t kMaxFeatures = 16;
 
 /// Pairs of meshes of a pass, and what all threads read of their laws.
 class MeshPass {
@@ -36,9 +36,9 @@ class MeshEvaluation {
 
   /// Takes a pair with the features that were found.   Returns false for one that it cannot take.
   bool take(std::int32_t k, const BodyPair& pair, const PairView& view, const PairFeatures& features) {
-    if (view.geometry != PairGeometry::two_meshes || pair.b < 0 || features.has_cells || features.list.size() > kMostFeatures) return false;
+    if (view.geometry != PairGeometry::two_meshes || pair.b < 0 || features.has_cells || features.list.size() > kMaxFeatures) return false;
     std::size_t law = 0;
-    const BallLaws& laws = meshes_.scene().laws;
+    const LaneLaws& laws = meshes_.scene().laws;
     if (laws.laws.size() > 1)
       law = laws.row(pass_.p.material[static_cast<std::size_t>(pair.a)], pass_.p.material[static_cast<std::size_t>(pair.b)]);
     if (laws.holds[law] == 0) return false;
@@ -51,12 +51,12 @@ class MeshEvaluation {
 
   /// Pairs that were taken, and that the general path is to compute.
   const std::vector<std::int32_t>& left() const { return left_; }
-  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
+  double largest_overlap() const { return largest_overlap_; }  ///< over the maximum overlap of its pair
   bool too_deep() const { return too_deep_; }
 
  private:
   /// By the number of features less one. Kept from pass to pass, so that nothing is allocated for each.
-  using Batches = std::array<MeshPairs, kMostFeatures>;
+  using Batches = std::array<MeshPairs, kMaxFeatures>;
   static Batches& batches_of_thread();
 
   void add(std::int32_t k, std::size_t law, const BodyPair& pair, const PairView& view, const PairFeatures& features);

@@ -7,9 +7,9 @@ namespace {
 // The skin of a pair follows its speed: long enough that lists are rebuilt every few tens of steps, short enough that they stay small. It
 // never changes a result. Candidates grow with the triangles, and so does what each step pays for a longer list: steps that a skin lasts at
 // the present relative speed, at one triangle, and their bounds. Moving packings of 20, 320 and 1280 triangles are cheapest at 72, 48, 24.
-constexpr double kSkinSteps = 860, kFewestSkinSteps = 12, kMostSkinSteps = 64;
+constexpr double kSkinSteps = 860, kMinSkinSteps = 12, kMaxSkinSteps = 64;
 constexpr double kSkinStepsOfBalls = 24;  // on meshes
-constexpr double kSmallestSkin = 0.25;    // of the room
+constexpr double kSmallestSkin = 0.25;    // of the maximum overlap
 constexpr double kLargestSkin = 0.1;      // of the smaller radius
 
 /// What a ball may go beyond its partner's margin before its centre is near it (features/pass_through.hpp).
@@ -22,7 +22,7 @@ double skin_steps(const PairView& view) {
   const auto triangles = [](const PairBody& body) { return body.shape != nullptr ? body.shape->mesh.triangles.size() : 0; };
   const auto most = static_cast<double>(std::max(triangles(view.a), view.zone == nullptr ? triangles(view.b) : 0));
   if (most == 0) return kSkinStepsOfBalls;
-  return std::clamp(kSkinSteps / std::sqrt(most), kFewestSkinSteps, kMostSkinSteps);
+  return std::clamp(kSkinSteps / std::sqrt(most), kMinSkinSteps, kMaxSkinSteps);
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ double skin_steps(const PairView& view) {
 double candidate_skin(const PairView& view, const PairVelocities& m, double dt) {
   const double small = std::min(view.radius_a, view.radius_b);
   const double speed = length(m.v_a - m.v_b) + (length(m.w_a) + length(m.w_b)) * small;
-  const double lower = std::min(kSmallestSkin * view.room, kLargestSkin * small);
+  const double lower = std::min(kSmallestSkin * view.max_overlap, kLargestSkin * small);
   return std::clamp(skin_steps(view) * speed * dt, lower, kLargestSkin * small);
 }
 
@@ -65,7 +65,7 @@ void append_contacts(const BodyPair& pair, const PairView& view, const std::vect
     out.point.push_back(view.a.x + rotate(view.a.q, f.x));
     out.normal.push_back(side * rotate(view.a.q, outputs[j].normal));
     out.overlap.push_back(f.overlap);
-    out.margin.push_back(view.room);
+    out.margin.push_back(view.max_overlap);
     out.normal_force.push_back(outputs[j].normal_force);
     out.tangential_force.push_back(side * rotate(view.a.q, outputs[j].tangential_force));
   }

@@ -12,12 +12,12 @@
 #include "solver/contact/contact_models.hpp"
 #include "solver/contact/damping_share.hpp"
 #include "solver/features/pass_through.hpp"
-#include "solver/pairs/begun_pairs.hpp"
 #include "solver/pairs/deep_pairs.hpp"
 #include "solver/pairs/forces.hpp"
 #include "solver/pairs/mesh_evaluation.hpp"
 #include "solver/pairs/pair_pass.hpp"
 #include "solver/pairs/pairs_ahead.hpp"
+#include "solver/pairs/pending_pairs.hpp"
 
 namespace scree {
 
@@ -58,10 +58,10 @@ class PairEvaluation {
   PairEvaluation(PairPass& pass, int thread, MeshEvaluation* lanes = nullptr)
       : pass_(pass),
         lanes_(lanes),
-        begun_(BegunPairs::of_thread()),
+        pending_(PendingPairs::of_thread()),
         distance_(*pass.scratch.distance[static_cast<std::size_t>(thread)]),
         thread_(static_cast<std::size_t>(thread)) {
-    begun_.clear();  // a pass that failed may have left some
+    pending_.clear();  // a pass that failed may have left some
   }
 
   void evaluate(std::int32_t k) {
@@ -88,7 +88,7 @@ class PairEvaluation {
     if (moved < lists.first_slack) return rest(view, lists.first_slack - moved, pair, idle);
     idle.way = kNeverIdle;
     if (!find_features(k, view, moved, lists)) return;
-    conclude(k, view, velocities, moved, lists, pair, result, idle);
+    finish_features(k, view, velocities, moved, lists, pair, result, idle);
   }
 
   /// The same without lanes, of a pair that they have left.
@@ -99,25 +99,25 @@ class PairEvaluation {
 
   /// Completes the pairs whose candidates have waited for others.
   void finish() {
-    begun_.finish(pass_.list.pairs(), [&](BegunPair& begun) {
-      const auto k = static_cast<std::size_t>(begun.k);
+    pending_.finish(pass_.list.pairs(), [&](PendingPair& pending) {
+      const auto k = static_cast<std::size_t>(pending.k);
       BodyPair& pair = pass_.list.pairs()[k];
-      std::swap(features_.list, begun.features);
-      share_among_cells(begun.view, features_);
-      conclude(begun.k, begun.view, velocities_of(pass_.p, pass_.walls, pair.a, pair.b, begun.view, pass_.friction_dt > 0), begun.moved,
-               *pair.lists, pair, pass_.list.results()[k], pass_.list.idle()[k]);
-      std::swap(features_.list, begun.features);
+      std::swap(features_.list, pending.features);
+      share_among_cells(pending.view, features_);
+      finish_features(pending.k, pending.view, velocities_of(pass_.p, pass_.walls, pair.a, pair.b, pending.view, pass_.friction_dt > 0),
+                      pending.moved, *pair.lists, pair, pass_.list.results()[k], pass_.list.idle()[k]);
+      std::swap(features_.list, pending.features);
     });
   }
 
-  double largest_overlap() const { return largest_overlap_; }  ///< over the room of its pair
+  double largest_overlap() const { return largest_overlap_; }  ///< over the maximum overlap of its pair
   bool too_deep() const { return too_deep_; }
 
  private:
   /// Returns false where the pair is left to finish(), since its candidates are looked at with those of others.
   bool find_features(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
     if constexpr (Model::kHasEdgeLanes) {
-      if (lanes_ != nullptr && BegunPairs::may_take(view)) return begin(k, view, moved, lists);
+      if (lanes_ != nullptr && PendingPairs::may_take(view)) return begin(k, view, moved, lists);
     }
     Model::find_features(view, moved, lists, features_);
     return true;
@@ -125,9 +125,9 @@ class PairEvaluation {
 
   bool begin(std::int32_t k, const PairView& view, double moved, CandidateLists& lists) {
     find_due_candidates(lists, due_);
-    if (!due_.indices.empty() && BegunPairs::could_have_room(due_)) {
-      if (!begun_.has_room(due_)) finish();
-      begun_.add(k, moved, view, lists, due_);
+    if (!due_.indices.empty() && PendingPairs::could_have_room(due_)) {
+      if (!pending_.has_room(due_)) finish();
+      pending_.add(k, moved, view, lists, due_);
       return false;
     }
     due_mesh_features(view.a, view.b, view.pose, view.reach, sharing_of_vertices(view), std::min(view.radius_a, view.radius_b), due_, lists,
@@ -144,7 +144,7 @@ class PairEvaluation {
     if (!keep_candidates(k, shifted, velocities, lists, moved))
       return evaluate_crossing(k, view, velocities, shift, lists, pair, result, idle);
     shift_ = shift;
-    conclude_shifted(k, view, shifted, velocities, moved, lists, pair, result, idle);
+    finish_shifted(k, view, shifted, velocities, moved, lists, pair, result, idle);
   }
 
   /// A pair whose surfaces cross at the shift that it has, which may be none.
@@ -156,33 +156,33 @@ class PairEvaluation {
     }
     shift_ = shift;
     has_other_shift_ = true;
-    conclude_shifted(k, view, shifted_view(view, shift), velocities, 0, lists, pair, result, idle);
+    finish_shifted(k, view, shifted_view(view, shift), velocities, 0, lists, pair, result, idle);
     has_other_shift_ = false;
     lists.skin = -1;
   }
 
-  void conclude_shifted(std::int32_t k, const PairView& view, const PairView& shifted, const PairVelocities& velocities, double moved,
-                        CandidateLists& lists, BodyPair& pair, PairResult& result, IdlePair& idle) {
+  void finish_shifted(std::int32_t k, const PairView& view, const PairView& shifted, const PairVelocities& velocities, double moved,
+                      CandidateLists& lists, BodyPair& pair, PairResult& result, IdlePair& idle) {
     idle.way = kNeverIdle;
     Model::find_features(shifted, moved, lists, features_);
     take_shift_back(shift_, features_.list);
     share_among_cells(view, features_);
     if (features_.list.empty()) {
-      if (!pass_.only_looks() && pass_.friction_dt > 0)
+      if (!pass_.is_read_only() && pass_.friction_dt > 0)
         part_shifted<Model>(view, candidate_skin(view, velocities, pass_.dt), distance_, lists, pair.state);
     } else {
       MeshEvaluation* const lanes = std::exchange(lanes_, nullptr);
-      conclude(k, view, velocities, moved, lists, pair, result, idle);
+      finish_features(k, view, velocities, moved, lists, pair, result, idle);
       lanes_ = lanes;
     }
     shift_ = {};
   }
 
   /// The forces of a pair whose features are found.
-  void conclude(std::int32_t k, const PairView& view, const PairVelocities& velocities, double moved, CandidateLists& lists, BodyPair& pair,
-                PairResult& result, IdlePair& idle) {
-    if (features_.list.empty() && lists.next_look > lists.way) {
-      const double left = std::min(lists.next_look - lists.way, lists.skin - moved);
+  void finish_features(std::int32_t k, const PairView& view, const PairVelocities& velocities, double moved, CandidateLists& lists,
+                       BodyPair& pair, PairResult& result, IdlePair& idle) {
+    if (features_.list.empty() && lists.next_examination > lists.way) {
+      const double left = std::min(lists.next_examination - lists.way, lists.skin - moved);
       return rest(view, left, pair, idle);
     }
     if constexpr (Model::kGathering != Gathering::potential) features_.hands_over = view.geometry != PairGeometry::two_meshes;
@@ -195,15 +195,15 @@ class PairEvaluation {
     else
       Model::weigh(view, kNoPull, moved, lists, features_);
     if (features_.list.empty()) {
-      if (!pass_.only_looks()) pair.state.keep_lasting();
+      if (!pass_.is_read_only()) pair.state.keep_lasting();
     } else if (lanes_ == nullptr || !lanes_->take(k, pair, view, features_)) {
-      act(view, velocities, lists, pair, result);
+      apply_law(view, velocities, lists, pair, result);
     }
-    if (share != 1 && result.active && !pass_.only_looks()) set_damping_share(pair.state.springs, share);
-    if (rest_overlap > 0 && !pass_.only_looks()) set_rest_overlap(pair.state.springs, rest_overlap);
+    if (share != 1 && result.active && !pass_.is_read_only()) set_damping_share(pair.state.springs, share);
+    if (rest_overlap > 0 && !pass_.is_read_only()) set_rest_overlap(pair.state.springs, rest_overlap);
   }
 
-  /// Looks whether the bodies could have passed through each other, and lists candidates anew where the pair has used up its skin.
+  /// Looks whether the bodies could have passed through each other, and lists candidates again where the pair has used up its skin.
   /// Returns false when its meshes intersect.
   bool keep_candidates(std::int32_t k, const PairView& view, const PairVelocities& velocities, CandidateLists& lists, double& moved) {
     if (lists.skin >= 0) moved = motion_of_pair(view, lists);
@@ -233,8 +233,8 @@ class PairEvaluation {
   }
 
   bool is_of_lanes(const BodyPair& pair) const {
-    const BallLaws& laws = pass_.scene.ball_laws();
-    if (laws.kind == BallLawKind::none || !pass_.allows_lanes() || !(pass_.p.ball_radius[static_cast<std::size_t>(pair.a)] > 0))
+    const LaneLaws& laws = pass_.scene.ball_laws();
+    if (laws.kind == LaneLawKind::none || !pass_.allows_lanes() || !(pass_.p.ball_radius[static_cast<std::size_t>(pair.a)] > 0))
       return false;
     return pair.b >= 0 ? pass_.p.ball_radius[static_cast<std::size_t>(pair.b)] > 0
                        : laws.row_of_zone[static_cast<std::size_t>(pair.key.zone)] >= 0;
@@ -248,7 +248,7 @@ class PairEvaluation {
 
   /// Nothing can be within the margin before both have gone what is left [m].
   void rest(const PairView& view, double left, BodyPair& pair, IdlePair& idle) {
-    if (pass_.only_looks()) return;
+    if (pass_.is_read_only()) return;
     if (view.zone == nullptr || !pass_.scene.has_driven_walls()) idle.way = pass_.way_of(idle) + left;
     pair.state.keep_lasting();
   }
@@ -282,7 +282,7 @@ class PairEvaluation {
     const PairLaw& law = law_of(view, pair);
     double released = 0;
     if (!pass_.holds(features_, law, radius_of(view, law), pair.state.springs, released)) return features_.list.clear();
-    if (released > 0 && pass_.friction_dt > 0 && !pass_.only_looks() && counts_here(pair, pass_.p))
+    if (released > 0 && pass_.friction_dt > 0 && !pass_.is_read_only() && counts_here(pair, pass_.p))
       pass_.scratch.released[thread_].add(released);
   }
 
@@ -295,21 +295,21 @@ class PairEvaluation {
 
   const PairLaw& law_of(const PairView& view, const BodyPair& pair) {
     const PairLaw& law = pass_.scene.law(pass_.p.material[static_cast<std::size_t>(pair.a)], material_of_b(view, pair));
-    if (!pass_.scene.laws_by_room()) return law;
-    fitted_ = pass_.scene.for_room(law, view.room);
+    if (!pass_.scene.laws_by_max_overlap()) return law;
+    fitted_ = pass_.scene.for_max_overlap(law, view.max_overlap);
     return fitted_;
   }
 
   /// The same with the overlap from which it goes on along its tangent.
   const PairLaw& limited_law_of(const PairView& view, const BodyPair& pair) {
     fitted_ = law_of(view, pair);
-    fitted_.limit = pass_.stop_ratio * view.room;
+    fitted_.limit = pass_.stop_ratio * view.max_overlap;
     return fitted_;
   }
 
   /// The force of the features that were found, and the pair's result.
-  [[gnu::always_inline]] void act(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair,
-                                  PairResult& result) {
+  [[gnu::always_inline]] void apply_law(const PairView& view, const PairVelocities& velocities, CandidateLists& lists, BodyPair& pair,
+                                        PairResult& result) {
     DeepEntry deep;
     if (pass_.continues) deep = deep_entry_of(pair.state.springs);
     const PairLaw& law = pass_.continues ? limited_law_of(view, pair) : law_of(view, pair);
@@ -328,9 +328,9 @@ class PairEvaluation {
     const bool needs_outputs = !pass_.observers.empty() && is_output_needed(view);
     // Looking must not change anything: it works on a copy of the springs.
     std::vector<FrictionSpring> copy;
-    if (pass_.only_looks()) copy = pair.state.springs;
-    const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, pass_.only_looks() ? copy : pair.state.springs,
-                                       needs_outputs ? &outputs_ : nullptr);
+    if (pass_.is_read_only()) copy = pair.state.springs;
+    const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt,
+                                       pass_.is_read_only() ? copy : pair.state.springs, needs_outputs ? &outputs_ : nullptr);
     result.active = true;
     result.contact_count = static_cast<std::int32_t>(features_.list.size());
     // torques about B's centre: T_B = (x_B - x_A) x F - T_A
@@ -344,7 +344,7 @@ class PairEvaluation {
     result.elastic = f.elastic;
     result.tangential_elastic = f.tangential_elastic;
     result.surface_power = f.surface_power;
-    result.overlap_ratio = view.room > 0 ? f.largest_overlap / view.room : 0;
+    result.overlap_ratio = view.max_overlap > 0 ? f.largest_overlap / view.max_overlap : 0;
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (pass_.continues)
       go_on(pass_, thread_, {view, motion, features_.list, f, shift_, has_other_shift_}, deep, lists, pair, too_deep_);
@@ -372,7 +372,7 @@ class PairEvaluation {
 
   PairPass& pass_;
   MeshEvaluation* lanes_;
-  BegunPairs& begun_;
+  PendingPairs& pending_;
   DueCandidates due_;
   MeshDistanceScratch& distance_;
   std::size_t thread_;
@@ -380,7 +380,7 @@ class PairEvaluation {
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
   SurfaceBeneath surface_;
-  PairLaw fitted_;                // to the room of a pair
+  PairLaw fitted_;                // to the maximum overlap of a pair
   Vec3 shift_;                    // of A in the pair that is concluded (contact/overlap_limit.hpp), frame of A
   bool has_other_shift_ = false;  // than the one that the pair keeps
   double largest_overlap_ = 0;

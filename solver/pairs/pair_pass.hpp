@@ -20,18 +20,18 @@ struct PairPass {
   PairObservers observers;
   PairForceFunction force_of;
   PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
-  double stop_ratio;        ///< overlap over the room of a pair at which a run is stopped
+  double stop_ratio;        ///< overlap over the maximum overlap of a pair at which a run is stopped
   bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
   bool continues;           ///< beyond that ratio pairs go on (contact/overlap_limit.hpp)
   bool examines = false;    ///< for observers alone, one thread: neither springs nor candidates' idle times change
   bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
   std::atomic<std::int32_t> intersecting{-1}, passing{-1}, through{-1};
 
-  bool only_looks() const { return examines || at_rest; }
+  bool is_read_only() const { return examines || at_rest; }
   /// Whether pairs may be computed in lanes (ball_evaluation.hpp, mesh_evaluation.hpp), which leave out what PairEvaluation alone does.
   bool allows_lanes() const { return !any_observes_bodies(observers); }
   /// A step of the run that asks for forces, and for nothing that lanes leave out.
-  bool asks_for_forces_alone() const { return friction_dt > 0 && friction_dt == dt && !only_looks() && allows_lanes(); }
+  bool asks_for_forces_alone() const { return friction_dt > 0 && friction_dt == dt && !is_read_only() && allows_lanes(); }
   /// Of both bodies together since the lists were made [m].
   double way_of(const IdlePair& idle) const { return list.travel()[idle.a] + (idle.b >= 0 ? list.travel()[idle.b] : 0.0); }
 };

@@ -1,4 +1,4 @@
-// When to cut anew: the work of each body as it was measured, and what a cut costs against what it saves.
+// When to cut again: the work of each body as it was measured, and what a cut costs against what it saves.
 #pragma once
 
 #include <span>

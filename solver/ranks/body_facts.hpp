@@ -8,7 +8,7 @@
 
 namespace scree {
 
-/// Of the bodies of all ranks, the same on every rank. Agreed anew whenever bodies came or went, and at no other time.
+/// Of the bodies of all ranks, the same on every rank. Agreed again whenever bodies came or went, and at no other time.
 struct BodyFacts {
   std::int64_t count = 0;
   double smallest_radius = 1;  ///< bounding [m]; 1 where there is no body

@@ -21,7 +21,7 @@ CutBoxes cut_of_scene(const SolverScene& scene, int ranks) {
 Decomposition::Decomposition(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
     : comm_(comm), scene_(scene), options_(options), halo_(comm, scene, options, cut_of_scene(scene, comm.size())), balance_(comm.size()) {}
 
-void Decomposition::cut_anew(ParticleSet& p, PairList& pairs, bool is_first) {
+void Decomposition::cut_again(ParticleSet& p, PairList& pairs, bool is_first) {
   const auto start = std::chrono::steady_clock::now();
   const double expected = halo_.rebalance(p, balance_.work_of_bodies(p));
   migrated_ += halo_.migrate(scene_, p, pairs);
@@ -35,7 +35,7 @@ void Decomposition::distribute(ParticleSet& p, PairList& pairs, const StepReport
     migrated_ += halo_.migrate(scene_, p, pairs);
     return;
   }
-  cut_anew(p, pairs, false);
+  cut_again(p, pairs, false);
   ++cuts_;
 }
 

@@ -1,4 +1,4 @@
-// Which rank computes which body: when space is cut anew, migration, ghosts, and what each rank did and held.
+// Which rank computes which body: when space is cut again, migration, ghosts, and what each rank did and held.
 #pragma once
 
 #include "solver/ranks/balance.hpp"
@@ -15,8 +15,8 @@ class Decomposition {
   bool has_cut() const { return halo_.has_cut(); }
   /// Cuts space by the work of the bodies and moves them to their owners, with the state of their pairs. Drops all ghosts. Collective.
   /// in   is_first   it sends most bodies round and sets up the library: its cost says nothing about the next
-  void cut_anew(ParticleSet& p, PairList& pairs, bool is_first);
-  /// Moves bodies that left their parts to their owners, or cuts anew where the work of the ranks asks for it. Drops all ghosts.
+  void cut_again(ParticleSet& p, PairList& pairs, bool is_first);
+  /// Moves bodies that left their parts to their owners, or cuts again where the work of the ranks asks for it. Drops all ghosts.
   /// Collective.   in   all   reports of all ranks
   void distribute(ParticleSet& p, PairList& pairs, const StepReport& all);
 

@@ -24,7 +24,7 @@ double squared_gap(const Vec3& lower_a, const Vec3& upper_a, const Box3& b, cons
   return squared;
 }
 
-/// Whether the boxes of two ranks touch. Both ranks ask, and one that waited for the other in vain would wait for ever: the box
+/// Whether the boxes of two ranks touch. Both ranks ask, and one that waited for the other in vain would wait indefinitely: the box
 /// of the lower rank comes first on either side, so that both round alike.
 bool are_neighbours(int rank_a, const Box3& a, int rank_b, const Box3& b, const Vec3& period) {
   if (a.is_empty() || b.is_empty()) return false;

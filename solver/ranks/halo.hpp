@@ -49,7 +49,7 @@ class Halo {
 
   bool has_cut() const { return partitioner_ != nullptr || !first_cut_.lower.empty(); }
 
-  /// Cuts anew by the given work of each owned body; the next migrate() moves the bodies. Collective.
+  /// Cuts again by the given work of each owned body; the next migrate() moves the bodies. Collective.
   /// Returns the imbalance that is left, by that work; the same on every rank.
   double rebalance(const ParticleSet& p, std::span<const double> work);
 

@@ -1,5 +1,5 @@
 // The tables in a checkpoint, each with its columns declared once: bodies, the state of pairs, inlets and what is in transit to them, what
-// effects keep; and what is counted of contacts deeper than their room.
+// effects keep; and what is counted of contacts deeper than their maximum overlap.
 #pragma once
 
 #include <optional>
@@ -207,7 +207,7 @@ void read_number(const h5::Group& group, const std::string& name, Value& value) 
     value = static_cast<Value>(group.read_integer_attribute(name));
 }
 
-/// The numbers of what is counted of contacts deeper than their room, with their names, for writer and reader alike.
+/// The numbers of what is counted of contacts deeper than their maximum overlap, with their names, for writer and reader alike.
 template <class Totals, class Action>
 void for_each_deep_number(Totals& t, Action&& action) {
   action("contacts", t.contacts);

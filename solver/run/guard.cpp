@@ -12,7 +12,7 @@ namespace {
 constexpr double kUnstableGain = 0.1, kAnyGain = 0.5;
 // Damping and friction can only take. What they seem to give back at the turn of a contact is an error of the step, up to (omega h)^2 / 30
 // of the energy: 5e-3 at 8 steps a contact. More than this of all that was in motion or stored is a force that works the wrong way.
-constexpr double kMostReturned = 0.05;
+constexpr double kMaxReturned = 0.05;
 constexpr double kEnergyRounding = 1e-12;  // of the potential energy, which cancels in the balance
 // Of a bond's height: the stretch that rounding of places leaves, of bodies up to some thousand heights from the origin. Pieces at rest
 // have the energy of that and no other.
@@ -64,7 +64,7 @@ void Guard::check(const Simulation& simulation, double energy_error) const {
   const auto& fluid = scene_.source().settings.fluid;
   const bool streams = fluid && squared_length(fluid->velocity) > 0;
   const double returned = streams ? 0 : record_.dissipated_peak - record_.energies.dissipated;
-  if (returned > kMostReturned * scale)
+  if (returned > kMaxReturned * scale)
     mpi::on_root(comm_, [&] {
       throw RunInvalid(
           "step {}: damping and friction gave back {:.3g} J, {:.2g} of all that was in motion or stored; they can only take energy. "

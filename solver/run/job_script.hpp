@@ -13,7 +13,7 @@ struct JobScript {
 
 /// Bash text. SLURM sends SIGUSR1 some minutes before the time limit, the solver keeps a checkpoint and ends with 138, and the
 /// script requeues the job; it continues by --restart auto. After a lost machine SLURM itself requeues. A job that came back
-/// without a new checkpoint is not requeued, so that it cannot go round for ever.
+/// without a new checkpoint is not requeued, so that it cannot go round indefinitely.
 std::string slurm_script(const JobScript& job);
 
 }  // namespace scree

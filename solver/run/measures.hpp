@@ -39,7 +39,7 @@ std::vector<Column> columns_of_effects(const RunState& s);
 std::int64_t body_count(const RunState& s);
 std::int64_t free_body_count(const RunState& s);  ///< of those that are free to move
 std::int64_t contact_count(const RunState& s);
-std::int64_t deep_pair_count(const RunState& s);  ///< pairs in contact that are deeper than their room
+std::int64_t deep_pair_count(const RunState& s);  ///< pairs in contact that are deeper than their maximum overlap
 std::int64_t active_pair_count(const RunState& s);
 std::int64_t bodies_outside(const RunState& s);  ///< of the domain
 

@@ -73,7 +73,7 @@ nlohmann::json worn_walls(const RunState& s, const std::string& folder, const nl
   return walls;
 }
 
-/// Contacts deeper than their room, which the run went on with.
+/// Contacts deeper than their maximum overlap, which the run went on with.
 nlohmann::json deep_json(const RunState& s, const DeepTotals& t, const Vec3& origin) {
   const double step = s.clock.size.step;
   nlohmann::json j{{"contacts", t.contacts}, {"contact_steps", t.contact_steps}};

@@ -117,7 +117,7 @@ void Plan::add_contact() {
        fmt::format(
            "on_overlap = \"continue\": from {:g} of the room on along the tangent of the law, up to {:g} times the bounding radius of "
            "the smaller body; they are counted, and the result is doubtful",
-           kStopOverlapRatio, kMostOverlap));
+           kStopOverlapRatio, kMaxOverlap));
   else
     out("contacts beyond their room", "on_overlap = \"stop\": they end the run");
   if (scene_.has_damping())
@@ -125,10 +125,10 @@ void Plan::add_contact() {
   else
     out("damping", "every restitution is 1");
   for (const MaterialPair& pair : source_.pairs) {
-    if (pair.restitution >= kLeastRestitution) continue;
+    if (pair.restitution >= kMinRestitution) continue;
     in("restitution",
        fmt::format("{} between {} and {} is computed as {}", pair.restitution, source_.materials[static_cast<std::size_t>(pair.a)].name,
-                   source_.materials[static_cast<std::size_t>(pair.b)].name, kLeastRestitution));
+                   source_.materials[static_cast<std::size_t>(pair.b)].name, kMinRestitution));
   }
   if (scene_.law_choice().attraction)
     add_attraction();
@@ -206,7 +206,7 @@ void Plan::add_sleep() {
   in("sleep", fmt::format("bodies at rest, looked at every {} steps; woken by a change of {:g} of their weight", kSleepSteps,
                           settings_.sleep_tolerance));
   for (const Wall& wall : source_.walls) {
-    if (const char* why = what_keeps_awake(wall)) out("sleep on a wall", fmt::format("'{}' {}", wall.name, why));
+    if (const char* why = sleep_blocker(wall)) out("sleep on a wall", fmt::format("'{}' {}", wall.name, why));
   }
 }
 

@@ -38,18 +38,18 @@ struct Pace {
 
 Pace pace_of(const mpi::Communicator& comm, Simulation& simulation, std::int64_t whole_run) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::int64_t kWarmUp = 20, kMostSteps = 400, kBetweenLooks = 20;
-  constexpr double kMostSeconds = 2;
+  constexpr std::int64_t kWarmUp = 20, kMaxSteps = 400, kBetweenLooks = 20;
+  constexpr double kMaxSeconds = 2;
   Pace pace;
   const auto run = [&](std::int64_t steps) {
     for (std::int64_t n = 0; n < steps; ++n) simulation.advance();
     simulation.agree_on_failures();
   };
-  const std::int64_t warm_up = std::min(kWarmUp, whole_run / 2), most = std::min(kMostSteps, whole_run - warm_up);
+  const std::int64_t warm_up = std::min(kWarmUp, whole_run / 2), most = std::min(kMaxSteps, whole_run - warm_up);
   run(warm_up);
   const Clock::time_point begin = Clock::now();
   CoreWatch cores;
-  while (pace.steps < most && pace.seconds < kMostSeconds) {
+  while (pace.steps < most && pace.seconds < kMaxSeconds) {
     const std::int64_t steps = std::min(kBetweenLooks, most - pace.steps);
     run(steps);
     pace.steps += steps;
@@ -157,8 +157,8 @@ class Estimates {
       std::string cost;
       if (!by_size() && settings_.margin > 0 && settings_.impact_speed > 0 && softest < 1e300) {
         const double overlap = settings_.impact_speed * std::sqrt(2 * masses_.back() / softest), share = overlap / (2 * settings_.margin);
-        constexpr double kMost = 0.8;  // beyond, pack warns
-        cost = share <= kMost
+        constexpr double kMax = 0.8;  // beyond, pack warns
+        cost = share <= kMax
                    ? fmt::format("; the fastest impact then takes {:.2f} of the margins", share)
                    : fmt::format("; margins of {} then, for the fastest impact", format_quantity(overlap / 1.6, Dimension::length));
       }
@@ -169,13 +169,13 @@ class Estimates {
 
   /// The lightest bodies set the step: what leaving out some of them would bring.
   void add_help_of_sizes() {
-    constexpr double kMostMass = 0.05, kWorthTelling = 1.3;
+    constexpr double kMaxMass = 0.05, kWorthTelling = 1.3;
     double all = 0, out = 0, best = 1, best_out = 0;
     for (const double m : masses_) all += m;
     std::size_t best_count = 0;
     for (std::size_t n = 0; n + 1 < masses_.size(); ++n) {
       out += masses_[n];
-      if (out > kMostMass * all) break;
+      if (out > kMaxMass * all) break;
       const double left = static_cast<double>(masses_.size() - n - 1) / static_cast<double>(masses_.size());
       const double gain = std::pow(masses_[n + 1] / masses_[0], by_size() ? 1.0 / 3 : 0.5) / left;  // a step goes with R, or R^(3/2)
       if (gain > best) {

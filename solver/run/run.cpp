@@ -86,7 +86,7 @@ class Run {
   void announce() const;
   int advance_to_end();
   bool is_over() const;
-  void look_for_end();
+  void check_for_end();
   void ask_for_checkpoint_by_clock();
   void write_row();
   LogRow take_row();
@@ -113,7 +113,7 @@ class Run {
   bool is_restart_;
   RunRecord before_;
   RestWatch rest_;
-  bool deep_is_told_ = false;  // the first contacts deeper than their room
+  bool deep_is_told_ = false;  // the first contacts deeper than their maximum overlap
   bool is_empty_ = false;      // only where the run ends then: no body is left that is free to move
   Schedule schedule_;
   Writers writers_;
@@ -176,14 +176,14 @@ int Run::go() {
 }
 
 int Run::advance_to_end() {
-  look_for_end();
+  check_for_end();
   while (!is_over()) {
     ask_for_checkpoint_by_clock();
     simulation_.advance();
     body_steps_ += static_cast<double>(simulation_.state().facts.count);
     watchdog_.progress(simulation_.step());
     const std::int64_t step = simulation_.step();
-    if (schedule_.is_frame_due(step)) look_for_end();
+    if (schedule_.is_frame_due(step)) check_for_end();
     if (schedule_.is_row_due(step)) timed_output([&] { write_row(); });
     // before the last checkpoint, after which only the outcome is missing
     if (schedule_.is_frame_due(step)) timed_output([&] { write_frame(); });
@@ -201,7 +201,7 @@ bool Run::is_over() const {
 }
 
 /// Before the first step, and whenever the run may end.
-void Run::look_for_end() {
+void Run::check_for_end() {
   const RunState& s = simulation_.state();
   if (rest_.is_active()) rest_.look(comm_.max(rest_.busiest(s.particles)), body_count(s));
   if (loaded_.scene.settings.stop_when_empty) is_empty_ = free_body_count(s) == 0;
@@ -229,7 +229,7 @@ void Run::write_row() {
     deep_is_told_ = true;
     warn_once("scree-solver", "so far " + text_of(simulation_.state().scene, row.deep, simulation_.state().clock.size.step));
   }
-  if (is_root()) cores_.tell_once();
+  if (is_root()) cores_.report_once();
   guard_.check(simulation_, row.energy_error);
 }
 
@@ -306,7 +306,7 @@ int Run::finish() {
   if (!is_root()) return 0;
   if (deep.contact_steps > 0)
     std::fprintf(stderr, "scree-solver: %s\n", text_of(simulation_.state().scene, deep, simulation_.state().clock.size.step).c_str());
-  cores_.tell_once();
+  cores_.report_once();
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
   if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
   const RunRecord& record = guard_.record();
@@ -316,7 +316,7 @@ int Run::finish() {
   return 0;
 }
 
-/// Contacts deeper than their room since the start.
+/// Contacts deeper than their maximum overlap since the start.
 DeepTotals Run::deep_of_all() const {
   if (!simulation_.state().scene.continues()) return {};
   return over_ranks(comm_.get(), simulation_.state().totals.deep);

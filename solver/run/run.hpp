@@ -21,7 +21,7 @@ struct RunOptions {
   std::string restart;  ///< checkpoint path, "latest", "auto", or "" for a fresh start
   ParallelOptions parallel;
   int most_threads = 0;              ///< that may be taken, as many as bodies keep busy; 0: those that OpenMP has, as the user says
-  double stall_limit = kStallLimit;  ///< [s], 0: wait for ever; see Watchdog
+  double stall_limit = kStallLimit;  ///< [s], 0: wait indefinitely; see Watchdog
   double checkpoint_interval = kCheckpointInterval;  ///< [s] of wall time, for a case that says nothing of checkpoints; 0: only at the end
   std::function<void(const std::string&)> stalled;   ///< ends the process with a message
   std::vector<std::string> command;

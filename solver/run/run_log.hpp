@@ -17,7 +17,7 @@ struct LogRow {
   Energies energies;
   double energy_error = 0;  ///< change of the balance since the start [J]
   std::int64_t contacts = 0;
-  std::int64_t deep_now = 0;  ///< pairs deeper than their room, and what there was of them since the start
+  std::int64_t deep_now = 0;  ///< pairs deeper than their maximum overlap, and what there was of them since the start
   DeepTotals deep;
   double max_overlap_ratio = 0, imbalance = 0;  ///< since the row before
   std::vector<RankMeasures> ranks;              ///< since the start of the run; the row has the mean of their times

@@ -73,9 +73,9 @@ RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, co
 }
 
 void check_step_size(const mpi::Communicator& comm, const RunOptions& options, const Settings& settings, const StepSize& step) {
-  constexpr double kMostSteps = 0x1p53;  // counted exactly everywhere
+  constexpr double kMaxSteps = 0x1p53;  // counted exactly everywhere
   mpi::on_root(comm, [&] {
-    if (settings.duration / step.step >= kMostSteps) {
+    if (settings.duration / step.step >= kMaxSteps) {
       throw InputError("{}: {:g} s in steps of {:.3g} s ({}) are more steps than can be counted; check density, stiffness and sizes",
                        options.scene_path, settings.duration, step.step, step.limited_by);
     }

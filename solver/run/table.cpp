@@ -38,9 +38,9 @@ std::size_t StepTable::column(const std::string& name) const {
 }
 
 StepTable read_table(const std::string& path) {
-  constexpr std::size_t kMostDigits = 18;  // of a step: more would not fit
+  constexpr std::size_t kMaxDigits = 18;  // of a step: more would not fit
   const auto is_step = [](const std::string& cell) {
-    return !cell.empty() && cell.size() <= kMostDigits && cell.find_first_not_of("0123456789") == std::string::npos;
+    return !cell.empty() && cell.size() <= kMaxDigits && cell.find_first_not_of("0123456789") == std::string::npos;
   };
   StepTable table;
   const std::optional<CsvTable> all = read_csv(path);

@@ -25,7 +25,7 @@ struct StepTable {
 /// Nothing when there is no such file.
 StepTable read_table(const std::string& path);
 
-/// Begins a table anew with this header, and with the rows up to a step of the one that is there; a negative step keeps none.
+/// Begins a table again with this header, and with the rows up to a step of the one that is there; a negative step keeps none.
 void start_table(const std::string& path, const std::string& header, std::int64_t keep_up_to_step);
 /// Adds rows and flushes them: all of them or, on a full disk, none. Throws SystemError (disk full).
 void append_to_table(const std::string& path, const std::string& rows);

@@ -14,10 +14,10 @@ namespace {
 /// Threads that bodies keep busy, at least one.   in   is_ball   (i): whether body i is
 template <class IsBall>
 int threads_for(std::size_t bodies, int ranks, const IsBall& is_ball) {
-  constexpr double kMost = 1e6;
+  constexpr double kMax = 1e6;
   double meshes = 0, balls = 0;
   for (std::size_t i = 0; i < bodies; ++i) ++(is_ball(i) ? balls : meshes);
-  return static_cast<int>(std::clamp(meshes / ranks / kMeshesPerThread + balls / ranks / kBallsPerThread, 1.0, kMost));
+  return static_cast<int>(std::clamp(meshes / ranks / kMeshesPerThread + balls / ranks / kBallsPerThread, 1.0, kMax));
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ std::string slowdown_text(double slowdown) {
       omp_get_max_threads() > 1 ? "OMP_NUM_THREADS=1 waits least; the result is the same" : "A free machine computes the same faster");
 }
 
-void CoreWatch::tell_once() {
+void CoreWatch::report_once() {
   if (is_told_ || !(seconds() > kWorthWatching) || !(slowdown() > kSlowedDown)) return;
   is_told_ = true;
   std::fprintf(stderr, "scree-solver: note: %s\n", slowdown_text(slowdown()).c_str());

@@ -35,7 +35,7 @@ class CoreWatch {
   double seconds() const { return clock_; }
   double slowdown() const { return clock_ / std::max(computed_, 1e-9); }
   /// Tells the user, the first time that it is so, where steps wait far longer than they compute. Nothing is wrong with them: a note.
-  void tell_once();
+  void report_once();
 
  private:
   std::chrono::steady_clock::time_point time_;

@@ -124,7 +124,7 @@ class Verifier {
   /// The verdict, once it is known: the state differs, and there is something that names the body. Collective.
   std::optional<Verdict> compare(std::int64_t step, const Record& record);
   /// The verdict after the last state.
-  Verdict conclude(std::int64_t last) const;
+  Verdict finish_features(std::int64_t last) const;
 
  private:
   std::string difference_from_checkpoint(const Checkpoint& now, const std::string& path);
@@ -175,7 +175,7 @@ std::optional<Verdict> Verifier::compare(std::int64_t step, const Record& record
                                     step, where.empty() ? "bodies are the same, the state of pairs differs" : where)};
 }
 
-Verdict Verifier::conclude(std::int64_t last) const {
+Verdict Verifier::finish_features(std::int64_t last) const {
   if (differs_at_ >= 0) {
     return {false, fmt::format("not the same: equal until step {}, different at step {} by the hash of the log; no frame or checkpoint "
                                "up to step {} tells the body, use a larger --steps",
@@ -209,7 +209,7 @@ Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) 
     simulation.agree_on_failures();
     if (const std::optional<Verdict> verdict = verifier.compare(step, record)) return *verdict;
   }
-  return verifier.conclude(recorded.records.rbegin()->first);
+  return verifier.finish_features(recorded.records.rbegin()->first);
 }
 
 }  // namespace scree

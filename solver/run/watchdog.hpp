@@ -1,4 +1,4 @@
-// Ends a run that no longer moves: with a message and an exit code, in place of ranks that wait for each other for ever.
+// Ends a run that no longer moves: with a message and an exit code, in place of ranks that wait for each other indefinitely.
 #pragma once
 
 #include <atomic>

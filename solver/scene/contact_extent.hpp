@@ -1,4 +1,4 @@
-// How much of a shape can be in contact at once: what the derived step reckons with where stiffness grows with it.
+// How much of a shape can be in contact at once: what the derived step needs where stiffness grows with it.
 #pragma once
 
 #include <cstdint>

@@ -59,8 +59,8 @@ std::vector<double> density_weights(const SolverShape& shape, double radius) {
   const PointGrid grid(points, radius);
   std::vector<double> weights(points.size());
   const double r2 = radius * radius;
-  bool crowded = false;
-#pragma omp parallel for schedule(static) reduction(|| : crowded)
+  bool clustered = false;
+#pragma omp parallel for schedule(static) reduction(|| : clustered)
   for (std::int32_t i = 0; i < count; ++i) {
     const Vec3& p = points[static_cast<std::size_t>(i)];
     double others = 0;
@@ -69,9 +69,9 @@ std::vector<double> density_weights(const SolverShape& shape, double radius) {
       if (j != i && y2 < 1) others += (1 - y2) * (1 - y2);
     });
     weights[static_cast<std::size_t>(i)] = 1 / (1 + others);
-    crowded = crowded || others > 0;
+    clustered = clustered || others > 0;
   }
-  if (!crowded) return {};
+  if (!clustered) return {};
   return weights;
 }
 

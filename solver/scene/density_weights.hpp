@@ -5,8 +5,8 @@
 //
 //   w_i = 1 / sum_j K(|X_i - X_j| / r),   K(y) = (1 - y^2)^2 for y < 1, else 0 (j = i included),   r = c sqrt(R eps)
 //
-// over the vertices where the surface is not flat; R is the radius of the ball of the body's volume, eps the margin of one body. A crowd
-// within r counts as one vertex, an isolated one keeps 1 exactly. In a contact the radius follows D (contact/crowds.hpp): the tables hold
+// over the vertices where the surface is not flat; R is the radius of the ball of the body's volume, eps the margin of one body. A cluster
+// within r counts as one vertex, an isolated one keeps 1 exactly. In a contact the radius follows D (contact/clusters.hpp): the tables hold
 // the weights at D = eps. An edge pair has the mean of the weights of its four ends.
 // Source: docs/reference/contact-law.md section 6, with what was measured there.
 #pragma once
@@ -21,7 +21,7 @@
 
 namespace scree {
 
-/// c above, sqrt(2/3): with it D is the overlap of smooth bodies of any two radii (contact/crowds.hpp).
+/// c above, sqrt(2/3): with it D is the overlap of smooth bodies of any two radii (contact/clusters.hpp).
 inline constexpr double kDensityRadius = 0.816496580927726;
 
 /// Weights of all corners of a shape for a radius in its own frame [m], in the order of its feature table. Empty where all are 1.
@@ -45,7 +45,7 @@ class DensityWeights {
   /// The same of a wall as it is worn, which is kept by who asks; empty where all are 1.
   std::vector<double> of_worn_wall(const SolverShape& shape, double scale, double body_radius) const;
   struct Summary {
-    std::size_t tables = 0, bytes = 0;  ///< of shapes where some vertices are a crowd
+    std::size_t tables = 0, bytes = 0;  ///< of shapes where some vertices are a cluster
     double least = 1;                   ///< smallest weight
   };
   Summary summary() const;

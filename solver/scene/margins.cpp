@@ -17,9 +17,9 @@ void SolverScene::check_margin(ShapeKind kind) const {
   }
 }
 
-void SolverScene::find_rooms() {
+void SolverScene::find_max_overlaps() {
   if (!margins_by_size()) {
-    least_room_ = largest_room_ = 2 * margin_;
+    smallest_max_overlap_ = largest_max_overlap_ = 2 * margin_;
     return;
   }
   const bool has_mesh_walls =
@@ -27,12 +27,12 @@ void SolverScene::find_rooms() {
   const bool has_meshes = extremes_.largest_margin > 0, has_balls = extremes_.least_ball < BodyExtremes::kNone;
   if (has_meshes) {
     // mesh walls and balls have no margin beside that of the body
-    least_room_ = (has_mesh_walls || has_balls ? 1 : 2) * extremes_.least_margin;
-    largest_room_ = 2 * extremes_.largest_margin;
+    smallest_max_overlap_ = (has_mesh_walls || has_balls ? 1 : 2) * extremes_.least_margin;
+    largest_max_overlap_ = 2 * extremes_.largest_margin;
   }
   if (!has_balls || !(has_meshes || has_mesh_walls)) return;
-  least_room_ = has_meshes ? std::min(least_room_, extremes_.least_ball) : extremes_.least_ball;
-  largest_room_ = std::max(largest_room_, *std::max_element(extremes_.radius.begin(), extremes_.radius.end()));
+  smallest_max_overlap_ = has_meshes ? std::min(smallest_max_overlap_, extremes_.least_ball) : extremes_.least_ball;
+  largest_max_overlap_ = std::max(largest_max_overlap_, *std::max_element(extremes_.radius.begin(), extremes_.radius.end()));
 }
 
 void SolverScene::check_on_overlap() const {
@@ -46,10 +46,10 @@ void SolverScene::check_on_overlap() const {
     throw UsageError("contact.on_overlap = \"continue\" is for what a wall that moves presses on, and no wall of this scene moves");
 }
 
-PairLaw SolverScene::for_room(const PairLaw& law, double room) const {
+PairLaw SolverScene::for_max_overlap(const PairLaw& law, double max_overlap) const {
   PairLaw fitted = law;
-  fitted.margin = room;
-  if (scene_->settings.gather == Gathering::area && room > 0) fitted.stiffness = law.layer_modulus / room;
+  fitted.margin = max_overlap;
+  if (scene_->settings.gather == Gathering::area && max_overlap > 0) fitted.stiffness = law.layer_modulus / max_overlap;
   return fitted;
 }
 

@@ -91,7 +91,7 @@ SolverScene::SolverScene(const Scene& scene)
   include_inlets();
   for (const Wall& wall : scene.walls)
     if (wall.kind == WallKind::mesh) check_margin(ShapeKind::surface);
-  find_rooms();
+  find_max_overlaps();
   contact_extent_ = make_contact_extent(scene, shapes_);
   prepare_laws();
   prepare_barrier();
@@ -202,7 +202,7 @@ void SolverScene::include_body(std::int32_t of, std::int32_t material, double sc
 }
 
 void SolverScene::prepare_laws() {
-  laws_by_room_ = margins_by_size() && (scene_->settings.gather == Gathering::area || scene_->settings.barrier > 0);
+  laws_by_max_overlap_ = margins_by_size() && (scene_->settings.gather == Gathering::area || scene_->settings.barrier > 0);
 
   law_choice_.law = scene_->settings.law;
   law_choice_.gathering = scene_->settings.gather;
@@ -240,7 +240,7 @@ void SolverScene::prepare_laws() {
   }
   law_choice_.needs_radius = law_choice_.needs_radius || law_choice_.rolling;
   if (law_choice_.necks) check_necks();
-  crowds_follow_ = !(scene_->settings.barrier > 0) && ((law_choice_.attraction && !law_choice_.necks) || !(reach_ > 0));
+  weights_follow_overlap_ = !(scene_->settings.barrier > 0) && ((law_choice_.attraction && !law_choice_.necks) || !(reach_ > 0));
   if (shares_cells) return;
   bool has_cells = false;
   for (const Wall& wall : scene_->walls) has_cells = has_cells || wall.cell_size > 0;
@@ -307,9 +307,9 @@ void SolverScene::prepare_barrier() {
   if (!(settings.barrier > 0)) return;
   if (settings.gather != Gathering::potential)
     throw UsageError("contact.barrier = {:g}: goes with contact.gather = \"potential\" only", settings.barrier);
-  if (!(largest_room_ > 0)) throw UsageError("contact.barrier = {:g}: needs margins; give contact.margin", settings.barrier);
+  if (!(largest_max_overlap_ > 0)) throw UsageError("contact.barrier = {:g}: needs margins; give contact.margin", settings.barrier);
   for (PairLaw& law : laws_) {
-    law.margin = largest_room_;
+    law.margin = largest_max_overlap_;
     law.barrier = settings.barrier * law.step_stiffness;
     law.step_stiffness += step_curvature_of_barrier(law);
   }
@@ -354,8 +354,8 @@ PairLaw SolverScene::make_pair_law(const MaterialPair& pair, const BodyExtremes&
   const LawInput input{pair,
                        scene_->materials[static_cast<std::size_t>(pair.a)],
                        scene_->materials[static_cast<std::size_t>(pair.b)],
-                       margins_by_size() && extremes.least_ball < BodyExtremes::kNone ? 0 : largest_room_,
-                       least_room_,
+                       margins_by_size() && extremes.least_ball < BodyExtremes::kNone ? 0 : largest_max_overlap_,
+                       smallest_max_overlap_,
                        scene_->settings.step > 0,
                        continues(),
                        [&] { return largest_impact(pair, extremes); }};
@@ -383,7 +383,7 @@ void SolverScene::add_attraction(const MaterialPair& pair, const BodyExtremes& e
     law.pull_off = pair.pull_off;
   if (pull_kind(pair) == PullKind::bridge) law.bridge = &pair;
   law.reach = attraction_range(settings.law, pair, a, b, radius);
-  check_pressing(settings, pair, a, b, radius, largest_room_);
+  check_pressing(settings, pair, a, b, radius, largest_max_overlap_);
 }
 
 /// The fastest impact of the heaviest bodies.

@@ -15,17 +15,17 @@
 #include "core/storage/wall_state.hpp"
 #include "core/storage/wall_zones.hpp"
 #include "solver/laws/laws.hpp"
-#include "solver/scene/ball_laws.hpp"
 #include "solver/scene/body_extremes.hpp"
 #include "solver/scene/contact_extent.hpp"
 #include "solver/scene/density_weights.hpp"
+#include "solver/scene/lane_laws.hpp"
 #include "solver/scene/solver_shape.hpp"
 
 namespace scree {
 
 /// D over the range that the weights of an attraction are tabulated for: at touch D is the range, and a table of a radius 1.5 times that of
-/// the crowd there knows a crowd also where the mesh is so coarse that few vertices lie within it. Pull-off of icospheres of any level is
-/// then 1.00 to 1.07 F_c; with a table of the radius itself up to 1.14 F_c.
+/// the cluster there knows a cluster also where the mesh is so coarse that few vertices lie within it. Pull-off of icospheres of any level
+/// is then 1.00 to 1.07 F_c; with a table of the radius itself up to 1.14 F_c.
 inline constexpr double kPullTableDepth = 2.2;
 
 class SolverScene {
@@ -53,14 +53,14 @@ class SolverScene {
   std::int32_t worn_vertices() const { return worn_vertices_; }
   /// Of a wall that wears, where its vertices begin among them; -1 of any other.
   std::int32_t first_worn(std::size_t wall) const { return first_worn_[wall]; }
-  /// The same for an attraction, of crowds that lie within its widest range.
+  /// The same for an attraction, of clusters that lie within its widest range.
   const double* pull_weights(std::int32_t shape, double scale) const;
   const double* wall_pull_weights(std::int32_t wall) const { return wall_pull_weights_[static_cast<std::size_t>(wall)]; }
   double widest_range() const { return law_choice_.attraction ? reach_ : 0; }  ///< of the attraction of any two materials [m]; 0: none
   /// The D of an attraction that its tables are made for [m].
   double pull_table_depth() const { return kPullTableDepth * widest_range(); }
-  /// Whether the radius of crowds can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
-  bool crowds_follow() const { return crowds_follow_; }
+  /// Whether the radius of clusters can follow D: features of a barrier, and of a law that reaches beyond the margins, need fixed weights.
+  bool weights_follow_overlap() const { return weights_follow_overlap_; }
   /// What there is of weights so far; null where all are 1.
   const DensityWeights* density_weights() const { return weights_.get(); }
   /// That the case gives to a body; null for most.
@@ -70,7 +70,7 @@ class SolverScene {
   const std::vector<Region>& outlets() const { return outlets_; }
   /// Whether touch begins where surfaces were drawn, with margins that go with the size of bodies (core/surface/touch_surface.hpp).
   bool margins_by_size() const { return scene_->settings.surface == TouchAt::drawn; }
-  /// Whether contacts go on beyond their room (contact/overlap_limit.hpp).
+  /// Whether contacts go on beyond their maximum overlap (contact/overlap_limit.hpp).
   bool continues() const { return scene_->settings.on_overlap == OnOverlap::proceed; }
   double margin() const { return margin_; }  ///< of each body [m]; 0 where margins go with size
   /// What the scene's law or attraction reaches beyond the margins [m].
@@ -78,18 +78,18 @@ class SolverScene {
   /// How far from its surface a body may act: the margin of all bodies, which radii do not have in them, and half of that reach [m].
   double contact_range() const { return margin_ + 0.5 * reach_; }
   /// Least and largest overlap at which two meshes, or a mesh and a wall, would meet [m]; 0 where there are none.
-  double least_room() const { return least_room_; }
-  double largest_room() const { return largest_room_; }
+  double smallest_max_overlap() const { return smallest_max_overlap_; }
+  double largest_max_overlap() const { return largest_max_overlap_; }
   /// The same of two bodies with meshes.
-  double room_of(std::int32_t shape_a, double scale_a, std::int32_t shape_b, double scale_b) const {
+  double max_overlap_of(std::int32_t shape_a, double scale_a, std::int32_t shape_b, double scale_b) const {
     return margins_by_size() ? scale_a * shape(shape_a).margin + scale_b * shape(shape_b).margin : 2 * margin_;
   }
-  /// D for which the crowds of mesh walls are told [m].
+  /// D for which the clusters of mesh walls are told [m].
   double wall_table_depth() const { return margins_by_size() ? extremes_.largest_margin : margin_; }
-  /// Whether laws have numbers that go with the room of a pair; then for_room() gives them.
-  bool laws_by_room() const { return laws_by_room_; }
-  /// The law of two materials for a pair with this room [m].
-  PairLaw for_room(const PairLaw& law, double room) const;
+  /// Whether laws have numbers that go with the maximum overlap of a pair; then for_max_overlap() gives them.
+  bool laws_by_max_overlap() const { return laws_by_max_overlap_; }
+  /// The law of two materials for a pair with this maximum overlap [m].
+  PairLaw for_max_overlap(const PairLaw& law, double max_overlap) const;
   double shortest_range() const { return shortest_range_; }  ///< of the attraction of any two materials [m]; 0: none attract each other
   /// Speed at which the attraction of two materials takes all motion of their lightest bodies as they part [m/s]; huge where that is not
   /// known.
@@ -118,9 +118,9 @@ class SolverScene {
   const std::vector<std::string>& seam_gaps() const { return seam_gaps_; }
   const LawChoice& law_choice() const { return law_choice_; }
   /// What pairs in lanes read of the laws, without zones of walls; kind none where no pair of the scene may go in lanes.
-  const BallLaws& lane_laws() const { return lane_laws_; }
+  const LaneLaws& lane_laws() const { return lane_laws_; }
   /// The same with the zones that balls meet, where they have a path of their own (pairs/ball_evaluation.hpp).
-  const BallLaws& ball_laws() const { return ball_laws_; }
+  const LaneLaws& ball_laws() const { return ball_laws_; }
   /// How stiffness grows with what touches at once.
   const ContactExtent& contact_extent() const { return *contact_extent_; }
   double extent_of_rough_pair(const BodyExtremes& extremes) const { return contact_extent_->of_rough_pair(shapes_, extremes); }
@@ -152,7 +152,7 @@ class SolverScene {
   void check_necks() const;
   PairLaw make_pair_law(const MaterialPair& pair, const BodyExtremes& extremes) const;
   void check_margin(ShapeKind kind) const;
-  void find_rooms();
+  void find_max_overlaps();
   void check_solid(std::int64_t id, std::int32_t shape) const;
   /// Whether a body's reach fits into the periods and through nothing thinner than itself. in   who   its name, asked only for a message
   void check_fits(std::int32_t shape, double scale, const std::function<std::string()>& who) const;
@@ -166,10 +166,10 @@ class SolverScene {
   std::vector<Region> outlets_;
   std::vector<std::string> dropped_zones_, seam_gaps_;
   Periodicity periodicity_;
-  double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0, least_room_ = 0, largest_room_ = 0;
+  double margin_ = 0, reach_ = 0, shortest_range_ = 0, fastest_sticking_ = 0, smallest_max_overlap_ = 0, largest_max_overlap_ = 0;
   BodyExtremes extremes_;
   LawChoice law_choice_;
-  BallLaws lane_laws_, ball_laws_;
+  LaneLaws lane_laws_, ball_laws_;
   std::shared_ptr<const ContactExtent> contact_extent_;
   std::vector<std::int32_t> first_mapped_;  ///< of each wall
   std::int32_t mapped_triangles_ = 0;
@@ -189,7 +189,8 @@ class SolverScene {
   mutable std::vector<const double*> wall_weights_;
   std::shared_ptr<DensityWeights> pull_weights_;
   mutable std::vector<const double*> wall_pull_weights_;
-  bool crowds_follow_ = true, has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false, laws_by_room_ = false;
+  bool weights_follow_overlap_ = true, has_damping_ = false, has_driven_walls_ = false, has_moving_surfaces_ = false,
+       laws_by_max_overlap_ = false;
 };
 
 }  // namespace scree

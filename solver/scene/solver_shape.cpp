@@ -129,7 +129,7 @@ SolverShape make_solver_shape(const Shape& source, const Settings& settings) {
   shape.is_convex = source.kind == ShapeKind::solid && is_convex_surface(shape.mesh, shape.features);
   shape.has_valleys =
       source.kind == ShapeKind::surface ? has_sharp_inner_edge(shape.features) : source.kind == ShapeKind::solid && !shape.is_convex;
-  if (shape.mesh.triangles.size() <= SolverShape::kMostWithRows) {
+  if (shape.mesh.triangles.size() <= SolverShape::kMaxWithRows) {
     std::vector<EdgeRow> rows(shape.features.edges.size());
     for (std::size_t n = 0; n < rows.size(); ++n) {
       const auto e = static_cast<std::int32_t>(n);

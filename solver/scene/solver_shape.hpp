@@ -78,7 +78,7 @@ struct SolverShape {
   }
 
   /// Shapes of up to so many triangles have edge_rows.
-  static constexpr std::size_t kMostWithRows = 8192;
+  static constexpr std::size_t kMaxWithRows = 8192;
 
   /// Bytes held: at most 160 a triangle, and 240 with edge_rows.
   std::size_t memory() const;

@@ -37,7 +37,7 @@ struct StepParts {
   /// Throws on every rank what one of them met. Collective.
   const std::function<void()>& agree_on_failures;
   /// Computes pairs that have just begun, by their numbers: no observer is shown them, and bodies do not get their forces in this step.
-  const std::function<void(const std::vector<std::int32_t>&)>& compute_begun;
+  const std::function<void(const std::vector<std::int32_t>&)>& compute_new_contacts;
 };
 
 /// Rows of two bodies that hold together without a contact.
@@ -64,7 +64,7 @@ class Effect {
   virtual void drift(RunState&) {}
   /// The clock shows the end of the step, ranks have not agreed on it yet.
   virtual void review(RunState&) {}
-  /// Only if neighbour lists are made anew. Bodies are on their ranks, ghosts are not there yet.   in   left   whether bodies left the run
+  /// Only if neighbour lists are made again. Bodies are on their ranks, ghosts are not there yet.   in   left   whether bodies left the run
   virtual void after_migration(RunState&, bool /*left*/) {}
   /// The same: lists are new, rows and pairs are others.
   virtual void on_rebuild(const StepParts&) {}
@@ -79,10 +79,10 @@ class Effect {
   virtual void after_kick(RunState&) {}
   /// What was dissipated in the step is counted.
   virtual void end_step(RunState&) {}
-  /// After a whole step. Returns whether neighbour lists must be made anew.
+  /// After a whole step. Returns whether neighbour lists must be made again.
   virtual bool after_step(const StepParts&) { return false; }
 
-  /// How much further than otherwise ranks must see each other's bodies [m]. Before lists are made anew.
+  /// How much further than otherwise ranks must see each other's bodies [m]. Before lists are made again.
   virtual double extra_reach(const RunState&, bool /*is_begin*/) const { return 0; }
   /// What it adds to the critical step: bodies that it links, and their stiffness, sorted by key.
   virtual std::vector<BodyLink> links(const RunState&) const { return {}; }

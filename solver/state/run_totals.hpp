@@ -53,7 +53,7 @@ struct RunTotals {
   ArrivalTotals arrived;
   std::vector<OutletTotals> outlets;
   std::vector<InletState> inlets;     ///< the same on every rank
-  DeepTotals deep;                    ///< contacts deeper than their room, where a run goes on with them
+  DeepTotals deep;                    ///< contacts deeper than their maximum overlap, where a run goes on with them
   std::vector<EffectRecord> effects;  ///< of all ranks, in the order of effect_kinds(), as a checkpoint holds them; empty while it runs
   std::int64_t largest_id = -1;       ///< of the bodies that joined, the same on every rank
   double max_overlap_ratio = 0;       ///< since it was last taken

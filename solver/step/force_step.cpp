@@ -44,7 +44,7 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   compute_pairs(s, balance, failure, due(Sleep::kInner, s.pairs.inner()), friction_dt, Phase::contact);
   if (refresh_ghosts && overlap) halo.finish_refresh(p, s.times);
   if (refresh) add_travel(s, balance, true);
-  if (built_with::kRanks && s.sleep) s.sleep->hear_of_ghosts(s, scratch_, failure);
+  if (built_with::kRanks && s.sleep) s.sleep->update_ghosts(s, scratch_, failure);
   if (built_with::kRanks) compute_pairs(s, balance, failure, due(Sleep::kOuter, s.pairs.outer()), friction_dt, Phase::contact);
   if (built_with::kRanks) compute_pairs(s, balance, failure, due(Sleep::kDuplicated, s.pairs.duplicated()), friction_dt, Phase::duplicated);
 
@@ -60,7 +60,7 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_forces(s);
 }
 
-void ForceStep::compute_begun(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which) {
+void ForceStep::compute_new_contacts(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which) {
   if (failure.exists() || which.empty()) return;
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;

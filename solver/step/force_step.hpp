@@ -19,7 +19,7 @@ class ForceStep {
   void compute(RunState& s, Decomposition& decomposition, FirstFailure& failure, double friction_dt, bool refresh);
 
   /// Forces of contacts that begin in this step, with springs at rest; the bodies do not get them.
-  void compute_begun(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which);
+  void compute_new_contacts(RunState& s, FirstFailure& failure, std::span<const std::int32_t> which);
 
   /// Contacts that this rank counts, at the present state, with forces that are the same on any number of ranks; changes no state.
   /// Collective.

@@ -21,7 +21,7 @@ double work_on_wall(const RunState& s, const BodyPair& pair, double dt, const Ve
 
 }  // namespace
 
-void book_contacts_of_leaving(RunState& s, const std::vector<std::uint8_t>& leaves) {
+void count_contacts_of_leaving(RunState& s, const std::vector<std::uint8_t>& leaves) {
   // who counts a pair may not own the body that leaves: all ranks hear of all
   std::vector<std::int64_t> mine;
   for (std::size_t i = 0; i < leaves.size(); ++i) {

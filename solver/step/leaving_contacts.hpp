@@ -10,6 +10,6 @@ namespace scree {
 
 /// Books it with what else bodies take with them: nothing holds it after. While pairs are those of the last forces. Collective.
 /// in   leaves   of each owned row (DomainGuard::leaving)
-void book_contacts_of_leaving(RunState& s, const std::vector<std::uint8_t>& leaves);
+void count_contacts_of_leaving(RunState& s, const std::vector<std::uint8_t>& leaves);
 
 }  // namespace scree

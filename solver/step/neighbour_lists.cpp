@@ -26,7 +26,7 @@ constexpr double kVelocityShare = 1.25, kAccelerationShare = 2;
 constexpr double kFewSteps = 10, kStepsOfRoom = 4;
 
 /// Whether contacts are slow enough to look ahead. Where a wall that answers to force will be, nobody knows.
-bool can_look_ahead(const RunState& s) {
+bool can_agree_ahead(const RunState& s) {
   return s.comm.size() > 1 && s.clock.size.contact_time >= kFewSteps * s.clock.size.step && !s.scene.has_answering_walls();
 }
 
@@ -38,20 +38,20 @@ double NeighbourLists::skin_for(const RunState& s, double fastest) const {
   // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
   for (int k = 0; k < 3; ++k) {
     if (!s.scene.periodicity().is_periodic(k)) continue;
-    const double room = 0.25 * s.scene.periodicity().period()[k] - s.facts.largest_radius - s.scene.contact_range();
-    skin = std::min(skin, 2 * kShareOfRoom * room);
+    const double max_overlap = 0.25 * s.scene.periodicity().period()[k] - s.facts.largest_radius - s.scene.contact_range();
+    skin = std::min(skin, 2 * kShareOfRoom * max_overlap);
   }
   return skin;
 }
 
-bool NeighbourLists::may_look_ahead(const RunState& s, bool rebuilt) const {
-  return can_look_ahead(s) && 0.5 * (rebuilt ? skin_for(s, fastest_) : skin_) >= kStepsOfRoom * fastest_ * s.clock.dt;
+bool NeighbourLists::may_agree_ahead(const RunState& s, bool rebuilt) const {
+  return can_agree_ahead(s) && 0.5 * (rebuilt ? skin_for(s, fastest_) : skin_) >= kStepsOfRoom * fastest_ * s.clock.dt;
 }
 
 StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
   const ParticleSet& p = s.particles;
   const double limit = 0.5 * kShareOfSkin * (rebuilt ? skin_for(s, fastest_) : skin_), dt = s.clock.dt;
-  const bool ahead = can_look_ahead(s);
+  const bool ahead = can_agree_ahead(s);
   bool beyond = !rebuilt && walls_moved(s, walls_listed_, s.walls) > limit, soon = beyond;
   double fastest = fastest_wall(s, s.walls);
   if (ahead && s.scene.has_driven_walls()) {

@@ -18,7 +18,7 @@ class NeighbourLists {
   /// in   rebuilt   new ones are made in this step
   StepReport look(const RunState& s, bool rebuilt);
   /// Whether the ranks may learn a step late of what look() finds.
-  bool may_look_ahead(const RunState& s, bool rebuilt) const;
+  bool may_agree_ahead(const RunState& s, bool rebuilt) const;
   /// After look(): whether something moved further than it could have been foreseen to.
   bool are_overrun() const { return overrun_; }
 

@@ -36,7 +36,7 @@ std::vector<ParticleRecord> own_records(const mpi::Communicator& comm, const Sol
 Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options)
     : state_(comm, scene), decomposition_(comm, scene, options), agreement_(comm), inlets_(scene) {
   agree_ = [this] { agree_on_failures(); };
-  compute_begun_ = [this](const std::vector<std::int32_t>& which) { forces_.compute_begun(state_, failure_, which); };
+  compute_new_contacts_ = [this](const std::vector<std::int32_t>& which) { forces_.compute_new_contacts(state_, failure_, which); };
   state_.effects = make_effects(state_);
   state_.sleep = state_.effect<Sleep>();
 }
@@ -51,9 +51,9 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   begin(records, 0, 0, decomposition_.has_cut());
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   forces_.compute(state_, decomposition_, failure_, 0, false);
-  // contacts that there are from the start on may ask for a shorter step, for which damping is computed anew
+  // contacts that there are from the start on may ask for a shorter step, for which damping is computed again
   if (levels_.begin_with_contacts(state_, forces_.scratch(), failure_)) forces_.compute(state_, decomposition_, failure_, 0, false);
-  if (start) book_starting_springs(state_);
+  if (start) count_starting_springs(state_);
   for_each_effect(&Effect::start);
   // the first kick is by half a step
   add_wall_effects(state_, 0.5 * state_.clock.dt, state_.totals.walls);
@@ -97,7 +97,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   mpi::on_all(state_.comm, [&] { for_each_effect(&Effect::begin); });
   if (step == 0) levels_.begin(state_, forces_.scratch(), failure_);
   lists_.begin(state_);
-  if (!is_cut && state_.comm.size() > 1) decomposition_.cut_anew(p, state_.pairs, true);
+  if (!is_cut && state_.comm.size() > 1) decomposition_.cut_again(p, state_.pairs, true);
   agreement_.start(lists_.look(state_, false));
   rebuild_lists(agreement_.finish());
   lists_.set_fastest(std::numeric_limits<double>::infinity());  // forces are not known yet
@@ -159,7 +159,7 @@ StepReport Simulation::agree_on_step(bool forced) {
   }
   asked.fastest = lists_.fastest();
   if (forced) asked.rebuild = 1;
-  const bool rebuilt = asked.rebuild != 0, ahead = lists_.may_look_ahead(state_, rebuilt);
+  const bool rebuilt = asked.rebuild != 0, ahead = lists_.may_agree_ahead(state_, rebuilt);
   StepReport mine = lists_.look(state_, rebuilt);
   if (ahead && lists_.are_overrun()) {
     failure_.keep(RunInvalid("step {}: a body or wall went further in one step than all that moved before; use a step of at most {:.3g} s",
@@ -201,7 +201,7 @@ void Simulation::rebuild_lists(const StepReport& report) {
       further = std::max(further, effect->extra_reach(state_, lists_.rebuilds() == 0));
     std::vector<std::int64_t> disturbed;
     if (state_.sleep && domain_.is_removal_due()) disturbed = state_.sleep->touching_those_that_leave(state_, domain_.leaving(state_));
-    if (domain_.is_removal_due()) book_contacts_of_leaving(state_, domain_.leaving(state_));
+    if (domain_.is_removal_due()) count_contacts_of_leaving(state_, domain_.leaving(state_));
     decomposition_.distribute(p, state_.pairs, report);
     if (state_.sleep) Sleep::wake(state_, disturbed);
     const bool left = domain_.remove(state_), came = arrivals_.join(state_, decomposition_.halo());

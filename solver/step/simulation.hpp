@@ -68,7 +68,7 @@ class Simulation {
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
   void advance_substep();
-  StepParts parts() { return {state_, forces_.scratch(), failure_, decomposition_.halo(), agree_, compute_begun_}; }
+  StepParts parts() { return {state_, forces_.scratch(), failure_, decomposition_.halo(), agree_, compute_new_contacts_}; }
   void for_each_effect(void (Effect::*hook)(RunState&));
   void move_bodies();
   void finish_motion();
@@ -88,7 +88,7 @@ class Simulation {
   ForceStep forces_;
   bool needs_lists_ = false;     // an effect has changed since the last step what they were made for
   std::function<void()> agree_;  // as effects call them
-  std::function<void(const std::vector<std::int32_t>&)> compute_begun_;
+  std::function<void(const std::vector<std::int32_t>&)> compute_new_contacts_;
 };
 
 }  // namespace scree

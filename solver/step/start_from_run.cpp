@@ -87,7 +87,7 @@ std::vector<WaitingState> starting_pairs(const SolverScene& scene, const StartSt
   return states;
 }
 
-void book_starting_springs(RunState& s) {
+void count_starting_springs(RunState& s) {
   // both owners of a pair have its result; its pairs come in the same order to a body on any rank
   ParticleSet& p = s.particles;
   for (std::size_t k = 0; k < s.pairs.pairs().size(); ++k) {

@@ -1,4 +1,4 @@
-// Bodies of a scene that come from a run: their exact places, and what their pairs remember. Forces are computed anew, since materials,
+// Bodies of a scene that come from a run: their exact places, and what their pairs remember. Forces are computed again, since materials,
 // margins and walls may be others than in that run; the springs of a contact then follow its law, which takes from them and never adds
 // (pair_friction.hpp).
 #pragma once
@@ -21,6 +21,6 @@ std::vector<WaitingState> starting_pairs(const SolverScene& scene, const StartSt
 
 /// Books what springs hold at the start as taken from the motion before it, as friction takes what it stores: else a spring that unloads
 /// would be energy from nowhere. After the first forces.
-void book_starting_springs(RunState& s);
+void count_starting_springs(RunState& s);
 
 }  // namespace scree

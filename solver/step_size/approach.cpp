@@ -61,13 +61,14 @@ double approach_of(const Mover& i, const Mover& j, const SolverScene& scene, Mes
   PairBody other = small.body;
   other.x = j_is_large ? i.body.x : i.body.x + offset;
   const Vec3 against = small.v - large.v - cross(large.w, other.x - frame.x);
-  const double closing = closing_speed(frame, other, against, 0.5 * scene.least_room(), scratch) + small.arm * length(small.w - large.w);
+  const double closing =
+      closing_speed(frame, other, against, 0.5 * scene.smallest_max_overlap(), scratch) + small.arm * length(small.w - large.w);
   return std::min(closing, surface_speed(i) + surface_speed(j));
 }
 
 /// Inside a round wall: the speed across it where a straight path ends. `r` and `u` are place and velocity from the centre or axis.
-double speed_across(const Vec3& r, const Vec3& u, double room) {
-  const double speed = length(u), end = std::max(length(r), room);
+double speed_across(const Vec3& r, const Vec3& u, double max_overlap) {
+  const double speed = length(u), end = std::max(length(r), max_overlap);
   if (!(speed > 0) || !(end > 0)) return 0;
   const double aside = length(cross(r, u)) / (speed * end);
   return speed * std::sqrt(std::max(0.0, 1 - aside * aside));
@@ -80,7 +81,7 @@ double speed_towards(const SolverShape& wall, double scale, const Vec3& p, const
   if (!(speed > 0)) return 0;
   const Vec3 ahead = (1 / speed) * u;
   double fastest = 0, gone = 0;
-  for (int look = 0; look < kMostLooks && gone <= end; ++look) {
+  for (int look = 0; look < kMaxLooks && gone <= end; ++look) {
     const Vec3 x = p + gone * ahead;
     Vec3 foot;
     std::int32_t triangle = -1;
@@ -164,7 +165,7 @@ Approach fastest_approach(const SolverScene& scene, double least) {
     const std::size_t a = order[i];
     for (std::size_t j = i + 1; j < order.size() && speed[a] + speed[order[j]] > fastest; ++j) {
       const std::size_t b = order[j];
-      const bool is_last = ++pairs > kMostPairs;
+      const bool is_last = ++pairs > kMaxPairs;
       found(is_last ? speed[a] + speed[b] : approach_of(movers[a], movers[b], scene, *scratch),
             [&] { return fmt::format("bodies {} and {}", std::min(bodies.id[a], bodies.id[b]), std::max(bodies.id[a], bodies.id[b])); });
       if (is_last) return best;

@@ -19,11 +19,11 @@ struct Approach {
 /// speed at which the gap shrinks counts: what rolls or slides on another approaches nothing. Walls of numbers are met in
 /// closed form; before a mesh wall the centre looks ahead along its path.
 /// Cost: one look at each body where nothing is fast; else pairs by falling speed, until no pair left could be faster. Past
-/// kMostPairs those left count with all their speed.
+/// kMaxPairs those left count with all their speed.
 /// Ranks, restarts: follows from the scene alone.   Limits: no gravity; of a periodic domain the nearest images.
 Approach fastest_approach(const SolverScene& scene, double least);
 
 /// Pairs that are looked at, a second or less.
-inline constexpr std::int64_t kMostPairs = 5'000'000;
+inline constexpr std::int64_t kMaxPairs = 5'000'000;
 
 }  // namespace scree

@@ -45,7 +45,7 @@ struct Demand {
 Demand demand_of_motion(const RunState& s) {
   Demand demand;
   const ParticleSet& p = s.particles;
-  const double way = 0.5 * kMarginPerStep * s.scene.least_room();
+  const double way = 0.5 * kMarginPerStep * s.scene.smallest_max_overlap();
   const double in_range = 0.5 * kRangePerStep * s.scene.shortest_range(), sticking = s.scene.fastest_sticking() / kStickingPerStep;
   const bool can_touch = s.clock.size.contact_time > 0 && (way > 0 || in_range > 0);
   const auto rate_of = [&](double speed) {

@@ -155,7 +155,7 @@ class ContactLimits {
       const double omega2 = stiffness * features * mobility, rate = std::sqrt(omega2) * (1 + law.step_damping);
       if (law.step_damping > kStrongDamping && rate > limit_.damped_rate) {
         limit_.damped_rate = rate;
-        limit_.most_damped = fmt::format("{} at restitution {:g}", name, std::max(pair.restitution, kLeastRestitution));
+        limit_.most_damped = fmt::format("{} at restitution {:g}", name, std::max(pair.restitution, kMinRestitution));
       }
       if (!(omega2 > stiffest_)) return;
       stiffest_ = omega2;
@@ -222,7 +222,7 @@ double longest_step(const ContactLimit& limit, double steps_per_contact, std::st
 
 /// Throws UsageError when a step that the case gives is too long.
 void check_given_step(const StepSize& given, const ContactLimit& limit) {
-  if (limit.time > 0 && given.step > kMostCritical * given.critical()) {
+  if (limit.time > 0 && given.step > kMaxCritical * given.critical()) {
     throw UsageError(
         "time.step = {:g} s is {:.3g} times the critical step {:.4g} s of {}; use at most {:.3g} s (20 steps a contact), "
         "or leave it out",
@@ -258,19 +258,19 @@ void follow_ranges(const SolverScene& scene, StepSize& result) {
 
 /// Shortens the step to what approaches and spins ask for as the scene starts.
 void follow_motion_at_start(const SolverScene& scene, StepSize& result) {
-  if (result.contact_time > 0 && scene.least_room() > 0) {
-    const double way = kMarginPerStep * scene.least_room();
+  if (result.contact_time > 0 && scene.smallest_max_overlap() > 0) {
+    const double way = kMarginPerStep * scene.smallest_max_overlap();
     const Approach approach = fastest_approach(scene, way / result.step);
     if (approach.speed > 0) {
       result.step = way / approach.speed;
       result.limited_by = "the approach of " + approach.who + " against their margins";
     }
   }
-  for (std::size_t w = 0; w < scene.source().walls.size() && result.contact_time > 0 && scene.least_room() > 0; ++w) {
+  for (std::size_t w = 0; w < scene.source().walls.size() && result.contact_time > 0 && scene.smallest_max_overlap() > 0; ++w) {
     // as fast as a wall may become that answers to force
     const Drive* drive = scene.drive(w);
     if (drive == nullptr || !(drive->most_rate < kUnlimitedRate)) continue;
-    const double way = kMarginPerStep * scene.least_room(), speed = drive->most_rate * scene.lever(w);
+    const double way = kMarginPerStep * scene.smallest_max_overlap(), speed = drive->most_rate * scene.lever(w);
     if (!(speed * result.step > way)) continue;
     result.step = way / speed;
     result.limited_by = fmt::format("the speed of wall '{}' against the margins", scene.source().walls[w].name);
@@ -299,7 +299,7 @@ void follow_bonds(const SolverScene& scene, StepSize& result) {
 
 /// The same for a body that comes in later: what it meets is taken to stand still.
 void follow_motion_of(const SolverScene& scene, const ParticleRecord& r, StepSize& result) {
-  const double way = kMarginPerStep * scene.least_room(), speed = length(r.v), spin = length(r.w);
+  const double way = kMarginPerStep * scene.smallest_max_overlap(), speed = length(r.v), spin = length(r.w);
   if (result.contact_time > 0 && way > 0 && speed * result.step > way) {
     result.step = way / speed;
     result.limited_by = "the velocity of bodies to come against their margins";
@@ -376,7 +376,7 @@ void check_step(const StepSize& run, const ContactLimit& with_them, const Settin
   if (run.given) {
     constexpr double kCriticalPerContact = 2 / std::numbers::pi;
     const double damped = with_them.damped_rate > 0 ? std::numbers::pi / (kStepsPerDamping * with_them.damped_rate) : 1e300;
-    longest = std::min(kMostCritical * kCriticalPerContact * with_them.time, damped);
+    longest = std::min(kMaxCritical * kCriticalPerContact * with_them.time, damped);
   }
   constexpr double kRounding = 1 + 1e-9;
   if (run.step <= kRounding * longest) return;

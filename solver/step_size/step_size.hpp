@@ -61,7 +61,7 @@ void check_step(const StepSize& run, const ContactLimit& with_them, const Settin
 ///   spin      kTurnPerStep / |w|, of the bodies as they start
 /// Source: docs/reference/contact-law.md section 3.5, with the exact maximum in place of its bound R^2 / I_min, which slender bodies never
 /// reach (a factor 2.6 for an elongated asteroid); docs/reference/validation-plan.md section 4.3. Collective.
-/// A given step is taken as it is. Throws UsageError when it is more than kMostCritical critical steps, or too long for
+/// A given step is taken as it is. Throws UsageError when it is more than kMaxCritical critical steps, or too long for
 /// the damping of a pair.
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
 
@@ -71,6 +71,6 @@ inline constexpr double kUnevenContacts = 300;
 
 /// Beyond this many critical steps of the stiffest contact that can occur a given step is refused at the start. In between it
 /// is warned of: the contacts that do occur may be softer, and the guard of the energy watches them.
-inline constexpr double kMostCritical = 2.5;
+inline constexpr double kMaxCritical = 2.5;
 
 }  // namespace scree

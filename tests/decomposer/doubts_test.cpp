@@ -9,7 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "decomposer/packing/build_scene.hpp"
-#include "decomposer/packing/doubts.hpp"
+#include "decomposer/packing/case_warnings.hpp"
 #include "tests/support/margins.hpp"
 
 namespace scree {

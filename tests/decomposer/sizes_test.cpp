@@ -87,7 +87,7 @@ TEST(Sizes, the_ends_of_a_distribution_are_its_bounds) {
   }
 }
 
-/// Largest difference between the distribution function of a sample and a closed form, written anew here.
+/// Largest difference between the distribution function of a sample and a closed form, written again here.
 template <class Cdf>
 double distance_to(std::vector<double> sample, bool by_mass, Cdf&& cdf) {
   std::sort(sample.begin(), sample.end());

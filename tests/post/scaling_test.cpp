@@ -29,7 +29,7 @@ std::string make_run(const std::string& name, int threads, const std::vector<dou
           << 0.02 * share << "," << 0.03 * share << "," << share * (slowest - busy[r]) << ",0," << 7 * share << ",100," << 5000 * share
           << ",0,0," << 3000 * bodies_each << ",20000,1\n";
   };
-  for (std::size_t r = 0; r < busy.size(); ++r) row(50, r, 9);  // before the restart: times begin anew after it
+  for (std::size_t r = 0; r < busy.size(); ++r) row(50, r, 9);  // before the restart: times begin again after it
   for (std::size_t r = 0; r < busy.size(); ++r) row(100, r, 0.5);
   for (std::size_t r = 0; r < busy.size(); ++r) row(200, r, 1.5);
   return folder.string();

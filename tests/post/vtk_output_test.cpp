@@ -365,7 +365,7 @@ TEST(Picture, a_point_to_look_at_keeps_the_camera_of_a_series) {
   options.at = Vec3{0, 0, 0};
   const auto near = places_of_two(drawn(run, 0, options)), far = places_of_two(drawn(run, 1, options));
   EXPECT_NEAR((far[1] - far[0]) / (near[1] - near[0]), 3, 0.03);
-  const double radius = length(Vec3{0.6 + kBall, kBall, kBall});  // of the room of both frames
+  const double radius = length(Vec3{0.6 + kBall, kBall, kBall});  // of the maximum overlap of both frames
   EXPECT_NEAR(near[1] - near[0], 480 * 0.2 / distance_of(radius) / kHalfAngle, 1);
 }
 

@@ -14,7 +14,7 @@ using namespace test;
 
 /// The same, of a scene whose balls go in lanes.
 std::string expect_same_bits_of_balls(const Scene& scene, int steps) {
-  EXPECT_NE(SolverScene(scene).ball_laws().kind, BallLawKind::none);
+  EXPECT_NE(SolverScene(scene).ball_laws().kind, LaneLawKind::none);
   return expect_same_bits(scene, steps);
 }
 
@@ -133,7 +133,7 @@ TEST(BallForces, have_the_same_bits_at_walls_that_move) {
 
 TEST(BallForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
   Scene scene = falling_balls(ContactLaw::linear, 0.5, false);
-  EXPECT_NE(SolverScene(scene).ball_laws().kind, BallLawKind::none);
+  EXPECT_NE(SolverScene(scene).ball_laws().kind, LaneLawKind::none);
   scene.pairs[0].rolling_friction = 0.1;
   const SolverScene rolling(scene);
   EXPECT_NE(rolling.ball_laws().holds[rolling.ball_laws().row(0, 0)], 0);
@@ -141,9 +141,9 @@ TEST(BallForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
   expect_same_bits_of_balls(scene, 1200);
   scene = falling_balls(ContactLaw::linear, 0.5, false);
   scene.settings.gather = Gathering::pairs;
-  EXPECT_EQ(SolverScene(scene).ball_laws().kind, BallLawKind::none);
-  EXPECT_EQ(SolverScene(necked_heap()).ball_laws().kind, BallLawKind::none);
-  EXPECT_EQ(SolverScene(dense_heap()).ball_laws().kind, BallLawKind::none) << "there are no balls";
+  EXPECT_EQ(SolverScene(scene).ball_laws().kind, LaneLawKind::none);
+  EXPECT_EQ(SolverScene(necked_heap()).ball_laws().kind, LaneLawKind::none);
+  EXPECT_EQ(SolverScene(dense_heap()).ball_laws().kind, LaneLawKind::none) << "there are no balls";
 }
 
 }  // namespace

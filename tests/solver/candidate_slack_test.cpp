@@ -19,7 +19,7 @@ struct Counts {
 
 /// Bit for bit, but for what a constructor may leave unset.
 bool same(const ContactFeature& l, const ContactFeature& r) {
-  return l.key == r.key && l.x == r.x && l.n == r.n && l.overlap == r.overlap && l.weight == r.weight && l.crowd == r.crowd &&
+  return l.key == r.key && l.x == r.x && l.n == r.n && l.overlap == r.overlap && l.weight == r.weight && l.cluster == r.cluster &&
          l.faded == r.faded && l.weight_gradient.force == r.weight_gradient.force && l.weight_gradient.couple == r.weight_gradient.couple;
 }
 
@@ -52,7 +52,7 @@ void wander(TwoBodies& pair, double margin, double skin, double stride, int step
       counts.edges += indices_of_key(features[j].key).kind == kEdgeEdge ? 1 : 0;
     }
     counts.features += static_cast<int>(features.size());
-    if (features.empty() && kept.next_look > way) ++counts.quiet;
+    if (features.empty() && kept.next_examination > way) ++counts.quiet;
     // a smooth way, pulled back to where the two touch and pushed away from deep overlap
     double deepest = 0;
     Vec3 out;

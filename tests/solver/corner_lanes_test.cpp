@@ -34,7 +34,7 @@ class CornerLanes : public testing::Test {
       const std::size_t end = std::min(begin + at_once, cases_.size());
       queue->count = 0;
       for (std::size_t n = begin; n < end; ++n) queue->add(cases_[n].p, cases_[n].a, cases_[n].b, cases_[n].c);
-      look_at_corners_at_once(*queue, *answers);
+      examine_vertices_at_once(*queue, *answers);
       for (std::size_t n = begin; n < end; ++n) {
         const auto& [p, a, b, c] = cases_[n];
         const NearestOnTriangle expected = nearest_on_triangle(p, a, b, c);

@@ -72,7 +72,7 @@ inline void add_places(const mpi::Communicator& comm, const ParticleSet& p, cons
   }
 }
 
-/// Contacts of every step are those of one rank, whose lists are made anew in every step, and the last states have the same bits.
+/// Contacts of every step are those of one rank, whose lists are made again in every step, and the last states have the same bits.
 inline void expect_contacts_of_one_rank(const Scene& scene, int steps, const std::vector<int>& numbers_of_ranks) {
   struct Seen {
     std::vector<ContactSet> sets;

@@ -44,9 +44,9 @@ TEST(DensityWeights, are_those_of_the_definition) {
 TEST(DensityWeights, are_1_where_no_two_vertices_lie_within_the_radius) {
   const SolverShape cube = make_solver_shape(make_solid("cube", test::grid_box(8, {1, 1, 1})));
   EXPECT_TRUE(density_weights(cube, 0.999).empty()) << "vertices inside faces and edges are no features";
-  const std::vector<double> crowded = density_weights(cube, 1.25);  // three neighbours at 1, none else: K = (1 - .64)^2
-  ASSERT_EQ(crowded.size(), 8u);
-  for (const double w : crowded) EXPECT_NEAR(w, 1 / (1 + 3 * .36 * .36), 1e-14);
+  const std::vector<double> clustered = density_weights(cube, 1.25);  // three neighbours at 1, none else: K = (1 - .64)^2
+  ASSERT_EQ(clustered.size(), 8u);
+  for (const double w : clustered) EXPECT_NEAR(w, 1 / (1 + 3 * .36 * .36), 1e-14);
 }
 
 TEST(DensityWeights, of_a_body_belong_to_the_half_octave_of_its_scale) {
@@ -116,7 +116,7 @@ TEST(DensityWeights, duration_of_an_impact_tends_to_that_of_one_spring_as_an_ico
   EXPECT_GE(coarse, 1.4 * fine) << "unit weights have no limit";
 }
 
-// Vertices alone give D = d for any two radii (contact/crowds.hpp). Crossing edges of two fine meshes add as much again to D^9, at every
+// Vertices alone give D = d for any two radii (contact/clusters.hpp). Crossing edges of two fine meshes add as much again to D^9, at every
 // depth.
 TEST(DensityWeights, make_the_overlap_of_two_fine_balls_of_any_radii_that_of_smooth_ones_within_11_percent) {
   std::mt19937 g(5);

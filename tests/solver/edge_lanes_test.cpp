@@ -1,4 +1,4 @@
-// Edges side by side in lanes (solver/lanes/edge_lanes.hpp) against look_at_edges(): the same features, to the bit, whatever the pairs
+// Edges side by side in lanes (solver/lanes/edge_lanes.hpp) against examine_edges(): the same features, to the bit, whatever the pairs
 // are that share a vector; and what lanes leave is little.
 #include "solver/lanes/edge_lanes.hpp"
 
@@ -64,12 +64,12 @@ void compare(const std::vector<NearPair>& pairs, Counts& counts) {
   std::vector<std::pair<std::size_t, std::size_t>> asked;  // pair, candidate
   std::size_t begin = 0, end = 0;
   const auto ask = [&] {
-    look_at_edges_at_once(*queue, *answers);
+    examine_edges_at_once(*queue, *answers);
     for (std::size_t k = 0; k < asked.size(); ++k) {
       const NearPair& near = pairs[asked[k].first];
       const PairBody &a = near.bodies->body[0], &b = near.bodies->body[1];
       std::vector<ContactFeature> expected;
-      look_at_edges(a, b, near.pose, near.margin, std::min(near.bodies->radius(0), near.bodies->radius(1)),
+      examine_edges(a, b, near.pose, near.margin, std::min(near.bodies->radius(0), near.bodies->radius(1)),
                     near.lists.edges[asked[k].second], expected);
       ASSERT_EQ(answers->found(k), !expected.empty()) << asked[k].first << " " << asked[k].second;
       if (expected.empty()) {

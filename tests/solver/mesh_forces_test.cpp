@@ -55,7 +55,7 @@ Scene falling_rocks(ContactLaw law, double friction, bool periodic, int level) {
 }
 
 std::string expect_same_bits_of_rocks(const Scene& scene, int steps) {
-  EXPECT_NE(SolverScene(scene).lane_laws().kind, BallLawKind::none);
+  EXPECT_NE(SolverScene(scene).lane_laws().kind, LaneLawKind::none);
   return expect_same_bits(scene, steps);
 }
 
@@ -112,8 +112,8 @@ TEST(MeshForces, have_the_same_bits_where_damping_is_limited) {
 }
 
 TEST(MeshForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
-  EXPECT_EQ(SolverScene(necked_heap()).lane_laws().kind, BallLawKind::none);
-  EXPECT_EQ(SolverScene(layered_heap()).lane_laws().kind, BallLawKind::none);
+  EXPECT_EQ(SolverScene(necked_heap()).lane_laws().kind, LaneLawKind::none);
+  EXPECT_EQ(SolverScene(layered_heap()).lane_laws().kind, LaneLawKind::none);
   Scene scene = falling_rocks(ContactLaw::linear, 0.5, false, 0);
   scene.pairs[0].rolling_friction = 0.1;
   expect_same_bits(scene, 2000);

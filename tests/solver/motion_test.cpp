@@ -137,7 +137,7 @@ TEST(Integrator, moves_a_body_that_is_slower_than_rounding) {
 }
 
 // Rounding moves the overlap of a stiff contact, 1e-8 m here, up and down by a hundred-millionth of itself. Springs that followed it would
-// lose that much a step, and the stone creep at 1e-11 m/s for ever.
+// lose that much a step, and the stone creep at 1e-11 m/s indefinitely.
 TEST(Integrator, keeps_a_stiff_stone_between_others_without_creep) {
   TestRun run(test::empty_scene(1e8, 0.3, 0.7, 0.003));
   run.scene.settings.gravity = {0, 0, -9.81};

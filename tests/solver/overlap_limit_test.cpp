@@ -1,4 +1,5 @@
-// Contacts deeper than their room, which on_overlap = "continue" goes on with: force and energy in closed form, and what stays as it is.
+// Contacts deeper than their maximum overlap, which on_overlap = "continue" goes on with: force and energy in closed form, and what stays
+// as it is.
 #include <gtest/gtest.h>
 
 #include <cmath>

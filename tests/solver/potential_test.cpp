@@ -11,7 +11,7 @@ namespace {
 
 using test::TwoBodies, test::kMargin, test::kStiffness, test::place_at_random, test::elastic_impacts;
 
-/// in   finer   refinements of the rocks, whose vertices then lie in crowds
+/// in   finer   refinements of the rocks, whose vertices then lie in clusters
 /// in   roughness   of the rocks: dents of .4 hold vertices that touch several faces
 void expect_exact_gradient(double cell_size, CellSide cells = CellSide::b, double barrier = 0, int finer = 0, double roughness = .22) {
   std::mt19937 g(3);

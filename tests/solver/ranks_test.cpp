@@ -1,5 +1,5 @@
 // What a run comes to on one rank it comes to on any number: where lists, neighbours and report between ranks are at their limits.
-// Runs on four ranks; smaller numbers are groups of them. A rank that waits for ever shows as the time limit of the test.
+// Runs on four ranks; smaller numbers are groups of them. A rank that waits indefinitely shows as the time limit of the test.
 #include <gtest/gtest.h>
 
 #include "tests/solver/rank_groups.hpp"

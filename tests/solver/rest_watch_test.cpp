@@ -35,7 +35,7 @@ TEST(Rest, is_not_told_while_a_wall_moves_or_will_move) {
   m.stop = 3;
   for (const double time : {0.1, 1.9, 2.5, 2.99, 3.01}) EXPECT_FALSE(rests_at(scene, time)) << time;
   EXPECT_TRUE(rests_at(scene, 3.1));
-  m.start = 0;  // a plate that rises slowly, and for ever
+  m.start = 0;  // a plate that rises slowly, and indefinitely
   m.stop = 1e300;
   m.kind = Translate{.rate = 1e-5};
   EXPECT_FALSE(rests_at(scene, 5));

@@ -23,7 +23,7 @@ TEST(ShapeMemory, a_shape_in_the_solver_takes_at_most_160_bytes_a_triangle_of_th
     const std::size_t before = heap_in_use();
     const SolverShape shape = make_solver_shape(source);
     const auto used = static_cast<double>(heap_in_use() - before);
-    EXPECT_EQ(shape.edge_rows.empty(), shape.mesh.triangles.size() > SolverShape::kMostWithRows);
+    EXPECT_EQ(shape.edge_rows.empty(), shape.mesh.triangles.size() > SolverShape::kMaxWithRows);
     EXPECT_LE(used, (shape.edge_rows.empty() ? 160 : 400) * triangles);
     // the figure in the plan of a run is this one, but for the allocator's rounding
     // and what it has cached of the shape before, which counts as in use

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "solver/bodies/motion.hpp"
-#include "solver/contact/crowds.hpp"
+#include "solver/contact/cluster_weights.hpp"
 #include "solver/scene/solver_scene.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/shapes.hpp"
@@ -74,14 +74,14 @@ class TwoBodies {
     m.b_to_a = matrix_of(m.turn);
     found_.list = features;
     found_.has_cells = cell_size > 0;
-    found_.crowd_share = 1;
+    found_.cluster_share = 1;
     if (reach_ > margin_) {
       PullView pull{reach_ - margin_, prepared_->pull_table_depth(), body[0], body[1]};
       pull.a.weights = prepared_->pull_weights(0, 1);
       pull.b.weights = prepared_->pull_weights(1, 1);
-      settle_crowds_apart(0.5 * margin_, !(barrier > 0), pull, found_);
+      solve_weights_separately(0.5 * margin_, !(barrier > 0), pull, found_);
     } else {
-      settle_crowds(0.5 * margin_, !(cell_size > 0 || barrier > 0), found_);
+      solve_weights(0.5 * margin_, !(cell_size > 0 || barrier > 0), found_);
     }
     if (cell_size > 0) {
       find_cell_shares(body[0], body[1], cell_size, cells, features, found_.cells);

@@ -159,10 +159,10 @@ TEST(WallFolds, lanes_find_what_each_pair_of_edges_is_alone) {
     std::vector<EdgeCandidate> asked;
     const auto ask = [&] {
       if (asked.empty()) return;
-      look_at_edges_at_once(queue, answers);
+      examine_edges_at_once(queue, answers);
       for (std::size_t k = 0; k < asked.size(); ++k) {
         std::vector<ContactFeature> expected;
-        look_at_edges(a, b, pose, kMargin, on.size(), asked[k], expected);
+        examine_edges(a, b, pose, kMargin, on.size(), asked[k], expected);
         ASSERT_EQ(answers.found(k), !expected.empty()) << "seed " << seed;
         if (!expected.empty()) {
           ContactFeature f{};
@@ -175,7 +175,7 @@ TEST(WallFolds, lanes_find_what_each_pair_of_edges_is_alone) {
       // without the walls' rule, folds would be taken for edges on their concave side
       queue.has_walls = false;
       EdgeAnswers without;
-      look_at_edges_at_once(queue, without);
+      examine_edges_at_once(queue, without);
       for (std::size_t k = 0; k < asked.size(); ++k) left_in_folds += without.found(k) && !answers.found(k) ? 1 : 0;
       queue.has_walls = true;
       asked.clear();

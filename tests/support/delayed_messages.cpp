@@ -23,7 +23,7 @@ struct Awaited {
   MPI_Comm comm;
 };
 std::vector<Awaited> g_awaited;
-std::array<double, 4096> g_times;  // far more than messages of one step: a slot is free again when it is used anew
+std::array<double, 4096> g_times;  // far more than messages of one step: a slot is free again when it is used again
 std::size_t g_next = 0;
 double g_waited = 0;  // for the delay alone: what a late rank adds is not in it
 

@@ -129,8 +129,8 @@ void Bonds::before_kick(const StepParts& parts) {
     if (const std::int32_t pair = s.pairs.let_touch(key, s.particles); pair >= 0) touching_.push_back(pair);
   }
   std::sort(touching_.begin(), touching_.end());
-  parts.compute_begun(touching_);
-  parts.compute_begun(shift_loaded(s));
+  parts.compute_new_contacts(touching_);
+  parts.compute_new_contacts(shift_loaded(s));
   for (const std::int32_t k : touching_) {
     const PairResult& r = s.pairs.results()[at(k)];
     if (r.active && counts_here(s.pairs.pairs()[at(k)], s.particles)) fracture_.add(-r.elastic);
@@ -156,7 +156,7 @@ std::vector<std::int32_t> Bonds::shift_loaded(RunState& s) const {
     if (!(r.elastic > held)) continue;
     const auto a = at(pair.a), b = at(pair.b);
     const double deepest =
-        r.overlap_ratio * s.scene.room_of(s.particles.shape[a], s.particles.scale[a], s.particles.shape[b], s.particles.scale[b]);
+        r.overlap_ratio * s.scene.max_overlap_of(s.particles.shape[a], s.particles.scale[a], s.particles.shape[b], s.particles.scale[b]);
     set_rest_overlap(pair.state.springs, deepest * (1 - std::sqrt(held / r.elastic)));
     changed.push_back(k);
   }

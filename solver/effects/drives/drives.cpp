@@ -16,10 +16,10 @@ namespace scree {
 namespace {
 
 /// Of a period over 2 pi: a wall that its contacts push to and fro in fewer steps is not followed (the limit of stability is 2).
-constexpr double kMostPhasePerStep = 1;
+constexpr double kMaxPhasePerStep = 1;
 
 /// Of the radius of the smallest body: farther than so, a wall does not go in a step, as no body does (check_displacement).
-constexpr double kMostWay = 0.25;
+constexpr double kMaxWay = 0.25;
 
 /// Whether a motion is on in the step with this middle.
 bool is_on(const WallMotion& motion, double time) { return time >= motion.start && time < motion.stop; }
@@ -59,8 +59,8 @@ void move_drives(RunState& s) {
     at.rate_before = 0;
     if (!is_on(s.scene.source().walls[w].motion, middle)) return;
     const double rate = rate_ahead(drive, at, gravity, dt), to = at.way + dt * rate;
-    const double most = drive.guide.turns ? std::min(kTurnPerStep, kMostWay * s.facts.smallest_radius / s.scene.lever(w))
-                                          : kMostWay * s.facts.smallest_radius;
+    const double most = drive.guide.turns ? std::min(kTurnPerStep, kMaxWay * s.facts.smallest_radius / s.scene.lever(w))
+                                          : kMaxWay * s.facts.smallest_radius;
     if (!(dt * std::abs(rate) <= most)) {
       throw RunInvalid(
           "step {}: wall '{}' goes {:.3g} {} in a step of {:.3g} s, more than {:.3g}, where it could pass through bodies unseen; "
@@ -102,7 +102,7 @@ Resistance resistance_of(const RunState& s, const Guide& guide, const PairResult
 void sum_drive_forces(RunState& s) {
   enum { force, stiffness, impedance, yield, count };
   const Settings& settings = s.scene.source().settings;
-  const double crowd = settings.gather == Gathering::area ? 1 : s.scene.extent_of_rough_pair(s.scene.extremes());
+  const double cluster = settings.gather == Gathering::area ? 1 : s.scene.extent_of_rough_pair(s.scene.extremes());
   std::vector<ExactSum> sums(count * s.drives.size());
   for (const std::int32_t k : s.pairs.with_walls()) {
     const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
@@ -114,7 +114,7 @@ void sum_drive_forces(RunState& s) {
     const auto body = static_cast<std::size_t>(pair.a);
     const PairLaw& law = s.scene.law(s.particles.material[body], s.scene.source().walls[w].material);
     // the stiffest that is expected of the pair; of a layer, whose area is not known, from what it holds
-    double normal = crowd * law.step_stiffness;
+    double normal = cluster * law.step_stiffness;
     if (settings.gather == Gathering::area)
       normal = r.elastic > 0 ? squared_length(r.force_a - r.dissipative_force_a) / (2 * r.elastic) : 0;
     if (!(normal > 0)) continue;
@@ -148,11 +148,11 @@ void kick_drives(RunState& s) {
       at.rate = 0;
     } else if (drive.inertia > 0) {
       const double phase = dt * std::sqrt(at.stiffness / drive.inertia);
-      if (!(phase <= kMostPhasePerStep)) {
+      if (!(phase <= kMaxPhasePerStep)) {
         throw RunInvalid(
             "step {}: wall '{}' is too light for its contacts: together they push it to and fro within {:.3g} steps of {:.3g} s; give it "
             "more mass, or use a step of at most {:.3g} s",
-            s.clock.step, wall.name, 2 * std::numbers::pi / phase, dt, 0.5 * kMostPhasePerStep * dt / phase);
+            s.clock.step, wall.name, 2 * std::numbers::pi / phase, dt, 0.5 * kMaxPhasePerStep * dt / phase);
       }
       const double rate = (at.rate_before + 0.5 * dt * acceleration(drive, at, gravity)) / (1 + damping_share(drive, dt));
       at.rate = is_at_end ? 0 : std::clamp(rate, -drive.most_rate, drive.most_rate);

@@ -23,7 +23,7 @@ bool is_zero(const Vec3& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 bool is_restless(const RunState& s, std::size_t w) {
   const Wall& wall = s.scene.source().walls[w];
   const WallState& state = s.walls[w];
-  if (what_keeps_awake(wall) != nullptr) return true;
+  if (sleep_blocker(wall) != nullptr) return true;
   for (const Vec3* v : {&state.velocity, &state.angular_velocity, &state.velocity_before, &state.angular_velocity_before,
                         &state.surface.velocity, &state.surface.spin, &state.surface_before.velocity, &state.surface_before.spin}) {
     if (!is_zero(*v)) return true;
@@ -125,7 +125,7 @@ void Sleep::compute_resting(RunState& s, ForceScratch& scratch, FirstFailure& fa
   });
 }
 
-void Sleep::hear_of_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
+void Sleep::update_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& failure) {
   const ParticleSet& p = s.particles;
   for (std::size_t g = 0; g < ghost_sleeps_.size() && !dirty_; ++g) dirty_ = (ghost_sleeps_[g] != 0) != (p.rest[p.owned + g] == kAsleep);
   sort_pairs(s, scratch, failure);

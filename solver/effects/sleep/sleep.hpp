@@ -69,7 +69,7 @@ class Sleep : public Effect {
 
   /// Before the forces of a step, and once more when ghosts are those of the step: sorts pairs by who sleeps, where that has changed.
   void sort_pairs(RunState& s, ForceScratch& scratch, FirstFailure& failure);
-  void hear_of_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& failure);
+  void update_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   /// Pairs of a list that are to be computed.
   std::span<const std::int32_t> due(Which which, const std::vector<std::int32_t>& all) const {
     return any_ ? std::span(due_[which]) : std::span(all);

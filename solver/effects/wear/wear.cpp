@@ -65,7 +65,7 @@ void check_depth(const RunState& s, std::size_t wall, const std::vector<Vec3>& b
   const Wall& of = s.scene.source().walls[wall];
   double deepest = 0;
   for (std::size_t v = 0; v < before.size(); ++v) deepest = std::max(deepest, of.scale * length(after[v] - before[v]));
-  const double most = kMostWear * (s.scene.margins_by_size() ? s.scene.least_room() : s.scene.margin());
+  const double most = kMaxWear * (s.scene.margins_by_size() ? s.scene.smallest_max_overlap() : s.scene.margin());
   if (deepest <= most) return;
   throw RunInvalid("step {}: wall '{}' wears by {} at a time, more than a tenth of the margin ({}); give its wear an `every` of at most {}",
                    s.clock.step, of.name, format_quantity(deepest, Dimension::length), format_quantity(most, Dimension::length),
@@ -83,7 +83,7 @@ struct PairLook {
 };
 using Looks = std::map<std::int32_t, PairLook>;  // by index of the pair
 
-Looks look_at_pairs(RunState& s, const std::vector<std::int32_t>& which, ForceScratch& scratch) {
+Looks record_features(RunState& s, const std::vector<std::int32_t>& which, ForceScratch& scratch) {
   Looks looks;
   visit_pairs(s.scene, s.particles, s.walls, which, s.clock.step, scratch, s.pairs, [&](const PairContact& c) {
     PairLook& look = looks[static_cast<std::int32_t>(&c.pair - s.pairs.pairs().data())];
@@ -176,12 +176,12 @@ void Wear::wear_walls(const StepParts& parts, const std::vector<std::size_t>& du
     const auto wall = static_cast<std::size_t>(s.scene.zones()[zone].wall);
     if (s.pairs.results()[static_cast<std::size_t>(k)].active && std::find(due.begin(), due.end(), wall) != due.end()) which.push_back(k);
   }
-  const Looks before = look_at_pairs(s, which, scratch);
+  const Looks before = record_features(s, which, scratch);
   state_ = std::move(next);
   for (const std::size_t w : due) s.scene.set_wall_vertices(static_cast<std::int32_t>(w), vertices_of(s, state_, w));
   s.pairs.forget_candidates();
   failure.watch(s.clock.step, [&] {
-    const Looks after = look_at_pairs(s, which, scratch);
+    const Looks after = record_features(s, which, scratch);
     const PairLook nothing;
     for (const std::int32_t k : which) {
       const auto was = before.find(k), is = after.find(k);

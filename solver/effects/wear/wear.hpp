@@ -4,7 +4,7 @@
 // The work is an exact sum over all ranks, so that all ranks move the same vertices to the same places. Between two steps nothing else
 // changes: pairs with the wall keep their friction springs, each with the feature that now is where its own was, since corners, edges and
 // flat regions of a worn mesh have other numbers; and what their contacts store less than before counts as dissipated.
-// Cost: of a wall that is worn, its tree and features anew; a look at each of its pairs. Nothing in the steps between.
+// Cost: of a wall that is worn, its tree and features again; a look at each of its pairs. Nothing in the steps between.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Wall;
 
 /// Of the margin of a body: by more than this no vertex recedes at a time. What touches a wall would lose its contact and fall onto it, and
 /// a run would depend on the interval; a tenth keeps the forces of a contact at rest within some tenths.
-inline constexpr double kMostWear = 0.1;
+inline constexpr double kMaxWear = 0.1;
 
 /// In how many steps a wall is worn.
 std::int64_t wear_steps(const Wall& wall, double step);

@@ -9,7 +9,7 @@
 // translation and rotation: |shift of their middle| + (chord of the turn) * (largest distance from it), in the frame of
 // either body, whichever is smaller.
 //
-// The list is used up, and made anew, when a triangle that is not in it may have come within the margin. The skin at a
+// The list is used up, and made again, when a triangle that is not in it may have come within the margin. The skin at a
 // point p of B is s (1 + |p - c| / lever), c being where the bodies touched last: points far from there move more when
 // bodies roll, and are farther apart. So the list serves while c has not moved further than s, and B not turned by more
 // than a chord of s / lever, both from when it was made: bodies that roll on one another keep it long.

@@ -13,10 +13,10 @@ namespace scree {
 class SolverScene;
 
 /// Which formulas the lanes have.
-enum class BallLawKind : std::uint8_t { none, linear_viscous, linear_hunt_crossley, hertz_viscous };
+enum class LaneLawKind : std::uint8_t { none, linear_viscous, linear_hunt_crossley, hertz_viscous };
 
 /// Of two materials: what of PairLaw a pair of balls reads. Eight numbers, so that rows are found by their index alone.
-struct BallLaw {
+struct LaneLaw {
   double stiffness = 0;           ///< linear: k [N/m]; Hertz: 4/3 E* [Pa]
   double size_stiffness = 0;      ///< linear: what k has for each metre of R* [N/m^2]
   double damping = 0;             ///< viscous: 2 zeta; Hunt-Crossley: chi [s/m]
@@ -27,7 +27,7 @@ struct BallLaw {
   double radius = 0;              ///< R* [m] as given; 0: that of the bodies
 };
 
-/// What two materials have against rolling, a row beside that of BallLaw.
+/// What two materials have against rolling, a row beside that of LaneLaw.
 struct BallRolling {
   double friction = 0, torsional = 0;  ///< mu_r, mu_t
 };
@@ -38,13 +38,13 @@ struct BallZone {
   std::int32_t material = 0;
 };
 
-struct BallLaws {
-  BallLawKind kind = BallLawKind::none;  ///< none: no pair of the scene goes this way
+struct LaneLaws {
+  LaneLawKind kind = LaneLawKind::none;  ///< none: no pair of the scene goes this way
   bool friction = false;
   bool needs_radius = false;
-  bool room_by_size = false;         ///< overlap may go to the smaller radius; else to `margin`
+  bool max_overlap_by_size = false;  ///< overlap may go to the smaller radius; else to `margin`
   double margin = 0;                 ///< gap at which touch begins [m]
-  std::vector<BallLaw> laws;         ///< [material of A][material of B]
+  std::vector<LaneLaw> laws;         ///< [material of A][material of B]
   std::vector<std::uint8_t> holds;   ///< whether pairs of these materials go this way
   std::vector<BallRolling> rolling;  ///< empty: no two materials have any
   std::size_t materials = 0;
@@ -55,8 +55,8 @@ struct BallLaws {
 };
 
 /// Of all pairs that go in lanes, whatever the bodies are: without zones. Kind none where no pair of the scene may.
-BallLaws make_lane_laws(const SolverScene& scene);
+LaneLaws make_lane_laws(const SolverScene& scene);
 /// The same with zones, where the scene has balls.
-BallLaws make_ball_laws(const SolverScene& scene);
+LaneLaws make_ball_laws(const SolverScene& scene);
 
 }  // namespace scree

@@ -11,10 +11,10 @@
 namespace scree {
 
 /// What the case alone shows.
-std::vector<std::string> doubts_about(const Case& c);
+std::vector<std::string> warnings_of_case(const Case& c);
 
 /// What shows when bodies, walls and margin are known.
 /// in   scene   packed     in   report   of its packing so far
-std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report);
+std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report);
 
 }  // namespace scree

@@ -1,4 +1,4 @@
-#include "solver/contact/crowds.hpp"
+#include "solver/contact/cluster_weights.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,20 +12,20 @@ double power8(double x) {
   return x4 * x4;
 }
 
-/// How deep a feature is, and what crowd it lies in.
+/// How deep a feature is, and what cluster it lies in.
 struct InPush {
   double depth(const ContactFeature& f, std::size_t) const { return f.overlap; }
-  double crowd(const ContactFeature& f, std::size_t) const { return f.crowd; }
+  double cluster(const ContactFeature& f, std::size_t) const { return f.cluster; }
 };
 struct InPushIfTouching {
   double depth(const ContactFeature& f, std::size_t) const { return std::max(0.0, f.overlap); }
-  double crowd(const ContactFeature& f, std::size_t) const { return f.crowd; }
+  double cluster(const ContactFeature& f, std::size_t) const { return f.cluster; }
 };
 struct InPull {
   double range;
-  const std::vector<double>& crowds;
+  const std::vector<double>& clusters;
   double depth(const ContactFeature& f, std::size_t) const { return f.overlap + range; }
-  double crowd(const ContactFeature&, std::size_t j) const { return crowds[j]; }
+  double cluster(const ContactFeature&, std::size_t j) const { return clusters[j]; }
 };
 
 /// sum a_j(x) r_j^8 with r_j = d_j / largest, x = D / largest, and how much of its logarithm a change of that of x takes away.
@@ -35,15 +35,16 @@ struct CrowdSum {
   CrowdSum(const std::vector<ContactFeature>& features, const Place& place, double largest, double eps, double x) {
     for (std::size_t j = 0; j < features.size(); ++j) {
       const ContactFeature& f = features[j];
-      const double crowded = place.crowd(f, j) * (largest / eps) * x, term = f.weight * power8(place.depth(f, j) / largest) / (1 + crowded);
+      const double clustered = place.cluster(f, j) * (largest / eps) * x,
+                   term = f.weight * power8(place.depth(f, j) / largest) / (1 + clustered);
       sum += term;
-      fall += term * (crowded / (1 + crowded));
+      fall += term * (clustered / (1 + clustered));
     }
     fall /= sum;
   }
 };
 
-/// D as crowds follow it, and the share of its derivatives.
+/// D as clusters follow it, and the share of its derivatives.
 struct Settled {
   double D, share;
 };
@@ -70,48 +71,48 @@ void weigh(ContactFeature& f, double share) {
 }
 
 /// Of a feature in an attraction, from its key.
-double crowd_in_pull(const PullView& pull, const ContactFeature& f) {
+double cluster_in_pull(const PullView& pull, const ContactFeature& f) {
   const auto [kind, first, second] = indices_of_key(f.key);
-  if (kind == kCornerOfA) return pull.a.crowd(first);
-  if (kind == kCornerOfB) return pull.b.crowd(first);
+  if (kind == kCornerOfA) return pull.a.cluster(first);
+  if (kind == kCornerOfB) return pull.b.cluster(first);
   return 4 / (pull.a.weight_of_ends(first) + pull.b.weight_of_ends(second)) - 1;
 }
 
 }  // namespace
 
-void settle_crowds(double eps, bool follow, PairFeatures& features) {
+void solve_weights(double eps, bool follow, PairFeatures& features) {
   double largest = 0, most = 0;
   for (const ContactFeature& f : features.list) {
     largest = std::max(largest, f.overlap);
-    most = std::max(most, f.crowd);
+    most = std::max(most, f.cluster);
   }
   if (!(most > 0)) return;
   double D = eps;
   if (follow) {
     const Settled settled = settle(features.list, InPush{}, largest, eps);
     D = settled.D;
-    features.crowd_share = settled.share;
+    features.cluster_share = settled.share;
   }
-  for (ContactFeature& f : features.list) weigh(f, 1 / (1 + f.crowd * (D / eps)));
+  for (ContactFeature& f : features.list) weigh(f, 1 / (1 + f.cluster * (D / eps)));
 }
 
-void settle_crowds_apart(double eps, bool follow, const PullView& pull, PairFeatures& features) {
+void solve_weights_separately(double eps, bool follow, const PullView& pull, PairFeatures& features) {
   features.pull_weight.clear();
-  bool crowded = pull.a.weights != nullptr || pull.b.weights != nullptr;
-  for (const ContactFeature& f : features.list) crowded = crowded || f.crowd > 0;
-  if (!crowded || features.list.empty()) return;
+  bool clustered = pull.a.weights != nullptr || pull.b.weights != nullptr;
+  for (const ContactFeature& f : features.list) clustered = clustered || f.cluster > 0;
+  if (!clustered || features.list.empty()) return;
   double largest = -pull.range;
   for (const ContactFeature& f : features.list) largest = std::max(largest, f.overlap);
   features.pull_weight.resize(features.list.size());
-  for (std::size_t j = 0; j < features.list.size(); ++j) features.pull_weight[j] = crowd_in_pull(pull, features.list[j]);
+  for (std::size_t j = 0; j < features.list.size(); ++j) features.pull_weight[j] = cluster_in_pull(pull, features.list[j]);
   const Settled pulled = settle(features.list, InPull{pull.range, features.pull_weight}, largest + pull.range, pull.at);
   features.pull_share = pulled.share;
   Settled push{follow ? 0 : eps, 1};  // where nothing touches, weights of the push stand for nothing
   if (follow && largest > 0) push = settle(features.list, InPushIfTouching{}, largest, eps);
-  features.crowd_share = push.share;
+  features.cluster_share = push.share;
   for (std::size_t j = 0; j < features.list.size(); ++j) {
     ContactFeature& f = features.list[j];
-    const double share = 1 / (1 + f.crowd * (push.D / eps));
+    const double share = 1 / (1 + f.cluster * (push.D / eps));
     features.pull_weight[j] = 1 / (1 + features.pull_weight[j] * (pulled.D / pull.at)) / share;
     weigh(f, share);
   }

@@ -14,7 +14,7 @@
 
 namespace scree {
 
-struct BegunPair {
+struct PendingPair {
   std::int32_t k = 0;  ///< in the list of pairs
   double moved = 0;    ///< see motion_since_listed() [m]
   PairView view;
@@ -23,9 +23,9 @@ struct BegunPair {
 };
 
 /// One thread's. Kept from pass to pass, so that nothing is allocated for each pair.
-class BegunPairs {
+class PendingPairs {
  public:
-  static BegunPairs& of_thread();
+  static PendingPairs& of_thread();
 
   /// Whether the candidates of a pair may wait here.
   static bool may_take(const PairView& view) {
@@ -41,17 +41,17 @@ class BegunPairs {
   /// in   due   there is room for them; becomes those of a pair that is done
   void add(std::int32_t k, double moved, const PairView& view, const CandidateLists& lists, DueCandidates& due);
 
-  /// Finds out what all candidates are, and calls work(pair) for each pair, with all of its features; begins anew.
+  /// Finds out what all candidates are, and calls work(pair) for each pair, with all of its features; begins again.
   template <class Work>
   void finish(std::vector<BodyPair>& pairs, Work&& work) {
     if (count_ == 0) return;
-    look_at_corners_at_once(corners_, found_corners_);
-    look_at_edges_at_once(edges_, found_edges_);
+    examine_vertices_at_once(corners_, found_corners_);
+    examine_edges_at_once(edges_, found_edges_);
     Places first{0, 0};
     for (std::size_t n = 0; n < count_; ++n) {
-      BegunPair& begun = pairs_[n];
-      complete(begun, first, *pairs[static_cast<std::size_t>(begun.k)].lists);
-      work(begun);
+      PendingPair& pending = pairs_[n];
+      complete(pending, first, *pairs[static_cast<std::size_t>(pending.k)].lists);
+      work(pending);
     }
     clear();
   }
@@ -66,10 +66,10 @@ class BegunPairs {
     std::size_t corner, edge;
   };
   /// The features of a pair, and new slacks.   in, out   first   of its candidates, and of the next pair's
-  void complete(BegunPair& begun, Places& first, CandidateLists& lists) const;
+  void complete(PendingPair& pending, Places& first, CandidateLists& lists) const;
 
   std::size_t count_ = 0;
-  std::array<BegunPair, kPosesAtOnce> pairs_;
+  std::array<PendingPair, kPosesAtOnce> pairs_;
   CornerQueue corners_;
   CornerAnswers found_corners_;
   EdgeQueue edges_;

@@ -1,4 +1,4 @@
-#include "decomposer/packing/doubts.hpp"
+#include "decomposer/packing/case_warnings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,9 +20,9 @@ namespace {
 constexpr double kLightest = 100;    // [kg/m^3] of a body: balsa has more, only foams and snow have less; g/cm^3 ends at 23
 constexpr double kHeaviest = 25000;  // [kg/m^3] osmium has 22 590
 constexpr double kSoftest = 1000;    // [Pa] Young's modulus of jelly: GPa or MPa was left out
-constexpr double kMostFriction = 2;  // rubber on dry concrete has 1: more looks like an angle in degrees
+constexpr double kMaxFriction = 2;   // rubber on dry concrete has 1: more looks like an angle in degrees
 constexpr double kFastest = 300;     // [m/s] of an impact, the speed of sound
-constexpr double kMostFrames = 1e5, kMostSteps = 1e9;
+constexpr double kMaxFrames = 1e5, kMaxSteps = 1e9;
 constexpr double kLiquid = 1e-4;           // [Pa s] viscosity above that of any gas
 constexpr double kThinnestLiquid = 50;     // [kg/m^3] liquid hydrogen has 70
 constexpr double kFarLarger = 1000;        // extents, of a container and of the bodies in it: mm were taken for m
@@ -42,7 +42,7 @@ constexpr double kSmallOpening = 0.9;  // of the wall's length: above it is its 
 std::string metres(double value) { return format_quantity(value, Dimension::length); }
 std::string seconds(double value) { return format_quantity(value, Dimension::time); }
 
-void doubt_materials(const Case& c, std::vector<std::string>& doubts) {
+void warn_of_materials(const Case& c, std::vector<std::string>& doubts) {
   std::set<std::int32_t> of_movers;
   for (const CaseBody& b : c.bodies) {
     if (!b.fixed) of_movers.insert(b.material);
@@ -68,7 +68,7 @@ void doubt_materials(const Case& c, std::vector<std::string>& doubts) {
     const std::string name =
         fmt::format("{} on {}", c.materials[static_cast<std::size_t>(p.pair.a)].name, c.materials[static_cast<std::size_t>(p.pair.b)].name);
     if (!p.friction_given) frictionless += (frictionless.empty() ? "" : ", ") + name;
-    if (p.pair.friction > kMostFriction) {
+    if (p.pair.friction > kMaxFriction) {
       doubts.push_back(fmt::format("{}: friction = {:g} of {} is a coefficient, the tangent of an angle; {:g} degrees would be {:.3g}",
                                    p.where, p.pair.friction, name, p.pair.friction,
                                    std::abs(std::tan(p.pair.friction * std::numbers::pi / 180))));
@@ -78,7 +78,7 @@ void doubt_materials(const Case& c, std::vector<std::string>& doubts) {
     doubts.push_back(fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
 }
 
-void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
+void warn_of_surroundings(const Case& c, std::vector<std::string>& doubts) {
   const Settings& s = c.settings;
   const double g = length(s.gravity);
   constexpr double kEarth = 9.81, kNear = 0.01;
@@ -106,13 +106,13 @@ void doubt_surroundings(const Case& c, std::vector<std::string>& doubts) {
   }
 }
 
-void doubt_times(const Case& c, std::vector<std::string>& doubts) {
+void warn_of_times(const Case& c, std::vector<std::string>& doubts) {
   const Settings& s = c.settings;
   if (!(s.duration > 0)) return;
   if (s.output_every > s.duration) {
     doubts.push_back(fmt::format("output.every = {} is longer than the run of {}: only its first and last state are kept",
                                  seconds(s.output_every), seconds(s.duration)));
-  } else if (s.duration / s.output_every > kMostFrames) {
+  } else if (s.duration / s.output_every > kMaxFrames) {
     doubts.push_back(fmt::format("output.every = {} makes {:.3g} frames of a run of {}", seconds(s.output_every),
                                  s.duration / s.output_every, seconds(s.duration)));
   }
@@ -136,7 +136,7 @@ void doubt_times(const Case& c, std::vector<std::string>& doubts) {
   if (s.sleep && !(length(s.gravity) > 0))
     doubts.push_back("time.sleep: without gravity nothing sleeps, since no weight says which force is small; leave it out");
   for (const CaseWall& w : c.walls) {
-    if (const char* why = s.sleep ? what_keeps_awake(w.wall) : nullptr)
+    if (const char* why = s.sleep ? sleep_blocker(w.wall) : nullptr)
       doubts.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}': it {}", w.where, w.wall.name, why));
   }
   if (s.stop_at_rest && !loses)
@@ -191,7 +191,7 @@ double longest(const Box3& box) {
   return std::max({e.x, e.y, e.z});
 }
 
-void doubt_extents(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_extents(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
   double most = 0;
   std::string name;
   const auto consider = [&](double extent, const std::string& what) {
@@ -234,7 +234,7 @@ double share_along(const Wall& wall, const Scene& scene, const Vec3& direction) 
   return most;
 }
 
-void doubt_surfaces(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
+void warn_of_surfaces(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const Wall& wall = scene.walls[i];
     if (!wall.surface.moves()) continue;
@@ -263,7 +263,7 @@ double shortest_contact(const Case& c, const Movers& movers) {
   return stiffest > 0 ? std::numbers::pi * std::sqrt(movers.lightest / (2 * stiffest)) : 0;
 }
 
-void doubt_steps(const Case& c, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_steps(const Case& c, const Movers& movers, std::vector<std::string>& doubts) {
   const Settings& s = c.settings;
   const double contact = shortest_contact(c, movers);
   if (!(contact > 0 && s.duration > 0)) return;
@@ -273,7 +273,7 @@ void doubt_steps(const Case& c, const Movers& movers, std::vector<std::string>& 
                     seconds(s.duration), seconds(contact), format_quantity(movers.lightest, Dimension::mass)));
   }
   const double step = s.step > 0 ? s.step : contact / s.steps_per_contact;
-  if (s.duration / step > kMostSteps) {
+  if (s.duration / step > kMaxSteps) {
     doubts.push_back(
         fmt::format("time.duration = {} takes about {:.2g} steps of {} (the lightest body, {}, by the stiffest pair); a softer pair or "
                     "larger bodies make it fewer",
@@ -281,7 +281,7 @@ void doubt_steps(const Case& c, const Movers& movers, std::vector<std::string>& 
   }
 }
 
-void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_stiffness(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   const Settings& s = scene.settings;
   for (const CasePair& p : c.pairs) {
     Movers::Heaviest body;
@@ -313,7 +313,7 @@ void doubt_stiffness(const Case& c, const Scene& scene, const Movers& movers, st
 }
 
 /// Both theories are of small contacts: of a neck much smaller than its balls, and of a bridge that does not fill the room between them.
-void doubt_neck_or_bridge(const Scene& scene, const CasePair& p, double radius, std::vector<std::string>& doubts) {
+void warn_of_neck_or_bridge(const Scene& scene, const CasePair& p, double radius, std::vector<std::string>& doubts) {
   constexpr double kDeep = 0.05, kMuch = 0.1;  // of R*; of R^3: beyond Willett's fit
   const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
   if (pull_kind(p.pair) == PullKind::neck) {
@@ -340,7 +340,7 @@ constexpr double kWideRange = 0.1;
 
 /// A range that is not small beside the bodies: the force then acts over distances at which the model means nothing, between bodies that
 /// have others in between.
-void doubt_range(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
+void warn_of_range(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
   std::vector<double> smallest(scene.materials.size(), 1e300);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     double& mine = smallest[static_cast<std::size_t>(scene.bodies.material[i])];
@@ -391,7 +391,7 @@ bool falls_on(const Wall& wall, const PlacedBody& body, const Vec3& from, const 
 }
 
 /// Gravity that points away from every wall: up, in most cases.
-void doubt_fall(const SceneParts& parts, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_fall(const SceneParts& parts, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   const Settings& s = scene.settings;
   const double g = length(s.gravity), fall = 0.5 * g * s.duration * s.duration;
   const bool goes_round = s.domain.periodic[0] || s.domain.periodic[1] || s.domain.periodic[2];
@@ -412,7 +412,7 @@ void doubt_fall(const SceneParts& parts, const Scene& scene, const Movers& mover
 }
 
 /// [[outlets]] too thin to hold the centre of a body.
-void doubt_outlets(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_outlets(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
   for (std::size_t k = 0; k < parts.outlets.size(); ++k) {
     const Vec3 e = parts.outlets[k].box.extent();
     const double narrow = std::min({e.x, e.y, e.z});
@@ -459,7 +459,7 @@ std::vector<Rim> rims_of(const TriangleMesh& mesh) {
 }
 
 /// Openings of walls of triangles: too narrow for any body, or where a triangle is missing.
-void doubt_openings(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_openings(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
   for (std::size_t w = 0; w < c.walls.size(); ++w) {
     const Wall& wall = parts.walls[w];
     if (wall.kind != WallKind::mesh) continue;
@@ -482,7 +482,7 @@ void doubt_openings(const Case& c, const SceneParts& parts, const Movers& movers
 }
 
 /// Margins that make another body of a shape, and touch that is not where the shape is drawn.
-void doubt_margins(const Scene& scene, const PackingReport& report, std::vector<std::string>& doubts) {
+void warn_of_margins(const Scene& scene, const PackingReport& report, std::vector<std::string>& doubts) {
   for (const PackingReport::Rounding& r : report.roundings) {
     if (r.mean > kFarTouch * r.margin) {
       doubts.push_back(fmt::format(
@@ -507,7 +507,7 @@ void doubt_margins(const Scene& scene, const PackingReport& report, std::vector<
 }
 
 /// Containers that turn so fast that nothing falls in them: revolutions a minute, given as radians a second.
-void doubt_turns(const Case& c, const SceneParts& parts, std::vector<std::string>& doubts) {
+void warn_of_turns(const Case& c, const SceneParts& parts, std::vector<std::string>& doubts) {
   const double g = length(c.settings.gravity);
   for (std::size_t i = 0; i < c.walls.size() && g > 0; ++i) {
     const Wall& wall = parts.walls[i];
@@ -531,7 +531,7 @@ void doubt_turns(const Case& c, const SceneParts& parts, std::vector<std::string
 }
 
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
-void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
   for (const CasePair& p : c.pairs) {
     if (!attracts(p.pair) || scene.settings.gather == Gathering::area) continue;
     double radius = p.pair.contact_radius;
@@ -541,7 +541,7 @@ void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, s
     if (!(radius > 0)) continue;
     const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
     if (pull_kind(p.pair) != PullKind::potential) {
-      doubt_neck_or_bridge(scene, p, radius, doubts);
+      warn_of_neck_or_bridge(scene, p, radius, doubts);
       continue;
     }
     const double range = attraction_range(scene.settings.law, p.pair, a, b, radius), work = 0.5 * pull_off_force(p.pair, radius) * range;
@@ -557,29 +557,29 @@ void doubt_attraction(const Case& c, const Scene& scene, const Movers& movers, s
 
 }  // namespace
 
-std::vector<std::string> doubts_about(const Case& c) {
+std::vector<std::string> warnings_of_case(const Case& c) {
   std::vector<std::string> doubts;
-  doubt_materials(c, doubts);
-  doubt_surroundings(c, doubts);
-  doubt_times(c, doubts);
+  warn_of_materials(c, doubts);
+  warn_of_surroundings(c, doubts);
+  warn_of_times(c, doubts);
   return doubts;
 }
 
-std::vector<std::string> doubts_about(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report) {
-  std::vector<std::string> doubts = doubts_about(c);
+std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report) {
+  std::vector<std::string> doubts = warnings_of_case(c);
   const Movers movers = movers_of(c, parts, scene);
   if (!(movers.largest > 0)) return doubts;
-  doubt_extents(c, parts, movers, doubts);
-  doubt_steps(c, movers, doubts);
-  doubt_stiffness(c, scene, movers, doubts);
-  doubt_attraction(c, scene, movers, doubts);
-  doubt_range(c, scene, doubts);
-  doubt_surfaces(c, scene, doubts);
-  doubt_fall(parts, scene, movers, doubts);
-  doubt_outlets(c, parts, movers, doubts);
-  doubt_openings(c, parts, movers, doubts);
-  doubt_margins(scene, report, doubts);
-  doubt_turns(c, parts, doubts);
+  warn_of_extents(c, parts, movers, doubts);
+  warn_of_steps(c, movers, doubts);
+  warn_of_stiffness(c, scene, movers, doubts);
+  warn_of_attraction(c, scene, movers, doubts);
+  warn_of_range(c, scene, doubts);
+  warn_of_surfaces(c, scene, doubts);
+  warn_of_fall(parts, scene, movers, doubts);
+  warn_of_outlets(c, parts, movers, doubts);
+  warn_of_openings(c, parts, movers, doubts);
+  warn_of_margins(scene, report, doubts);
+  warn_of_turns(c, parts, doubts);
   if (scene.settings.impact_speed > kFastest) {
     doubts.push_back(
         fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",

@@ -1,4 +1,4 @@
-#include "solver/scene/ball_laws.hpp"
+#include "solver/scene/lane_laws.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,22 +13,22 @@ namespace {
 
 /// A law that is not named here goes the general way.
 template <class Entry>
-constexpr BallLawKind kind_of() {
+constexpr LaneLawKind kind_of() {
   constexpr bool linear = std::is_same_v<typename Entry::Normal, LinearLaw>, hertz = std::is_same_v<typename Entry::Normal, HertzLaw>;
   constexpr bool viscous = std::is_same_v<typename Entry::Damp, ViscousDamping>;
-  if (linear && viscous) return BallLawKind::linear_viscous;
-  if (linear && std::is_same_v<typename Entry::Damp, HuntCrossleyDamping>) return BallLawKind::linear_hunt_crossley;
-  return hertz && viscous ? BallLawKind::hertz_viscous : BallLawKind::none;
+  if (linear && viscous) return LaneLawKind::linear_viscous;
+  if (linear && std::is_same_v<typename Entry::Damp, HuntCrossleyDamping>) return LaneLawKind::linear_hunt_crossley;
+  return hertz && viscous ? LaneLawKind::hertz_viscous : LaneLawKind::none;
 }
 
 template <class Entry>
-BallLaw ball_law(const PairLaw& law) {
-  constexpr BallLawKind kind = kind_of<Entry>();
-  BallLaw row;
+LaneLaw ball_law(const PairLaw& law) {
+  constexpr LaneLawKind kind = kind_of<Entry>();
+  LaneLaw row;
   // products in the order of HertzLaw and ViscousDamping: the bits are theirs
-  row.stiffness = kind == BallLawKind::hertz_viscous ? 4.0 / 3 * law.stiffness : law.stiffness;
+  row.stiffness = kind == LaneLawKind::hertz_viscous ? 4.0 / 3 * law.stiffness : law.stiffness;
   row.size_stiffness = law.size_stiffness;
-  row.damping = kind == BallLawKind::linear_hunt_crossley ? law.damping_slope : 2 * law.damping_ratio;
+  row.damping = kind == LaneLawKind::linear_hunt_crossley ? law.damping_slope : 2 * law.damping_ratio;
   row.friction = law.friction;
   row.friction_sliding = law.friction_sliding;
   row.tangential_ratio = law.tangential_ratio;
@@ -37,7 +37,7 @@ BallLaw ball_law(const PairLaw& law) {
   return row;
 }
 
-void add_zones(const SolverScene& scene, BallLaws& table) {
+void add_zones(const SolverScene& scene, LaneLaws& table) {
   for (std::size_t n = 0; n < scene.zones().size(); ++n) {
     const WallZone& zone = scene.zones()[n];
     const Wall& wall = scene.source().walls[static_cast<std::size_t>(zone.wall)];
@@ -51,19 +51,19 @@ void add_zones(const SolverScene& scene, BallLaws& table) {
 
 }  // namespace
 
-BallLaws make_lane_laws(const SolverScene& scene) {
-  BallLaws table;
+LaneLaws make_lane_laws(const SolverScene& scene) {
+  LaneLaws table;
   const LawChoice& choice = scene.law_choice();
   if (choice.gathering != Gathering::potential || choice.attraction || scene.reach() > 0 || scene.source().settings.barrier > 0 ||
-      !scene.source().bonds.empty() || scene.laws_by_room())
+      !scene.source().bonds.empty() || scene.laws_by_max_overlap())
     return table;
   table.friction = built_with::kFriction && choice.friction;
   table.needs_radius = choice.needs_radius;
-  table.room_by_size = scene.margins_by_size();
-  table.margin = table.room_by_size ? 0 : 2 * scene.margin();
+  table.max_overlap_by_size = scene.margins_by_size();
+  table.margin = table.max_overlap_by_size ? 0 : 2 * scene.margin();
   table.materials = scene.source().materials.size();
   for_law(choice.law, [&]<class Entry>() {
-    if constexpr (kind_of<Entry>() != BallLawKind::none) {
+    if constexpr (kind_of<Entry>() != LaneLawKind::none) {
       table.kind = kind_of<Entry>();
       for (std::size_t row = 0; row < table.materials * table.materials; ++row) {
         const PairLaw& law = scene.law(static_cast<std::int32_t>(row / table.materials), static_cast<std::int32_t>(row % table.materials));
@@ -81,11 +81,11 @@ BallLaws make_lane_laws(const SolverScene& scene) {
   return table;
 }
 
-BallLaws make_ball_laws(const SolverScene& scene) {
+LaneLaws make_ball_laws(const SolverScene& scene) {
   const std::vector<SolverShape>& shapes = scene.shapes();
   if (std::none_of(shapes.begin(), shapes.end(), [](const SolverShape& s) { return s.kind == ShapeKind::sphere; })) return {};
-  BallLaws table = scene.lane_laws();
-  if (table.kind != BallLawKind::none) add_zones(scene, table);
+  LaneLaws table = scene.lane_laws();
+  if (table.kind != LaneLawKind::none) add_zones(scene, table);
   return table;
 }
 
