@@ -29,11 +29,6 @@ bool on_terminal() { return isatty(STDERR_FILENO) != 0; }
 
 }  // namespace
 
-double progress_patience() {
-  const char* text = std::getenv("SCREE_PROGRESS_AFTER");
-  return text != nullptr ? std::max(0.0, std::atof(text)) : kProgressAfter;
-}
-
 void print_progress(bool on) { prints = on; }
 
 LongWork::LongWork(std::string name, double total)

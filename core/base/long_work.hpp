@@ -10,12 +10,6 @@
 
 namespace scree {
 
-/// [s] before work speaks, and between two lines in a file. The environment variable SCREE_PROGRESS_AFTER changes it.
-inline constexpr double kProgressAfter = 3;
-
-/// The same, with the environment variable.
-double progress_patience();
-
 /// Lets long work print to stderr from now on, or no longer: a child process that shares the work of its parent is silent.
 void print_progress(bool on);
 

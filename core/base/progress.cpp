@@ -7,8 +7,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/base/long_work.hpp"
-
 namespace scree {
 
 namespace {
@@ -16,6 +14,11 @@ constexpr double kRedrawInterval = 0.2;  ///< [s] on a terminal; more often only
 constexpr int kLinesInAFile = 20;        ///< one line per 5 %
 constexpr double kMaxInAFile = 600;      ///< [s] after which the next one comes at the latest
 }  // namespace
+
+double progress_patience() {
+  const char* text = std::getenv("SCREE_PROGRESS_AFTER");
+  return text != nullptr ? std::max(0.0, std::atof(text)) : kProgressAfter;
+}
 
 Progress::Progress(std::string title, double total, std::function<Time()> now)
     : title_(std::move(title)),

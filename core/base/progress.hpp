@@ -1,4 +1,4 @@
-// Progress of a long job: a line with time left on a terminal; otherwise one line per 5 %, at most one in kProgressAfter (long_work.hpp),
+// Progress of a long job: a line with time left on a terminal; otherwise one line per 5 %, at most one in kProgressAfter,
 // the first of them then whatever the share, and at least one in ten minutes.
 #pragma once
 
@@ -7,6 +7,12 @@
 #include <string>
 
 namespace scree {
+
+/// [s] before work speaks, and between two lines in a file. The environment variable SCREE_PROGRESS_AFTER changes it.
+inline constexpr double kProgressAfter = 3;
+
+/// The same, with the environment variable.
+double progress_patience();
 
 /// Talks to stderr. One thread, one rank.
 class Progress {

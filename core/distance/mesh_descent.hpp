@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/distance/mesh_distance.hpp"
+#include "core/distance/placement.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/geometry/bvh.hpp"
 

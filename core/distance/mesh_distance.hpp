@@ -6,34 +6,16 @@
 #include <utility>
 #include <vector>
 
+#include "core/distance/placement.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/geometry/bvh.hpp"
 #include "core/geometry/triangle_mesh.hpp"
 
 namespace scree {
 
-/// A mesh and its tree, both of a shape; not owned.
-struct MeshView {
-  const TriangleMesh* mesh = nullptr;
-  const Bvh* bvh = nullptr;
-};
-
-/// Places shape B in the frame of shape A: x_A = scale * rotation * x_B + translation, all in units of A's
-/// shape (divide by A's own scale first). See relative_placement.
-struct Placement {
-  Mat3 rotation = identity3();
-  Vec3 translation;
-  double scale = 1;
-};
-
 /// Placement of B in A's unscaled frame from world poses. Lengths found with it are in units of A's shape:
 /// multiply by scale_a for metres.
 Placement relative_placement(const Vec3& x_a, const Quat& q_a, double scale_a, const Vec3& x_b, const Quat& q_b, double scale_b);
-
-struct TrianglePair {
-  std::int32_t a, b;
-  bool operator==(const TrianglePair&) const = default;
-};
 
 /// Reusable scratch memory of the queries; one per thread.
 struct MeshDistanceScratch;

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
-#include "core/storage/scene_file.hpp"
+#include "core/storage/scene.hpp"
 
 namespace scree {
 

@@ -1,10 +1,10 @@
 // The keys of a case that its scene file keeps: settings, materials, pairs of materials. A new one is an entry in scene_keys.cpp and the
-// member that it fills (scene_file.hpp): the case and the scene file are then read and written with it, and it is in the schema and
+// member that it fills (scene.hpp): the case and the scene file are then read and written with it, and it is in the schema and
 // CASE.md.
 #pragma once
 
 #include "core/storage/keys.hpp"
-#include "core/storage/scene_file.hpp"
+#include "core/storage/scene.hpp"
 
 namespace scree {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/storage/scene_file.hpp"
+#include "core/storage/scene.hpp"
 
 namespace scree {
 

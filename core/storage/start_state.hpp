@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/storage/h5.hpp"
-#include "core/storage/scene_file.hpp"
+#include "core/storage/scene.hpp"
 
 namespace scree {
 

@@ -1,7 +1,7 @@
 // Which materials of a case can touch.
 #pragma once
 
-#include "decomposer/case/case_file.hpp"
+#include "decomposer/case/case.hpp"
 
 namespace scree {
 

@@ -2,7 +2,7 @@
 // they are read.
 #pragma once
 
-#include "decomposer/case/case_file.hpp"
+#include "decomposer/case/case.hpp"
 #include "decomposer/case/case_keys.hpp"
 
 namespace scree {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/packing_report.hpp"
 #include "decomposer/packing/scene_parts.hpp"
 
 namespace scree {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <map>
 
-#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/packing_report.hpp"
 
 namespace scree {
 

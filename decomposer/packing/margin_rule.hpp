@@ -1,7 +1,7 @@
 // The margin of a case that gives none, and a warning for one that gives too little.
 #pragma once
 
-#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/packing_report.hpp"
 #include "decomposer/packing/scene_parts.hpp"
 
 namespace scree {

@@ -12,7 +12,7 @@
 
 #include "core/geometry/periodic.hpp"
 #include "core/surface/touch_surface.hpp"
-#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/packing_report.hpp"
 #include "decomposer/packing/placements.hpp"
 #include "decomposer/packing/vacancy_map.hpp"
 

@@ -1,7 +1,7 @@
 // Parts bodies of [[bodies]] that start too close: before the first step, so that nothing is thrown (contact.relax).
 #pragma once
 
-#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/packing_report.hpp"
 #include "decomposer/packing/scene_parts.hpp"
 
 namespace scree {

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "decomposer/packing/build_scene.hpp"
 #include "decomposer/packing/child_solver.hpp"
+#include "decomposer/packing/packing_report.hpp"
 #include "decomposer/packing/placements.hpp"
 
 namespace scree {

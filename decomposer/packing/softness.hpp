@@ -2,7 +2,7 @@
 // contacts are made as stiff as the case has them before the bed comes to its last rest (settle.cpp).
 #pragma once
 
-#include "decomposer/packing/build_scene.hpp"
+#include "decomposer/packing/packing_report.hpp"
 #include "decomposer/packing/scene_parts.hpp"
 
 namespace scree {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/storage/piece_table.hpp"
-#include "mesher/fracture/cut_mesh.hpp"
+#include "mesher/fracture/cut_cells.hpp"
 
 namespace scree {
 

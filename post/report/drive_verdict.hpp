@@ -1,7 +1,7 @@
 // Did the walls that answer to force do what they are there for? Where they ended, and whether servos hold the force asked of them.
 #pragma once
 
-#include "post/report/verdicts.hpp"
+#include "post/report/verdict.hpp"
 
 namespace scree {
 

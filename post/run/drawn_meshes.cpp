@@ -4,8 +4,6 @@
 #include <map>
 #include <numbers>
 
-#include "post/run/within.hpp"
-
 namespace scree {
 
 namespace {
@@ -188,7 +186,7 @@ std::vector<double> bounding_radii(const Scene& scene) {
   return radii;
 }
 
-Box3 max_overlap_of(const FrameBodies& bodies, const Scene& scene) {
+Box3 room_of(const FrameBodies& bodies, const Scene& scene) {
   const std::vector<double> radius = bounding_radii(scene);
   Box3 room;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -222,11 +220,11 @@ std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene) {
   return places;
 }
 
-Box3 seen_max_overlap(const Frame& frame, const Scene& scene) {
+Box3 seen_room(const Frame& frame, const Scene& scene) {
   constexpr double kWhole = 4;  // times the bodies' room: a wall up to so large is seen as a whole, and the bodies can still be told apart
   constexpr double kBeside =
       0.35;  // times the bodies' room: so much is seen of a wall that has left them, as a gate that opened or a tube that was lifted
-  const Box3 bodies = max_overlap_of(frame.bodies, scene);
+  const Box3 bodies = room_of(frame.bodies, scene);
   const Vec3 extent = bodies.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
   const std::vector<WallPlace> places = wall_places(frame, scene);

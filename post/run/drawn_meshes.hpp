@@ -6,6 +6,7 @@
 #include "core/picture/view.hpp"
 #include "core/storage/frame_file.hpp"
 #include "core/storage/scene_file.hpp"
+#include "post/run/wall_extent.hpp"
 
 namespace scree {
 
@@ -36,19 +37,15 @@ std::vector<Vec3> worn_vertices_of(const Wall& wall, const Frame& frame);
 std::vector<double> bounding_radii(const Scene& scene);
 
 /// Box that holds the bounding spheres of all bodies; without bodies, the walls that have an end and the regions of the inlets.
-Box3 max_overlap_of(const FrameBodies& bodies, const Scene& scene);
+Box3 room_of(const FrameBodies& bodies, const Scene& scene);
 
-/// World position and orientation of each wall of the scene in a frame; where the frame has none, the scene's.
-struct WallPlace {
-  Vec3 position;
-  Quat orientation;
-};
+/// Of each wall of the scene in a frame; where the frame has none, the scene's.
 std::vector<WallPlace> wall_places(const Frame& frame, const Scene& scene);
 
-/// The same with the walls that a picture is to show: those that have an end and are not much larger than what the bodies fill, as drums,
-/// hoppers and bowls; of a larger one, and of one that has moved away from all bodies, what lies near them. Planes and boxes do not count:
-/// they are drawn to fit.
-Box3 seen_max_overlap(const Frame& frame, const Scene& scene);
+/// The box of room_of() with the walls that a picture is to show: those that have an end and are not much larger than what the bodies fill,
+/// as drums, hoppers and bowls; of a larger one, and of one that has moved away from all bodies, what lies near them. Planes and boxes do
+/// not count: they are drawn to fit.
+Box3 seen_room(const Frame& frame, const Scene& scene);
 
 View view_of(const Box3& room, const Vec3& gravity);
 

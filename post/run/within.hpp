@@ -12,9 +12,6 @@
 
 namespace scree {
 
-/// Box around a wall at its place in a frame [m]; none for a plane, which has no end.
-std::optional<Box3> wall_extent(const Wall& wall, const Scene& scene, const WallPlace& place);
-
 /// Which bodies of a frame have not left.
 ///
 /// The equipment is the box around all walls with an end and all fixed bodies, as they were at the first frame of the run and as they are:

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "post/statistics/statistics.hpp"
+#include "post/statistics/statistics_data.hpp"
 
 namespace scree {
 

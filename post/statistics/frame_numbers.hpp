@@ -6,7 +6,7 @@
 
 #include "post/run/run_bodies.hpp"
 #include "post/statistics/space_measures.hpp"
-#include "post/statistics/statistics.hpp"
+#include "post/statistics/statistics_data.hpp"
 
 namespace scree {
 

@@ -53,7 +53,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   const bool moving = any_wall_changes(run.scene);
   if (!run.scene.walls.empty() && !moving) {
     const Frame first = load_frame(run, 0, FrameParts::bodies);
-    const Box3 room = extent.box.is_empty() ? max_overlap_of({}, run.scene) : extent.box;
+    const Box3 room = extent.box.is_empty() ? room_of({}, run.scene) : extent.box;
     std::vector<TriangleMesh> walls;
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
     write_walls_vtp((folder / "walls.vtp").string(), run.scene, walls, wall_places(first, run.scene), {});

@@ -336,7 +336,7 @@ std::string paraview_script(const Run& run, const std::string& run_from_script, 
     for (const auto& share : inlet.shares) body_shapes.insert(share.shape);
     body_materials.insert(inlet.material);
   }
-  const Box3 room = extent.box.is_empty() ? max_overlap_of({}, run.scene) : extent.box;
+  const Box3 room = extent.box.is_empty() ? room_of({}, run.scene) : extent.box;
   const std::int32_t rank_count = extent.ranks;
   const Vec3 gravity = run.scene.settings.gravity;
   const View view = view_of(room, gravity);

@@ -464,7 +464,7 @@ Stage::Stage(const Run& run, const PictureOptions& options)
 
 void Stage::add(const Run& run, const Frame& given, const PictureOptions& options) {
   const Frame frame = within.part_of(run, as_shown(run, given, options, within));
-  const Box3 seen = seen_max_overlap(frame, run.scene);
+  const Box3 seen = seen_room(frame, run.scene);
   room.add(seen.lower);
   room.add(seen.upper);
   if (options.network) {

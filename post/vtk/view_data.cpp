@@ -66,7 +66,7 @@ std::string view_data(const Run& run, const Frame& given, const Within& within) 
   const Frame inside = within.part_of(run, given);
   const Frame& frame = within.is_equipment() ? given : inside;
   const FrameBodies& b = frame.bodies;
-  const Box3 room = max_overlap_of(inside.bodies, scene);
+  const Box3 room = room_of(inside.bodies, scene);
   const View view = view_of(room, scene.settings.gravity);
   const auto list = [](const Vec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
   nlohmann::json data = {{"time", frame.time},

@@ -252,8 +252,8 @@ function startView(canvas, panel, data) {
   canvas.addEventListener("wheel", e => { if (!e.ctrlKey && document.activeElement !== canvas) return; e.preventDefault(); zoomBy(Math.exp(0.0015 * e.deltaY)); }, {passive: false});
   canvas.addEventListener("contextmenu", e => e.preventDefault());
   canvas.addEventListener("keydown", e => {
-    const apply_law = {ArrowLeft: () => turnBy(-0.1, 0), ArrowRight: () => turnBy(0.1, 0), ArrowUp: () => turnBy(0, -0.1), ArrowDown: () => turnBy(0, 0.1), "+": () => zoomBy(0.9), "-": () => zoomBy(1.1)}[e.key];
-    if (apply_law) { e.preventDefault(); apply_law(); }
+    const act = {ArrowLeft: () => turnBy(-0.1, 0), ArrowRight: () => turnBy(0.1, 0), ArrowUp: () => turnBy(0, -0.1), ArrowDown: () => turnBy(0, 0.1), "+": () => zoomBy(0.9), "-": () => zoomBy(1.1)}[e.key];
+    if (act) { e.preventDefault(); act(); }
   });
   const tools = canvas.parentElement.querySelector(".tools");
   tools.querySelector("[name=colour]").addEventListener("change", e => { state.colour = e.target.value; paint(); redraw(); });

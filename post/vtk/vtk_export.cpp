@@ -51,7 +51,7 @@ VtkResult write_vtk_files(const Run& run, const VtkOptions& options) {
   Box3 room;
   if (wants("walls")) {
     room = extent_of_bodies(run, options.frames, Within::equipment(run), options.pool).box;
-    if (room.is_empty()) room = max_overlap_of({}, run.scene);
+    if (room.is_empty()) room = room_of({}, run.scene);
     for (const Wall& wall : run.scene.walls) walls.push_back(drawn_wall(wall, run.scene, room));
   }
   const Periodicity period = periodicity_of(run.scene);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "solver/contact/pair_friction.hpp"
+#include "solver/contact/transport.hpp"
 
 namespace scree {
 

@@ -125,15 +125,10 @@ inline double wrench_mobility_of_bonded(const PairMotion& m, const Vec3& force, 
 using PairForceFunction = PairForce (*)(const PairFeatures& features, const PairLaw& law, const PairMotion& motion, double dt,
                                         double friction_dt, std::vector<FrictionSpring>& springs, std::vector<ContactOutput>* outputs);
 
-/// The function for a scene's model and law, with what the scene does not need left out of it.
-PairForceFunction pair_force_function(const LawChoice& choice);
-
 /// Whether two bodies whose features lie within the reach of their law act on each other, where that depends on whether they have touched.
 /// in   radius     R* [m]
 /// out  released   energy that goes as a neck or bridge forms now [J]; 0 where none does
 using PairHoldsFunction = bool (*)(const PairFeatures& features, const PairLaw& law, double radius,
                                    const std::vector<FrictionSpring>& springs, double& released);
-/// Null for a scene none of whose pairs remembers that.
-PairHoldsFunction pair_holds_function(const LawChoice& choice);
 
 }  // namespace scree

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "solver/contact/contact_models.hpp"
-
 namespace scree {
 
 std::array<double, 12> mode_of(const PairMotion& m, const Vec3& x, const Vec3& f) {
@@ -45,15 +43,6 @@ void LinearContact::add_point(const Vec3& x, const Vec3& n, double stiffness, do
   const double kappa = law.tangential_ratio * push / overlap, c = tangential_damping_share(law, exponent) * chi * push;
   result.add_mode(kappa, c, mode_of(motion, x, u));
   result.add_mode(kappa, c, mode_of(motion, x, v));
-}
-
-LineariseFunction linearise_function(const LawChoice& choice) {
-  LineariseFunction function = nullptr;
-  for_chosen_law(choice, [&]<class Model, class Entry, class Normal>() {
-    function = [](const LinearContact& contact) { Model::linearise(contact, Normal(contact.law, contact.motion.radius)); };
-  });
-  SCREE_ASSERT(function != nullptr, "law {} does not go with this gathering", word_of(choice.law));
-  return function;
 }
 
 }  // namespace scree

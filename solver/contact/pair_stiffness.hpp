@@ -36,7 +36,4 @@ struct LinearContact {
 
 using LineariseFunction = void (*)(const LinearContact& contact);
 
-/// The function for a scene's model and law.
-LineariseFunction linearise_function(const LawChoice& choice);
-
 }  // namespace scree

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "solver/features/edge_features.hpp"
+#include "solver/features/edge_fading.hpp"
 
 namespace scree {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "solver/bodies/lanes-inl.hpp"
-#include "solver/lanes/ball_forces.hpp"
+#include "solver/lanes/ball_rows.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {

@@ -1,4 +1,5 @@
 #include "solver/pairs/forces.hpp"
+#include "solver/contact/chosen_law.hpp"
 
 #include <omp.h>
 
@@ -12,10 +13,6 @@
 #include "solver/pairs/squeezed.hpp"
 
 namespace scree {
-
-ForceScratch::ForceScratch() {
-  for (int t = 0; t < omp_get_max_threads(); ++t) distance.push_back(make_mesh_distance_scratch());
-}
 
 namespace {
 

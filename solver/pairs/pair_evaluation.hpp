@@ -13,7 +13,6 @@
 #include "solver/contact/damping_share.hpp"
 #include "solver/features/pass_through.hpp"
 #include "solver/pairs/deep_pairs.hpp"
-#include "solver/pairs/forces.hpp"
 #include "solver/pairs/mesh_evaluation.hpp"
 #include "solver/pairs/pair_pass.hpp"
 #include "solver/pairs/pairs_ahead.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "solver/contact/pair_force.hpp"
-#include "solver/pairs/forces.hpp"
+#include "solver/pairs/force_scratch.hpp"
 
 namespace scree {
 

@@ -7,7 +7,7 @@
 #include "solver/run/checkpoint.hpp"
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/rest_watch.hpp"
-#include "solver/run/run.hpp"
+#include "solver/run/run_options.hpp"
 
 namespace scree {
 

@@ -6,8 +6,8 @@
 
 #include "solver/run/checkpoint.hpp"
 #include "solver/run/loaded_scene.hpp"
-#include "solver/run/run.hpp"
 #include "solver/run/run_folder.hpp"
+#include "solver/run/run_options.hpp"
 
 namespace scree {
 

@@ -1,4 +1,5 @@
 #include "solver/step_size/stability.hpp"
+#include "solver/contact/chosen_law.hpp"
 
 #include <algorithm>
 #include <unordered_map>

@@ -9,21 +9,7 @@ ROOT = sys.argv[1]
 kLongest = 400
 # Units of one folder that reach each other by includes, and so are one unit in fact: no new ones, and those that are left become fewer.
 KNOTS = [
-    "core/base: long_work progress",
-    "core/distance: mesh_descent mesh_distance",
-    "core/storage: scene_file scene_keys scene_settings start_state",
-    "decomposer/case: case_file case_pairs case_sections",
-    "decomposer/packing: build_scene case_warnings compact cut_bodies faces_between margin_rule packer relax settle softness",
-    "mesher/fracture: cut_faces cut_mesh",
-    "post/run: drawn_meshes within",
-    "post/statistics: flow_output frame_numbers statistics",
-    "post/report: drive_verdict verdicts",
-    "solver/scene: lane_laws solver_scene",
-    "solver/contact: area_model cluster_weights contact_model contact_models hand_over pair_force pair_friction pair_stiffness pairs_model potential_model",
-    "solver/features: candidate_slack edge_features",
-    "solver/lanes: ball_forces ball_lanes lane_contact",
-    "solver/pairs: ball_evaluation deep_pairs forces mesh_evaluation pair_evaluation pair_pass squeezed",
-    "solver/run: outcome run start",
+    "solver/scene: lane_laws solver_scene",  # a scene makes its laws for lanes as it is made
 ]
 
 

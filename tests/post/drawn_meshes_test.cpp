@@ -55,13 +55,13 @@ TEST(DrawnWall, across_a_periodic_axis_ends_at_the_cell) {
 
 TEST(SeenRoom, has_a_tube_as_a_whole_and_of_one_that_was_lifted_off_only_what_is_near) {
   const Frame frame = one_ball();
-  EXPECT_EQ(seen_max_overlap(frame, scene_with(tube(4, {0, 0, -1}))).upper.z, 3) << "around the bodies";
+  EXPECT_EQ(seen_room(frame, scene_with(tube(4, {0, 0, -1}))).upper.z, 3) << "around the bodies";
   Wall gone = tube(4, {0, 0, 1.5});
-  EXPECT_EQ(seen_max_overlap(frame, scene_with(gone)).upper.z, 5.5) << "it stands there";
+  EXPECT_EQ(seen_room(frame, scene_with(gone)).upper.z, 5.5) << "it stands there";
   Translate up;
   up.rate = 1;
   gone.motion.kind = up;
-  EXPECT_NEAR(seen_max_overlap(frame, scene_with(gone)).upper.z, 1 + 0.35 * 2, 1e-12) << "it has left them";
+  EXPECT_NEAR(seen_room(frame, scene_with(gone)).upper.z, 1 + 0.35 * 2, 1e-12) << "it has left them";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "solver/bodies/motion.hpp"
 #include "solver/contact/area_model.hpp"
+#include "solver/contact/chosen_law.hpp"
 #include "solver/features/triangle_contacts.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/test_run.hpp"

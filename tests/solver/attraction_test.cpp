@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/contact/chosen_law.hpp"
 #include "tests/solver/two_bodies.hpp"
 
 namespace scree {

@@ -9,6 +9,7 @@
 #include "core/storage/shape_file.hpp"
 #include "mesher/io/mesh_file.hpp"
 #include "mesher/repair/mesh_repair.hpp"
+#include "solver/contact/chosen_law.hpp"
 #include "tests/solver/contact_cases.hpp"
 
 namespace scree {

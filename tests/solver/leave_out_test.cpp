@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/contact/chosen_law.hpp"
 #include "tests/support/parallel_scenes.hpp"
 #include "tests/support/test_run.hpp"
 

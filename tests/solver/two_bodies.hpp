@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "solver/bodies/motion.hpp"
+#include "solver/contact/chosen_law.hpp"
 #include "solver/contact/cluster_weights.hpp"
 #include "solver/scene/solver_scene.hpp"
 #include "tests/support/scenes.hpp"

@@ -1,4 +1,4 @@
-#include "solver/contact/pair_force.hpp"
+#include "solver/contact/chosen_law.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -302,6 +302,15 @@ PairHoldsFunction pair_holds_function(const LawChoice& choice) {
 PairForceFunction pair_force_function(const LawChoice& choice) {
   PairForceFunction function = nullptr;
   for_chosen_law(choice, [&]<class Model, class Entry, class Law>() { function = specialise<Model, Entry, Law>(choice); });
+  SCREE_ASSERT(function != nullptr, "law {} does not go with this gathering", word_of(choice.law));
+  return function;
+}
+
+LineariseFunction linearise_function(const LawChoice& choice) {
+  LineariseFunction function = nullptr;
+  for_chosen_law(choice, [&]<class Model, class Entry, class Normal>() {
+    function = [](const LinearContact& contact) { Model::linearise(contact, Normal(contact.law, contact.motion.radius)); };
+  });
   SCREE_ASSERT(function != nullptr, "law {} does not go with this gathering", word_of(choice.law));
   return function;
 }

@@ -1,0 +1,65 @@
+// Rows of pairs of balls as lanes take them (ball_forces.hpp).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "solver/bodies/particle_set.hpp"
+#include "solver/scene/lane_laws.hpp"
+
+namespace scree {
+
+/// Pairs that are taken at once. A multiple of the lanes of every vector.
+inline constexpr std::size_t kBallPairs = 64;
+
+/// A plane or cylinder of a wall as a ball meets it. Aligned so that a row is found by its index alone.
+struct alignas(256) BallWall {
+  Vec3 x;  ///< of the wall frame's origin [m]
+  Quat q;
+  Vec3 v, w;            ///< half a step before
+  Vec3 pivot, pivot_v;  ///< see PairVelocities
+  Vec3 point, direction;
+  double radius = 0;  ///< of a cylinder [m]; 0: a plane
+};
+
+/// What pairs are of: A always a ball, B a ball or a wall.
+struct BallScene {
+  const ParticleSet& p;
+  const Periodicity& periodicity;
+  const LaneLaws& laws;
+  std::vector<BallWall> walls{};  ///< one for each of laws.zones
+};
+
+/// Some pairs, A and B as in BodyPair; all with balls or all with walls.
+struct BallPairs {
+  std::size_t count = 0;
+  bool with_walls = false;
+  alignas(64) std::array<std::int64_t, kBallPairs> a, b;  ///< rows of the particle set; b of `walls` where they are with walls
+};
+
+/// Four numbers of each pair, next to each other.
+using BallFours = std::array<double, 4 * kBallPairs>;
+
+/// What pairs that touch have kept and will keep: their springs as in FrictionSpring (x, y, z, stiffness), and how B was turned against A
+/// when they were set (x, y, z, w).
+struct BallSprings {
+  alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of LaneLaws
+  alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
+  alignas(64) BallFours spring, turn, rolling;
+  alignas(64) BallFours normal;  ///< x, y, z, and a place that is left
+};
+
+/// What pairs do to their bodies, world axes; as in PairResult.
+struct BallForces {
+  /// In fours: overlap over maximum overlap, elastic and tangential energy, 0; then force, torque on A, torque on B, and the same three of
+  /// what is dissipative; two places are left.
+  static constexpr std::size_t kFours = 6;
+  alignas(64) std::array<BallFours, kFours> fours;
+  alignas(64) BallFours spring, turn, rolling, normal;
+  alignas(64) std::array<double, kBallPairs> left;  ///< 1: the general path is to compute the pair, what is here is nothing
+  alignas(64) std::array<double, kBallPairs> gap;   ///< of the surfaces, as find_ball_gaps() [m]
+};
+
+}  // namespace scree
