@@ -2,7 +2,7 @@
 // taken when the program runs. Compile for the baseline, never with -march=native.
 //
 // Letters: a, b the two balls; n from B to A; x the contact point, mid-gap; w angular velocities; all in the frame of A about its centre,
-// as in pair_force.cpp, unless said otherwise. The order of operations is that of the general path, line by line: whoever changes one
+// as in chosen_law.cpp, unless said otherwise. The order of operations is that of the general path, line by line: whoever changes one
 // changes both. Tests compare them (tests/solver/ball_forces_test.cpp), and the hashes of all recorded runs of balls do.
 //
 // What is left out. The mobility of a pair, Q M^-1 Q of its wrench (wrench_mobility), is |F|^2 / m* and what the torques T of the normal

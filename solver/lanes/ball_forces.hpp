@@ -1,7 +1,7 @@
 // Forces of pairs of balls (analytic spheres), and of balls on planes and in cylinders of walls, one pair in each lane of a vector.
 //
 // Such a pair has one contact and one spring. Nothing that meshes need is made for them: no lists of candidates, no features, no frame of
-// the pair but what the law asks for. The bits are those of the general path (sphere_pair.cpp, pair_view.cpp, pair_force.cpp) in every
+// the pair but what the law asks for. The bits are those of the general path (sphere_pair.cpp, pair_view.cpp, chosen_law.cpp) in every
 // lane, on every instruction set: each lane does the same operations in the same order, no product and sum are fused, and only
 // operations that IEEE 754 rounds exactly occur. So a pair may go either way in any step, and does: what a lane has no formula for (a
 // step in which damping is limited, a spring of another kind, numbers that are none) it leaves to the general path.

@@ -1,7 +1,7 @@
 // What a contact does in lanes, once for balls (ball_forces.cpp) and for meshes (mesh_forces.cpp): how much of the push damping takes away
 // or adds, and the spring of friction. Included by them once for every instruction set.
 //
-// The order of operations is that of laws/damping.hpp, pair_force.cpp and pair_friction.hpp, line by line: whoever changes one changes
+// The order of operations is that of laws/damping.hpp, chosen_law.cpp and pair_friction.hpp, line by line: whoever changes one changes
 // both. Roots and quotients that only contacts need which slide, begin or lose load are made where at least one lane has such a contact:
 // they were a third of the time of a bed at rest. Lanes that have none then keep what a factor of 1 would have left as it was, to the bit.
 #if defined(SCREE_SOLVER_CONTACT_LANE_CONTACT_INL_HPP_) == defined(HWY_TARGET_TOGGLE)

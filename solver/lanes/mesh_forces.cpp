@@ -1,7 +1,7 @@
 // The kernel of mesh_forces.hpp, compiled once for every instruction set (Highway's foreach_target), as ball_forces.cpp.
 //
 // Letters: a, b the two bodies; x a contact point, n from B to A, w angular velocities; all in the frame of A about its centre. The order
-// of operations is that of pair_view.cpp (pose, motion), potential_model.hpp (add_potential), pair_force.cpp and pair_friction.hpp, line
+// of operations is that of pair_view.cpp (pose, motion), potential_model.hpp (add_potential), chosen_law.cpp and pair_friction.hpp, line
 // by line: whoever changes one changes both. Tests compare them (tests/solver/mesh_forces_test.cpp).
 #include "solver/lanes/mesh_forces.hpp"
 

@@ -4,7 +4,7 @@
 // the same number of features go together, so that no lane waits for another: a loop over the features of all of them at once, in
 // ascending order of their keys. Sums over the features of a pair stay within its lane and so have the order of the general path; with
 // the rules of ball_forces.hpp (the same operations, none fused, only those that IEEE 754 rounds exactly) the bits are those of
-// pair_force.cpp on every instruction set. What lanes have no formula for they leave to it in that step.
+// chosen_law.cpp on every instruction set. What lanes have no formula for they leave to it in that step.
 // Source of the law: docs/reference/contact-law.md sections 3.2 to 3.4.
 #pragma once
 

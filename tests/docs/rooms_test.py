@@ -92,4 +92,4 @@ for name in re.findall(r"`([\w/]+\.(?:hpp|cpp|md))`", section):
     if not any(os.path.isfile(os.path.join(ROOT, place)) for place in places):
         wrong.append(f"solver/README.md names {name}, which is not there")
 assert not wrong, "\n".join(wrong)
-print(f"{len(rooms)} rooms; {len(KNOTS)} knots of units are left")
+print(f"{len(rooms)} rooms; circles of includes that are left: {len(KNOTS)}")
