@@ -28,6 +28,7 @@ struct LogRow {
   std::vector<WallLoad> loads;   ///< in the world
   std::vector<WallState> walls;  ///< in the world
   std::vector<DriveState> drives;
+  Vec3 origin;  ///< of the scene as it is computed, in the world [m]
   std::string state_hash;
 };
 
