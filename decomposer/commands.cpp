@@ -164,7 +164,7 @@ CommandResult pack_command(const PackOptions& options, const std::vector<std::st
 
   CommandResult result;
   result.notices = report.notices;
-  result.warnings = report.doubts;
+  result.warnings = report.case_warnings;
   result.output = fmt::format("{}: {} bodies of {} shapes, {} walls, {} draws\n", options.output, scene.bodies.size(), scene.shapes.size(),
                               scene.walls.size(), report.attempts);
   for (std::size_t k = 0; k < report.solid_fraction.size(); ++k) {

@@ -49,14 +49,14 @@ def read(name):
 try:
     runs = {name: read(name) for name in POINTS}
 except Wrong as reason:
-    sys.exit(f"sweep_table: {reason}")
+    sys.exit(f"sweep_table: error: {reason}")
 keys = [key for key in next(iter(POINTS.values())) if key != "case"]
 names = sorted(set().union(*(numbers for numbers, _, _ in runs.values())))
 for name, (_, _, gaps) in runs.items():
     if QUANTITY in gaps:
         print(f"sweep_table: note: {name}: {QUANTITY}: {gaps[QUANTITY]}", file=sys.stderr)
 if QUANTITY not in names:
-    sys.exit(f"sweep_table: there is no quantity '{QUANTITY}' in these runs; there are: {', '.join(names)}")
+    sys.exit(f"sweep_table: error: there is no quantity '{QUANTITY}' in these runs; there are: {', '.join(names)}")
 
 with open(TABLE, "w", newline="", encoding="utf-8") as file:
     table = csv.writer(file)

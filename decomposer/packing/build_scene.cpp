@@ -77,7 +77,7 @@ class Builder {
     if (parts_.carried) out_.start = start_of(parts_.carried->from, scene(), parts_.carried->wall_partner);
     fill_report();
     report().facets = facets_of_walls(parts_, scene());
-    report().doubts = warnings_of_case(case_, parts_, scene(), report());
+    report().case_warnings = warnings_of_case(case_, parts_, scene(), report());
     return std::move(out_);
   }
 

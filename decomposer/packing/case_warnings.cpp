@@ -42,7 +42,7 @@ constexpr double kSmallOpening = 0.9;  // of the wall's length: above it is its 
 std::string metres(double value) { return format_quantity(value, Dimension::length); }
 std::string seconds(double value) { return format_quantity(value, Dimension::time); }
 
-void warn_of_materials(const Case& c, std::vector<std::string>& doubts) {
+void warn_of_materials(const Case& c, std::vector<std::string>& warnings) {
   std::set<std::int32_t> of_movers;
   for (const CaseBody& b : c.bodies) {
     if (!b.fixed) of_movers.insert(b.material);
@@ -52,15 +52,15 @@ void warn_of_materials(const Case& c, std::vector<std::string>& doubts) {
   for (const std::int32_t index : of_movers) {
     const Material& m = c.materials[static_cast<std::size_t>(index)];
     if (m.density < kLightest) {
-      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is less than wood has (above {:g}); was \"{:g} g/cm^3\" meant?",
-                                   m.name, m.density, kLightest, m.density));
+      warnings.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is less than wood has (above {:g}); was \"{:g} g/cm^3\" meant?",
+                                     m.name, m.density, kLightest, m.density));
     } else if (m.density > kHeaviest) {
-      doubts.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is more than any metal has (below {:g}); is the unit right?", m.name,
-                                   m.density, kHeaviest));
+      warnings.push_back(fmt::format("materials.{}.density = {:g} kg/m^3 is more than any metal has (below {:g}); is the unit right?",
+                                     m.name, m.density, kHeaviest));
     }
     if (m.young > 0 && m.young < kSoftest) {
-      doubts.push_back(fmt::format("materials.{}.young = {:g} Pa is softer than jelly ({:g} Pa); was \"{:g} GPa\" or \"{:g} MPa\" meant?",
-                                   m.name, m.young, kSoftest, m.young, m.young));
+      warnings.push_back(fmt::format("materials.{}.young = {:g} Pa is softer than jelly ({:g} Pa); was \"{:g} GPa\" or \"{:g} MPa\" meant?",
+                                     m.name, m.young, kSoftest, m.young, m.young));
     }
   }
   std::string frictionless;
@@ -69,26 +69,27 @@ void warn_of_materials(const Case& c, std::vector<std::string>& doubts) {
         fmt::format("{} on {}", c.materials[static_cast<std::size_t>(p.pair.a)].name, c.materials[static_cast<std::size_t>(p.pair.b)].name);
     if (!p.friction_given) frictionless += (frictionless.empty() ? "" : ", ") + name;
     if (p.pair.friction > kMaxFriction) {
-      doubts.push_back(fmt::format("{}: friction = {:g} of {} is a coefficient, the tangent of an angle; {:g} degrees would be {:.3g}",
-                                   p.where, p.pair.friction, name, p.pair.friction,
-                                   std::abs(std::tan(p.pair.friction * std::numbers::pi / 180))));
+      warnings.push_back(fmt::format("{}: friction = {:g} of {} is a coefficient, the tangent of an angle; {:g} degrees would be {:.3g}",
+                                     p.where, p.pair.friction, name, p.pair.friction,
+                                     std::abs(std::tan(p.pair.friction * std::numbers::pi / 180))));
     }
   }
   if (!frictionless.empty())
-    doubts.push_back(fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
+    warnings.push_back(
+        fmt::format("no friction is given, so that there is none: {}; write friction = 0 where that is meant", frictionless));
 }
 
-void warn_of_surroundings(const Case& c, std::vector<std::string>& doubts) {
+void warn_of_surroundings(const Case& c, std::vector<std::string>& warnings) {
   const Settings& s = c.settings;
   const double g = length(s.gravity);
   constexpr double kEarth = 9.81, kNear = 0.01;
   for (const auto& [factor, unit] : {std::pair{100.0, "cm/s^2"}, {1000.0, "mm/s^2"}}) {
     if (std::abs(g / (factor * kEarth) - 1) < kNear) {
-      doubts.push_back(fmt::format("gravity of {:g} m/s^2 is {:g} times that of the Earth; was \"{:g} {}\" meant?", g, factor, g, unit));
+      warnings.push_back(fmt::format("gravity of {:g} m/s^2 is {:g} times that of the Earth; was \"{:g} {}\" meant?", g, factor, g, unit));
     }
   }
   if (s.fluid && s.fluid->viscosity > kLiquid && s.fluid->density < kThinnestLiquid) {
-    doubts.push_back(fmt::format(
+    warnings.push_back(fmt::format(
         "fluid.density = {:g} kg/m^3 is that of a gas, and fluid.viscosity = {:g} Pa s that of a liquid; was \"{:g} g/cm^3\" meant?",
         s.fluid->density, s.fluid->viscosity, s.fluid->density));
   }
@@ -96,51 +97,51 @@ void warn_of_surroundings(const Case& c, std::vector<std::string>& doubts) {
                      std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; }) ||
                      std::any_of(c.walls.begin(), c.walls.end(), [](const CaseWall& w) { return w.wall.motion.drive().has_value(); });
   if (!moves)
-    doubts.push_back("nothing moves: the case has no population, no inlet, no body that is not fixed and no wall that answers to force");
+    warnings.push_back("nothing moves: the case has no population, no inlet, no body that is not fixed and no wall that answers to force");
   const bool is_held =
       c.start || !c.walls.empty() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return b.fixed; });
   if (moves && g > 0 && !is_held && !s.fluid) {
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("nothing holds the bodies: no wall, no fixed body, and gravity of {:g} m/s^2: they all fall freely, {} until the end",
                     g, metres(0.5 * g * s.duration * s.duration)));
   }
 }
 
-void warn_of_times(const Case& c, std::vector<std::string>& doubts) {
+void warn_of_times(const Case& c, std::vector<std::string>& warnings) {
   const Settings& s = c.settings;
   if (!(s.duration > 0)) return;
   if (s.output_every > s.duration) {
-    doubts.push_back(fmt::format("output.every = {} is longer than the run of {}: only its first and last state are kept",
-                                 seconds(s.output_every), seconds(s.duration)));
+    warnings.push_back(fmt::format("output.every = {} is longer than the run of {}: only its first and last state are kept",
+                                   seconds(s.output_every), seconds(s.duration)));
   } else if (s.duration / s.output_every > kMaxFrames) {
-    doubts.push_back(fmt::format("output.every = {} makes {:.3g} frames of a run of {}", seconds(s.output_every),
-                                 s.duration / s.output_every, seconds(s.duration)));
+    warnings.push_back(fmt::format("output.every = {} makes {:.3g} frames of a run of {}", seconds(s.output_every),
+                                   s.duration / s.output_every, seconds(s.duration)));
   }
   for (const CaseWall& w : c.walls) {
     for (const auto& [motion, what] : {std::pair{&w.wall.motion, "wall"}, std::pair{&w.wall.surface.motion, "the surface of wall"}}) {
       if (!motion->is_prescribed() || motion->start < s.duration) continue;
-      doubts.push_back(fmt::format("{}: {} '{}' starts to move at {}, and the run ends at {}", w.where, what, w.wall.name,
-                                   seconds(motion->start), seconds(s.duration)));
+      warnings.push_back(fmt::format("{}: {} '{}' starts to move at {}, and the run ends at {}", w.where, what, w.wall.name,
+                                     seconds(motion->start), seconds(s.duration)));
     }
   }
   const bool loses = s.fluid || std::any_of(c.pairs.begin(), c.pairs.end(),
                                             [](const CasePair& p) { return p.pair.restitution < 1 || p.pair.friction > 0; });
   for (const CaseWall& w : c.walls) {
     if (!s.stop_at_rest || !w.wall.motion.drive() || !(w.wall.motion.end() >= s.duration)) continue;
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("time.stop_at_rest: {}: wall '{}' ({}) may move until the end ({}), so that the run never ends before; give its motion "
                     "a stop, or leave "
                     "stop_at_rest out",
                     w.where, w.wall.name, w.wall.motion.word(), seconds(s.duration)));
   }
   if (s.sleep && !(length(s.gravity) > 0))
-    doubts.push_back("time.sleep: without gravity nothing sleeps, since no weight says which force is small; leave it out");
+    warnings.push_back("time.sleep: without gravity nothing sleeps, since no weight says which force is small; leave it out");
   for (const CaseWall& w : c.walls) {
     if (const char* why = s.sleep ? sleep_blocker(w.wall) : nullptr)
-      doubts.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}': it {}", w.where, w.wall.name, why));
+      warnings.push_back(fmt::format("time.sleep: {}: no body sleeps that touches wall '{}': it {}", w.where, w.wall.name, why));
   }
   if (s.stop_at_rest && !loses)
-    doubts.push_back(
+    warnings.push_back(
         "time.stop_at_rest: nothing takes energy away (restitution 1 and no friction in all pairs), so that nothing comes to rest");
 }
 
@@ -191,7 +192,7 @@ double longest(const Box3& box) {
   return std::max({e.x, e.y, e.z});
 }
 
-void warn_of_extents(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_extents(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& warnings) {
   double most = 0;
   std::string name;
   const auto consider = [&](double extent, const std::string& what) {
@@ -206,7 +207,7 @@ void warn_of_extents(const Case& c, const SceneParts& parts, const Movers& mover
     const std::string what = fmt::format("{} (wall '{}')", c.walls[i].where, w.name);
     if (!(w.cell_size > 0)) consider(extent, what);  // terrain may be as long as it likes
     if (extent * kFarSmaller < movers.smallest) {
-      doubts.push_back(
+      warnings.push_back(
           fmt::format("{} is {} long, and the smallest body is {} across: {:.0f} times as much; is the unit of one of them right?", what,
                       metres(extent), metres(movers.smallest), movers.smallest / extent));
     }
@@ -214,8 +215,8 @@ void warn_of_extents(const Case& c, const SceneParts& parts, const Movers& mover
   for (std::size_t k = 0; k < parts.regions.size(); ++k) consider(longest(parts.regions[k].box), c.populations[k].where + ".region");
   if (c.settings.domain.bounded && parts.walls.empty()) consider(longest({c.settings.domain.lower, c.settings.domain.upper}), "the domain");
   if (most > kFarLarger * movers.largest) {
-    doubts.push_back(fmt::format("{} is {} long, and the largest body is {} across: {:.0f} times less; is the unit of one of them right?",
-                                 name, metres(most), metres(movers.largest), most / movers.largest));
+    warnings.push_back(fmt::format("{} is {} long, and the largest body is {} across: {:.0f} times less; is the unit of one of them right?",
+                                   name, metres(most), metres(movers.largest), most / movers.largest));
   }
 }
 
@@ -234,20 +235,20 @@ double share_along(const Wall& wall, const Scene& scene, const Vec3& direction) 
   return most;
 }
 
-void warn_of_surfaces(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
+void warn_of_surfaces(const Case& c, const Scene& scene, std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const Wall& wall = scene.walls[i];
     if (!wall.surface.moves()) continue;
     const std::string what = fmt::format("{}: the surface of wall '{}'", c.walls[i].where, wall.name);
     const bool grips = std::any_of(scene.pairs.begin(), scene.pairs.end(),
                                    [&](const MaterialPair& p) { return (p.a == wall.material || p.b == wall.material) && p.friction > 0; });
-    if (!grips) doubts.push_back(what + " moves, and no pair with its material has friction: it moves nothing");
+    if (!grips) warnings.push_back(what + " moves, and no pair with its material has friction: it moves nothing");
     const auto* belt = std::get_if<Translate>(&wall.surface.motion.kind);
     if (belt == nullptr) continue;
     const double share = share_along(wall, scene, belt->axis);
     if (share < kAlong) {
-      doubts.push_back(fmt::format("{} moves at {:g} m/s, of which at most {:.3g} m/s lie along it; only that counts", what,
-                                   std::abs(belt->rate), share * std::abs(belt->rate)));
+      warnings.push_back(fmt::format("{} moves at {:g} m/s, of which at most {:.3g} m/s lie along it; only that counts", what,
+                                     std::abs(belt->rate), share * std::abs(belt->rate)));
     }
   }
 }
@@ -263,25 +264,25 @@ double shortest_contact(const Case& c, const Movers& movers) {
   return stiffest > 0 ? std::numbers::pi * std::sqrt(movers.lightest / (2 * stiffest)) : 0;
 }
 
-void warn_of_steps(const Case& c, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_steps(const Case& c, const Movers& movers, std::vector<std::string>& warnings) {
   const Settings& s = c.settings;
   const double contact = shortest_contact(c, movers);
   if (!(contact > 0 && s.duration > 0)) return;
   if (s.duration < kSurely * contact) {
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("time.duration = {} is less than a single contact takes ({} of the lightest body, {}, by the stiffest pair)",
                     seconds(s.duration), seconds(contact), format_quantity(movers.lightest, Dimension::mass)));
   }
   const double step = s.step > 0 ? s.step : contact / s.steps_per_contact;
   if (s.duration / step > kMaxSteps) {
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("time.duration = {} takes about {:.2g} steps of {} (the lightest body, {}, by the stiffest pair); a softer pair or "
                     "larger bodies make it fewer",
                     seconds(s.duration), s.duration / step, seconds(step), format_quantity(movers.lightest, Dimension::mass)));
   }
 }
 
-void warn_of_stiffness(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_stiffness(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& warnings) {
   const Settings& s = scene.settings;
   for (const CasePair& p : c.pairs) {
     Movers::Heaviest body;
@@ -304,7 +305,7 @@ void warn_of_stiffness(const Case& c, const Scene& scene, const Movers& movers, 
     const double margins = s.surface == TouchAt::drawn ? s.margin_ratio * body.diameter : 2 * s.margin;
     const double most = margins > 0 ? kPressedShare * margins : kPressedDiameter * body.diameter;
     if (!(depth > most)) continue;
-    doubts.push_back(fmt::format(
+    warnings.push_back(fmt::format(
         "{}: the heaviest body ({}) is pressed {} into the floor by its own weight, {}; a stiffer pair or a lighter body is needed",
         p.where, format_quantity(body.mass, Dimension::mass), metres(depth),
         margins > 0 ? fmt::format("{:.2f} of the margins, which end the run at 1", depth / margins)
@@ -313,13 +314,13 @@ void warn_of_stiffness(const Case& c, const Scene& scene, const Movers& movers, 
 }
 
 /// Both theories are of small contacts: of a neck much smaller than its balls, and of a bridge that does not fill the room between them.
-void warn_of_neck_or_bridge(const Scene& scene, const CasePair& p, double radius, std::vector<std::string>& doubts) {
+void warn_of_neck_or_bridge(const Scene& scene, const CasePair& p, double radius, std::vector<std::string>& warnings) {
   constexpr double kDeep = 0.05, kMuch = 0.1;  // of R*; of R^3: beyond Willett's fit
   const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
   if (pull_kind(p.pair) == PullKind::neck) {
     const double overlap = resting_contact(scene.settings.law, p.pair, a, b, radius).overlap;
     if (!(overlap > kDeep * radius)) return;
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("{}: adhesion alone presses balls of R* = {} {} into each other, {:.0f} % of R*, where JKR's theory of small contacts "
                     "does not hold; a "
                     "stiffer material (young) or a smaller adhesion is needed",
@@ -328,7 +329,7 @@ void warn_of_neck_or_bridge(const Scene& scene, const CasePair& p, double radius
   }
   const double share = p.pair.bridge_volume / std::pow(2 * radius, 3);
   if (!(share > kMuch)) return;
-  doubts.push_back(
+  warnings.push_back(
       fmt::format("{}: bridge_volume is {:.2g} R^3 with R = 2 R* = {}; the force of a bridge is known for less than {:g} R^3, beyond that "
                   "the liquid fills "
                   "the room between bodies",
@@ -340,7 +341,7 @@ constexpr double kWideRange = 0.1;
 
 /// A range that is not small beside the bodies: the force then acts over distances at which the model means nothing, between bodies that
 /// have others in between.
-void warn_of_range(const Case& c, const Scene& scene, std::vector<std::string>& doubts) {
+void warn_of_range(const Case& c, const Scene& scene, std::vector<std::string>& warnings) {
   std::vector<double> smallest(scene.materials.size(), 1e300);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     double& mine = smallest[static_cast<std::size_t>(scene.bodies.material[i])];
@@ -350,7 +351,7 @@ void warn_of_range(const Case& c, const Scene& scene, std::vector<std::string>& 
   for (const CasePair& p : c.pairs) {
     const double diameter = std::min(smallest[static_cast<std::size_t>(p.pair.a)], smallest[static_cast<std::size_t>(p.pair.b)]);
     if (!(p.pair.adhesion_range > kWideRange * 0.5 * diameter) || diameter >= 1e300) continue;
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("{}: adhesion_range = {} is {:.2g} of the radius of the smallest body ({} across): it attracts bodies that are far "
                     "from touching, where {} "
                     "or less is meant",
@@ -391,7 +392,7 @@ bool falls_on(const Wall& wall, const PlacedBody& body, const Vec3& from, const 
 }
 
 /// Gravity that points away from every wall: up, in most cases.
-void warn_of_fall(const SceneParts& parts, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_fall(const SceneParts& parts, const Scene& scene, const Movers& movers, std::vector<std::string>& warnings) {
   const Settings& s = scene.settings;
   const double g = length(s.gravity), fall = 0.5 * g * s.duration * s.duration;
   const bool goes_round = s.domain.periodic[0] || s.domain.periodic[1] || s.domain.periodic[2];
@@ -405,19 +406,19 @@ void warn_of_fall(const SceneParts& parts, const Scene& scene, const Movers& mov
       if (falls_on(parts.walls[w], parts.wall_bodies[w], from, (1 / g) * s.gravity)) return;
   }
   if (starts.empty()) return;
-  doubts.push_back(
+  warnings.push_back(
       fmt::format("gravity = [{:g}, {:g}, {:g}] points away from every wall: below none of the bodies is one, they fall {} until the "
                   "end; is its direction right?",
                   s.gravity.x, s.gravity.y, s.gravity.z, metres(fall)));
 }
 
 /// [[outlets]] too thin to hold the centre of a body.
-void warn_of_outlets(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_outlets(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& warnings) {
   for (std::size_t k = 0; k < parts.outlets.size(); ++k) {
     const Vec3 e = parts.outlets[k].box.extent();
     const double narrow = std::min({e.x, e.y, e.z});
     if (!(2 * narrow < movers.narrowest)) continue;
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("{}: the outlet '{}' is {} thick, and the smallest body {}: only a body whose centre comes into it leaves, and one "
                     "that rests on a wall behind it never does; make it thicker than a body",
                     c.outlets[k].where, c.outlets[k].name, metres(narrow), metres(movers.narrowest)));
@@ -459,7 +460,7 @@ std::vector<Rim> rims_of(const TriangleMesh& mesh) {
 }
 
 /// Openings of walls of triangles: too narrow for any body, or where a triangle is missing.
-void warn_of_openings(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_openings(const Case& c, const SceneParts& parts, const Movers& movers, std::vector<std::string>& warnings) {
   for (std::size_t w = 0; w < c.walls.size(); ++w) {
     const Wall& wall = parts.walls[w];
     if (wall.kind != WallKind::mesh) continue;
@@ -473,19 +474,19 @@ void warn_of_openings(const Case& c, const SceneParts& parts, const Movers& move
           "{}: wall '{}' has {} near ({:.4g}, {:.4g}, {:.4g}) m, {} wide with {} edges, and the smallest body is {}", c.walls[w].where,
           wall.name, rim.edges > kSeams ? "an opening" : "a hole", at.x, at.y, at.z, metres(width), rim.edges, metres(movers.narrowest));
       if (rim.edges <= kSeams && !c.walls[w].file.empty()) {
-        doubts.push_back(what + "; where it is not meant, close it: scree-mesher repair");
+        warnings.push_back(what + "; where it is not meant, close it: scree-mesher repair");
         break;  // more of them say no more
       }
-      if (width < movers.narrowest) doubts.push_back(what + ": none passes");
+      if (width < movers.narrowest) warnings.push_back(what + ": none passes");
     }
   }
 }
 
 /// Margins that make another body of a shape, and touch that is not where the shape is drawn.
-void warn_of_margins(const Scene& scene, const PackingReport& report, std::vector<std::string>& doubts) {
+void warn_of_margins(const Scene& scene, const PackingReport& report, std::vector<std::string>& warnings) {
   for (const PackingReport::Rounding& r : report.roundings) {
     if (r.mean > kFarTouch * r.margin) {
-      doubts.push_back(fmt::format(
+      warnings.push_back(fmt::format(
           "shape '{}' touches {} from its drawn surface on the mean, {:.2f} of its margin of {}: it is too thin or too sharp to "
           "be moved in by that, and all of it is larger than drawn; a smaller contact.margin_ratio, or a smoother shape, is needed",
           r.shape, metres(r.mean), r.mean / r.margin, metres(r.margin)));
@@ -500,14 +501,14 @@ void warn_of_margins(const Scene& scene, const PackingReport& report, std::vecto
   }
   if (least < 1e300) margin = s.surface == TouchAt::drawn ? s.margin_ratio * least : s.margin;
   if (!(margin > kWideMargin * least)) return;
-  doubts.push_back(
+  warnings.push_back(
       fmt::format("contact.margin is {:.2f} of the radius of the smallest body with a mesh, {}: its edges are rounded by {}; {} or less "
                   "keeps its shape, with a stiffer pair",
                   margin / least, metres(least), metres(margin), metres(kWideMargin / 2 * least)));
 }
 
 /// Containers that turn so fast that nothing falls in them: revolutions a minute, given as radians a second.
-void warn_of_turns(const Case& c, const SceneParts& parts, std::vector<std::string>& doubts) {
+void warn_of_turns(const Case& c, const SceneParts& parts, std::vector<std::string>& warnings) {
   const double g = length(c.settings.gravity);
   for (std::size_t i = 0; i < c.walls.size() && g > 0; ++i) {
     const Wall& wall = parts.walls[i];
@@ -522,7 +523,7 @@ void warn_of_turns(const Case& c, const SceneParts& parts, std::vector<std::stri
     const double rate = std::abs(turn->rate), froude = rate * rate * radius / g, rpm = rate * 30 / std::numbers::pi;
     const double as_rpm = froude * std::pow(rate / rpm, 2);  // were the same number revolutions a minute
     if (!(froude > (holds ? kCentrifuges : kFlings)) || as_rpm > kCentrifuges) continue;
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("{}: wall '{}' turns at {:.4g} rad/s ({:.4g} rpm), a Froude number of {:.3g} at its radius of {}{}; was \"{:.4g} rpm\" "
                     "({:.4g} rad/s, {:.2g}) meant?",
                     c.walls[i].where, wall.name, rate, rpm, froude, metres(radius),
@@ -531,7 +532,7 @@ void warn_of_turns(const Case& c, const SceneParts& parts, std::vector<std::stri
 }
 
 /// A contact that is softened for the sake of the step gives back more of what pressed it together than the attraction itself holds.
-void warn_of_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& doubts) {
+void warn_of_attraction(const Case& c, const Scene& scene, const Movers& movers, std::vector<std::string>& warnings) {
   for (const CasePair& p : c.pairs) {
     if (!attracts(p.pair) || scene.settings.gather == Gathering::area) continue;
     double radius = p.pair.contact_radius;
@@ -541,13 +542,13 @@ void warn_of_attraction(const Case& c, const Scene& scene, const Movers& movers,
     if (!(radius > 0)) continue;
     const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
     if (pull_kind(p.pair) != PullKind::potential) {
-      warn_of_neck_or_bridge(scene, p, radius, doubts);
+      warn_of_neck_or_bridge(scene, p, radius, warnings);
       continue;
     }
     const double range = attraction_range(scene.settings.law, p.pair, a, b, radius), work = 0.5 * pull_off_force(p.pair, radius) * range;
     const RestingContact rest = resting_contact(scene.settings.law, p.pair, a, b, radius);
     if (!(rest.energy > work)) continue;
-    doubts.push_back(fmt::format(
+    warnings.push_back(fmt::format(
         "{}: to part a contact at rest takes {} to undo its overlap of {}, and {} against the attraction over its range: it sticks the "
         "more the "
         "softer it is; a stiffer pair, a wider adhesion_range, or separation_energy in its place is needed",
@@ -558,34 +559,34 @@ void warn_of_attraction(const Case& c, const Scene& scene, const Movers& movers,
 }  // namespace
 
 std::vector<std::string> warnings_of_case(const Case& c) {
-  std::vector<std::string> doubts;
-  warn_of_materials(c, doubts);
-  warn_of_surroundings(c, doubts);
-  warn_of_times(c, doubts);
-  return doubts;
+  std::vector<std::string> warnings;
+  warn_of_materials(c, warnings);
+  warn_of_surroundings(c, warnings);
+  warn_of_times(c, warnings);
+  return warnings;
 }
 
 std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts, const Scene& scene, const PackingReport& report) {
-  std::vector<std::string> doubts = warnings_of_case(c);
+  std::vector<std::string> warnings = warnings_of_case(c);
   const Movers movers = movers_of(c, parts, scene);
-  if (!(movers.largest > 0)) return doubts;
-  warn_of_extents(c, parts, movers, doubts);
-  warn_of_steps(c, movers, doubts);
-  warn_of_stiffness(c, scene, movers, doubts);
-  warn_of_attraction(c, scene, movers, doubts);
-  warn_of_range(c, scene, doubts);
-  warn_of_surfaces(c, scene, doubts);
-  warn_of_fall(parts, scene, movers, doubts);
-  warn_of_outlets(c, parts, movers, doubts);
-  warn_of_openings(c, parts, movers, doubts);
-  warn_of_margins(scene, report, doubts);
-  warn_of_turns(c, parts, doubts);
+  if (!(movers.largest > 0)) return warnings;
+  warn_of_extents(c, parts, movers, warnings);
+  warn_of_steps(c, movers, warnings);
+  warn_of_stiffness(c, scene, movers, warnings);
+  warn_of_attraction(c, scene, movers, warnings);
+  warn_of_range(c, scene, warnings);
+  warn_of_surfaces(c, scene, warnings);
+  warn_of_fall(parts, scene, movers, warnings);
+  warn_of_outlets(c, parts, movers, warnings);
+  warn_of_openings(c, parts, movers, warnings);
+  warn_of_margins(scene, report, warnings);
+  warn_of_turns(c, parts, warnings);
   if (scene.settings.impact_speed > kFastest) {
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",
                     format_quantity(scene.settings.impact_speed, Dimension::velocity)));
   }
-  return doubts;
+  return warnings;
 }
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
@@ -207,12 +208,52 @@ MeshBody smallest_of(const std::vector<MeshBody>& all) {
   return all.empty() ? MeshBody{} : *std::min_element(all.begin(), all.end(), is_smaller);
 }
 
+/// The thinnest of the shapes with meshes that move.
+struct Thinnest {
+  const Shape* shape = nullptr;
+  double half = 1e300;  ///< see half_thickness()
+  std::set<const Shape*> seen;
+
+  void add(const Shape& s) {
+    if (s.kind == ShapeKind::sphere || !seen.insert(&s).second) return;
+    const double of_shape = half_thickness(s);
+    if (of_shape >= half) return;
+    half = of_shape;
+    shape = &s;
+  }
+  double ratio() const { return kThinShare * half; }
+};
+
+/// in   cure   what would make a margin possible that is thin enough; empty where it is taken
+std::string thin_text(const Thinnest& thinnest, const std::string& cure) {
+  const std::string ratio = fmt::format("contact.margin_ratio = {:.2g}", thinnest.ratio());
+  if (cure.empty()) return fmt::format("'{}' is thinner than two margins of 2 % of its radius: {} is taken", thinnest.shape->name, ratio);
+  return fmt::format(
+      "'{}' is thinner than the two margins that the fastest impact asks for, and touches outside of its drawn surface; {} would bring it "
+      "to "
+      "{}, at which it touches where it is drawn",
+      thinnest.shape->name, cure, ratio);
+}
+
+/// What makes the margin so many times narrower: depths go with the root of the stiffness.
+std::string stiffer_cure(const Case& c, double softest, double narrower) {
+  const double stiffer = narrower * narrower;
+  if (c.settings.law == ContactLaw::hertz_mindlin) return fmt::format("materials.young {:.3g} times as large", std::pow(narrower, 2.5));
+  if (std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return p.pair.modulus > 0; }))
+    return fmt::format("pairs.modulus {:.3g} times as large", stiffer);
+  return fmt::format("pairs.stiffness = \"{}\"", format_quantity(softest * stiffer, Dimension::stiffness));
+}
+
 /// Weights of the largest body that the smallest must bear within its margins, lying under it.
 constexpr double kLoadOfSmallest = 10;
 /// Margin of fixed meshes over their radius where nothing meets them.
 constexpr double kRatioOfFixed = 0.02;
 
 }  // namespace
+
+double half_thickness(const Shape& shape) {
+  return shape.area > 0 ? shape.mass.volume / (shape.area * 0.5 * shape.equivalent_diameter()) : 1e300;
+}
 
 void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
   Settings& settings = scene.settings;
@@ -225,12 +266,14 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
   double heaviest = 0, lightest = 1e300, smallest = 1e300, widest = 0;
   bool has_meshes = false, has_balls = false;
   std::vector<MeshBody> meshes, fixed_meshes;
+  Thinnest thinnest;
   const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
     has_meshes = has_meshes || s.kind != ShapeKind::sphere;
     has_balls = has_balls || s.kind == ShapeKind::sphere;
     const double mass = scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale;
     if (s.kind != ShapeKind::sphere) (moves ? meshes : fixed_meshes).push_back({mass, 0.5 * scale * s.equivalent_diameter()});
     if (!moves) return;
+    thinnest.add(s);
     heaviest = std::max(heaviest, mass);
     lightest = std::min(lightest, mass);
     smallest = std::min(smallest, scale * s.equivalent_diameter());
@@ -320,8 +363,13 @@ void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, Packing
       for (const CasePair& p : c.pairs)
         if (p.pair.modulus > 0) between = std::min(between, p.pair.spring(1 / (1 / hit.radius + 1 / least.radius)));
       const double pinch = kLoadOfSmallest * load * length(settings.gravity) / between;
-      const double ratio =
-          std::max({depth / (sides * kOverlapShare * hit.radius), pinch / (sides * kOverlapShare * least.radius), 2 * kSmallestShare});
+      const double needed = std::max(depth / (sides * kOverlapShare * hit.radius), pinch / (sides * kOverlapShare * least.radius));
+      double ratio = std::max(needed, 2 * kSmallestShare);
+      if (ratio > thinnest.half) {
+        const bool is_free = needed <= thinnest.ratio();
+        report.notices.push_back(thin_text(thinnest, is_free ? "" : stiffer_cure(c, softest, needed / thinnest.ratio())));
+        if (is_free) ratio = thinnest.ratio();
+      }
       derived = ratio * least.radius;
       if (balls_on_fixed) smallest = 2 * least.radius;  // what the margin rounds
     }

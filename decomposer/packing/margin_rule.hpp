@@ -6,6 +6,12 @@
 
 namespace scree {
 
+/// Volume over area of a shape, over the radius of the ball of its volume: of a plate half of its thickness. With wider margins most of the
+/// shape cannot be moved in by one, and touches outside of its drawn surface.
+double half_thickness(const Shape& shape);
+/// So much of that is a margin that leaves a body to the shape.
+inline constexpr double kThinShare = 0.8;
+
 /// Margin from size, speed and stiffness: the depth v sqrt(m/k) of the worst impact may use up kOverlapShare of the margin
 /// sum. Source: design rule of docs/reference/validation-plan.md section 2, k >= m (v / (f e))^2. Sets scene.settings.margin where the case
 /// leaves it open, and the impact estimates and notices of the report.

@@ -39,7 +39,7 @@ struct PackingReport {
   std::vector<Facets> facets;  ///< of mesh walls that balls may meet
   double overlap_share = 0;    ///< share of the margins that it uses up; above 1 the run will stop
   std::vector<std::string> notices;
-  std::vector<std::string> doubts;  ///< doubts.hpp
+  std::vector<std::string> case_warnings;  ///< case_warnings.hpp
 };
 
 struct PackedScene {

@@ -10,6 +10,7 @@
 #include "core/geometry/periodic.hpp"
 #include "core/search/multilevel_grid.hpp"
 #include "core/surface/touch_surface.hpp"
+#include "decomposer/packing/margin_rule.hpp"
 #include "decomposer/packing/separation.hpp"
 
 namespace scree {
@@ -255,8 +256,25 @@ class Relaxer {
     if (case_.relax == Relax::all) throw InputError("{}. {}; give the bodies more room", describe(p), why);
     throw InputError(
         "{}. {}; by default no body is moved by more than two margins ({}). Move one of them, or set contact.relax = true, which "
-        "separates them at any distance{}",
-        describe(p), why, metres(layer(p.body)), overlaps(p) ? "" : ", or false, which lets them start as they are");
+        "separates them at any distance{}{}",
+        describe(p), why, metres(layer(p.body)), overlaps(p) ? "" : ", or false, which lets them start as they are", thin_shapes());
+  }
+
+  /// Bodies that are drawn in touch are in each other where margins make them thicker than they are drawn.
+  std::string thin_shapes() const {
+    std::string text;
+    for (std::size_t i = 0; i < parts_.scene_shape.size(); ++i) {
+      if (parts_.scene_shape[i] < 0 || parts_.shape(static_cast<std::int32_t>(i)).margin == 0) continue;
+      const Shape& drawn = scene_.shapes[static_cast<std::size_t>(parts_.scene_shape[i])];
+      const double half = half_thickness(drawn);
+      if (scene_.settings.margin_ratio <= half) continue;
+      text += fmt::format(
+          ". '{}' is thinner than two margins, and touches outside of its drawn surface: contact.margin_ratio = {:.2g} lets it touch where "
+          "it "
+          "is drawn (as stiff as the fastest impact then needs)",
+          drawn.name, kThinShare * half);
+    }
+    return text;
   }
 
   /// What each pair by itself needs is enough to refuse a deep one at once.

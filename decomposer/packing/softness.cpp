@@ -99,11 +99,30 @@ void damp(Scene& scene) {
   }
 }
 
+namespace {
+
+bool has_balls(const Scene& scene) {
+  return std::any_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& s) { return s.kind == ShapeKind::sphere; });
+}
+
+}  // namespace
+
 void stop_spins(Scene& scene) {
   constexpr double kTorsion = 0.01;  // of R* times the normal force: a spin of 10 rad/s of a ball of a millimetre ends within a millisecond
-  const bool has_balls = std::any_of(scene.shapes.begin(), scene.shapes.end(), [](const Shape& s) { return s.kind == ShapeKind::sphere; });
+  if (!has_balls(scene)) return;
   for (MaterialPair& p : scene.pairs)
-    if (has_balls && !(p.torsional_friction > 0)) p.torsional_friction = kTorsion;
+    if (!(p.torsional_friction > 0)) p.torsional_friction = kTorsion;
+}
+
+bool stop_rolls(Scene& scene) {
+  if (!has_balls(scene)) return false;
+  bool has_stopped = false;
+  for (MaterialPair& p : scene.pairs) {
+    if (p.rolling_friction > 0) continue;
+    p.rolling_friction = kRollingAtRest;
+    has_stopped = true;
+  }
+  return has_stopped;
 }
 
 }  // namespace scree

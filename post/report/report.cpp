@@ -144,6 +144,27 @@ std::string view_section(const Run& run, std::size_t index, const std::string& w
   return html + kViewShaders + kViewScript + "</script>\n";
 }
 
+/// Forces, torques and power of the walls that any body touched.
+std::string walls_table(const Statistics& s) {
+  std::string rows;
+  for (std::size_t w = 0; w < s.wall_names.size(); ++w) {
+    for (std::size_t q = 0; q < s.wall_quantities.size(); ++q) {
+      const Average& a = s.wall_averages[w][q];
+      if (a.count == 0 || (a.smallest == 0 && a.largest == 0)) continue;
+      rows += fmt::format(
+          "<tr><td>{}</td><td title=\"{}\">{}</td><td class=\"n\">{:.5g}</td><td class=\"n\">{}</td><td class=\"n\">{:.4g}</td><td "
+          "class=\"n\">{:.4g}</td><td>{}</td></tr>\n",
+          escaped(s.wall_names[w]), escaped(s.wall_quantities[q].meaning), s.wall_quantities[q].name, a.mean,
+          std::isfinite(a.ci95) ? fmt::format("&plusmn; {:.2g}", a.ci95) : "", a.smallest, a.largest, s.wall_quantities[q].unit);
+    }
+  }
+  if (rows.empty()) return "";
+  return "<details><summary>Forces, torques and power of the walls</summary><div class=\"wide\"><table "
+         "class=\"grid-table\"><thead><tr><th>wall</th><th>quantity</th><th>mean</th><th>95 %</th><th>min</th><th>max</th><th>unit</th>"
+         "</tr></thead><tbody>\n" +
+         rows + "</tbody></table></div></details>\n";
+}
+
 std::string statistics_section(const Statistics& s, const std::string& apparatus) {
   std::string html = fmt::format(
       "<p>Means over {} frames from {:.4g} s to {:.4g} s with 95 % confidence intervals from {} blocks of frames, which hold for a steady "
@@ -167,6 +188,7 @@ std::string statistics_section(const Statistics& s, const std::string& apparatus
         a.smallest, a.largest, s.quantities[q].unit == "-" ? "" : s.quantities[q].unit);
   }
   html += "</tbody></table></div></details>\n";
+  html += walls_table(s);
   for (const auto& [name, reason] : s.gaps) html += fmt::format("<p class=\"missing\">{}: {}.</p>\n", name, escaped(reason));
   return html;
 }

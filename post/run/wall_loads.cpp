@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/csv.hpp"
 #include "core/base/error.hpp"
 #include "post/run/drawn_meshes.hpp"
 
@@ -140,14 +141,14 @@ std::vector<LoadTable> load_tables(const Run& run, const std::vector<std::size_t
   if (!has_load_maps(run.scene) || frames.empty()) return {};
   // of a wall: areas times densities; power in W, contacts in 1/s
   LoadTable series{"wall_loads.csv",
-                   "time,wall,sliding_power,damping_power,contact_rate,impact_power,volume_worn\n# units: s,-,W,W,1/s,W,m^3\n"};
+                   "time,wall,sliding_power,damping_power,contact_rate,impact_power,volume_worn,name\n# units: s,-,W,W,1/s,W,m^3,-\n"};
   LoadTable map{"load_map.csv", "wall,triangle,x,y,z,area"};
   std::string units = "-,-,m,m,m,m^2";
   for (const LoadQuantity& q : kLoadQuantities) {
     map.text += fmt::format(",{}", q.name);
     units += fmt::format(",{}", q.unit);
   }
-  map.text += "\n# units: " + units + "\n";
+  map.text += ",name\n# units: " + units + ",-\n";
   // since the start of the run where there is one frame alone
   const Frame first = frames.size() > 1 ? load_frame(run, frames.front()) : Frame{};
   Frame before = first;
@@ -156,7 +157,7 @@ std::vector<LoadTable> load_tables(const Run& run, const std::vector<std::size_t
     for (const WallLoads& l : wall_loads(run.scene, before, now)) {
       series.text += fmt::format("{:.9g},{}", now.time, run.scene.walls[l.wall].id);
       for (std::size_t q = 2; q + 1 < kLoadQuantities.size(); ++q) series.text += fmt::format(",{:.9g}", l.total(q));
-      series.text += fmt::format(",{:.9g}\n", volume_worn(run.scene.walls[l.wall], now));
+      series.text += fmt::format(",{:.9g},{}\n", volume_worn(run.scene.walls[l.wall], now), csv_cell(run.scene.walls[l.wall].name));
     }
     before = std::move(now);
   }
@@ -165,7 +166,7 @@ std::vector<LoadTable> load_tables(const Run& run, const std::vector<std::size_t
       const Vec3& x = l.middle[t];
       map.text += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}", run.scene.walls[l.wall].id, t, x.x, x.y, x.z, l.area[t]);
       for (const auto& values : l.values) map.text += fmt::format(",{:.9g}", values[t]);
-      map.text += "\n";
+      map.text += fmt::format(",{}\n", csv_cell(run.scene.walls[l.wall].name));
     }
   }
   return {std::move(series), std::move(map)};

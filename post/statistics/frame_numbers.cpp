@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/units.hpp"
+#include "core/storage/wall_axis.hpp"
 #include "post/run/event_table.hpp"
 #include "post/statistics/bed.hpp"
 
@@ -163,9 +164,8 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
     wall_quantities.push_back({"way", "m or rad", "from where it was placed, of a wall that answers to force, from log.csv"});
     wall_quantities.push_back({"rate", "m/s or rad/s", "the same, of its speed"});
   }
-  wall_turns =
-      std::any_of(run.scene.walls.begin(), run.scene.walls.end(), [](const Wall& wall) { return wall.motion.turn_axis().has_value(); });
-  if (wall_turns) wall_quantities.push_back({"axis_torque", "N m", "on the wall, about the axis about which it turns"});
+  wall_turns = std::any_of(run.scene.walls.begin(), run.scene.walls.end(), [](const Wall& wall) { return own_axis(wall, 0).has_value(); });
+  if (wall_turns) wall_quantities.push_back({"axis_torque", "N m", "on the wall, about the axis about which it or its surface turns"});
   wall_begin = table_begin(tables.size());
 }
 
@@ -476,9 +476,8 @@ void StatisticsPlan::add_walls(const Frame& frame, std::vector<double>& row) con
       if (wall_answers) row.push_back(log_value(run.log, fmt::format("wall{}_{}", wall.id, name), frame.time));
     }
     if (wall_turns) {
-      const std::optional<TurnAxis> axis = wall.motion.turn_axis();
-      const bool is_known = axis && it != walls.id.end();
-      row.push_back(is_known ? dot(axis->direction, walls.torque[i] - cross(axis->point, walls.force[i])) : kNaN);
+      const std::optional<TurnAxis> axis = own_axis(wall, frame.time);
+      row.push_back(axis && it != walls.id.end() ? axis_torque(*axis, walls.force[i], walls.torque[i]) : kNaN);
     }
   }
 }

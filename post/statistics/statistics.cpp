@@ -37,6 +37,25 @@ std::string names_of(const std::vector<Quantity>& quantities) {
   return line + "\n";
 }
 
+/// With a last column for the name of what the row is about.
+std::vector<Quantity> with_name(std::vector<Quantity> quantities) {
+  quantities.push_back({"name", "-", ""});
+  return quantities;
+}
+
+/// What a reader calls the walls: by their names, with the id where several have the same or none.
+std::vector<std::string> names_of_walls(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Wall& wall : scene.walls) {
+    const auto same = std::count_if(scene.walls.begin(), scene.walls.end(), [&](const Wall& other) { return other.name == wall.name; });
+    if (wall.name.empty())
+      names.push_back(fmt::format("wall {}", wall.id));
+    else
+      names.push_back(same > 1 ? fmt::format("{} ({})", wall.name, wall.id) : wall.name);
+  }
+  return names;
+}
+
 /// The tables that have a row for every frame.
 class RowWriter {
  public:
@@ -47,7 +66,8 @@ class RowWriter {
     series_->add("time,frame,group" + names_of(plan.quantities) + "# units: s,-,-" + units_of(plan.quantities));
     if (plan.walls() > 0) {
       walls_ = std::make_unique<OutputFile>(fmt::format("{}/walls.csv", folder));
-      walls_->add("time,frame,wall" + names_of(plan.wall_quantities) + "# units: s,-,-" + units_of(plan.wall_quantities));
+      walls_->add("time,frame,wall" + names_of(with_name(plan.wall_quantities)) + "# units: s,-,-" +
+                  units_of(with_name(plan.wall_quantities)));
     }
     for (std::size_t t = 0; t < plan.profiles.size(); ++t) {
       const StatisticsTable& table = plan.tables[t];
@@ -58,16 +78,17 @@ class RowWriter {
   void add(std::int64_t number, double time, const std::vector<double>& row) {
     if (!series_) return;
     const std::string head = fmt::format("{},{}", time, number);
-    const auto line = [&](const std::string& key, std::size_t begin, std::size_t count) {
+    const auto line = [&](const std::string& key, std::size_t begin, std::size_t count, const std::string& end = "\n") {
       std::string text = fmt::format("{},{}", head, key);
       for (std::size_t i = 0; i < count; ++i) text += fmt::format(",{}", cell(row[begin + i]));
-      return text + "\n";
+      return text + end;
     };
     for (std::size_t g = 0; g < plan_.groups.size(); ++g)
       series_->add(line(csv_cell(plan_.groups[g].name), plan_.at(g, 0), plan_.quantities.size()));
     for (std::size_t w = 0; w < plan_.walls(); ++w) {
       const std::size_t count = plan_.wall_quantities.size();
-      walls_->add(line(fmt::format("{}", plan_.run.scene.walls[w].id), plan_.wall_begin + w * count, count));
+      const Wall& wall = plan_.run.scene.walls[w];
+      walls_->add(line(fmt::format("{}", wall.id), plan_.wall_begin + w * count, count, "," + csv_cell(wall.name) + "\n"));
     }
     for (std::size_t t = 0; t < profiles_.size(); ++t) {
       const StatisticsTable& table = plan_.tables[t];
@@ -124,6 +145,7 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
   s.tables = plan.tables;
   for (const Group& group : plan.groups) s.groups.push_back(group.name);
   for (const Wall& wall : run.scene.walls) s.walls.push_back(fmt::format("{}{}{}", wall.id, wall.name.empty() ? "" : " ", wall.name));
+  s.wall_names = names_of_walls(run.scene);
   s.series.resize(s.quantities.size());
   s.wall_series.assign(s.walls.size(), std::vector<Series>(s.wall_quantities.size()));
 
@@ -364,7 +386,7 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
       for (std::size_t w = 0; w < s.walls.size(); ++w) {
         const Series& values = s.wall_series[w][q];
         if (std::any_of(values.value.begin(), values.value.end(), [](double p) { return std::isfinite(p) && p != 0; }))
-          c.chart.lines.push_back({s.walls[w], values.time, values.value});
+          c.chart.lines.push_back({s.wall_names[w], values.time, values.value});
       }
     }
     if (!c.chart.lines.empty()) charts.push_back(std::move(c));
@@ -374,7 +396,7 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
   of_walls("way", "Way of walls that answer to force", "from where they were placed", "m or rad");
   for (std::size_t w = 0; w < s.walls.size(); ++w) {
     NamedChart c{fmt::format("wall_{}_force", w), "walls.csv", {}};
-    c.chart.title = "Force on wall " + s.walls[w];
+    c.chart.title = "Force on " + s.wall_names[w];
     c.chart.x_label = "time";
     c.chart.x_unit = "s";
     c.chart.y_label = "force";

@@ -54,7 +54,8 @@ struct Statistics {
   std::vector<Quantity> quantities;
   std::vector<std::vector<Average>> averages;  ///< by group, by quantity
   std::vector<StatisticsTable> tables;
-  std::vector<std::string> walls;  ///< names
+  std::vector<std::string> walls;       ///< id and name
+  std::vector<std::string> wall_names;  ///< as a reader calls them
   std::vector<Quantity> wall_quantities;
   std::vector<std::vector<Average>> wall_averages;  ///< by wall, by quantity
   std::vector<Series> series;                       ///< of group "all", by quantity

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/pairs/deep_contacts.hpp"
+
 namespace scree {
 
 namespace {
@@ -19,6 +21,10 @@ constexpr double kEnergyRounding = 1e-12;  // of the potential energy, which can
 constexpr double kPlaceRounding = 1e-12;
 
 }  // namespace
+
+std::string name_of(const CriticalStep& critical, const SolverScene& scene) {
+  return critical.key.zone < 0 ? critical.name() : name_of_pair(scene, critical.key);
+}
 
 Guard::Guard(const mpi::Communicator& comm, const SolverScene& scene, const RunRecord& before)
     : comm_(comm), scene_(scene), record_(before) {
@@ -80,8 +86,8 @@ void Guard::check(const Simulation& simulation, double energy_error) const {
     throw RunInvalid(
         "step {}: energy grew by {:.3g} J, {:.2g} of all that was in motion or stored, without a cause; body {} has the most, {:.3g} J. "
         "The critical step of {} is {:.4g} s, the step is {:.4g} s{}",
-        simulation.step(), energy_error, energy_error / scale, fastest.first, fastest.second, stiffest.name(), stiffest.step, step,
-        unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
+        simulation.step(), energy_error, energy_error / scale, fastest.first, fastest.second, name_of(stiffest, scene_), stiffest.step,
+        step, unstable ? ": reduce the step or the stiffness" : "; see the integrator and the contact law");
   });
 }
 

@@ -5,6 +5,9 @@
 
 namespace scree {
 
+/// The contact that limits the step, for the user: walls by their names.
+std::string name_of(const CriticalStep& critical, const SolverScene& scene);
+
 /// Follows the rows of the log and keeps what a run records of them: worst values, last values, sums.
 class Guard {
  public:

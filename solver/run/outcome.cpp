@@ -9,6 +9,7 @@
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
 #include "solver/effects/wear/wear.hpp"
+#include "solver/run/guard.hpp"
 #include "solver/run/idle_servos.hpp"
 #include "solver/scene/origin.hpp"
 
@@ -73,6 +74,13 @@ nlohmann::json worn_walls(const RunState& s, const std::string& folder, const nl
   return walls;
 }
 
+/// What the columns wallID_... of log.csv are of.
+nlohmann::json walls_json(const Scene& scene) {
+  nlohmann::json walls = nlohmann::json::array();
+  for (const Wall& wall : scene.walls) walls.push_back({{"wall", wall.id}, {"name", wall.name}});
+  return walls;
+}
+
 /// Contacts deeper than their maximum overlap, which the run went on with.
 nlohmann::json deep_json(const RunState& s, const DeepTotals& t, const Vec3& origin) {
   const double step = s.clock.size.step;
@@ -131,7 +139,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["step_size"] = simulation.state().clock.size.step;
     run["step_limited_by"] = simulation.state().clock.size.limited_by;
     run["critical_step"] = std::isfinite(record.stiffest.step) ? nlohmann::json(record.stiffest.step) : nlohmann::json();
-    run["critical_contact"] = record.stiffest.name();
+    run["critical_contact"] = name_of(record.stiffest, *loaded.prepared);
     run["time"] = simulation.time();
     if (loaded.scene.settings.stop_at_rest) run["came_to_rest"] = rest.at_rest(simulation.time());
     if (bodies == 0 || (loaded.scene.settings.stop_when_empty && free == 0)) run["no_body_left"] = true;
@@ -140,6 +148,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
     run["threads"] = omp_get_max_threads();
     run["slowdown"] = outcome.slowdown;
     run["bodies"] = bodies;
+    run["walls"] = walls_json(loaded.scene);
     run["removed_bodies"] = static_cast<std::int64_t>(removed.count);
     run["removed_mass"] = removed.mass;
     for (std::size_t k = 0; k < by_outlet.size(); ++k) {

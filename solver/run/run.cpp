@@ -250,7 +250,8 @@ LogRow Run::take_row() {
   row.loads = wall_loads_of(simulation_.state());
   row.walls = simulation_.state().walls;
   row.drives = simulation_.state().drives;
-  move_loads_to_world(row.loads, row.walls, loaded_.origin);
+  row.origin = loaded_.origin;
+  move_loads_to_world(row.loads, row.walls, row.origin);
   row.state_hash = state_hash(simulation_.state());
   row.ranks = gather_measures(comm_, rank_measures(simulation_));
   row.removed = removed_totals(simulation_.state());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/storage/wall_axis.hpp"
+
 namespace scree {
 
 namespace {
@@ -82,6 +84,14 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
       columns.push_back({wall + "_way", drive->guide.turns ? "rad" : "m", exact(at.way)});
       columns.push_back({wall + "_rate", drive->guide.turns ? "rad/s" : "m/s", exact(at.rate)});
     }
+  }
+  // after all older columns, which keep their places
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    std::optional<TurnAxis> axis = own_axis(scene.walls[w], row.time);
+    if (!axis) continue;
+    axis->point += row.origin;
+    const WallLoad load = w < row.loads.size() ? row.loads[w] : WallLoad{};
+    columns.push_back({fmt::format("wall{}_axis_torque", scene.walls[w].id), "N m", exact(axis_torque(*axis, load.force, load.torque))});
   }
   return columns;
 }

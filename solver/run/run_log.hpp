@@ -28,6 +28,7 @@ struct LogRow {
   std::vector<WallState> walls;  ///< in the world
   std::vector<DriveState> drives;
   std::vector<Column> of_effects;
+  Vec3 origin;  ///< of the scene as it is computed, in the world [m]
   std::string state_hash;
 };
 

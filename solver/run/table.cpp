@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 
 #include "core/base/error.hpp"
 #include "core/storage/h5.hpp"
@@ -56,9 +57,13 @@ void start_table(const std::string& path, const std::string& header, std::int64_
   std::string text = header;
   if (keep_up_to_step >= 0) {
     const StepTable old = read_table(path);
+    // columns by their names: those that a newer version adds are empty in the rows of an older one
+    std::vector<std::size_t> from;
+    std::istringstream names(header.substr(0, header.find('\n')));
+    for (std::string name; std::getline(names, name, ',');) from.push_back(old.column(name));
     for (std::size_t row = 0; row < old.rows.size(); ++row) {
       if (old.step(row) > keep_up_to_step) continue;
-      for (const std::string& cell : old.rows[row]) text.append(csv_cell(cell)).append(1, ',');
+      for (const std::size_t column : from) text.append(column < old.names.size() ? csv_cell(old.rows[row][column]) : "").append(1, ',');
       text.back() = '\n';
     }
   }

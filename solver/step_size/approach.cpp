@@ -151,7 +151,7 @@ Approach fastest_approach(const SolverScene& scene, double least) {
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (bodies.fixed[b] || (!scene.has_driven_walls() && speed[b] <= fastest)) continue;
       found(approach_of(movers[b], zone, wall, state, scene, fastest),
-            [&] { return fmt::format("body {} and wall {}", bodies.id[b], wall.id); });
+            [&] { return fmt::format("body {} and wall {} ('{}')", bodies.id[b], wall.id, wall.name); });
     }
   }
 

@@ -51,7 +51,7 @@ std::vector<std::string> doubts(const std::vector<std::pair<std::string, std::st
     EXPECT_NE(text.find(from), std::string::npos) << from;
     for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
   }
-  return build_scene(test::touching_outside(parse_case(text, "case.toml", ""))).report.doubts;
+  return build_scene(test::touching_outside(parse_case(text, "case.toml", ""))).report.case_warnings;
 }
 
 /// One doubt, with these words.

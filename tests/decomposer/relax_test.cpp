@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "core/base/error.hpp"
+#include "core/base/units.hpp"
 #include "decomposer/packing/build_scene.hpp"
 #include "tests/support/margins.hpp"
 
@@ -233,6 +234,57 @@ TEST_F(Relaxing, fixed_meshes_that_balls_alone_meet_have_the_margin_that_the_blo
   EXPECT_NEAR(given.scene.settings.margin_ratio, 0.004 / radius, 1e-12);
   EXPECT_NEAR(given.report.overlap_share, depth / 0.004, 1e-9);
   EXPECT_EQ(packed("margin_ratio = 0.1").scene.settings.margin_ratio, 0.1);
+}
+
+// Cards, drawn in touch: with margins of 2 % of their radius, more than half of their thickness, each would be thicker than it is drawn.
+TEST_F(Relaxing, cards_in_a_stack_start_as_they_are_drawn_or_the_message_names_the_margin) {
+  constexpr double kThick = 2e-4;
+  write_shape_file((folder_ / "card.shape.h5").string(), {make_solid("card", box_mesh({0.063, 0.088, kThick}))}, {{"tool", "test"}});
+  const auto packed = [&](const std::string& contact, double stiffness = 1e5) {
+    std::string text = head(contact, stiffness) + kFloor + "[shapes.card]\nfile = \"card.shape.h5\"\n";
+    for (int i = 0; i < 10; ++i) text += body("card", 0, 0, (i + 0.5) * kThick);
+    return build_scene(parse_case(text, "case.toml", folder_.string()));
+  };
+  const double radius = std::cbrt(3 * 0.063 * 0.088 * kThick / (4 * std::numbers::pi));
+  const double half = 0.063 * 0.088 * kThick / (2 * (0.063 * 0.088 + (0.063 + 0.088) * kThick));  // volume over area
+
+  const auto about_card = [](const PackedScene& scene) {
+    for (const std::string& notice : scene.report.notices)
+      if (notice.find("'card'") != std::string::npos) return notice;
+    return std::string("none");
+  };
+
+  const PackedScene as_drawn = packed("impact_speed = 0.1");
+  EXPECT_NEAR(as_drawn.scene.settings.margin_ratio, 0.8 * half / radius, 1e-12);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_NEAR(as_drawn.scene.bodies.position[static_cast<std::size_t>(i)].z, (i + 0.5) * kThick, 1e-8) << "moved further than rounding";
+  EXPECT_LT(as_drawn.report.roundings.at(0).mean, 0.05 * as_drawn.report.roundings.at(0).margin);
+  EXPECT_NE(about_card(as_drawn).find("'card' is thinner than two margins of 2 % of its radius: contact.margin_ratio = 0.01"),
+            std::string::npos)
+      << about_card(as_drawn);
+
+  // a margin that is given, or that a fast impact asks for: the messages name a margin and a stiffness, which help
+  const auto refused = [&](const std::string& contact) {
+    try {
+      packed(contact);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("not refused");
+  };
+  const std::string given = refused("margin_ratio = 0.02");
+  const std::size_t at = given.find("contact.margin_ratio = ");
+  ASSERT_NE(at, std::string::npos) << given;
+  EXPECT_EQ(packed("margin_ratio = " + given.substr(at + 23, 5)).scene.bodies.size(), 10u);
+  EXPECT_NE(refused("impact_speed = 2").find("contact.margin_ratio = "), std::string::npos);
+  const PackedScene fast = packed("impact_speed = 2\nrelax = true");
+  const std::string cure = about_card(fast), key = "pairs.stiffness = \"";
+  ASSERT_NE(cure.find(key), std::string::npos) << cure;
+  const double stiffness = parse_quantity(cure.substr(cure.find(key) + key.size(), cure.find("\" would") - cure.find(key) - key.size()),
+                                          Dimension::stiffness, "cure");
+  const PackedScene stiff = packed("impact_speed = 2", stiffness);
+  EXPECT_NEAR(stiff.scene.bodies.position[9].z, 9.5 * kThick, 1e-8);
+  EXPECT_LT(stiff.report.roundings.at(0).mean, 0.05 * stiff.report.roundings.at(0).margin);
 }
 
 // A specimen between platens: it touches both and is pressed by neither. There is no room to part them, and none is needed.

@@ -59,6 +59,9 @@ sys.exit(code)
 """
 
 
+said = {}   # by pack
+
+
 def pack(name, **words):
     """Packs a bed; gives (steps, step size, stiffness) of each run of the solver."""
     values = {"step": "", "radius": RADIUS, "density": DENSITY, "young": "", "stiffness": "stiffness = 2e4", "law": "linear", "count": COUNT,
@@ -71,6 +74,7 @@ def pack(name, **words):
     result = subprocess.run([os.path.join(BIN, "scree-decomposer"), "pack", f"{name}.toml", "-o", f"{name}.scene.h5", "--solver",
                              f"/usr/bin/python3 {os.path.abspath('wrapper.py')}"], capture_output=True, text=True)
     assert result.returncode == 0, result.stdout + result.stderr
+    said[name] = result.stderr
     with open(log) as file:
         return [json.loads(line) for line in file]
 
@@ -119,5 +123,19 @@ def a_bed_that_is_soft_already_is_poured_as_it_is():
     assert {stage[2] for stage in stages} == {3e3}, stages
 
 
+def balls_that_would_roll_on_without_end_come_to_rest():
+    """A floor with room for balls to roll on, and nothing that resists it: 60 falls through the region were not enough."""
+    fall = math.sqrt(2 * 0.01 / 9.81)
+    thrown = "6\nvelocity = [0.05, 0.02, 0]"
+    stages = pack("rolls", stiffness="stiffness = 3e3", count=thrown, side=0.3)
+    assert "came to rest with a rolling friction of 0.01" in said["rolls"] and "not at rest" not in said["rolls"], said
+    assert sum(steps * step for steps, step, _ in stages) < 40 * fall, stages
+    pack("resists", stiffness="stiffness = 3e3\nrolling_friction = 0.05", count=thrown, side=0.3)
+    assert "rolling friction" not in said["resists"] and "not at rest" not in said["resists"], said
+    # a bed whose balls hold each other comes to rest by itself, as the case has it
+    pack("holds", stiffness="stiffness = 3e3")
+    assert "rolling friction" not in said["holds"] and "not at rest" not in said["holds"], said
+
+
 main([stiff_beds_are_poured_softer_and_rest_with_the_law_of_the_case, a_given_step_is_that_of_the_last_rest_only,
-      a_bed_that_is_soft_already_is_poured_as_it_is])
+      a_bed_that_is_soft_already_is_poured_as_it_is, balls_that_would_roll_on_without_end_come_to_rest])

@@ -29,7 +29,7 @@ TEST(Approach, of_a_ball_and_a_plane_is_its_speed_along_the_normal_whether_far_o
     test::add_plane(scene, {0, 0, 0}, {0, 0, 1});
     const Approach found = fastest_approach(SolverScene(scene), 0);
     EXPECT_NEAR(found.speed, 4, 1e-12);
-    EXPECT_EQ(found.who, "body 0 and wall 1");
+    EXPECT_EQ(found.who, "body 0 and wall 1 ('plane')");
     EXPECT_EQ(fastest_approach(SolverScene(scene), 4.001).speed, 0) << "slower than what was asked for";
     scene.bodies.velocity[0] = {3, 0, 4};
     EXPECT_EQ(speed_of(scene), 0) << "moves away";

@@ -39,6 +39,17 @@ TEST(Table, takes_rows_whole_or_not_at_all_when_the_disk_is_full) {
   std::filesystem::remove(path);
 }
 
+TEST(Table, goes_on_with_the_columns_of_a_newer_version) {
+  const std::string path = (std::filesystem::temp_directory_path() / ("scree_newer_" + std::to_string(getpid()) + ".csv")).string();
+  std::ofstream(path) << "step,value,old\n# units: -,m,-\n1,10,x\n2,11,y\n3,12,z\n";
+  const std::string header = "step,new,value\n# units: -,N,m\n";
+  start_table(path, header, 2);
+  append_to_table(path, "3,7,12\n");
+  EXPECT_EQ(text_of(path), header + "1,,10\n2,,11\n3,7,12\n");
+  EXPECT_EQ(read_table(path).rows.size(), 3u);
+  std::filesystem::remove(path);
+}
+
 TEST(Table, keeps_only_rows_that_are_complete) {
   const std::string path = (std::filesystem::temp_directory_path() / ("scree_torn_" + std::to_string(getpid()) + ".csv")).string();
   const std::string header = "step,value,hash\n# units: -,m,-\n", whole = "1,10,ab\n20,11,cd\n";

@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/scene_settings.hpp"
+#include "core/storage/wall_axis.hpp"
 #include "core/storage/wall_state.hpp"
 
 namespace scree {
@@ -141,6 +142,30 @@ TEST(WallMotion, that_answers_to_force_goes_where_its_drive_is) {
   EXPECT_EQ(state.velocity_before, (Vec3{0, 0, -0.5}));
   EXPECT_EQ(state.pivot_velocity_before, (Vec3{0, 0, -0.5}));
   EXPECT_EQ(wall.motion.drive()->push, 10);
+}
+
+TEST(WallMotion, has_the_axis_of_the_last_part_that_turns_where_later_parts_have_carried_it) {
+  const double quarter = 0.5 * std::numbers::pi;
+  Wall wall;
+  EXPECT_FALSE(own_axis(wall, 1));
+  const WallMotion turn{Rotate{.axis = {0, 1, 0}, .centre = {1, 0, 2}, .rate = 3}}, go{Translate{.axis = {1, 0, 0}, .rate = 0.5}};
+  wall.motion = turn;
+  EXPECT_EQ(own_axis(wall, 7)->point, (Vec3{1, 0, 2}));
+  wall.motion.kind = Several{{turn, go}};
+  EXPECT_LT(length(own_axis(wall, 4)->point - Vec3{3, 0, 2}), 1e-14);
+  EXPECT_EQ(own_axis(wall, 4)->direction, (Vec3{0, 1, 0}));
+  wall.motion.kind = Several{{go, turn}};
+  EXPECT_EQ(own_axis(wall, 4)->point, (Vec3{1, 0, 2})) << "what goes before the turn does not move its axis";
+  // the surface of a wall that is turned by a quarter about z: its axis turns along
+  wall.motion = go;
+  wall.surface.motion.kind = Rotate{.axis = {1, 0, 0}, .centre = {0, 1, 0}, .rate = 2};
+  EXPECT_LT(length(own_axis(wall, 2)->point - Vec3{1, 1, 0}), 1e-14);
+  EXPECT_EQ(own_axis(wall, 2)->direction, (Vec3{1, 0, 0}));
+  // a wall that turns itself has that axis, whatever its surface does
+  wall.motion.kind = Rotate{.axis = {0, 0, 1}, .rate = quarter};
+  EXPECT_EQ(own_axis(wall, 1)->direction, (Vec3{0, 0, 1}));
+  // (7, 8, 9) - (1, 0, 2) x (4, 5, 6) along y
+  EXPECT_DOUBLE_EQ(axis_torque({{1, 0, 2}, {0, 1, 0}}, {4, 5, 6}, {7, 8, 9}), 6);
 }
 
 // The weight of a part on a hinge goes with its arm.

@@ -113,8 +113,16 @@ class Run:
 
     @cached_property
     def log(self) -> Table:
-        """log.csv: time, energies, contacts, loads on walls, one row per interval. Columns and units: RUN_FORMAT.md."""
-        return self._table("log.csv")
+        """log.csv: time, energies, contacts, loads on walls, one row per interval. Columns and units: RUN_FORMAT.md.
+
+        What is of a wall has the name of the wall, too: `log["axis_torque@drum"]` is `log["wall7_axis_torque"]` where the drum has id 7.
+        """
+        log = self._table("log.csv")
+        walls = self.scene.walls.in_order
+        names = [wall.name for wall in walls]
+        also = {f"{column.removeprefix(f'wall{wall.id}_')}@{wall.name}": column for wall in walls if wall.name and names.count(wall.name) == 1
+                for column in log if column.startswith(f"wall{wall.id}_")}
+        return Table({name: log[name] for name in log}, log.units, os.path.join(self.folder, "log.csv"), also)
 
     @cached_property
     def ranks(self) -> Table:

@@ -33,11 +33,14 @@ class Table(Mapping[str, np.ndarray]):
     A table of own numbers: `Table({"friction": [0.2, 0.4], "angle": [21.0, 27.5]}, {"angle": "deg"})`.
     """
 
-    def __init__(self, columns: Mapping[str, Any], units: Mapping[str, str] | None = None, source: str = "") -> None:
-        """columns: name -> values, all of one length; units: name -> SI unit, "-" for a number without; source: where it was read."""
+    def __init__(self, columns: Mapping[str, Any], units: Mapping[str, str] | None = None, source: str = "",
+                 also: Mapping[str, str] | None = None) -> None:
+        """columns: name -> values, all of one length; units: name -> SI unit, "-" for a number without; source: where it was read;
+        also: further names of columns, name -> column."""
         self._columns = {name: np.asarray(values) for name, values in columns.items()}
         self._units = {name: (units or {}).get(name, "-") for name in self._columns}
         self._source = source
+        self._also = dict(also or {})
         lengths = {name: len(values) for name, values in self._columns.items()}
         if len(set(lengths.values())) > 1:
             raise InputError(f"{source or 'table'}: columns of different lengths: {lengths}")
@@ -94,9 +97,9 @@ class Table(Mapping[str, np.ndarray]):
 
     def __getitem__(self, name: str) -> np.ndarray:
         try:
-            return self._columns[name]
+            return self._columns[self._also.get(name, name)]
         except KeyError:
-            raise unknown_name(f"{self._source or 'table'}: column", name, self._columns) from None
+            raise unknown_name(f"{self._source or 'table'}: column", name, [*self._columns, *self._also]) from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -106,7 +109,7 @@ class Table(Mapping[str, np.ndarray]):
 
     def where(self, mask: Any) -> Table:
         """The rows for which a mask is true, or of a slice or of row numbers: `log.where(log["time"] > 1)`."""
-        return Table({name: values[mask] for name, values in self._columns.items()}, self._units, self._source)
+        return Table({name: values[mask] for name, values in self._columns.items()}, self._units, self._source, self._also)
 
     def write(self, path: str | os.PathLike[str]) -> str:
         """Writes the table as CSV with a line of units, all digits; returns the path."""
