@@ -249,6 +249,245 @@ constexpr double kLoadOfSmallest = 10;
 /// Margin of fixed meshes over their radius where nothing meets them.
 constexpr double kRatioOfFixed = 0.02;
 
+/// The parts of choose_margin(), in their order.
+class MarginRule {
+ public:
+  MarginRule(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report)
+      : case_(c), parts_(parts), scene_(scene), settings_(scene.settings), report_(report) {}
+
+  void choose() {
+    choose_surface();
+    find_bodies();
+    find_softest();
+    find_depth();
+    choose_sizes();
+    if (!case_.margin_given && heaviest_ > 0 && !(settings_.margin > 0)) derive();
+    set_ratio();
+    check_use();
+  }
+
+ private:
+  void choose_surface();
+  void find_bodies();
+  void add(const Shape& s, std::int32_t material, double scale, bool moves);
+  void find_softest();
+  void find_depth();
+  void choose_sizes();
+  void derive();
+  double derived_by_size();
+  void check_derived(double derived) const;
+  void set_ratio();
+  void check_use() const;
+
+  const Case& case_;
+  const SceneParts& parts_;
+  Scene& scene_;
+  Settings& settings_;
+  PackingReport& report_;
+
+  bool by_size_ = false;                                                    // margins are proportional to the size of bodies
+  double heaviest_ = 0, lightest_ = 1e300, smallest_ = 1e300, widest_ = 0;  // of bodies that move [kg], diameters [m]
+  bool has_meshes_ = false, has_balls_ = false, has_wall_meshes_ = false;
+  bool from_touch_ = false;  // spheres touch where they touch; a barrier is made of margins
+  std::vector<MeshBody> meshes_, fixed_meshes_;
+  Thinnest thinnest_;
+  double softest_ = 1e300;  // [N/m]
+  double depth_ = 0;        // of the fastest impact [m]
+  std::string pulled_;      // what attracts, for messages
+  // Margins by size are those of bodies with meshes. Where balls alone move they are those of the fixed meshes, of which the smallest must
+  // bear the blow of the heaviest ball.
+  bool balls_on_fixed_ = false;
+  double sides_ = 2;  // a mesh wall and a ball have no margin in addition to that of the body that they meet
+  MeshBody median_, least_, hit_;
+};
+
+void MarginRule::choose_surface() {
+  // bodies that rest on each other do so as their run had them touch
+  if (parts_.carried && !case_.surface_given) settings_.surface = parts_.carried->from.scene.settings.surface;
+  // cells of a cut have corners too sharp to be moved in by a margin (docs/develop/decisions/023)
+  const bool has_pieces = std::any_of(case_.shapes.begin(), case_.shapes.end(), [](const CaseShape& s) { return s.falls_apart(); });
+  if (has_pieces && !case_.surface_given) settings_.surface = TouchAt::outside;
+  by_size_ = settings_.surface == TouchAt::drawn;
+}
+
+void MarginRule::add(const Shape& s, std::int32_t material, double scale, bool moves) {
+  has_meshes_ = has_meshes_ || s.kind != ShapeKind::sphere;
+  has_balls_ = has_balls_ || s.kind == ShapeKind::sphere;
+  const double mass = scene_.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale;
+  if (s.kind != ShapeKind::sphere) (moves ? meshes_ : fixed_meshes_).push_back({mass, 0.5 * scale * s.equivalent_diameter()});
+  if (!moves) return;
+  thinnest_.add(s);
+  heaviest_ = std::max(heaviest_, mass);
+  lightest_ = std::min(lightest_, mass);
+  smallest_ = std::min(smallest_, scale * s.equivalent_diameter());
+  widest_ = std::max(widest_, scale * s.equivalent_diameter());
+}
+
+void MarginRule::find_bodies() {
+  // a part on a guide comes down on bodies with all of its mass
+  for (const Wall& wall : scene_.walls) {
+    if (const std::optional<Drive> drive = wall.motion.drive(); drive && !drive->guide.turns)
+      heaviest_ = std::max(heaviest_, drive->inertia);
+  }
+  for (const CaseBody& b : case_.bodies) add(parts_.shape(b.shape).shape, b.material, b.scale, !b.fixed);
+  for (const Draw& d : parts_.draws) add(parts_.shape(d.shape).shape, case_.populations[d.population].material, d.scale, true);
+  if (parts_.carried) {
+    for (const BodyRow& row : parts_.carried->from.bodies)
+      add(parts_.carried->shapes[static_cast<std::size_t>(row.shape)].shape, row.material, row.scale, !row.fixed);
+  }
+  for (const CaseInlet& i : case_.inlets) {
+    for (const auto& share : i.shares) {
+      const Shape& shape = parts_.shape(share.first).shape;
+      const ScaleRange scales = scales_of(i.size, shape);
+      for (const double scale : {scales.smallest, scales.largest}) add(shape, i.material, scale, true);
+    }
+  }
+  report_.fastest_impact = case_.settings.impact_speed > 0 ? case_.settings.impact_speed : fastest_impact(case_, parts_, scene_);
+  settings_.impact_speed = report_.fastest_impact;
+  for (const CaseWall& w : case_.walls) has_wall_meshes_ = has_wall_meshes_ || w.wall.kind == WallKind::mesh;
+  from_touch_ = !has_meshes_ && (by_size_ || !has_wall_meshes_) && !(case_.settings.barrier > 0);
+}
+
+void MarginRule::find_softest() {
+  if (case_.settings.law == ContactLaw::hertz_mindlin) {
+    // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
+    for (const CasePair& p : case_.pairs) {
+      const double modulus =
+          effective_modulus(scene_.materials[static_cast<std::size_t>(p.pair.a)], scene_.materials[static_cast<std::size_t>(p.pair.b)]);
+      const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.25 * smallest_;  // two bodies of the smallest size
+      const double pressed = heaviest_ > 0 ? hertz_impact_overlap(modulus, radius, heaviest_, report_.fastest_impact) : 0;
+      if (pressed > 0) softest_ = std::min(softest_, heaviest_ * std::pow(report_.fastest_impact / pressed, 2));
+    }
+  } else if (case_.settings.gather != Gathering::area) {  // a layer has no stiffness of one contact; its margin is given
+    for (const CasePair& p : case_.pairs) softest_ = std::min(softest_, p.pair.spring(0.25 * widest_));  // by size: two of the largest
+  }
+}
+
+/// What attracts is pressed deeper, and not by its speed alone.
+void MarginRule::find_depth() {
+  depth_ = heaviest_ > 0 && softest_ < 1e300 ? report_.fastest_impact * std::sqrt(heaviest_ / softest_) : 0;
+  for (const CasePair& p : case_.pairs) {
+    if (!attracts(p.pair) || !(heaviest_ > 0) || case_.settings.gather == Gathering::area) continue;  // margins of layers are given
+    const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * widest_;          // R* of the largest body on a wall
+    const Material &a = scene_.materials[static_cast<std::size_t>(p.pair.a)], &b = scene_.materials[static_cast<std::size_t>(p.pair.b)];
+    const double pressed = impact_overlap(case_.settings.law, p.pair, a, b, radius, heaviest_, report_.fastest_impact);
+    if (pressed <= depth_) continue;
+    constexpr double kWorthTelling = 1.01;
+    const bool tells = pressed > kWorthTelling * depth_;
+    depth_ = pressed;
+    if (!tells) continue;
+    pulled_ = fmt::format(", and the attraction of {} of '{}' and '{}'", format_quantity(pull_off_force(p.pair, radius), Dimension::force),
+                          a.name, b.name);
+  }
+  report_.impact_overlap = depth_;
+}
+
+/// The bodies that a margin by size is of, and a margin that is given or kept.
+void MarginRule::choose_sizes() {
+  sides_ = by_size_ && (has_wall_meshes_ || has_balls_) ? 1 : 2;
+  balls_on_fixed_ = meshes_.empty() && !fixed_meshes_.empty();
+  const std::vector<MeshBody>& sized = balls_on_fixed_ ? fixed_meshes_ : meshes_;
+  median_ = median_of(sized);
+  least_ = smallest_of(sized);
+  hit_ = balls_on_fixed_ ? least_ : largest_of(sized);
+  double& margin = settings_.margin;
+  if (by_size_ && case_.margin_given && settings_.margin_ratio > 0) margin = settings_.margin_ratio * median_.radius;
+  const Settings* before = parts_.carried ? &parts_.carried->from.scene.settings : nullptr;
+  double margin_before = before == nullptr ? 0 : before->margin;
+  if (by_size_ && before != nullptr) margin_before = before->margin_ratio * median_.radius;
+  // bodies that rest on each other do so at the margins of their run
+  const bool keeps_margin =
+      !case_.margin_given && before != nullptr && before->surface == settings_.surface && (margin_before > 0 || from_touch_);
+  report_.margin_from = case_.margin_given ? "given" : keeps_margin ? "that of the run" : "derived";
+  if (keeps_margin) margin = margin_before;
+}
+
+constexpr double kSmallestShare = 0.01;  // of a margin, of the smallest body's diameter
+
+/// Of the smallest body: the largest moving body decides for blows, the smallest for what lies on it.
+double MarginRule::derived_by_size() {
+  double between = softest_;  // of the largest body on the smallest
+  for (const CasePair& p : case_.pairs)
+    if (p.pair.modulus > 0) between = std::min(between, p.pair.spring(1 / (1 / hit_.radius + 1 / least_.radius)));
+  const double load = balls_on_fixed_ ? heaviest_ : hit_.mass;
+  const double pinch = kLoadOfSmallest * load * length(settings_.gravity) / between;
+  const double needed = std::max(depth_ / (sides_ * kOverlapShare * hit_.radius), pinch / (sides_ * kOverlapShare * least_.radius));
+  double ratio = std::max(needed, 2 * kSmallestShare);
+  if (ratio > thinnest_.half) {
+    const bool is_free = needed <= thinnest_.ratio();
+    report_.notices.push_back(thin_text(thinnest_, is_free ? "" : stiffer_cure(case_, softest_, needed / thinnest_.ratio())));
+    if (is_free) ratio = thinnest_.ratio();
+  }
+  if (balls_on_fixed_) smallest_ = 2 * least_.radius;  // what the margin rounds
+  return ratio * least_.radius;
+}
+
+void MarginRule::derive() {
+  const bool is_sized = by_size_ && least_.radius > 0;
+  const double derived = is_sized ? derived_by_size() : std::max(depth_ / (sides_ * kOverlapShare), kSmallestShare * smallest_);
+  check_derived(derived);
+  if (!from_touch_) settings_.margin = is_sized ? derived / least_.radius * median_.radius : derived;
+}
+
+/// Refuses a margin that is too wide for the smallest body, and says so of one that is nearly.
+void MarginRule::check_derived(double derived) const {
+  // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
+  // Hertz contacts: what is soft there is so by its material, not by choice.
+  if (from_touch_ && case_.settings.law == ContactLaw::hertz_mindlin) return;
+  // the depth of a blow is proportional to the root of the stiffness, that of what lies on a body to the stiffness: less would do for that
+  const double needed = from_touch_ ? heaviest_ * std::pow(report_.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest_), 2)
+                                    : softest_ * std::pow(derived / (kNoticeShare * smallest_), 2);
+  const std::string from = fmt::format(
+      "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest_, Dimension::mass),
+      format_quantity(report_.fastest_impact, Dimension::velocity), format_quantity(softest_, Dimension::stiffness), pulled_);
+  const bool by_modulus = std::any_of(case_.pairs.begin(), case_.pairs.end(), [](const CasePair& p) { return p.pair.modulus > 0; });
+  const std::string cure = by_modulus ? fmt::format("a modulus {:.3g} times as large would bring it to", needed / softest_)
+                                      : fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
+  const std::string advice = from_touch_
+                                 ? fmt::format("{} press spheres into each other by {}, {:.0f} % of the smallest diameter; {} {:.0f} %",
+                                               from, metres(depth_), 100 * depth_ / smallest_, cure, 100 * 2 * kOverlapShare * kNoticeShare)
+                                 : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from,
+                                               metres(derived), 100 * derived / smallest_, cure, 100 * kNoticeShare);
+  if (derived > kLargestShare * smallest_) {
+    throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}\n{}", case_.path, advice,
+                     from_touch_ ? " (0: run it as it is)" : "",
+                     choices({case_.settings, from_touch_ ? depth_ / (2 * kOverlapShare) : derived, smallest_, lightest_, softest_,
+                              report_.fastest_impact, by_modulus, from_touch_}));
+  }
+  if (derived > kNoticeShare * smallest_) report_.notices.push_back(advice);
+}
+
+void MarginRule::set_ratio() {
+  double& margin = settings_.margin;
+  if (has_meshes_ && !(margin > 0)) {
+    throw UsageError(
+        "{}: contact.margin = 0: meshes need a margin > 0 (typically 1 to 3 % of the body's size); leave it out to have it derived",
+        case_.path);
+  }
+  if (!by_size_) return;
+  settings_.margin_ratio = median_.radius > 0 ? margin / median_.radius : 0;
+  if (has_meshes_ && !(settings_.margin_ratio > 0)) settings_.margin_ratio = kRatioOfFixed;
+  if (settings_.margin_ratio > 0) return;
+  if (margin > 0 && case_.margin_given)
+    report_.notices.push_back(
+        fmt::format("contact.margin = {} is of no effect: all bodies are balls, which touch where they are drawn", metres(margin)));
+  margin = 0;
+}
+
+/// How much of the margins an impact uses up.
+void MarginRule::check_use() const {
+  const double layer = by_size_ ? sides_ * settings_.margin_ratio * hit_.radius : 2 * settings_.margin;
+  if (layer > 0) report_.overlap_share = depth_ / layer;
+  constexpr double kWarnShare = 0.8;
+  if (!(report_.overlap_share > kWarnShare)) return;
+  report_.notices.push_back(fmt::format(
+      "the fastest impact expected ({}) of the heaviest body or part ({}) would use up {:.2f} of the margins, of which {} end the run; "
+      "raise stiffness to {} or margin to {}",
+      format_quantity(report_.fastest_impact, Dimension::velocity), format_quantity(heaviest_, Dimension::mass), report_.overlap_share,
+      kStopOverlapRatio, format_quantity(softest_ * std::pow(report_.overlap_share / kOverlapShare, 2), Dimension::stiffness),
+      metres(settings_.margin * report_.overlap_share / kOverlapShare)));
+}
+
 }  // namespace
 
 double half_thickness(const Shape& shape) {
@@ -256,173 +495,7 @@ double half_thickness(const Shape& shape) {
 }
 
 void choose_margin(const Case& c, const SceneParts& parts, Scene& scene, PackingReport& report) {
-  Settings& settings = scene.settings;
-  // bodies that rest on each other do so as their run had them touch
-  if (parts.carried && !c.surface_given) settings.surface = parts.carried->from.scene.settings.surface;
-  // cells of a cut have corners too sharp to be moved in by a margin (docs/develop/decisions/023)
-  const bool has_pieces = std::any_of(c.shapes.begin(), c.shapes.end(), [](const CaseShape& s) { return s.falls_apart(); });
-  if (has_pieces && !c.surface_given) settings.surface = TouchAt::outside;
-  const bool by_size = settings.surface == TouchAt::drawn;
-  double heaviest = 0, lightest = 1e300, smallest = 1e300, widest = 0;
-  bool has_meshes = false, has_balls = false;
-  std::vector<MeshBody> meshes, fixed_meshes;
-  Thinnest thinnest;
-  const auto add = [&](const Shape& s, std::int32_t material, double scale, bool moves) {
-    has_meshes = has_meshes || s.kind != ShapeKind::sphere;
-    has_balls = has_balls || s.kind == ShapeKind::sphere;
-    const double mass = scene.materials[static_cast<std::size_t>(material)].density * s.mass.volume * scale * scale * scale;
-    if (s.kind != ShapeKind::sphere) (moves ? meshes : fixed_meshes).push_back({mass, 0.5 * scale * s.equivalent_diameter()});
-    if (!moves) return;
-    thinnest.add(s);
-    heaviest = std::max(heaviest, mass);
-    lightest = std::min(lightest, mass);
-    smallest = std::min(smallest, scale * s.equivalent_diameter());
-    widest = std::max(widest, scale * s.equivalent_diameter());
-  };
-  // a part on a guide comes down on bodies with all of its mass
-  for (const Wall& wall : scene.walls) {
-    if (const std::optional<Drive> drive = wall.motion.drive(); drive && !drive->guide.turns) heaviest = std::max(heaviest, drive->inertia);
-  }
-  for (const CaseBody& b : c.bodies) add(parts.shape(b.shape).shape, b.material, b.scale, !b.fixed);
-  for (const Draw& d : parts.draws) add(parts.shape(d.shape).shape, c.populations[d.population].material, d.scale, true);
-  if (parts.carried) {
-    for (const BodyRow& row : parts.carried->from.bodies)
-      add(parts.carried->shapes[static_cast<std::size_t>(row.shape)].shape, row.material, row.scale, !row.fixed);
-  }
-  for (const CaseInlet& i : c.inlets) {
-    for (const auto& share : i.shares) {
-      const Shape& shape = parts.shape(share.first).shape;
-      const ScaleRange scales = scales_of(i.size, shape);
-      for (const double scale : {scales.smallest, scales.largest}) add(shape, i.material, scale, true);
-    }
-  }
-  report.fastest_impact = c.settings.impact_speed > 0 ? c.settings.impact_speed : fastest_impact(c, parts, scene);
-  scene.settings.impact_speed = report.fastest_impact;
-  bool wall_meshes = false;
-  for (const CaseWall& w : c.walls) wall_meshes = wall_meshes || w.wall.kind == WallKind::mesh;
-  // spheres touch where they touch; a barrier is made of margins
-  const bool from_touch = !has_meshes && (by_size || !wall_meshes) && !(c.settings.barrier > 0);
-  double softest = 1e300;
-  if (c.settings.law == ContactLaw::hertz_mindlin) {
-    // the stiffness of a linear spring that the worst impact presses as deep: k = m v^2 / d^2
-    for (const CasePair& p : c.pairs) {
-      const double modulus =
-          effective_modulus(scene.materials[static_cast<std::size_t>(p.pair.a)], scene.materials[static_cast<std::size_t>(p.pair.b)]);
-      const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.25 * smallest;  // two bodies of the smallest size
-      const double pressed = heaviest > 0 ? hertz_impact_overlap(modulus, radius, heaviest, report.fastest_impact) : 0;
-      if (pressed > 0) softest = std::min(softest, heaviest * std::pow(report.fastest_impact / pressed, 2));
-    }
-  } else {
-    // a layer has no stiffness of one contact; its margin is given
-    if (c.settings.gather != Gathering::area) {
-      for (const CasePair& p : c.pairs) softest = std::min(softest, p.pair.spring(0.25 * widest));  // by size: two of the largest
-    }
-  }
-  double depth = heaviest > 0 && softest < 1e300 ? report.fastest_impact * std::sqrt(heaviest / softest) : 0;
-  // what attracts is pressed deeper, and not by its speed alone
-  std::string pulled;
-  for (const CasePair& p : c.pairs) {
-    if (!attracts(p.pair) || !(heaviest > 0) || c.settings.gather == Gathering::area) continue;  // margins of layers are given
-    const double radius = p.pair.contact_radius > 0 ? p.pair.contact_radius : 0.5 * widest;      // R* of the largest body on a wall
-    const Material &a = scene.materials[static_cast<std::size_t>(p.pair.a)], &b = scene.materials[static_cast<std::size_t>(p.pair.b)];
-    const double pressed = impact_overlap(c.settings.law, p.pair, a, b, radius, heaviest, report.fastest_impact);
-    if (pressed <= depth) continue;
-    constexpr double kWorthTelling = 1.01;
-    const bool tells = pressed > kWorthTelling * depth;
-    depth = pressed;
-    if (!tells) continue;
-    pulled = fmt::format(", and the attraction of {} of '{}' and '{}'", format_quantity(pull_off_force(p.pair, radius), Dimension::force),
-                         a.name, b.name);
-  }
-
-  report.impact_overlap = depth;
-  // a mesh wall and a ball have no margin beside that of the body that they meet
-  const double sides = by_size && (wall_meshes || has_balls) ? 1 : 2;
-  // Margins that go with size are those of bodies with meshes. Where balls alone move they are those of the fixed meshes, of which the
-  // smallest must bear the blow of the heaviest ball.
-  const bool balls_on_fixed = meshes.empty() && !fixed_meshes.empty();
-  const std::vector<MeshBody>& sized = balls_on_fixed ? fixed_meshes : meshes;
-  const MeshBody median = median_of(sized), least = smallest_of(sized), hit = balls_on_fixed ? least : largest_of(sized);
-  const double load = balls_on_fixed ? heaviest : hit.mass;
-  double& margin = settings.margin;
-  if (by_size && c.margin_given && settings.margin_ratio > 0) margin = settings.margin_ratio * median.radius;
-  const Settings* before = parts.carried ? &parts.carried->from.scene.settings : nullptr;
-  double margin_before = before == nullptr ? 0 : before->margin;
-  if (by_size && before != nullptr) margin_before = before->margin_ratio * median.radius;
-  // bodies that rest on each other do so at the margins of their run
-  const bool keeps_margin =
-      !c.margin_given && before != nullptr && before->surface == settings.surface && (margin_before > 0 || from_touch);
-  report.margin_from = c.margin_given ? "given" : keeps_margin ? "that of the run" : "derived";
-  if (keeps_margin) margin = margin_before;
-  if (!c.margin_given && heaviest > 0 && !(margin > 0)) {
-    constexpr double kSmallestShare = 0.01;  // of the smallest body's diameter
-    double derived = std::max(depth / (sides * kOverlapShare), kSmallestShare * smallest);
-    if (by_size && !sized.empty()) {
-      // margins go with size: the largest moving body decides for blows, the smallest for what lies on it
-      double between = softest;  // of the largest body on the smallest
-      for (const CasePair& p : c.pairs)
-        if (p.pair.modulus > 0) between = std::min(between, p.pair.spring(1 / (1 / hit.radius + 1 / least.radius)));
-      const double pinch = kLoadOfSmallest * load * length(settings.gravity) / between;
-      const double needed = std::max(depth / (sides * kOverlapShare * hit.radius), pinch / (sides * kOverlapShare * least.radius));
-      double ratio = std::max(needed, 2 * kSmallestShare);
-      if (ratio > thinnest.half) {
-        const bool is_free = needed <= thinnest.ratio();
-        report.notices.push_back(thin_text(thinnest, is_free ? "" : stiffer_cure(c, softest, needed / thinnest.ratio())));
-        if (is_free) ratio = thinnest.ratio();
-      }
-      derived = ratio * least.radius;
-      if (balls_on_fixed) smallest = 2 * least.radius;  // what the margin rounds
-    }
-    // the depth of a blow goes with the root of the stiffness, that of what lies on a body with the stiffness: less would do for that
-    const double needed = from_touch ? heaviest * std::pow(report.fastest_impact / (kOverlapShare * 2 * kNoticeShare * smallest), 2)
-                                     : softest * std::pow(derived / (kNoticeShare * smallest), 2);
-    const std::string from = fmt::format(
-        "the heaviest body ({}), the fastest impact expected ({}) and the softest pair ({}){}", format_quantity(heaviest, Dimension::mass),
-        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(softest, Dimension::stiffness), pulled);
-    const bool by_modulus = std::any_of(c.pairs.begin(), c.pairs.end(), [](const CasePair& p) { return p.pair.modulus > 0; });
-    const std::string cure = by_modulus ? fmt::format("a modulus {:.3g} times as large would bring it to", needed / softest)
-                                        : fmt::format("a stiffness of {} would bring it to", format_quantity(needed, Dimension::stiffness));
-    // Without margins the solver has no guard against depth: the same limits hold, of the depth that margins would be made for. Not for
-    // Hertz contacts: what is soft there is so by its material, not by choice.
-    const bool is_free_of_limits = from_touch && c.settings.law == ContactLaw::hertz_mindlin;
-    const std::string advice = from_touch
-                                   ? fmt::format("{} press spheres into each other by {}, {:.0f} % of the smallest diameter; {} {:.0f} %",
-                                                 from, metres(depth), 100 * depth / smallest, cure, 100 * 2 * kOverlapShare * kNoticeShare)
-                                   : fmt::format("the margin derived from {} is {}, {:.0f} % of the smallest body; {} {:.0f} %", from,
-                                                 metres(derived), 100 * derived / smallest, cure, 100 * kNoticeShare);
-    if (derived > kLargestShare * smallest && !is_free_of_limits) {
-      throw UsageError("{}: contact.margin: {}; raise it, or give contact.margin{}\n{}", c.path, advice,
-                       from_touch ? " (0: run it as it is)" : "",
-                       choices({c.settings, from_touch ? depth / (2 * kOverlapShare) : derived, smallest, lightest, softest,
-                                report.fastest_impact, by_modulus, from_touch}));
-    }
-    if (derived > kNoticeShare * smallest && !is_free_of_limits) report.notices.push_back(advice);
-    if (!from_touch) margin = by_size && !sized.empty() ? derived / least.radius * median.radius : derived;
-  }
-  if (has_meshes && !(margin > 0)) {
-    throw UsageError(
-        "{}: contact.margin = 0: meshes need a margin > 0 (typically 1 to 3 % of the body's size); leave it out to have it derived",
-        c.path);
-  }
-  if (by_size) settings.margin_ratio = median.radius > 0 ? margin / median.radius : 0;
-  if (by_size && has_meshes && !(settings.margin_ratio > 0)) settings.margin_ratio = kRatioOfFixed;
-  if (by_size && !(settings.margin_ratio > 0)) {
-    if (margin > 0 && c.margin_given)
-      report.notices.push_back(
-          fmt::format("contact.margin = {} is of no effect: all bodies are balls, which touch where they are drawn", metres(margin)));
-    margin = 0;
-  }
-  const double layer = by_size ? sides * settings.margin_ratio * hit.radius : 2 * margin;
-  if (layer > 0) report.overlap_share = depth / layer;
-  constexpr double kWarnShare = 0.8;
-  if (report.overlap_share > kWarnShare) {
-    report.notices.push_back(fmt::format(
-        "the fastest impact expected ({}) of the heaviest body or part ({}) would use up {:.2f} of the margins, of which {} end the run; "
-        "raise stiffness to {} or margin to {}",
-        format_quantity(report.fastest_impact, Dimension::velocity), format_quantity(heaviest, Dimension::mass), report.overlap_share,
-        kStopOverlapRatio, format_quantity(softest * std::pow(report.overlap_share / kOverlapShare, 2), Dimension::stiffness),
-        metres(margin * report.overlap_share / kOverlapShare)));
-  }
+  MarginRule(c, parts, scene, report).choose();
 }
 
 }  // namespace scree

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "core/chart/svg_chart.hpp"
 #include "post/statistics/statistics_data.hpp"
 
 namespace scree {
@@ -22,11 +21,6 @@ Statistics run_statistics(const Run& run, const StatisticsOptions& options, cons
 std::vector<std::string> write_statistics(const Run& run, const Statistics& statistics, const std::string& folder);
 nlohmann::json json_of(const Run& run, const Statistics& statistics);
 
-/// A chart and the table that it shows: NAME.svg and the CSV beside it.
-struct NamedChart {
-  std::string name, csv;
-  LineChart chart;
-};
 std::vector<NamedChart> charts_of(const Statistics& statistics);
 
 /// The averages that matter most, some lines for the terminal.

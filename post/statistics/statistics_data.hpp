@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "core/chart/svg_chart.hpp"
 #include "post/run/frame_pool.hpp"
 #include "post/run/region.hpp"
 #include "post/run/run_folder.hpp"
@@ -69,6 +70,12 @@ struct Statistics {
   std::vector<std::string> skipped;  ///< damaged frames, and a table that is not there
   std::string left;                  ///< which bodies have left and are left out; empty: none
   const Average& of(const std::string& quantity, std::size_t group = 0) const;
+};
+
+/// A chart and the table that it shows: NAME.svg and the CSV beside it.
+struct NamedChart {
+  std::string name, csv;
+  LineChart chart;
 };
 
 }  // namespace scree
