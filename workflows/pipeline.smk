@@ -190,9 +190,10 @@ rule pack:
     params:
         case=case_of,
         words=lambda wildcards: shlex.split(RUNS[wildcards.run][1]),
-        ranks=RANKS or 1,
+        # a number that is chosen when the scene is there is unknown here: the solver then divides the scene itself, once, by the same method
+        ranks=["--ranks", RANKS] if RANKS else [],
         changes=lambda wildcards: changes([case_of(wildcards), *PACK_INPUTS]),
-    shell: "scree-decomposer pack {params.case:q} -o {output:q} --ranks {params.ranks:q} {params.words:q}"
+    shell: "scree-decomposer pack {params.case:q} -o {output:q} {params.ranks:q} {params.words:q}"
 
 
 # The output is a file in the folder, never the folder, which Snakemake would remove with the checkpoints in it.

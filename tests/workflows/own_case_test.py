@@ -11,6 +11,11 @@ import shutil
 import subprocess
 import sys
 
+import h5py
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../support"))
+from mpi_environment import mpi_environment  # noqa: E402
+
 RUNNER, BIN, SCRATCH = sys.argv[1:4]
 ENVIRONMENT = dict(os.environ, SCREE_BIN=BIN)
 # names that a shell or Snakemake would take for something else
@@ -134,6 +139,21 @@ def main():
     assert ranks.work_in(scene) == 6
     ranks.BODIES_A_RANK = 2
     assert [ranks.ranks_for(scene, cores) for cores in (1, 2, 8)] == [1, 2, 3]
+
+    # the scene is divided for the ranks that run it: by the packer where they are given, else by the solver, which has nothing to undo then
+    given = os.path.join(SCRATCH, "given")
+    said = run("case.run/run.json", "--out", given, "--config", "ranks=2")
+    with h5py.File(os.path.join(given, "case.scene.h5")) as divided, h5py.File(scene) as undivided:
+        assert divided["partition"].attrs["ranks"] == 2 and undivided["partition"].attrs["ranks"] == 0
+    chosen = subprocess.run(["mpirun", "-n", "2", os.path.join(BIN, "scree-solver"), scene, "-o", os.path.join(SCRATCH, "chosen.run")],
+                            capture_output=True, text=True, env=mpi_environment(OMP_NUM_THREADS="1"))
+    assert chosen.returncode == 0 and "cut again" not in said + chosen.stderr, (said, chosen.stderr)
+    hashes = set()
+    for folder in (os.path.join(results, "case.run"), os.path.join(given, "case.run"), os.path.join(SCRATCH, "chosen.run")):
+        with open(os.path.join(folder, "run.json")) as file:
+            record = json.load(file)
+        hashes.add(record["state_hash"])
+    assert record["ranks"] == 2 and len(hashes) == 1, (record["ranks"], hashes)
 
     # a mesh that changes is imported again, and a file that is there is used as it is
     write("stone.off", TETRAHEDRON.replace("0 0 1\n", "0 0 2\n", 1))
