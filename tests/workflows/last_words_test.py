@@ -50,7 +50,7 @@ def ends(last, step, *words, code=1, snakefile=SNAKEFILE, stream="2"):
     return result
 
 
-def wait_for(what, is_there, patience=60.0):
+def wait_for(what, is_there, patience=200.0):
     end = time.monotonic() + patience
     while not is_there():
         assert time.monotonic() < end, f"waited {patience} s for {what}"
@@ -107,7 +107,7 @@ with open(os.path.join(SCRATCH, "log"), "w", encoding="utf-8") as log:
     process = subprocess.Popen(command(slow), stdout=log, stderr=log, stdin=subprocess.DEVNULL)
 wait_for("the first line of a step that runs", lambda: "\nfirst\n" in read("log"))
 write("go", "")
-assert process.wait(60) == 0, read("log")
+assert process.wait(200) == 0, read("log")
 
 
 def on_a_terminal(step, act):
@@ -152,7 +152,7 @@ with open(os.path.join(SCRATCH, "log"), "w", encoding="utf-8") as log:
     process = subprocess.Popen(command(slow.replace("touch a", "echo last >&2 && touch outlived")), stdout=log, stderr=log, stdin=subprocess.DEVNULL)
 wait_for("the step", lambda: os.path.exists(os.path.join(SCRATCH, "here")))
 process.kill()
-assert process.wait(60) == -signal.SIGKILL
+assert process.wait(200) == -signal.SIGKILL
 write("go", "")
 wait_for("the step that outlives", lambda: os.path.exists(os.path.join(SCRATCH, "outlived")) and "\nlast\n" in read("log"))
 
