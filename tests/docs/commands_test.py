@@ -80,7 +80,7 @@ def run(page):
     environment.pop("SCREE_BIN", None)
 
     def execute(script, what):
-        result = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, capture_output=True, text=True, timeout=240)
+        result = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, env=environment, capture_output=True, text=True, timeout=900)
         assert result.returncode == 0, f"{page}: exit {result.returncode} of {what}\n{script}\n{result.stdout}\n{result.stderr}"
 
     execute(f"'{HERE}/stand_ins.sh' {page}", "stand_ins.sh")
