@@ -230,8 +230,7 @@ std::string thin_text(const Thinnest& thinnest, const std::string& cure) {
   if (cure.empty()) return fmt::format("'{}' is thinner than two margins of 2 % of its radius: {} is taken", thinnest.shape->name, ratio);
   return fmt::format(
       "'{}' is thinner than the two margins that the fastest impact asks for, and touches outside of its drawn surface; {} would bring it "
-      "to "
-      "{}, at which it touches where it is drawn",
+      "to {}, at which it touches where it is drawn",
       thinnest.shape->name, cure, ratio);
 }
 

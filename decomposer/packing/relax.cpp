@@ -23,11 +23,11 @@ constexpr double kBeyond = 1e-9;
 /// pair that lies far from the origin is found too close again and again by less than it can be moved.
 constexpr double kRoundings = 16;
 
-/// Sweeps in which all is exact; a few bodies are parted by then, a cluster is not.
+/// Sweeps in which all is exact; a few bodies are parted by then, a bed is not.
 constexpr int kExactSweeps = 20;
-/// In a cluster ways go further by this share of what was deepest at the start, at most kMaxCrowd of the smallest radius.
-constexpr double kCrowdShare = 0.1, kMaxCrowd = 1e-3;
-/// In a cluster ways are this much longer than needed (successive over-relaxation): a bed of 25 000 balls takes 200 sweeps in place of 830.
+/// In a bed ways go further by this share of what was deepest at the start, at most kMaxBedWay of the smallest radius.
+constexpr double kBedShare = 0.1, kMaxBedWay = 1e-3;
+/// In a bed ways are this much longer than needed (successive over-relaxation): a bed of 25 000 balls takes 200 sweeps in place of 830.
 /// At 2 they would never end. Carrying ways on from sweep to sweep (Nesterov) was tried and needs more sweeps: what is apart has no force.
 constexpr double kOverRelaxed = 1.8;
 /// Bodies have no room when all depths together have not fallen by a tenth in so many sweeps.
@@ -270,8 +270,7 @@ class Relaxer {
       if (scene_.settings.margin_ratio <= half) continue;
       text += fmt::format(
           ". '{}' is thinner than two margins, and touches outside of its drawn surface: contact.margin_ratio = {:.2g} lets it touch where "
-          "it "
-          "is drawn (as stiff as the fastest impact then needs)",
+          "it is drawn (as stiff as the fastest impact then needs)",
           drawn.name, kThinShare * half);
     }
     return text;
@@ -305,7 +304,7 @@ class Relaxer {
         }
         refuse(tight_, fmt::format("This remains after {} sweeps of separation", n));
       }
-      if (n == kExactSweeps) gap_.reached += std::min(kCrowdShare * deepest_, kMaxCrowd * smallest_);
+      if (n == kExactSweeps) gap_.reached += std::min(kBedShare * deepest_, kMaxBedWay * smallest_);
     }
   }
 

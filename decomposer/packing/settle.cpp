@@ -87,7 +87,7 @@ class Settler {
         });
       }
     }
-    if (!rests) check_compatibility();
+    if (!rests) refuse_what_was_not_poured();
     if (softness_ < 1) {
       slow_down();
       grow_stiff();
@@ -138,7 +138,7 @@ class Settler {
     const double longest = kLongestRest * fall_;
     double part = std::max(own_fall_, fall_ / 10);
     for (double time = 0; time < longest && softness_ < 1; time += part, part *= kLonger) {
-      if (time >= kOwnRest * fall_ && may_roll()) stop_rolling();
+      if (time >= kOwnRest * fall_ && rolls_on()) stop_rolling();
       const double kinetic = move(part, false, [&](double share) {
         work.update(0, fmt::format("{} bodies slow down, {} of at most {}", wanted_ - waiting_.size(),
                                    format_quantity(time + share * part, Dimension::time), format_quantity(longest, Dimension::time)));
@@ -162,12 +162,7 @@ class Settler {
   }
 
   /// Balls roll, and nothing that there is ends it.
-  bool may_roll() const {
-    Scene of_case;
-    of_case.shapes = scene_.shapes;
-    of_case.pairs = scene_.pairs;
-    return !stops_rolls_ && stop_rolls(of_case);
-  }
+  bool rolls_on() const { return !stops_rolls_ && may_roll(scene_); }
 
   void stop_rolling() {
     stops_rolls_ = true;
@@ -188,8 +183,8 @@ class Settler {
                                 format_quantity(from + share * (to - from), Dimension::time), format_quantity(longest, Dimension::time)));
       });
     };
-    rest(0, may_roll() ? own : longest);
-    if (!at_rest_ && may_roll()) {
+    rest(0, rolls_on() ? own : longest);
+    if (!at_rest_ && rolls_on()) {
       stop_rolling();
       rest(own, longest);
     }
@@ -258,7 +253,7 @@ class Settler {
     }
   }
 
-  void check_compatibility() {
+  void refuse_what_was_not_poured() {
     for (const std::size_t i : waiting_) {
       const std::size_t k = parts_.draws[i].population;
       const CasePopulation& p = case_.populations[k];

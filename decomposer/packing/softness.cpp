@@ -114,15 +114,15 @@ void stop_spins(Scene& scene) {
     if (!(p.torsional_friction > 0)) p.torsional_friction = kTorsion;
 }
 
-bool stop_rolls(Scene& scene) {
-  if (!has_balls(scene)) return false;
-  bool has_stopped = false;
-  for (MaterialPair& p : scene.pairs) {
-    if (p.rolling_friction > 0) continue;
-    p.rolling_friction = kRollingAtRest;
-    has_stopped = true;
-  }
-  return has_stopped;
+bool may_roll(const Scene& scene) {
+  return has_balls(scene) &&
+         std::any_of(scene.pairs.begin(), scene.pairs.end(), [](const MaterialPair& p) { return !(p.rolling_friction > 0); });
+}
+
+void stop_rolls(Scene& scene) {
+  if (!has_balls(scene)) return;
+  for (MaterialPair& p : scene.pairs)
+    if (!(p.rolling_friction > 0)) p.rolling_friction = kRollingAtRest;
 }
 
 }  // namespace scree

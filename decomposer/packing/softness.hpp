@@ -24,8 +24,10 @@ void stop_spins(Scene& scene);
 /// Of R* times the normal force: a ball that rolls at 0.1 m/s stops within 1.5 s, and lies still on slopes of half a degree only.
 inline constexpr double kRollingAtRest = 0.01;
 
-/// Balls that roll on a flat floor, which nothing ends in a case without rolling friction, come to rest. Gives false, and does nothing,
-/// where there are no balls, or where all pairs have rolling friction.
-bool stop_rolls(Scene& scene);
+/// Whether balls may roll on a flat floor without end: there are some, and a pair without rolling friction.
+bool may_roll(const Scene& scene);
+
+/// Balls that may roll so come to rest.
+void stop_rolls(Scene& scene);
 
 }  // namespace scree

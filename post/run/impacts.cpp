@@ -119,7 +119,7 @@ std::vector<LoadTable> impact_tables(const Run& run, const std::vector<std::size
 
 LineChart impact_chart(const std::vector<MaterialPairImpacts>& pairs, double time) {
   LineChart chart{"Impacts by energy", "energy of the impact", "J", "impacts per second and power of two", "", true, false, {}, {}, true};
-  // contacts that tremble at rest begin again again and again: their energies would take up most of the axis
+  // contacts that tremble at rest begin again and again: their energies would take up most of the axis
   constexpr double kDrawn = 1e-9;  // of the largest
   double largest = 0;
   for (const MaterialPairImpacts& pair : pairs) {

@@ -378,7 +378,7 @@ std::vector<double> StatisticsPlan::numbers_of(const CountedFrame& counted) cons
   const BedSolid bed = bed_solid(view);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const Group& group = groups[g];
-    const double room = group.region != nullptr ? group.region->volume() : view.max_overlap_between(view.lowest, view.highest);
+    const double room = group.region != nullptr ? group.region->volume() : view.room_between(view.lowest, view.highest);
     const MotionMeasures motion = motion_measures(view, group);
     ContactMeasures c;
     if (has_contacts) {

@@ -91,7 +91,7 @@ double Container::distance_from_axis(const Vec3& p) const {
   return length(d - dot(d, axis) * axis);
 }
 
-double FrameView::max_overlap_between(double low, double high) const {
+double FrameView::room_between(double low, double high) const {
   Box3 slab = facts.container.room.bounds();
   slab.lower[facts.container.vertical] = low;
   slab.upper[facts.container.vertical] = high;

@@ -74,7 +74,7 @@ struct FrameView {
   /// Along the vertical axis: between which heights lie 10 % to 90 % of the solid, and all of the bodies [m].
   double solid_low = 0, solid_high = 0, lowest = 0, highest = 0;
   /// Volume of the container between two heights, 0 without an extent.
-  double max_overlap_between(double low, double high) const;
+  double room_between(double low, double high) const;
 
   bool particle(std::int32_t row) const { return row >= 0 && is_particle[static_cast<std::size_t>(row)] != 0; }
   /// Calls visit(point, volume, row) for every sample point of every particle. Points beyond a periodic side come in at the other.

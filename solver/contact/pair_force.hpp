@@ -16,7 +16,7 @@ namespace scree {
 /// The features of one pair, and what of them shares an energy. Each thread has one and fills it again for every pair.
 struct PairFeatures {
   std::vector<ContactFeature> list;  ///< ascending keys
-  double cluster_share = 1;          ///< what is left of dD/dd_j where weights fall as D grows (contact/clusters.hpp)
+  double cluster_share = 1;          ///< what is left of dD/dd_j where weights fall as D grows (contact/cluster_weights.hpp)
   bool has_cells = false;            ///< one potential for each of `cells`, with this part of the energy
   double cell_energy = 1;
   std::vector<CellShare> cells;

@@ -90,7 +90,7 @@ struct ContactFeature {
   Vec3 n;          ///< unit, from B to A, A frame
   double overlap;  ///< margin sum minus gap, > 0 [m]
   double weight;   ///< a_j in (0, 1], fading and shares of minima; without its cluster as found, with it once solve_weights() has been
-  double cluster;  ///< how many others share the place of the feature, where D is the margin of one body (contact/clusters.hpp)
+  double cluster;  ///< how many others share the place of the feature, where D is the margin of one body (contact/cluster_weights.hpp)
   bool faded;      ///< weight depends on the pose: weight_gradient is filled
   Feature6 weight_gradient;  ///< of the weight, for a virtual motion of A against B
 };

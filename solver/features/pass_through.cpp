@@ -56,14 +56,14 @@ bool may_have_passed_through(const PairBody& a, const PairBody& b, const PairMot
   const bool has_sphere = a.shape->kind == ShapeKind::sphere || b.shape->kind == ShapeKind::sphere;
   // a ball that touches has its centre further away than half its radius
   const PairBody& ball = a.shape->kind == ShapeKind::sphere ? a : b;
-  const double max_overlap = has_sphere ? 0.5 * ball.scale * ball.shape->rounding : 0.0;
-  const double limit = kRounding * (margin + max_overlap) / dt;
+  const double room = has_sphere ? 0.5 * ball.scale * ball.shape->rounding : 0.0;
+  const double limit = kRounding * (margin + room) / dt;
   // (a + b)^2 <= 2 (a^2 + b^2): no root for the many that are slow
   if (2 * (squared_length(velocity) + small * small * squared_length(spin)) <= limit * limit) return false;
   // velocity changes as the frame turns under the smaller body
   const double way = dt * (length(velocity) + length(frame_spin) * length(between) * dt + small * length(spin));
-  if (way <= kRounding * (margin + max_overlap)) return false;
-  if (motion <= lists.first_slack + max_overlap) return false;
+  if (way <= kRounding * (margin + room)) return false;
+  if (motion <= lists.first_slack + room) return false;
 
   const double unsure = unsteadiness(a, m.w_a, radius_a, dt) + unsteadiness(b, m.w_b, radius_b, dt);
   TrianglePair nearest{-1, -1};

@@ -54,7 +54,7 @@ std::string squeezed_between_walls(const PairPass& pass, std::int32_t k) {
   const auto moves = [&](const Touched& t) { return scene.walls[at(wall_of(t))].motion.moves(); };
   // the wall that moves first; of a body and a wall, this wall is one of the two
   const Touched *driven = nullptr, *other = nullptr;
-  double max_overlap = 0;
+  double gap_between = 0;
   for (const Touched& first : touched) {
     if (!moves(first)) continue;
     for (const Touched& second : touched) {
@@ -62,10 +62,10 @@ std::string squeezed_between_walls(const PairPass& pass, std::int32_t k) {
       if (pressed.b < 0 && pressed.key.zone != first.zone && pressed.key.zone != second.zone) continue;
       const Vec3 across = nearest_of_zone(pass, pass.scene.zones()[at(first.zone)], pass.p.x[at(first.body)]) -
                           nearest_of_zone(pass, pass.scene.zones()[at(second.zone)], pass.p.x[at(second.body)]);
-      if (driven != nullptr && !(length(across) < max_overlap)) continue;
+      if (driven != nullptr && !(length(across) < gap_between)) continue;
       driven = &first;
       other = &second;
-      max_overlap = length(across);
+      gap_between = length(across);
     }
   }
   if (driven == nullptr) return "";
@@ -78,7 +78,7 @@ std::string squeezed_between_walls(const PairPass& pass, std::int32_t k) {
       "No stiffness holds against a wall that is driven: leave a gap that bodies fit through, or that is closed to them; or move the "
       "wall by a torque or a force (motor, servo), which stops{}",
       two ? "they are" : "it is", scene.walls[at(wall_of(*driven))].name, scene.walls[at(wall_of(*other))].name,
-      moves(*other) ? ", which moves too" : "", format_quantity(max_overlap, Dimension::length), two ? "the first" : "the body",
+      moves(*other) ? ", which moves too" : "", format_quantity(gap_between, Dimension::length), two ? "the first" : "the body",
       format_quantity(size_of(pressed.a), Dimension::length),
       pass.continues ? "" : "; or set contact.on_overlap = \"continue\", with a doubtful result");
 }

@@ -127,6 +127,13 @@ void add_over_ranks(MPI_Comm comm, std::vector<Sum>& sums) {
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i].set_words(words[i]);
 }
 
+/// The same of one sum. Collective.
+inline ExactSum over_ranks(MPI_Comm comm, const ExactSum& sum) {
+  std::vector<ExactSum> sums{sum};
+  add_over_ranks(comm, sums);
+  return sums.front();
+}
+
 /// Sums the words of many sums over all ranks: to be carried by set_words(). Collective.
 inline void add_words_over_ranks(MPI_Comm comm, std::vector<std::int64_t>& words) {
   constexpr std::size_t kAtOnce = std::size_t{1} << 27;  // numbers in one message are counted by an int

@@ -309,8 +309,12 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
         throw InputError("{}: holds no '{}', which the scene has; it is of another scene", checkpoint.path, format.name());
     }
   });
-  simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size,
-                                checkpoint.step_limited_by, checkpoint.totals);
+  try {
+    simulation.start_from_records(checkpoint.bodies, std::move(checkpoint.states), checkpoint.step, checkpoint.step_size,
+                                  checkpoint.step_limited_by, checkpoint.totals);
+  } catch (const InputError& error) {  // of all ranks: a record of an effect that is not of this scene
+    throw InputError("{}: {}", checkpoint.path, error.what());
+  }
   const std::string hash = state_hash(simulation.state());
   mpi::on_root(comm, [&] {
     if (hash != checkpoint.state_hash) {

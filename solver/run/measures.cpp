@@ -134,9 +134,9 @@ void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& w
   for (WallState& wall : walls) wall.position += origin;
 }
 
-std::vector<Column> columns_of_effects(const RunState& s) {
+std::vector<Column> columns_of_effects(const RunState& s, const Energies& energies) {
   std::vector<Column> columns;
-  for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_log_columns(s, columns);
+  for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_log_columns(s, energies, columns);
   return columns;
 }
 
@@ -235,9 +235,9 @@ std::string state_hash(const RunState& s) {
     });
   }
   for (const std::unique_ptr<Effect>& effect : s.effects) {
-    const EffectRecord record = effect->record(s);  // of all ranks: one of them adds it
+    const std::vector<ItemHash> items = effect->hashes(s);  // of all ranks: one of them adds them
     if (s.comm.rank() != 0) continue;
-    for (const ItemHash& item : effect->hashes(record)) add(item);
+    for (const ItemHash& item : items) add(item);
   }
   if (s.comm.rank() == 0) {
     for (const InletState& inlet : s.totals.inlets) add(hash_of(inlet));

@@ -34,7 +34,7 @@ std::vector<WallLoad> wall_loads_of(const RunState& s);
 void move_loads_to_world(std::vector<WallLoad>& loads, std::vector<WallState>& walls, const Vec3& origin);
 
 /// What effects add to a row of the log. Collective.
-std::vector<Column> columns_of_effects(const RunState& s);
+std::vector<Column> columns_of_effects(const RunState& s, const Energies& energies);
 
 std::int64_t body_count(const RunState& s);
 std::int64_t free_body_count(const RunState& s);  ///< of those that are free to move

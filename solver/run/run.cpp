@@ -242,7 +242,7 @@ LogRow Run::take_row() {
   row.max_overlap_ratio = simulation_.take_max_overlap_ratio();
   row.imbalance = simulation_.decomposition().take_imbalance();
   row.contacts = contact_count(simulation_.state());
-  row.of_effects = columns_of_effects(simulation_.state());
+  row.of_effects = columns_of_effects(simulation_.state(), row.energies);
   if (simulation_.state().scene.continues()) {
     row.deep_now = deep_pair_count(simulation_.state());
     row.deep = deep_of_all();

@@ -38,7 +38,7 @@ Writers::Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::
   has_inserted_ = !loaded.scene.inlets.empty();
   const std::int64_t keep_up_to_step = is_restart ? simulation.step() : -1;
   LogRow header;
-  header.of_effects = columns_of_effects(simulation.state());
+  header.of_effects = columns_of_effects(simulation.state(), header.energies);
   mpi::on_root(comm_, [&] {
     open_run_folder(folder_, loaded_.path);
     frames_ = trim_run_folder(folder_, {schedule.frame, schedule.last, simulation.state().clock.size.step}, keep_up_to_step);

@@ -6,9 +6,9 @@
 //   w_i = 1 / sum_j K(|X_i - X_j| / r),   K(y) = (1 - y^2)^2 for y < 1, else 0 (j = i included),   r = c sqrt(R eps)
 //
 // over the vertices where the surface is not flat; R is the radius of the ball of the body's volume, eps the margin of one body. A cluster
-// within r counts as one vertex, an isolated one keeps 1 exactly. In a contact the radius follows D (contact/clusters.hpp): the tables hold
-// the weights at D = eps. An edge pair has the mean of the weights of its four ends.
-// Source: docs/reference/contact-law.md section 6, with what was measured there.
+// within r counts as one vertex, an isolated one keeps 1 exactly. In a contact the radius follows D (contact/cluster_weights.hpp): the
+// tables hold the weights at D = eps. An edge pair has the mean of the weights of its four ends. Source: docs/reference/contact-law.md
+// section 6, with what was measured there.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace scree {
 
-/// c above, sqrt(2/3): with it D is the overlap of smooth bodies of any two radii (contact/clusters.hpp).
+/// c above, sqrt(2/3): with it D is the overlap of smooth bodies of any two radii (contact/cluster_weights.hpp).
 inline constexpr double kDensityRadius = 0.816496580927726;
 
 /// Weights of all corners of a shape for a radius in its own frame [m], in the order of its feature table. Empty where all are 1.

@@ -28,7 +28,7 @@ struct ForceScratch;
 struct Frame;
 struct RunState;
 
-/// What the end of a step needs beyond the state.
+/// What hooks that compute pairs, refresh ghosts or may fail need beyond the state.
 struct StepParts {
   RunState& state;
   ForceScratch& scratch;
@@ -93,13 +93,13 @@ class Effect {
   virtual EffectRecord record(const RunState&) const { return {}; }
   /// Throws InputError for a record of another scene.
   virtual void restore(RunState&, const EffectRecord&) {}
-  /// The items that the state hash adds up for a record; those of a record, as one item, if nothing else is said.
-  virtual std::vector<ItemHash> hashes(const EffectRecord& record) const;
+  /// The items that the state hash adds up, on rank 0; the record as one item, if nothing else is said. Collective.
+  virtual std::vector<ItemHash> hashes(const RunState&) const;
 
   // 4. What a run writes, at a full step.
   virtual void add_frame(const RunState&, Frame&) const {}  ///< rank 0 adds what is not of a body
-  virtual void add_log_columns(const RunState&, std::vector<Column>&) const {}
   virtual void add_energies(const RunState&, Energies&) const {}
+  virtual void add_log_columns(const RunState&, const Energies&, std::vector<Column>&) const {}
   virtual std::vector<PlanLine> plan(const RunState&) const { return {}; }
 
   std::size_t kind() const { return kind_; }  ///< place in the list of kinds

@@ -1,10 +1,12 @@
-// What an effect keeps for a restart, as a checkpoint holds it: arrays of numbers. Checkpoint, state hash and `verify` go over them and
-// know of no effect by its name.
+// What an effect keeps for a restart, as a checkpoint holds it: arrays of numbers. Checkpoint and `verify` go over them and
+// know no effect by its name.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "solver/ranks/exact_sum.hpp"
 
 namespace scree {
 
@@ -25,6 +27,12 @@ struct StateArray {
 
 /// One array for each of the format of the effect; empty: nothing to keep.
 using EffectRecord = std::vector<StateArray>;
+
+// An array that is one exact sum, the same on every rank.
+ArrayFormat sum_format(const char* name);
+StateArray array_of(const ExactSum& sum);
+/// Throws InputError for another number of words.
+ExactSum sum_of(const StateArray& array);
 
 /// How an effect lies in a checkpoint.
 struct EffectFormat {

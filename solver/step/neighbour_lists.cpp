@@ -38,8 +38,8 @@ double NeighbourLists::skin_for(const RunState& s, double fastest) const {
   // a quarter of a period holds the reach of a body, its half of the skin included (see check_period)
   for (int k = 0; k < 3; ++k) {
     if (!s.scene.periodicity().is_periodic(k)) continue;
-    const double max_overlap = 0.25 * s.scene.periodicity().period()[k] - s.facts.largest_radius - s.scene.contact_range();
-    skin = std::min(skin, 2 * kShareOfRoom * max_overlap);
+    const double room = 0.25 * s.scene.periodicity().period()[k] - s.facts.largest_radius - s.scene.contact_range();
+    skin = std::min(skin, 2 * kShareOfRoom * room);
   }
   return skin;
 }

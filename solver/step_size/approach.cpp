@@ -67,8 +67,8 @@ double approach_of(const Mover& i, const Mover& j, const SolverScene& scene, Mes
 }
 
 /// Inside a round wall: the speed across it where a straight path ends. `r` and `u` are place and velocity from the centre or axis.
-double speed_across(const Vec3& r, const Vec3& u, double max_overlap) {
-  const double speed = length(u), end = std::max(length(r), max_overlap);
+double speed_across(const Vec3& r, const Vec3& u, double room) {
+  const double speed = length(u), end = std::max(length(r), room);
   if (!(speed > 0) || !(end > 0)) return 0;
   const double aside = length(cross(r, u)) / (speed * end);
   return speed * std::sqrt(std::max(0.0, 1 - aside * aside));

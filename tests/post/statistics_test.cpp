@@ -190,7 +190,7 @@ TEST(ContactMeasures, a_lid_on_a_packing_is_apparatus_and_stresses_it_as_a_wall)
   for (std::int32_t& population : p.run.scene.bodies.population) population = 0;
   const SceneFacts before(p.run, std::nullopt, p.frame);
   const FrameView packing(before, p.frame);
-  const double height = packing.highest, stress = contact_measures(packing, {}, packing.max_overlap_between(0, height)).stress[2].z;
+  const double height = packing.highest, stress = contact_measures(packing, {}, packing.room_between(0, height)).stress[2].z;
   EXPECT_NEAR(stress, 3, 1e-12);  // 3 N on each square metre
 
   // a plate of [[bodies]] in the place of the upper wall, squeezed from above
@@ -211,7 +211,7 @@ TEST(ContactMeasures, a_lid_on_a_packing_is_apparatus_and_stresses_it_as_a_wall)
     const FrameView view(facts, p.frame);
     EXPECT_EQ(view.particles, 64u);
     EXPECT_DOUBLE_EQ(view.highest, height);
-    EXPECT_DOUBLE_EQ(contact_measures(view, {}, view.max_overlap_between(0, view.highest)).stress[2].z, stress);
+    EXPECT_DOUBLE_EQ(contact_measures(view, {}, view.room_between(0, view.highest)).stress[2].z, stress);
   }
   EXPECT_THROW(set_apparatus_apart(run, {"lid"}), UsageError);
 }

@@ -101,7 +101,7 @@ TEST(Approach, inside_a_cylinder_is_taken_where_the_path_ends) {
     wall.radius = 1;
     scene.walls.push_back(wall);
     // along the axis it meets the lid at 1 m/s
-    const double max_overlap = 0.9, across = 2 * std::sqrt(1 - aside * aside / (max_overlap * max_overlap));
+    const double room = 0.9, across = 2 * std::sqrt(1 - aside * aside / (room * room));
     EXPECT_NEAR(speed_of(scene), std::max(across, 1.0), 1e-7) << aside;
   }
 }

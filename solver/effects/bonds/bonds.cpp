@@ -78,17 +78,15 @@ class Bonds : public Effect {
 
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
-  std::vector<ItemHash> hashes(const EffectRecord& record) const override;
+  std::vector<ItemHash> hashes(const RunState& s) const override;
   void add_frame(const RunState& s, Frame& frame) const override;
-  void add_log_columns(const RunState& s, std::vector<Column>& columns) const override;
   void add_energies(const RunState& s, Energies& energies) const override;
+  void add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const override;
   std::vector<PlanLine> plan(const RunState& s) const override;
 
  private:
   std::vector<std::int32_t> shift_loaded(RunState& s) const;
   void replace_forces(RunState& s);
-  ExactSum fracture_of_all_ranks(const RunState& s) const;
-  ExactSum held_by_all_ranks(const RunState& s) const;
 
   std::vector<std::size_t> broken_;     // listed bonds that broke in this step
   std::vector<std::int32_t> touching_;  // pairs in their place
@@ -269,34 +267,23 @@ void Bonds::add_stiffness(const RunState& s, StabilityBound& bounds) const {
   }
 }
 
-/// Collective.
-ExactSum Bonds::fracture_of_all_ranks(const RunState& s) const {
-  std::vector<ExactSum> sum{fracture_};
-  add_over_ranks(s.comm.get(), sum);
-  return sum[0];
-}
-
 EffectRecord Bonds::record(const RunState& s) const {
-  const ExactSum::Words words = fracture_of_all_ranks(s).words();
-  return {{.integers = all_broken_at(s)}, {.integers = {words.begin(), words.end()}}};
+  return {{.integers = all_broken_at(s)}, array_of(over_ranks(s.comm.get(), fracture_))};
 }
 
 void Bonds::restore(RunState& s, const EffectRecord& record) {
-  const std::vector<std::int64_t>&broken_at = record[0].integers, &fracture = record[1].integers;
+  const std::vector<std::int64_t>& broken_at = record[0].integers;
   const std::size_t bonds = s.scene.source().bonds.size();
-  ExactSum::Words words{};
-  if (broken_at.size() != bonds) throw InputError("{} bonds instead of the {} of the scene", broken_at.size(), bonds);
-  if (fracture.size() != words.size())
-    throw InputError("a total of {} numbers instead of {}; the file is damaged", fracture.size(), words.size());
-  std::copy(fracture.begin(), fracture.end(), words.begin());
+  if (broken_at.size() != bonds) throw InputError("has {} bonds, the scene has {}", broken_at.size(), bonds);
   s.bonds->set_broken_at(broken_at);
-  if (s.comm.rank() == 0) fracture_.set_words(words);
+  const ExactSum fracture = sum_of(record[1]);
+  if (s.comm.rank() == 0) fracture_ = fracture;
 }
 
 /// One item for each bond that broke: the energies follow.
-std::vector<ItemHash> Bonds::hashes(const EffectRecord& record) const {
+std::vector<ItemHash> Bonds::hashes(const RunState& s) const {
   std::vector<ItemHash> items;
-  const std::vector<std::int64_t>& broken_at = record[0].integers;
+  const std::vector<std::int64_t> broken_at = all_broken_at(s);
   for (std::size_t k = 0; k < broken_at.size(); ++k) {
     if (broken_at[k] == kHolds) continue;
     ItemHash& h = items.emplace_back();
@@ -319,27 +306,21 @@ void Bonds::add_frame(const RunState& s, Frame& frame) const {
   }
 }
 
-/// Energy of the bonds that hold. Collective.
-ExactSum Bonds::held_by_all_ranks(const RunState& s) const {
-  std::vector<ExactSum> held(1);
+void Bonds::add_energies(const RunState& s, Energies& energies) const {
+  ExactSum held;
   const std::vector<ListedBond>& bonds = s.bonds->listed();
   for (std::size_t k = 0; k < bonds.size(); ++k) {
-    if (s.bonds->counts_here(bonds[k], s.particles)) held[0].add(s.bonds->forces()[k].energy);
+    if (s.bonds->counts_here(bonds[k], s.particles)) held.add(s.bonds->forces()[k].energy);
   }
-  add_over_ranks(s.comm.get(), held);
-  return held[0];
+  energies.bond = over_ranks(s.comm.get(), held).value();
+  energies.fracture = over_ranks(s.comm.get(), fracture_).value();
 }
 
-void Bonds::add_log_columns(const RunState& s, std::vector<Column>& columns) const {
+void Bonds::add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const {
   const std::vector<std::int64_t> broken_at = all_broken_at(s);
-  columns.push_back({"bond", "J", exact(held_by_all_ranks(s).value())});
-  columns.push_back({"fracture", "J", exact(fracture_of_all_ranks(s).value())});
+  columns.push_back({"bond", "J", exact(energies.bond)});
+  columns.push_back({"fracture", "J", exact(energies.fracture)});
   columns.push_back({"bonds", "-", fmt::format("{}", std::count(broken_at.begin(), broken_at.end(), kHolds))});
-}
-
-void Bonds::add_energies(const RunState& s, Energies& energies) const {
-  energies.bond = held_by_all_ranks(s).value();
-  energies.fracture = fracture_of_all_ranks(s).value();
 }
 
 std::vector<PlanLine> Bonds::plan(const RunState& s) const {
@@ -362,10 +343,7 @@ std::string difference(const EffectRecord& recorded, const EffectRecord& now) {
 }  // namespace
 
 EffectKind bonds_effect() {
-  return {{"bonds",
-           "what broken bonds held differs",
-           {{"broken_at", "", 1, false}, {"fracture", "", static_cast<std::int64_t>(ExactSum::kWords), false}},
-           difference},
+  return {{"bonds", "what broken bonds held differs", {{"broken_at", "", 1, false}, sum_format("fracture")}, difference},
           {"bonds", "no [[bonds]]: no bodies hold together"},
           [](const RunState& s) -> std::unique_ptr<Effect> {
             if (s.scene.source().bonds.empty()) return nullptr;

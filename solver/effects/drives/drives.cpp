@@ -197,10 +197,11 @@ class Drives : public Effect {
     }
   }
   /// The forces follow from bodies and pairs.
-  std::vector<ItemHash> hashes(const EffectRecord& record) const override {
-    std::vector<ItemHash> items(record.front().reals.size());
-    for (std::size_t w = 0; w < items.size(); ++w) {
-      for (std::size_t c = 0; c < 3; ++c) items[w].add(record[c].reals[w]);
+  std::vector<ItemHash> hashes(const RunState& s) const override {
+    std::vector<ItemHash> items;
+    for (const DriveState& at : s.drives) {
+      ItemHash& h = items.emplace_back();
+      for (const double value : {at.way, at.rate, at.rate_before}) h.add(value);
     }
     return items;
   }

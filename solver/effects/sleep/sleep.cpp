@@ -202,48 +202,34 @@ bool Sleep::after_step(const StepParts& parts) {
   return false;
 }
 
-/// Collective.
-ExactSum Sleep::slept_of_all_ranks(const RunState& s) const {
-  std::vector<ExactSum> slept{slept_};
-  add_over_ranks(s.comm.get(), slept);
-  return slept[0];
-}
-
-EffectRecord Sleep::record(const RunState& s) const {
-  const ExactSum::Words words = slept_of_all_ranks(s).words();
-  return {{.integers = {words.begin(), words.end()}}};
-}
+EffectRecord Sleep::record(const RunState& s) const { return {array_of(over_ranks(s.comm.get(), slept_))}; }
 
 void Sleep::restore(RunState& s, const EffectRecord& record) {
-  ExactSum::Words words{};
-  if (record.front().integers.size() != words.size())
-    throw InputError("a total of {} numbers instead of {}; the file is damaged", record.front().integers.size(), words.size());
-  std::copy(record.front().integers.begin(), record.front().integers.end(), words.begin());
-  if (s.comm.rank() == 0) slept_.set_words(words);
+  const ExactSum slept = sum_of(record.front());
+  if (s.comm.rank() == 0) slept_ = slept;
 }
 
-void Sleep::add_log_columns(const RunState& s, std::vector<Column>& columns) const {
+void Sleep::add_energies(const RunState& s, Energies& energies) const { energies.slept = over_ranks(s.comm.get(), slept_).value(); }
+
+void Sleep::add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const {
   const auto end = s.particles.rest.begin() + static_cast<std::ptrdiff_t>(s.particles.owned);
   const std::int64_t asleep = s.comm.sum(static_cast<std::int64_t>(std::count(s.particles.rest.begin(), end, kAsleep)));
   columns.push_back({"asleep", "-", fmt::format("{}", asleep)});
-  columns.push_back({"slept", "J", exact(slept_of_all_ranks(s).value())});
+  columns.push_back({"slept", "J", exact(energies.slept)});
 }
 
-void Sleep::add_energies(const RunState& s, Energies& energies) const { energies.slept = slept_of_all_ranks(s).value(); }
-
 EffectKind sleep_effect() {
-  return {{"", "the energy of bodies that fell asleep differs", {{"slept", "", static_cast<std::int64_t>(ExactSum::kWords), false}}},
-          {},
-          [](const RunState& s) -> std::unique_ptr<Effect> {
-            const Settings& settings = s.scene.source().settings;
-            if (!settings.sleep) return nullptr;
-            const bool streams = settings.fluid && length(settings.fluid->velocity) > 0;
-            if (!s.scene.source().bonds.empty() || settings.output_impacts || streams)
-              throw UsageError("time.sleep does not go with bonds, output.impacts or a fluid that streams; leave out one of both");
-            // without gravity nothing has a weight to compare a force with
-            if (!(length(settings.gravity) > 0)) return nullptr;
-            return std::make_unique<Sleep>();
-          }};
+  return {
+      {"", "the energy of bodies that fell asleep differs", {sum_format("slept")}}, {}, [](const RunState& s) -> std::unique_ptr<Effect> {
+        const Settings& settings = s.scene.source().settings;
+        if (!settings.sleep) return nullptr;
+        const bool streams = settings.fluid && length(settings.fluid->velocity) > 0;
+        if (!s.scene.source().bonds.empty() || settings.output_impacts || streams)
+          throw UsageError("time.sleep does not go with bonds, output.impacts or a fluid that streams; leave out one of both");
+        // without gravity nothing has a weight to compare a force with
+        if (!(length(settings.gravity) > 0)) return nullptr;
+        return std::make_unique<Sleep>();
+      }};
 }
 
 }  // namespace scree

@@ -63,9 +63,9 @@ class Sleep : public Effect {
   bool after_step(const StepParts& parts) override;
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
-  std::vector<ItemHash> hashes(const EffectRecord&) const override { return {}; }  // `rest` of bodies and kept forces say it
-  void add_log_columns(const RunState& s, std::vector<Column>& columns) const override;
+  std::vector<ItemHash> hashes(const RunState&) const override { return {}; }  // `rest` of bodies and kept forces say it
   void add_energies(const RunState& s, Energies& energies) const override;
+  void add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const override;
 
   /// Before the forces of a step, and once more when ghosts are those of the step: sorts pairs by who sleeps, where that has changed.
   void sort_pairs(RunState& s, ForceScratch& scratch, FirstFailure& failure);
@@ -87,7 +87,6 @@ class Sleep : public Effect {
   enum class Kind : std::uint8_t { unknown, awake, border, resting };
 
   void review(RunState& s, Halo& halo, ForceScratch& scratch, FirstFailure& failure);
-  ExactSum slept_of_all_ranks(const RunState& s) const;
   bool find_restless_walls(const RunState& s);
   Kind kind_of_pair(const RunState& s, std::size_t k) const;
   void find_awake_rows(RunState& s);

@@ -199,14 +199,14 @@ Row measure_packing(const BenchShape& shape, const Options& options) {
   std::vector<double> scale(x.size(), 0.8);
   const MeshDistanceScratchPtr distance_scratch = make_mesh_distance_scratch();
   for (int sweep = 0; sweep < 6; ++sweep) {
-    std::vector<double> max_overlap(x.size(), 1e308);
+    std::vector<double> room(x.size(), 1e308);
     for (const Pair& pair : pairs) {
       const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
       const Placement p = relative_placement(x[a], q[a], scale[a], x[b], q[b], scale[b]);
       const double gap = scale[a] * mesh_distance(shape.view(), shape.view(), p, 10.0, *distance_scratch) - 0.5 * options.margin;
-      for (const std::size_t i : {a, b}) max_overlap[i] = std::min(max_overlap[i], gap);
+      for (const std::size_t i : {a, b}) room[i] = std::min(room[i], gap);
     }
-    for (std::size_t i = 0; i < x.size(); ++i) scale[i] += 0.45 * std::max(0.0, max_overlap[i]) / radius;
+    for (std::size_t i = 0; i < x.size(); ++i) scale[i] += 0.45 * std::max(0.0, room[i]) / radius;
   }
   const KeptPairsScratchPtr scratch = make_kept_pairs_scratch();
   AllPairs reference;
