@@ -20,15 +20,17 @@ bool has_launcher() {
   return std::any_of(kRanks.begin(), kRanks.end(), [](const char* name) { return std::getenv(name) != nullptr; });
 }
 
-/// Settings of Open MPI for a process that is alone, while it starts: no search for networks, which takes most of the time of a tool that
-/// has little to do: 0.36 s without these, 0.14 with them. What the user has set stays. Programs that this one starts later, mpirun among
-/// them, do not inherit them. (Without its daemon, ess_singleton_isolated, it would be 0.05 s, but all such processes share one folder of
-/// their session, which the first to end takes from the others.)
+/// Settings of Open MPI for a process that is alone, while it starts. No search for networks, no daemon beside it (which only
+/// MPI_Comm_spawn needs), and no folder of a session, which all processes without a daemon would share, and the first to end would take
+/// from the others: these took most of the time of a tool that has little to do. What the user has set stays. Programs that this one
+/// starts later, mpirun among them, do not inherit the settings.
 class AloneAtStart {
  public:
   AloneAtStart() {
     if (has_launcher()) return;
-    for (const auto& [name, value] : {std::pair{"OMPI_MCA_pml", "ob1"}, std::pair{"OMPI_MCA_btl", "self"}}) {
+    for (const auto& [name, value] :
+         {std::pair{"OMPI_MCA_pml", "ob1"}, std::pair{"OMPI_MCA_btl", "self"}, std::pair{"OMPI_MCA_ess_singleton_isolated", "1"},
+          std::pair{"OMPI_MCA_orte_create_session_dirs", "0"}}) {
       if (std::getenv(name) == nullptr && setenv(name, value, 0) == 0) set_.push_back(name);
     }
   }

@@ -56,6 +56,12 @@ HWY_INLINE Lane3 rotate(const LaneQuat& q, const Lane3& v) {
 }
 HWY_INLINE Lane3 rotate_inverse(const LaneQuat& q, const Lane3& v) { return rotate(conjugate(q), v); }
 
+// what laws are written in (solver/laws/real.hpp)
+using Real = Lane;
+using Real3 = Lane3;
+using RealQuat = LaneQuat;
+using Truth = Mask<double>;
+
 // NOLINTNEXTLINE(google-readability-namespace-comments)
 }  // namespace scree::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -34,26 +34,29 @@ void add_rolling(const PairLaw& law, const PairMotion& m, const Vec3& push_force
                  const std::vector<FrictionSpring>& springs, std::vector<FrictionSpring>& next, PairForce& result) {
   const double size = length(push_force);
   if (!(size > 0) || !(push > 0)) return;
-  RollingState state;
-  state.n = (1 / size) * push_force;
-  state.relative_spin = m.w_a - m.w_b;
+  const Vec3 n = (1 / size) * push_force;
   Vec3 surface_twist;  // a surface that turns twists what lies on it; nothing rolls with it
-  if (m.surface != nullptr) surface_twist = dot(m.surface->spin, state.n) * state.n;
-  state.relative_spin -= surface_twist;
-  state.normal_force = push * load;
+  if (m.surface != nullptr) surface_twist = dot(m.surface->spin, n) * n;
   double stiffness = 0;
   for (const double s : per_overlap) stiffness += s;
-  state.overlap = push / stiffness;
-  state.radius = m.radius;
-  state.damping = tangential_damping;
+  const double loaded = push * load;
+  const RollingState state{n,
+                           m.w_a - m.w_b - surface_twist,
+                           loaded,
+                           push / stiffness,
+                           m.radius,
+                           tangential_damping,
+                           law.rolling_friction * m.radius * loaded,
+                           law.torsional_friction * m.radius * loaded,
+                           law.tangential_ratio};
   const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
-  state.spin_mobility = largest(m.inverse_inertia_a) + largest(m.inverse_inertia_b);
+  const double spin_mobility = largest(m.inverse_inertia_a) + largest(m.inverse_inertia_b);
   FrictionSpring old{kRollingKey, Vec3{}, 0};
   for (auto s = springs.rbegin(); s != springs.rend() && s->key >= kRollingKey; ++s) {
     if (s->key == kRollingKey) old = *s;
   }
   old.force = turned(old.force);
-  const RollingMoment moment = rolling_moment(law, state, old.force, old.stiffness, dt, friction_dt);
+  const RollingMoment moment = rolling_moment(law, state, spin_mobility, old.force, old.stiffness, dt, friction_dt);
   result.dissipative_torque += moment.moment;
   result.rolling_moment = moment.moment;
   if (m.surface != nullptr) result.surface_power += dot(moment.moment, surface_twist);
@@ -219,8 +222,8 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
     if (!PullingLaw<Law> || forces.push[j] > 0) {
       double in_touch = f.overlap;
       if constexpr (NeckedLaw<Law>) in_touch = forces.push_overlap;
-      const double weight = std::min(damping.most_onset, onset_weight(in_touch, vn, dt));
-      damped = forces.push[j] * std::max(NeckedLaw<Law> ? forces.least_push : 0.0, 1 - damping.chi * weight * vn);
+      const double weight = std::min(damping.most_onset, onset_weight(in_touch, -vn * dt));
+      damped = damped_push(forces.push[j], damping.chi, weight, vn, NeckedLaw<Law> ? forces.least_push : 0.0);
     }
     Vec3 dissipative = (damped - forces.push[j]) * f.n;
     Vec3 tangential;

@@ -1,21 +1,15 @@
 // Friction springs of a pair, from one step to the next. Source: docs/reference/contact-law.md section 3.4.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "solver/contact/hand_over.hpp"
 #include "solver/contact/pair_force.hpp"
 #include "solver/contact/transport.hpp"
+#include "solver/laws/friction.hpp"
 
 namespace scree {
-
-/// Share of itself by which rounding moves the stiffness of a feature, times the overlap over the distance of the two bodies: the
-/// stiffness goes with powers of the overlap up to the seventh, and the overlap is a difference of places. The worst of 1e7 values in a
-/// stiff heap at rest is 35 epsilon.
-inline constexpr double kStiffnessRounding = 64 * std::numeric_limits<double>::epsilon();
 
 /// Friction of the features of one pair, taken in ascending order of their keys.
 class PairFriction {
@@ -35,30 +29,25 @@ class PairFriction {
 
   /// Tangential force on A at a feature.
   ///
-  /// in   vt, vn    sliding and separation velocity [m/s]     in  push  of the feature, damping included [N]
+  /// in   vt, vn    sliding and separation velocity [m/s]     in  push  of the feature, damping included [N]; of a law that pulls too, its
+  ///                push alone: a contact at rest under its own attraction still presses
   /// in   kappa     tangential stiffness [N/m]     in  damping  of sliding [N s/m]
   /// inout elastic  energy in springs [J]
   /// out  slid   where not null and the feature slides: the work of friction on the way that its spring did not take up [J]
   [[gnu::always_inline]] Vec3 force(const ContactFeature& f, const Vec3& vt, double vn, double push, double kappa, double damping,
                                     double& elastic, double* slid) {
-    bool slides = false;
-    Vec3 spring = spring_of(f, vt, vn, kappa, slides);
-    slides = slides && dot(spring, vt) < 0;  // it sticks again once it no longer moves against its spring
-    const double sliding = law_.friction_sliding * push, limit = slides ? sliding : law_.friction * push;
-    // (of a law that pulls too, its push alone: a contact at rest under its own attraction still presses)
-    // squares: the root is taken only where something slides
-    const double stretched = squared_length(spring);
-    if (stretched > limit * limit) {
-      slides = true;
-      const double stretch = std::sqrt(stretched);
-      spring *= sliding / stretch;
-      if (slid != nullptr && kappa > 0) *slid = sliding * (stretch - sliding) / kappa;
-    }
-    Vec3 tangential = spring - damping * vt;
-    const double total = squared_length(tangential), cap = slides ? sliding : limit;
-    if (total > cap * cap) tangential *= cap / std::sqrt(total);
-    if (kappa > 0) elastic += 0.5 * squared_length(spring) / kappa;
-    next_.push_back({f.key, spring, slides ? -kappa : kappa, f.n});
+    const FrictionSpring* const old = old_of(f);
+    // turn with the bodies' mean frame, and from there to the present normal
+    const Vec3 carried = old != nullptr ? transported(turned_(old->force), turned_(old->normal), f.n) : Vec3{};
+    const SlidingContact contact{f.n, vt, vn, f.overlap, kappa, damping, law_.friction * push, law_.friction_sliding * push};
+    ContactSpring spring{{}, old != nullptr ? old->stiffness : 0.0};
+    double stretched = 0;  // squared
+    const Vec3 tangential = friction_force(contact, old != nullptr, carried, rounding_, friction_dt_, spring, stretched);
+    const double limit = contact.slide_limit;
+    if (slid != nullptr && spring.stiffness < 0 && stretched > limit * limit)
+      *slid = limit * (std::sqrt(stretched) - limit) / -spring.stiffness;
+    elastic = with_energy(spring, elastic);
+    next_.push_back({f.key, spring.force, spring.stiffness, f.n});
     return tangential;
   }
 
@@ -76,25 +65,6 @@ class PairFriction {
     for (const HandedOver& h : *handed_over_)
       if (h.feature == f.key) return h.spring;
     return nullptr;
-  }
-
-  /// out  slides   whether it did in the last step
-  [[gnu::always_inline]] Vec3 spring_of(const ContactFeature& f, const Vec3& vt, double vn, double& kappa, bool& slides) {
-    const FrictionSpring* const old = old_of(f);
-    if (old == nullptr) {
-      // a new feature has slid only since it touched; one that has not yet has no stiffness
-      return (-kappa * (f.overlap > 0 && f.overlap < -vn * friction_dt_ ? f.overlap / -vn : friction_dt_)) * vt;
-    }
-    slides = old->stiffness < 0;
-    // turn with the bodies' mean frame, and from there to the present normal
-    Vec3 s = transported(turned_(old->force), turned_(old->normal), f.n);
-    // Unloading gives force back in proportion; loading must not create any (passivity, docs/reference/contact-law.md 3.4). A load that
-    // only rounding moves up and down is neither (docs/develop/decisions/012): springs would lose a little each time, and a stiff heap
-    // would creep indefinitely.
-    const double before = std::abs(old->stiffness);
-    if (std::abs(kappa - before) * f.overlap <= rounding_ * before) kappa = before;
-    if (kappa < before) s *= kappa / before;
-    return s - (kappa * friction_dt_) * vt;
   }
 
   const PairFeatures& features_;

@@ -1,10 +1,10 @@
 // How friction springs are taken along as bodies and normals turn. Source: docs/reference/contact-law.md section 3.4.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "solver/contact/pair_force.hpp"
+#include "solver/laws/friction.hpp"
 
 namespace scree {
 
@@ -18,31 +18,13 @@ class MeanTurn {
     const FrictionSpring& kept = springs.back();
     const Quat before{kept.stiffness, kept.force.x, kept.force.y, kept.force.z};
     if (before == turn) return;  // at rest, to the last bit
-    Quat by = turn * conjugate(before);
-    if (by.w < 0) by = {-by.w, -by.x, -by.y, -by.z};
-    w_ = std::sqrt(0.5 * (1 + by.w));
-    u_ = (0.5 / w_) * Vec3{by.x, by.y, by.z};
+    half_ = half_turn(before, turn);
   }
-  [[gnu::always_inline]] Vec3 operator()(const Vec3& s) const {
-    const Vec3 t = cross(2 * u_, s);
-    return s + w_ * t + cross(u_, t);
-  }
+  [[gnu::always_inline]] Vec3 operator()(const Vec3& s) const { return turned_by(half_, s); }
   static FrictionSpring entry(const Quat& turn) { return {kTurnKey, {turn.x, turn.y, turn.z}, turn.w}; }
 
  private:
-  Vec3 u_;
-  double w_ = 1;
+  HalfTurn half_{{}, 1};
 };
-
-/// A normal that has come to the opposite of what it was, but for this, leaves its spring no direction: the spring goes. Far above
-/// rounding, far below what a contact turns by in a step.
-inline constexpr double kOppositeNormal = 1e-9;
-
-/// Takes a spring along from a contact's normal n to its present one m, by the shortest rotation: its length stays, whatever the angle.
-/// Of a spring that keeps no normal the part along m goes.
-inline Vec3 transported(const Vec3& spring, const Vec3& n, const Vec3& m) {
-  const double c = 1 + dot(n, m);
-  return c > kOppositeNormal ? spring - (dot(spring, m) / c) * (n + m) : Vec3{};
-}
 
 }  // namespace scree

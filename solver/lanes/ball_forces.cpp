@@ -18,7 +18,6 @@
 #include <hwy/highway.h>
 
 #include "solver/lanes/ball_lanes-inl.hpp"
-#include "solver/lanes/ball_rolling-inl.hpp"
 #include "solver/lanes/lane_contact-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -173,7 +172,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     const auto is_kept = kept > zero;
     const auto [spring_force, spring_stiffness] = load_fours(springs.spring, k);
     const auto [turn_v, turn_w] = load_fours(springs.turn, k);
-    const LaneFriction friction{LaneTurn(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn),
+    const LaneFriction friction{half_turn(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn),
                                 law.at(&LaneLaw::friction),
                                 law.at(&LaneLaw::friction_sliding),
                                 law.at(&LaneLaw::tangential_ratio),
@@ -181,25 +180,25 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
                                 Lane(kStiffnessRounding) * length(m.centre_b)};
     LaneSpring spring{spring_force, spring_stiffness, load_fours(springs.normal, k).first};
     dissipative = dissipative + friction.force({n, vt, overlap, vn, push, damped}, overlap, is_kept, step, spring);
-    stored = with_energy(spring, stored);
+    stored = with_energy({spring.force, spring.stiffness}, stored);
     store_fours(spring.force, spring.stiffness, k, out.spring);
     store_fours(spring.normal, zero, k, out.normal);
     if constexpr (kRubs == Rubs::slides_and_rolls) {
       const LawRows<BallRolling> rolling(laws.rolling, springs.law.data() + k);
       const Lane size = length(force);
-      const LaneRolling state{(one / size) * force,
-                              w_a - w_b,
-                              push,
-                              push / (push / overlap),
-                              radius,
-                              friction.damping,
-                              rolling.at(&BallRolling::friction) * radius * push,
-                              rolling.at(&BallRolling::torsional) * radius * push,
-                              friction.tangential_ratio};
+      const RollingState state{(one / size) * force,
+                               w_a - w_b,
+                               push,
+                               push / (push / overlap),
+                               radius,
+                               friction.damping,
+                               rolling.at(&BallRolling::friction) * radius * push,
+                               rolling.at(&BallRolling::torsional) * radius * push,
+                               friction.tangential_ratio};
       const auto [old_roll, old_stiffness] = load_fours(springs.rolling, k);
       const Lane3 none{zero, zero, zero};
-      const LaneMoment rolls =
-          rolling_moment(state, select(is_kept, friction.turned.of(old_roll), none), select(is_kept, old_stiffness, zero), step);
+      const RollingMoment rolls =
+          rolling_spring(state, select(is_kept, turned_by(friction.turned, old_roll), none), select(is_kept, old_stiffness, zero), step);
       moment = rolls.moment;
       stored = stored + select(rolls.stiffness > zero, half * dot(rolls.spring, rolls.spring) / rolls.stiffness, zero);
       fits = fits & (size > zero);

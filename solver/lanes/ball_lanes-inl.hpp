@@ -126,28 +126,6 @@ HWY_INLINE void store_fours(const Lane3& v, Lane last, std::size_t k, Fours& to)
   hn::StoreInterleaved4(v.x.v, v.y.v, v.z.v, last.v, Tag<double>(), to.data() + 4 * k);
 }
 
-/// What turns springs with both bodies (MeanTurn); at rest, to the last bit, not at all.
-class LaneTurn {
- public:
-  HWY_INLINE LaneTurn(const LaneQuat& before, const LaneQuat& turn) {
-    const Lane zero(0.0), half(0.5), one(1.0);
-    const LaneQuat by = turn * conjugate(before);
-    const auto at_rest = equal(before, turn), is_other = by.w < zero;
-    const Lane share = sqrt(half * (one + select(is_other, -by.w, by.w)));
-    const Lane3 axis{by.x, by.y, by.z};
-    w_ = select(at_rest, one, share);
-    u_ = select(at_rest, Lane3{zero, zero, zero}, (half / share) * select(is_other, -axis, axis));
-  }
-  HWY_INLINE Lane3 of(const Lane3& s) const {
-    const Lane3 t = cross(Lane(2.0) * u_, s);
-    return s + w_ * t + cross(u_, t);
-  }
-
- private:
-  Lane3 u_;
-  Lane w_;
-};
-
 // NOLINTNEXTLINE(google-readability-namespace-comments)
 }  // namespace scree::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

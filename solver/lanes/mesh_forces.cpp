@@ -10,6 +10,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "solver/contact/pair_force.hpp"
 #include "solver/lanes/ball_lanes-inl.hpp"
 #include "solver/lanes/lane_contact-inl.hpp"
 
@@ -135,7 +136,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
     before = {select(turned, w, m.turn.w), xyz.x, xyz.y, xyz.z};
     store_fours(Lane3{m.turn.x, m.turn.y, m.turn.z}, m.turn.w, k, pairs.turn);
   }
-  const LaneFriction friction{LaneTurn(before, m.turn),
+  const LaneFriction friction{half_turn(before, m.turn),
                               law.at(&LaneLaw::friction),
                               law.at(&LaneLaw::friction_sliding),
                               law.at(&LaneLaw::tangential_ratio),
@@ -155,7 +156,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
       const auto [spring_force, spring_stiffness] = load_fours(f.spring, k);
       LaneSpring spring{spring_force, spring_stiffness, load_fours(f.normal, k).first};
       dissipative = dissipative + friction.force({n, vt, overlap, vn, part, damped}, push.D, at(f.kept, k) > zero, step, spring);
-      stored = with_energy(spring, stored);
+      stored = with_energy({spring.force, spring.stiffness}, stored);
       store_fours(spring.force, spring.stiffness, k, f.spring);
       store_fours(spring.normal, zero, k, f.normal);
     }

@@ -26,9 +26,14 @@
 
 #include "solver/laws/law_input.hpp"
 #include "solver/laws/pair_law.hpp"
+#include "solver/laws/real.hpp"
 #include "solver/laws/restitution.hpp"
 
 namespace scree {
+
+#define SCREE_LAW inline
+#include "solver/laws/damping-inl.hpp"
+#undef SCREE_LAW
 
 /// chi of a pair in this step, and how much of it a new feature may feel.
 struct Damping {
@@ -50,9 +55,7 @@ struct ViscousDamping {
   static void prepare(const LawInput&, PairLaw& law) { law.damping_ratio = law.step_damping; }
   static bool acts(const PairLaw& law) { return law.damping_ratio > 0; }
   /// in   elastic  U of the push [J], > 0    in  mobility  1/m* [1/kg], > 0
-  static double chi(const PairLaw& law, double elastic, double mobility) {
-    return 2 * law.damping_ratio / std::sqrt(2 * elastic * mobility);
-  }
+  static double chi(const PairLaw& law, double elastic, double mobility) { return viscous_chi(2 * law.damping_ratio, elastic, mobility); }
   /// in   rate       chi times the sum of the elastic forces that it damps, times mobility and step [1]
   /// in   pair_rate  the same of the whole pair: more than `rate` where features damp on their own (gather = "pairs")
   static Damping in_step(double chi, double rate, double pair_rate) {
@@ -60,10 +63,8 @@ struct ViscousDamping {
       const double share = share_in_step(pair_rate - kFreeRate, kFreeShare, kFreeSlope);
       return {chi * (share / pair_rate), std::clamp(1 / share, 1.0, kMaxOnset)};
     }
-    Damping d{chi / (1 + 0.25 * rate), 1};
-    // weighted damping must not turn the motion round within one step
-    if (rate > 0) d.most_onset = std::clamp((1 + 0.25 * rate) / rate, 1.0, kMaxOnset);
-    return d;
+    const double lagged = lag_of(rate);
+    return {chi / lagged, most_onset_of(rate, lagged, kMaxOnset)};
   }
 
  private:
@@ -92,8 +93,5 @@ struct HuntCrossleyDamping {
     return {chi, 1};
   }
 };
-
-/// Share of a step that the force on a feature stands for.
-inline double onset_weight(double overlap, double vn, double dt) { return overlap < -vn * dt ? overlap / (-vn * dt) + 0.5 : 1.0; }
 
 }  // namespace scree

@@ -1,6 +1,8 @@
 // docs/reference/contact-law.md section 5, test 7: an edge past the end of another, through parallel with it, and a wedge through coplanar.
+// Section 3.7: dented bodies, cups and scans that turn against each other.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "tests/solver/contact_cases.hpp"
@@ -79,6 +81,92 @@ TEST(EdgeSweep, energy_is_continuous_as_a_wedge_tilts_through_coplanar) {
         return bars.energy({.1, .002, CrossedBars::kEdge + height(roll) + .02 - kDeep}, roll, .05);
       },
       "rolling over, nearly parallel");
+}
+
+/// A pair in contact, and a path on which A moves and turns by about the margin.
+class TurningPath {
+ public:
+  TurningPath(TwoBodies& pair, std::mt19937& g) : pair_(pair), x_(pair.body[0].x), q_(pair.body[0].q) {
+    std::normal_distribution<double> n;
+    const double x = n(g), y = n(g), z = n(g), a = n(g), b = n(g), c = n(g);
+    shift_ = (.7 * test::kMargin) * normalised(Vec3{x, y, z});
+    turn_ = (.7 * test::kMargin / pair.radius(0)) * normalised(Vec3{a, b, c});
+  }
+  struct Place {
+    double t, energy, slope;  // slope: -(power of the force on the way), dU/dt
+    double deepest;           // of the margin
+  };
+  Place at(double t) const {
+    pair_.body[0].x = x_ + t * shift_;
+    pair_.body[0].q = normalised(quaternion_of(normalised(turn_), t * length(turn_)) * q_);
+    const PairForce f = pair_.force(0);
+    const Quat& q = pair_.body[0].q;
+    return {t, f.elastic, -dot(rotate(q, f.force), shift_) - dot(rotate(q, f.torque), turn_), f.largest_overlap / test::kMargin};
+  }
+
+ private:
+  TwoBodies& pair_;
+  Vec3 x_;
+  Quat q_;
+  Vec3 shift_, turn_;
+};
+
+/// The largest jump of the energy on a path, by halving where its change is not that of its slope [k eps^2].
+double largest_jump(const TurningPath& path, int pieces) {
+  using Place = TurningPath::Place;
+  constexpr double kUnit = test::kStiffness * test::kMargin * test::kMargin;
+  const auto surprise = [](const Place& a, const Place& b) {
+    return std::abs(b.energy - a.energy - .5 * (a.slope + b.slope) * (b.t - a.t)) / kUnit;
+  };
+  double jump = 0;
+  Place from = path.at(0);
+  for (int i = 1; i <= pieces; ++i) {
+    const Place to = path.at(static_cast<double>(i) / pieces);
+    if (to.deepest > .9) break;
+    if (surprise(from, to) > 1e-7) {
+      Place a = from, b = to;
+      for (int n = 0; n < 40; ++n) {
+        const Place middle = path.at(.5 * (a.t + b.t));
+        (surprise(a, middle) > surprise(middle, b) ? b : a) = middle;
+      }
+      jump = std::max(jump, std::abs(b.energy - a.energy) / kUnit);
+    }
+    from = to;
+  }
+  return jump;
+}
+
+// Vertices in dents, edges across each other, several at once. What rounding leaves: places to 1e-16 of the radius are 5e-14 of the margin.
+TEST(ConcaveBodies, energy_has_no_jump_on_turning_paths) {
+  struct {
+    const char* name;
+    TriangleMesh a, b;
+  } const pairs[] = {
+      {"dented", test::scaled(test::rock(1, 2, .4), .5), test::scaled(test::rock(2, 2, .4), .5)},
+      {"finely dented", test::scaled(test::rock(3, 3, .3), .5), test::scaled(test::rock(4, 2, .4), .5)},
+      {"dented in a cup", test::scaled(test::rock(5, 2, .4), .2), test::bowl(.5, .4, 16, 6)},
+  };
+  std::mt19937 g(23);
+  for (const auto& named : pairs) {
+    double worst = 0;
+    int shared = 0, paths = 0;
+    for (int k = 0; k < 60; ++k) {
+      TwoBodies pair(named.a, named.b, test::kStiffness, test::kMargin, 1, 0);
+      place_at_random(pair, g);
+      if (!pair.approach(1.8)) continue;
+      pair.body[0].x += (.4 * test::kMargin) * normalised(pair.body[1].x - pair.body[0].x);
+      pair.forget_lists();
+      const TurningPath path(pair, g);
+      if (const TurningPath::Place place = path.at(0); !(place.energy > 0) || place.deepest > .9) continue;
+      for (const ContactFeature& f : pair.features) shared += f.faded ? 1 : 0;
+      worst = std::max(worst, largest_jump(path, 100));
+      ++paths;
+    }
+    EXPECT_GE(paths, 40) << named.name;
+    EXPECT_GE(shared, 1) << named.name << ": some contacts must share";
+    EXPECT_LE(worst, 1e-6) << named.name;
+    std::printf("%-16s %d paths, %d faded contacts at their starts, largest jump %.1e k eps^2\n", named.name, paths, shared, worst);
+  }
 }
 
 }  // namespace

@@ -298,6 +298,51 @@ TEST(ConcaveEdge, a_ball_in_a_fine_tube_has_the_stiffness_of_the_circle) {
   }
 }
 
+// What the width of sharing changes (docs/reference/contact-law.md section 3.7): the potential over that of the deepest minimum alone, k
+// d^2 / 2, at random places. Wider: neighbours that do not touch yet take part of it away; narrower: nothing of it, but two steep faces
+// carry twice.
+TEST(ConcaveEdge, the_width_of_sharing_moves_the_capacity_little) {
+  for (const double share : {1. / 64, 1. / 16, kSharingOfVertices, 1. / 4, 1. / 2}) {
+    std::mt19937 g(10);
+    double least = 1, most = 1;
+    for (const Named& shape : concave_shapes()) {
+      PointPotential potential(shape.mesh, kReach, share * kReach);
+      for (int place = 0; place < 150; ++place) {
+        Vec3 p;
+        place_near(potential, kReach, g, p);
+        const double u = potential.at(p);
+        // a vertex that has just come to touch: its share with those that touch hardly less is the whole story of its depth
+        if (!(u > 0) || potential.deepest < .02 * kReach) continue;
+        const double ratio = u / (.5 * potential.deepest * potential.deepest);
+        least = std::min(least, ratio);
+        most = std::max(most, ratio);
+      }
+    }
+    std::printf("sharing %.4f of the margin: U over k d^2 / 2 from %.3f to %.3f\n", share, least, most);
+    EXPECT_GE(least, .8) << share;
+    EXPECT_LE(most, 1.35) << share;
+  }
+}
+
+// A ball's sharing is made for depths of R / 100; at others the fine tube is the circle too, but for what its facets lack of it at their
+// ends: the sagitta s of a facet, 2 s / d of the energy at the depth d.
+TEST(ConcaveEdge, a_ball_in_a_fine_tube_at_other_depths) {
+  constexpr int kFacets = 512;
+  const double sagitta = 1 / std::cos(pi / kFacets) - 1;
+  for (const double radius : {.1, .5, .9}) {
+    PointPotential potential(tube(kFacets, 1), radius, kSharingOfBalls * radius);
+    for (const double share : {1e-4, 1e-3, .03, .1}) {
+      const double depth = share * radius, off = 1 - radius + depth, lost = 2 * sagitta / depth;
+      if (lost > 1) continue;
+      for (const double angle : {0., .3, .5, .77}) {
+        const double a = angle * 2 * pi / kFacets;
+        const double u = potential.at({off * std::sin(a), 0, -off * std::cos(a)});
+        EXPECT_NEAR(u / (.5 * depth * depth), 1, lost + .005) << radius << " at a depth of " << share << " R, " << angle << " of a facet";
+      }
+    }
+  }
+}
+
 // An edge that is convex by less than the angle that is taken for flat leaves no gap between its faces.
 TEST(ConcaveEdge, a_ball_above_a_nearly_flat_edge_is_carried) {
   for (const double angle : {1e-3, 1e-4, 3e-5, 1e-6, 1e-9}) {
