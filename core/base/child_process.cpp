@@ -113,7 +113,7 @@ ChildProcess ChildProcess::serve(std::vector<std::string> words, int says, const
 
 ChildProcess ChildProcess::start_fed(std::vector<std::string> words, int says) {
   const std::vector<char*> arguments = pointers(words);
-  std::array<int, 2> ends{};  // a socket, since writing to a pipe that nobody reads would end this process by SIGPIPE
+  std::array<int, 2> ends{};  // a socket, since writing to a pipe without a reader would end this process by SIGPIPE
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw StartError("cannot make a pipe", std::strerror(errno));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

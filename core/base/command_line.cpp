@@ -69,7 +69,7 @@ std::string full_name(const CLI::App& app) {
   const std::string help = fmt::format("see {} --help", full_name(app));
   const std::vector<std::string> unknown = app.remaining(true);
   if (!unknown.empty()) {
-    // the first word that nobody understood is the likely cause even when another rule failed first
+    // the first word that was not understood is the likely cause even when another rule failed first
     const std::string& word = unknown.front();
     const bool is_option = word.size() > 1 && word.front() == '-';
     std::vector<std::string> names;

@@ -269,7 +269,7 @@ std::string format_quantity(double value, Dimension dimension) {
   };
   // largest prefix whose number is at least 1 after rounding to four digits
   for (const Step step : {Step{"T", 1e12}, {"G", 1e9}, {"M", 1e6}, {"k", 1e3}, {"", 1.0}, {"m", 1e-3}, {"u", 1e-6}, {"n", 1e-9}}) {
-    if (step.factor > 1.0 && dimension == Dimension::time) continue;  // nobody reads kiloseconds
+    if (step.factor > 1.0 && dimension == Dimension::time) continue;  // kiloseconds are in no use
     if (std::abs(scaled) >= 0.99995 * step.factor) {
       return fmt::format("{:.4g} {}{}", scaled / step.factor, step.name, unit);
     }

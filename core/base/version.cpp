@@ -22,7 +22,7 @@ std::string simd_targets() {
   return names.empty() ? "none" : names;
 }
 
-// "Open MPI v4.1.4": the first clause of what the library says, which goes on about who packaged it.
+// "Open MPI v4.1.4": the first clause of what the library says; the packager follows.
 std::string mpi_library() {
   char text[MPI_MAX_LIBRARY_VERSION_STRING];
   int length = 0;

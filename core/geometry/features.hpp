@@ -49,8 +49,8 @@ struct FeatureTable {
   std::vector<std::int32_t> corner_of;               ///< V: corner index of the vertex, or -1
   std::vector<FeatureEdge> edges;                    ///< no concave ones: they are never nearest
   std::vector<std::array<std::int32_t, 3>> edge_of;  ///< T x 3: feature edge that edge k -> k+1 is a piece of, or -1
-  std::vector<std::uint16_t> marks;                  ///< T: who owns what and kinds of edges; read them by the functions below
-  std::vector<std::int32_t> region;                  ///< T: flat region of the triangle
+  std::vector<std::uint16_t> marks;  ///< T: which features a triangle owns, and kinds of edges; read them by the functions below
+  std::vector<std::int32_t> region;  ///< T: flat region of the triangle
   std::int32_t region_count = 0;
 
   /// Whether the triangle owns the corner at its vertex k; corner_of tells which one.

@@ -1,4 +1,4 @@
-// Attraction of two materials: force and range of one contact, as a case gives them. Who packs a scene and who runs it take them from here.
+// Attraction of two materials: force and range of one contact, as a case gives them. Decomposer and solver take them from here.
 //
 // A pair has one of three:
 // - potential: F_c over a range s beyond touch; it grows linearly from the end of the range to touch and stays the same from there on

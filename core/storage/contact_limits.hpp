@@ -1,4 +1,4 @@
-// How deep surfaces may touch. Who packs a scene and who runs it draw the line at the same place.
+// How deep surfaces may touch. Decomposer and solver draw the line at the same place.
 #pragma once
 
 namespace scree {

@@ -71,7 +71,7 @@ PieceTable read_piece_table(const h5::Group& group, std::int64_t piece_count) {
                          std::isfinite(f.area + f.height + f.moment_1 + f.moment_2 + f.rim_radius);
     if (!is_face) {
       throw InputError(
-          "{}: face {} of area {:g}, height {:g} and second moments {:g}, {:g} is none; cut the body anew with scree-mesher "
+          "{}: face {} of area {:g}, height {:g} and second moments {:g}, {:g} is none; cut the body again with scree-mesher "
           "fracture",
           group.path(), i, f.area, f.height, f.moment_1, f.moment_2);
     }

@@ -122,7 +122,7 @@ struct Wall {
   double wear_every = 0;  ///< [s] of the run after which its vertices recede, again and again
 };
 
-/// Why nobody sleeps who touches the wall (time.sleep), whether it moves or not; null: no reason.
+/// Why no body sleeps that touches the wall (time.sleep), whether it moves or not; null: no reason.
 inline const char* sleep_blocker(const Wall& wall) {
   return wall.load_map ? "has a load map" : wall.motion.drive() ? "answers to force" : nullptr;
 }

@@ -1,5 +1,5 @@
 // Walls of triangles at the seams of a periodic domain. They are not repeated along a periodic axis, so that a body meets one only
-// where it stands. Who packs a scene and who runs it refuse the same walls.
+// where it stands. Decomposer and solver refuse the same walls.
 #pragma once
 
 #include <string>

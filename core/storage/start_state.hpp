@@ -56,7 +56,7 @@ struct StartState {
 void write_start_state(const h5::Group& group, const StartState& start);
 /// A scene and what it begins with. Writes whole or not at all.
 void write_scene_file(const std::string& path, const Scene& scene, const std::optional<StartState>& start);
-/// What a scene file holds of it: a scene is read by many, and this by who starts or copies it.
+/// What a scene file holds of it: a scene is read by many tools, this part by those that start or copy it.
 /// in   body_count   of the scene
 /// Throws InputError when it cannot be right.
 std::optional<StartState> read_start_state(const std::string& scene_path, std::size_t body_count);

@@ -379,7 +379,7 @@ double Several::fastest(std::span<const Vec3> points) const {
   for (const WallMotion& part : parts) {
     constexpr double kNever = 1e300;  // as WallMotion::stop
     const double end = std::min(part.end(), part.stop);
-    if (std::holds_alternative<Translate>(part.kind) && !(end < kNever)) continue;  // nobody knows how far
+    if (std::holds_alternative<Translate>(part.kind) && !(end < kNever)) continue;  // its travel is not known beforehand
     for (const Vec3& way : part.displacements(end)) {
       for (const Vec3& p : points) farther.push_back(p + way);
     }

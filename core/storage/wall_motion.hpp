@@ -188,7 +188,7 @@ struct Free {
   std::vector<double> stroke{}, swing{};  ///< lowest and highest; empty: no end
   void keys(KeyVisitor& k);
   MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
-  double fastest(std::span<const Vec3>) const { return 0; }  // nobody knows
+  double fastest(std::span<const Vec3>) const { return 0; }  // the speed is not known beforehand
   double last_change() const { return kForever; }
   std::vector<Vec3> displacements(double first, double last) const;
   std::string text() const;

@@ -1,4 +1,4 @@
-// Where a wall is and how fast it moves, from its motion (wall_motion.hpp). Who packs a scene and who runs it must agree on it.
+// Where a wall is and how fast it moves, from its motion (wall_motion.hpp). Decomposer and solver must agree on it.
 #pragma once
 
 #include "core/storage/scene_file.hpp"

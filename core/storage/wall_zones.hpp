@@ -1,4 +1,4 @@
-// The smooth pieces that a wall is made of, and which of them a periodic domain leaves. Who packs a scene and who runs it refuse the
+// The smooth pieces that a wall is made of, and which of them a periodic domain leaves. Decomposer and solver refuse the
 // same walls and the same periods.
 #pragma once
 

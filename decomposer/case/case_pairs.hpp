@@ -10,7 +10,7 @@ struct MaterialUse {
   std::int32_t material = 0;
   double movers = 0;       ///< how many of these bodies move
   bool has_fixed = false;  ///< whether any of them does not
-  std::string where;       ///< who they are, for messages
+  std::string where;       ///< their names, for messages
 };
 
 /// Throws UsageError when two materials can touch and no [[pairs]] says how.

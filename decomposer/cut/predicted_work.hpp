@@ -1,4 +1,4 @@
-// The first cut of a scene: what each body is expected to cost, and who owns it.
+// The first cut of a scene: what each body is expected to cost, and which rank owns it.
 #pragma once
 
 #include "core/partition/partition.hpp"

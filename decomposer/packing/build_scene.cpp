@@ -132,7 +132,7 @@ class Builder {
     }
     parts_.first_id = carried.from.first_free_id;
     out_.inputs.insert(out_.inputs.end(), carried.from.inputs.begin(), carried.from.inputs.end());
-    // only now is known who can meet whom
+    // only now it is known which bodies can meet
     const std::vector<MaterialUse> uses = uses_of(carried.from, case_);
     check_pairs(case_, uses);
     drop_pairs_that_cannot_meet(case_, uses);

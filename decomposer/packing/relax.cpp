@@ -105,7 +105,7 @@ class Relaxer {
   /// How far a body may go in a shallow parting [m].
   double limit(std::size_t i) const { return layer(i) + 2 * (gap_.reached - gap_.least) + kWrittenRounding * bodies_[i].radius(); }
 
-  // ---- who is close ----
+  // ---- which bodies are close ----
 
   void choose_skin() {
     skin_ = 2 * kRelaxShare * smallest_;

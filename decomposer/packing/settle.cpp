@@ -171,7 +171,7 @@ class Settler {
         format_quantity(kOwnRest * fall_, Dimension::time), kRollingAtRest));
   }
 
-  /// How long this takes nobody knows: no share of it is told, and what it takes at most is long.
+  /// Its duration is not known beforehand: no share of it is reported, since the limit is long.
   void come_to_rest() {
     const double longest = kLongestRest * fall_, own = kOwnRest * fall_;
     LongWork work("settle", 0);

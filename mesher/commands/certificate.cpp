@@ -44,7 +44,7 @@ double metres_per_unit(const MeshFile& file, const std::string& path, const std:
     result.notices.push_back(fmt::format("{}: the file states that its longest side is {}; with --unit {} it is {}", path,
                                          length_text(length * stated), unit, length_text(length * given)));
   }
-  // a scale answers the question, too: who gives one has looked at the size
+  // a scale answers the question, too: a user who gives one has looked at the size
   if (given == 0 && stated == 0 && scale == 1 && has_size) {
     result.notices.push_back(fmt::format(
         "{}: neither the file nor --unit states a unit: one unit is taken as 1 m, so the longest side is {}; with --unit cm it is {}, "

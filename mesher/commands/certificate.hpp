@@ -19,7 +19,7 @@ void expect_unit(const std::string& unit, double scale);
 void scale_mesh(TriangleMesh& mesh, double factor);
 
 /// Metres in one unit of a mesh file: what the user gave, else what the file states, else 1. A notice reports the size in each unit
-/// that could be meant when nobody stated one, and a unit that contradicts the file.
+/// that could be meant when none was stated, and a unit that contradicts the file.
 /// Fails: UsageError for what is no length or scale.
 double metres_per_unit(const MeshFile& file, const std::string& path, const std::string& unit, double scale, CommandResult& result);
 

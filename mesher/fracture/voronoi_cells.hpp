@@ -1,4 +1,4 @@
-// Voronoi cells of points in a box: who borders whom, exactly.
+// Voronoi cells of points in a box: which cells border each other, exactly.
 #pragma once
 
 #include <cstdint>

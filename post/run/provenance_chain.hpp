@@ -14,7 +14,7 @@ struct ChainEntry {
   std::string configuration;                     ///< case file or options, as read
 };
 
-/// The chain from the run down to the files that nobody here made, depth first.
+/// The chain from the run down to the files that no tool of Scree made, depth first.
 std::vector<ChainEntry> chain_of(const nlohmann::json& record);
 
 /// A file of the chain as it is now.

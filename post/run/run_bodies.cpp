@@ -60,7 +60,7 @@ void RunBodies::add_inserted(const Run& run) {
 }
 
 void RunBodies::add_frames(const Run& run) {
-  // of one inlet all that came later is, of several nobody knows
+  // where there is one inlet all that came later is from it; where there are several the frames do not say
   if (run.scene.inlets.size() > 1) origins.emplace_back("came in");
   const auto origin = static_cast<std::int32_t>(origins.size() - 1);
   for (std::size_t f = 0; f < run.frames.size(); ++f) {

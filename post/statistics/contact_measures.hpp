@@ -1,4 +1,4 @@
-// What the contacts of a frame say of a group of particles: who touches whom, how hard, in which directions; stress, chains.
+// What the contacts of a frame say of a group of particles: which bodies touch, how hard, in which directions; stress, chains.
 #pragma once
 
 #include <functional>

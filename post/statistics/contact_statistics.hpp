@@ -1,4 +1,4 @@
-// What a frame's contacts say about the packing: who touches whom, how hard, and in which directions.
+// What a frame's contacts say about the packing: which bodies touch, how hard, and in which directions.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

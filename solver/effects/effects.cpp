@@ -16,7 +16,7 @@ const std::vector<EffectKind>& effect_kinds() {
   //   bonds         break before the second kick of a step, and are replaced after it
   //   drives        set the velocities of walls at the end of a step, by which the work on walls is counted: before what records it
   //   load maps     count the sliding work of a step before walls wear by it
-  //   wear          changes walls between two steps; who sleeps is judged by the walls as they are then
+  //   wear          changes walls between two steps; which bodies sleep is judged by the walls as they are then
   static const std::vector<EffectKind> kinds{given_forces_effect(), bonds_effect(), drives_effect(), load_maps_effect(),
                                              impacts_effect(),      wear_effect(),  sleep_effect()};
   return kinds;

@@ -1,4 +1,4 @@
-// The features of two meshes in parts, for who looks at those of many pairs at once (pairs/begun_pairs.hpp): which candidates are due, then
+// The features of two meshes in parts, for the examination of many pairs at once (pairs/pending_pairs.hpp): which candidates are due, then
 // corners, then edges, then the end. mesh_pair_features() of pair_features.hpp is all of them, one pair after another.
 #pragma once
 

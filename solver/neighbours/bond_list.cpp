@@ -91,7 +91,7 @@ void BondList::list(const ParticleSet& p) {
   counted_.clear();
   for (const ListedBond& bond : listed_) counted_.push_back(counts_here(bond, p) ? 1 : 0);
 
-  // who gets what, in ascending order of bonds
+  // which body gets which force, in ascending order of bonds
   std::map<std::int32_t, std::vector<std::int32_t>> of_row;
   for (std::size_t k = 0; k < listed_.size(); ++k) {
     if (at(listed_[k].a) < p.owned) of_row[listed_[k].a].push_back(static_cast<std::int32_t>(2 * k));

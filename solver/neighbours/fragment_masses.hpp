@@ -1,10 +1,10 @@
 // What a contact moves on a body that bonds hold to others: the mass and inertia of the fragment, all that unbroken bonds connect.
 //
 // A contact on a piece of a stiff body lasts as long as the whole body takes to turn round, so that damping for a restitution needs
-// the fragment and not with the piece. Fragments are found from the scene's table of bonds and from who broke when, both known on every
-// rank, so that nothing travels and every rank computes the same bits; a checkpoint needs no more than the steps in which bonds broke.
-// Bonds that broke count from the next multiple of kReviewSteps on (effects/bonds/bonds.hpp): ranks hear of them then, and a restart finds
-// the same. Fragments with a fixed body or one that does not turn do not move as a whole: their pieces count alone.
+// the fragment and not with the piece. Fragments are found from the scene's table of bonds and from which bond broke when, both known on
+// every rank, so that nothing travels and every rank computes the same bits; a checkpoint needs no more than the steps in which bonds
+// broke. Bonds that broke count from the next multiple of kReviewSteps on (effects/bonds/bonds.hpp): ranks hear of them then, and a restart
+// finds the same. Fragments with a fixed body or one that does not turn do not move as a whole: their pieces count alone.
 #pragma once
 
 #include <cstdint>

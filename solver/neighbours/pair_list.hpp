@@ -1,4 +1,4 @@
-// The body pairs of one rank: who may touch, what each pair keeps between steps, and what it did in this step.
+// The body pairs of one rank: which bodies may touch, what each pair keeps between steps, and what it did in this step.
 //
 // Pairs are sorted by (first id, second id, zone). A pair of two bodies has the lower id as A; a body-wall pair has
 // the body as A. A pair across ranks is held and computed by both owners, from the same bits.

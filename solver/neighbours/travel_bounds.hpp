@@ -12,7 +12,7 @@ namespace scree {
 
 class TravelBounds {
  public:
-  /// Begins again: nobody has gone anywhere.
+  /// Begins again: no body has moved.
   void restart(const ParticleSet& p);
   /// Adds what the owned bodies, or the ghosts, have moved since the last call.   Threads: parallel inside.
   void add_motion_of_owned(const ParticleSet& p, const Periodicity& periodicity);

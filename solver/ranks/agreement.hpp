@@ -1,7 +1,7 @@
 // What all ranks must know of each other at a step, agreed without making anybody wait.
 //
 // Everything travels in one reduction, which is started in one step and finished in the next: the forces of a whole step hide
-// it, and a rank that is late once holds up nobody else. What is learned is therefore one step old; whoever gives the report
+// it, and a rank that is late once holds up no other rank. What is learned is therefore one step old; whoever gives the report
 // looks one step ahead (see NeighbourLists::look).
 #pragma once
 
@@ -34,7 +34,7 @@ class Agreement {
   Agreement(const Agreement&) = delete;
   Agreement& operator=(const Agreement&) = delete;
 
-  /// Gives this rank's report. Every rank calls it once a step; nobody waits.
+  /// Gives this rank's report. Every rank calls it once a step; no rank waits.
   void start(const StepReport& mine);
   /// What start() of all ranks gave.
   StepReport finish();

@@ -1,4 +1,4 @@
-// Ranks: who owns which body, migration, and ghosts.
+// Ranks: which rank owns which body, migration, and ghosts.
 //
 // A body is owned by the rank whose part of the cut holds its centre. When the body lists are rebuilt, bodies that left their
 // part migrate with all they own (state, measured work and friction springs), and every rank receives as ghosts the bodies that

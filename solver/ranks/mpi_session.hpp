@@ -40,7 +40,7 @@ class Communicator {
     return typed_blocks<T>(exchange_bytes(byte_blocks(outgoing)));
   }
 
-  /// Sends block n to rank partners[n] and returns its answer. The partners must name this rank likewise; nobody else takes part.
+  /// Sends block n to rank partners[n] and returns its answer. The partners must name this rank likewise; no other rank takes part.
   template <class T>
   std::vector<std::vector<T>> exchange(std::span<const int> partners, const std::vector<std::vector<T>>& outgoing) const {
     return typed_blocks<T>(exchange_with(partners, byte_blocks(outgoing)));

@@ -63,7 +63,7 @@ void read_record(const h5::Group& group, RunRecord& record) {
   });
 }
 
-/// The rank whose share holds a body (see in_share): nobody needs a directory to find one.
+/// The rank whose share holds a body (see in_share): no directory is needed to find one.
 std::size_t home_rank(std::int64_t id, int ranks) { return static_cast<std::size_t>(id % ranks); }
 
 /// Own bodies, and the state of the pairs that count here: those listed, and those that wait while their bodies are apart.

@@ -297,19 +297,19 @@ void Run::keep_invalid_state(const Error& error) {
 }
 
 int Run::finish() {
-  const std::string nobody = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
+  const std::string reason = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
                              : body_count(simulation_.state()) > 0                              ? ""
                              : loaded_.scene.bodies.size() == 0 && loaded_.scene.inlets.empty() ? "the scene has no body"
                              : loaded_.scene.outlets.empty()                                    ? "no body is left: all left the domain"
                                                                                                 : "no body is left: all left the run";
-  write_outcome({"completed", nobody, 0});
+  write_outcome({"completed", reason, 0});
   const DeepTotals deep = deep_of_all();
   if (!is_root()) return 0;
   if (deep.contact_steps > 0)
     std::fprintf(stderr, "scree-solver: %s\n", text_of(simulation_.state().scene, deep, simulation_.state().clock.size.step).c_str());
   cores_.report_once();
   for (const std::string& line : idle_servos(simulation_.state())) warn_once("scree-solver", line);
-  if (!nobody.empty()) std::fprintf(stderr, "scree-solver: %s\n", nobody.c_str());
+  if (!reason.empty()) std::fprintf(stderr, "scree-solver: %s\n", reason.c_str());
   const RunRecord& record = guard_.record();
   progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}",
                                 simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,

@@ -1,4 +1,4 @@
-// The folder of a run: the names of what is in it, who may write in it, and what a restart keeps.
+// The folder of a run: the names of its files, which run may write in it, and what a restart keeps.
 //
 // Only names that the solver itself gives count; whatever else lies in the folder is left as it is. The page of the files is
 // core/storage/RUN_FORMAT.md.

@@ -42,7 +42,7 @@ class DensityWeights {
   const double* of_body(const SolverShape& shape, std::int32_t index, double scale);
   /// Of a wall, whose surface has no radius of its own: R is that of the largest body.
   const double* of_wall(const SolverShape& shape, std::int32_t index, double scale, double body_radius);
-  /// The same of a wall as it is worn, which is kept by who asks; empty where all are 1.
+  /// The same of a wall as it is worn, which is kept by the caller; empty where all are 1.
   std::vector<double> of_worn_wall(const SolverShape& shape, double scale, double body_radius) const;
   struct Summary {
     std::size_t tables = 0, bytes = 0;  ///< of shapes where some vertices are a cluster

@@ -69,7 +69,7 @@ class Effect {
   /// The same: lists are new, rows and pairs are others.
   virtual void on_rebuild(const StepParts&) {}
   virtual void before_forces(RunState&) {}
-  /// Is shown the contacts of the step; null: nobody.
+  /// Is shown the contacts of the step; null: none.
   virtual PairObserver* observer() { return nullptr; }
   /// The forces of contacts and gravity are summed: adds its own.
   virtual void add_forces(RunState&) {}

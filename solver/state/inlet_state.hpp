@@ -23,7 +23,7 @@ struct InletState {
   std::int64_t is_blocked = 0;     ///< 1: the next body found no room when it last looked
   std::int64_t blocked_looks = 0;  ///< how often it found none
   double first_blocked = -1;       ///< when it first found none [s]; < 0: never
-  std::vector<TransitBody> queue;  ///< who waits to come in again, in this order
+  std::vector<TransitBody> queue;  ///< bodies that wait to come in again, in this order
   bool operator==(const InletState&) const = default;
 };
 

@@ -80,7 +80,7 @@ double wall_share_of_frequency(const RunState& s, std::size_t wall);
 void add_wall_effects(const RunState& s, double dt, WallTotals& totals);
 /// What the present damping and friction forces take from a body in a time dt [J].
 double contact_dissipation(const ParticleSet& p, std::size_t body, double dt);
-/// Adds that to each owned body. As for walls, the forces of the last step count in full, and who reads a total takes half of them back.
+/// Adds that to each owned body. As for walls, the forces of the last step count in full, and readers of a total take half of them back.
 void add_dissipation(RunState& s, double dt);
 
 }  // namespace scree

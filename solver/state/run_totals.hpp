@@ -15,7 +15,7 @@
 
 namespace scree {
 
-/// What walls and bodies did to each other. The forces of the last step count in full; who reads a total takes half of them back.
+/// What walls and bodies did to each other. The forces of the last step count in full; readers of a total take half of them back.
 struct WallTotals {
   explicit WallTotals(std::size_t walls = 0) : impulse(walls) {}
   ExactSum work;                                 ///< of driven walls on the bodies [J]

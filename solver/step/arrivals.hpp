@@ -19,7 +19,7 @@ class Arrivals {
   /// Bodies that join in the next step, each given by one rank, with the place and velocities that they have at its end if they touch
   /// nothing; in a fluid to first order in the step. Their ids are above all that bodies and walls have or had, and differ. Until that
   /// step they are in no measure and no checkpoint. Collective.
-  /// Throws on every rank, and nobody joins: what SolverScene::check_body() does, InputError for an id that is taken, and RunInvalid when
+  /// Throws on every rank, and no body joins: what SolverScene::check_body() does, InputError for an id that is taken, and RunInvalid when
   /// the step of the run is too long for their contacts.
   void add(RunState& s, const std::vector<ParticleRecord>& mine);
   /// The same for bodies of which every rank knows that they can join: the run was prepared for them, and no id is taken.

@@ -64,7 +64,7 @@ void ForceStep::compute_new_contacts(RunState& s, FirstFailure& failure, std::sp
   if (failure.exists() || which.empty()) return;
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;
-    // nobody is shown these contacts: bodies do not get their forces in this step
+    // no observer is shown these contacts: bodies do not get their forces in this step
     largest = std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, 0, s.clock.step, scratch_, s.pairs));
   });
 }

@@ -22,7 +22,7 @@ double work_on_wall(const RunState& s, const BodyPair& pair, double dt, const Ve
 }  // namespace
 
 void count_contacts_of_leaving(RunState& s, const std::vector<std::uint8_t>& leaves) {
-  // who counts a pair may not own the body that leaves: all ranks hear of all
+  // the rank that counts a pair may not own the body that leaves: all ranks are told of all
   std::vector<std::int64_t> mine;
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     if (leaves[i] != 0) mine.push_back(s.particles.id[i]);

@@ -25,7 +25,7 @@ constexpr double kSkinInHand = 0.2;
 constexpr double kVelocityShare = 1.25, kAccelerationShare = 2;
 constexpr double kFewSteps = 10, kStepsOfRoom = 4;
 
-/// Whether contacts are slow enough to look ahead. Where a wall that answers to force will be, nobody knows.
+/// Whether contacts are slow enough to look ahead. The place of a force-controlled wall is not known beforehand.
 bool can_agree_ahead(const RunState& s) {
   return s.comm.size() > 1 && s.clock.size.contact_time >= kFewSteps * s.clock.size.step && !s.scene.has_answering_walls();
 }

@@ -1,7 +1,8 @@
 // One rank's part of a run, and one step of it. The time loop is in run/run.cpp.
 //
-// What a run is made of lies in RunState, and who changes it has its own page: step_levels.hpp (how long a step is), neighbour_lists.hpp
-// (when lists are rebuilt), domain.hpp (who leaves), decomposition.hpp (who computes what), forces.hpp. Measures: run/measures.hpp.
+// What a run is made of lies in RunState, and each part that changes it has its own page: step_levels.hpp (how long a step is),
+// neighbour_lists.hpp (when lists are rebuilt), domain.hpp (which bodies leave), decomposition.hpp (which rank computes what), forces.hpp.
+// Measures: run/measures.hpp.
 #pragma once
 
 #include <cstdint>

@@ -57,7 +57,7 @@ class StabilityBound {
   void add(const PairStiffness& pair, double of_wall = 0);
   /// The bound of a row, exact.
   const BodyBound& bound_of(std::size_t row);
-  /// Takes the bound of a ghost from its owner, who knows all of its pairs.
+  /// Takes the bound of a ghost from its owner, which knows all of its pairs.
   void set_bound(std::size_t row, const BodyBound& bound);
   /// in   corrected  damping is divided by 1 + h gamma / 4, as viscous damping is (laws/damping.hpp)
   CriticalStep critical_step(bool corrected = true);

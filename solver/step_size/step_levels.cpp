@@ -126,7 +126,7 @@ void StepLevels::change(RunState& s, std::int64_t level, const std::string& reas
 }
 
 void check_displacement(const RunState& s) {
-  // Two bodies must not pass each other between two looks at who is near: at this share of its radius a step, what a body could
+  // Two bodies must not pass each other between two searches for neighbours: at this share of its radius a step, what a body could
   // miss is smaller than the skin of the lists. Pairs that are listed are watched by evaluate_pairs.
   constexpr double kRadiusPerStep = 0.1;
   if (!(s.clock.size.contact_time > 0)) return;  // nothing can meet

@@ -11,7 +11,7 @@
 //                   overlap, n the normal), M the masses: the kinetic energy of the motion that the contact will take up, m v^2 / 2 for a
 //                   ball or a face that lands flat, less where the body only turns away
 //
-// As for all sums of walls, the forces of the last step count in full, and who reads the sums takes half of them back: the impulse of a
+// As for all sums of walls, the forces of the last step count in full, and readers of the sums take half of them back: the impulse of a
 // map's triangles adds up to that of its wall in log.csv.
 // Cost: per contact of such a wall and step about a microsecond (two where the body is a mesh); kLoadSums x 80 bytes a triangle and rank.
 #pragma once

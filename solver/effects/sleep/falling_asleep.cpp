@@ -1,4 +1,4 @@
-// Sleep::review: who is ready, and who of these falls asleep.
+// Sleep::review: which bodies are ready, and which of these fall asleep.
 //
 // A body on its tip is not at rest, however slowly it begins to fall: the torque on it grows. So the torque must not have grown to the next
 // power of 2 over the time for which a body is found at rest; else that time begins again. Of a body that stands or rocks, and comes to

@@ -19,7 +19,7 @@ bool sleeps(const ParticleSet& p, std::int32_t row) { return p.rest[at(row)] == 
 
 bool is_zero(const Vec3& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
-/// A wall on which nobody sleeps, at the present time. By its velocities, which are 0 once it has stopped: places may round.
+/// A wall on which no body sleeps, at the present time. By its velocities, which are 0 once it has stopped: places may round.
 bool is_restless(const RunState& s, std::size_t w) {
   const Wall& wall = s.scene.source().walls[w];
   const WallState& state = s.walls[w];
@@ -165,7 +165,7 @@ void Sleep::wake_disturbed(RunState& s) {
         (turns && !(length(loads[n].torque - p.torque[body]) <= most * p.equivalent_radius[body])))
       disturbed.push_back(body);
   }
-  // each pair is judged by who slept as the step began: else the order of pairs would enter
+  // each pair is judged by which bodies slept as the step began: else the order of pairs would enter
   for (const std::size_t body : disturbed) {
     p.rest[body] = 0;
     woke = true;

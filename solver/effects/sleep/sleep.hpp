@@ -4,7 +4,7 @@
 // kSleepEnergy of what it would gain by a fall of its own diameter, and its force and torque below `sleep_tolerance` of its weight. A body
 // found so for as long as such a fall takes, its torque not grown, is ready. It falls asleep once all that touch it are ready or asleep:
 // velocities become 0, and the kinetic energy is booked. Springs stay. A wall that moves, carries along, answers to force or has a load
-// map lets nobody sleep that touches it.
+// map lets no body sleep that touches it.
 //
 // Asleep. A pair of which neither side moves is neither examined nor computed: it keeps the result that evaluate_at_rest() gave, which is a
 // function of places and springs alone. Each of its contacts notes the force that it had (KeptForce): it is what a later force is compared
@@ -15,15 +15,15 @@
 //   - a contact, or all together, ended ones too, depart by more than `sleep_tolerance` of the weight, or of weight times radius as torque
 //   - a wall in contact begins to move
 //   - a body in contact is taken out of the run
-// What wakes takes the forces of all its contacts, and moves in the next step; those who lie behind it wake by the second of these rules.
+// What wakes takes the forces of all its contacts, and moves in the next step; those that lie behind it wake by the second of these rules.
 //
 // All of it follows from the state between two steps (columns `rest`, kept forces), never from lists, ranks or threads. Both owners of a
 // pair keep its row alike: it is made as the first of its bodies falls asleep, and goes in the step after the last of them woke, or in the
 // step in which the contact ends.
 //
-// Source: the idea of bodies that sleep, E. Catto, "Simulation islands", Box2D (2023). Departures: who touches a sleeper may be awake, and
-// forces are tested in place of touch alone: in a heap that is pressed from one side forces change long before anything has moved by as
-// much as can be seen, and a stone that rocks forever in its hole would keep a whole heap awake (docs/develop/decisions/030).
+// Source: the idea of bodies that sleep, E. Catto, "Simulation islands", Box2D (2023). Departures: a body that touches a sleeper may be
+// awake, and forces are tested in place of touch alone: in a heap that is pressed from one side forces change long before anything has
+// moved by as much as can be seen, and a stone that rocks forever in its hole would keep a whole heap awake (docs/develop/decisions/030).
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ class Sleep : public Effect {
   enum Which : std::size_t { kInner, kOuter, kDuplicated, kLists };
 
   void on_rebuild(const StepParts& parts) override;
-  /// In a step in which that is due: puts to sleep who is ready. Collective.
+  /// In a step in which that is due: puts to sleep the bodies that are ready. Collective.
   bool after_step(const StepParts& parts) override;
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
@@ -67,14 +67,15 @@ class Sleep : public Effect {
   void add_energies(const RunState& s, Energies& energies) const override;
   void add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const override;
 
-  /// Before the forces of a step, and once more when ghosts are those of the step: sorts pairs by who sleeps, where that has changed.
+  /// Before the forces of a step, and once more when ghosts are those of the step: sorts pairs by which bodies sleep, where that has
+  /// changed.
   void sort_pairs(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   void update_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& failure);
   /// Pairs of a list that are to be computed.
   std::span<const std::int32_t> due(Which which, const std::vector<std::int32_t>& all) const {
     return any_ ? std::span(due_[which]) : std::span(all);
   }
-  /// Once all pairs are computed, before their forces are summed: wakes who is disturbed.
+  /// Once all pairs are computed, before their forces are summed: wakes the bodies that are disturbed.
   void wake_disturbed(RunState& s);
 
   /// Bodies asleep that touch one of those that leave, of all ranks. Before bodies migrate and are taken out. Collective.
