@@ -43,6 +43,7 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     tile.orientation[i] = frame.orientation[i];
     tile.velocity[i] = frame.velocity[i];
     tile.angular_velocity[i] = frame.angular_velocity[i];
+    if (frame.has_temperature && scene.settings.heat) tile.temperature[i] = frame.temperature[i];
   }
   box.id = 0;
   BodyTable& all = result.bodies;

@@ -1,0 +1,488 @@
+#include "solver/effects/heat/heat.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/base/units.hpp"
+#include "solver/effects/heat/conductance.hpp"
+#include "solver/effects/heat/contact_losses.hpp"
+#include "solver/pairs/forces.hpp"
+#include "solver/ranks/failure.hpp"
+#include "solver/ranks/halo.hpp"
+#include "solver/state/run_state.hpp"
+
+namespace scree {
+
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// A sum that a rank keeps of heat [J].
+enum Total : std::size_t { kMade, kMadeInWalls, kFromSources, kArrived, kRemoved, kTotals };
+constexpr std::array<const char*, kTotals> kTotalNames{"made", "made_in_walls", "from_sources", "arrived", "removed"};
+
+/// Largest Biot number that one temperature a body stands for: errors of the flow are about this share.
+constexpr double kLargestBiot = 0.1;
+
+/// A pair that conducts.
+struct Flow {
+  std::int32_t pair;
+  double conductance;  ///< [W/K]
+};
+
+double wall_temperature(const Wall& wall) { return wall.heat.temperature; }
+bool has_temperature(const Wall& wall) { return wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange; }
+
+class HeatEffect : public Effect, public PairObserver {
+ public:
+  explicit HeatEffect(const RunState& s)
+      : state_(s),
+        friction_heat_(s.scene.source().settings.heat->friction_heat),
+        conductance_(s.scene.source()),
+        seen_(most_threads()),
+        pending_(s.scene.source().walls.size(), 0.0),
+        to_bodies_(pending_.size()) {
+    for (const Wall& wall : s.scene.source().walls) has_flux_ = has_flux_ || wall.heat.kind == WallHeatKind::flux;
+    for (std::size_t b = 0; b < s.scene.source().bodies.size(); ++b) {
+      if (s.scene.source().bodies.heat_source[b] != 0)
+        source_of_id_.push_back({s.scene.source().bodies.id[b], s.scene.source().bodies.heat_source[b]});
+    }
+    std::sort(source_of_id_.begin(), source_of_id_.end());
+  }
+
+  void start(RunState& s) override;
+  void on_rebuild(const StepParts& parts) override;
+  void body_leaves(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kRemoved]); }
+  void body_joins(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kArrived]); }
+  void before_forces(RunState& s) override;
+  PairObserver* observer() override { return this; }
+  bool observes(const PairView&) const override { return true; }
+  bool needs_outputs() const override { return false; }
+  void observe(const PairContact& contact) override {
+    const auto pair = static_cast<std::int32_t>(&contact.pair - state_.pairs.pairs().data());
+    seen_[contact.thread].push_back({pair, conductance_.of(contact, state_.particles)});
+  }
+  void end_step(const StepParts& parts) override;
+
+  EffectRecord record(const RunState& s) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  void add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const override;
+  std::vector<PlanLine> plan(const RunState& s) const override;
+
+ private:
+  double capacity(const ParticleSet& p, std::size_t row) const {
+    return p.mass[row] * state_.scene.source().materials[at(p.material[row])].heat_capacity;
+  }
+  void add_heat_of(const ParticleSet& p, std::size_t row, ExactSum& sum) const {
+    const double mc = capacity(p, row);
+    sum.add(mc * p.temperature[row]);
+    sum.add(mc * p.temperature_remainder[row]);
+  }
+  const Wall& wall_of(const BodyPair& pair) const { return state_.scene.source().walls[wall_index(pair)]; }
+  std::size_t wall_index(const BodyPair& pair) const { return at(state_.scene.zones()[at(pair.key.zone)].wall); }
+
+  void collect_flows();
+  void add_resting(const StepParts& parts);
+  void review_conduction(const RunState& s);
+  void check_step(const StepParts& parts) const;
+  void add_made(const RunState& s, double share);
+  void add_flux(const RunState& s);
+  void add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const;
+  void advance(const StepParts& parts);
+  void heat_body(ParticleSet& p, std::size_t row, double heat);
+
+  const RunState& state_;
+  bool friction_heat_, has_flux_ = false;
+  ContactConductance conductance_;
+  std::vector<std::pair<std::int64_t, double>> source_of_id_;  // [W], by id
+
+  std::vector<std::vector<Flow>> seen_;  // contacts whose forces were computed, by thread
+  std::vector<Flow> flows_;              // of this step, in the order of pairs
+  std::vector<double> at_rest_;          // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
+  std::vector<double> stored_;           // of each pair: in its springs before the step [J]
+  std::vector<double> source_;           // of each owned row [W]
+  std::vector<double> given_;            // the same: what it gets in the step whatever temperatures are [J]
+  std::vector<double> stage_, power_first_, power_;
+
+  // present, of all ranks
+  double critical_step_ = std::numeric_limits<double>::infinity();  // [s]
+  std::int64_t critical_body_ = -1;
+  double biot_ = 0;
+
+  std::array<ExactSum, kTotals> totals_;  // of this rank
+  std::vector<double> pending_;           // of each wall with a flux: given by it and not yet taken by a body [J]
+  std::vector<ExactSum> to_bodies_;       // of each wall: what it has given to bodies [J]
+  std::vector<double> flow_now_ = std::vector<double>(to_bodies_.size());  // the same in the last step, of this rank [W]
+};
+
+void HeatEffect::on_rebuild(const StepParts& parts) {
+  const RunState& s = parts.state;
+  at_rest_.assign(s.pairs.pairs().size(), -1.0);
+  stored_.assign(friction_heat_ ? s.pairs.pairs().size() : 0, 0.0);
+  source_.assign(s.particles.owned, 0.0);
+  for (std::size_t i = 0; i < s.particles.owned && !source_of_id_.empty(); ++i) {
+    const auto found = std::lower_bound(source_of_id_.begin(), source_of_id_.end(), std::pair(s.particles.id[i], -1e300));
+    if (found != source_of_id_.end() && found->first == s.particles.id[i]) source_[i] = found->second;
+  }
+}
+
+void HeatEffect::before_forces(RunState& s) {
+  for (std::vector<Flow>& of_thread : seen_) of_thread.clear();
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    const BodyPair& pair = s.pairs.pairs()[k];
+    stored_[k] = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
+  }
+}
+
+void HeatEffect::start(RunState& s) {
+  collect_flows();
+  review_conduction(s);
+  if (!friction_heat_) return;
+  // the first kick is by half a step, in which springs stay as they are
+  for (std::size_t k = 0; k < stored_.size(); ++k) stored_[k] = stored_in_springs(s.pairs.pairs()[k]);
+  given_.assign(s.particles.owned, 0.0);
+  add_made(s, 0.5);
+  for (std::size_t i = 0; i < s.particles.owned; ++i) heat_body(s.particles, i, given_[i]);
+}
+
+/// In the order of pairs.
+void HeatEffect::collect_flows() {
+  flows_.clear();
+  for (const std::vector<Flow>& of_thread : seen_) flows_.insert(flows_.end(), of_thread.begin(), of_thread.end());
+  std::sort(flows_.begin(), flows_.end(), [](const Flow& l, const Flow& r) { return l.pair < r.pair; });
+}
+
+/// Contacts of which neither side moves are not computed in a step: what they conduct follows from where they are.
+void HeatEffect::add_resting(const StepParts& parts) {
+  RunState& s = parts.state;
+  for (const Flow& flow : flows_) at_rest_[at(flow.pair)] = -1;
+  std::vector<std::int32_t> unknown;
+  std::vector<Flow> all;
+  all.reserve(flows_.size());
+  auto next = flows_.begin();
+  for (std::size_t k = 0; k < s.pairs.results().size(); ++k) {
+    const auto pair = static_cast<std::int32_t>(k);
+    if (next != flows_.end() && next->pair == pair) {
+      all.push_back(*next++);
+    } else if (s.pairs.results()[k].active) {
+      if (at_rest_[k] < 0) unknown.push_back(pair);
+      all.push_back({pair, -1});
+    }
+  }
+  for (const std::int32_t pair : unknown) at_rest_[at(pair)] = 0;
+  if (!unknown.empty() && !parts.failure.exists()) {
+    parts.failure.watch(s.clock.step, [&] {
+      visit_pairs(s.scene, s.particles, s.walls, unknown, s.clock.step, parts.scratch, s.pairs, [&](const PairContact& contact) {
+        at_rest_[static_cast<std::size_t>(&contact.pair - s.pairs.pairs().data())] = conductance_.of(contact, s.particles);
+      });
+    });
+  }
+  for (Flow& flow : all) {
+    if (flow.conductance < 0) flow.conductance = at_rest_[at(flow.pair)];
+  }
+  flows_ = std::move(all);
+}
+
+/// Critical step and largest Biot number of the present contacts. Collective.
+void HeatEffect::review_conduction(const RunState& s) {
+  const ParticleSet& p = s.particles;
+  std::vector<double> sum(p.owned, 0.0);
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b < 0 && !has_temperature(wall_of(pair))) continue;
+    for (const std::int32_t row : {pair.a, pair.b}) {
+      if (row >= 0 && at(row) < p.owned) sum[at(row)] += flow.conductance;
+    }
+  }
+  double least = std::numeric_limits<double>::infinity(), biot = 0;
+  std::int64_t body = -1;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (!(sum[i] > 0)) continue;
+    const double step = capacity(p, i) / sum[i];
+    if (step < least || (step == least && p.id[i] < body)) {
+      least = step;
+      body = p.id[i];
+    }
+    const Shape& shape = s.scene.source().shapes[at(p.shape[i])];
+    const double area = shape.area * p.scale[i] * p.scale[i];
+    const double volume = s.scene.shape(p.shape[i]).volume * p.scale[i] * p.scale[i] * p.scale[i];
+    biot = std::max(biot, sum[i] * volume / (s.scene.source().materials[at(p.material[i])].conductivity * area * area));
+  }
+  critical_step_ = least;
+  critical_body_ = body;
+  biot_ = biot;
+}
+
+void HeatEffect::check_step(const StepParts& parts) const {
+  const RunState& s = parts.state;
+  if (s.clock.dt <= critical_step_) return;
+  parts.failure.keep(
+      RunInvalid("step {}: body {} conducts so well that its temperature is stable with a step of at most {:.3g} s, its mass times its "
+                 "heat_capacity over the conductances of its contacts; the run has {:.3g} s. Give time.step, or a larger heat_capacity",
+                 s.clock.step, critical_body_, critical_step_, s.clock.dt),
+      s.clock.step);
+}
+
+/// What contacts have dissipated in a step, to both sides.   in   share   of the step
+void HeatEffect::add_made(const RunState& s, double share) {
+  const ParticleSet& p = s.particles;
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    const BodyPair& pair = s.pairs.pairs()[k];
+    const bool active = s.pairs.results()[k].active;
+    if (!active && stored_[k] == 0) continue;
+    const double now = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
+    const double half = 0.5 * ((active ? contact_loss(s, k, share * s.clock.dt) : 0) + stored_[k] - now);
+    if (half == 0) continue;
+    for (const std::int32_t row : {pair.a, pair.b}) {
+      if (row < 0) {
+        totals_[kMadeInWalls].add(half);
+      } else if (at(row) < p.owned) {
+        given_[at(row)] += half;
+        totals_[kMade].add(half);
+      }
+    }
+  }
+}
+
+/// What walls with a flux give in the step, shared in proportion to conductances. Collective.
+void HeatEffect::add_flux(const RunState& s) {
+  const std::vector<Wall>& walls = s.scene.source().walls;
+  std::vector<ExactSum> sums(walls.size());
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b < 0) sums[wall_index(pair)].add(flow.conductance);
+  }
+  add_over_ranks(s.comm.get(), sums);
+  std::vector<double> per_conductance(walls.size(), 0.0);
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (walls[w].heat.kind != WallHeatKind::flux) continue;
+    pending_[w] += walls[w].heat.flux * s.clock.dt;
+    const double sum = sums[w].value();
+    if (sum > 0) per_conductance[w] = std::exchange(pending_[w], 0.0) / sum;
+  }
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b >= 0) continue;
+    const std::size_t w = wall_index(pair);
+    const double heat = per_conductance[w] * flow.conductance;
+    if (heat == 0) continue;
+    given_[at(pair.a)] += heat;
+    to_bodies_[w].add(heat);
+    flow_now_[w] += heat / s.clock.dt;
+  }
+}
+
+/// Power that flows into each owned row at these temperatures.   in/out   power   [W]
+void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const {
+  const std::size_t owned = s.particles.owned;
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    const auto a = at(pair.a);
+    if (pair.b >= 0) {
+      const auto b = at(pair.b);
+      const double to_a = flow.conductance * (temperature[b] - temperature[a]);
+      if (a < owned) power[a] += to_a;
+      if (b < owned) power[b] -= to_a;
+    } else if (const Wall& wall = wall_of(pair); has_temperature(wall)) {
+      power[a] += flow.conductance * (wall_temperature(wall) - temperature[a]);
+    }
+  }
+}
+
+void HeatEffect::heat_body(ParticleSet& p, std::size_t row, double heat) {
+  if (heat == 0) return;
+  // the new temperature, and what it lacks (D. Knuth, The Art of Computer Programming 2, 4.2.2)
+  const double change = heat / capacity(p, row) + p.temperature_remainder[row], before = p.temperature[row];
+  const double sum = before + change, part = sum - before;
+  p.temperature_remainder[row] = (before - (sum - part)) + (change - part);
+  p.temperature[row] = sum;
+}
+
+/// Two Euler steps, averaged. Collective.
+void HeatEffect::advance(const StepParts& parts) {
+  RunState& s = parts.state;
+  ParticleSet& p = s.particles;
+  const double dt = s.clock.dt;
+  parts.halo.refresh_column(p.temperature, s.times);
+  power_first_.assign(p.owned, 0.0);
+  add_conducted(s, p.temperature, power_first_);
+  stage_ = p.temperature;
+  for (std::size_t i = 0; i < p.owned; ++i) stage_[i] += (dt * power_first_[i] + given_[i]) / capacity(p, i);
+  parts.halo.refresh_column(stage_, s.times);
+  power_.assign(p.owned, 0.0);
+  add_conducted(s, stage_, power_);
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b >= 0 || !has_temperature(wall_of(pair))) continue;
+    const std::size_t w = wall_index(pair), a = at(pair.a);
+    const double of_wall = wall_temperature(wall_of(pair));
+    const double power = 0.5 * flow.conductance * ((of_wall - p.temperature[a]) + (of_wall - stage_[a]));
+    to_bodies_[w].add(dt * power);
+    flow_now_[w] += power;
+  }
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    heat_body(p, i, 0.5 * dt * (power_first_[i] + power_[i]) + given_[i]);
+    if (p.temperature[i] > 0) continue;
+    parts.failure.keep(RunInvalid("step {}: body {} is cooled to {:.4g} K, below absolute zero; take less from it (heat_source, heat_flux)",
+                                  s.clock.step, p.id[i], p.temperature[i]),
+                       s.clock.step);
+  }
+}
+
+void HeatEffect::end_step(const StepParts& parts) {
+  RunState& s = parts.state;
+  ParticleSet& p = s.particles;
+  collect_flows();
+  if (s.sleep) add_resting(parts);
+  review_conduction(s);
+  check_step(parts);
+  given_.assign(p.owned, 0.0);
+  std::fill(flow_now_.begin(), flow_now_.end(), 0.0);
+  if (friction_heat_) {
+    // a body is heated by half of what its contact takes from both sides: ghosts need the velocities of the end of the step
+    parts.halo.start_refresh(p, s.times);
+    parts.halo.finish_refresh(p, s.times);
+    add_made(s, 1);
+  }
+  for (std::size_t i = 0; i < p.owned && !source_of_id_.empty(); ++i) {
+    if (source_[i] == 0) continue;
+    given_[i] += s.clock.dt * source_[i];
+    totals_[kFromSources].add(s.clock.dt * source_[i]);
+  }
+  if (has_flux_) add_flux(s);
+  advance(parts);
+}
+
+EffectRecord HeatEffect::record(const RunState& s) const {
+  EffectRecord record;
+  for (const ExactSum& total : totals_) record.push_back(array_of(over_ranks(s.comm.get(), total)));
+  StateArray& walls = record.emplace_back();
+  std::vector<ExactSum> to_bodies = to_bodies_;
+  add_over_ranks(s.comm.get(), to_bodies);
+  for (const ExactSum& sum : to_bodies) {
+    const ExactSum::Words words = sum.words();
+    walls.integers.insert(walls.integers.end(), words.begin(), words.end());
+  }
+  record.push_back({.reals = pending_});
+  return record;
+}
+
+void HeatEffect::restore(RunState& s, const EffectRecord& record) {
+  const std::vector<std::int64_t>& words = record[kTotals].integers;
+  const std::vector<double>& pending = record[kTotals + 1].reals;
+  if (words.size() != to_bodies_.size() * ExactSum::kWords || pending.size() != pending_.size())
+    throw InputError("heat of {} walls instead of {}; the file is damaged or of another scene", pending.size(), pending_.size());
+  pending_ = pending;
+  if (s.comm.rank() != 0) return;
+  for (std::size_t t = 0; t < kTotals; ++t) totals_[t] = sum_of(record[t]);
+  for (std::size_t w = 0; w < to_bodies_.size(); ++w) {
+    ExactSum::Words of_wall{};
+    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(w * ExactSum::kWords), ExactSum::kWords, of_wall.begin());
+    to_bodies_[w].set_words(of_wall);
+  }
+}
+
+void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const {
+  const ParticleSet& p = s.particles;
+  const std::size_t walls = to_bodies_.size();
+  // totals, what is stored, then of each wall what it gave and what it gives
+  std::vector<ExactSum> sums(totals_.begin(), totals_.end());
+  ExactSum& stored = sums.emplace_back();
+  for (std::size_t i = 0; i < p.owned; ++i) add_heat_of(p, i, stored);
+  sums.insert(sums.end(), to_bodies_.begin(), to_bodies_.end());
+  for (const double flow : flow_now_) sums.emplace_back().add(flow);
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    // half of what the last step was counted with lies ahead
+    if (!s.pairs.results()[k].active) continue;
+    const double quarter = 0.5 * contact_loss(s, k, 0.5 * s.clock.dt);
+    const BodyPair& pair = s.pairs.pairs()[k];
+    for (const std::int32_t row : {pair.a, pair.b}) {
+      if (row < 0) {
+        sums[kMadeInWalls].add(-quarter);
+      } else if (at(row) < p.owned) {
+        sums[kMade].add(-quarter);
+        sums[kTotals].add(-quarter);
+      }
+    }
+  }
+  add_over_ranks(s.comm.get(), sums);
+  const double critical = -s.comm.max(-critical_step_), biot = s.comm.max(biot_);
+  ExactSum balance = sums[kTotals];
+  const auto subtract = [&](const ExactSum& sum) {
+    ExactSum::Words words = sum.words();
+    for (std::int64_t& word : words) word = -word;
+    ExactSum negative;
+    negative.set_words(words);
+    balance.add(negative);
+  };
+  for (const Total total : {kMade, kFromSources, kArrived}) subtract(sums[total]);
+  balance.add(sums[kRemoved]);
+  for (std::size_t w = 0; w < walls; ++w) subtract(sums[kTotals + 1 + w]);
+  columns.push_back({"heat", "J", exact(sums[kTotals].value())});
+  columns.push_back({"heat_balance", "J", exact(balance.value())});
+  for (std::size_t t = 0; t < kTotals; ++t) columns.push_back({fmt::format("heat_{}", kTotalNames[t]), "J", exact(sums[t].value())});
+  columns.push_back({"heat_critical_step", "s", fmt::format("{:.6g}", critical)});
+  columns.push_back({"biot", "-", fmt::format("{:.6g}", biot)});
+  for (std::size_t w = 0; w < walls; ++w) {
+    const Wall& wall = s.scene.source().walls[w];
+    if (wall.heat.kind == WallHeatKind::adiabatic) continue;
+    columns.push_back({fmt::format("wall{}_heat", wall.id), "J", exact(sums[kTotals + 1 + w].value())});
+    columns.push_back({fmt::format("wall{}_heat_flow", wall.id), "W", exact(sums[kTotals + 1 + walls + w].value())});
+    if (wall.heat.kind == WallHeatKind::flux) columns.push_back({fmt::format("wall{}_heat_kept", wall.id), "J", exact(pending_[w])});
+  }
+}
+
+std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
+  const Scene& scene = s.scene.source();
+  std::vector<PlanLine> lines;
+  const std::size_t bodies = scene.bodies.size();
+  lines.emplace_back("heat", fmt::format("one temperature a body, {} bodies; contacts of balls are not computed in lanes{}", bodies,
+                                         friction_heat_ ? "; what contacts dissipate heats both sides" : ""));
+  for (const MaterialPair& pair : scene.pairs) {
+    const bool area = scene.settings.gather == Gathering::area;
+    const char* how = conductance_.has_real_modulus(at(pair.a), at(pair.b))
+                          ? "that of Hertz under the same force, with real_young"
+                          : "that of Hertz with the overlap that is simulated; real_young of both would give that of the real materials";
+    lines.emplace_back("heat through contacts",
+                       fmt::format("'{}' and '{}': radius {}{}", scene.materials[at(pair.a)].name, scene.materials[at(pair.b)].name,
+                                   area ? "of the area of the layer between faces; elsewhere " : "", how));
+  }
+  for (const Wall& wall : scene.walls) {
+    if (wall.heat.kind == WallHeatKind::adiabatic) continue;
+    const std::string temperature = format_quantity(wall.heat.temperature, Dimension::temperature);
+    lines.emplace_back("heat of a wall", wall.heat.kind == WallHeatKind::isothermal ? fmt::format("'{}' has {}", wall.name, temperature)
+                                         : wall.heat.kind == WallHeatKind::flux
+                                             ? fmt::format("'{}' gives {}", wall.name, format_quantity(wall.heat.flux, Dimension::power))
+                                             : fmt::format("'{}' exchanges {} with {}", wall.name,
+                                                           format_quantity(wall.heat.coefficient, Dimension::heat_transfer), temperature));
+  }
+  lines.emplace_back("heat, present contacts",
+                     flows_.empty() ? std::string("none on this rank")
+                                    : fmt::format("{} on this rank; critical step {}, largest Biot number {:.3g} (one temperature a body "
+                                                  "stands for up to {:g})",
+                                                  flows_.size(), format_quantity(critical_step_, Dimension::time), biot_, kLargestBiot));
+  return lines;
+}
+
+}  // namespace
+
+EffectKind heat_effect() {
+  EffectFormat format{"heat", "what contacts, walls or sources gave to bodies as heat differs", {}};
+  for (const char* name : kTotalNames) format.arrays.push_back(sum_format(name));
+  format.arrays.push_back(sum_format("walls"));
+  format.arrays.push_back({"pending", "J"});
+  return {format, {"heat", "no [heat]: bodies have no temperature"}, [](const RunState& s) -> std::unique_ptr<Effect> {
+            if (!s.scene.source().settings.heat) return nullptr;
+            if (!s.scene.source().bonds.empty())
+              throw UsageError("[heat] does not go with bonds: what a bond conducts is not modelled; leave out one of both");
+            return std::make_unique<HeatEffect>(s);
+          }};
+}
+
+}  // namespace scree
