@@ -23,7 +23,7 @@ duration = {duration}
 friction_heat = {friction}
 {heat}
 [contact]
-margin = 3e-4
+margin = 1e-3
 [materials.stone]
 density = 2500
 heat_capacity = 0.5
@@ -36,19 +36,19 @@ heat_capacity = 0.3
 conductivity = 40
 [[pairs]]
 between = ["stone", "stone"]
-stiffness = 2e4
+stiffness = 5e4
 restitution = 0.3
 friction = 0.5
 rolling_friction = 0.05
 contact_conductance = 2e4
 [[pairs]]
 between = ["stone", "steel"]
-stiffness = 2e4
+stiffness = 5e4
 restitution = 0.3
 friction = 0.5
 [[pairs]]
 between = ["steel", "steel"]
-stiffness = 2e4
+stiffness = 5e4
 restitution = 0.3
 friction = 0.5
 [shapes.ball]
@@ -93,7 +93,7 @@ heat_source = 0.1
 """
 
 
-def heap(duration=0.3, time="", friction="true", heat="", every=None, checkpoint=0.1, more=POPULATION):
+def heap(duration=0.06, time="", friction="true", heat="", every=None, checkpoint=0.02, more=POPULATION):
     if not os.path.exists("rock.shape.h5"):
         subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "20 mm, 15 mm, 12 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
                        capture_output=True)
@@ -124,7 +124,7 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
         assert found == kept, f"{folder}: another run than on one rank"
     balance_closes("r1t1.run")
     t = frame("r1t1.run", -1)["temperature"]
-    assert numpy.ptp(t) > 1 and column("r1t1.run", "heat_made")[-1] > 0 and column("r1t1.run", "heat_made_in_walls")[-1] > 0, t
+    assert numpy.ptp(t) > 0.1 and column("r1t1.run", "heat_made")[-1] > 0 and column("r1t1.run", "heat_made_in_walls")[-1] > 0, t
     made = column("r1t1.run", "heat_made") + column("r1t1.run", "heat_made_in_walls")
     dissipated = column("r1t1.run", "dissipated")
     assert abs(made - dissipated).max() <= 1e-12 * dissipated.max(), (made, dissipated)
@@ -138,7 +138,7 @@ def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
 
 
 def verify_finds_another_temperature():
-    pack("heap", heap(duration=0.1, checkpoint=0.05))
+    pack("heap", heap(duration=0.02, checkpoint=0.01))
     run(1, "heap.scene.h5", "-o", "heap.run")
     path = sorted(glob.glob("heap.run/frame_*.hdf"))[-1]
     with h5py.File(path, "r+") as file:
@@ -148,7 +148,7 @@ def verify_finds_another_temperature():
 
 
 def a_scene_without_heat_has_nothing_of_it():
-    text = heap(duration=0.05, checkpoint=0.05)
+    text = heap(duration=0.04, checkpoint=0.04)
     without = text[:text.index("[heat]")] + text[text.index("[contact]"):]
     for key in ("heat_capacity", "conductivity", "real_young", "contact_conductance", "heat_flux", "temperature", "exchange", "heat_source"):
         without = "\n".join(line for line in without.splitlines() if not line.startswith(key))
@@ -182,7 +182,7 @@ lock_rotation = true
     hashes = {}
     for sleeps in ("true", "false"):
         text = heap(duration=2.0, time=f"sleep = {sleeps}\nstep = 2e-4", friction="false", heat="temperature = 300", every=0.1, checkpoint=0.5, more=more)
-        text = text.replace("heat_capacity = 0.5", "heat_capacity = 20").replace("margin = 3e-4", "margin = 0")
+        text = text.replace("heat_capacity = 0.5", "heat_capacity = 20").replace("margin = 1e-3", "margin = 0").replace("stiffness = 5e4", "stiffness = 2e3")
         pack(f"sleep_{sleeps}", text)
         for ranks in (1, 2):
             folder = f"{sleeps}{ranks}.run"
@@ -218,7 +218,7 @@ name = "drain"
 region = { box = [[-0.04, -0.04, -0.1], [0.04, 0.0, 0.03]] }
 to = "feed"
 """
-    pack("flow", heap(duration=0.4, more=POPULATION + more))
+    pack("flow", heap(duration=0.12, more=POPULATION + more))
     states = set()
     for ranks in (1, 3):
         run(ranks, "flow.scene.h5", "-o", f"flow{ranks}.run")
@@ -237,7 +237,7 @@ shape = "ball"
 material = "stone"
 position = [0, 0, 0.03]
 """)
-    text = text.replace('temperature = "60 degC"', 'heat_flux = "0.3 W"').replace("margin = 3e-4", "margin = 0")
+    text = text.replace('temperature = "60 degC"', 'heat_flux = "0.3 W"').replace("margin = 1e-3", "margin = 0")
     pack("kept", text)
     run(1, "kept.scene.h5", "-o", "kept.run")
     time, kept, given = (column("kept.run", name) for name in ("time", "wall2_heat_kept", "wall2_heat"))
@@ -247,14 +247,14 @@ position = [0, 0, 0.03]
 
 
 def a_step_beyond_that_of_conduction_ends_the_run():
-    pack("fast", heap(duration=0.1).replace("heat_capacity = 0.5", "heat_capacity = 1e-4"))
+    pack("fast", heap(duration=0.05).replace("heat_capacity = 0.5", "heat_capacity = 1e-4"))
     said = run(1, "fast.scene.h5", "-o", "fast.run", expect=5).stderr
     for word in ("conducts so well", "step of at most", "heat_capacity", "time.step"):
         assert word in said, said
 
 
 def a_run_starts_with_the_temperatures_of_another():
-    pack("first", heap(duration=0.1, checkpoint=0.05))
+    pack("first", heap(duration=0.02, checkpoint=0.01))
     run(1, "first.scene.h5", "-o", "first.run")
     pack("second", heap(duration=0.0, checkpoint=0.05, every=0.1, more='[start]\nrun = "first.run"\n'))
     with h5py.File("second.scene.h5") as file:
@@ -263,7 +263,7 @@ def a_run_starts_with_the_temperatures_of_another():
 
 
 def tables_statistics_colours_report_and_python_know_temperatures():
-    pack("post", heap(duration=0.1, checkpoint=0.05))
+    pack("post", heap(duration=0.05, checkpoint=0.05))
     run(1, "post.scene.h5", "-o", "post.run")
 
     def post(*words, expect=0):
@@ -322,7 +322,14 @@ def mistakes_are_told_with_their_line():
 
 
 def the_plan_tells_what_conducts():
-    pack("plan", heap())
+    touching = """
+[[bodies]]
+shape = "ball"
+material = "steel"
+position = [0.02, 0.02, 0.00999]
+temperature = 300
+"""
+    pack("plan", heap(more=POPULATION.replace("0.038, 0.002]", "0.038, 0.05]").replace("-0.038, 0.002]", "-0.038, 0.05]") + touching).replace("[contact]", "[contact]\nrelax = false"))
     said = run(1, "plan.scene.h5", "--plan").stdout
     for word in ("one temperature a body", "'floor' has 333.1 K", "'side' gives 200 mW", "'lid' exchanges", "with real_young", "critical step", "Biot"):
         assert word in said, f"no '{word}' in {said}"

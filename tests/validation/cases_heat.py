@@ -141,13 +141,13 @@ def h4(tools, report):
 
 def box_of_rocks(name, step, duration, friction_heat=True, **words):
     """An adiabatic box, in which rocks and balls slide and bounce."""
-    c = Case(name, duration=duration, step=step, gravity=(0, 0, -9.81), margin=2e-4, every=duration / 8, contact={"impact_speed": 2}, **words)
+    c = Case(name, duration=duration, step=step, gravity=(0, 0, -9.81), margin=1e-3, every=duration / 8, contact={"impact_speed": 2}, **words)
     c.heat = {"temperature": 300.0, "friction_heat": friction_heat}
     c.mesh("rock", meshes.icosphere(1, 0.01))
     c.sphere("ball", 0.008)
     c.material("m", 2000.0, heat_capacity=0.5, conductivity=1e-3)
     c.material("steel", 7800.0, conductivity=50.0)
-    c.pair_all(stiffness=2e4, restitution=0.6, friction=0.4, rolling_friction=0.05)
+    c.pair_all(stiffness=1e5, restitution=0.6, friction=0.4, rolling_friction=0.05)
     random = numpy.random.default_rng(7)
     for i in range(8):
         place = (0.013 + 0.027 * (i % 2), 0.013 + 0.027 * (i // 2 % 2), 0.014 + 0.027 * (i // 4))
@@ -163,12 +163,12 @@ def h5(tools, report):
         run = report.run(box_of_rocks("H5", step, 0.2).run(tools))
         log = run.log
         made = log["heat_made"] + log["heat_made_in_walls"]
-        report.check(f"heat stored over heat made, step {step:g}", (log["heat"][-1] - log["heat"][0]) / log["heat_made"][-1], 1, 1e-11,
-                     note="rounding of the heat stored, 30 times what is made")
+        report.check(f"heat stored over heat made, step {step:g}", (log["heat"][-1] - log["heat"][0]) / log["heat_made"][-1], 1, 1e-12,
+                     note="rounding of the heat stored, 30 times what is made, is 1e-14")
         report.check(f"heat made over dissipated, step {step:g}", made[-1] / log["dissipated"][-1], 1, 1e-12)
-        report.at_least(f"dissipated over the energy at the start, step {step:g}", log["dissipated"][-1] / log["dissipated"].max(), 0.5)
         mechanical = sum(log[name] for name in ("kinetic_translational", "kinetic_rotational", "potential", "elastic", "elastic_tangential"))
         total = mechanical + log["heat"] - log["heat"][0] + log["heat_made_in_walls"]
+        report.at_least(f"dissipated over the energy at the start, step {step:g}", log["dissipated"][-1] / mechanical[0], 0.3)
         drift = abs(total - total[0])
         report.at_most(f"mechanical and thermal energy less that at the start, less energy_error, over the start, step {step:g}",
                        (drift - abs(log["energy_error"])).max() / mechanical[0], 1e-9)
@@ -184,7 +184,7 @@ def h7(tools, report):
     for i, body in enumerate(c.bodies):
         body["temperature"] = 290.0 + 20.0 * (i % 2)
     # so that some contact asks for nearly the step of the run: H is some 2 k R at most
-    c.materials["m"] |= {"heat_capacity": 0.5, "conductivity": 25.0}
+    c.materials["m"] |= {"heat_capacity": 1e-3, "conductivity": 25.0}
     for axis in range(2):
         for side, towards in ((0.0, 1), (0.053, -1)):
             point, normal = [0.0] * 3, [0.0] * 3
