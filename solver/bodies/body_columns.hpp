@@ -17,12 +17,12 @@ namespace scree {
 /// What besides migration and checkpoints, which take every column of the state, reads a column.
 enum BodyUse : unsigned {
   kPlain = 0,
-  kGhost = 1,     ///< sent to the ranks that hold a ghost of the body, in every step
-  kHashed = 2,    ///< part of state_hash, in the order of the table
-  kMeasured = 4,  ///< a time or a count of work: verify does not compare it
-  kLater = 8,     ///< checkpoints of earlier versions lack it: it is 0 then
-  kIfNotZero = 16,  ///< part of state_hash where it is not 0, after those with kHashed
-  kOfHeatState = 32,     ///< of scenes with heat: checkpoints of others do not have it
+  kGhost = 1,         ///< sent to the ranks that hold a ghost of the body, in every step
+  kHashed = 2,        ///< part of state_hash, in the order of the table
+  kMeasured = 4,      ///< a time or a count of work: verify does not compare it
+  kLater = 8,         ///< checkpoints of earlier versions lack it: it is 0 then
+  kIfNotZero = 16,    ///< part of state_hash where it is not 0, after those with kHashed
+  kOfHeatState = 32,  ///< of scenes with heat: checkpoints of others do not have it
 };
 
 /// In place of the number of looks: the body sleeps (effects/sleep/sleep.hpp).

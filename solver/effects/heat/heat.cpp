@@ -1,21 +1,16 @@
 #include "solver/effects/heat/heat.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "core/base/units.hpp"
-#include "solver/effects/heat/conductance.hpp"
 #include "solver/effects/heat/contact_losses.hpp"
+#include "solver/effects/heat/heat_effect.hpp"
 #include "solver/pairs/forces.hpp"
 #include "solver/ranks/failure.hpp"
 #include "solver/ranks/halo.hpp"
-#include "solver/state/run_state.hpp"
 
 namespace scree {
 
@@ -23,103 +18,10 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// A sum that a rank keeps of heat [J].
-enum Total : std::size_t { kMade, kMadeInWalls, kFromSources, kArrived, kRemoved, kTotals };
-constexpr std::array<const char*, kTotals> kTotalNames{"made", "made_in_walls", "from_sources", "arrived", "removed"};
-
-/// Largest Biot number that one temperature a body stands for: errors of the flow are about this share.
-constexpr double kLargestBiot = 0.1;
-
-/// A pair that conducts.
-struct Flow {
-  std::int32_t pair;
-  double conductance;  ///< [W/K]
-};
-
 double wall_temperature(const Wall& wall) { return wall.heat.temperature; }
 bool has_temperature(const Wall& wall) { return wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange; }
 
-class HeatEffect : public Effect, public PairObserver {
- public:
-  explicit HeatEffect(const RunState& s)
-      : state_(s),
-        friction_heat_(s.scene.source().settings.heat->friction_heat),
-        conductance_(s.scene.source()),
-        seen_(most_threads()),
-        pending_(s.scene.source().walls.size(), 0.0),
-        to_bodies_(pending_.size()) {
-    for (const Wall& wall : s.scene.source().walls) has_flux_ = has_flux_ || wall.heat.kind == WallHeatKind::flux;
-    for (std::size_t b = 0; b < s.scene.source().bodies.size(); ++b) {
-      if (s.scene.source().bodies.heat_source[b] != 0)
-        source_of_id_.push_back({s.scene.source().bodies.id[b], s.scene.source().bodies.heat_source[b]});
-    }
-    std::sort(source_of_id_.begin(), source_of_id_.end());
-  }
-
-  void start(RunState& s) override;
-  void on_rebuild(const StepParts& parts) override;
-  void body_leaves(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kRemoved]); }
-  void body_joins(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kArrived]); }
-  void before_forces(RunState& s) override;
-  PairObserver* observer() override { return this; }
-  bool observes(const PairView&) const override { return true; }
-  bool needs_outputs() const override { return false; }
-  void observe(const PairContact& contact) override {
-    const auto pair = static_cast<std::int32_t>(&contact.pair - state_.pairs.pairs().data());
-    seen_[contact.thread].push_back({pair, conductance_.of(contact, state_.particles)});
-  }
-  void end_step(const StepParts& parts) override;
-
-  EffectRecord record(const RunState& s) const override;
-  void restore(RunState& s, const EffectRecord& record) override;
-  void add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const override;
-  std::vector<PlanLine> plan(const RunState& s) const override;
-
- private:
-  double capacity(const ParticleSet& p, std::size_t row) const {
-    return p.mass[row] * state_.scene.source().materials[at(p.material[row])].heat_capacity;
-  }
-  void add_heat_of(const ParticleSet& p, std::size_t row, ExactSum& sum) const {
-    const double mc = capacity(p, row);
-    sum.add(mc * p.temperature[row]);
-    sum.add(mc * p.temperature_remainder[row]);
-  }
-  const Wall& wall_of(const BodyPair& pair) const { return state_.scene.source().walls[wall_index(pair)]; }
-  std::size_t wall_index(const BodyPair& pair) const { return at(state_.scene.zones()[at(pair.key.zone)].wall); }
-
-  void collect_flows();
-  void add_resting(const StepParts& parts);
-  void review_conduction(const RunState& s);
-  void check_step(const StepParts& parts) const;
-  void add_made(const RunState& s, double share);
-  void add_flux(const RunState& s);
-  void add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const;
-  void advance(const StepParts& parts);
-  void heat_body(ParticleSet& p, std::size_t row, double heat);
-
-  const RunState& state_;
-  bool friction_heat_, has_flux_ = false;
-  ContactConductance conductance_;
-  std::vector<std::pair<std::int64_t, double>> source_of_id_;  // [W], by id
-
-  std::vector<std::vector<Flow>> seen_;  // contacts whose forces were computed, by thread
-  std::vector<Flow> flows_;              // of this step, in the order of pairs
-  std::vector<double> at_rest_;          // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
-  std::vector<double> stored_;           // of each pair: in its springs before the step [J]
-  std::vector<double> source_;           // of each owned row [W]
-  std::vector<double> given_;            // the same: what it gets in the step whatever temperatures are [J]
-  std::vector<double> stage_, power_first_, power_;
-
-  // present, of all ranks
-  double critical_step_ = std::numeric_limits<double>::infinity();  // [s]
-  std::int64_t critical_body_ = -1;
-  double biot_ = 0;
-
-  std::array<ExactSum, kTotals> totals_;  // of this rank
-  std::vector<double> pending_;           // of each wall with a flux: given by it and not yet taken by a body [J]
-  std::vector<ExactSum> to_bodies_;       // of each wall: what it has given to bodies [J]
-  std::vector<double> flow_now_ = std::vector<double>(to_bodies_.size());  // the same in the last step, of this rank [W]
-};
+}  // namespace
 
 void HeatEffect::on_rebuild(const StepParts& parts) {
   const RunState& s = parts.state;
@@ -359,122 +261,9 @@ void HeatEffect::end_step(const StepParts& parts) {
   advance(parts);
 }
 
-EffectRecord HeatEffect::record(const RunState& s) const {
-  EffectRecord record;
-  for (const ExactSum& total : totals_) record.push_back(array_of(over_ranks(s.comm.get(), total)));
-  StateArray& walls = record.emplace_back();
-  std::vector<ExactSum> to_bodies = to_bodies_;
-  add_over_ranks(s.comm.get(), to_bodies);
-  for (const ExactSum& sum : to_bodies) {
-    const ExactSum::Words words = sum.words();
-    walls.integers.insert(walls.integers.end(), words.begin(), words.end());
-  }
-  record.push_back({.reals = pending_});
-  return record;
-}
-
-void HeatEffect::restore(RunState& s, const EffectRecord& record) {
-  const std::vector<std::int64_t>& words = record[kTotals].integers;
-  const std::vector<double>& pending = record[kTotals + 1].reals;
-  if (words.size() != to_bodies_.size() * ExactSum::kWords || pending.size() != pending_.size())
-    throw InputError("heat of {} walls instead of {}; the file is damaged or of another scene", pending.size(), pending_.size());
-  pending_ = pending;
-  if (s.comm.rank() != 0) return;
-  for (std::size_t t = 0; t < kTotals; ++t) totals_[t] = sum_of(record[t]);
-  for (std::size_t w = 0; w < to_bodies_.size(); ++w) {
-    ExactSum::Words of_wall{};
-    std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(w * ExactSum::kWords), ExactSum::kWords, of_wall.begin());
-    to_bodies_[w].set_words(of_wall);
-  }
-}
-
-void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const {
-  const ParticleSet& p = s.particles;
-  const std::size_t walls = to_bodies_.size();
-  // totals, what is stored, then of each wall what it gave and what it gives
-  std::vector<ExactSum> sums(totals_.begin(), totals_.end());
-  ExactSum& stored = sums.emplace_back();
-  for (std::size_t i = 0; i < p.owned; ++i) add_heat_of(p, i, stored);
-  sums.insert(sums.end(), to_bodies_.begin(), to_bodies_.end());
-  for (const double flow : flow_now_) sums.emplace_back().add(flow);
-  for (std::size_t k = 0; k < stored_.size(); ++k) {
-    // half of what the last step was counted with lies ahead
-    if (!s.pairs.results()[k].active) continue;
-    const double quarter = 0.5 * contact_loss(s, k, 0.5 * s.clock.dt);
-    const BodyPair& pair = s.pairs.pairs()[k];
-    for (const std::int32_t row : {pair.a, pair.b}) {
-      if (row < 0) {
-        sums[kMadeInWalls].add(-quarter);
-      } else if (at(row) < p.owned) {
-        sums[kMade].add(-quarter);
-        sums[kTotals].add(-quarter);
-      }
-    }
-  }
-  add_over_ranks(s.comm.get(), sums);
-  const double critical = -s.comm.max(-critical_step_), biot = s.comm.max(biot_);
-  ExactSum balance = sums[kTotals];
-  const auto subtract = [&](const ExactSum& sum) {
-    ExactSum::Words words = sum.words();
-    for (std::int64_t& word : words) word = -word;
-    ExactSum negative;
-    negative.set_words(words);
-    balance.add(negative);
-  };
-  for (const Total total : {kMade, kFromSources, kArrived}) subtract(sums[total]);
-  balance.add(sums[kRemoved]);
-  for (std::size_t w = 0; w < walls; ++w) subtract(sums[kTotals + 1 + w]);
-  columns.push_back({"heat", "J", exact(sums[kTotals].value())});
-  columns.push_back({"heat_balance", "J", exact(balance.value())});
-  for (std::size_t t = 0; t < kTotals; ++t) columns.push_back({fmt::format("heat_{}", kTotalNames[t]), "J", exact(sums[t].value())});
-  columns.push_back({"heat_critical_step", "s", fmt::format("{:.6g}", critical)});
-  columns.push_back({"biot", "-", fmt::format("{:.6g}", biot)});
-  for (std::size_t w = 0; w < walls; ++w) {
-    const Wall& wall = s.scene.source().walls[w];
-    if (wall.heat.kind == WallHeatKind::adiabatic) continue;
-    columns.push_back({fmt::format("wall{}_heat", wall.id), "J", exact(sums[kTotals + 1 + w].value())});
-    columns.push_back({fmt::format("wall{}_heat_flow", wall.id), "W", exact(sums[kTotals + 1 + walls + w].value())});
-    if (wall.heat.kind == WallHeatKind::flux) columns.push_back({fmt::format("wall{}_heat_kept", wall.id), "J", exact(pending_[w])});
-  }
-}
-
-std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
-  const Scene& scene = s.scene.source();
-  std::vector<PlanLine> lines;
-  const std::size_t bodies = scene.bodies.size();
-  lines.emplace_back("heat", fmt::format("one temperature a body, {} bodies; contacts of balls are not computed in lanes{}", bodies,
-                                         friction_heat_ ? "; what contacts dissipate heats both sides" : ""));
-  for (const MaterialPair& pair : scene.pairs) {
-    const bool area = scene.settings.gather == Gathering::area;
-    const char* how = conductance_.has_real_modulus(at(pair.a), at(pair.b))
-                          ? "that of Hertz under the same force, with real_young"
-                          : "that of Hertz with the overlap that is simulated; real_young of both would give that of the real materials";
-    lines.emplace_back("heat through contacts",
-                       fmt::format("'{}' and '{}': radius {}{}", scene.materials[at(pair.a)].name, scene.materials[at(pair.b)].name,
-                                   area ? "of the area of the layer between faces; elsewhere " : "", how));
-  }
-  for (const Wall& wall : scene.walls) {
-    if (wall.heat.kind == WallHeatKind::adiabatic) continue;
-    const std::string temperature = format_quantity(wall.heat.temperature, Dimension::temperature);
-    lines.emplace_back("heat of a wall", wall.heat.kind == WallHeatKind::isothermal ? fmt::format("'{}' has {}", wall.name, temperature)
-                                         : wall.heat.kind == WallHeatKind::flux
-                                             ? fmt::format("'{}' gives {}", wall.name, format_quantity(wall.heat.flux, Dimension::power))
-                                             : fmt::format("'{}' exchanges {} with {}", wall.name,
-                                                           format_quantity(wall.heat.coefficient, Dimension::heat_transfer), temperature));
-  }
-  lines.emplace_back("heat, present contacts",
-                     flows_.empty() ? std::string("none on this rank")
-                                    : fmt::format("{} on this rank; critical step {}, largest Biot number {:.3g} (one temperature a body "
-                                                  "stands for up to {:g})",
-                                                  flows_.size(), format_quantity(critical_step_, Dimension::time), biot_, kLargestBiot));
-  return lines;
-}
-
-}  // namespace
-
 EffectKind heat_effect() {
   EffectFormat format{"heat", "what contacts, walls or sources gave to bodies as heat differs", {}};
-  for (const char* name : kTotalNames) format.arrays.push_back(sum_format(name));
+  for (const char* name : kHeatTotalNames) format.arrays.push_back(sum_format(name));
   format.arrays.push_back(sum_format("walls"));
   format.arrays.push_back({"pending", "J"});
   return {format, {"heat", "no [heat]: bodies have no temperature"}, [](const RunState& s) -> std::unique_ptr<Effect> {
