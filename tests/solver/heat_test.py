@@ -2,6 +2,7 @@
 """Heat as a user meets it: ranks, restarts, sleep, bodies that come and go, walls, messages. usage: heat_test.py BIN_FOLDER MPIEXEC [TEST...]"""
 import csv
 import glob
+import math
 import os
 import shutil
 import subprocess
@@ -191,7 +192,7 @@ lock_rotation = true
         assert len(hashes[sleeps]) == 1, hashes
     asleep = column("true1.run", "asleep")
     assert asleep[-1] == 2 and (asleep == 2).sum() > 5, asleep
-    first = int((asleep == 2).argmax())
+    first = math.ceil(column("true1.run", "time")[(asleep == 2).argmax()] / 0.04)   # frame by which both sleep
     t = [[frame(f"{sleeps}1.run", n)["temperature"] for n in (first, -1)] for sleeps in ("true", "false")]
     warmed = t[1][1] - t[1][0]
     assert abs(warmed).max() > 0.5, t
@@ -287,10 +288,10 @@ def tables_statistics_colours_report_and_python_know_temperatures():
     assert (loaded.frames[-1].bodies.temperature == last["temperature"]).all()
     measured = loaded.frames[-1].measures()
     for name in ("temperature", "temperature_spread"):
-        assert abs(measured[name] / float(series[-1][name]) - 1) < 1e-12, (name, measured[name], series[-1][name])   # other order of a sum
+        assert abs(measured[name] / float(series[-1][name]) - 1) < 1e-8, (name, measured[name], series[-1][name])   # nine digits in the table
     bodies = loaded.frames[-1].bodies.particles()
     assert abs(measured["temperature"] / (bodies.mass @ bodies.temperature / bodies.mass.sum()) - 1) < 1e-12 and measured["temperature_spread"] > 0
-    assert "temperature" in bodies.to_pandas().columns
+    assert "temperature" not in bodies.fields() and loaded.scene.has_heat and loaded.scene.materials["stone"].heat_capacity == 0.5
     post("report", "post.run", "-o", "post.html")
     with open("post.html", encoding="utf-8") as file:
         html = file.read()
