@@ -176,7 +176,7 @@ void HeatEffect::add_flux(const RunState& s) {
     if (heat == 0) continue;
     given_[at(pair.a)] += heat;
     to_bodies_[w].add(heat);
-    flow_now_[w] += heat / s.clock.dt;
+    flow_now_[w].add(heat / s.clock.dt);
   }
 }
 
@@ -226,7 +226,7 @@ void HeatEffect::advance(const StepParts& parts) {
     const double of_wall = wall_temperature(wall_of(pair));
     const double power = 0.5 * flow.conductance * ((of_wall - p.temperature[a]) + (of_wall - stage_[a]));
     to_bodies_[w].add(dt * power);
-    flow_now_[w] += power;
+    flow_now_[w].add(power);
   }
   for (std::size_t i = 0; i < p.owned; ++i) {
     heat_body(p, i, 0.5 * dt * (power_first_[i] + power_[i]) + given_[i]);
@@ -245,7 +245,7 @@ void HeatEffect::end_step(const StepParts& parts) {
   review_conduction(s);
   check_step(parts);
   given_.assign(p.owned, 0.0);
-  std::fill(flow_now_.begin(), flow_now_.end(), 0.0);
+  std::fill(flow_now_.begin(), flow_now_.end(), ExactSum{});
   if (friction_heat_) {
     // a body is heated by half of what its contact takes from both sides: ghosts need the velocities of the end of the step
     parts.halo.start_refresh(p, s.times);

@@ -106,7 +106,7 @@ class HeatEffect : public Effect, public PairObserver {
   std::array<ExactSum, kHeatTotals> totals_;  // of this rank
   std::vector<double> pending_;               // of each wall with a flux: given by it and not yet taken by a body [J]
   std::vector<ExactSum> to_bodies_;           // of each wall: what it has given to bodies [J]
-  std::vector<double> flow_now_ = std::vector<double>(to_bodies_.size());  // the same in the last step, of this rank [W]
+  std::vector<ExactSum> flow_now_ = std::vector<ExactSum>(to_bodies_.size());  // the same in the last step, of this rank [W]
 };
 
 }  // namespace scree

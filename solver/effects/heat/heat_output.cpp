@@ -57,7 +57,7 @@ void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector
   ExactSum& stored = sums.emplace_back();
   for (std::size_t i = 0; i < p.owned; ++i) add_heat_of(p, i, stored);
   sums.insert(sums.end(), to_bodies_.begin(), to_bodies_.end());
-  for (const double flow : flow_now_) sums.emplace_back().add(flow);
+  sums.insert(sums.end(), flow_now_.begin(), flow_now_.end());
   for (std::size_t k = 0; k < stored_.size(); ++k) {
     // half of what the last step was counted with lies ahead
     if (!s.pairs.results()[k].active) continue;
