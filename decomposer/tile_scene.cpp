@@ -32,6 +32,10 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     box.upper[k] += grown;
     result.settings.domain.upper[k] += grown;
   }
+  if (result.walls.front().heat.kind == WallHeatKind::flux) {
+    throw UsageError("tile: the wall '{}' has a heat_flux, a power that more bodies would share; tile a scene with temperature or exchange",
+                     result.walls.front().name);
+  }
   // where each body of the scene is now
   BodyTable tile = scene.bodies;
   tile.owner.clear();

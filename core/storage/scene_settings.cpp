@@ -261,9 +261,10 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
   if (o.has("heat")) {  // added later
     const JsonObject heat = o.object("heat");
     wall.heat.kind = heat.word<WallHeatKind>("kind");
-    wall.heat.temperature = heat.at_least("temperature", 0);
+    const bool has_temperature = wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange;
+    wall.heat.temperature = has_temperature ? heat.positive("temperature") : heat.at_least("temperature", 0);
     wall.heat.flux = heat.number("flux");
-    wall.heat.coefficient = heat.at_least("coefficient", 0);
+    wall.heat.coefficient = wall.heat.kind == WallHeatKind::exchange ? heat.positive("coefficient") : heat.at_least("coefficient", 0);
   }
   return wall;
 }
@@ -333,6 +334,13 @@ Inlet read_inlet(const JsonObject& o, const Scene& scene) {
   inlet.velocity = o.vector("velocity");
   inlet.angular_velocity = o.vector("angular_velocity");
   if (o.has("temperature")) inlet.temperature = o.positive("temperature");  // added later
+  if (scene.settings.heat) {
+    const Material& material = scene.materials[static_cast<std::size_t>(inlet.material)];
+    if (!(inlet.temperature > 0) || !(material.heat_capacity > 0) || !(material.conductivity > 0))
+      throw InputError(
+          "{}: a scene with heat needs a temperature, and a heat_capacity and a conductivity of the material \"{}\"; the file is damaged",
+          o.where(), material.name);
+  }
   const JsonObject rate = o.object("rate");
   inlet.rate = {rate.text("of") == "number", rate.numbers("time"), rate.numbers("rate")};
   if (const auto fault = inlet.rate.fault()) throw InputError("{}: {}", rate.where(), *fault);

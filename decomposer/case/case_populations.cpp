@@ -157,7 +157,7 @@ void orientation_key(CaseKeys& k, BodyOrientation& o) {
 }
 
 void temperature_key(CaseKeys& k, const Case& c, double& temperature) {
-  k.number({"temperature", "that of `[heat]`", "of each body as it comes in, with `[heat]`"}, temperature, Dimension::temperature,
+  k.number({"temperature", "that of `[heat]`", "with `[heat]`: of each body at its start"}, temperature, Dimension::temperature,
            Range::positive);
   const CaseTable* t = k.table();
   if (t == nullptr) return;

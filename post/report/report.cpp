@@ -363,8 +363,9 @@ std::string heat_section(const Run& run) {
                       fmt::format("{}; at the end {}", joule(last(name)), format_quantity(last(name + "_flow"), Dimension::power)));
     lines.push_back({wall.name, log.column("time"), log.column(name + "_flow")});
   }
-  rows.emplace_back("What the balance is off by",
-                    fmt::format("{} ({:.1e} of the heat stored)", joule(drift), std::abs(drift / last("heat"))));
+  rows.emplace_back(
+      "What the balance is off by",
+      last("heat") > 0 ? fmt::format("{} ({:.1e} of the heat stored)", joule(drift), std::abs(drift / last("heat"))) : joule(drift));
   double biot = 0;
   for (const double value : log.column("biot")) biot = std::max(biot, value);
   constexpr double kLargestBiot = 0.1;  // up to which one temperature stands for a body

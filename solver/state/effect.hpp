@@ -82,6 +82,10 @@ class Effect {
   virtual void after_kick(RunState&) {}
   /// What was dissipated in the step is counted.
   virtual void end_step(const StepParts&) {}
+  /// The step has changed at the end of one: its forces count for `difference` [s] more than they were counted in end_step().
+  virtual void on_step_change(RunState&, double /*difference*/) {}
+  /// A body, by its row, is about to fall asleep: it has its last velocities.
+  virtual void falls_asleep(RunState&, std::size_t /*row*/) {}
   /// After a whole step. Returns whether neighbour lists must be made again.
   virtual bool after_step(const StepParts&) { return false; }
 

@@ -13,11 +13,10 @@ namespace scree {
 /// H of contacts [W/K], of a scene with heat.
 ///
 /// How: the radius a of the contact is
-///   area         sqrt(A / pi), A the area of the layer where surfaces are within both margins, with gather = "area" and two faces
-///   real_young   (3 F R* / (4 E*))^(1/3) with 1/E* = sum of (1 - poisson^2) / real_young, where both materials have it; F is what the
-///   contact
-///                presses with, without damping, friction and attraction. Hertz's contact of the real materials under that load (K. L.
-///                Johnson, Contact Mechanics, 1985, eq. 4.22), whatever the law and its stiffness
+///   area         sqrt(A / pi), A the area of the layer where surfaces are within both margins, with gather = "area" of pairs with a mesh
+///   real_young   (3 F R* / (4 E*))^(1/3) with 1/E* = sum of (1 - poisson^2) / real_young, where both materials have it; F is the force
+///                with which the contact presses, without damping, friction and attraction. Hertz's contact of the real materials under
+///                that load (K. L. Johnson, Contact Mechanics, 1985, eq. 4.22), whatever the law and its stiffness
 ///   overlap      sqrt(R* d) of the deepest feature, otherwise: Hertz's contact as it is simulated
 /// and at most the radius of the ball of the volume of the smaller body. What lies between both surfaces, and an exchange coefficient of a
 /// wall, are in series: 1/H = 1/(2 k_s a) + (1/h_pair + 1/h_wall) / (pi a^2). A wall material without conductivity is an isothermal

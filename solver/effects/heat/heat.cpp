@@ -91,7 +91,7 @@ void HeatEffect::add_resting(const StepParts& parts) {
   flows_ = std::move(all);
 }
 
-/// Critical step and largest Biot number of the present contacts. Collective.
+/// Critical step and largest Biot number of the present contacts of this rank.
 void HeatEffect::review_conduction(const RunState& s) {
   const ParticleSet& p = s.particles;
   std::vector<double> sum(p.owned, 0.0);
@@ -139,17 +139,41 @@ void HeatEffect::add_made(const RunState& s, double share) {
     const bool active = s.pairs.results()[k].active;
     if (!active && stored_[k] == 0) continue;
     const double now = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
-    const double half = 0.5 * ((active ? contact_loss(s, k, share * s.clock.dt) : 0) + stored_[k] - now);
-    if (half == 0) continue;
-    for (const std::int32_t row : {pair.a, pair.b}) {
-      if (row < 0) {
-        totals_[kMadeInWalls].add(half);
-      } else if (at(row) < p.owned) {
-        given_[at(row)] += half;
-        totals_[kMade].add(half);
-      }
+    add_loss(pair, p.owned, (active ? contact_loss(s, k, share * s.clock.dt) : 0) + stored_[k] - now);
+  }
+}
+
+/// Half to each side.   in   owned   rows of bodies of this rank     in   loss   of the contact [J]
+void HeatEffect::add_loss(const BodyPair& pair, std::size_t owned, double loss) {
+  const double half = 0.5 * loss;
+  if (half == 0) return;
+  for (const std::int32_t row : {pair.a, pair.b}) {
+    if (row < 0) {
+      totals_[kMadeInWalls].add(half);
+    } else if (at(row) < owned) {
+      given_[at(row)] += half;
+      totals_[kMade].add(half);
     }
   }
+}
+
+/// As for all that is dissipated (StepLevels::change).
+void HeatEffect::on_step_change(RunState& s, double difference) {
+  if (!friction_heat_) return;
+  ParticleSet& p = s.particles;
+  given_.assign(p.owned, 0.0);
+  for (std::size_t k = 0; k < s.pairs.results().size(); ++k)
+    if (s.pairs.results()[k].active) add_loss(s.pairs.pairs()[k], p.owned, contact_loss(s, k, difference));
+  for (std::size_t i = 0; i < p.owned; ++i) heat_body(p, i, given_[i]);
+}
+
+/// Half of what its contacts were counted with in the last step lies ahead and is not to come: the body that stops gives its part back, as
+/// it does of `dissipated`.
+void HeatEffect::falls_asleep(RunState& s, std::size_t row) {
+  if (!friction_heat_) return;
+  const double heat = contact_dissipation(s.particles, row, -0.5 * s.clock.dt);
+  totals_[kMade].add(heat);
+  heat_body(s.particles, row, heat);
 }
 
 /// What walls with a flux give in the step, shared in proportion to conductances. Collective.

@@ -55,6 +55,8 @@ class HeatEffect : public Effect, public PairObserver {
     seen_[contact.thread].push_back({pair, conductance_.of(contact, state_.particles)});
   }
   void end_step(const StepParts& parts) override;
+  void on_step_change(RunState& s, double difference) override;
+  void falls_asleep(RunState& s, std::size_t row) override;
 
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
@@ -80,6 +82,7 @@ class HeatEffect : public Effect, public PairObserver {
   void review_conduction(const RunState& s);
   void check_step(const StepParts& parts) const;
   void add_made(const RunState& s, double share);
+  void add_loss(const BodyPair& pair, std::size_t owned, double loss);
   void add_flux(const RunState& s);
   void add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const;
   void advance(const StepParts& parts);
@@ -98,7 +101,7 @@ class HeatEffect : public Effect, public PairObserver {
   std::vector<double> given_;            // the same: what it gets in the step whatever temperatures are [J]
   std::vector<double> stage_, power_first_, power_;
 
-  // present, of all ranks
+  // present, of the bodies of this rank
   double critical_step_ = std::numeric_limits<double>::infinity();  // [s]
   std::int64_t critical_body_ = -1;
   double biot_ = 0;

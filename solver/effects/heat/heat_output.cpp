@@ -91,6 +91,12 @@ void HeatEffect::add_log_columns(const RunState& s, const Energies&, std::vector
     columns.push_back({fmt::format("heat_{}", kHeatTotalNames[t]), "J", exact(sums[t].value())});
   columns.push_back({"heat_critical_step", "s", fmt::format("{:.6g}", critical)});
   columns.push_back({"biot", "-", fmt::format("{:.6g}", biot)});
+  if (biot > kLargestBiot && s.comm.rank() == 0) {
+    warn_once("scree-solver",
+              fmt::format("contacts conduct more than one temperature a body can stand for: the Biot number of a body is above {:g} "
+                          "(biot in log.csv); its temperature is then that of no place in it",
+                          kLargestBiot));
+  }
   for (std::size_t w = 0; w < walls; ++w) {
     const Wall& wall = s.scene.source().walls[w];
     if (wall.heat.kind == WallHeatKind::adiabatic) continue;
@@ -104,7 +110,7 @@ std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
   const Scene& scene = s.scene.source();
   std::vector<PlanLine> lines;
   const std::size_t bodies = scene.bodies.size();
-  lines.emplace_back("heat", fmt::format("one temperature a body, {} bodies; contacts of balls are not computed in lanes{}", bodies,
+  lines.emplace_back("heat", fmt::format("one temperature a body, {} bodies; no contact is computed in lanes{}", bodies,
                                          friction_heat_ ? "; what contacts dissipate heats both sides" : ""));
   for (const MaterialPair& pair : scene.pairs) {
     const bool area = scene.settings.gather == Gathering::area;
@@ -125,10 +131,11 @@ std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
                                                            format_quantity(wall.heat.coefficient, Dimension::heat_transfer), temperature));
   }
   lines.emplace_back("heat, present contacts",
-                     flows_.empty() ? std::string("none on this rank")
-                                    : fmt::format("{} on this rank; critical step {}, largest Biot number {:.3g} (one temperature a body "
-                                                  "stands for up to {:g})",
-                                                  flows_.size(), format_quantity(critical_step_, Dimension::time), biot_, kLargestBiot));
+                     flows_.empty()
+                         ? std::string("none on this rank")
+                         : fmt::format("on this rank {}, with a critical step of {} and a largest Biot number of {:.3g} (one temperature "
+                                       "a body stands for up to {:g})",
+                                       flows_.size(), format_quantity(critical_step_, Dimension::time), biot_, kLargestBiot));
   return lines;
 }
 
