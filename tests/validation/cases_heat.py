@@ -40,6 +40,7 @@ def h1(tools, report):
         left = (run.temperature[-1, 0] - run.temperature[-1, 1]) / 100
         errors.append(left / math.exp(-1) - 1)
         report.check(f"mean temperature, {steps} steps in tau [K]", run.temperature[-1].mean(), 300, 1e-14)
+    report.check("Biot number of a ball with one contact, a / (6 pi R)", run.log["biot"][-1], a / (6 * math.pi * radius), 1e-5, note="the log has six digits")
     report.check("difference left after tau, 500 steps", 1 + errors[2], 1, 1e-6)
     report.check("error, over (step / tau)^2 / 6", errors[2] * 6 * 500**2, 1, 2e-2, note="the next term is 1/800 of it, rounding 1e-3")
     report.check("error with 50 over that with 100 steps", errors[0] / errors[1], 4, 3e-2, note="second order; the next term is 1 %")
