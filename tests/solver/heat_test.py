@@ -205,6 +205,42 @@ lock_rotation = true
     assert outcome("killed.run")["state_hash"] in hashes["true"]
 
 
+def made_is_dissipated(folder):
+    made = column(folder, "heat_made") + column(folder, "heat_made_in_walls")
+    dissipated = column(folder, "dissipated")
+    assert dissipated[-1] > 0 and abs(made - dissipated).max() <= 1e-12 * dissipated.max(), (made, dissipated)
+
+
+def what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep():
+    fast = POPULATION.replace("velocity = [0.3, 0.2, -0.6]", "velocity = [3, 2, -6]")
+    pack("halved", heap(time='step_control = "quantised"', more=fast))
+    for ranks in (1, 2):
+        run(ranks, "halved.scene.h5", "-o", f"halved{ranks}.run")
+        made_is_dissipated(f"halved{ranks}.run")
+    with open("halved1.run/steps.csv", encoding="utf-8") as file:
+        assert len([line for line in file if not line.startswith("#")]) > 3, "the step must have changed"
+    assert outcome("halved1.run")["state_hash"] == outcome("halved2.run")["state_hash"]
+    # three balls roll into each other on a floor and fall asleep
+    balls = "".join(f"""
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [{x}, 0, 0.0101]
+velocity = [{v}, 0, 0]
+""" for x, v in ((-0.025, 0.05), (0, 0), (0.025, -0.04)))
+    text = heap(duration=1.2, time="sleep = true", heat="temperature = 300", every=0.02, checkpoint=0.6, more=balls)
+    text = text.replace("margin = 2e-3", "margin = 0").replace("stiffness = 1e4", "stiffness = 2e3").replace('friction = 0.5\n[[pairs]]', 'friction = 0.5\nrolling_friction = 0.05\n[[pairs]]')
+    text = text.replace("heat_capacity = 0.5", "heat_capacity = 5")
+    pack("tired", text)
+    states = set()
+    for ranks in (1, 3):
+        run(ranks, "tired.scene.h5", "-o", f"tired{ranks}.run")
+        made_is_dissipated(f"tired{ranks}.run")
+        balance_closes(f"tired{ranks}.run")
+        states.add(outcome(f"tired{ranks}.run")["state_hash"])
+    assert column("tired1.run", "asleep")[-1] == 3 and len(states) == 1, (column("tired1.run", "asleep"), states)
+
+
 def bodies_that_come_and_go_carry_their_heat():
     more = """
 [[inlets]]
@@ -228,6 +264,10 @@ to = "feed"
     assert len(states) == 1, states
     assert column("flow1.run", "heat_arrived")[-1] > 0 and column("flow1.run", "heat_removed")[-1] > 0
     assert frame("flow1.run", -1)["temperature"].max() > 350, "what comes in is hot"
+    pack("fed", heap(duration=0.06, more=POPULATION + more[:more.index("[[outlets]]")]))
+    run(1, "fed.scene.h5", "-o", "fed.run")
+    brought = column("fed.run", "inserted_mass")[-1] * 0.5 * 373.15
+    assert brought > 0 and abs(column("fed.run", "heat_arrived")[-1] / brought - 1) < 1e-12, (brought, column("fed.run", "heat_arrived"))
 
 
 def a_wall_keeps_what_it_cannot_give():
@@ -245,6 +285,13 @@ position = [0, 0, 0.03]
     assert abs(kept + given - 0.3 * time).max() <= 1e-12 * 0.3 * time[-1], (kept, given)
     assert kept.max() > 0.3 * 0.05 and given[-1] > 0.3 * 0.05, (kept, given)
     balance_closes("kept.run")
+    heat = 2500 * 4 / 3 * math.pi * 0.01**3 * 0.5 * frame("kept.run", -1)["temperature"][0]
+    assert abs(column("kept.run", "heat")[-1] / heat - 1) < 1e-13, "mass times heat capacity times temperature"
+    shutil.copytree("kept.run", "killed.run")
+    make_killed("killed.run", keep=1)
+    assert kept[column("kept.run", "time") <= 0.051][-1] > 0, "the wall must keep some at the restart"
+    run(1, "kept.scene.h5", "-o", "killed.run", "--restart", "latest")
+    assert outcome("killed.run")["state_hash"] == outcome("kept.run")["state_hash"]
 
 
 def a_step_beyond_that_of_conduction_ends_the_run():
@@ -337,7 +384,7 @@ temperature = 300
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, verify_finds_another_temperature, a_scene_without_heat_has_nothing_of_it,
-      bodies_asleep_go_on_conducting, bodies_that_come_and_go_carry_their_heat, a_wall_keeps_what_it_cannot_give,
+      bodies_asleep_go_on_conducting, what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep, bodies_that_come_and_go_carry_their_heat, a_wall_keeps_what_it_cannot_give,
       a_step_beyond_that_of_conduction_ends_the_run, a_run_starts_with_the_temperatures_of_another,
       tables_statistics_colours_report_and_python_know_temperatures, mistakes_are_told_with_their_line,
       the_plan_tells_what_conducts])

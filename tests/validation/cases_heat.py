@@ -42,8 +42,8 @@ def h1(tools, report):
         report.check(f"mean temperature, {steps} steps in tau [K]", run.temperature[-1].mean(), 300, 1e-14)
     report.check("Biot number of a ball with one contact, a / (6 pi R)", run.log["biot"][-1], a / (6 * math.pi * radius), 1e-5, note="the log has six digits")
     report.check("difference left after tau, 500 steps", 1 + errors[2], 1, 1e-6)
-    report.check("error, over (step / tau)^2 / 6", errors[2] * 6 * 500**2, 1, 2e-2, note="the next term is 1/800 of it, rounding 1e-3")
-    report.check("error with 50 over that with 100 steps", errors[0] / errors[1], 4, 3e-2, note="second order; the next term is 1 %")
+    report.check("error, over (step / tau)^2 / 6", errors[2] * 6 * 500**2, 1, 2e-2, note="the next term is 1/670 of it, rounding 1e-3")
+    report.check("error with 50 over that with 100 steps", errors[0] / errors[1], 4, 3e-2, note="second order; the next term is .7 %")
     # the radius of the real material: a contact ten times as deep, under the same force
     young, nu = 200e9, 0.29
     modulus = young / (1 - nu**2) / 2
@@ -199,6 +199,7 @@ def h7(tools, report):
     report.at_least("lowest temperature [K]", t.min(), 280.0 * (1 - 1e-14))
     report.at_most("highest temperature [K]", t.max(), 320.0 * (1 + 1e-14))
     report.at_least("change of the mean temperature [K]", abs(t[-1].mean() - t[0].mean()), 1.0)
-    report.at_least("smallest critical step of conduction at a row of the log, over the step", run.log["heat_critical_step"].min() / run.step, 1)
+    ratio = run.log["heat_critical_step"].min() / run.step
+    report.at_most("smallest critical step of conduction at a row of the log, over the step: near the limit", ratio, 2)
     log = run.log
     report.check("balance of heat, over what is stored", abs(log["heat_balance"] - log["heat_balance"][0]).max() / log["heat"][0], 0, 1e-12, "absolute")
