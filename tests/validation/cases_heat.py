@@ -185,7 +185,7 @@ def h7(tools, report):
     for i, body in enumerate(c.bodies):
         body["temperature"] = 290.0 + 20.0 * (i % 2)
     # so that some contact asks for nearly the step of the run: H is some 2 k R at most
-    c.materials["m"] |= {"heat_capacity": 1e-3, "conductivity": 25.0}
+    c.materials["m"] |= {"heat_capacity": 5e-4, "conductivity": 25.0}
     for axis in range(2):
         for side, towards in ((0.0, 1), (0.053, -1)):
             point, normal = [0.0] * 3, [0.0] * 3
