@@ -32,6 +32,10 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     box.upper[k] += grown;
     result.settings.domain.upper[k] += grown;
   }
+  if (result.walls.front().heat.kind == WallHeatKind::flux) {
+    throw UsageError("tile: the wall '{}' has a heat_flux, a power that more bodies would share; tile a scene with temperature or exchange",
+                     result.walls.front().name);
+  }
   // where each body of the scene is now
   BodyTable tile = scene.bodies;
   tile.owner.clear();
@@ -43,6 +47,7 @@ Scene tile_scene(const Scene& scene, const FrameBodies& frame, const std::array<
     tile.orientation[i] = frame.orientation[i];
     tile.velocity[i] = frame.velocity[i];
     tile.angular_velocity[i] = frame.angular_velocity[i];
+    if (frame.has_temperature && scene.settings.heat) tile.temperature[i] = frame.temperature[i];
   }
   box.id = 0;
   BodyTable& all = result.bodies;

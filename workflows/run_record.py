@@ -33,23 +33,26 @@ def frame_at(run, time=None):
         return file["VTKHDF/Points"][:]
 
 
-# Symbols and prefixes of core/base/units.cpp: factor to SI, then powers of kilogram, metre, second and radian.
+# Symbols and prefixes of core/base/units.cpp: factor to SI, then powers of kilogram, metre, second, radian and kelvin.
 SYMBOLS = {
-    "m": (1, 0, 1, 0, 0), "g": (1e-3, 1, 0, 0, 0), "t": (1e3, 1, 0, 0, 0), "s": (1, 0, 0, 1, 0), "min": (60, 0, 0, 1, 0), "h": (3600, 0, 0, 1, 0),
-    "in": (0.0254, 0, 1, 0, 0), "N": (1, 1, 1, -2, 0), "Pa": (1, 1, -1, -2, 0), "bar": (1e5, 1, -1, -2, 0), "J": (1, 1, 2, -2, 0),
-    "W": (1, 1, 2, -3, 0), "Hz": (1, 0, 0, -1, 0), "rad": (1, 0, 0, 0, 1), "deg": (math.pi / 180, 0, 0, 0, 1), "°": (math.pi / 180, 0, 0, 0, 1),
-    "rev": (2 * math.pi, 0, 0, 0, 1), "rpm": (2 * math.pi / 60, 0, 0, -1, 1),
+    "m": (1, 0, 1, 0, 0, 0), "g": (1e-3, 1, 0, 0, 0, 0), "t": (1e3, 1, 0, 0, 0, 0), "s": (1, 0, 0, 1, 0, 0), "min": (60, 0, 0, 1, 0, 0), "h": (3600, 0, 0, 1, 0, 0),
+    "in": (0.0254, 0, 1, 0, 0, 0), "N": (1, 1, 1, -2, 0, 0), "Pa": (1, 1, -1, -2, 0, 0), "bar": (1e5, 1, -1, -2, 0, 0), "J": (1, 1, 2, -2, 0, 0),
+    "W": (1, 1, 2, -3, 0, 0), "Hz": (1, 0, 0, -1, 0, 0), "rad": (1, 0, 0, 0, 1, 0), "deg": (math.pi / 180, 0, 0, 0, 1, 0), "°": (math.pi / 180, 0, 0, 0, 1, 0),
+    "rev": (2 * math.pi, 0, 0, 0, 1, 0), "rpm": (2 * math.pi / 60, 0, 0, -1, 1, 0), "K": (1, 0, 0, 0, 0, 1),
 }
-PREFIXED = {"m", "g", "s", "N", "Pa", "bar", "J", "W", "Hz", "rad"}
+PREFIXED = {"m", "g", "s", "N", "Pa", "bar", "J", "W", "Hz", "rad", "K"}
 PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+
+BRACKETS = r"/ *\(([^()/]*)\)"  # J/(kg K) is J/kg/K
 
 UNIT_PART = r"(/)|([^\W\d_²³]+|°)(?:\^?(-?[1-9]|[²³]))?"
 
 
 def unit_of(text):
     """Factor to SI and powers of a unit such as "kg/m^3", None when it is none."""
-    factor, powers, divides = 1.0, [0, 0, 0, 0], False
+    factor, powers, divides = 1.0, [0, 0, 0, 0, 0], False
+    text = re.sub(BRACKETS, lambda found: "".join("/" + part for part in found[1].split()) + " ", text)
     if re.sub(UNIT_PART, "", text).strip(" *") not in ("", "1"):
         return None
     for slash, name, power in re.findall(UNIT_PART, text):

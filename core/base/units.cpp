@@ -12,7 +12,7 @@
 #include "core/base/nearest_name.hpp"
 
 // A unit is a product of powers of symbols: "kg/m^3", "N m", "mm/s^2". Each symbol is a factor to SI and
-// four exponents. The radian counts as a dimension of its own, so that "120 Hz" given for a rotation rate
+// five exponents. The radian counts as a dimension of its own, so that "120 Hz" given for a rotation rate
 // is refused rather than being wrong by 2 pi.
 
 namespace scree {
@@ -20,7 +20,7 @@ namespace scree {
 namespace {
 
 struct Exponents {
-  int kilogram = 0, metre = 0, second = 0, radian = 0;
+  int kilogram = 0, metre = 0, second = 0, radian = 0, kelvin = 0;
   bool operator==(const Exponents&) const = default;
 };
 
@@ -57,6 +57,7 @@ constexpr std::array kSymbols{
     Symbol{"°", kPi / 180.0, {0, 0, 0, 1}, false},
     Symbol{"rev", 2.0 * kPi, {0, 0, 0, 1}, false},
     Symbol{"rpm", 2.0 * kPi / 60.0, {0, 0, -1, 1}, false},
+    Symbol{"K", 1.0, {0, 0, 0, 0, 1}, true},
 };
 
 struct Prefix {
@@ -101,6 +102,12 @@ constexpr std::array kDimensions{
     DimensionFacts{Dimension::damping, "a force per velocity", "N s/m", "100 N s/m", {1, 0, -1, 0}},
     DimensionFacts{Dimension::rotational_damping, "a torque per angular velocity", "N m s", "0.5 N m s", {1, 2, -1, 0}},
     DimensionFacts{Dimension::wear_coefficient, "a volume per energy", "m^3/J", "5e-13 m^3/J", {-1, 1, 2, 0}},
+    DimensionFacts{Dimension::temperature, "a temperature", "K", "293 K", {0, 0, 0, 0, 1}},
+    DimensionFacts{Dimension::power, "a power", "W", "5 W", {1, 2, -3, 0}},
+    DimensionFacts{Dimension::heat_capacity, "a heat capacity per mass", "J/(kg K)", "900 J/(kg K)", {0, 2, -2, 0, -1}},
+    DimensionFacts{Dimension::conductivity, "a thermal conductivity", "W/(m K)", "42 W/(m K)", {1, 1, -3, 0, -1}},
+    DimensionFacts{
+        Dimension::heat_transfer, "a heat flow per area and difference of temperature", "W/(m^2 K)", "500 W/(m^2 K)", {1, 0, -3, 0, -1}},
 };
 
 const DimensionFacts& facts_of(Dimension dimension) {
@@ -124,6 +131,7 @@ std::string name_of(const Exponents& exponents) {
   add("m", exponents.metre);
   add("s", exponents.second);
   add("rad", exponents.radian);
+  add("K", exponents.kelvin);
   return text;
 }
 
@@ -162,16 +170,23 @@ bool is_word(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') |
 // Walks along "kg/m^3" or "1/s". Returns "" or what is wrong with it.
 std::string parse_unit(std::string_view text, Unit& unit) {
   unit = {};
-  bool after_slash = false, expect_symbol = false;
+  bool after_slash = false, expect_symbol = false, in_brackets = false;
   std::size_t at = 0;
   while (at < text.size()) {
     const char c = text[at];
     if (c == ' ' || c == '*') {
       ++at;
     } else if (c == '/') {
-      // after one slash everything divides: J/kg/m and J/(kg m) are written with one slash each time
+      // after one slash everything divides: J/kg/m is J/(kg m)
       if (expect_symbol) return "two slashes without a unit between them";
+      if (in_brackets) return "a slash within brackets";
       after_slash = expect_symbol = true;
+      ++at;
+    } else if (c == '(' && expect_symbol && !in_brackets) {
+      in_brackets = true;
+      ++at;
+    } else if (c == ')' && in_brackets && !expect_symbol) {
+      in_brackets = after_slash = false;
       ++at;
     } else if (c == '1' && at == 0) {  // "1/s"
       ++at;
@@ -204,11 +219,13 @@ std::string parse_unit(std::string_view text, Unit& unit) {
       unit.exponents.metre += power * factor.exponents.metre;
       unit.exponents.second += power * factor.exponents.second;
       unit.exponents.radian += power * factor.exponents.radian;
+      unit.exponents.kelvin += power * factor.exponents.kelvin;
       expect_symbol = false;
     } else {
       return fmt::format("'{}' is not part of a unit", c);
     }
   }
+  if (in_brackets) return "a bracket that is not closed";
   return expect_symbol ? "nothing after the slash" : "";
 }
 
@@ -241,7 +258,9 @@ double parse_quantity(const std::string& text, Dimension expected, const std::st
   if (!std::isfinite(value)) fail("not a finite number");
 
   const std::string_view unit_text = trimmed(rest.substr(static_cast<std::size_t>(stop - rest.data())));
-  if (unit_text.empty()) return value;  // a bare number is SI
+  if (unit_text.empty()) return value;     // a bare number is SI
+  constexpr double kZeroCelsius = 273.15;  // [K]
+  if (expected == Dimension::temperature && (unit_text == "degC" || unit_text == "°C")) return value + kZeroCelsius;
   Unit unit;
   if (const std::string wrong = parse_unit(unit_text, unit); !wrong.empty()) fail(wrong);
   if (unit.exponents != facts.exponents) fail(name_of(unit.exponents));
@@ -250,8 +269,10 @@ double parse_quantity(const std::string& text, Dimension expected, const std::st
 
 std::string format_quantity(double value, Dimension dimension) {
   // of these a prefix would stand before a power or before a kilogram
-  constexpr std::array kWithoutPrefix{Dimension::none,   Dimension::density,           Dimension::angle,     Dimension::area,
-                                      Dimension::volume, Dimension::moment_of_inertia, Dimension::mass_rate, Dimension::angular_velocity};
+  constexpr std::array kWithoutPrefix{Dimension::none,          Dimension::density,          Dimension::angle,
+                                      Dimension::area,          Dimension::volume,           Dimension::moment_of_inertia,
+                                      Dimension::mass_rate,     Dimension::angular_velocity, Dimension::temperature,
+                                      Dimension::heat_capacity, Dimension::conductivity,     Dimension::heat_transfer};
   if (value == 0.0 || !std::isfinite(value) || std::find(kWithoutPrefix.begin(), kWithoutPrefix.end(), dimension) != kWithoutPrefix.end()) {
     const char* unit = facts_of(dimension).unit;
     return *unit == '\0' ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);

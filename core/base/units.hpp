@@ -31,7 +31,12 @@ enum class Dimension {
   moment_of_inertia,
   damping,
   rotational_damping,
-  wear_coefficient
+  wear_coefficient,
+  temperature,
+  power,
+  heat_capacity,
+  conductivity,
+  heat_transfer
 };
 
 /// "a length [m]", for messages.
@@ -40,6 +45,7 @@ std::string dimension_name(Dimension dimension);
 /// SI value of a text such as "2.5 mm".
 ///
 /// in   where   what the text belongs to, for the message: "case.toml:14: materials.rock.density"
+/// A temperature may be given in degrees Celsius, "20 degC" or "20 °C"; its value is in kelvin.
 /// Fails: throws UsageError when the text is no number with a known unit, or has another dimension; the
 /// message says what was found and what was expected, with an example.
 double parse_quantity(const std::string& text, Dimension expected, const std::string& where);

@@ -40,6 +40,8 @@ class Checker {
 
   void bodies(const FrameBodies& b) const {
     const KnownBodies known(scene_);
+    if (scene_.settings.heat && !b.has_temperature && b.size() > 0)
+      throw InputError("{}: has no temperatures, which the scene asks for ([heat]); {}", path_, kNotOfThisScene);
     for (std::size_t i = 0; i < b.size(); ++i) {
       const auto who = [&] { return fmt::format("body {}", b.id[i]); };
       if (!known.contains(b.id[i])) throw InputError("{}: holds {}, which the scene does not have; {}", path_, who(), kNotOfThisScene);

@@ -20,6 +20,7 @@ enum FrameUse : unsigned {
   kInParaView = 1,  ///< files of bodies and of contacts for ParaView
   kOnSurfaces = 2,  ///< every triangle of a body, in ParaView files of surfaces
   kOfThisRun = 4,   ///< of how a run was shared out: verify does not compare it
+  kOfHeat = 8,      ///< of scenes with heat: files of others do not have it (FrameBodies::has)
 };
 
 }  // namespace scree
@@ -35,7 +36,9 @@ enum FrameUse : unsigned {
   computed(Vec3, position, "VTKHDF/Points", "m", "x,y,z", kFileOnly, "centre of mass, world") \
   stored(Vec3, velocity, v, "VTKHDF/PointData/velocity", "m/s", "vx,vy,vz", kInParaView | kOnSurfaces, "world") \
   computed(Quat, orientation, "VTKHDF/PointData/quat", "", "qw,qx,qy,qz", kInParaView, "mesh axes to world, w x y z") \
-  stored(Vec3, angular_velocity, w, "VTKHDF/PointData/angular_velocity", "rad/s", "wx,wy,wz", kInParaView, "world")
+  stored(Vec3, angular_velocity, w, "VTKHDF/PointData/angular_velocity", "rad/s", "wx,wy,wz", kInParaView, "world") \
+  stored(double, temperature, temperature, "VTKHDF/PointData/temperature", "K", "temperature", kInParaView | kOnSurfaces | kOfHeat, \
+         "of the whole body; of scenes with heat")
 
 /// a < b, normal from b to a, force on a: column(type, name, path, unit, csv, uses, what it is)
 #define SCREE_FRAME_CONTACTS(column) \

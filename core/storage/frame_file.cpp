@@ -22,6 +22,9 @@ constexpr std::int64_t kPieceOverhead = 4096;  // [B] piece tables and alignment
 template <class Table>
 void check_sizes(const Table& rows) {
   Table::visit([&](const auto& c) {
+    if constexpr (std::is_same_v<Table, FrameBodies>) {
+      if (!rows.has(c)) return;
+    }
     SCREE_ASSERT((rows.*c.column).size() == rows.size(), "{}: {} rows of {}", c.path, (rows.*c.column).size(), rows.size());
   });
 }
@@ -37,6 +40,9 @@ std::int64_t bytes_per_row() {
 template <class Table>
 void write_columns(CollectiveFile& file, const h5::Group& group, std::string_view name, const Table& table, const Rows& rows) {
   Table::visit([&](const auto& c) {
+    if constexpr (std::is_same_v<Table, FrameBodies>) {
+      if (!table.has(c)) return;
+    }
     if (c.group() == name) file.write(group, std::string(c.dataset()), table.*c.column, rows, c.unit);
   });
 }
@@ -168,6 +174,10 @@ Table read_columns(const h5::Group& root) {
   Table::visit([&](const auto& c) {
     auto& values = rows.*c.column;
     const h5::Group group = root.open_group(std::string(c.group()));
+    if ((c.uses & kOfHeat) != 0 && !group.has(std::string(c.dataset()))) {
+      values.resize(rows.size());
+      return;
+    }
     values = read_column<typename std::decay_t<decltype(c)>::Value>(group, std::string(c.dataset()));
     if (values.size() != rows.size()) {
       throw InputError("{}/{}: {} rows found, {} expected; the file is damaged", group.path(), c.dataset(), values.size(), rows.size());
@@ -178,6 +188,7 @@ Table read_columns(const h5::Group& root) {
 
 FrameBodies read_bodies(const h5::Group& root) {
   FrameBodies b = read_columns<FrameBodies>(root);
+  b.has_temperature = root.open_group("VTKHDF/PointData").has("temperature");
   sort_rows(b, [&](std::size_t i, std::size_t j) { return b.id[i] < b.id[j]; });
   for (std::size_t i = 1; i < b.size(); ++i) {
     if (b.id[i] == b.id[i - 1]) throw InputError("{}/VTKHDF: body {} occurs twice; the file is damaged", root.path(), b.id[i]);

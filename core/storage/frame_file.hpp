@@ -42,7 +42,13 @@ struct FrameColumn {
 /// Bodies of one frame, in any order when written (each rank gives its own), by ascending id when read.
 struct FrameBodies {
   SCREE_FRAME_BODIES(SCREE_FRAME_STORED_MEMBER, SCREE_FRAME_MEMBER)
+  bool has_temperature = false;  ///< whether the scene has heat, the same on every rank; else temperatures are 0 and not in files
   std::size_t size() const { return id.size(); }
+  /// Whether files have this column.
+  template <class Column>
+  bool has(const Column& column) const {
+    return (column.uses & kOfHeat) == 0 || has_temperature;
+  }
   /// Calls action(FrameColumn) for every column, in the order of the table.
   template <class Action>
   static void visit(Action&& action) {
@@ -176,6 +182,7 @@ template <class Rows>
 void take_rows(Rows& rows, const std::vector<std::size_t>& indices) {
   Rows::visit([&](const auto& c) {
     auto& values = rows.*c.column;
+    if (values.empty()) return;  // a column that the scene does not have
     std::decay_t<decltype(values)> taken;
     taken.reserve(indices.size());
     for (const std::size_t i : indices) taken.push_back(values[i]);

@@ -25,12 +25,24 @@ void BodyTable::add(const BodyRow& r) {
   fixed.push_back(r.fixed ? 1 : 0);
   lock_rotation.push_back(r.lock_rotation ? 1 : 0);
   population.push_back(r.population);
+  temperature.push_back(r.temperature);
+  heat_source.push_back(r.heat_source);
 }
 
 BodyRow BodyTable::row(std::size_t i) const {
-  return {id[i],          shape[i],    material[i],         scale[i],      position[i],
-          orientation[i], velocity[i], angular_velocity[i], fixed[i] != 0, lock_rotation[i] != 0,
-          population[i]};
+  return {id[i],
+          shape[i],
+          material[i],
+          scale[i],
+          position[i],
+          orientation[i],
+          velocity[i],
+          angular_velocity[i],
+          fixed[i] != 0,
+          lock_rotation[i] != 0,
+          population[i],
+          i < temperature.size() ? temperature[i] : 0,
+          i < heat_source.size() ? heat_source[i] : 0};
 }
 
 const MaterialPair& Scene::pair(std::int32_t a, std::int32_t b) const {

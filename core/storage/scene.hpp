@@ -26,6 +26,10 @@ struct Material {
   double density = 0;  ///< [kg/m^3], > 0
   double young = 0;    ///< [Pa], 0 when not given
   double poisson = 0;  ///< [-]
+  // of scenes with heat
+  double heat_capacity = 0;  ///< [J/(kg K)]; 0: not given, of walls alone
+  double conductivity = 0;   ///< [W/(m K)]; 0: not given, of walls alone
+  double real_young = 0;     ///< [Pa] of the real material: what contacts conduct through follows from it; 0 when not given
 };
 
 /// How two materials meet. Only pairs that can occur are present.
@@ -53,7 +57,8 @@ struct MaterialPair {
   double contact_angle = 0;          ///< [rad] of the liquid on both surfaces
   double bridge_volume = 0;          ///< [m^3]
   BridgeRupture bridge_rupture = BridgeRupture::willett;
-  double modulus = 0;  ///< [Pa] see spring()
+  double modulus = 0;              ///< [Pa] see spring()
+  double contact_conductance = 0;  ///< [W/(m^2 K)] of what lies between both surfaces, of scenes with heat; 0: nothing does
 
   /// Of a contact with the radius R* [N/m]. By size it is modulus times 2 R_a R_b / (R_a + R_b), R_b infinite for a wall: overlaps over
   /// radii are then the same for all sizes at one speed, and a step goes with the radius.   Source: convention of Yade and PFC.
@@ -77,6 +82,8 @@ struct BodyRow {
   Vec3 velocity, angular_velocity;
   bool fixed = false, lock_rotation = false;
   std::int32_t population = -1;
+  double temperature = 0;  ///< [K], of scenes with heat
+  double heat_source = 0;  ///< [W], the same
 };
 
 /// Bodies, one row each. Orientation and position are those of the mesh as the user knows it.
@@ -92,12 +99,23 @@ struct BodyTable {
   std::vector<std::uint8_t> lock_rotation;    ///< 1: translates only
   std::vector<std::int32_t> population;       ///< index of its [[populations]] entry, -1 for [[bodies]]
   std::vector<std::int32_t> owner;            ///< rank of the pre-partition; empty when not partitioned
+  // of scenes with heat; may be empty in others
+  std::vector<double> temperature;  ///< [K]
+  std::vector<double> heat_source;  ///< power given to the body at all times [W]
 
   std::size_t size() const { return id.size(); }
   /// Appends a row; the table must have no owners.
   void add(const BodyRow& row);
   /// Row i, without its owner.
   BodyRow row(std::size_t i) const;
+};
+
+/// What a wall is to the heat of the bodies that touch it.
+struct WallHeat {
+  WallHeatKind kind = WallHeatKind::adiabatic;
+  double temperature = 0;  ///< isothermal: of the wall; exchange: outside [K]
+  double flux = 0;         ///< flux: given to the bodies that touch, all together [W]; below 0: taken
+  double coefficient = 0;  ///< exchange: from outside to the contact, for each area of contact [W/(m^2 K)]
 };
 
 /// A wall: fixed or driven, with the same contact law as a body.
@@ -120,6 +138,7 @@ struct Wall {
   bool load_map = false;  ///< mesh: what bodies do to each triangle is summed up and written to frames
   double wear = 0;        ///< mesh with a load map: volume worn off per sliding work [m^3/J]; 0: none
   double wear_every = 0;  ///< [s] of the run after which its vertices recede, again and again
+  WallHeat heat;          ///< of scenes with heat
 };
 
 /// Why no body sleeps that touches the wall (time.sleep), whether it moves or not; null: no reason.
@@ -151,6 +170,7 @@ struct Inlet {
   std::optional<SizeDistribution> size;  ///< diameter of the sphere of equal volume; none: shapes as they are
   BodyOrientation orientation;
   Vec3 velocity, angular_velocity;  ///< with which they come in [m/s], [rad/s]
+  double temperature = 0;           ///< the same [K]; of scenes with heat
   FeedRate rate;
   double start = 0, stop = 1e300;  ///< [s]
   double limit = 1e300;            ///< of the mass [kg]
@@ -189,6 +209,12 @@ struct Fluid {
   Drag drag = Drag::haider_levenspiel;
 };
 
+/// Bodies have temperatures, and contacts conduct.
+struct Heat {
+  double temperature = 0;      ///< [K] of bodies that are not given theirs; 0: all are
+  bool friction_heat = false;  ///< what contacts dissipate heats their bodies
+};
+
 /// Settings, as the case file gives them; SI.
 struct Settings {
   std::string title;
@@ -204,6 +230,7 @@ struct Settings {
   double sleep_tolerance = 1e-3;  ///< [-] of its weight: a change of force that a body at rest does not answer to
   Domain domain;
   std::optional<Fluid> fluid;  ///< none: bodies move in a void
+  std::optional<Heat> heat;    ///< none: bodies have no temperature
   ContactLaw law = ContactLaw::linear;
   Gathering gather = Gathering::potential;
   VertexWeights weights = VertexWeights::density;

@@ -28,7 +28,7 @@ json parse_text(const h5::Group& root, const char* name) {
   return value;
 }
 
-void write_bodies(const h5::Group& group, const BodyTable& bodies) {
+void write_bodies(const h5::Group& group, const BodyTable& bodies, bool has_heat) {
   group.write_array("id", bodies.id, 1, "");
   group.write_array("shape", bodies.shape, 1, "");
   group.write_array("material", bodies.material, 1, "");
@@ -40,6 +40,10 @@ void write_bodies(const h5::Group& group, const BodyTable& bodies) {
   group.write_array("fixed", bodies.fixed, 1, "");
   group.write_array("lock_rotation", bodies.lock_rotation, 1, "");
   group.write_array("population", bodies.population, 1, "");
+  if (has_heat) {
+    group.write_array("temperature", bodies.temperature, 1, "K");
+    group.write_array("heat_source", bodies.heat_source, 1, "W");
+  }
   if (!bodies.owner.empty()) group.write_array("owner", bodies.owner, 1, "");
 }
 
@@ -57,6 +61,10 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
   b.lock_rotation = group.read_array<std::uint8_t>("lock_rotation", 1);
   b.population = group.read_array<std::int32_t>("population", 1);
   if (scene.partition.ranks > 0) b.owner = group.read_array<std::int32_t>("owner", 1);
+  if (scene.settings.heat) {
+    b.temperature = group.read_array<double>("temperature", 1);
+    b.heat_source = group.read_array<double>("heat_source", 1);
+  }
 
   const std::size_t n = b.id.size();
   const auto demand_rows = [&](std::size_t rows, const char* name) {
@@ -73,6 +81,10 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
   demand_rows(b.lock_rotation.size(), "lock_rotation");
   demand_rows(b.population.size(), "population");
   if (scene.partition.ranks > 0) demand_rows(b.owner.size(), "owner");
+  if (scene.settings.heat) {
+    demand_rows(b.temperature.size(), "temperature");
+    demand_rows(b.heat_source.size(), "heat_source");
+  }
 
   for (std::size_t i = 0; i < n; ++i) {
     const auto wrong = [&](const std::string& what) { return InputError("{}: body {} (row {}): {}", group.path(), b.id[i], i, what); };
@@ -88,6 +100,14 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
     if (!(b.scale[i] > 0) || !std::isfinite(b.scale[i])) throw wrong(fmt::format("scale {:g} found, a value > 0 expected", b.scale[i]));
     if (!is_finite(b.position[i])) throw wrong("the position is not a finite number");
     if (!is_finite(b.velocity[i]) || !is_finite(b.angular_velocity[i])) throw wrong("a velocity is not a finite number");
+    if (scene.settings.heat) {
+      if (!(b.temperature[i] > 0) || !std::isfinite(b.temperature[i]))
+        throw wrong(fmt::format("temperature {:g} found, a value > 0 [K] expected", b.temperature[i]));
+      if (!std::isfinite(b.heat_source[i])) throw wrong("the heat source is not a finite number");
+      const Material& material = scene.materials[static_cast<std::size_t>(b.material[i])];
+      if (!(material.heat_capacity > 0) || !(material.conductivity > 0))
+        throw wrong("its material lacks heat_capacity or conductivity, which a scene with heat needs");
+    }
     const double q = norm(b.orientation[i]);
     if (!(std::abs(q - 1) <= kUnitTolerance)) {
       throw wrong(fmt::format("the orientation has norm {:.9g}, a unit quaternion w x y z is expected", q));
@@ -162,7 +182,7 @@ void write_scene_file(const std::string& path, const Scene& scene, const std::op
     partition.write_array("lower", scene.partition.lower, "m");
     partition.write_array("upper", scene.partition.upper, "m");
   }
-  write_bodies(root.create_group("bodies"), scene.bodies);
+  write_bodies(root.create_group("bodies"), scene.bodies, scene.settings.heat.has_value());
   if (!scene.forces.empty()) write_forces(root.create_group("forces"), scene.forces);
   if (!scene.bonds.empty()) write_bonds(root.create_group("bonds"), scene.bonds);
   if (start) write_start_state(root.create_group("start"), *start);

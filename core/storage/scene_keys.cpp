@@ -69,6 +69,15 @@ void fluid_keys(KeyVisitor& k, Fluid& f) {
          f.drag);
 }
 
+void heat_keys(KeyVisitor& k, Heat& h) {
+  k.number({"temperature", "required, unless each gives its own", "of bodies, populations and inlets without one of their own"},
+           h.temperature, Dimension::temperature, Range::positive);
+  k.boolean({"friction_heat", "",
+             "what damping, friction and rolling resistance of contacts dissipate heats the two bodies, half each; the half of a wall is "
+             "counted and leaves the scene"},
+            h.friction_heat);
+}
+
 void contact_keys(KeyVisitor& k, Settings& s) {
   k.word({"law", "",
           "force law: a linear spring or Hertz's; restitution independent of speed, or (`hunt-crossley`) a force without a jump at touch",
@@ -142,6 +151,26 @@ void material_keys(KeyVisitor& k, Material& m) {
   k.number({"young", "required for `hertz-mindlin`", "Young's modulus", kAlways}, m.young, Dimension::pressure, Range::positive);
   k.number({"poisson", "", "Poisson's ratio, above -1 and at most 0.5; for `hertz-mindlin`", kAlways}, m.poisson, Dimension::none,
            Range::any);
+}
+
+void material_heat_keys(KeyVisitor& k, Material& m) {
+  k.number({"heat_capacity", "required of bodies with `[heat]`", "for each mass"}, m.heat_capacity, Dimension::heat_capacity,
+           Range::positive);
+  k.number({"conductivity", "required of bodies with `[heat]`",
+            "for heat; a wall without one does not resist: its contacts are isothermal surfaces"},
+           m.conductivity, Dimension::conductivity, Range::positive);
+  k.number({"real_young", "none",
+            "Young's modulus of the real material, where the contacts of the case are softer. If both materials of a contact have it, the "
+            "radius through which heat flows is that of Hertz's contact under the same force, of the real materials (with `poisson`); "
+            "otherwise it follows from the overlap of the simulated contact, which is too large"},
+           m.real_young, Dimension::pressure, Range::positive);
+}
+
+void pair_heat_keys(KeyVisitor& k, MaterialPair& p) {
+  k.number(
+      {"contact_conductance", "none",
+       "with `[heat]`: of what lies between both surfaces (oxide, film, roughness), in series with the contact, for each area of contact"},
+      p.contact_conductance, Dimension::heat_transfer, Range::positive);
 }
 
 void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s) {

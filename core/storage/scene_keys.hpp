@@ -14,11 +14,15 @@ void time_keys(KeyVisitor& k, Settings& s);
 /// min and max only when the domain is bounded
 void domain_keys(KeyVisitor& k, Domain& d);
 void fluid_keys(KeyVisitor& k, Fluid& f);
+void heat_keys(KeyVisitor& k, Heat& h);
 void contact_keys(KeyVisitor& k, Settings& s);
 void motion_keys(KeyVisitor& k, Settings& s);
 void output_keys(KeyVisitor& k, Settings& s);
 void material_keys(KeyVisitor& k, Material& m);
 /// in   s   whose law and gathering decide what a pair must give
 void pair_keys(KeyVisitor& k, MaterialPair& p, const Settings& s);
+// of scenes with heat
+void material_heat_keys(KeyVisitor& k, Material& m);
+void pair_heat_keys(KeyVisitor& k, MaterialPair& p);
 
 }  // namespace scree

@@ -82,6 +82,12 @@ json wall_json(const Wall& wall) {
   if (wall.surface.is_given()) j["surface"] = motion_json(wall.surface.motion);
   if (wall.load_map) j["load_map"] = true;
   if (wall.wear > 0) j["wear"] = {{"coefficient", wall.wear}, {"every", wall.wear_every}};
+  if (wall.heat.kind != WallHeatKind::adiabatic) {
+    j["heat"] = {{"kind", word_of(wall.heat.kind)},
+                 {"temperature", wall.heat.temperature},
+                 {"flux", wall.heat.flux},
+                 {"coefficient", wall.heat.coefficient}};
+  }
   return j;
 }
 
@@ -122,6 +128,7 @@ json inlet_json(const Inlet& inlet) {
   }
   j["velocity"] = to_json(inlet.velocity);
   j["angular_velocity"] = to_json(inlet.angular_velocity);
+  if (inlet.temperature > 0) j["temperature"] = inlet.temperature;
   j["rate"] = {{"of", inlet.rate.by_number ? "number" : "mass"}, {"time", inlet.rate.time}, {"rate", inlet.rate.rate}};
   j["start"] = inlet.start;
   j["stop"] = inlet.stop;
@@ -154,6 +161,11 @@ Settings read_settings(const JsonObject& o) {
     const JsonObject fluid = o.object("fluid");
     JsonKeyReader fluid_reader(fluid);
     fluid_keys(fluid_reader, s.fluid.emplace());
+  }
+  if (o.has("heat")) {  // added later
+    const JsonObject heat = o.object("heat");
+    JsonKeyReader heat_reader(heat);
+    heat_keys(heat_reader, s.heat.emplace());
   }
   return s;
 }
@@ -246,6 +258,14 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
     wall.wear_every = wear.positive("every");
     if (!wall.load_map) throw InputError("{}: wear of a wall without a load map; the file is damaged", o.where());
   }
+  if (o.has("heat")) {  // added later
+    const JsonObject heat = o.object("heat");
+    wall.heat.kind = heat.word<WallHeatKind>("kind");
+    const bool has_temperature = wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange;
+    wall.heat.temperature = has_temperature ? heat.positive("temperature") : heat.at_least("temperature", 0);
+    wall.heat.flux = heat.number("flux");
+    wall.heat.coefficient = wall.heat.kind == WallHeatKind::exchange ? heat.positive("coefficient") : heat.at_least("coefficient", 0);
+  }
   return wall;
 }
 
@@ -313,6 +333,14 @@ Inlet read_inlet(const JsonObject& o, const Scene& scene) {
   inlet.orientation = read_orientation(o.object("orientation"));
   inlet.velocity = o.vector("velocity");
   inlet.angular_velocity = o.vector("angular_velocity");
+  if (o.has("temperature")) inlet.temperature = o.positive("temperature");  // added later
+  if (scene.settings.heat) {
+    const Material& material = scene.materials[static_cast<std::size_t>(inlet.material)];
+    if (!(inlet.temperature > 0) || !(material.heat_capacity > 0) || !(material.conductivity > 0))
+      throw InputError(
+          "{}: a scene with heat needs a temperature, and a heat_capacity and a conductivity of the material \"{}\"; the file is damaged",
+          o.where(), material.name);
+  }
   const JsonObject rate = o.object("rate");
   inlet.rate = {rate.text("of") == "number", rate.numbers("time"), rate.numbers("rate")};
   if (const auto fault = inlet.rate.fault()) throw InputError("{}: {}", rate.where(), *fault);
@@ -346,12 +374,17 @@ json settings_json(const Scene& scene) {
     JsonKeyWriter fluid_writer(t["fluid"]);
     fluid_keys(fluid_writer, *s.fluid);
   }
+  if (s.heat) {
+    JsonKeyWriter heat_writer(t["heat"]);
+    heat_keys(heat_writer, *s.heat);
+  }
   j["materials"] = json::array();
   for (Material m : scene.materials) {
     json& material = j["materials"].emplace_back();
     material["name"] = m.name;
     JsonKeyWriter material_writer(material);
     material_keys(material_writer, m);
+    if (s.heat) material_heat_keys(material_writer, m);
   }
   j["pairs"] = json::array();
   for (MaterialPair p : scene.pairs) {
@@ -360,6 +393,7 @@ json settings_json(const Scene& scene) {
     pair["b"] = p.b;
     JsonKeyWriter pair_writer(pair);
     pair_keys(pair_writer, p, s);
+    if (s.heat) pair_heat_keys(pair_writer, p);
   }
   j["walls"] = json::array();
   for (const Wall& wall : scene.walls) j["walls"].push_back(wall_json(wall));
@@ -381,6 +415,7 @@ void read_settings_json(const json& text, const std::string& where, Scene& scene
     m.name = o.text("name");
     JsonKeyReader reader(o);
     material_keys(reader, m);
+    if (scene.settings.heat) material_heat_keys(reader, m);
   }
   const std::size_t material_count = scene.materials.size();
   for (const JsonObject& o : all.objects("pairs")) {
@@ -389,6 +424,7 @@ void read_settings_json(const json& text, const std::string& where, Scene& scene
     p.b = o.index("b", material_count, "materials");
     JsonKeyReader reader(o);
     pair_keys(reader, p, scene.settings);
+    if (scene.settings.heat) pair_heat_keys(reader, p);
   }
   for (const JsonObject& o : all.objects("walls")) scene.walls.push_back(read_wall(o, material_count, scene.shapes));
   if (all.has("inlets")) {

@@ -94,6 +94,14 @@ template <>
 inline constexpr auto kWordsOf<BridgeRupture> = std::to_array<Word<BridgeRupture>>({{BridgeRupture::willett, "willett"},
                                                                                     {BridgeRupture::lian, "lian"}});
 
+/// What a wall is to the heat of bodies that touch it: nothing passes; a temperature; a power; an outside temperature behind a resistance.
+enum class WallHeatKind { adiabatic, isothermal, flux, exchange };
+template <>
+inline constexpr auto kWordsOf<WallHeatKind> = std::to_array<Word<WallHeatKind>>({{WallHeatKind::adiabatic, "adiabatic"},
+                                                                                  {WallHeatKind::isothermal, "isothermal"},
+                                                                                  {WallHeatKind::flux, "flux"},
+                                                                                  {WallHeatKind::exchange, "exchange"}});
+
 enum class WallKind : std::int32_t { plane = 0, box_inside = 1, cylinder_inside = 2, sphere_inside = 3, mesh = 4 };
 template <>
 inline constexpr auto kWordsOf<WallKind> = std::to_array<Word<WallKind>>({{WallKind::plane, "plane"},

@@ -53,7 +53,8 @@ struct CaseBody {
   Quat orientation;
   double scale = 1;
   bool fixed = false, lock_rotation = false;
-  Vec3 force;  ///< [N] at all times, world
+  Vec3 force;                               ///< [N] at all times, world
+  double temperature = 0, heat_source = 0;  ///< [K], [W] of scenes with heat
 };
 
 /// A part of space, such as where a population may lie: one of these.
@@ -80,6 +81,7 @@ struct CaseSource {
   CaseRegion region;
   BodyOrientation orientation;
   Vec3 velocity, angular_velocity;
+  double temperature = 0;  ///< [K] of scenes with heat
 };
 
 /// [[populations]]
@@ -88,7 +90,8 @@ struct CasePopulation : CaseSource {
   Amount amount = Amount::count;
   double value = 0;  ///< count [-], mass [kg] or solid fraction of the region [-]
   PackingMethod method = PackingMethod::random;
-  double jitter = 0.5;  ///< lattice: share of the free room of a cell that is used
+  double jitter = 0.5;     ///< lattice: share of the free room of a cell that is used
+  double heat_source = 0;  ///< [W] of each body, of scenes with heat
 };
 
 /// [[inlets]]: what it draws, and an Inlet without its region, shares and size.

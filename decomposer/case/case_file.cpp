@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <tuple>
 
 #include "core/base/near_file.hpp"
 #include "core/base/provenance.hpp"
@@ -52,9 +53,14 @@ void shape_section(CaseKeys& k, CaseShape& s) {
   if (s.cell_size > 0 && s.file.empty()) throw t->error("cell_size", "is for meshes: a sphere touches in one place");
 }
 
-void material_section(CaseKeys& k, Material& m) {
+void material_section(CaseKeys& k, const Case& c, Material& m) {
   material_keys(k, m);
+  material_heat_keys(k, m);
   const CaseTable* t = k.table();
+  for (const char* key : {"heat_capacity", "conductivity", "real_young"}) {
+    if (t != nullptr && !c.settings.heat && t->has(key))
+      throw t->error(key, fmt::format("is for scenes with heat; add a table [heat], or leave {} out", key));
+  }
   if (t != nullptr && !(m.poisson > -1 && m.poisson <= 0.5)) throw t->error("poisson", "expected a value above -1 and at most 0.5");
 }
 
@@ -122,6 +128,24 @@ void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
   if (fault.key[0] != 0) throw t.error(fault.key, fault.text);
 }
 
+/// What heat needs of the materials of bodies, and does not go with.
+void check_heat(const CaseTable& t, const Case& c) {
+  if (!c.settings.heat) return;
+  const auto need = [&](const std::string& where, std::int32_t index) {
+    const Material& m = c.materials[static_cast<std::size_t>(index)];
+    for (const auto& [key, value, example] :
+         {std::tuple("heat_capacity", m.heat_capacity, "900 J/(kg K)"), std::tuple("conductivity", m.conductivity, "2 W/(m K)")}) {
+      if (value > 0) continue;
+      throw UsageError("{}: with [heat] its material \"{}\" needs {}; add it to [materials.{}], for instance {} = \"{}\"", where, m.name,
+                       key, m.name, key, example);
+    }
+  };
+  for (const CaseBody& b : c.bodies) need(b.where, b.material);
+  for (const CasePopulation& p : c.populations) need(p.where, p.material);
+  for (const CaseInlet& i : c.inlets) need(i.where, i.material);
+  if (!c.bonds.empty()) throw t.error("heat", "does not go with [[bonds]]: what a bond conducts is not modelled; leave out one of both");
+}
+
 void pair_section(CaseKeys& k, Case& c) {
   CasePair p;
   std::vector<std::string> between;
@@ -140,7 +164,10 @@ void pair_section(CaseKeys& k, Case& c) {
     refuse_unused(*t, c.settings);
   }
   pair_keys(k, p.pair, c.settings);
+  pair_heat_keys(k, p.pair);
   if (t == nullptr) return;
+  if (!c.settings.heat && t->has("contact_conductance"))
+    throw t->error("contact_conductance", "is for scenes with heat; add a table [heat], or leave contact_conductance out");
   check_pair(*t, p.pair, c);
   p.friction_given = t->has("friction");
   c.pairs.push_back(p);
@@ -158,6 +185,8 @@ void body_section(CaseKeys& k, Case& c) {
   k.boolean({"fixed", "", "never moves; may stand in a wall"}, b.fixed);
   k.boolean({"lock_rotation", "", "translates only"}, b.lock_rotation);
   k.vector({"force", "", "on its centre, at all times, beside gravity"}, b.force, Dimension::force);
+  temperature_key(k, c, b.temperature);
+  heat_source_key(k, c, b.heat_source);
   const CaseTable* t = k.table();
   if (t == nullptr) return;
   b.where = t->where();
@@ -193,7 +222,7 @@ void case_keys(CaseKeys& k, Case& c) {
   k.named_sections({"materials"}, [&](CaseKeys& below, const std::string& name) {
     Material material;
     material.name = name;
-    material_section(below, material);
+    material_section(below, c, material);
     if (below.table() != nullptr) c.materials.push_back(material);
   });
   k.sections({"pairs"}, [&](CaseKeys& below) { pair_section(below, c); });
@@ -205,6 +234,7 @@ void case_keys(CaseKeys& k, Case& c) {
   k.section({"start", "bodies of this case only"}, [&](CaseKeys& below) { start_section(below, c); });
   inlet_sections(k, c);
   bond_sections(k, c);
+  if (k.table() != nullptr) check_heat(*k.table(), c);
 }
 
 std::vector<KeyDescription> describe_case() {

@@ -61,6 +61,7 @@ void inlet_section(CaseKeys& k, Case& c) {
   orientation_key(k, i.orientation);
   k.vector({"velocity", "", "with which bodies come in"}, i.velocity, Dimension::velocity);
   k.vector({"angular_velocity", "", "the same"}, i.angular_velocity, Dimension::angular_velocity);
+  temperature_key(k, c, i.temperature);
   rate_keys(k, inlet.rate);
   k.number({"start", "", "nothing comes before"}, inlet.start, Dimension::time, Range::any);
   k.number({"stop", "never", "no further body becomes due after"}, inlet.stop, Dimension::time, Range::any);

@@ -156,6 +156,28 @@ void orientation_key(CaseKeys& k, BodyOrientation& o) {
   if (k.when(is_table)) k.section({"orientation"}, [&](CaseKeys& below) { alignment_section(below, o); });
 }
 
+void temperature_key(CaseKeys& k, const Case& c, double& temperature) {
+  k.number({"temperature", "that of `[heat]`", "with `[heat]`: of each body at its start"}, temperature, Dimension::temperature,
+           Range::positive);
+  const CaseTable* t = k.table();
+  if (t == nullptr) return;
+  if (!c.settings.heat) {
+    if (t->has("temperature")) throw t->error("temperature", "is for scenes with heat; add a table [heat], or leave temperature out");
+    return;
+  }
+  if (!(temperature > 0)) temperature = c.settings.heat->temperature;
+  if (!(temperature > 0))
+    throw t->error("temperature", "is missing; expected a temperature such as \"293 K\" here, or one for all bodies in [heat]");
+}
+
+void heat_source_key(CaseKeys& k, const Case& c, double& power) {
+  k.number({"heat_source", "", "power given to each body at all times, with `[heat]`; below 0: taken from it"}, power, Dimension::power,
+           Range::any);
+  const CaseTable* t = k.table();
+  if (t != nullptr && !c.settings.heat && t->has("heat_source"))
+    throw t->error("heat_source", "is for scenes with heat; add a table [heat], or leave heat_source out");
+}
+
 void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {
   std::vector<std::string> walls;
   for (const CaseWall& w : c.walls) walls.push_back(w.wall.name);
@@ -225,6 +247,8 @@ void population_section(CaseKeys& k, Case& c) {
   orientation_key(k, p.orientation);
   k.vector({"velocity", "", "of all"}, p.velocity, Dimension::velocity);
   k.vector({"angular_velocity", "", "of all"}, p.angular_velocity, Dimension::angular_velocity);
+  temperature_key(k, c, p.temperature);
+  heat_source_key(k, c, p.heat_source);
   if (t != nullptr) c.populations.push_back(p);
 }
 

@@ -32,6 +32,11 @@ void size_key(CaseKeys& k, std::optional<SizeDistribution>& size);
 void orientation_key(CaseKeys& k, BodyOrientation& orientation);
 void region_section(CaseKeys& k, const Case& c, CaseRegion& region);
 
+/// The temperature of bodies, of [heat] where they give none.
+void temperature_key(CaseKeys& k, const Case& c, double& temperature);
+/// Power given to each body.
+void heat_source_key(CaseKeys& k, const Case& c, double& power);
+
 /// { start, end, radius } and { centre, radius }, into the fields of a wall of that kind.
 void cylinder_keys(CaseKeys& k, Wall& wall);
 void sphere_keys(CaseKeys& k, Wall& wall);

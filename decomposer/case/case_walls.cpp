@@ -296,6 +296,36 @@ void refine_form(const CaseTable& t, double size, WallForm& form) {
   refine_mesh(form.surface, size, 16 * kMaxTriangles);
 }
 
+/// At most one of temperature, heat_flux and exchange.
+void wall_heat_keys(CaseKeys& k, const Case& c, WallHeat& heat) {
+  const CaseTable* t = k.table();
+  if (t != nullptr) {
+    std::string given;
+    for (const char* key : {"temperature", "heat_flux", "exchange"}) {
+      if (!t->has(key)) continue;
+      if (!c.settings.heat) throw t->error(key, fmt::format("is for scenes with heat; add a table [heat], or leave {} out", key));
+      if (!given.empty()) throw t->error(key, fmt::format("says what {} says too; give one of them", given));
+      given = key;
+    }
+    heat.kind = t->has("temperature") ? WallHeatKind::isothermal
+                : t->has("heat_flux") ? WallHeatKind::flux
+                : t->has("exchange")  ? WallHeatKind::exchange
+                                      : WallHeatKind::adiabatic;
+  }
+  k.number({"temperature", "no heat passes", "with `[heat]`: of the wall, at all times"}, heat.temperature, Dimension::temperature,
+           Range::positive);
+  k.number(
+      {"heat_flux", "no heat passes",
+       "with `[heat]`: a power, shared among the bodies that touch the wall in proportion to what their contacts conduct, and kept for "
+       "later while none touches; below 0: taken from them"},
+      heat.flux, Dimension::power, Range::any);
+  k.section({"exchange", "no heat passes", "with `[heat]`: a temperature outside, behind a resistance"}, [&](CaseKeys& below) {
+    below.number({"coefficient", kRequired, "from the outside to the contact, for each area of contact"}, heat.coefficient,
+                 Dimension::heat_transfer, Range::positive);
+    below.number({"temperature", kRequired, "outside"}, heat.temperature, Dimension::temperature, Range::positive);
+  });
+}
+
 void wall_section(CaseKeys& k, Case& c) {
   CaseWall w;
   std::string shape;
@@ -369,6 +399,7 @@ void wall_section(CaseKeys& k, Case& c) {
              "velocity of the surface of a wall that itself stays in place: a belt, a turntable. Given for the wall as placed; it moves "
              "with the wall and adds to the velocity of the wall"},
             [&](CaseKeys& below) { surface_section(below, w.wall.surface); });
+  wall_heat_keys(k, c, w.wall.heat);
   if (t != nullptr) c.walls.push_back(w);
 }
 

@@ -108,6 +108,7 @@ void settings_sections(CaseKeys& k, Case& c) {
           "velocity", "does not go with time.sleep: a body asleep would not feel the stream; use a fluid at rest, or leave sleep out");
     }
   });
+  k.section({"heat", "bodies have no temperature, at no cost"}, [&](CaseKeys& below) { heat_keys(below, s.heat.emplace()); });
   k.section({"contact"}, [&](CaseKeys& below) { contact_section(below, c); });
   k.section({"motion"}, [&](CaseKeys& below) { motion_keys(below, s); });
   s.output_every = s.duration / 100;

@@ -89,8 +89,25 @@ class RunReader {
           "materials = {{ \"{}\" = \"...\" }}",
           start_.where, start_.run, name, name, name);
     }
+    take_temperature(row);
     use(row.id);
     from_.bodies.push_back(row);
+  }
+
+  /// A body keeps its temperature; that of a run without heat takes the one of the case.
+  void take_temperature(BodyRow& row) const {
+    if (!case_.settings.heat) {
+      row.temperature = 0;
+      return;
+    }
+    if (!(row.temperature > 0)) row.temperature = case_.settings.heat->temperature;
+    if (!(row.temperature > 0))
+      throw UsageError("{}: the bodies of {} have no temperature; give one for them as temperature in [heat]", start_.where, start_.run);
+    const Material& material = case_.materials[static_cast<std::size_t>(row.material)];
+    if (!(material.heat_capacity > 0) || !(material.conductivity > 0))
+      throw UsageError(
+          "{}: with [heat] the material \"{}\" of bodies of {} needs heat_capacity and conductivity; add them to [materials.{}]",
+          start_.where, material.name, start_.run, material.name);
   }
 
   /// in   state   of a wall that answers to force
@@ -128,7 +145,7 @@ class RunReader {
       const bool fixed = known != row_of.end() && from_.scene.bodies.fixed[known->second] != 0;
       const bool locked = known != row_of.end() && from_.scene.bodies.lock_rotation[known->second] != 0;
       add({b.id[i], b.shape[i], b.material[i], b.scale[i], b.position[i], b.orientation[i], b.velocity[i], b.angular_velocity[i], fixed,
-           locked, -1});
+           locked, -1, b.temperature[i]});
     }
   }
 
@@ -195,13 +212,16 @@ class RunReader {
                                    v.size(), w.size(), q.size(), q_remainder.size()}) {
       if (rows != id.size()) throw InputError("{}: columns of {} and of {} rows; the file is damaged", group.path(), id.size(), rows);
     }
+    const auto temperature = group.has("temperature") ? group.read_array<double>("temperature", 1) : std::vector<double>(id.size(), 0.0);
+    if (temperature.size() != id.size())
+      throw InputError("{}: columns of {} and of {} rows; the file is damaged", group.path(), id.size(), temperature.size());
     std::vector<std::size_t> order(id.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return id[i] < id[j]; });
     for (const std::size_t i : order) {
       // what the sum rounds off goes to the remainder
       const Vec3 place = x[i] + origin, part = place - x[i], lost = (x[i] - (place - part)) + (origin - part);
-      BodyRow row{id[i], shape[i], material[i], scale[i], place, {}, v[i], w[i], fixed[i] != 0, locked[i] != 0, -1};
+      BodyRow row{id[i], shape[i], material[i], scale[i], place, {}, v[i], w[i], fixed[i] != 0, locked[i] != 0, -1, temperature[i]};
       if (shape[i] >= 0 && static_cast<std::size_t>(shape[i]) < from_.scene.shapes.size())
         row.orientation = normalised(q[i] * conjugate(from_.scene.shapes[static_cast<std::size_t>(shape[i])].mass.body_from_principal));
       add(row);

@@ -104,6 +104,7 @@ Inlet make_inlet(const CaseInlet& asked, const SceneParts& parts, const RegionSh
   inlet.orientation = asked.orientation;
   inlet.velocity = asked.velocity;
   inlet.angular_velocity = asked.angular_velocity;
+  inlet.temperature = asked.temperature;
   double sum = 0;
   for (const auto& [shape, share] : asked.shares) {
     // with a distribution of sizes all shapes have the same mean volume

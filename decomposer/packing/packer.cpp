@@ -159,6 +159,8 @@ void Packer::place_given_bodies() {
     row.angular_velocity = b.angular_velocity;
     row.fixed = b.fixed;
     row.lock_rotation = b.lock_rotation;
+    row.temperature = b.temperature;
+    row.heat_source = b.heat_source;
     scene_.bodies.add(row);
   }
 }

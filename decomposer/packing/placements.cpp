@@ -38,6 +38,8 @@ BodyRow row_of(const Case& c, const SceneParts& parts, const Draw& d, const Plac
   row.velocity = p.velocity;
   row.angular_velocity = p.angular_velocity;
   row.population = static_cast<std::int32_t>(d.population);
+  row.temperature = p.temperature;
+  row.heat_source = p.heat_source;
   return row;
 }
 
@@ -112,7 +114,8 @@ Scene stage_scene(const Case& c, const SceneParts& parts, const Scene& so_far, c
   }
   scene.inlets.clear();
   scene.outlets.clear();
-  scene.settings.fluid.reset();  // packings are made in a void
+  scene.settings.fluid.reset();  // packings are made in a void, and without heat
+  scene.settings.heat.reset();
   // only what the stage ends with is looked at
   scene.settings.output_contacts = false;
   scene.settings.checkpoint_every = 0;

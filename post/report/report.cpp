@@ -80,6 +80,11 @@ std::string picture_section(const Run& run, std::size_t frame, const std::string
     network.network = true;
     add(network, "The contact network", fmt::format("Contact forces at {}: thickness and colour by normal force.", time));
   }
+  if (run.scene.settings.heat) {
+    PictureOptions warm;
+    warm.colour = "temperature";
+    add(warm, "Temperature", fmt::format("Temperature of the bodies at {}.", time));
+  }
   if (!run.scene.bonds.empty()) {
     PictureOptions fragments;
     fragments.colour = "fragment";
@@ -335,6 +340,43 @@ std::string contact_section(const Run& run) {
   return html + "<h3>At the last frame</h3>\n" + table_of(rows);
 }
 
+/// Where heat came from and went to, by the last row of the log.
+std::string heat_section(const Run& run) {
+  const LogTable& log = run.log;
+  if (log.rows() == 0 || !log.has("heat")) return "<p class=\"missing\">The log has no heat yet.</p>\n";
+  const auto last = [&](const std::string& name) { return log.has(name) ? log.column(name).back() : 0.0; };
+  const auto joule = [](double value) { return format_quantity(value, Dimension::energy); };
+  const double stored = last("heat") - log.column("heat").front(), drift = last("heat_balance") - log.column("heat_balance").front();
+  FactRows rows{{"Stored since the start", joule(stored)},
+                {"Made by contacts, in bodies", joule(last("heat_made"))},
+                {"Made by contacts, in walls", joule(last("heat_made_in_walls")) + ", which leaves the scene"},
+                {"From sources", joule(last("heat_from_sources"))}};
+  if (last("heat_arrived") != 0 || last("heat_removed") != 0) {
+    rows.emplace_back("With bodies that came in", joule(last("heat_arrived")));
+    rows.emplace_back("With bodies that left", joule(last("heat_removed")));
+  }
+  std::vector<ChartLine> lines;
+  for (const Wall& wall : run.scene.walls) {
+    const std::string name = fmt::format("wall{}_heat", wall.id);
+    if (!log.has(name)) continue;
+    rows.emplace_back("From wall '" + escaped(wall.name) + "'",
+                      fmt::format("{}; at the end {}", joule(last(name)), format_quantity(last(name + "_flow"), Dimension::power)));
+    lines.push_back({wall.name, log.column("time"), log.column(name + "_flow")});
+  }
+  rows.emplace_back(
+      "What the balance is off by",
+      last("heat") > 0 ? fmt::format("{} ({:.1e} of the heat stored)", joule(drift), std::abs(drift / last("heat"))) : joule(drift));
+  double biot = 0;
+  for (const double value : log.column("biot")) biot = std::max(biot, value);
+  constexpr double kLargestBiot = 0.1;  // up to which one temperature stands for a body
+  rows.emplace_back(
+      "Largest Biot number",
+      fmt::format("{:.3g}{}", biot, biot > kLargestBiot ? "; above 0.1 a body has no single temperature: heat passes too easily" : ""));
+  std::string html = table_of(rows);
+  if (!lines.empty()) html += figure((LineChart{"Heat flow of walls", "time", "s", "power to the bodies", "W", false, true, lines, {}}));
+  return html;
+}
+
 /// Over the rows of the log: bodies may come and go.
 double mean_bodies(const Run& run) {
   const LogTable& log = run.log;
@@ -478,6 +520,9 @@ ReportResult write_report(const Run& run, const std::string& path, const ReportO
   if (has_load_maps(run.scene))
     sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
                     {"loads", "Loads on walls", load_section(run)});
+  if (run.scene.settings.heat)
+    sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "contacts"; }),
+                    {"heat", "Heat", heat_section(run)});
   if (has_impacts(run.scene))
     sections.insert(std::find_if(sections.begin(), sections.end(), [](const auto& s) { return s[0] == "energies"; }),
                     {"impacts", "Impacts", impact_section(run)});

@@ -83,6 +83,7 @@ const std::vector<Field>& fields() {
       {"start-x", "x at the start [m]", [](const Source& s, std::size_t i) { return s.start(i).x; }},
       {"start-y", "y at the start [m]", [](const Source& s, std::size_t i) { return s.start(i).y; }},
       {"start-z", "z at the start [m]", [](const Source& s, std::size_t i) { return s.start(i).z; }},
+      {"temperature", "temperature [K]", [](const Source& s, std::size_t i) { return s.frame.bodies.temperature[i]; }},
       {"neighbours", "neighbours", nullptr},
       {"force", "sum of normal forces [N]", nullptr},
       {"id", "id", [](const Source& s, std::size_t i) { return static_cast<double>(s.frame.bodies.id[i]); }}};
@@ -163,6 +164,8 @@ BodyColours body_colours(const Run& run, const RunBodies& bodies, const Frame& f
   Source source{run, bodies, frame, {}};
   for (const Shape& shape : run.scene.shapes) source.diameter_of_shape.push_back(shape.equivalent_diameter());
   if (field->title[0] == '\0') return kinds_of(run, source, name);
+  if (name == "temperature" && !frame.bodies.has_temperature)
+    throw UsageError("--colour temperature: the scene of {} has no heat; add a table [heat] to the case and run it again", run.folder);
   BodyColours colours{field->title, false, {}, {}};
   if (field->number == nullptr) {
     if (!run.scene.settings.output_contacts)

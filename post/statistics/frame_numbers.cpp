@@ -22,7 +22,8 @@ constexpr double kPairReach = 4;     // mean diameters
 constexpr std::size_t kShortestChain = 3;
 
 // The order here is that of the columns; numbers_of fills them in the same order.
-std::vector<Quantity> group_quantities() {
+/// in   has_heat   of the scene: bodies have temperatures
+std::vector<Quantity> group_quantities(bool has_heat) {
   std::vector<Quantity> q{{"particle_count", "-", "bodies that are free to move"},
                           {"mass", "kg", "of the particles"},
                           {"coordination_number", "-", "neighbours per particle, walls included"},
@@ -56,8 +57,10 @@ std::vector<Quantity> group_quantities() {
                      {"granular_temperature", "m^2/s^2", "a third of the mean square of the velocity about its mean"},
                      {"centre_of_mass_x", "m", "of the particles"},
                      {"centre_of_mass_y", "m", "of the particles"},
-                     {"centre_of_mass_z", "m", "of the particles"},
-                     {"force_chain_share", "-", "particles in force chains over all"},
+                     {"centre_of_mass_z", "m", "of the particles"}});
+  if (has_heat)
+    q.insert(q.end(), {{"temperature", "K", "mean by mass"}, {"temperature_spread", "K", "its standard deviation by mass, over bodies"}});
+  q.insert(q.end(), {{"force_chain_share", "-", "particles in force chains over all"},
                      {"force_chain_count", "-", "chains of three or more"},
                      {"force_chain_length", "-", "mean number of particles in a chain"},
                      {"mixing_index", "-", "Lacey: 0 segregated, 1 mixed at random"},
@@ -145,7 +148,7 @@ StatisticsPlan::StatisticsPlan(const Run& the_run, const StatisticsOptions& the_
   within = Within::named(run, options.within);
   extent = extent_of_bodies(run, options.frames, within, options.pool, options.without);
   facts = std::make_unique<SceneFacts>(run, options.container, extent.box, extent.most);
-  quantities = group_quantities();
+  quantities = group_quantities(run.scene.settings.heat.has_value());
   add_groups();
   const int up = facts->container.vertical;
   const bool is_empty = extent.box.is_empty();
@@ -409,6 +412,7 @@ std::vector<double> StatisticsPlan::numbers_of(const CountedFrame& counted) cons
     add_vector(motion.velocity);
     row.insert(row.end(), {motion.speed, motion.spin, motion.granular_temperature});
     add_vector(motion.centre);
+    if (run.scene.settings.heat) row.insert(row.end(), {motion.temperature, motion.temperature_spread});
     const std::size_t whole_only = row.size();
     if (g == 0) {
       add_whole(counted, view, chains, row);

@@ -41,7 +41,7 @@ MotionMeasures motion_measures(const FrameView& view, const Group& group) {
   m.particles = static_cast<double>(count);
   if (count == 0) {
     m.centre = m.velocity = {kNaN, kNaN, kNaN};
-    m.speed = m.spin = m.granular_temperature = kNaN;
+    m.speed = m.spin = m.granular_temperature = m.temperature = m.temperature_spread = kNaN;
     return m;
   }
   m.centre *= 1 / m.mass;
@@ -52,6 +52,15 @@ MotionMeasures motion_measures(const FrameView& view, const Group& group) {
     if (group.holds(view, i)) squares += view.mass[i] * squared_length(b.velocity[i] - m.velocity);
   }
   m.granular_temperature = squares / m.mass / 3;
+  m.temperature = m.temperature_spread = kNaN;
+  if (!b.has_temperature) return m;
+  double mean = 0, deviations = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) mean += group.holds(view, i) ? view.mass[i] * b.temperature[i] : 0;
+  mean /= m.mass;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    deviations += group.holds(view, i) ? view.mass[i] * (b.temperature[i] - mean) * (b.temperature[i] - mean) : 0;
+  m.temperature = mean;
+  m.temperature_spread = std::sqrt(deviations / m.mass);
   return m;
 }
 

@@ -11,10 +11,11 @@ namespace scree {
 /// Motion of a group. Velocity is the mean by mass; the granular temperature is the mean by mass of |v - velocity|^2 / 3, all
 /// of it random motion only where the group has no gradient of velocity: see the profiles for that.
 struct MotionMeasures {
-  double particles = 0, mass = 0;   ///< [-], [kg]
-  Vec3 centre, velocity;            ///< [m], [m/s]; NaN without particles
-  double speed = 0, spin = 0;       ///< means of |v| by mass [m/s] and of |w| by number [rad/s]
-  double granular_temperature = 0;  ///< [m^2/s^2]
+  double particles = 0, mass = 0;                  ///< [-], [kg]
+  Vec3 centre, velocity;                           ///< [m], [m/s]; NaN without particles
+  double speed = 0, spin = 0;                      ///< means of |v| by mass [m/s] and of |w| by number [rad/s]
+  double granular_temperature = 0;                 ///< [m^2/s^2]
+  double temperature = 0, temperature_spread = 0;  ///< of the bodies, mean and standard deviation by mass [K]; NaN in a scene without heat
 };
 MotionMeasures motion_measures(const FrameView& view, const Group& group);
 

@@ -17,10 +17,12 @@ namespace scree {
 /// What besides migration and checkpoints, which take every column of the state, reads a column.
 enum BodyUse : unsigned {
   kPlain = 0,
-  kGhost = 1,     ///< sent to the ranks that hold a ghost of the body, in every step
-  kHashed = 2,    ///< part of state_hash, in the order of the table
-  kMeasured = 4,  ///< a time or a count of work: verify does not compare it
-  kLater = 8,     ///< checkpoints of earlier versions lack it: it is 0 then
+  kGhost = 1,         ///< sent to the ranks that hold a ghost of the body, in every step
+  kHashed = 2,        ///< part of state_hash, in the order of the table
+  kMeasured = 4,      ///< a time or a count of work: verify does not compare it
+  kLater = 8,         ///< checkpoints of earlier versions lack it: it is 0 then
+  kIfNotZero = 16,    ///< part of state_hash where it is not 0, after those with kHashed
+  kOfHeatState = 32,  ///< of scenes with heat: checkpoints of others do not have it
 };
 
 /// In place of the number of looks: the body sleeps (effects/sleep/sleep.hpp).
@@ -51,7 +53,9 @@ inline constexpr std::int32_t kAsleep = -1;
   column(double, work, "work", "", kMeasured, "measured work since the last cut, arbitrary unit")                                             \
   column(Vec3, image, "image", "", kPlain, "periods gone along periodic axes, see Periodicity::wrap")                                     \
   column(double, entered, "entered", "s", kLater, "when it came into the run; 0 for those that the scene starts with")                         \
-  column(std::int32_t, rest, "rest", "", kGhost | kLater, "looks that found it at rest, one after the other; kAsleep: it sleeps")
+  column(std::int32_t, rest, "rest", "", kGhost | kLater | kIfNotZero, "looks that found it at rest, one after the other; kAsleep: it sleeps") \
+  column(double, temperature, "temperature", "K", kLater | kIfNotZero | kOfHeatState, "of the whole body (effects/heat)")                          \
+  column(double, temperature_remainder, "temperature_remainder", "K", kLater | kIfNotZero | kOfHeatState, "what rounding took from it")
 
 /// What follows from the state, the scene and the step: made again where the body arrives.
 #define SCREE_BODY_DERIVED(column)                                                                           \

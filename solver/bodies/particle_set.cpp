@@ -91,14 +91,16 @@ ParticleRecord make_record(const SolverScene& scene, const BodyAtStart& body) {
     }
   }
   r.work = 1;
+  r.temperature = body.temperature;
   scene.periodicity().wrap(r.x, r.image);
   return r;
 }
 
 ParticleRecord initial_record(const SolverScene& scene, std::size_t body) {
   const BodyTable& b = scene.source().bodies;
-  return make_record(scene, {b.id[body], b.shape[body], b.material[body], b.fixed[body] != 0, b.lock_rotation[body] != 0, b.scale[body],
-                             b.position[body], b.orientation[body], b.velocity[body], b.angular_velocity[body]});
+  return make_record(
+      scene, {b.id[body], b.shape[body], b.material[body], b.fixed[body] != 0, b.lock_rotation[body] != 0, b.scale[body], b.position[body],
+              b.orientation[body], b.velocity[body], b.angular_velocity[body], scene.source().settings.heat ? b.temperature[body] : 0});
 }
 
 }  // namespace scree

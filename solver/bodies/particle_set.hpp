@@ -121,6 +121,7 @@ struct BodyAtStart {
   Vec3 position;
   Quat orientation;  ///< mesh to world
   Vec3 velocity, angular_velocity;
+  double temperature = 0;  ///< [K], of scenes with heat
 };
 /// Its record: orientation moved to the principal frame, L from w, wrapped into periodic axes.
 ParticleRecord make_record(const SolverScene& scene, const BodyAtStart& body);

@@ -175,7 +175,7 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
   const PairDamping<Model, typename Entry::Damp, Law> dampings(features, law, law_of_overlap, motion, result, forces, push, dt, springs);
   Damping damping = dampings.of_pair();
   result.damping = damping.chi;
-  const Vec3 push_force = result.force;
+  const Vec3 push_force = result.push = result.force;
   constexpr bool kPulls = PullingLaw<Law> || AttractingLaw<Law>;
   if constexpr (kPulls) {
     result.force += forces.pull_force;

@@ -33,6 +33,7 @@ struct PairFeatures {
 struct PairForce {
   Vec3 force, torque;                          ///< on A, everything
   Vec3 dissipative_force, dissipative_torque;  ///< on A, from damping and friction alone
+  Vec3 push;                                   ///< on A: what is neither of these nor attraction
   double elastic = 0;                          ///< U [J]; below 0 where a law pulls
   double tangential_elastic = 0;               ///< stored in friction springs, that of rolling included [J]
   double rolling_elastic = 0;                  ///< of that, in the spring of rolling [J]

@@ -3,6 +3,7 @@
 #include "solver/effects/bonds/bonds.hpp"
 #include "solver/effects/drives/drives.hpp"
 #include "solver/effects/given_forces/given_forces.hpp"
+#include "solver/effects/heat/heat.hpp"
 #include "solver/effects/impacts/impacts.hpp"
 #include "solver/effects/load_maps/load_maps.hpp"
 #include "solver/effects/sleep/sleep.hpp"
@@ -16,9 +17,10 @@ const std::vector<EffectKind>& effect_kinds() {
   //   bonds         break before the second kick of a step, and are replaced after it
   //   drives        set the velocities of walls at the end of a step, by which the work on walls is counted: before what records it
   //   load maps     count the sliding work of a step before walls wear by it
+  //   heat          comes last in a step: what the step has dissipated is known, and bodies have their velocities
   //   wear          changes walls between two steps; which bodies sleep is judged by the walls as they are then
   static const std::vector<EffectKind> kinds{given_forces_effect(), bonds_effect(), drives_effect(), load_maps_effect(),
-                                             impacts_effect(),      wear_effect(),  sleep_effect()};
+                                             impacts_effect(),      heat_effect(),  wear_effect(),   sleep_effect()};
   return kinds;
 }
 

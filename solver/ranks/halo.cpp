@@ -238,4 +238,27 @@ void Halo::finish_refresh(ParticleSet& p, PhaseTimes& times) {
   for (const Neighbour& n : neighbours_) unpack_ghosts(p, n.first_ghost, n.ghost_count, n.receive_buffer.data());
 }
 
+void Halo::refresh_column(std::vector<double>& column, PhaseTimes& times) {
+  if (neighbours_.empty()) return;
+  const PhaseTimer timer(times, Phase::halo);
+  requests_.clear();
+  constexpr int kTag = 24;
+  for (Neighbour& n : neighbours_) {
+    if (n.ghost_count == 0) continue;
+    MPI_Irecv(&column[n.first_ghost], static_cast<int>(n.ghost_count), MPI_DOUBLE, n.rank, kTag, comm_.get(), &requests_.emplace_back());
+  }
+  for (Neighbour& n : neighbours_) {
+    if (n.send_rows.empty()) continue;
+    pack_field(column, n.send_rows, n.send_buffer.data());
+    MPI_Isend(n.send_buffer.data(), static_cast<int>(n.send_rows.size()), MPI_DOUBLE, n.rank, kTag, comm_.get(), &requests_.emplace_back());
+    ++traffic_.messages;
+    traffic_.bytes += static_cast<std::int64_t>(n.send_rows.size() * sizeof(double));
+  }
+  {
+    const PhaseTimer waiting(times, Phase::wait);
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  }
+  requests_.clear();
+}
+
 }  // namespace scree

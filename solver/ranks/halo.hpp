@@ -68,6 +68,9 @@ class Halo {
   void start_refresh(const ParticleSet& p, PhaseTimes& times);
   void finish_refresh(ParticleSet& p, PhaseTimes& times);
 
+  /// The values of ghosts in a column of the bodies, from their owners. At once, without overlap.   in/out   column   of every row
+  void refresh_column(std::vector<double>& column, PhaseTimes& times);
+
   std::size_t neighbour_count() const { return neighbours_.size(); }
   const HaloTraffic& traffic() const { return traffic_; }
 

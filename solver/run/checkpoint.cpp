@@ -227,7 +227,8 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
         root.write_attribute("largest_id", totals.largest_id);
         write_sums(root, "arrivals", words_of(totals.arrived));
       }
-      write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows);
+      write_columns<BodyTableColumns>(file, root.create_group("bodies"), bodies, body_rows,
+                                      simulation.state().scene.source().settings.heat ? nullptr : BodyTableColumns::is_of_heat);
       for_each_kind(PairState{}, [&](const auto& kind) {
         using Row = typename std::decay_t<decltype(kind)>::value_type;
         if (std::is_same_v<Row, KeptForce> && !simulation.state().sleep) return;

@@ -43,6 +43,12 @@ struct BodyTableColumns {
     for_each_body_column([&](const auto& c) { later = later || ((c.uses & kLater) != 0 && dataset == c.dataset); });
     return later;
   }
+  /// Whether checkpoints of scenes without heat do not have it.
+  static bool is_of_heat(std::string_view dataset) {
+    bool of_heat = false;
+    for_each_body_column([&](const auto& c) { of_heat = of_heat || ((c.uses & kOfHeatState) != 0 && dataset == c.dataset); });
+    return of_heat;
+  }
 };
 template <class Row>
 struct PairTableColumns {
@@ -114,8 +120,10 @@ std::int64_t bytes_per_row() {
 }
 
 template <class Columns>
-void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<typename Columns::Item>& mine, Rows rows) {
+void write_columns(CollectiveFile& file, const h5::Group& group, const std::vector<typename Columns::Item>& mine, Rows rows,
+                   bool (*leaves_out)(std::string_view dataset) = nullptr) {
   Columns::visit([&](const char* name, const char* unit, auto value_of) {
+    if (leaves_out != nullptr && leaves_out(name)) return;
     std::vector<std::decay_t<decltype(value_of(mine[0]))>> values;
     values.reserve(mine.size());
     for (const auto& row : mine) values.push_back(value_of(row));

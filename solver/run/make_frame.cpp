@@ -51,6 +51,7 @@ Frame make_frame(Simulation& simulation, const Energies& energies, int rank, boo
   frame.dissipated = energies.dissipated;
   const ParticleSet& p = simulation.state().particles;
   for (std::size_t i = 0; i < p.owned; ++i) add_frame_body(simulation.state().scene, record_of(p, i), rank, origin, frame.bodies);
+  frame.bodies.has_temperature = simulation.state().scene.source().settings.heat.has_value();
   if (with_contacts) frame.contacts = simulation.contacts();
   for (Vec3& point : frame.contacts.point) point += origin;
   std::vector<WallLoad> loads = wall_loads_of(simulation.state());

@@ -215,7 +215,10 @@ std::string state_hash(const RunState& s) {
     for_each_body_column([&](const auto& c) {
       if (c.uses & kHashed) h.add((p.*c.column)[i]);
     });
-    if (p.rest[i] != 0) h.add(p.rest[i]);
+    for_each_body_column([&](const auto& c) {
+      const auto& value = (p.*c.column)[i];
+      if ((c.uses & kIfNotZero) && value != std::decay_t<decltype(value)>{}) h.add(value);
+    });
     add(h);
   }
   for (const BodyPair& pair : s.pairs.pairs()) {

@@ -68,6 +68,9 @@ class Effect {
   virtual void after_migration(RunState&, bool /*left*/) {}
   /// The same: lists are new, rows and pairs are others.
   virtual void on_rebuild(const StepParts&) {}
+  /// Between migration and after_migration(): an owned body that is about to be taken out, and one that has just joined, by its row.
+  virtual void body_leaves(const RunState&, std::size_t /*row*/) {}
+  virtual void body_joins(const RunState&, std::size_t /*row*/) {}
   virtual void before_forces(RunState&) {}
   /// Is shown the contacts of the step; null: none.
   virtual PairObserver* observer() { return nullptr; }
@@ -78,7 +81,11 @@ class Effect {
   /// Bodies have their velocities at the end of the step. What is thrown is kept as in drift().
   virtual void after_kick(RunState&) {}
   /// What was dissipated in the step is counted.
-  virtual void end_step(RunState&) {}
+  virtual void end_step(const StepParts&) {}
+  /// The step has changed at the end of one: its forces count for `difference` [s] more than they were counted in end_step().
+  virtual void on_step_change(RunState&, double /*difference*/) {}
+  /// A body, by its row, is about to fall asleep: it has its last velocities.
+  virtual void falls_asleep(RunState&, std::size_t /*row*/) {}
   /// After a whole step. Returns whether neighbour lists must be made again.
   virtual bool after_step(const StepParts&) { return false; }
 

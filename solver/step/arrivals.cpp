@@ -100,6 +100,7 @@ bool Arrivals::join(RunState& s, const Halo& halo) {
     }
     count_arrival(s, r, s.totals.arrived);
     append_record(s.particles, r, s.scene);
+    for (const std::unique_ptr<Effect>& effect : s.effects) effect->body_joins(s, s.particles.size() - 1);
   }
   s.particles.owned = s.particles.size();
   return true;

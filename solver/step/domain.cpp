@@ -111,6 +111,7 @@ bool DomainGuard::remove(RunState& s) {
     departed.mass.add(p.mass[i]);
     departed.energy.add(translational_energy(p, i) + rotational_energy(p, i) + potential_energy(s, p, i));
     departed.dissipated.add(p.dissipated[i]);
+    for (const std::unique_ptr<Effect>& effect : s.effects) effect->body_leaves(s, i);
     if (exit == kDomain) continue;
     OutletTotals& outlet = s.totals.outlets[static_cast<std::size_t>(exit)];
     outlet.count.add(1);

@@ -224,7 +224,7 @@ std::vector<std::uint8_t> Inlets::Feeder::blocked(const std::vector<Candidate>& 
 void Inlets::Feeder::let_in(const Wanted& w, const PlacedBody& body) {
   const std::int64_t id = w.returns ? w.number : next_id_++;
   records_.push_back(make_record(scene_, {id, w.shape, w.material, false, w.lock_rotation != 0, w.scale, body.position, body.orientation,
-                                          inlet().velocity, inlet().angular_velocity}));
+                                          inlet().velocity, inlet().angular_velocity, inlet().temperature}));
   accepted_.push_back(body);
   if (w.returns) {
     state().queue.erase(state().queue.begin());

@@ -123,7 +123,7 @@ void Simulation::advance_substep() {
   forces_.compute(state_, decomposition_, failure_, state_.clock.dt, all.rebuild == 0);
   for (const std::unique_ptr<Effect>& effect : state_.effects) effect->before_kick(parts());
   finish_motion();
-  for_each_effect(&Effect::end_step);
+  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->end_step(parts());
 }
 
 void Simulation::move_bodies() {

@@ -123,6 +123,7 @@ void StepLevels::change(RunState& s, std::int64_t level, const std::string& reas
   const double difference = 0.5 * (s.clock.dt - before);
   add_wall_effects(s, difference, s.totals.walls);
   add_dissipation(s, difference);
+  for (const std::unique_ptr<Effect>& effect : s.effects) effect->on_step_change(s, difference);
 }
 
 void check_displacement(const RunState& s) {

@@ -66,7 +66,12 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"50 mJ/m^2", Dimension::surface_energy, 0.05}, Row{"72 mN/m", Dimension::surface_energy, 0.072},
         Row{"36 cm^2", Dimension::area, 0.0036}, Row{"2 mm^3", Dimension::volume, 2e-9}, Row{"72 mN/m", Dimension::surface_tension, 0.072},
         Row{"40 N m", Dimension::torque, 40.0}, Row{"2 g cm^2", Dimension::moment_of_inertia, 2e-7},
-        Row{"3 N s/m", Dimension::damping, 3.0}, Row{"5 mN m s", Dimension::rotational_damping, 0.005}));
+        Row{"3 N s/m", Dimension::damping, 3.0}, Row{"5 mN m s", Dimension::rotational_damping, 0.005},
+        Row{"20 degC", Dimension::temperature, 293.15}, Row{"-20 °C", Dimension::temperature, 253.15},
+        Row{"300 K", Dimension::temperature, 300.0}, Row{"2 kW", Dimension::power, 2000.0},
+        Row{"0.9 kJ/(kg K)", Dimension::heat_capacity, 900.0}, Row{"0.9 J/g/K", Dimension::heat_capacity, 900.0},
+        Row{"42 W/(m K)", Dimension::conductivity, 42.0}, Row{"0.4 W/(cm K)", Dimension::conductivity, 40.0},
+        Row{"5 W/(m^2 K)", Dimension::heat_transfer, 5.0}, Row{"2 kg/(s)", Dimension::mass_rate, 2.0}));
 
 class EveryDimension : public testing::TestWithParam<Dimension> {};
 
@@ -92,7 +97,8 @@ INSTANTIATE_TEST_SUITE_P(units, EveryDimension,
                                          Dimension::stress_per_length, Dimension::viscosity, Dimension::energy, Dimension::surface_energy,
                                          Dimension::surface_tension, Dimension::area, Dimension::volume, Dimension::torque,
                                          Dimension::moment_of_inertia, Dimension::damping, Dimension::rotational_damping,
-                                         Dimension::mass_rate));
+                                         Dimension::mass_rate, Dimension::temperature, Dimension::power, Dimension::heat_capacity,
+                                         Dimension::conductivity, Dimension::heat_transfer));
 
 TEST(units, a_wrong_dimension_is_refused_naming_place_found_expected_and_example) {
   const std::string text = complaint("0.5 m", Dimension::density);
@@ -114,7 +120,8 @@ TEST(units, a_frequency_is_no_angular_velocity) {
 }
 
 TEST(units, a_dimension_without_a_name_is_spelt_out) {
-  EXPECT_NE(complaint("3 W", Dimension::force).find("kg m^2 s^-3"), std::string::npos);
+  EXPECT_NE(complaint("3 W/m", Dimension::force).find("kg m s^-3"), std::string::npos);
+  EXPECT_NE(complaint("3 K/m", Dimension::force).find("m^-1 K"), std::string::npos);
 }
 
 TEST(units, an_unknown_unit_is_refused_naming_the_nearest) {
@@ -124,8 +131,8 @@ TEST(units, an_unknown_unit_is_refused_naming_the_nearest) {
 }
 
 TEST(units, text_that_is_no_quantity_is_refused) {
-  for (const char* text :
-       {"", "  ", "mm", "five mm", "nan", "inf mm", "1e999 m", "1 m/", "1 m//s", "1 m^0", "1 m^x", "1 m; 2", "0x10 m", "1,5 mm"}) {
+  for (const char* text : {"",       "  ",     "mm",     "five mm", "nan",    "inf mm",  "1e999 m",   "1 m/",   "1 m//s", "1 m^0",  "1 m^x",
+                           "1 m; 2", "0x10 m", "1,5 mm", "1 m/(",   "1 m/(s", "1 m (s)", "1 m/(s/s)", "1 m/()", "1 m)",   "20 degC"}) {
     EXPECT_NE(complaint(text, Dimension::length), "accepted") << text;
   }
 }

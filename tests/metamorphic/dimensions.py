@@ -69,6 +69,10 @@ DIMENSIONS = {
     "walls.*.shape.plate.corner": (1, 0, 0), "walls.*.shape.plate.side_a": (1, 0, 0), "walls.*.shape.plate.side_b": (1, 0, 0),
     "walls.*.shape.sphere_inside.centre": (1, 0, 0), "walls.*.shape.sphere_inside.radius": (1, 0, 0),
     "output.every": (0, 0, 1), "output.checkpoint": (0, 0, 1),
+    # temperatures keep their unit
+    "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),
+    "pairs.*.contact_conductance": (0, 1, -3), "bodies.*.heat_source": (2, 1, -3), "populations.*.heat_source": (2, 1, -3),
+    "walls.*.heat_flux": (2, 1, -3), "walls.*.exchange.coefficient": (0, 1, -3),
 }
 
 # numbers that are the same in all units
@@ -90,6 +94,8 @@ PLAIN = {
     "shapes.*.pieces.cells", "shapes.*.pieces.seed",
     "walls.*.shape.disc.segments", "walls.*.shape.cone.segments", "walls.*.shape.cylinder.segments", "walls.*.shape.drum.segments",
     "walls.*.shape.hopper.segments", "walls.*.shape.drum.lifters.count",
+    "heat.temperature", "bodies.*.temperature", "populations.*.temperature", "inlets.*.temperature", "walls.*.temperature",
+    "walls.*.exchange.temperature",
 }
 
 

@@ -1513,3 +1513,42 @@ def sleep(d):
         fall = 2 * math.sqrt(d.radius / d.g)   # by a diameter: what is at rest sleeps after it
         time["duration"] = d.duration = max(d.duration, min(own.uniform(6, 12) * fall, 30000 * d.step_guess))
         d.words["output"]["every"] = max(d.words["output"]["every"], d.duration / 40)
+
+
+@feature
+def heat(d):
+    """Temperatures, with walls of every kind. From numbers of its own, as surfaces. Conductivities are such that the step is stable: what
+    all contacts of a body conduct is some 30 k R, if each is as wide as the body."""
+    own = random_numbers.Random(f"heat {d.case.note}")
+    if own.random() >= 0.2 or d.words.get("bonds"):
+        return
+    capacity = d.speed ** 2 * 10 ** own.uniform(-1, 2)
+    conductivity = d.density * capacity * d.radius ** 2 / d.step_guess * 10 ** own.uniform(-6, -3)
+    table = d.words["heat"] = {"friction_heat": own.random() < 0.5}
+    by_body = own.random() < 0.5
+    if not by_body:
+        table["temperature"] = own.uniform(280, 320)
+    for material in d.words["materials"].values():
+        material["heat_capacity"] = capacity * own.uniform(0.5, 2)
+        material["conductivity"] = conductivity * own.uniform(0.2, 1)
+        if own.random() < 0.3:
+            material["real_young"] = d.density * d.speed ** 2 * 10 ** own.uniform(4, 8)
+    for pair in d.words["pairs"]:
+        if own.random() < 0.3:
+            pair["contact_conductance"] = conductivity / d.radius * 10 ** own.uniform(-1, 3)
+    # one body warms by a degree in the run
+    power = d.density * 4 * d.radius ** 3 * capacity / max(d.duration, d.step_guess)
+    for tables in ("bodies", "populations", "inlets"):
+        for entry in d.words.get(tables, []):
+            if by_body or own.random() < 0.3:
+                entry["temperature"] = own.uniform(250, 400)
+            if tables != "inlets" and own.random() < 0.2:
+                entry["heat_source"] = power * own.uniform(-0.1, 2)
+    for wall in d.case.walls:
+        kind = own.choice(["none", "temperature", "heat_flux", "exchange"])
+        if kind == "temperature":
+            wall["temperature"] = own.uniform(250, 400)
+        if kind == "heat_flux":
+            wall["heat_flux"] = power * own.uniform(-0.1, 3)
+        if kind == "exchange":
+            wall["exchange"] = {"coefficient": conductivity / d.radius * 10 ** own.uniform(-1, 3), "temperature": own.uniform(250, 400)}

@@ -65,9 +65,11 @@ def scenes():
     on_a_sheet.meshes["sheet"] = SURFACES["sheet"](random.Random(1), 0.1)
     feed = {"shape": "ball", "material": "m", "number_rate": 100.0, "region": {"box": [[-0.05, -0.05, 0.03], [0.05, 0.05, 0.06]]}, "velocity": [0, 0, -1]}
     end = {"region": {"box": [[-0.1, -0.1, -0.2], [0.1, 0.1, 0.0]]}}
+    warm = scene([{**b, "temperature": 300.0 + 10 * k} for k, b in enumerate(falling)], [{**floor, "temperature": 350.0}], heat={},
+                 materials={"m": {"density": 2000.0, "heat_capacity": 10.0, "conductivity": 1.0}})
     return [scene(falling, [floor], output={"every": 0.01, "impacts": True}), scene(towards, gravity=[0, 0, 0]), scene(still, [floor]), scene([], [floor], populations=[population]),
             scene([body(0, 0, 0.0111)], [floor], pairs=[pair(restitution=0.1)], time={"duration": 3.0, "stop_at_rest": True}, output={"every": 0.02}),
-            on_a_sheet, on_a_mapped_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end])]
+            on_a_sheet, on_a_mapped_sheet, scene([], [floor], populations=[less_than_one]), scene([], [], inlets=[feed], outlets=[end]), warm]
 
 
 def every_relation_can_fail(tools):

@@ -485,3 +485,33 @@ def rest_is_rest(trial):
     gone = numpy.linalg.norm(whole.frames[-1].position - run.frames[-1].position, axis=1) / run.scene.radii()
     worst = int(numpy.argmax(gone))
     require(gone[worst] <= 0.2, f"at rest at t = {run.frames[-1].time:.6g} s; body {run.frames[-1].ids[worst]} goes {gone[worst]:.3g} of its radius until {whole.frames[-1].time:.6g} s")
+
+
+def another_heat(run):
+    if "heat_balance" in run.log:
+        row = run.log["heat_balance"]
+        row[-1] = str(float(row[-1]) + 1e-3 * max(abs(float(v)) for v in run.log["heat"]))
+
+
+@relation("sums", another_heat)
+def heat_balance(trial):
+    """Heat stored is what contacts, walls, sources and arriving bodies gave, less what leaving bodies took. Without sources and heat of contacts
+    temperatures stay between those of bodies and walls."""
+    run, words = trial.run, trial.case.words
+    if "heat" not in words or len(run.log.get("heat_balance", [])) < 2:
+        raise NotApplicable("no heat")
+    trial.seen(run)
+    balance, heat = run.column("heat_balance"), run.column("heat")
+    # each sum rounds what bodies hold, and what passes through, which may be more where they come and go
+    through = sum(numpy.abs(run.column(f"heat_{name}")).max() for name in ("arrived", "removed"))
+    require(numpy.abs(balance - balance[0]).max() <= 1e-11 * (heat.max() + through), f"the balance of heat goes from {balance[0]:.17g} to {balance[-1]:.17g} J")
+    entries = [entry for table in ("bodies", "populations", "inlets") for entry in words.get(table, [])] + trial.case.walls
+    if words["heat"].get("friction_heat") or any("heat_source" in e or "heat_flux" in e for e in entries) or "start" in words:
+        return
+    known = [e["temperature"] for e in entries if "temperature" in e] + [w["exchange"]["temperature"] for w in trial.case.walls if "exchange" in w]
+    known += [words["heat"]["temperature"]] if "temperature" in words["heat"] else []
+    for frame in run.frames:
+        t = frame.bodies["temperature"]
+        if len(t):
+            require(min(known) * (1 - 1e-13) <= t.min() and t.max() <= max(known) * (1 + 1e-13),
+                    f"t = {frame.time:.6g} s: temperatures from {t.min():.17g} to {t.max():.17g} K, all began between {min(known)} and {max(known)}")

@@ -118,7 +118,7 @@ class Case:
             self.tables["domain"] = domain
         self.shapes, self.solids, self.surfaces, self.files = {}, {}, {}, {}
         self.materials, self.pairs, self.bodies, self.walls, self.populations, self.inlets, self.outlets = {}, {}, [], [], [], [], []
-        self.bonds, self.fluid = [], None
+        self.bonds, self.fluid, self.heat = [], None, None  # heat: the words of [heat]
 
     # shapes: each gives its name, so that a call can stand where a body is made
     def sphere(self, name, radius):
@@ -201,6 +201,8 @@ class Case:
             lines += ["[[walls]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
         if self.fluid:
             lines += ["[fluid]"] + [f"{key} = {toml(value)}" for key, value in self.fluid.items()]
+        if self.heat is not None:
+            lines += ["[heat]"] + [f"{key} = {toml(value)}" for key, value in self.heat.items()]
         for name, tables in (("inlets", self.inlets), ("outlets", self.outlets), ("bonds", self.bonds)):
             for table in tables:
                 lines += [f"[[{name}]]"] + [f"{key} = {toml(value)}" for key, value in table.items()]
@@ -258,7 +260,7 @@ class Run:
         self.log = read_log(os.path.join(folder, "log.csv"))
         with open(os.path.join(folder, "frames.hdf.series")) as file:
             entries = json.load(file)["files"]
-        self.times, self.contacts, columns = [], [], {"x": [], "v": [], "w": [], "q": []}
+        self.times, self.contacts, columns, temperatures = [], [], {"x": [], "v": [], "w": [], "q": []}, []
         self.wall_position, self.wall_orientation, self.loads, self.wear = [], [], [], []
         self.impacts, self.losses = [], []
         for entry in entries:
@@ -271,6 +273,8 @@ class Run:
                 columns["v"].append(data["velocity"][:][order])
                 columns["w"].append(data["angular_velocity"][:][order])
                 columns["q"].append(data["quat"][:][order])
+                if "temperature" in data:
+                    temperatures.append(data["temperature"][:][order])
                 if "contacts" in file:
                     self.contacts.append({name: file["contacts"][name][:] for name in file["contacts"]})
                 if "loads" in file:
@@ -285,6 +289,7 @@ class Run:
                     self.wall_orientation.append(file["walls/orientation"][:])
         self.times = numpy.array(self.times)
         if len({len(x) for x in columns["x"]}) == 1:  # else bodies come and go: only the tables tell them
+            self.temperature = numpy.array(temperatures)  # F x N [K], empty without heat
             self.x, self.v, self.w, self.q = (numpy.array(columns[name]) for name in ("x", "v", "w", "q"))
         self.inserted, self.removed = (read_events(os.path.join(folder, name)) for name in ("inserted.csv", "removed.csv"))
         self.steps, self.step = self.record["steps"], self.record["step_size"]

@@ -53,13 +53,14 @@ tools = {name: prefixed == "true" for name, prefixed in re.findall(r'Symbol\{"([
 assert {name: name in PREFIXED for name in SYMBOLS} == tools, tools
 assert {name: float(factor) for name, factor in re.findall(r'Prefix\{"([^"]+)", ([^}]+)\}', source)} == PREFIXES
 assert quantity_of("2.7 g/cm^3")[0] == 2700 or abs(quantity_of("2.7 g/cm^3")[0] / 2700 - 1) < 1e-12
+assert abs(quantity_of("0.9 kJ/(kg K)")[0] / 900 - 1) < 1e-12 and quantity_of("1 J/(kg K)")[1] == quantity_of("1 J/kg/K")[1]
 for words in ("rib", "5 furlong", "1.2.3", "[1, 2]", ""):
     assert quantity_of(words) is None, words
 # plot= is looked at before the first run: quantities of bodies and walls, functions of users
 import sweep_quantity  # noqa: E402
 from sweep_quantity import Wrong, check, entry_of  # noqa: E402
 numbers = (WORKFLOWS.parent / "post/statistics/frame_numbers.cpp").read_text()
-ours = re.search(r"group_quantities\(\) \{(.*?)\n\}\n", numbers, re.S)[1]
+ours = re.search(r"group_quantities\(bool has_heat\) \{(.*?)\n\}\n", numbers, re.S)[1]
 named = re.findall(r'\{"([a-z_]{3,})", "', ours) + [f"{name}_{ij}" for name in re.findall(r'tensor\("([a-z_]+)"', ours) for ij in sweep_quantity.TENSOR]
 assert len(named) > 40 and set(named) <= set(sweep_quantity.OF_BODIES), set(named) ^ set(sweep_quantity.OF_BODIES)
 

@@ -43,16 +43,20 @@ def _colours(frame: Frame, bodies: Bodies, colour: str | Any) -> tuple[np.ndarra
     if isinstance(colour, str) and colour in ("shape", "material"):
         index = bodies.shape if colour == "shape" else bodies.material
         return np.array(_TONES)[index % len(_TONES)], None
-    if isinstance(colour, str) and colour != "speed":
-        raise UsageError(f'plot: colour "{colour}" is none; there are shape, material, speed, or give a value for each body')
-    values = np.linalg.norm(bodies.velocity, axis=1) if isinstance(colour, str) else np.asarray(colour, dtype=float)
+    if isinstance(colour, str) and colour not in ("speed", "temperature"):
+        raise UsageError(f'plot: colour "{colour}" is none; there are shape, material, speed, temperature, or give a value for each body')
+    label = {"speed": "speed [m/s]", "temperature": "temperature [K]"}[colour] if isinstance(colour, str) else ""
+    if isinstance(colour, str):
+        values = np.linalg.norm(bodies.velocity, axis=1) if colour == "speed" else np.asarray(bodies.temperature, dtype=float)
+    else:
+        values = np.asarray(colour, dtype=float)
     if len(values) != len(bodies):
         raise UsageError(f"plot: {len(values)} values of colour for {len(bodies)} bodies")
     from matplotlib import colormaps
 
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     shares = (values - low) / (high - low) if high > low else np.zeros(len(values))
-    return colormaps["viridis"](shares)[:, :3], ("speed [m/s]" if isinstance(colour, str) else "", low, high)
+    return colormaps["viridis"](shares)[:, :3], (label, low, high)
 
 
 def _triangle_patches(frame: Frame, bodies: Bodies, colours: np.ndarray, view: np.ndarray) -> tuple[list[np.ndarray] | np.ndarray, np.ndarray]:

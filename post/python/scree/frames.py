@@ -126,7 +126,8 @@ class Frame:
         part   only particles with their centre, and contacts with their point, in this region
         Of contacts: coordination_number, coordination_number_without_rattlers, rattler_fraction, contact_points_per_particle,
         mean_normal_force, max_normal_force, mean_tangential_force, tensile_fraction, mean_tensile_force, fabric_ij. Of motion:
-        particle_count, mass, velocity_i, mean_speed, mean_spin, granular_temperature, centre_of_mass_i. Of the whole scene,
+        particle_count, mass, velocity_i, mean_speed, mean_spin, granular_temperature, centre_of_mass_i, and of a scene with heat
+        temperature and temperature_spread. Of the whole scene,
         without a region: kinetic_energy, potential_energy, elastic_energy, dissipated_energy. What is not defined (no particle, no contact, no contacts kept) is NaN.
         """
         return frame_measures(self, None if part is None else region(part))
@@ -135,7 +136,7 @@ class Frame:
         """Draws the bodies with matplotlib as they look from outside; returns the axes. Raises MissingPackage without matplotlib.
 
         ax       matplotlib axes; new ones when None
-        colour   "shape", "material", "speed", or a value for each body
+        colour   "shape", "material", "speed", "temperature" of a scene with heat, or a value for each body
         towards  direction of view, horizontal for a picture with gravity pointing down
         bodies   only these
         True triangles where they are few, else the outline of each body, which is convex.

@@ -38,6 +38,10 @@ def _motion(frame: Frame, member: np.ndarray) -> dict[str, float]:
     numbers["mean_spin"] = float(np.linalg.norm(b.angular_velocity, axis=1).mean()) if count else float("nan")
     numbers["granular_temperature"] = float(share @ ((b.velocity - velocity) ** 2).sum(axis=1) / 3) if count else float("nan")
     numbers.update({f"centre_of_mass_{c}": float(centre[k]) for k, c in enumerate("xyz")})
+    if frame.scene.has_heat:
+        mean = float(share @ b.temperature) if count else float("nan")
+        numbers["temperature"] = mean
+        numbers["temperature_spread"] = float(np.sqrt(share @ (b.temperature - mean) ** 2)) if count else float("nan")
     return numbers
 
 

@@ -124,6 +124,10 @@ class Rows:
         """The fields by name; each has `unit` and, as its `__doc__`, its meaning."""
         return {name: field for base in reversed(cls.__mro__) for name, field in vars(base).items() if isinstance(field, Field)}
 
+    def _of_some_scenes(self) -> dict[str, str]:
+        """Properties that this scene has besides the fields, with their units."""
+        return {}
+
     def _length_field(self) -> str:
         return next(iter(self.fields()))
 
@@ -145,11 +149,12 @@ class Rows:
             raise missing_package("to_pandas", "pandas") from None
         columns: dict[str, np.ndarray] = {}
         units: dict[str, str] = {}
-        for name, field in self.fields().items():
+        fields = {**{name: field.unit for name, field in self.fields().items()}, **self._of_some_scenes()}
+        for name, unit in fields.items():
             values = getattr(self, name)
             parts = [(name, values)] if values.ndim == 1 else [(f"{name}_{c}", values[:, k]) for k, c in enumerate(_SUFFIXES[values.shape[1]])]
             for column, part in parts:
-                columns[column], units[column] = np.array(part), field.unit
+                columns[column], units[column] = np.array(part), unit
         frame = pandas.DataFrame(columns)
         frame.attrs["units"] = units
         return frame
@@ -170,6 +175,16 @@ class Bodies(Rows):
     material = Field("VTKHDF/PointData/material", "-", "index of the material; names with material_name; n")
     scale = Field("VTKHDF/PointData/scale", "-", "factor on the size of the shape; n")
     rank = Field("VTKHDF/PointData/rank", "-", "MPI rank that owned the body; n")
+
+    @property
+    def temperature(self) -> np.ndarray:
+        """Temperature of each body; n [K]. Raises InputError in a scene without heat."""
+        if not self._store.scene.has_heat:
+            raise InputError(f"{self._store.path}: the scene has no heat; add a table [heat] to the case and run it again")
+        return self._field("VTKHDF/PointData/temperature")
+
+    def _of_some_scenes(self) -> dict[str, str]:
+        return {"temperature": "K"} if self._store.scene.has_heat else {}
 
     def _of_shape(self, values: Sequence[float]) -> np.ndarray:
         return np.asarray(values, dtype=float)[self.shape]

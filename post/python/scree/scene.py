@@ -117,6 +117,9 @@ class Material:
     density: float  #: [kg/m^3]
     young: float  #: Young's modulus [Pa]; 0 when not given
     poisson: float  #: Poisson's ratio
+    heat_capacity: float = 0.0  #: [J/(kg K)] of scenes with heat; 0 when not given
+    conductivity: float = 0.0  #: for heat [W/(m K)], the same
+    real_young: float = 0.0  #: Young's modulus of the real material [Pa], the same
 
 
 class Wall:
@@ -208,7 +211,7 @@ class Scene:
             #: columns of the bodies at the start, as in SCENE_FORMAT.md: id, shape, material, scale, position, orientation, velocity ...
             self.start: dict[str, np.ndarray] = {name: data[()] for name, data in file["bodies"].items()}
             self.settings: dict[str, Any] = facts["settings"]  #: as in SCENE_FORMAT.md, SI
-            known = ("name", "density", "young", "poisson")
+            known = ("name", "density", "young", "poisson", "heat_capacity", "conductivity", "real_young")
             self.materials: Named[Material] = Named("material", [Material(*(m.get(k, 0.0) for k in known)) for m in facts["materials"]])  #: by name
             #: contact of each two materials that can meet: `between` (two names) and the values of SCENE_FORMAT.md, SI
             self.pairs: list[dict[str, Any]] = [
@@ -224,6 +227,11 @@ class Scene:
             if pair["between"] in ((a, b), (b, a)):
                 return pair
         raise unknown_name("pair", f"{a}, {b}", [", ".join(p["between"]) for p in self.pairs])
+
+    @property
+    def has_heat(self) -> bool:
+        """Whether bodies have temperatures."""
+        return "heat" in self.settings
 
     @property
     def case(self) -> Case:

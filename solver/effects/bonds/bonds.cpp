@@ -71,7 +71,7 @@ class Bonds : public Effect {
   void on_rebuild(const StepParts& parts) override;
   void add_forces(RunState& s) override;
   void before_kick(const StepParts& parts) override;
-  void end_step(RunState& s) override;
+  void end_step(const StepParts& parts) override;
 
   std::vector<BodyLink> links(const RunState& s) const override;
   void add_stiffness(const RunState& s, StabilityBound& bounds) const override;
@@ -161,9 +161,9 @@ std::vector<std::int32_t> Bonds::shift_loaded(RunState& s) const {
   return changed;
 }
 
-void Bonds::end_step(RunState& s) {
-  replace_forces(s);
-  share_damping(s);
+void Bonds::end_step(const StepParts& parts) {
+  replace_forces(parts.state);
+  share_damping(parts.state);
 }
 
 void Bonds::replace_forces(RunState& s) {

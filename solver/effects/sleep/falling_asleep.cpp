@@ -94,6 +94,7 @@ bool Sleep::fall_asleep(RunState& s) {
     if (!is_awake(p, i) || (p.rest[i] & kReady) == 0) continue;
     // half of what the last step was counted with lies ahead, and is not to come
     p.dissipated[i] += contact_dissipation(p, i, -0.5 * s.clock.dt);
+    for (const std::unique_ptr<Effect>& effect : s.effects) effect->falls_asleep(s, i);
     slept_.add(kinetic_energy(p, i));
     p.v[i] = p.L[i] = p.w[i] = {};
     p.rest[i] = kAsleep;

@@ -1,0 +1,301 @@
+#include "solver/effects/heat/heat.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "solver/effects/heat/contact_losses.hpp"
+#include "solver/effects/heat/heat_effect.hpp"
+#include "solver/pairs/forces.hpp"
+#include "solver/ranks/failure.hpp"
+#include "solver/ranks/halo.hpp"
+
+namespace scree {
+
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double wall_temperature(const Wall& wall) { return wall.heat.temperature; }
+bool has_temperature(const Wall& wall) { return wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange; }
+
+}  // namespace
+
+void HeatEffect::on_rebuild(const StepParts& parts) {
+  const RunState& s = parts.state;
+  at_rest_.assign(s.pairs.pairs().size(), -1.0);
+  stored_.assign(friction_heat_ ? s.pairs.pairs().size() : 0, 0.0);
+  source_.assign(s.particles.owned, 0.0);
+  for (std::size_t i = 0; i < s.particles.owned && !source_of_id_.empty(); ++i) {
+    const auto found = std::lower_bound(source_of_id_.begin(), source_of_id_.end(), std::pair(s.particles.id[i], -1e300));
+    if (found != source_of_id_.end() && found->first == s.particles.id[i]) source_[i] = found->second;
+  }
+}
+
+void HeatEffect::before_forces(RunState& s) {
+  for (std::vector<Flow>& of_thread : seen_) of_thread.clear();
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    const BodyPair& pair = s.pairs.pairs()[k];
+    stored_[k] = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
+  }
+}
+
+void HeatEffect::start(RunState& s) {
+  collect_flows();
+  review_conduction(s);
+  if (!friction_heat_) return;
+  // the first kick is by half a step, in which springs stay as they are
+  for (std::size_t k = 0; k < stored_.size(); ++k) stored_[k] = stored_in_springs(s.pairs.pairs()[k]);
+  given_.assign(s.particles.owned, 0.0);
+  add_made(s, 0.5);
+  for (std::size_t i = 0; i < s.particles.owned; ++i) heat_body(s.particles, i, given_[i]);
+}
+
+/// In the order of pairs.
+void HeatEffect::collect_flows() {
+  flows_.clear();
+  for (const std::vector<Flow>& of_thread : seen_) flows_.insert(flows_.end(), of_thread.begin(), of_thread.end());
+  std::sort(flows_.begin(), flows_.end(), [](const Flow& l, const Flow& r) { return l.pair < r.pair; });
+}
+
+/// Contacts of which neither side moves are not computed in a step: what they conduct follows from where they are.
+void HeatEffect::add_resting(const StepParts& parts) {
+  RunState& s = parts.state;
+  for (const Flow& flow : flows_) at_rest_[at(flow.pair)] = -1;
+  std::vector<std::int32_t> unknown;
+  std::vector<Flow> all;
+  all.reserve(flows_.size());
+  auto next = flows_.begin();
+  for (std::size_t k = 0; k < s.pairs.results().size(); ++k) {
+    const auto pair = static_cast<std::int32_t>(k);
+    if (next != flows_.end() && next->pair == pair) {
+      all.push_back(*next++);
+    } else if (s.pairs.results()[k].active) {
+      if (at_rest_[k] < 0) unknown.push_back(pair);
+      all.push_back({pair, -1});
+    }
+  }
+  for (const std::int32_t pair : unknown) at_rest_[at(pair)] = 0;
+  if (!unknown.empty() && !parts.failure.exists()) {
+    parts.failure.watch(s.clock.step, [&] {
+      visit_pairs(s.scene, s.particles, s.walls, unknown, s.clock.step, parts.scratch, s.pairs, [&](const PairContact& contact) {
+        at_rest_[static_cast<std::size_t>(&contact.pair - s.pairs.pairs().data())] = conductance_.of(contact, s.particles);
+      });
+    });
+  }
+  for (Flow& flow : all) {
+    if (flow.conductance < 0) flow.conductance = at_rest_[at(flow.pair)];
+  }
+  flows_ = std::move(all);
+}
+
+/// Critical step and largest Biot number of the present contacts of this rank.
+void HeatEffect::review_conduction(const RunState& s) {
+  const ParticleSet& p = s.particles;
+  std::vector<double> sum(p.owned, 0.0);
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b < 0 && !has_temperature(wall_of(pair))) continue;
+    for (const std::int32_t row : {pair.a, pair.b}) {
+      if (row >= 0 && at(row) < p.owned) sum[at(row)] += flow.conductance;
+    }
+  }
+  double least = std::numeric_limits<double>::infinity(), biot = 0;
+  std::int64_t body = -1;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (!(sum[i] > 0)) continue;
+    const double step = capacity(p, i) / sum[i];
+    if (step < least || (step == least && p.id[i] < body)) {
+      least = step;
+      body = p.id[i];
+    }
+    const Shape& shape = s.scene.source().shapes[at(p.shape[i])];
+    const double area = shape.area * p.scale[i] * p.scale[i];
+    const double volume = s.scene.shape(p.shape[i]).volume * p.scale[i] * p.scale[i] * p.scale[i];
+    biot = std::max(biot, sum[i] * volume / (s.scene.source().materials[at(p.material[i])].conductivity * area * area));
+  }
+  critical_step_ = least;
+  critical_body_ = body;
+  biot_ = biot;
+}
+
+void HeatEffect::check_step(const StepParts& parts) const {
+  const RunState& s = parts.state;
+  if (s.clock.dt <= critical_step_) return;
+  parts.failure.keep(
+      RunInvalid("step {}: body {} conducts so well that its temperature is stable with a step of at most {:.3g} s, its mass times its "
+                 "heat_capacity over the conductances of its contacts; the run has {:.3g} s. Give time.step, or a larger heat_capacity",
+                 s.clock.step, critical_body_, critical_step_, s.clock.dt),
+      s.clock.step);
+}
+
+/// What contacts have dissipated in a step, to both sides.   in   share   of the step
+void HeatEffect::add_made(const RunState& s, double share) {
+  const ParticleSet& p = s.particles;
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    const BodyPair& pair = s.pairs.pairs()[k];
+    const bool active = s.pairs.results()[k].active;
+    if (!active && stored_[k] == 0) continue;
+    const double now = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
+    add_loss(pair, p.owned, (active ? contact_loss(s, k, share * s.clock.dt) : 0) + stored_[k] - now);
+  }
+}
+
+/// Half to each side.   in   owned   rows of bodies of this rank     in   loss   of the contact [J]
+void HeatEffect::add_loss(const BodyPair& pair, std::size_t owned, double loss) {
+  const double half = 0.5 * loss;
+  if (half == 0) return;
+  for (const std::int32_t row : {pair.a, pair.b}) {
+    if (row < 0) {
+      totals_[kMadeInWalls].add(half);
+    } else if (at(row) < owned) {
+      given_[at(row)] += half;
+      totals_[kMade].add(half);
+    }
+  }
+}
+
+/// As for all that is dissipated (StepLevels::change).
+void HeatEffect::on_step_change(RunState& s, double difference) {
+  if (!friction_heat_) return;
+  ParticleSet& p = s.particles;
+  given_.assign(p.owned, 0.0);
+  for (std::size_t k = 0; k < s.pairs.results().size(); ++k)
+    if (s.pairs.results()[k].active) add_loss(s.pairs.pairs()[k], p.owned, contact_loss(s, k, difference));
+  for (std::size_t i = 0; i < p.owned; ++i) heat_body(p, i, given_[i]);
+}
+
+/// Half of what its contacts were counted with in the last step lies ahead and is not to come: the body that stops gives its part back, as
+/// it does of `dissipated`.
+void HeatEffect::falls_asleep(RunState& s, std::size_t row) {
+  if (!friction_heat_) return;
+  const double heat = contact_dissipation(s.particles, row, -0.5 * s.clock.dt);
+  totals_[kMade].add(heat);
+  heat_body(s.particles, row, heat);
+}
+
+/// What walls with a flux give in the step, shared in proportion to conductances. Collective.
+void HeatEffect::add_flux(const RunState& s) {
+  const std::vector<Wall>& walls = s.scene.source().walls;
+  std::vector<ExactSum> sums(walls.size());
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b < 0) sums[wall_index(pair)].add(flow.conductance);
+  }
+  add_over_ranks(s.comm.get(), sums);
+  std::vector<double> per_conductance(walls.size(), 0.0);
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (walls[w].heat.kind != WallHeatKind::flux) continue;
+    pending_[w] += walls[w].heat.flux * s.clock.dt;
+    const double sum = sums[w].value();
+    if (sum > 0) per_conductance[w] = std::exchange(pending_[w], 0.0) / sum;
+  }
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b >= 0) continue;
+    const std::size_t w = wall_index(pair);
+    const double heat = per_conductance[w] * flow.conductance;
+    if (heat == 0) continue;
+    given_[at(pair.a)] += heat;
+    to_bodies_[w].add(heat);
+    flow_now_[w].add(heat / s.clock.dt);
+  }
+}
+
+/// Power that flows into each owned row at these temperatures.   in/out   power   [W]
+void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const {
+  const std::size_t owned = s.particles.owned;
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    const auto a = at(pair.a);
+    if (pair.b >= 0) {
+      const auto b = at(pair.b);
+      const double to_a = flow.conductance * (temperature[b] - temperature[a]);
+      if (a < owned) power[a] += to_a;
+      if (b < owned) power[b] -= to_a;
+    } else if (const Wall& wall = wall_of(pair); has_temperature(wall)) {
+      power[a] += flow.conductance * (wall_temperature(wall) - temperature[a]);
+    }
+  }
+}
+
+void HeatEffect::heat_body(ParticleSet& p, std::size_t row, double heat) {
+  if (heat == 0) return;
+  // the new temperature, and what it lacks (D. Knuth, The Art of Computer Programming 2, 4.2.2)
+  const double change = heat / capacity(p, row) + p.temperature_remainder[row], before = p.temperature[row];
+  const double sum = before + change, part = sum - before;
+  p.temperature_remainder[row] = (before - (sum - part)) + (change - part);
+  p.temperature[row] = sum;
+}
+
+/// Two Euler steps, averaged. Collective.
+void HeatEffect::advance(const StepParts& parts) {
+  RunState& s = parts.state;
+  ParticleSet& p = s.particles;
+  const double dt = s.clock.dt;
+  parts.halo.refresh_column(p.temperature, s.times);
+  power_first_.assign(p.owned, 0.0);
+  add_conducted(s, p.temperature, power_first_);
+  stage_ = p.temperature;
+  for (std::size_t i = 0; i < p.owned; ++i) stage_[i] += (dt * power_first_[i] + given_[i]) / capacity(p, i);
+  parts.halo.refresh_column(stage_, s.times);
+  power_.assign(p.owned, 0.0);
+  add_conducted(s, stage_, power_);
+  for (const Flow& flow : flows_) {
+    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
+    if (pair.b >= 0 || !has_temperature(wall_of(pair))) continue;
+    const std::size_t w = wall_index(pair), a = at(pair.a);
+    const double of_wall = wall_temperature(wall_of(pair));
+    const double power = 0.5 * flow.conductance * ((of_wall - p.temperature[a]) + (of_wall - stage_[a]));
+    to_bodies_[w].add(dt * power);
+    flow_now_[w].add(power);
+  }
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    heat_body(p, i, 0.5 * dt * (power_first_[i] + power_[i]) + given_[i]);
+    if (p.temperature[i] > 0) continue;
+    parts.failure.keep(RunInvalid("step {}: body {} is cooled to {:.4g} K, below absolute zero; take less from it (heat_source, heat_flux)",
+                                  s.clock.step, p.id[i], p.temperature[i]),
+                       s.clock.step);
+  }
+}
+
+void HeatEffect::end_step(const StepParts& parts) {
+  RunState& s = parts.state;
+  ParticleSet& p = s.particles;
+  collect_flows();
+  if (s.sleep) add_resting(parts);
+  review_conduction(s);
+  check_step(parts);
+  given_.assign(p.owned, 0.0);
+  std::fill(flow_now_.begin(), flow_now_.end(), ExactSum{});
+  if (friction_heat_) {
+    // a body is heated by half of what its contact takes from both sides: ghosts need the velocities of the end of the step
+    parts.halo.start_refresh(p, s.times);
+    parts.halo.finish_refresh(p, s.times);
+    add_made(s, 1);
+  }
+  for (std::size_t i = 0; i < p.owned && !source_of_id_.empty(); ++i) {
+    if (source_[i] == 0) continue;
+    given_[i] += s.clock.dt * source_[i];
+    totals_[kFromSources].add(s.clock.dt * source_[i]);
+  }
+  if (has_flux_) add_flux(s);
+  advance(parts);
+}
+
+EffectKind heat_effect() {
+  EffectFormat format{"heat", "what contacts, walls or sources gave to bodies as heat differs", {}};
+  for (const char* name : kHeatTotalNames) format.arrays.push_back(sum_format(name));
+  format.arrays.push_back(sum_format("walls"));
+  format.arrays.push_back({"pending", "J"});
+  return {format, {"heat", "no [heat]: bodies have no temperature"}, [](const RunState& s) -> std::unique_ptr<Effect> {
+            if (!s.scene.source().settings.heat) return nullptr;
+            if (!s.scene.source().bonds.empty())
+              throw UsageError("[heat] does not go with bonds: what a bond conducts is not modelled; leave out one of both");
+            return std::make_unique<HeatEffect>(s);
+          }};
+}
+
+}  // namespace scree

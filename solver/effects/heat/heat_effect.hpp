@@ -1,0 +1,115 @@
+// The effect itself: what heat.cpp does in a step, and heat_output.cpp keeps and writes. For others: heat.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "solver/effects/heat/conductance.hpp"
+#include "solver/state/effect.hpp"
+#include "solver/state/run_state.hpp"
+
+namespace scree {
+
+/// Sums that a rank keeps of heat [J], by their names in checkpoints and, after "heat_", in the log.
+enum HeatTotal : std::size_t { kMade, kMadeInWalls, kFromSources, kArrived, kRemoved, kHeatTotals };
+inline constexpr std::array<const char*, kHeatTotals> kHeatTotalNames{"made", "made_in_walls", "from_sources", "arrived", "removed"};
+
+class HeatEffect : public Effect, public PairObserver {
+ public:
+  /// A pair that conducts.
+  struct Flow {
+    std::int32_t pair;
+    double conductance;  ///< [W/K]
+  };
+
+  explicit HeatEffect(const RunState& s)
+      : state_(s),
+        friction_heat_(s.scene.source().settings.heat->friction_heat),
+        conductance_(s.scene.source()),
+        seen_(most_threads()),
+        pending_(s.scene.source().walls.size(), 0.0),
+        to_bodies_(pending_.size()) {
+    for (const Wall& wall : s.scene.source().walls) has_flux_ = has_flux_ || wall.heat.kind == WallHeatKind::flux;
+    for (std::size_t b = 0; b < s.scene.source().bodies.size(); ++b) {
+      if (s.scene.source().bodies.heat_source[b] != 0)
+        source_of_id_.push_back({s.scene.source().bodies.id[b], s.scene.source().bodies.heat_source[b]});
+    }
+    std::sort(source_of_id_.begin(), source_of_id_.end());
+  }
+
+  void start(RunState& s) override;
+  void on_rebuild(const StepParts& parts) override;
+  void body_leaves(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kRemoved]); }
+  void body_joins(const RunState& s, std::size_t row) override { add_heat_of(s.particles, row, totals_[kArrived]); }
+  void before_forces(RunState& s) override;
+  PairObserver* observer() override { return this; }
+  bool observes(const PairView&) const override { return true; }
+  bool needs_outputs() const override { return false; }
+  void observe(const PairContact& contact) override {
+    const auto pair = static_cast<std::int32_t>(&contact.pair - state_.pairs.pairs().data());
+    seen_[contact.thread].push_back({pair, conductance_.of(contact, state_.particles)});
+  }
+  void end_step(const StepParts& parts) override;
+  void on_step_change(RunState& s, double difference) override;
+  void falls_asleep(RunState& s, std::size_t row) override;
+
+  EffectRecord record(const RunState& s) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  void add_log_columns(const RunState& s, const Energies&, std::vector<Column>& columns) const override;
+  std::vector<PlanLine> plan(const RunState& s) const override;
+
+ private:
+  double capacity(const ParticleSet& p, std::size_t row) const {
+    return p.mass[row] * state_.scene.source().materials[static_cast<std::size_t>(p.material[row])].heat_capacity;
+  }
+  void add_heat_of(const ParticleSet& p, std::size_t row, ExactSum& sum) const {
+    const double mc = capacity(p, row);
+    sum.add(mc * p.temperature[row]);
+    sum.add(mc * p.temperature_remainder[row]);
+  }
+  const Wall& wall_of(const BodyPair& pair) const { return state_.scene.source().walls[wall_index(pair)]; }
+  std::size_t wall_index(const BodyPair& pair) const {
+    return static_cast<std::size_t>(state_.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
+  }
+
+  void collect_flows();
+  void add_resting(const StepParts& parts);
+  void review_conduction(const RunState& s);
+  void check_step(const StepParts& parts) const;
+  void add_made(const RunState& s, double share);
+  void add_loss(const BodyPair& pair, std::size_t owned, double loss);
+  void add_flux(const RunState& s);
+  void add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const;
+  void advance(const StepParts& parts);
+  void heat_body(ParticleSet& p, std::size_t row, double heat);
+
+  const RunState& state_;
+  bool friction_heat_, has_flux_ = false;
+  ContactConductance conductance_;
+  std::vector<std::pair<std::int64_t, double>> source_of_id_;  // [W], by id
+
+  std::vector<std::vector<Flow>> seen_;  // contacts whose forces were computed, by thread
+  std::vector<Flow> flows_;              // of this step, in the order of pairs
+  std::vector<double> at_rest_;          // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
+  std::vector<double> stored_;           // of each pair: in its springs before the step [J]
+  std::vector<double> source_;           // of each owned row [W]
+  std::vector<double> given_;            // the same: what it gets in the step whatever temperatures are [J]
+  std::vector<double> stage_, power_first_, power_;
+
+  // present, of the bodies of this rank
+  double critical_step_ = std::numeric_limits<double>::infinity();  // [s]
+  std::int64_t critical_body_ = -1;
+  double biot_ = 0;
+
+  std::array<ExactSum, kHeatTotals> totals_;  // of this rank
+  std::vector<double> pending_;               // of each wall with a flux: given by it and not yet taken by a body [J]
+  std::vector<ExactSum> to_bodies_;           // of each wall: what it has given to bodies [J]
+  std::vector<ExactSum> flow_now_ = std::vector<ExactSum>(to_bodies_.size());  // the same in the last step, of this rank [W]
+};
+
+}  // namespace scree

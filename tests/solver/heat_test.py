@@ -1,0 +1,391 @@
+#!/usr/bin/env python3
+"""Heat as a user meets it: ranks, restarts, sleep, bodies that come and go, walls, messages. usage: heat_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import csv
+import glob
+import math
+import os
+import shutil
+import subprocess
+import sys
+
+import h5py
+import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from tool_runs import BIN, ENV, column, main, make_killed, outcome, pack, physics_of_log, run  # noqa: E402
+
+# rocks and balls of two materials in a box that is hot below; what lies asks nothing of the walls at the sides
+HEAP = """
+seed = 3
+[time]
+duration = {duration}
+{time}
+[heat]
+friction_heat = {friction}
+{heat}
+[contact]
+margin = 2e-3
+[materials.stone]
+density = 2500
+heat_capacity = 0.5
+conductivity = 2
+real_young = "50 GPa"
+poisson = 0.2
+[materials.steel]
+density = 7800
+heat_capacity = 0.3
+conductivity = 40
+[[pairs]]
+between = ["stone", "stone"]
+stiffness = 1e4
+restitution = 0.3
+friction = 0.5
+rolling_friction = 0.05
+contact_conductance = 2e4
+[[pairs]]
+between = ["stone", "steel"]
+stiffness = 1e4
+restitution = 0.3
+friction = 0.5
+[[pairs]]
+between = ["steel", "steel"]
+stiffness = 1e4
+restitution = 0.3
+friction = 0.5
+[shapes.ball]
+sphere = {{ radius = 0.01 }}
+[shapes.rock]
+file = "rock.shape.h5"
+[output]
+every = {every}
+checkpoint = {checkpoint}
+[[walls]]
+name = "side"
+shape = {{ box_inside = [[-0.04, -0.04, -1], [0.04, 0.04, 1]] }}
+material = "steel"
+heat_flux = "0.2 W"
+[[walls]]
+name = "floor"
+shape = {{ plane = {{ point = [0, 0, 0], normal = [0, 0, 1] }} }}
+material = "steel"
+temperature = "60 degC"
+[[walls]]
+name = "lid"
+shape = {{ plane = {{ point = [0, 0, 0.16], normal = [0, 0, -1] }} }}
+material = "steel"
+exchange = {{ coefficient = 1000, temperature = 280 }}
+{more}
+"""
+POPULATION = """
+[[populations]]
+shapes = { ball = 1, rock = 2 }
+material = "stone"
+count = 30
+region = { box = [[-0.038, -0.038, 0.002], [0.038, 0.038, 0.158]] }
+velocity = [0.3, 0.2, -0.6]
+temperature = "20 degC"
+[[bodies]]
+shape = "ball"
+material = "steel"
+position = [0, 0, 0.0101]
+fixed = true
+temperature = 300
+heat_source = 0.1
+"""
+
+
+def heap(duration=0.048, time="", friction="true", heat="", every=None, checkpoint=0.016, more=POPULATION):
+    if not os.path.exists("rock.shape.h5"):
+        subprocess.run([os.path.join(BIN, "scree-mesher"), "generate", "box", "--size", "20 mm, 15 mm, 12 mm", "-o", "rock.shape.h5"], check=True, env=ENV,
+                       capture_output=True)
+    return HEAP.format(duration=duration, time=time, friction=friction, heat=heat, every=every or duration / 6, checkpoint=checkpoint, more=more)
+
+
+def frame(folder, number):
+    with h5py.File(sorted(glob.glob(f"{folder}/frame_*.hdf"))[number]) as file:
+        data = file["VTKHDF/PointData"]
+        order = data["id"][()].argsort()
+        return {name: data[name][()][order] for name in ("id", "temperature", "material", "scale", "shape")}
+
+
+def balance_closes(folder):
+    """What bodies hold is what came in less what went, to the rounding of what they hold."""
+    balance, heat = column(folder, "heat_balance"), column(folder, "heat")
+    assert len(balance) > 3 and abs(balance - balance[0]).max() <= 1e-12 * heat.max(), (balance, heat)
+
+
+def the_same_bits_on_any_ranks_and_threads_and_after_a_restart():
+    pack("heap", heap())
+    kept = None
+    for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1)):
+        folder = f"r{ranks}t{threads}.run"
+        run(ranks, "heap.scene.h5", "-o", folder, threads=threads)
+        found = physics_of_log(folder), [frame(folder, n)["temperature"].tolist() for n in (1, -1)]
+        kept = kept or found
+        assert found == kept, f"{folder}: another run than on one rank"
+    balance_closes("r1t1.run")
+    t = frame("r1t1.run", -1)["temperature"]
+    assert numpy.ptp(t) > 0.1 and column("r1t1.run", "heat_made")[-1] > 0 and column("r1t1.run", "heat_made_in_walls")[-1] > 0, t
+    made = column("r1t1.run", "heat_made") + column("r1t1.run", "heat_made_in_walls")
+    dissipated = column("r1t1.run", "dissipated")
+    assert abs(made - dissipated).max() <= 1e-12 * dissipated.max(), (made, dissipated)
+    folder = "killed.run"
+    shutil.copytree("r3t1.run", folder)
+    make_killed(folder, keep=1)
+    run(2, "heap.scene.h5", "-o", folder, "--restart", "latest")
+    assert (physics_of_log(folder), [frame(folder, n)["temperature"].tolist() for n in (1, -1)]) == kept, "another run than without a kill"
+    said = run(2, "verify", "r1t1.run").stdout
+    assert "the same, bit for bit" in said, said
+
+
+def verify_finds_another_temperature():
+    pack("heap", heap(duration=0.02, checkpoint=0.01))
+    run(1, "heap.scene.h5", "-o", "heap.run")
+    path = sorted(glob.glob("heap.run/frame_*.hdf"))[-1]
+    with h5py.File(path, "r+") as file:
+        file["VTKHDF/PointData/temperature"][0] *= 1 + 1e-15
+    result = subprocess.run([os.path.join(BIN, "scree-solver"), "verify", "heap.run", "--from", "start"], env=ENV, capture_output=True, text=True)
+    assert result.returncode != 0 and "temperature" in result.stdout + result.stderr, result
+
+
+def a_scene_without_heat_has_nothing_of_it():
+    text = heap(duration=0.04, checkpoint=0.04)
+    without = text[:text.index("[heat]")] + text[text.index("[contact]"):]
+    for key in ("heat_capacity", "conductivity", "real_young", "contact_conductance", "heat_flux", "temperature", "exchange", "heat_source"):
+        without = "\n".join(line for line in without.splitlines() if not line.startswith(key))
+    pack("without", without)
+    said = run(1, "without.scene.h5", "-o", "without.run").stdout
+    assert "heat" not in open("without.run/log.csv").read().splitlines()[0], said
+    with h5py.File(sorted(glob.glob("without.run/frame_*.hdf"))[-1]) as file:
+        assert "temperature" not in file["VTKHDF/PointData"]
+    with h5py.File(sorted(glob.glob("without.run/checkpoint_*.h5"))[-1]) as file:
+        assert not [name for name in file["bodies"] if "temperature" in name] and "heat" not in file
+    pack("with", text.replace("friction_heat = true", "friction_heat = false"))
+    run(1, "with.scene.h5", "-o", "with.run")
+    # heat changes nothing that moves
+    for name in ("kinetic_translational", "potential", "dissipated", "critical_step"):
+        assert (column("with.run", name) == column("without.run", name)).all(), name
+
+
+def bodies_asleep_go_on_conducting():
+    """Two balls on each other on a floor fall asleep, on any ranks; temperatures go on as those of the same balls awake."""
+    more = """
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [0, 0, 0.0100]
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [0, 0, 0.0299]
+lock_rotation = true
+"""
+    hashes = {}
+    for sleeps in ("true", "false"):
+        text = heap(duration=0.8, time=f"sleep = {sleeps}\nstep = 4e-4", friction="false", heat="temperature = 300", every=0.04, checkpoint=0.2, more=more)
+        text = text.replace("heat_capacity = 0.5", "heat_capacity = 5").replace("margin = 2e-3", "margin = 0").replace("stiffness = 1e4", "stiffness = 2e3")
+        pack(f"sleep_{sleeps}", text)
+        for ranks in (1, 2):
+            folder = f"{sleeps}{ranks}.run"
+            run(ranks, f"sleep_{sleeps}.scene.h5", "-o", folder)
+            hashes.setdefault(sleeps, set()).add(outcome(folder)["state_hash"])
+        assert len(hashes[sleeps]) == 1, hashes
+    asleep = column("true1.run", "asleep")
+    assert asleep[-1] == 2 and (asleep == 2).sum() > 5, asleep
+    first = math.ceil(column("true1.run", "time")[(asleep == 2).argmax()] / 0.04)   # frame by which both sleep
+    t = [[frame(f"{sleeps}1.run", n)["temperature"] for n in (first, -1)] for sleeps in ("true", "false")]
+    warmed = t[1][1] - t[1][0]
+    assert abs(warmed).max() > 0.5, t
+    # of a body asleep the contact stays exactly, of one awake it moves by less than the tolerance of falling asleep
+    assert abs((t[0][1] - t[0][0]) / warmed - 1).max() < 2e-3, t
+    balance_closes("true1.run")
+    shutil.copytree("true2.run", "killed.run")
+    make_killed("killed.run", keep=2)
+    run(1, "sleep_true.scene.h5", "-o", "killed.run", "--restart", "latest")
+    assert outcome("killed.run")["state_hash"] in hashes["true"]
+
+
+def made_is_dissipated(folder):
+    made = column(folder, "heat_made") + column(folder, "heat_made_in_walls")
+    dissipated = column(folder, "dissipated")
+    assert dissipated[-1] > 0 and abs(made - dissipated).max() <= 1e-12 * dissipated.max(), (made, dissipated)
+
+
+def what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep():
+    fast = POPULATION.replace("velocity = [0.3, 0.2, -0.6]", "velocity = [0.9, 0.6, -1.8]")
+    pack("halved", heap(duration=0.24, checkpoint=0.12, time='step = 8e-4\nstep_control = "quantised"', more=fast))
+    for ranks in (1, 2):
+        run(ranks, "halved.scene.h5", "-o", f"halved{ranks}.run")
+        made_is_dissipated(f"halved{ranks}.run")
+    with open("halved1.run/steps.csv", encoding="utf-8") as file:
+        changes = [line for line in file if not line.startswith("#")]
+    assert len(changes) > 3, f"the step must have changed: {changes}"
+    assert outcome("halved1.run")["state_hash"] == outcome("halved2.run")["state_hash"]
+    # three balls roll into each other on a floor and fall asleep
+    balls = "".join(f"""
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [{x}, 0, 0.0101]
+velocity = [{v}, 0, 0]
+""" for x, v in ((-0.025, 0.05), (0, 0), (0.025, -0.04)))
+    text = heap(duration=1.2, time="sleep = true", heat="temperature = 300", every=0.02, checkpoint=0.6, more=balls)
+    text = text.replace("margin = 2e-3", "margin = 0").replace("stiffness = 1e4", "stiffness = 2e3").replace('friction = 0.5\n[[pairs]]', 'friction = 0.5\nrolling_friction = 0.05\n[[pairs]]')
+    text = text.replace("heat_capacity = 0.5", "heat_capacity = 5")
+    pack("tired", text)
+    states = set()
+    for ranks in (1, 3):
+        run(ranks, "tired.scene.h5", "-o", f"tired{ranks}.run")
+        made_is_dissipated(f"tired{ranks}.run")
+        balance_closes(f"tired{ranks}.run")
+        states.add(outcome(f"tired{ranks}.run")["state_hash"])
+    assert column("tired1.run", "asleep")[-1] == 3 and len(states) == 1, (column("tired1.run", "asleep"), states)
+
+
+def bodies_that_come_and_go_carry_their_heat():
+    more = """
+[[inlets]]
+name = "feed"
+shapes = { ball = 1, rock = 1 }
+material = "stone"
+number_rate = 200
+temperature = "100 degC"
+region = { box = [[-0.038, -0.038, 0.1], [0.038, 0.038, 0.158]] }
+[[outlets]]
+name = "drain"
+region = { box = [[-0.04, -0.04, -0.1], [0.04, 0.0, 0.03]] }
+to = "feed"
+"""
+    pack("flow", heap(duration=0.12, more=POPULATION + more))
+    states = set()
+    for ranks in (1, 3):
+        run(ranks, "flow.scene.h5", "-o", f"flow{ranks}.run")
+        states.add(outcome(f"flow{ranks}.run")["state_hash"])
+        balance_closes(f"flow{ranks}.run")
+    assert len(states) == 1, states
+    assert column("flow1.run", "heat_arrived")[-1] > 0 and column("flow1.run", "heat_removed")[-1] > 0
+    assert frame("flow1.run", -1)["temperature"].max() > 350, "what comes in is hot"
+    pack("fed", heap(duration=0.06, more=POPULATION + more[:more.index("[[outlets]]")]))
+    run(1, "fed.scene.h5", "-o", "fed.run")
+    brought = column("fed.run", "inserted_mass")[-1] * 0.5 * 373.15
+    assert brought > 0 and abs(column("fed.run", "heat_arrived")[-1] / brought - 1) < 1e-12, (brought, column("fed.run", "heat_arrived"))
+
+
+def a_wall_keeps_what_it_cannot_give():
+    """No body touches it before one falls on it: then that body gets all."""
+    text = heap(duration=0.1, time="step = 1e-4", friction="false", heat="temperature = 300", every=0.01, checkpoint=0.05, more="""
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [0, 0, 0.03]
+""")
+    text = text.replace('temperature = "60 degC"', 'heat_flux = "0.3 W"').replace("margin = 2e-3", "margin = 0")
+    pack("kept", text)
+    run(1, "kept.scene.h5", "-o", "kept.run")
+    time, kept, given = (column("kept.run", name) for name in ("time", "wall2_heat_kept", "wall2_heat"))
+    assert abs(kept + given - 0.3 * time).max() <= 1e-12 * 0.3 * time[-1], (kept, given)
+    assert kept.max() > 0.3 * 0.05 and given[-1] > 0.3 * 0.05, (kept, given)
+    balance_closes("kept.run")
+    heat = 2500 * 4 / 3 * math.pi * 0.01**3 * 0.5 * frame("kept.run", -1)["temperature"][0]
+    assert abs(column("kept.run", "heat")[-1] / heat - 1) < 1e-13, "mass times heat capacity times temperature"
+    shutil.copytree("kept.run", "killed.run")
+    make_killed("killed.run", keep=1)
+    assert kept[column("kept.run", "time") <= 0.051][-1] > 0, "the wall must keep some at the restart"
+    run(1, "kept.scene.h5", "-o", "killed.run", "--restart", "latest")
+    assert outcome("killed.run")["state_hash"] == outcome("kept.run")["state_hash"]
+
+
+def a_step_beyond_that_of_conduction_ends_the_run():
+    pack("fast", heap(duration=0.05).replace("heat_capacity = 0.5", "heat_capacity = 1e-8"))
+    said = run(1, "fast.scene.h5", "-o", "fast.run", expect=5).stderr
+    for word in ("conducts so well", "step of at most", "heat_capacity", "time.step"):
+        assert word in said, said
+
+
+def a_run_starts_with_the_temperatures_of_another():
+    pack("first", heap(duration=0.02, checkpoint=0.01))
+    run(1, "first.scene.h5", "-o", "first.run")
+    pack("second", heap(duration=0.0, checkpoint=0.05, every=0.1, more='[start]\nrun = "first.run"\n'))
+    with h5py.File("second.scene.h5") as file:
+        begins = file["bodies/temperature"][()][file["bodies/id"][()].argsort()]
+    assert (begins == frame("first.run", -1)["temperature"]).all()
+
+
+def tables_statistics_colours_report_and_python_know_temperatures():
+    pack("post", heap(duration=0.05, checkpoint=0.05))
+    run(1, "post.scene.h5", "-o", "post.run")
+
+    def post(*words, expect=0):
+        result = subprocess.run([os.path.join(BIN, "scree-post"), *words], env=ENV, capture_output=True, text=True, timeout=200)
+        assert result.returncode == expect, f"{words}: {result.stdout}{result.stderr}"
+        return result.stdout + result.stderr
+
+    post("bodies", "post.run", "-o", "post.csv")
+    with open("post.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    last = frame("post.run", -1)
+    time = max(float(row["time"]) for row in rows)
+    told = {int(row["id"]): float(row["temperature"]) for row in rows if float(row["time"]) == time}
+    assert told == dict(zip(last["id"].tolist(), last["temperature"].tolist()))
+    post("statistics", "post.run", "-o", "post.statistics", "--no-charts")
+    with open("post.statistics/series.csv", encoding="utf-8", newline="") as file:
+        series = [row for row in csv.DictReader(line for line in file if not line.startswith("#")) if row["group"] == "all"]
+    sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "post", "python"))
+    import scree
+    loaded = scree.open("post.run")
+    assert (loaded.frames[-1].bodies.temperature == last["temperature"]).all()
+    measured = loaded.frames[-1].measures()
+    for name in ("temperature", "temperature_spread"):
+        assert abs(measured[name] / float(series[-1][name]) - 1) < 1e-8, (name, measured[name], series[-1][name])   # nine digits in the table
+    bodies = loaded.frames[-1].bodies.particles()
+    assert abs(measured["temperature"] / (bodies.mass @ bodies.temperature / bodies.mass.sum()) - 1) < 1e-12 and measured["temperature_spread"] > 0
+    assert "temperature" not in bodies.fields() and loaded.scene.has_heat and loaded.scene.materials["stone"].heat_capacity == 0.5
+    post("report", "post.run", "-o", "post.html")
+    with open("post.html", encoding="utf-8") as file:
+        html = file.read()
+    for words in ("Heat flow of walls", "From wall &#39;floor&#39;", "Largest Biot number"):
+        assert words in html or words.replace("&#39;", "'") in html, words
+
+
+def mistakes_are_told_with_their_line():
+    base = heap()
+    no_heat = base[:base.index("[heat]")] + base[base.index("[contact]"):]
+    wrong = [
+        ("no temperature", base.replace('temperature = "20 degC"', ""), 2, ["temperature", "is missing", "293 K", "[heat]"]),
+        ("no capacity", base.replace("heat_capacity = 0.5", ""), 2, ["stone", "needs heat_capacity", "J/(kg K)"]),
+        ("no conductivity", base.replace("conductivity = 2\n", ""), 2, ["stone", "needs conductivity", "W/(m K)"]),
+        ("no heat", no_heat, 2, ["heat_capacity", "is for scenes with heat", "add a table [heat]"]),
+        ("two of a wall", base.replace('temperature = "60 degC"', 'temperature = "60 degC"\nheat_flux = 1'), 2, ["heat_flux", "temperature", "give one"]),
+        ("unit", base.replace('heat_flux = "0.2 W"', 'heat_flux = "0.2 J"'), 2, ["an energy", "a power", "5 W"]),
+        ("below zero", base.replace("20 degC", "-300 degC"), 2, ["temperature", "> 0"]),
+        ("unknown", base.replace("friction_heat", "frictionheat"), 2, ["frictionheat", "friction_heat"]),
+        ("exchange", base.replace("coefficient = 1000, ", ""), 2, ["exchange", "coefficient"]),
+    ]
+    for name, text, code, words in wrong:
+        assert text != base, name
+        said = pack("wrong", text, expect=code)
+        assert [word for word in said.split() if word.startswith("wrong.toml")], f"{name}: no place in {said}"
+        for word in words:
+            assert word in said, f"{name}: no '{word}' in {said}"
+    pack("good", base)
+
+
+def the_plan_tells_what_conducts():
+    touching = """
+[[bodies]]
+shape = "ball"
+material = "steel"
+position = [0.02, 0.02, 0.00999]
+temperature = 300
+"""
+    pack("plan", heap(more=POPULATION.replace("0.038, 0.002]", "0.038, 0.05]").replace("-0.038, 0.002]", "-0.038, 0.05]") + touching).replace("[contact]", "[contact]\nrelax = false"))
+    said = run(1, "plan.scene.h5", "--plan").stdout
+    for word in ("one temperature a body", "'floor' has 333.1 K", "'side' gives 200 mW", "'lid' exchanges", "with real_young", "critical step", "Biot"):
+        assert word in said, f"no '{word}' in {said}"
+
+
+main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, verify_finds_another_temperature, a_scene_without_heat_has_nothing_of_it,
+      bodies_asleep_go_on_conducting, what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep, bodies_that_come_and_go_carry_their_heat, a_wall_keeps_what_it_cannot_give,
+      a_step_beyond_that_of_conduction_ends_the_run, a_run_starts_with_the_temperatures_of_another,
+      tables_statistics_colours_report_and_python_know_temperatures, mistakes_are_told_with_their_line,
+      the_plan_tells_what_conducts])
