@@ -366,9 +366,12 @@ std::vector<NamedChart> charts_of(const Statistics& s) {
             {{"fabric_anisotropy", "contact normals"}, {"force_fabric_anisotropy", "normal forces"}}, true);
   over_time("granular_temperature", "Granular temperature", "granular temperature [m²/s²]", "", {{"granular_temperature", "all particles"}},
             true);
-  over_time("temperature", "Temperature", "temperature", "K", {{"temperature", "mean of the bodies"}}, false);
-  over_time("temperature_spread", "Spread of temperature", "standard deviation over bodies", "K", {{"temperature_spread", "all particles"}},
-            true);
+  const bool has_heat = std::any_of(s.quantities.begin(), s.quantities.end(), [](const auto& q) { return q.name == "temperature"; });
+  if (has_heat) {
+    over_time("temperature", "Temperature", "temperature", "K", {{"temperature", "mean of the bodies"}}, false);
+    over_time("temperature_spread", "Spread of temperature", "standard deviation over bodies", "K",
+              {{"temperature_spread", "all particles"}}, true);
+  }
   over_time("force_chains", "Particles in force chains", "share of the particles", "", {{"force_chain_share", "in chains"}}, true);
   over_time("mixing_index", "Mixing index (Lacey)", "0 apart, 1 at random", "", {{"mixing_index", "mixing index"}}, true);
   over_time("size_segregation", "Segregation by size", "1 apart, 0 at random", "",
