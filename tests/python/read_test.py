@@ -36,6 +36,20 @@ class ReadTest(InFolder):
         self.assertEqual(run.walls["plate"].kind, "mesh")
         self.assertEqual((run.walls["box"].material, run.walls["box"].facts["upper"][2]), ("steel", 0.08))
 
+    def test_temperatures_are_those_of_scenes_with_heat(self):
+        self.assertFalse(self.run_.scene.has_heat)
+        with self.assertRaisesRegex(scree.InputError, "no heat; add a table"):
+            _ = self.run_.frames[0].bodies.temperature
+        warm = CASE.replace('[contact]', '[heat]\n[contact]').replace('"60 ms"', '"2 ms"').replace("count = 24", 'count = 6\ntemperature = "20 degC"')
+        warm = warm.replace("density = 1500", 'density = 1500\nheat_capacity = 900\nconductivity = "2 W/(m K)"\nreal_young = "30 GPa"')
+        warm = warm.replace('density = "7.8 g/cm^3"', 'density = "7.8 g/cm^3"\nheat_capacity = 460\nconductivity = 42').replace("fixed = true", "fixed = true\ntemperature = 350")
+        scene = scree.pack(scree.Case.from_text(warm), self.path("warm.scene.h5"), progress=False)
+        run = scree.solve(scene, threads=1, progress=False)
+        chalk = run.materials["chalk"]
+        self.assertEqual((run.scene.has_heat, chalk.heat_capacity, chalk.conductivity, chalk.real_young), (True, 900, 2, 30e9))
+        first = run.frames[0].bodies
+        self.assertEqual(sorted(set(first.temperature)), [293.15, 350])
+
     def test_frames_are_found_by_place_number_and_time(self):
         frames = self.run_.frames
         self.assertEqual(len(frames), 5)  # the last at the end of the step that reaches the duration
