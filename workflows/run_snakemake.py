@@ -24,6 +24,7 @@ import sys
 import termios
 
 COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
+TIME = re.compile(r"^\[\w{3} \w{3} +\d+ [\d:]{8} \d{4}\]")   # of Snakemake, which a step may write behind before the line ends
 TOOL_ERROR = re.compile(r"\S+: (?:internal )?error: .+")               # as all tools of Scree and argparse say it (core/base/error.hpp)
 PROGRAM = re.compile(r"(?!\S+: (?:note|warning):?)[^\s:\[]+: \S.*")    # as most programs do: "cp: cannot ...", the end of a traceback
 EXCEPTION = re.compile(r"\w*(?:Error|Exception)(?: in .*)?:")          # of Snakemake or of a Snakefile; the message is in the lines below
@@ -47,7 +48,7 @@ class LastErrors:
         self.is_interrupted = False
 
     def line(self, text):
-        text = COLOURS.sub("", text.split("\r")[-1]).rstrip()
+        text = TIME.sub("", COLOURS.sub("", text.split("\r")[-1]).rstrip())
         job = re.fullmatch(r" +jobid: (\d+)", text)
         if self.step and job:
             self.failed[job[1]] = self.message(self.step)
