@@ -33,6 +33,9 @@ class AloneAtStart {
           std::pair{"OMPI_MCA_orte_create_session_dirs", "0"}}) {
       if (std::getenv(name) == nullptr && setenv(name, value, 0) == 0) set_.push_back(name);
     }
+    // Without a folder of a session the shared file pointers of Open MPI that live in shared memory print an error for each file that is
+    // opened, and are left out. Nothing here uses shared file pointers. They are chosen as files are opened: the setting stays.
+    setenv("OMPI_MCA_sharedfp", "^sm", 0);
   }
   ~AloneAtStart() {
     for (const char* name : set_) unsetenv(name);
@@ -50,9 +53,6 @@ Session::Session(int& argc, char**& argv) {
   // Open MPI asks hwloc for the hardware, whose plugin for GL knocks at the X displays :0 to :9: where one that is not ours wants a key,
   // the X library prints "Authorization required" for each. Nothing here needs to know of displays. What the user has set stays.
   setenv("HWLOC_COMPONENTS", "-gl", 0);
-  // Without a folder of a session the shared file pointers of Open MPI that live in shared memory print an error for each file that is
-  // opened, and are left out. Nothing here uses shared file pointers. They are chosen as files are opened: the setting stays.
-  if (!has_launcher()) setenv("OMPI_MCA_sharedfp", "^sm", 0);
   const AloneAtStart settings;
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);

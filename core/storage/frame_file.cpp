@@ -22,9 +22,7 @@ constexpr std::int64_t kPieceOverhead = 4096;  // [B] piece tables and alignment
 template <class Table>
 void check_sizes(const Table& rows) {
   Table::visit([&](const auto& c) {
-    if constexpr (std::is_same_v<Table, FrameBodies>) {
-      if (!rows.has(c)) return;
-    }
+    if (!has_column(rows, c)) return;
     SCREE_ASSERT((rows.*c.column).size() == rows.size(), "{}: {} rows of {}", c.path, (rows.*c.column).size(), rows.size());
   });
 }
@@ -40,9 +38,7 @@ std::int64_t bytes_per_row() {
 template <class Table>
 void write_columns(CollectiveFile& file, const h5::Group& group, std::string_view name, const Table& table, const Rows& rows) {
   Table::visit([&](const auto& c) {
-    if constexpr (std::is_same_v<Table, FrameBodies>) {
-      if (!table.has(c)) return;
-    }
+    if (!has_column(table, c)) return;
     if (c.group() == name) file.write(group, std::string(c.dataset()), table.*c.column, rows, c.unit);
   });
 }

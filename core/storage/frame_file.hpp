@@ -57,6 +57,15 @@ struct FrameBodies {
   }
 };
 
+/// Whether files of these rows have a column: all of a table that has nothing to say of it.
+template <class Table, class Column>
+bool has_column(const Table& table, const Column& column) {
+  if constexpr (requires { table.has(column); })
+    return table.has(column);
+  else
+    return true;
+}
+
 /// Contacts of one frame, in any order when written, by (a, b, feature) when read.
 struct FrameContacts {
   SCREE_FRAME_CONTACTS(SCREE_FRAME_MEMBER)

@@ -30,6 +30,8 @@ struct Material {
   double heat_capacity = 0;  ///< [J/(kg K)]; 0: not given, of walls alone
   double conductivity = 0;   ///< [W/(m K)]; 0: not given, of walls alone
   double real_young = 0;     ///< [Pa] of the real material: what contacts conduct through follows from it; 0 when not given
+  /// Whether it has what the bodies of a scene with heat need.
+  bool has_heat() const { return heat_capacity > 0 && conductivity > 0; }
 };
 
 /// How two materials meet. Only pairs that can occur are present.
@@ -116,6 +118,7 @@ struct WallHeat {
   double temperature = 0;  ///< isothermal: of the wall; exchange: outside [K]
   double flux = 0;         ///< flux: given to the bodies that touch, all together [W]; below 0: taken
   double coefficient = 0;  ///< exchange: from outside to the contact, for each area of contact [W/(m^2 K)]
+  bool has_temperature() const { return kind == WallHeatKind::isothermal || kind == WallHeatKind::exchange; }
 };
 
 /// A wall: fixed or driven, with the same contact law as a body.
@@ -208,6 +211,9 @@ struct Fluid {
   Vec3 velocity;         ///< [m/s], the same everywhere
   Drag drag = Drag::haider_levenspiel;
 };
+
+/// Biot number up to which one temperature stands for a body: errors of the flow are about this share.
+inline constexpr double kLargestBiot = 0.1;
 
 /// Bodies have temperatures, and contacts conduct.
 struct Heat {

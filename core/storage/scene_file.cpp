@@ -104,8 +104,7 @@ BodyTable read_bodies(const h5::Group& group, const Scene& scene) {
       if (!(b.temperature[i] > 0) || !std::isfinite(b.temperature[i]))
         throw wrong(fmt::format("temperature {:g} found, a value > 0 [K] expected", b.temperature[i]));
       if (!std::isfinite(b.heat_source[i])) throw wrong("the heat source is not a finite number");
-      const Material& material = scene.materials[static_cast<std::size_t>(b.material[i])];
-      if (!(material.heat_capacity > 0) || !(material.conductivity > 0))
+      if (!scene.materials[static_cast<std::size_t>(b.material[i])].has_heat())
         throw wrong("its material lacks heat_capacity or conductivity, which a scene with heat needs");
     }
     const double q = norm(b.orientation[i]);

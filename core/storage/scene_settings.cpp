@@ -261,8 +261,7 @@ Wall read_wall(const JsonObject& o, std::size_t material_count, const std::vecto
   if (o.has("heat")) {  // added later
     const JsonObject heat = o.object("heat");
     wall.heat.kind = heat.word<WallHeatKind>("kind");
-    const bool has_temperature = wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange;
-    wall.heat.temperature = has_temperature ? heat.positive("temperature") : heat.at_least("temperature", 0);
+    wall.heat.temperature = wall.heat.has_temperature() ? heat.positive("temperature") : heat.at_least("temperature", 0);
     wall.heat.flux = heat.number("flux");
     wall.heat.coefficient = wall.heat.kind == WallHeatKind::exchange ? heat.positive("coefficient") : heat.at_least("coefficient", 0);
   }
@@ -336,7 +335,7 @@ Inlet read_inlet(const JsonObject& o, const Scene& scene) {
   if (o.has("temperature")) inlet.temperature = o.positive("temperature");  // added later
   if (scene.settings.heat) {
     const Material& material = scene.materials[static_cast<std::size_t>(inlet.material)];
-    if (!(inlet.temperature > 0) || !(material.heat_capacity > 0) || !(material.conductivity > 0))
+    if (!(inlet.temperature > 0) || !material.has_heat())
       throw InputError(
           "{}: a scene with heat needs a temperature, and a heat_capacity and a conductivity of the material \"{}\"; the file is damaged",
           o.where(), material.name);

@@ -56,11 +56,8 @@ void shape_section(CaseKeys& k, CaseShape& s) {
 void material_section(CaseKeys& k, const Case& c, Material& m) {
   material_keys(k, m);
   material_heat_keys(k, m);
+  refuse_without_heat(k, c, {"heat_capacity", "conductivity", "real_young"});
   const CaseTable* t = k.table();
-  for (const char* key : {"heat_capacity", "conductivity", "real_young"}) {
-    if (t != nullptr && !c.settings.heat && t->has(key))
-      throw t->error(key, fmt::format("is for scenes with heat; add a table [heat], or leave {} out", key));
-  }
   if (t != nullptr && !(m.poisson > -1 && m.poisson <= 0.5)) throw t->error("poisson", "expected a value above -1 and at most 0.5");
 }
 
@@ -166,8 +163,7 @@ void pair_section(CaseKeys& k, Case& c) {
   pair_keys(k, p.pair, c.settings);
   pair_heat_keys(k, p.pair);
   if (t == nullptr) return;
-  if (!c.settings.heat && t->has("contact_conductance"))
-    throw t->error("contact_conductance", "is for scenes with heat; add a table [heat], or leave contact_conductance out");
+  refuse_without_heat(k, c, {"contact_conductance"});
   check_pair(*t, p.pair, c);
   p.friction_given = t->has("friction");
   c.pairs.push_back(p);

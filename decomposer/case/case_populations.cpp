@@ -156,15 +156,19 @@ void orientation_key(CaseKeys& k, BodyOrientation& o) {
   if (k.when(is_table)) k.section({"orientation"}, [&](CaseKeys& below) { alignment_section(below, o); });
 }
 
+void refuse_without_heat(const CaseKeys& k, const Case& c, std::initializer_list<const char*> keys) {
+  const CaseTable* t = k.table();
+  if (t == nullptr || c.settings.heat) return;
+  for (const char* key : keys)
+    if (t->has(key)) throw t->error(key, fmt::format("is for scenes with heat; add a table [heat], or leave {} out", key));
+}
+
 void temperature_key(CaseKeys& k, const Case& c, double& temperature) {
   k.number({"temperature", "that of `[heat]`", "with `[heat]`: of each body at its start"}, temperature, Dimension::temperature,
            Range::positive);
+  refuse_without_heat(k, c, {"temperature"});
   const CaseTable* t = k.table();
-  if (t == nullptr) return;
-  if (!c.settings.heat) {
-    if (t->has("temperature")) throw t->error("temperature", "is for scenes with heat; add a table [heat], or leave temperature out");
-    return;
-  }
+  if (t == nullptr || !c.settings.heat) return;
   if (!(temperature > 0)) temperature = c.settings.heat->temperature;
   if (!(temperature > 0))
     throw t->error("temperature", "is missing; expected a temperature such as \"293 K\" here, or one for all bodies in [heat]");
@@ -173,9 +177,7 @@ void temperature_key(CaseKeys& k, const Case& c, double& temperature) {
 void heat_source_key(CaseKeys& k, const Case& c, double& power) {
   k.number({"heat_source", "", "power given to each body at all times, with `[heat]`; below 0: taken from it"}, power, Dimension::power,
            Range::any);
-  const CaseTable* t = k.table();
-  if (t != nullptr && !c.settings.heat && t->has("heat_source"))
-    throw t->error("heat_source", "is for scenes with heat; add a table [heat], or leave heat_source out");
+  refuse_without_heat(k, c, {"heat_source"});
 }
 
 void region_section(CaseKeys& k, const Case& c, CaseRegion& region) {

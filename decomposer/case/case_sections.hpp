@@ -2,6 +2,8 @@
 // they are read.
 #pragma once
 
+#include <initializer_list>
+
 #include "decomposer/case/case.hpp"
 #include "decomposer/case/case_keys.hpp"
 
@@ -32,6 +34,8 @@ void size_key(CaseKeys& k, std::optional<SizeDistribution>& size);
 void orientation_key(CaseKeys& k, BodyOrientation& orientation);
 void region_section(CaseKeys& k, const Case& c, CaseRegion& region);
 
+/// Throws UsageError for the first of these keys that a case without [heat] gives.
+void refuse_without_heat(const CaseKeys& k, const Case& c, std::initializer_list<const char*> keys);
 /// The temperature of bodies, of [heat] where they give none.
 void temperature_key(CaseKeys& k, const Case& c, double& temperature);
 /// Power given to each body.

@@ -298,12 +298,12 @@ void refine_form(const CaseTable& t, double size, WallForm& form) {
 
 /// At most one of temperature, heat_flux and exchange.
 void wall_heat_keys(CaseKeys& k, const Case& c, WallHeat& heat) {
+  refuse_without_heat(k, c, {"temperature", "heat_flux", "exchange"});
   const CaseTable* t = k.table();
   if (t != nullptr) {
     std::string given;
     for (const char* key : {"temperature", "heat_flux", "exchange"}) {
       if (!t->has(key)) continue;
-      if (!c.settings.heat) throw t->error(key, fmt::format("is for scenes with heat; add a table [heat], or leave {} out", key));
       if (!given.empty()) throw t->error(key, fmt::format("says what {} says too; give one of them", given));
       given = key;
     }

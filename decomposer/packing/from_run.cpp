@@ -104,7 +104,7 @@ class RunReader {
     if (!(row.temperature > 0))
       throw UsageError("{}: the bodies of {} have no temperature; give one for them as temperature in [heat]", start_.where, start_.run);
     const Material& material = case_.materials[static_cast<std::size_t>(row.material)];
-    if (!(material.heat_capacity > 0) || !(material.conductivity > 0))
+    if (!material.has_heat())
       throw UsageError(
           "{}: with [heat] the material \"{}\" of bodies of {} needs heat_capacity and conductivity; add them to [materials.{}]",
           start_.where, material.name, start_.run, material.name);

@@ -368,10 +368,10 @@ std::string heat_section(const Run& run) {
       last("heat") > 0 ? fmt::format("{} ({:.1e} of the heat stored)", joule(drift), std::abs(drift / last("heat"))) : joule(drift));
   double biot = 0;
   for (const double value : log.column("biot")) biot = std::max(biot, value);
-  constexpr double kLargestBiot = 0.1;  // up to which one temperature stands for a body
-  rows.emplace_back(
-      "Largest Biot number",
-      fmt::format("{:.3g}{}", biot, biot > kLargestBiot ? "; above 0.1 a body has no single temperature: heat passes too easily" : ""));
+  rows.emplace_back("Largest Biot number",
+                    biot > kLargestBiot
+                        ? fmt::format("{:.3g}; above {:g} a body has no single temperature: heat passes too easily", biot, kLargestBiot)
+                        : fmt::format("{:.3g}", biot));
   std::string html = table_of(rows);
   if (!lines.empty()) html += figure((LineChart{"Heat flow of walls", "time", "s", "power to the bodies", "W", false, true, lines, {}}));
   return html;

@@ -93,9 +93,7 @@ void add_columns(vtkDataSetAttributes* to, const Table& table, unsigned use, con
   Table::visit([&](const auto& c) {
     using Value = typename std::decay_t<decltype(c)>::Value;
     if ((c.uses & use) == 0) return;
-    if constexpr (std::is_same_v<Table, FrameBodies>) {
-      if (!table.has(c)) return;
-    }
+    if (!has_column(table, c)) return;
     const auto& values = table.*c.column;
     to->AddArray(
         array_of<ArrayOf<Value>>(std::string(c.dataset()).c_str(), indices.size(), component_count<Value>,

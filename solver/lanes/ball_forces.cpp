@@ -200,7 +200,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
       const RollingMoment rolls =
           rolling_spring(state, select(is_kept, turned_by(friction.turned, old_roll), none), select(is_kept, old_stiffness, zero), step);
       moment = rolls.moment;
-      stored = stored + select(rolls.stiffness > zero, half * dot(rolls.spring, rolls.spring) / rolls.stiffness, zero);
+      stored = with_energy({rolls.spring, rolls.stiffness}, stored);
       fits = fits & (size > zero);
       store_fours(rolls.spring, rolls.stiffness, k, out.rolling);
     }

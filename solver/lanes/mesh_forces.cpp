@@ -213,8 +213,8 @@ HWY_EXPORT(forces_of_meshes);
 }  // namespace
 
 void find_mesh_forces(const BallScene& scene, double dt, MeshPairs& pairs, MeshForces& forces) {
-  for (std::size_t k = pairs.count; k < kMeshPairs;
-       ++k) {  // lanes beyond the last pair compute results that are not read, of rows that exist
+  // lanes beyond the last pair compute results that are not read, of rows that exist
+  for (std::size_t k = pairs.count; k < kMeshPairs; ++k) {
     pairs.a[k] = pairs.a[0];
     pairs.b[k] = pairs.b[0];
     pairs.law[k] = pairs.law[0];

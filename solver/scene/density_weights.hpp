@@ -7,8 +7,8 @@
 //
 // over the vertices where the surface is not flat; R is the radius of the ball of the body's volume, eps the margin of one body. A cluster
 // within r counts as one vertex, an isolated one keeps 1 exactly. In a contact the radius follows D (contact/cluster_weights.hpp): the
-// tables hold the weights at D = eps. An edge pair has the mean of the weights of its four ends. Source: docs/reference/contact-law.md
-// section 6, with what was measured there.
+// tables hold the weights at D = eps. An edge pair has the mean of the weights of its four ends.
+// Source: docs/reference/contact-law.md section 6, with what was measured there.
 #pragma once
 
 #include <cstdint>

@@ -101,8 +101,9 @@ for line in ("Error in rule pack:", "    jobid: 3", "    output: x", "", "Error 
     queue.line(line)
 assert queue.text() == "scree-decomposer: error: of the job", queue.text()
 
-# what a step says is there while it runs, and a step on a terminal sees one, of its size
-slow = "echo first >&2; test -t 2 && stty size <&2 >&2; touch here; while [ ! -f go ]; do sleep 0.02; done; touch a"
+# What a step says is there while it runs, and a step on a terminal sees one, of its size. The step has a trap since bash without one ignores
+# SIGINT when the program that it waits for ends by itself at that moment.
+slow = "trap 'exit 130' INT; echo first >&2; test -t 2 && stty size <&2 >&2; touch here; while [ ! -f go ]; do sleep 0.02; done; touch a"
 with open(os.path.join(SCRATCH, "log"), "w", encoding="utf-8") as log:
     process = subprocess.Popen(command(slow), stdout=log, stderr=log, stdin=subprocess.DEVNULL)
 wait_for("the first line of a step that runs", lambda: "\nfirst\n" in read("log"))

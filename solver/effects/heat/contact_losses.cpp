@@ -1,6 +1,6 @@
 #include "solver/effects/heat/contact_losses.hpp"
 
-#include <cmath>
+#include "solver/laws/friction.hpp"
 
 namespace scree {
 
@@ -26,7 +26,7 @@ double stored_in_springs(const BodyPair& pair) {
   double stored = 0;
   for (const FrictionSpring& spring : pair.state.springs) {
     // entries beyond the key of rolling are no springs; a stiffness below 0 marks one that slides
-    if (spring.key <= kRollingKey && spring.stiffness != 0) stored += 0.5 * squared_length(spring.force) / std::abs(spring.stiffness);
+    if (spring.key <= kRollingKey) stored = with_energy({spring.force, spring.stiffness}, stored);
   }
   return stored;
 }

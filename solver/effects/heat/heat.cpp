@@ -18,9 +18,6 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-double wall_temperature(const Wall& wall) { return wall.heat.temperature; }
-bool has_temperature(const Wall& wall) { return wall.heat.kind == WallHeatKind::isothermal || wall.heat.kind == WallHeatKind::exchange; }
-
 }  // namespace
 
 void HeatEffect::on_rebuild(const StepParts& parts) {
@@ -97,7 +94,7 @@ void HeatEffect::review_conduction(const RunState& s) {
   std::vector<double> sum(p.owned, 0.0);
   for (const Flow& flow : flows_) {
     const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    if (pair.b < 0 && !has_temperature(wall_of(pair))) continue;
+    if (pair.b < 0 && !wall_of(pair).heat.has_temperature()) continue;
     for (const std::int32_t row : {pair.a, pair.b}) {
       if (row >= 0 && at(row) < p.owned) sum[at(row)] += flow.conductance;
     }
@@ -215,8 +212,8 @@ void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& tem
       const double to_a = flow.conductance * (temperature[b] - temperature[a]);
       if (a < owned) power[a] += to_a;
       if (b < owned) power[b] -= to_a;
-    } else if (const Wall& wall = wall_of(pair); has_temperature(wall)) {
-      power[a] += flow.conductance * (wall_temperature(wall) - temperature[a]);
+    } else if (const Wall& wall = wall_of(pair); wall.heat.has_temperature()) {
+      power[a] += flow.conductance * (wall.heat.temperature - temperature[a]);
     }
   }
 }
@@ -245,9 +242,9 @@ void HeatEffect::advance(const StepParts& parts) {
   add_conducted(s, stage_, power_);
   for (const Flow& flow : flows_) {
     const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    if (pair.b >= 0 || !has_temperature(wall_of(pair))) continue;
+    if (pair.b >= 0 || !wall_of(pair).heat.has_temperature()) continue;
     const std::size_t w = wall_index(pair), a = at(pair.a);
-    const double of_wall = wall_temperature(wall_of(pair));
+    const double of_wall = wall_of(pair).heat.temperature;
     const double power = 0.5 * flow.conductance * ((of_wall - p.temperature[a]) + (of_wall - stage_[a]));
     to_bodies_[w].add(dt * power);
     flow_now_[w].add(power);

@@ -15,9 +15,6 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Largest Biot number that one temperature a body stands for: errors of the flow are about this share.
-constexpr double kLargestBiot = 0.1;
-
 }  // namespace
 
 EffectRecord HeatEffect::record(const RunState& s) const {
