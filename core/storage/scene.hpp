@@ -149,6 +149,14 @@ inline const char* sleep_blocker(const Wall& wall) {
   return wall.load_map ? "has a load map" : wall.motion.drive() ? "answers to force" : nullptr;
 }
 
+/// Why a wall cannot be in a scene whose bodies stay as they are (heat.frozen); null: no reason.
+inline const char* frozen_blocker(const Wall& wall) {
+  return wall.motion.drive()                           ? "answers to force"
+         : wall.motion.moves() || wall.surface.moves() ? "moves"
+         : wall.load_map                               ? "has a load map"
+                                                       : nullptr;
+}
+
 /// A part of space: what a wall of that kind would hold (box_inside, cylinder_inside, sphere_inside), or the inside of a closed mesh. Only
 /// what gives the wall its place is used; it does not move.
 using RegionShape = Wall;
@@ -215,10 +223,18 @@ struct Fluid {
 /// Biot number up to which one temperature stands for a body: errors of the flow are about this share.
 inline constexpr double kLargestBiot = 0.1;
 
+/// The gas in gaps conducts less than a solid by at least this factor: a body that conducts less has no one temperature (with twelve
+/// contacts its Biot number is above 0.1 from 20 down), and the formula of the gap ends at 7 (effects/heat/conductance.hpp).
+inline constexpr double kSolidOverGas = 10;
+
 /// Bodies have temperatures, and contacts conduct.
 struct Heat {
-  double temperature = 0;      ///< [K] of bodies that are not given theirs; 0: all are
-  bool friction_heat = false;  ///< what contacts dissipate heats their bodies
+  double temperature = 0;       ///< [K] of bodies that are not given theirs; 0: all are
+  bool friction_heat = false;   ///< what contacts dissipate heats their bodies
+  bool frozen = false;          ///< bodies and contacts stay as they are; conduction alone sets the step
+  double gas_conductivity = 0;  ///< of the gas in gaps [W/(m K)]; 0: gaps do not conduct
+  double gas_range = 0;         ///< widest gap that conducts [m]
+  bool has_gas() const { return gas_conductivity > 0; }
 };
 
 /// Settings, as the case file gives them; SI.
@@ -252,7 +268,21 @@ struct Settings {
   bool output_impacts = false;      ///< record impacts and what contacts dissipate, by pair of materials
   double checkpoint_every = 0;      ///< [s], 0: by the clock, or only at the end
   bool checkpoint_by_clock = true;  ///< of the machine, when checkpoint_every is 0
+
+  double frame_interval() const { return output_every > 0 ? output_every : duration / 100; }  ///< [s]
 };
+
+/// What of the settings asks for bodies that move, and cannot be combined with heat.frozen: its key; null: nothing.
+inline const char* frozen_blocker(const Settings& s) {
+  return s.heat && s.heat->friction_heat            ? "heat.friction_heat"
+         : s.sleep                                  ? "time.sleep"
+         : s.stop_at_rest                           ? "time.stop_at_rest"
+         : s.stop_when_empty                        ? "time.stop_when_empty"
+         : s.step_control == StepControl::quantised ? "time.step_control"
+         : s.output_impacts                         ? "output.impacts"
+         : s.fluid                                  ? "a table [fluid]"
+                                                    : nullptr;
+}
 
 /// The pre-partition. Owners are with the bodies; a recursive coordinate bisection has one leaf box per rank too.
 struct Partition {

@@ -76,6 +76,17 @@ void heat_keys(KeyVisitor& k, Heat& h) {
              "what damping, friction and rolling resistance of contacts dissipate heats the two bodies, half each; the half of a wall is "
              "counted and leaves the scene"},
             h.friction_heat);
+  k.boolean(
+      {"frozen", "",
+       "bodies and contacts stay as they are at the start (that of `[start]`, for a bed that has settled), and conduction alone sets the "
+       "step: hours of conduction in a bed at rest take seconds"},
+      h.frozen);
+  k.number({"gas_conductivity", "gaps do not conduct",
+            "of the gas around bodies: pairs that touch or are less than `gas_range` apart conduct through it; at most a tenth of the "
+            "conductivity of any two materials"},
+           h.gas_conductivity, Dimension::conductivity, Range::positive);
+  k.number({"gas_range", "required with `gas_conductivity`", "widest gap between two surfaces that conducts"}, h.gas_range,
+           Dimension::length, Range::positive);
 }
 
 void contact_keys(KeyVisitor& k, Settings& s) {

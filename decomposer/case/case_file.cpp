@@ -125,6 +125,22 @@ void check_pair(const CaseTable& t, const MaterialPair& p, const Case& c) {
   if (fault.key[0] != 0) throw t.error(fault.key, fault.text);
 }
 
+/// Where bodies stay as they are, nothing may ask for motion.
+void check_frozen(const CaseTable& t, const Case& c) {
+  if (!c.settings.heat->frozen) return;
+  const auto refuse = [&](const std::string& what) {
+    return t.error(
+        "heat",
+        fmt::format("frozen = true keeps bodies and contacts as they are and cannot be combined with {}; leave out one of both", what));
+  };
+  if (const char* key = frozen_blocker(c.settings)) throw refuse(key);
+  for (const CaseWall& w : c.walls) {
+    if (const char* why = frozen_blocker(w.wall)) throw refuse(fmt::format("the wall '{}', which {}", w.wall.name, why));
+  }
+  if (!c.inlets.empty()) throw refuse("[[inlets]]");
+  if (!c.outlets.empty()) throw refuse("[[outlets]]");
+}
+
 /// What heat needs of the materials of bodies, and does not go with.
 void check_heat(const CaseTable& t, const Case& c) {
   if (!c.settings.heat) return;
@@ -140,6 +156,20 @@ void check_heat(const CaseTable& t, const Case& c) {
   for (const CaseBody& b : c.bodies) need(b.where, b.material);
   for (const CasePopulation& p : c.populations) need(p.where, p.material);
   for (const CaseInlet& i : c.inlets) need(i.where, i.material);
+  const Heat& heat = *c.settings.heat;
+  if (heat.has_gas() != (heat.gas_range > 0)) {
+    throw t.error("heat",
+                  fmt::format("gas_conductivity and gas_range belong together; add {}, or leave out both",
+                              heat.has_gas() ? "gas_range, for instance half a radius" : "gas_conductivity, for instance \"26 mW/(m K)\""));
+  }
+  for (const Material& m : c.materials) {
+    if (!(m.conductivity > 0) || m.conductivity > kSolidOverGas * heat.gas_conductivity) continue;
+    throw t.error("heat",
+                  fmt::format("gas_conductivity = {:g} W/(m K) is more than a tenth of the conductivity {:g} W/(m K) of the material "
+                              "\"{}\": bodies of such a material have no one temperature; leave the gas out, or use another material",
+                              heat.gas_conductivity, m.conductivity, m.name));
+  }
+  check_frozen(t, c);
   if (!c.bonds.empty()) throw t.error("heat", "does not go with [[bonds]]: what a bond conducts is not modelled; leave out one of both");
 }
 

@@ -69,18 +69,49 @@ std::size_t memory_of(const BodyPair& pair) {
          memory_of_candidates(pair) + pair.state.memory();
 }
 
-void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
-                       PhaseTimes& times) {
-  const double range = scene.contact_range();
+std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double range,
+                                      double skin, MultilevelGrid& grid, PhaseTimes& times) {
   std::vector<double> reach(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) reach[i] = p.radius[i] + range + 0.5 * skin;
-  grid_.build(p.x, reach, scene.periodicity().period());
-
-  std::vector<FoundPair> found = find_pairs(scene, p, walls, skin);
+  grid.build(p.x, reach, scene.periodicity().period());
+  const auto count = static_cast<std::int32_t>(p.size());
+  std::vector<std::vector<NearPair>> of_thread(static_cast<std::size_t>(omp_get_max_threads()));
+#pragma omp parallel
   {
-    const PhaseTimer timer(times, Phase::sort);
-    sort_in_parallel(found, [](const FoundPair& l, const FoundPair& r) { return l.key < r.key; });
+    std::vector<NearPair> mine;
+#pragma omp for schedule(dynamic, 64) nowait
+    for (std::int32_t place = 0; place < count; ++place) {
+      const std::int32_t i = grid.order()[static_cast<std::size_t>(place)];
+      const auto row = static_cast<std::size_t>(i);
+      grid.for_each_partner_at(place, [&](std::int32_t j) {
+        const auto other = static_cast<std::size_t>(j);
+        if (row >= p.owned && other >= p.owned) return;
+        if (p.fixed[row] && p.fixed[other]) return;
+        const bool in_order = p.id[row] < p.id[other];
+        const std::int32_t a = in_order ? i : j, b = in_order ? j : i;
+        mine.push_back({{p.id[static_cast<std::size_t>(a)], p.id[static_cast<std::size_t>(b)], -1}, a, b});
+      });
+      if (row >= p.owned || (p.fixed[row] && !scene.has_answering_walls())) continue;
+      for (std::size_t z = 0; z < scene.zones().size(); ++z) {
+        const WallZone& zone = scene.zones()[z];
+        if (p.fixed[row] && scene.drive(static_cast<std::size_t>(zone.wall)) == nullptr) continue;
+        const WallState& state = walls[static_cast<std::size_t>(zone.wall)];
+        if (!near_zone(scene, zone, state, p.x[row], p.radius[row] + 2 * range + skin)) continue;
+        mine.push_back({{p.id[row], scene.source().walls[static_cast<std::size_t>(zone.wall)].id, static_cast<std::int32_t>(z)}, i, -1});
+      }
+    }
+    of_thread[static_cast<std::size_t>(omp_get_thread_num())] = std::move(mine);
   }
+  std::vector<NearPair> found = std::move(of_thread[0]);
+  for (std::size_t t = 1; t < of_thread.size(); ++t) found.insert(found.end(), of_thread[t].begin(), of_thread[t].end());
+  const PhaseTimer timer(times, Phase::sort);
+  sort_in_parallel(found, [](const NearPair& l, const NearPair& r) { return l.key < r.key; });
+  return found;
+}
+
+void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin,
+                       PhaseTimes& times) {
+  const std::vector<NearPair> found = find_near_pairs(scene, p, walls, scene.contact_range(), skin, grid_, times);
 
   // keep what known pairs hold
   merge(waiting_);
@@ -142,42 +173,6 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   }
   const PhaseTimer timer(times, Phase::sort);
   sort_sides(p);
-}
-
-std::vector<PairList::FoundPair> PairList::find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,
-                                                      double skin) const {
-  const double range = scene.contact_range();
-  const auto count = static_cast<std::int32_t>(p.size());
-  std::vector<std::vector<FoundPair>> of_thread(static_cast<std::size_t>(omp_get_max_threads()));
-#pragma omp parallel
-  {
-    std::vector<FoundPair> mine;
-#pragma omp for schedule(dynamic, 64) nowait
-    for (std::int32_t place = 0; place < count; ++place) {
-      const std::int32_t i = grid_.order()[static_cast<std::size_t>(place)];
-      const auto row = static_cast<std::size_t>(i);
-      grid_.for_each_partner_at(place, [&](std::int32_t j) {
-        const auto other = static_cast<std::size_t>(j);
-        if (row >= p.owned && other >= p.owned) return;
-        if (p.fixed[row] && p.fixed[other]) return;
-        const bool in_order = p.id[row] < p.id[other];
-        const std::int32_t a = in_order ? i : j, b = in_order ? j : i;
-        mine.push_back({{p.id[static_cast<std::size_t>(a)], p.id[static_cast<std::size_t>(b)], -1}, a, b});
-      });
-      if (row >= p.owned || (p.fixed[row] && !scene.has_answering_walls())) continue;
-      for (std::size_t z = 0; z < scene.zones().size(); ++z) {
-        const WallZone& zone = scene.zones()[z];
-        if (p.fixed[row] && scene.drive(static_cast<std::size_t>(zone.wall)) == nullptr) continue;
-        const WallState& state = walls[static_cast<std::size_t>(zone.wall)];
-        if (!near_zone(scene, zone, state, p.x[row], p.radius[row] + 2 * range + skin)) continue;
-        mine.push_back({{p.id[row], scene.source().walls[static_cast<std::size_t>(zone.wall)].id, static_cast<std::int32_t>(z)}, i, -1});
-      }
-    }
-    of_thread[static_cast<std::size_t>(omp_get_thread_num())] = std::move(mine);
-  }
-  std::vector<FoundPair> found = std::move(of_thread[0]);
-  for (std::size_t t = 1; t < of_thread.size(); ++t) found.insert(found.end(), of_thread[t].begin(), of_thread[t].end());
-  return found;
 }
 
 /// The pairs of every owned body in ascending order of its partner. Pairs lie by (a, b, zone): taken first as B, then as A, a body's

@@ -28,6 +28,18 @@ struct BodyPair {
 /// Whether this rank counts a pair in sums over the scene: the owner of A does.
 inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }
 
+/// A pair that may touch, by its key and rows; b is -1 for a wall zone.
+struct NearPair {
+  PairKey key;
+  std::int32_t a, b;
+};
+/// Pairs whose surfaces may come nearer than twice `range` while no body moves further than `skin / 2`, in ascending order of keys. Pairs
+/// of two fixed bodies and of two ghosts are left out.
+/// in   range   how far from its surface each body reaches, its margin included (SolverScene::contact_range) [m]
+/// out  grid    scratch     in/out  times  adds the sort
+std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double range,
+                                      double skin, MultilevelGrid& grid, PhaseTimes& times);
+
 /// Written by one thread per pair and step, read by the gather. World axes. What every pair is asked for comes first.
 struct PairResult {
   bool active = false;
@@ -89,11 +101,6 @@ class PairList {
   void forget_candidates();
 
  private:
-  struct FoundPair {
-    PairKey key;
-    std::int32_t a, b;
-  };
-  std::vector<FoundPair> find_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin) const;
   void sort_sides(const ParticleSet& p);
   std::vector<std::int32_t>& list_of(const BodyPair& pair, const ParticleSet& p);
 

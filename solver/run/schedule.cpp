@@ -9,7 +9,7 @@ Schedule make_schedule(const Settings& settings, double step_size, double longes
   const auto steps = [&](double interval) { return std::max<std::int64_t>(1, std::llround(interval / step_size)); };
   Schedule s;
   s.last = static_cast<std::int64_t>(std::ceil(settings.duration / step_size - 1e-9));
-  const double every = settings.output_every > 0 ? settings.output_every : settings.duration / 100;
+  const double every = settings.frame_interval();
   s.frame = every > 0 ? steps(every) : 1;
   constexpr std::int64_t kLogRowsPerFrame = 10;
   s.log =

@@ -72,6 +72,8 @@ class SolverScene {
   bool margins_by_size() const { return scene_->settings.surface == TouchAt::drawn; }
   /// Whether contacts go on beyond their maximum overlap (contact/overlap_limit.hpp).
   bool continues() const { return scene_->settings.on_overlap == OnOverlap::proceed; }
+  /// Whether bodies and contacts stay as they are: only temperatures change.
+  bool is_frozen() const { return scene_->settings.heat && scene_->settings.heat->frozen; }
   double margin() const { return margin_; }  ///< of each body [m]; 0 where margins go with size
   /// What the scene's law or attraction reaches beyond the margins [m].
   double reach() const { return reach_; }

@@ -17,6 +17,7 @@
 #include "solver/state/effect_record.hpp"
 #include "solver/state/energies.hpp"
 #include "solver/state/item_hash.hpp"
+#include "solver/state/step_clock.hpp"
 
 namespace scree {
 
@@ -38,6 +39,7 @@ struct StepParts {
   const std::function<void()>& agree_on_failures;
   /// Computes pairs that have just begun, by their numbers: no observer is shown them, and bodies do not get their forces in this step.
   const std::function<void(const std::vector<std::int32_t>&)>& compute_new_contacts;
+  double skin;  ///< lists hold while no body moves further than half of it [m]
 };
 
 /// Rows of two bodies that hold together without a contact.
@@ -94,6 +96,9 @@ class Effect {
   /// What it adds to the critical step: bodies that it links, and their stiffness, sorted by key.
   virtual std::vector<BodyLink> links(const RunState&) const { return {}; }
   virtual void add_stiffness(const RunState&, StabilityBound&) const {}
+
+  /// In a scene whose bodies stay as they are the smallest of these sets the step. After start(). Collective.
+  virtual StepBound bound(const RunState&) const { return {}; }
 
   // 3. What a restart needs.
   /// Of all ranks, on every rank. Collective.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace scree {
@@ -17,6 +18,12 @@ struct StepSize {
   double crossing = 0;              ///< longest that follows the attraction of all pairs through its range [s]; 0: none attract
   /// Step above which the limiting contact is unstable, damping left out [s]: 2 / omega.
   double critical() const { return contact_time * 2 / 3.14159265358979323846; }
+};
+
+/// The longest step that is stable for an effect, and the reason, for the user.
+struct StepBound {
+  double step = std::numeric_limits<double>::infinity();  ///< [s]
+  std::string reason;
 };
 
 /// Where a run stands in time. A step is made in 2^level equal parts; the level is 0 but for quantised steps.

@@ -49,6 +49,13 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   const std::vector<ParticleRecord> records = own_records(state_.comm, state_.scene, start);
   if (start) mpi::on_all(state_.comm, [&] { state_.pairs.waiting() = starting_pairs(state_.scene, *start, records); });
   begin(records, 0, 0, decomposition_.has_cut());
+  if (state_.scene.is_frozen()) {
+    if (start) count_starting_springs(state_);
+    for_each_effect(&Effect::start);
+    set_frozen_step();
+    agree_on_failures();
+    return;
+  }
   // The forces of a checkpoint are those of its last step; only a fresh start computes them, with springs at rest.
   forces_.compute(state_, decomposition_, failure_, 0, false);
   // contacts that there are from the start on may ask for a shorter step, for which damping is computed again
@@ -90,25 +97,64 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   mpi::on_all(state_.comm, [&] { check_built_with(state_.comm, state_.scene, p); });
   state_.facts = agree_on_facts(state_.comm, p);
   clock.step = step;
-  mpi::on_all(state_.comm, [&] { clock.size = derive_step_size(state_.comm, state_.scene, p); });
+  if (state_.scene.is_frozen()) {
+    std::fill(p.v.begin(), p.v.end(), Vec3{});
+    std::fill(p.w.begin(), p.w.end(), Vec3{});
+    clock.size = frozen_step_size(state_.scene.source().settings);
+  } else {
+    mpi::on_all(state_.comm, [&] { clock.size = derive_step_size(state_.comm, state_.scene, p); });
+  }
   if (step_size > 0) clock.size.step = step_size;  // a run keeps the step that it began with
   clock.set_level(clock.level);
   state_.set_walls();
   mpi::on_all(state_.comm, [&] { for_each_effect(&Effect::begin); });
-  if (step == 0) levels_.begin(state_, forces_.scratch(), failure_);
+  if (step == 0 && !state_.scene.is_frozen()) levels_.begin(state_, forces_.scratch(), failure_);
   lists_.begin(state_);
   if (!is_cut && state_.comm.size() > 1) decomposition_.cut_again(p, state_.pairs, true);
   agreement_.start(lists_.look(state_, false));
   rebuild_lists(agreement_.finish());
   lists_.set_fastest(std::numeric_limits<double>::infinity());  // forces are not known yet
   agree_on_failures();
+  if (state_.scene.is_frozen()) freeze();
+}
+
+/// Results of contacts whose bodies stay as they are: a function of places and springs, after a restart as at the start. Collective.
+void Simulation::freeze() {
+  failure_.watch(step(), [&] {
+    for (const auto* which : {&state_.pairs.inner(), &state_.pairs.outer(), &state_.pairs.duplicated()})
+      evaluate_at_rest(state_.scene, state_.particles, state_.walls, *which, state_.clock.dt, step(), forces_.scratch(), state_.pairs);
+  });
+  agree_on_failures();
+  state_.pairs.sum_onto_bodies(state_.scene.source().settings.gravity, state_.particles);
+  for_each_effect(&Effect::add_forces);
+}
+
+/// Nothing moves: effects alone bound the step. It divides the time between two frames. Collective.
+void Simulation::set_frozen_step() {
+  StepBound bound;
+  for (const std::unique_ptr<Effect>& effect : state_.effects) {
+    const StepBound other = effect->bound(state_);
+    if (other.step < bound.step) bound = other;
+  }
+  mpi::on_all(state_.comm, [&] { limit_frozen_step(bound, state_.scene.source().settings, state_.clock.size); });
+  state_.clock.set_level(0);
 }
 
 void Simulation::advance() {
+  if (state_.scene.is_frozen()) return advance_frozen();
   const std::int64_t next = step() + 1;
   while (step() < next) advance_substep();
   for (const std::unique_ptr<Effect>& effect : state_.effects) needs_lists_ = effect->after_step(parts()) || needs_lists_;
   levels_.review(state_, forces_.scratch(), failure_);
+}
+
+/// Time passes for effects; lists, contacts and forces hold until the end.
+void Simulation::advance_frozen() {
+  state_.clock.advance();
+  const StepReport all = agree_on_step(false);
+  requests_.hear(all);
+  if (all.failed != 0) agree_on_failures();
+  for (const std::unique_ptr<Effect>& effect : state_.effects) effect->end_step(parts());
 }
 
 void Simulation::advance_substep() {
@@ -215,14 +261,17 @@ void Simulation::rebuild_lists(const StepReport& report) {
 }
 
 double Simulation::take_max_overlap_ratio() {
-  if (state_.sleep) {  // pairs at rest have not been computed since
+  if (state_.sleep || state_.scene.is_frozen()) {  // pairs at rest have not been computed since
     for (const PairResult& r : state_.pairs.results())
       if (r.active) state_.totals.max_overlap_ratio = std::max(state_.totals.max_overlap_ratio, r.overlap_ratio);
   }
   return state_.comm.max(std::exchange(state_.totals.max_overlap_ratio, 0.0));
 }
 
-CriticalStep Simulation::critical_step() { return scree::critical_step(state_, forces_.scratch()); }
+CriticalStep Simulation::critical_step() {
+  if (state_.scene.is_frozen()) return {};
+  return scree::critical_step(state_, forces_.scratch());
+}
 
 FrameContacts Simulation::contacts() { return forces_.contacts(state_, decomposition_.halo()); }
 

@@ -69,7 +69,10 @@ class Simulation {
  private:
   void begin(const std::vector<ParticleRecord>& records, std::int64_t step, double step_size, bool is_cut);
   void advance_substep();
-  StepParts parts() { return {state_, forces_.scratch(), failure_, decomposition_.halo(), agree_, compute_new_contacts_}; }
+  void advance_frozen();
+  void freeze();
+  void set_frozen_step();
+  StepParts parts() { return {state_, forces_.scratch(), failure_, decomposition_.halo(), agree_, compute_new_contacts_, lists_.skin()}; }
   void for_each_effect(void (Effect::*hook)(RunState&));
   void move_bodies();
   void finish_motion();

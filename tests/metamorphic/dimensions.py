@@ -72,7 +72,7 @@ DIMENSIONS = {
     # temperatures keep their unit
     "materials.*.heat_capacity": (2, 0, -2), "materials.*.conductivity": (1, 1, -3), "materials.*.real_young": (-1, 1, -2),
     "pairs.*.contact_conductance": (0, 1, -3), "bodies.*.heat_source": (2, 1, -3), "populations.*.heat_source": (2, 1, -3),
-    "walls.*.heat_flux": (2, 1, -3), "walls.*.exchange.coefficient": (0, 1, -3),
+    "walls.*.heat_flux": (2, 1, -3), "heat.gas_conductivity": (1, 1, -3), "heat.gas_range": (1, 0, 0), "walls.*.exchange.coefficient": (0, 1, -3),
 }
 
 # numbers that are the same in all units

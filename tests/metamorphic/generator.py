@@ -1552,3 +1552,17 @@ def heat(d):
             wall["heat_flux"] = power * own.uniform(-0.1, 3)
         if kind == "exchange":
             wall["exchange"] = {"coefficient": conductivity / d.radius * 10 ** own.uniform(-1, 3), "temperature": own.uniform(250, 400)}
+    gas_and_stillness(d, random_numbers.Random(f"gas {d.case.note}"), table)
+
+
+def gas_and_stillness(d, own, table):
+    """Gas in gaps; and, where nothing asks for motion, bodies that stay as they are. From numbers of its own."""
+    if own.random() < 0.4:
+        table["gas_conductivity"] = min(m["conductivity"] for m in d.words["materials"].values()) * 10 ** own.uniform(-3, -1.1)
+        table["gas_range"] = d.radius * own.uniform(0.01, 1)
+    time, output = d.words["time"], d.words["output"]
+    asks = [wall for wall in d.case.walls if {"motion", "motions", "surface", "load_map", "wear"} & set(wall)]
+    asks += [key for key in ("sleep", "stop_at_rest", "stop_when_empty") if time.get(key)] + [key for key in ("fluid", "inlets", "outlets") if d.words.get(key)]
+    if own.random() < 0.7 and not asks and time.get("step_control", "fixed") == "fixed" and not output.get("impacts"):
+        table["frozen"] = True
+        table["friction_heat"] = False

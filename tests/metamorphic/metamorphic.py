@@ -52,8 +52,8 @@ def drawn_relations(seed):
 
 def examine(trial, name):
     """('held' | 'not applicable' | 'violated' | 'refused', why)"""
-    trial.begin(name)
     try:
+        trial.begin(name)
         RELATIONS[name].function(trial)
         return "held", ""
     except NotApplicable as reason:

@@ -11,6 +11,9 @@ from tools import NotApplicable, Refused, Violation  # noqa: F401  (relations im
 
 RELATIONS = {}
 kStepsInTurns = 4000   # that more ranks than cores may take
+# say nothing of a case whose bodies stay as they are (heat.frozen): forces move nothing there, and load maps and impacts are refused
+OF_MOTION = {"a_load_map_is_no_physics", "recording_impacts_is_no_physics", "momentum", "angular_momentum", "weights_at_rest", "rest_is_rest",
+             "finer_steps_keep_energy", "no_rebound_above_arrival", "started_from_its_run"}
 
 
 class Relation:
@@ -36,6 +39,8 @@ class Trial:
 
     def begin(self, name):
         self.random = random.Random(f"{self.seed} {name}")
+        if name in OF_MOTION and self.case.words.get("heat", {}).get("frozen"):
+            raise NotApplicable("nothing moves")
 
     @property
     def scene(self):

@@ -347,8 +347,116 @@ def tables_statistics_colours_report_and_python_know_temperatures():
         assert words in html or words.replace("&#39;", "'") in html, words
 
 
+BED = """
+[time]
+duration = {duration}
+[heat]
+frozen = true
+{gas}
+[start]
+run = "settled.run"
+"""
+
+
+def frozen_bed(duration, gas="gas_conductivity = 0.05\ngas_range = 0.005", sources="", every=None):
+    """The heap as it lies, with walls as before: materials, pairs and walls of the same text."""
+    text = heap(duration=duration, friction="false", every=every, checkpoint=duration / 3, more="")
+    return text[text.index("[contact]"):] + BED.format(duration=duration, gas=gas) + sources
+
+
+def settled():
+    if not os.path.exists("settled.run/run.json"):
+        pack("settled", heap(duration=0.4, friction="false", checkpoint=0.4, every=0.2))
+        run(1, "settled.scene.h5", "-o", "settled.run")
+
+
+def a_frozen_bed_conducts_in_its_own_steps_with_the_same_bits():
+    settled()
+    pack("frozen", frozen_bed(30))
+    kept = None
+    for ranks, threads in ((1, 1), (1, 2), (2, 1), (3, 1)):
+        folder = f"frozen{ranks}{threads}.run"
+        run(ranks, "frozen.scene.h5", "-o", folder, threads=threads)
+        found = physics_of_log(folder), [frame(folder, n)["temperature"].tolist() for n in (1, -1)]
+        kept = kept or found
+        assert found == kept, f"{folder}: another run than on one rank"
+    shutil.copytree("frozen31.run", "frozen-killed.run")
+    make_killed("frozen-killed.run", keep=1)
+    run(2, "frozen.scene.h5", "-o", "frozen-killed.run", "--restart", "latest")
+    assert (physics_of_log("frozen-killed.run"), [frame("frozen-killed.run", n)["temperature"].tolist() for n in (1, -1)]) == kept, "another run than without a kill"
+    balance_closes("frozen11.run")
+    record = outcome("frozen11.run")
+    limit = column("frozen11.run", "heat_critical_step")
+    step = record["time"] / record["steps"]
+    assert 0.2 * limit.min() < step <= 0.25 * limit.min() * (1 + 1e-12) and limit.max() == limit.min(), (step, limit)
+    first, last = frame("frozen11.run", 0), frame("frozen11.run", -1)
+    assert (first["temperature"] == frame("settled.run", -1)["temperature"]).all() and numpy.ptp(last["temperature"]) > 1, last["temperature"]
+    with h5py.File(sorted(glob.glob("frozen11.run/frame_*.hdf"))[0]) as begin, h5py.File(sorted(glob.glob("frozen11.run/frame_*.hdf"))[-1]) as end:
+        assert (begin["VTKHDF/Points"][()] == end["VTKHDF/Points"][()]).all(), "bodies have moved"
+        assert not end["VTKHDF/PointData/velocity"][()].any()
+    # a frame lies at each output time, whatever the step
+    times = column("frozen11.run", "time")
+    assert abs(times[-1] / 30 - 1) < 1e-12, times
+    said = run(2, "verify", "frozen11.run").stdout
+    assert "the same, bit for bit" in said, said
+
+
+def a_frozen_bed_conducts_as_one_at_rest_that_moves_on():
+    """The same heap, solved on with small steps and with its own: the same temperatures, to the last motion of the heap."""
+    settled()
+    duration = 0.05
+    words = frozen_bed(duration, every=duration)
+    pack("still", words)
+    pack("moving", words.replace("frozen = true\n", ""))
+    for name in ("still", "moving"):
+        run(1, f"{name}.scene.h5", "-o", f"{name}.run")
+    begin, still, moving = (frame(folder, n)["temperature"] for folder, n in (("still.run", 0), ("still.run", -1), ("moving.run", -1)))
+    change = abs(still - begin).max()
+    assert change > 1e-3 and abs(still - moving).max() < 0.05 * change, (change, abs(still - moving).max())
+    assert outcome("still.run")["steps"] < 0.01 * outcome("moving.run")["steps"]
+
+
+def gas_conducts_with_less_the_wider_the_gap():
+    """Two balls that fly apart: what they exchange in a step falls, and ends at the range. On two ranks as on one."""
+    text = heap(duration=0.02, time="step = 2e-5", friction="false", every=0.001, checkpoint=1, more="""
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [-0.0105, 0, 0.08]
+velocity = [-0.2, 0, 0]
+temperature = 350
+[[bodies]]
+shape = "ball"
+material = "stone"
+position = [0.0105, 0, 0.08]
+velocity = [0.2, 0, 0]
+temperature = 250
+""").replace("[heat]\n", "[heat]\ngas_conductivity = 0.05\ngas_range = 0.005\n").replace("seed = 3\n", "seed = 3\ngravity = [0, 0, 0]\n")
+    pack("apart", text)
+    kept = None
+    for ranks in (1, 2):
+        run(ranks, "apart.scene.h5", "-o", f"apart{ranks}.run")
+        series = [frame(f"apart{ranks}.run", n)["temperature"].tolist() for n in range(21)]
+        kept = kept or series
+        assert series == kept
+    hot = numpy.array(kept)[:, 0]
+    steps = -numpy.diff(hot)
+    gaps = 0.001 + 0.4 * 0.001 * numpy.arange(21)
+    inside = gaps[1:] < 0.005
+    assert (steps[inside] > 0).all() and (numpy.diff(steps[inside]) < 0).all() and (steps[gaps[:-1] > 0.005 + 1e-9] == 0).all(), steps
+    # of two balls of stone, alpha = 2 / 0.05; the gap in the middle of each interval
+    alpha, radius, middle = 2 / 0.05, 0.01, 0.5 * (gaps[1:] + gaps[:-1])
+    g0 = radius / (alpha**2 * math.exp(-3.9) - 1)
+    conductance = math.pi * 0.05 * radius * numpy.log(1 + radius / (middle + g0))
+    capacity = 2500 * 4 / 3 * math.pi * radius**3 * 0.5
+    mean = 0.5 * (hot[1:] + hot[:-1]) - 300
+    assert (abs(steps[inside] * capacity / (conductance[inside] * 2 * mean[inside] * 0.001) - 1) < 1e-3).all(), steps[inside] * capacity / (conductance[inside] * 2 * mean[inside] * 0.001)
+
+
 def mistakes_are_told_with_their_line():
     base = heap()
+    still = frozen_bed(30)
+    settled()
     no_heat = base[:base.index("[heat]")] + base[base.index("[contact]"):]
     wrong = [
         ("no temperature", base.replace('temperature = "20 degC"', ""), 2, ["temperature", "is missing", "293 K", "[heat]"]),
@@ -360,6 +468,14 @@ def mistakes_are_told_with_their_line():
         ("below zero", base.replace("20 degC", "-300 degC"), 2, ["temperature", "> 0"]),
         ("unknown", base.replace("friction_heat", "frictionheat"), 2, ["frictionheat", "friction_heat"]),
         ("exchange", base.replace("coefficient = 1000, ", ""), 2, ["exchange", "coefficient"]),
+        ("gas alone", base.replace("[heat]", "[heat]\ngas_conductivity = 0.05"), 2, ["gas_conductivity", "gas_range", "belong together"]),
+        ("range alone", base.replace("[heat]", "[heat]\ngas_range = 0.05"), 2, ["gas_conductivity", "gas_range", "belong together"]),
+        ("thick gas", base.replace("[heat]", "[heat]\ngas_conductivity = 0.5\ngas_range = 0.01"), 2, ["gas_conductivity = 0.5", "stone", "a tenth"]),
+        ("frozen motion", still.replace('temperature = "60 degC"', 'temperature = "60 degC"\nmotion = { translate = { velocity = [0, 0, 1] } }'), 2, ["frozen", "'floor'", "moves"]),
+        ("frozen drive", still.replace('temperature = "60 degC"', 'temperature = "60 degC"\nmotion = { servo = { direction = [0, 0, -1], force = 1, max_speed = 1 } }'), 2, ["frozen", "'floor'", "answers to force"]),
+        ("frozen rest", still.replace("duration = 30", "duration = 30\nstop_at_rest = true"), 2, ["frozen", "time.stop_at_rest"]),
+        ("frozen friction", still.replace("frozen = true", "frozen = true\nfriction_heat = true"), 2, ["frozen", "heat.friction_heat"]),
+        ("frozen fluid", still + "\n[fluid]\ndensity = 1\nviscosity = 1e-5\n", 2, ["frozen", "[fluid]"]),
     ]
     for name, text, code, words in wrong:
         assert text != base, name
@@ -368,6 +484,10 @@ def mistakes_are_told_with_their_line():
         for word in words:
             assert word in said, f"{name}: no '{word}' in {said}"
     pack("good", base)
+    pack("long", still.replace("duration = 30", "duration = 300\nstep = 100"))
+    said = run(1, "long.scene.h5", "-o", "long.run", expect=2).stderr
+    for word in ("time.step = 100 s", "critical step", "conduction of body", "use at most"):
+        assert word in said and said.count("critical step") == 1, said
 
 
 def the_plan_tells_what_conducts():
@@ -380,12 +500,18 @@ temperature = 300
 """
     pack("plan", heap(more=POPULATION.replace("0.038, 0.002]", "0.038, 0.05]").replace("-0.038, 0.002]", "-0.038, 0.05]") + touching).replace("[contact]", "[contact]\nrelax = false"))
     said = run(1, "plan.scene.h5", "--plan").stdout
+    settled()
+    pack("frozen-plan", frozen_bed(30))
+    frozen = run(1, "frozen-plan.scene.h5", "--plan").stdout
+    for word in ("frozen", "heat through gas", "limited by conduction of body", "in gaps of up to 5 mm"):
+        assert word in frozen, f"no '{word}' in {frozen}"
     for word in ("one temperature a body", "'floor' has 333.1 K", "'side' gives 200 mW", "'lid' exchanges", "with real_young", "critical step", "Biot"):
         assert word in said, f"no '{word}' in {said}"
 
 
 main([the_same_bits_on_any_ranks_and_threads_and_after_a_restart, verify_finds_another_temperature, a_scene_without_heat_has_nothing_of_it,
       bodies_asleep_go_on_conducting, what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep, bodies_that_come_and_go_carry_their_heat, a_wall_keeps_what_it_cannot_give,
+      a_frozen_bed_conducts_in_its_own_steps_with_the_same_bits, a_frozen_bed_conducts_as_one_at_rest_that_moves_on, gas_conducts_with_less_the_wider_the_gap,
       a_step_beyond_that_of_conduction_ends_the_run, a_run_starts_with_the_temperatures_of_another,
       tables_statistics_colours_report_and_python_know_temperatures, mistakes_are_told_with_their_line,
       the_plan_tells_what_conducts])

@@ -4,6 +4,7 @@ import math
 import numpy
 
 import meshes
+from cases_start import Kept
 from registry import case_of
 from scene import Case
 
@@ -177,6 +178,38 @@ def h5(tools, report):
     report.at_most("drift of all energy with a quarter of the step, over that with the step", spreads[1] / spreads[0], 0.5)
 
 
+@case("H6", "N", "icospheres of levels 2 to 5 on a plane, 30 orientations each, gather = \"area\"", "mean H over that of the circle of the layer, a = sqrt(2 (R - margin) d - d^2) for an overlap d (sqrt(2 R d) in the limit of thin layers), within 3 % for levels 3 to 5 and 6 % for level 2 at an overlap of .05 R; at .01 R within 3 % from level 4 on")
+def h6(tools, report):
+    radius, k, step, steps, margin = 0.01, 40.0, 1.0, 8, 6e-4
+    random = numpy.random.default_rng(11)
+    for share, allowed in ((0.05, {2: 0.06, 3: 0.03, 4: 0.03, 5: 0.03}), (0.01, {4: 0.03, 5: 0.03})):
+        for level in (2, 3, 4, 5):
+            mesh = meshes.icosphere(level, radius)
+            volume = sum(numpy.dot(a, numpy.cross(b, c)) for a, b, c in mesh[0][mesh[1]]) / 6
+            equal = (3 * volume / (4 * math.pi)) ** (1 / 3)      # of the ball of equal volume: what the facets cut off is made good
+            c = Case("H6", duration=step * steps, step=step, margin=margin, every=step * steps, gather="area", contact={"impact_speed": 0.01})
+            c.heat = {"frozen": True, "temperature": 350.0}
+            c.mesh("rock", mesh)
+            c.material("m", 5000.0, heat_capacity=2000.0, conductivity=k)
+            c.material("wall", 1000.0)
+            c.pair_all(layer_modulus=1e7, restitution=0.5)
+            for i in range(30):
+                q = random.normal(size=4)
+                c.body("rock", "m", (3 * radius * (i % 6), 3 * radius * (i // 6), equal * (1 - share)), orientation=q / numpy.linalg.norm(q))
+            c.floor("wall", temperature=250.0)
+            run = report.run(c.run(tools))
+            left = ((run.temperature[-1] - 250) / 100) ** (1 / steps)
+            conductance = (1 - numpy.sqrt(2 * left - 1)) / step * 5000.0 * 2000.0 * volume
+            depth = share * equal
+            ratio = conductance.mean() / (4 * k * math.sqrt(2 * (equal - margin) * depth - depth**2))
+            name = f"level {level}, overlap {share:g} R: mean H over that of the circle"
+            spread = f"standard deviation over orientations {conductance.std() / conductance.mean():.2f} of the mean"
+            if level in allowed:
+                report.check(name, ratio, 1, allowed[level], note=spread)
+            else:
+                report.at_least(name, ratio, 0, note=f"no requirement: facets are wider than the contact; {spread}")
+
+
 @case("H7", "U", "rocks and balls tumble between a hot floor and a cold ceiling", "maximum principle: no temperature outside of the initial and wall range at the allowed step")
 def h7(tools, report):
     c = box_of_rocks("H7", 2e-5, 0.3, friction_heat=False)
@@ -203,3 +236,105 @@ def h7(tools, report):
     report.at_most("smallest critical step of conduction at a row of the log, over the step: near the limit", ratio, 2)
     log = run.log
     report.check("balance of heat, over what is stored", abs(log["heat_balance"] - log["heat_balance"][0]).max() / log["heat"][0], 0, 1e-12, "absolute")
+
+
+@case("H8", "N", "a random bed of balls with gas between a hot and a cold plane, alpha = 1000", "k* / k_f = 4.0 ln(alpha) - 11 (Batchelor and O'Brien 1977), within 15 %, where pairs conduct that touch or nearly do")
+def h8(tools, report):
+    radius, k_gas, alpha, count, width = 0.003, 0.025, 1000.0, 700, 8 * 0.006
+    domain = {"min": [0.0, 0.0, -0.1], "max": [width, width, 1.0], "periodic": ["x", "y"]}
+
+    def words(c):
+        c.material("m", 2000.0, **({"heat_capacity": 500.0, "conductivity": alpha * k_gas, "real_young": 1e15, "poisson": 0.3} if c.heat is not None else {}))
+        c.material("wall", 2000.0)
+        c.pair_all(stiffness=2e3, restitution=0.3, friction=0.1, **({} if c.heat is not None else {"rolling_friction": 0.01}))
+
+    bed = Case("H8-bed", duration=0.2, gravity=(0, 0, -9.81), margin=0, every=0.1, domain=domain)
+    bed.heat = None
+    bed.sphere("ball", radius)
+    words(bed)
+    bed.floor("wall")
+    bed.population(shape="ball", material="m", count=count, method="settle", region={"box": [[0.0, 0.0, -radius], [width, width, 0.3]]})
+    kept = Kept(bed, tools)
+    place = kept.run.x[-1]
+    top = place[:, 2].max() + radius
+    low, high = 0.25 * top, 0.75 * top
+    inside = (place[:, 2] > low) & (place[:, 2] < high)
+    solid = inside.sum() * 4 / 3 * math.pi * radius**3 / (width**2 * (high - low))
+    for reach in (0.001, 0.01, 0.3):
+        c = Case("H8", duration=4e4, every=1e4, domain=domain, contacts=True)
+        c.heat = {"temperature": 300.0, "frozen": True, "gas_conductivity": k_gas, "gas_range": reach * radius}
+        words(c)
+        hot = c.floor("wall", temperature=310.0)
+        c.wall({"plane": {"point": [0, 0, top], "normal": [0, 0, -1]}}, "wall", temperature=290.0)
+        run = report.run(kept.start(c).run(tools))
+        flow = run.log[[name for name in run.log if name.endswith("_heat_flow")][0]]
+        gradient = -numpy.polyfit(place[inside, 2], run.temperature[-1][inside], 1)[0]
+        report.at_most(f"range {reach:g} R: change of the flow over the last half of the run, over the flow", abs(flow[-1] / flow[len(flow) // 2] - 1), 1e-3)
+        touching = sum(len(frame["depth"]) for frame in run.contacts[-1:]) * 2 / count
+        effective = flow[-1] / width**2 / gradient / k_gas
+        name = f"range {reach:g} R, solid fraction {solid:.3f}: k* / k_f"
+        said = f"{touching:.2f} contacts a ball; of a stiff solid, so that next to nothing goes through the spots"
+        if reach < 0.1:
+            report.check(name, effective, 4.0 * math.log(alpha) - 11, 0.15, note=said)
+        else:
+            report.at_least(name, effective, 0, note=f"no requirement: the formula is one of pairs that touch; {said}")
+
+
+def half_life(run, a, b, capacity_a, capacity_b):
+    """H of a pair that alone conducts, from what Heun's scheme leaves of a difference of temperatures: 1 - x + x^2 / 2 in each step."""
+    apart = run.temperature[:, a] - run.temperature[:, b]
+    factor = (apart[-1] / apart[0]) ** (run.step / run.times[-1])
+    x = 1 - math.sqrt(2 * factor - 1)
+    return x / run.step / (1 / capacity_a + (1 / capacity_b if capacity_b else 0))
+
+
+def gas_between(k_gas, alpha, effective, smaller, gap):
+    """Two surfaces whose distance grows as g + s^2 / (2 R*), out to the smaller radius; Batchelor and O'Brien's conductance at touch."""
+    g0 = smaller**2 / (2 * effective * (alpha**2 * math.exp(-3.9) - 1))
+    return 2 * math.pi * k_gas * effective * math.log(1 + smaller**2 / (2 * effective * (gap + g0)))
+
+
+@case("H9", "U", "gas between two balls, a ball and a plane, a ball and a cube, two cubes, apart and in touch; bodies that stay as they are", "H = 2 pi k_f R* ln(1 + R_m^2 / (2 R* (g + g0))); touching balls of one size: pi k_f R (2 ln(alpha) - 3.9); contact and gas add up")
+def h9(tools, report):
+    k_gas, k, density, c_heat, step, steps, radius, large, edge = 0.025, 40.0, 2000.0, 500.0, 0.5, 64, 0.005, 0.02, 1 / 64   # the mesh is read in single precision
+    alpha = k / k_gas
+
+    def pair(name, second, distance, more=None, **contact):
+        c = Case("H9", duration=step * steps, step=step, margin=1e-4 if second == "cube" or name.startswith("cube") else 0, every=step * steps, contact=contact)
+        c.heat = {"frozen": True, "gas_conductivity": k_gas, "gas_range": 0.002}
+        c.sphere("ball", radius)
+        c.sphere("large", large)
+        c.mesh("cube", meshes.box((edge, edge, edge)))
+        c.material("m", density, heat_capacity=c_heat, conductivity=k)
+        c.pair_all(stiffness=1e4, restitution=0.5)
+        c.body("cube" if name.startswith("cube") else "ball", "m", (0, 0, 0), temperature=350.0)
+        if second == "plane":
+            c.wall({"plane": {"point": [-distance, 0, 0], "normal": [1, 0, 0]}}, "m", temperature=250.0)
+        else:
+            c.body(second, "m", (distance, 0, 0), temperature=250.0)
+        return report.run(c.run(tools))
+
+    def volume(size):
+        return edge**3 if size is edge else 4 / 3 * math.pi * size**3
+
+    r_cube = (3 * edge**3 / (4 * math.pi)) ** (1 / 3)
+    heat = {size: density * c_heat * volume(size) for size in (radius, large, edge)}
+    for name, second, sizes, radii, reach in (("ball", "ball", (radius, radius), (radius, radius), 2 * radius), ("ball", "large", (radius, large), (radius, large), radius + large),
+                                              ("ball", "cube", (radius, edge), (radius, r_cube), radius + edge / 2), ("cube", "cube", (edge, edge), (r_cube, r_cube), edge)):
+        effective = radii[0] * radii[1] / (radii[0] + radii[1])
+        for gap in (1.9e-3, 1e-4, 1e-6):
+            run = pair(name, second, reach + gap)
+            report.check(f"{name} and {second}, gap {gap:g} m: H [W/K]", half_life(run, 0, 1, heat[sizes[0]], heat[sizes[1]]),
+                         gas_between(k_gas, alpha, effective, min(radii), gap), 1e-9)
+        run = pair(name, second, reach + 2.1e-3)
+        report.check(f"{name} and {second}, gap beyond the range: change of temperature [K]", abs(run.temperature[-1] - run.temperature[0]).max(), 0, 1e-12, "absolute")
+    for gap in (1e-3, 1e-5):
+        run = pair("ball", "plane", radius + gap)
+        left = ((run.temperature[-1, 0] - 250) / 100) ** (1 / steps)
+        report.check(f"ball and plane, gap {gap:g} m: H [W/K]", (1 - math.sqrt(2 * left - 1)) / step * heat[radius], gas_between(k_gas, alpha, radius, radius, gap), 1e-9)
+    run = pair("ball", "ball", 2 * radius + 1e-12)
+    report.check("two balls at touch: H over pi k_f R (2 ln(alpha) - 3.9)", half_life(run, 0, 1, heat[radius], heat[radius]) / (math.pi * k_gas * radius * (2 * math.log(alpha) - 3.9)), 1, 1e-4,
+                 note="the gap of 1e-12 m is 1e-5 of g0")
+    overlap = 1e-5
+    run = pair("ball", "ball", 2 * radius - overlap)
+    report.check("two balls in contact: H [W/K]", half_life(run, 0, 1, heat[radius], heat[radius]), gas_between(k_gas, alpha, radius / 2, radius, 0) + 2 * k * math.sqrt(radius / 2 * overlap), 1e-9)

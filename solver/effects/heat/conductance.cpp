@@ -69,4 +69,34 @@ double ContactConductance::of(const PairContact& c, const ParticleSet& p) const 
   return 2 * both.conductivity * radius / (1 + 2 * both.conductivity * resistance / (std::numbers::pi * radius));
 }
 
+GapConductance::GapConductance(const Scene& scene)
+    : scene_(scene), conductivity_(scene.settings.heat->gas_conductivity), range_(scene.settings.heat->gas_range) {
+  constexpr double kAtTouch = 3.9;
+  offset_.assign(scene.materials.size() * scene.materials.size(), 0.0);
+  for (std::size_t a = 0; a < scene.materials.size(); ++a) {
+    for (std::size_t b = 0; b < scene.materials.size(); ++b) {
+      const double alpha = conductivity_of(scene.materials[a], scene.materials[b]) / conductivity_;
+      offset_[a * scene.materials.size() + b] = 1 / (alpha * alpha * std::exp(-kAtTouch) - 1);
+    }
+  }
+}
+
+double GapConductance::of(const PairView& view, double gap, std::int32_t material_a, std::int32_t material_b, double radius_a,
+                          double radius_b) const {
+  if (!(gap < range_)) return 0;
+  double smaller = radius_a, outside = 0;
+  if (view.zone == nullptr) {
+    smaller = std::min(smaller, radius_b);
+  } else {
+    const Wall& wall = scene_.walls[static_cast<std::size_t>(view.zone->wall)];
+    if (wall.heat.kind == WallHeatKind::adiabatic) return 0;
+    if (wall.heat.kind == WallHeatKind::exchange) outside = 1 / (wall.heat.coefficient * std::numbers::pi * smaller * smaller);
+  }
+  const double effective = contact_radius(view), area = smaller * smaller;
+  const double offset = offset_[static_cast<std::size_t>(material_a) * scene_.materials.size() + static_cast<std::size_t>(material_b)];
+  const double h =
+      2 * std::numbers::pi * conductivity_ * effective * std::log1p(area / (2 * effective * std::max(0.0, gap) + area * offset));
+  return h / (1 + outside * h);
+}
+
 }  // namespace scree

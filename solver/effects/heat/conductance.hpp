@@ -45,4 +45,26 @@ class ContactConductance {
   std::vector<Materials> of_pair_;
 };
 
+/// H of the gas in the gap between two surfaces [W/K].
+///
+/// How: H = 2 pi k_f R* ln(1 + R_m^2 / (2 R* (g + g0))), the flow along straight lines between two surfaces whose distance grows as
+/// g + s^2 / (2 R*), out to the radius R_m of the smaller body; g is the gap, 0 where they touch. g0 is such that touching balls conduct
+/// 2 pi k_f R* (2 ln(alpha) - 3.9), alpha = k_s / k_f: there the temperature of the solid is no longer even (Batchelor and O'Brien 1977
+/// for equal balls, R = 2 R*). R* as for contacts, by balls of equal volume.
+/// Source: the leading terms are those of the same paper; the form of g0 is our own: it joins both limits without a jump.
+/// Limits: one gap for each pair, the smallest; two faces that lie parallel conduct more than this. Gas that fills pores does not flow, has
+/// no temperature of its own and does not radiate.
+class GapConductance {
+ public:
+  explicit GapConductance(const Scene& scene);
+
+  /// 0 for a wall through which no heat passes, and beyond the range.   in   gap   [m]   Threads: safe.
+  double of(const PairView& view, double gap, std::int32_t material_a, std::int32_t material_b, double radius_a, double radius_b) const;
+
+ private:
+  const Scene& scene_;
+  double conductivity_, range_;
+  std::vector<double> offset_;  // g0 R* 2 / R_m^2 of two materials
+};
+
 }  // namespace scree

@@ -18,6 +18,29 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+void sort_by_pair(std::vector<HeatEffect::Contact>& contacts) {
+  std::sort(contacts.begin(), contacts.end(), [](const HeatEffect::Contact& l, const HeatEffect::Contact& r) { return l.pair < r.pair; });
+}
+
+/// Throws for what a scene with heat cannot have: a case is refused earlier, with its place.
+void check_heat(const Scene& scene) {
+  const Settings& settings = scene.settings;
+  const Heat& heat = *settings.heat;
+  if (!scene.bonds.empty())
+    throw UsageError("[heat] cannot be combined with bonds: the conduction of bonds is not modelled; leave out one of both");
+  for (const Material& m : scene.materials) {
+    if (heat.has_gas() && (!(heat.gas_range > 0) || (m.conductivity > 0 && !(m.conductivity > kSolidOverGas * heat.gas_conductivity))))
+      throw InputError("heat: gas_conductivity {:g} W/(m K) needs a gas_range and materials that conduct more than ten times as well",
+                       heat.gas_conductivity);
+  }
+  if (!heat.frozen) return;
+  const char* blocker = frozen_blocker(settings);
+  for (const Wall& wall : scene.walls) blocker = blocker == nullptr ? frozen_blocker(wall) : blocker;
+  if (blocker == nullptr && !scene.inlets.empty()) blocker = "[[inlets]]";
+  if (blocker == nullptr && !scene.outlets.empty()) blocker = "[[outlets]]";
+  if (blocker != nullptr) throw UsageError("heat.frozen keeps bodies as they are and cannot be combined with: {}", blocker);
+}
+
 }  // namespace
 
 void HeatEffect::on_rebuild(const StepParts& parts) {
@@ -29,10 +52,29 @@ void HeatEffect::on_rebuild(const StepParts& parts) {
     const auto found = std::lower_bound(source_of_id_.begin(), source_of_id_.end(), std::pair(s.particles.id[i], -1e300));
     if (found != source_of_id_.end() && found->first == s.particles.id[i]) source_[i] = found->second;
   }
+  if (gas_) gas_->find(parts);
+  if (s.scene.is_frozen()) find_frozen(parts);
+}
+
+/// Contacts and gaps of a scene in which nothing moves: once, at the start and at a restart.
+void HeatEffect::find_frozen(const StepParts& parts) {
+  RunState& s = parts.state;
+  contacts_.clear();
+  if (!parts.failure.exists()) {
+    parts.failure.watch(s.clock.step, [&] {
+      for (const auto* which : {&s.pairs.inner(), &s.pairs.outer(), &s.pairs.duplicated()}) {
+        visit_pairs(s.scene, s.particles, s.walls, *which, s.clock.step, parts.scratch, s.pairs, [&](const PairContact& contact) {
+          contacts_.push_back({static_cast<std::int32_t>(&contact.pair - s.pairs.pairs().data()), conductance_.of(contact, s.particles)});
+        });
+      }
+    });
+  }
+  sort_by_pair(contacts_);
+  list_flows(s);
 }
 
 void HeatEffect::before_forces(RunState& s) {
-  for (std::vector<Flow>& of_thread : seen_) of_thread.clear();
+  for (std::vector<Contact>& of_thread : seen_) of_thread.clear();
   for (std::size_t k = 0; k < stored_.size(); ++k) {
     const BodyPair& pair = s.pairs.pairs()[k];
     stored_[k] = pair.state.springs.empty() ? 0 : stored_in_springs(pair);
@@ -40,7 +82,10 @@ void HeatEffect::before_forces(RunState& s) {
 }
 
 void HeatEffect::start(RunState& s) {
-  collect_flows();
+  if (!s.scene.is_frozen()) {
+    collect_contacts();
+    list_flows(s);
+  }
   review_conduction(s);
   if (!friction_heat_) return;
   // the first kick is by half a step, in which springs stay as they are
@@ -50,24 +95,39 @@ void HeatEffect::start(RunState& s) {
   for (std::size_t i = 0; i < s.particles.owned; ++i) heat_body(s.particles, i, given_[i]);
 }
 
-/// In the order of pairs.
-void HeatEffect::collect_flows() {
+void HeatEffect::collect_contacts() {
+  contacts_.clear();
+  for (const std::vector<Contact>& of_thread : seen_) contacts_.insert(contacts_.end(), of_thread.begin(), of_thread.end());
+  sort_by_pair(contacts_);
+}
+
+/// Contacts, then gaps: each body adds up its flows in an order that is the same on any number of ranks and threads.
+void HeatEffect::list_flows(const RunState& s) {
   flows_.clear();
-  for (const std::vector<Flow>& of_thread : seen_) flows_.insert(flows_.end(), of_thread.begin(), of_thread.end());
-  std::sort(flows_.begin(), flows_.end(), [](const Flow& l, const Flow& r) { return l.pair < r.pair; });
+  for (const Contact& contact : contacts_) {
+    const BodyPair& pair = s.pairs.pairs()[at(contact.pair)];
+    flows_.push_back({pair.a, pair.b, pair.b < 0 ? s.scene.zones()[at(pair.key.zone)].wall : -1, contact.conductance});
+  }
+  if (!gas_) return;
+  gas_->measure(s);
+  for (const GasGaps::Gap& gap : gas_->gaps()) {
+    if (!(gap.conductance > 0)) continue;
+    const NearPair& pair = gap.pair;
+    flows_.push_back({pair.a, pair.b, pair.b < 0 ? s.scene.zones()[at(pair.key.zone)].wall : -1, gap.conductance});
+  }
 }
 
 /// Contacts of which neither side moves are not computed in a step: what they conduct follows from where they are.
 void HeatEffect::add_resting(const StepParts& parts) {
   RunState& s = parts.state;
-  for (const Flow& flow : flows_) at_rest_[at(flow.pair)] = -1;
+  for (const Contact& contact : contacts_) at_rest_[at(contact.pair)] = -1;
   std::vector<std::int32_t> unknown;
-  std::vector<Flow> all;
-  all.reserve(flows_.size());
-  auto next = flows_.begin();
+  std::vector<Contact> all;
+  all.reserve(contacts_.size());
+  auto next = contacts_.begin();
   for (std::size_t k = 0; k < s.pairs.results().size(); ++k) {
     const auto pair = static_cast<std::int32_t>(k);
-    if (next != flows_.end() && next->pair == pair) {
+    if (next != contacts_.end() && next->pair == pair) {
       all.push_back(*next++);
     } else if (s.pairs.results()[k].active) {
       if (at_rest_[k] < 0) unknown.push_back(pair);
@@ -82,10 +142,10 @@ void HeatEffect::add_resting(const StepParts& parts) {
       });
     });
   }
-  for (Flow& flow : all) {
-    if (flow.conductance < 0) flow.conductance = at_rest_[at(flow.pair)];
+  for (Contact& contact : all) {
+    if (contact.conductance < 0) contact.conductance = at_rest_[at(contact.pair)];
   }
-  flows_ = std::move(all);
+  contacts_ = std::move(all);
 }
 
 /// Critical step and largest Biot number of the present contacts of this rank.
@@ -93,9 +153,8 @@ void HeatEffect::review_conduction(const RunState& s) {
   const ParticleSet& p = s.particles;
   std::vector<double> sum(p.owned, 0.0);
   for (const Flow& flow : flows_) {
-    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    if (pair.b < 0 && !wall_of(pair).heat.has_temperature()) continue;
-    for (const std::int32_t row : {pair.a, pair.b}) {
+    if (flow.wall >= 0 && !wall_of(flow).heat.has_temperature()) continue;
+    for (const std::int32_t row : {flow.a, flow.b}) {
       if (row >= 0 && at(row) < p.owned) sum[at(row)] += flow.conductance;
     }
   }
@@ -116,6 +175,14 @@ void HeatEffect::review_conduction(const RunState& s) {
   critical_step_ = least;
   critical_body_ = body;
   biot_ = biot;
+}
+
+StepBound HeatEffect::bound(const RunState& s) const {
+  const double step = -s.comm.max(-critical_step_);
+  if (std::isinf(step)) return {};
+  constexpr double kNoBody = -0x1p53;
+  const double body = -s.comm.max(critical_step_ == step ? -static_cast<double>(critical_body_) : kNoBody);
+  return {step, fmt::format("conduction of body {:.0f}", body)};
 }
 
 void HeatEffect::check_step(const StepParts& parts) const {
@@ -178,8 +245,7 @@ void HeatEffect::add_flux(const RunState& s) {
   const std::vector<Wall>& walls = s.scene.source().walls;
   std::vector<ExactSum> sums(walls.size());
   for (const Flow& flow : flows_) {
-    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    if (pair.b < 0) sums[wall_index(pair)].add(flow.conductance);
+    if (flow.wall >= 0) sums[at(flow.wall)].add(flow.conductance);
   }
   add_over_ranks(s.comm.get(), sums);
   std::vector<double> per_conductance(walls.size(), 0.0);
@@ -190,12 +256,11 @@ void HeatEffect::add_flux(const RunState& s) {
     if (sum > 0) per_conductance[w] = std::exchange(pending_[w], 0.0) / sum;
   }
   for (const Flow& flow : flows_) {
-    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    if (pair.b >= 0) continue;
-    const std::size_t w = wall_index(pair);
+    if (flow.wall < 0) continue;
+    const std::size_t w = at(flow.wall);
     const double heat = per_conductance[w] * flow.conductance;
     if (heat == 0) continue;
-    given_[at(pair.a)] += heat;
+    given_[at(flow.a)] += heat;
     to_bodies_[w].add(heat);
     flow_now_[w].add(heat / s.clock.dt);
   }
@@ -205,14 +270,13 @@ void HeatEffect::add_flux(const RunState& s) {
 void HeatEffect::add_conducted(const RunState& s, const std::vector<double>& temperature, std::vector<double>& power) const {
   const std::size_t owned = s.particles.owned;
   for (const Flow& flow : flows_) {
-    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    const auto a = at(pair.a);
-    if (pair.b >= 0) {
-      const auto b = at(pair.b);
+    const auto a = at(flow.a);
+    if (flow.b >= 0) {
+      const auto b = at(flow.b);
       const double to_a = flow.conductance * (temperature[b] - temperature[a]);
       if (a < owned) power[a] += to_a;
       if (b < owned) power[b] -= to_a;
-    } else if (const Wall& wall = wall_of(pair); wall.heat.has_temperature()) {
+    } else if (const Wall& wall = wall_of(flow); wall.heat.has_temperature()) {
       power[a] += flow.conductance * (wall.heat.temperature - temperature[a]);
     }
   }
@@ -241,10 +305,9 @@ void HeatEffect::advance(const StepParts& parts) {
   power_.assign(p.owned, 0.0);
   add_conducted(s, stage_, power_);
   for (const Flow& flow : flows_) {
-    const BodyPair& pair = s.pairs.pairs()[at(flow.pair)];
-    if (pair.b >= 0 || !wall_of(pair).heat.has_temperature()) continue;
-    const std::size_t w = wall_index(pair), a = at(pair.a);
-    const double of_wall = wall_of(pair).heat.temperature;
+    if (flow.wall < 0 || !wall_of(flow).heat.has_temperature()) continue;
+    const std::size_t w = at(flow.wall), a = at(flow.a);
+    const double of_wall = wall_of(flow).heat.temperature;
     const double power = 0.5 * flow.conductance * ((of_wall - p.temperature[a]) + (of_wall - stage_[a]));
     to_bodies_[w].add(dt * power);
     flow_now_[w].add(power);
@@ -261,8 +324,11 @@ void HeatEffect::advance(const StepParts& parts) {
 void HeatEffect::end_step(const StepParts& parts) {
   RunState& s = parts.state;
   ParticleSet& p = s.particles;
-  collect_flows();
-  if (s.sleep) add_resting(parts);
+  if (!s.scene.is_frozen()) {
+    collect_contacts();
+    if (s.sleep) add_resting(parts);
+    list_flows(s);
+  }
   review_conduction(s);
   check_step(parts);
   given_.assign(p.owned, 0.0);
@@ -289,8 +355,7 @@ EffectKind heat_effect() {
   format.arrays.push_back({"pending", "J"});
   return {format, {"heat", "no [heat]: bodies have no temperature"}, [](const RunState& s) -> std::unique_ptr<Effect> {
             if (!s.scene.source().settings.heat) return nullptr;
-            if (!s.scene.source().bonds.empty())
-              throw UsageError("[heat] does not go with bonds: what a bond conducts is not modelled; leave out one of both");
+            check_heat(s.scene.source());
             return std::make_unique<HeatEffect>(s);
           }};
 }

@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "solver/effects/heat/conductance.hpp"
+#include "solver/effects/heat/gas_gaps.hpp"
 #include "solver/state/effect.hpp"
 #include "solver/state/run_state.hpp"
 
@@ -21,10 +23,16 @@ inline constexpr std::array<const char*, kHeatTotals> kHeatTotalNames{"made", "m
 
 class HeatEffect : public Effect, public PairObserver {
  public:
-  /// A pair that conducts.
+  /// A pair that conducts, through its contact or through gas.
   struct Flow {
-    std::int32_t pair;
+    std::int32_t a, b;   ///< rows; b is -1 for a wall
+    std::int32_t wall;   ///< its index, or -1
     double conductance;  ///< [W/K]
+  };
+  /// A contact, by the index of its pair.
+  struct Contact {
+    std::int32_t pair;
+    double conductance;  ///< [W/K]; < 0: not known
   };
 
   explicit HeatEffect(const RunState& s)
@@ -40,6 +48,7 @@ class HeatEffect : public Effect, public PairObserver {
         source_of_id_.push_back({s.scene.source().bodies.id[b], s.scene.source().bodies.heat_source[b]});
     }
     std::sort(source_of_id_.begin(), source_of_id_.end());
+    if (s.scene.source().settings.heat->has_gas()) gas_.emplace(s.scene.source());
   }
 
   void start(RunState& s) override;
@@ -57,6 +66,8 @@ class HeatEffect : public Effect, public PairObserver {
   void end_step(const StepParts& parts) override;
   void on_step_change(RunState& s, double difference) override;
   void falls_asleep(RunState& s, std::size_t row) override;
+  double extra_reach(const RunState&, bool) const override { return gas_ ? gas_->range() : 0; }
+  StepBound bound(const RunState& s) const override;
 
   EffectRecord record(const RunState& s) const override;
   void restore(RunState& s, const EffectRecord& record) override;
@@ -72,13 +83,12 @@ class HeatEffect : public Effect, public PairObserver {
     sum.add(mc * p.temperature[row]);
     sum.add(mc * p.temperature_remainder[row]);
   }
-  const Wall& wall_of(const BodyPair& pair) const { return state_.scene.source().walls[wall_index(pair)]; }
-  std::size_t wall_index(const BodyPair& pair) const {
-    return static_cast<std::size_t>(state_.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
-  }
+  const Wall& wall_of(const Flow& flow) const { return state_.scene.source().walls[static_cast<std::size_t>(flow.wall)]; }
 
-  void collect_flows();
+  void collect_contacts();
   void add_resting(const StepParts& parts);
+  void find_frozen(const StepParts& parts);
+  void list_flows(const RunState& s);
   void review_conduction(const RunState& s);
   void check_step(const StepParts& parts) const;
   void add_made(const RunState& s, double share);
@@ -93,12 +103,15 @@ class HeatEffect : public Effect, public PairObserver {
   ContactConductance conductance_;
   std::vector<std::pair<std::int64_t, double>> source_of_id_;  // [W], by id
 
-  std::vector<std::vector<Flow>> seen_;  // contacts whose forces were computed, by thread
-  std::vector<Flow> flows_;              // of this step, in the order of pairs
-  std::vector<double> at_rest_;          // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
-  std::vector<double> stored_;           // of each pair: in its springs before the step [J]
-  std::vector<double> source_;           // of each owned row [W]
-  std::vector<double> given_;            // the same: what it gets in the step whatever temperatures are [J]
+  std::optional<GasGaps> gas_;
+
+  std::vector<std::vector<Contact>> seen_;  // contacts whose forces were computed, by thread
+  std::vector<Contact> contacts_;           // of this step, in the order of pairs
+  std::vector<Flow> flows_;                 // the same, then gaps with gas in the order of theirs
+  std::vector<double> at_rest_;             // of each pair: conductance between two sides that do not move; < 0: not known [W/K]
+  std::vector<double> stored_;              // of each pair: in its springs before the step [J]
+  std::vector<double> source_;              // of each owned row [W]
+  std::vector<double> given_;               // the same: what it gets in the step whatever temperatures are [J]
   std::vector<double> stage_, power_first_, power_;
 
   // present, of the bodies of this rank

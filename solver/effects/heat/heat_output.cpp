@@ -109,6 +109,13 @@ std::vector<PlanLine> HeatEffect::plan(const RunState& s) const {
   const std::size_t bodies = scene.bodies.size();
   lines.emplace_back("heat", fmt::format("one temperature a body, {} bodies; no contact is computed in lanes{}", bodies,
                                          friction_heat_ ? "; what contacts dissipate heats both sides" : ""));
+  if (s.scene.is_frozen()) lines.emplace_back("frozen", "bodies and contacts stay as they are; conduction sets the step");
+  if (gas_) {
+    const Heat& heat = *scene.settings.heat;
+    lines.emplace_back("heat through gas",
+                       fmt::format("{}, in gaps of up to {}", format_quantity(heat.gas_conductivity, Dimension::conductivity),
+                                   format_quantity(heat.gas_range, Dimension::length)));
+  }
   for (const MaterialPair& pair : scene.pairs) {
     const bool area = scene.settings.gather == Gathering::area;
     const char* how = conductance_.has_real_modulus(at(pair.a), at(pair.b))
