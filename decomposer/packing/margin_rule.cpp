@@ -341,7 +341,8 @@ void MarginRule::find_bodies() {
       for (const double scale : {scales.smallest, scales.largest}) add(shape, i.material, scale, true);
     }
   }
-  report_.fastest_impact = case_.settings.impact_speed > 0 ? case_.settings.impact_speed : fastest_impact(case_, parts_, scene_);
+  const bool is_frozen = case_.settings.heat && case_.settings.heat->frozen;
+  report_.fastest_impact = case_.settings.impact_speed > 0 ? case_.settings.impact_speed : is_frozen ? 0 : fastest_impact(case_, parts_, scene_);
   settings_.impact_speed = report_.fastest_impact;
   for (const CaseWall& w : case_.walls) has_wall_meshes_ = has_wall_meshes_ || w.wall.kind == WallKind::mesh;
   from_touch_ = !has_meshes_ && (by_size_ || !has_wall_meshes_) && !(case_.settings.barrier > 0);

@@ -110,8 +110,9 @@ void check_start(const Case& c, const SceneParts& parts, const Scene& scene, std
   check_needs_of_margin(c, scene.settings);
   check_attraction(c, parts, scene);
   const Settings& s = scene.settings;
-  const bool moves = parts.carried || !parts.draws.empty() || !c.inlets.empty() ||
-                     std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; });
+  const bool is_frozen = s.heat && s.heat->frozen;
+  const bool moves = !is_frozen && (parts.carried || !parts.draws.empty() || !c.inlets.empty() ||
+                                    std::any_of(c.bodies.begin(), c.bodies.end(), [](const CaseBody& b) { return !b.fixed; }));
   if (s.law == ContactLaw::hertz_mindlin && moves && !scene.pairs.empty() && !(s.margin > 0) && !(s.impact_speed > 0) && !(s.step > 0)) {
     throw UsageError(
         "{}: contact.impact_speed is missing, and the case has no speed, no fall and no moving wall to derive it from: the step follows "

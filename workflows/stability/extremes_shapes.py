@@ -155,8 +155,9 @@ def x15(tools, table):
         run = c.run(tools)
         results[name] = run.record["state_hash"], run.x
     for name in ("all inverted", "1 % inverted"):
-        same = results[name][0] == results["right"][0]
-        table.truth(f"{name}, with --flip: same trajectory", same, "the same bits" if same else f"differs by {numpy.abs(results[name][1] - results['right'][1]).max():.2g} m")
+        # a triangle that is turned begins at another vertex: the centre of mass, a sum over triangles, is then another to rounding
+        same, apart = results[name][0] == results["right"][0], numpy.abs(results[name][1] - results["right"][1]).max()
+        table.truth(f"{name}, with --flip: same trajectory", same or apart <= 4 * numpy.finfo(float).eps, "the same bits" if same else f"to rounding: {apart:.2g} m of 1 m")
 
 
 @case("X16", "self-intersecting mesh")
