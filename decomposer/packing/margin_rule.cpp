@@ -342,7 +342,9 @@ void MarginRule::find_bodies() {
     }
   }
   const bool is_frozen = case_.settings.heat && case_.settings.heat->frozen;
-  report_.fastest_impact = case_.settings.impact_speed > 0 ? case_.settings.impact_speed : is_frozen ? 0 : fastest_impact(case_, parts_, scene_);
+  report_.fastest_impact = case_.settings.impact_speed > 0 ? case_.settings.impact_speed
+                           : is_frozen                     ? 0
+                                                           : fastest_impact(case_, parts_, scene_);
   settings_.impact_speed = report_.fastest_impact;
   for (const CaseWall& w : case_.walls) has_wall_meshes_ = has_wall_meshes_ || w.wall.kind == WallKind::mesh;
   from_touch_ = !has_meshes_ && (by_size_ || !has_wall_meshes_) && !(case_.settings.barrier > 0);

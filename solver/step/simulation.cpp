@@ -10,6 +10,7 @@
 #include "solver/effects/sleep/sleep.hpp"
 #include "solver/step/leaving_contacts.hpp"
 #include "solver/step/start_from_run.hpp"
+#include "solver/step_size/frozen_step.hpp"
 #include "solver/step_size/stability.hpp"
 #include "solver/step_size/step_size.hpp"
 
@@ -98,8 +99,7 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
   state_.facts = agree_on_facts(state_.comm, p);
   clock.step = step;
   if (state_.scene.is_frozen()) {
-    std::fill(p.v.begin(), p.v.end(), Vec3{});
-    std::fill(p.w.begin(), p.w.end(), Vec3{});
+    for (std::size_t i = 0; i < p.owned; ++i) p.v[i] = p.L[i] = p.w[i] = {};
     clock.size = frozen_step_size(state_.scene.source().settings);
   } else {
     mpi::on_all(state_.comm, [&] { clock.size = derive_step_size(state_.comm, state_.scene, p); });

@@ -65,16 +65,6 @@ void check_step(const StepSize& run, const ContactLimit& with_them, const Settin
 /// the damping of a pair.
 StepSize derive_step_size(const mpi::Communicator& comm, const SolverScene& scene, const ParticleSet& p);
 
-/// Share of the critical step of an effect that the step of a frozen scene takes. Heun's error of the fastest exchange of heat is then 1 %
-/// in its own time, and below 1e-3 of all that takes ten times as long; half of it costs twice the time and quarters the error.
-inline constexpr double kFrozenShare = 0.25;
-
-/// Of a scene whose bodies stay as they are, before contacts are known: that of the case, or a guess.
-StepSize frozen_step_size(const Settings& settings);
-/// The same once they are: kFrozenShare of the bound, and a whole number of steps between two frames. A given step stays.
-/// Throws UsageError when a given step is above the bound.
-void limit_frozen_step(const StepBound& bound, const Settings& settings, StepSize& size);
-
 /// Warned of from here on: the most sluggish body's contact lasts this many times the one that limits the step. A grading of
 /// 1 : 10 in size has 30; a run beyond 300 spends nearly all its steps on a few light bodies.
 inline constexpr double kUnevenContacts = 300;

@@ -13,7 +13,7 @@ RELATIONS = {}
 kStepsInTurns = 4000   # that more ranks than cores may take
 # say nothing of a case whose bodies stay as they are (heat.frozen): forces move nothing there, and load maps and impacts are refused
 OF_MOTION = {"a_load_map_is_no_physics", "recording_impacts_is_no_physics", "momentum", "angular_momentum", "weights_at_rest", "rest_is_rest",
-             "finer_steps_keep_energy", "no_rebound_above_arrival", "started_from_its_run"}
+             "finer_steps_keep_energy", "energy_balance", "no_rebound_above_arrival", "started_from_its_run"}
 
 
 class Relation:

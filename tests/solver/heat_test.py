@@ -393,7 +393,8 @@ def a_frozen_bed_conducts_in_its_own_steps_with_the_same_bits():
     assert (first["temperature"] == frame("settled.run", -1)["temperature"]).all() and numpy.ptp(last["temperature"]) > 1, last["temperature"]
     with h5py.File(sorted(glob.glob("frozen11.run/frame_*.hdf"))[0]) as begin, h5py.File(sorted(glob.glob("frozen11.run/frame_*.hdf"))[-1]) as end:
         assert (begin["VTKHDF/Points"][()] == end["VTKHDF/Points"][()]).all(), "bodies have moved"
-        assert not end["VTKHDF/PointData/velocity"][()].any()
+        assert not end["VTKHDF/PointData/velocity"][()].any() and not end["VTKHDF/PointData/angular_velocity"][()].any()
+    assert not column("frozen11.run", "kinetic_translational").any() and not column("frozen11.run", "kinetic_rotational").any()
     # a frame lies at each output time, whatever the step
     times = column("frozen11.run", "time")
     assert abs(times[-1] / 30 - 1) < 1e-12, times
