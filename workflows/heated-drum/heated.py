@@ -132,7 +132,7 @@ COLOURS = dict(zip(NAMES, ("#bc6c25", "#2a6f97", "#2f9e44")))
 same = [name for name in NAMES if found[name]["capacity"] == found[NAMES[0]]["capacity"]]
 figure, axes = plt.subplots(2, 3, figsize=(12, 6.8), gridspec_kw={"width_ratios": [0.95, 1.1, 1.1]})
 first = found[NAMES[0]]
-for axis, picture, when in zip(axes[:, 0], PICTURES, ("after an eighth of the run", "at the end")):
+for axis, picture, when in zip(axes[:, 0], PICTURES, ("after a fifth of the run", "at the end")):
     image = plt.imread(picture)[:, :, :3]
     ink = image.min(axis=2) < 0.99
     rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
