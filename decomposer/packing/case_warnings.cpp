@@ -581,6 +581,12 @@ std::vector<std::string> warnings_of_case(const Case& c, const SceneParts& parts
   warn_of_openings(c, parts, movers, warnings);
   warn_of_margins(scene, report, warnings);
   warn_of_turns(c, parts, warnings);
+  if (scene.settings.heat && movers.largest > 0 && scene.settings.heat->gas_range > movers.largest) {
+    warnings.push_back(
+        fmt::format("heat.gas_range = {} is wider than the largest body ({}): pairs with other bodies between them would conduct, and "
+                    "each body with all in that range; beds are right with a hundredth of a radius (docs/user/theory.md)",
+                    metres(scene.settings.heat->gas_range), metres(movers.largest)));
+  }
   if (scene.settings.impact_speed > kFastest) {
     warnings.push_back(
         fmt::format("the fastest impact to expect is {}, from the speeds, falls and walls of the case; are their units right (rad/s, rpm)?",

@@ -58,7 +58,8 @@ void check_periodic_axes(const Case& c, const SceneParts& parts, const Scene& sc
   const Domain& domain = c.settings.domain;
   const Periodicity periodicity(domain.lower, domain.upper, domain.periodic);
   if (!periodicity.any()) return;
-  const double range = common_margin(scene.settings) + 0.5 * widest_range(scene);
+  const double gas = scene.settings.heat ? scene.settings.heat->gas_range : 0;
+  const double range = common_margin(scene.settings) + 0.5 * std::max(widest_range(scene), gas);
   double largest = 0;
   const auto check = [&](double radius, std::int64_t id) {
     check_period(periodicity, radius, range, [&] { return fmt::format("body {}", id); });

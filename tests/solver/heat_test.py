@@ -485,6 +485,10 @@ def mistakes_are_told_with_their_line():
         for word in words:
             assert word in said, f"{name}: no '{word}' in {said}"
     pack("good", base)
+    said = pack("wide", base.replace("[heat]", "[heat]\ngas_conductivity = 0.05\ngas_range = 0.3"))
+    assert "heat.gas_range = 300 mm is wider than the largest body" in said, said
+    said = pack("period", base.replace("[heat]", "[heat]\ngas_conductivity = 0.05\ngas_range = 0.1") + "[domain]\nmin = [-1, -0.1, -1]\nmax = [1, 0.1, 1]\nperiodic = [\"y\"]\n", expect=3)
+    assert "periodic axis y" in said, said
     pack("long", still.replace("duration = 30", "duration = 300\nstep = 100"))
     said = run(1, "long.scene.h5", "-o", "long.run", expect=2).stderr
     for word in ("time.step = 100 s", "critical step", "conduction of body", "use at most"):
