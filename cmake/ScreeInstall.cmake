@@ -70,8 +70,9 @@ threads and MPI ranks, scree-post makes ParaView files, tables, pictures and a r
   set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
   set(CPACK_DEBIAN_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-  set(CPACK_DEBIAN_PACKAGE_DEPENDS openmpi-bin)
-  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-numpy, xvfb")
+  # the Python package in it does nothing without numpy and h5py; pictures alone need a display
+  set(CPACK_DEBIAN_PACKAGE_DEPENDS "openmpi-bin, python3 (>= 3.11), python3-h5py, python3-numpy")
+  set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "xvfb, libgl1-mesa-dri")
   set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg, paraview, snakemake, python3-matplotlib, python3-pandas")
   include(CPack)
 endfunction()

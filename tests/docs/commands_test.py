@@ -24,7 +24,7 @@ GROUPS = {
 }
 # a template of docs/results/distance-study.md, and a page whose commands need the changes that extending_test.py makes
 NOT_HERE = {"workflows/distance-study/page.md", "docs/develop/extending.md"}
-COMMAND = re.compile(r"(\./|\(?cd |[A-Z_]+=\S+ |scree-(mesher|decomposer|solver|post|bench-|peers-)|mpirun |cmake |ctest |paraview |pvbatch |xvfb-run |tests/|workflows/)")
+COMMAND = re.compile(r"(\./|\(?cd |[A-Z_]+=\S+ |scree-(mesher|decomposer|solver|post|bench-|peers-)|mpirun |cmake |ctest |paraview |pvbatch |xvfb-run |tests/|workflows/|packaging/)")
 
 GROUP, ROOT, BIN, SCRATCH = sys.argv[1:5]
 HERE = os.path.dirname(os.path.abspath(__file__))

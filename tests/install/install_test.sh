@@ -18,7 +18,8 @@ prefix/bin/scree-mesher generate box --size "1, 2, 3" -o box.shape.h5 >/dev/null
 expected=$'box 6 22\ndistance 3'
 [[ "$(outside/outside box.shape.h5)" == "$expected" ]] || fail "the outside program said: $(outside/outside box.shape.h5)"
 
-# 2. every tool has its page and its completion
+# 2. the tools and nothing else; every tool has its page and its completion
+[[ "$(cd prefix/bin && echo *)" == "scree-decomposer scree-mesher scree-post scree-solver" ]] || fail "installed are: $(cd prefix/bin && echo *)"
 for tool in mesher decomposer solver post; do
   grep -q "SH EXAMPLES" "prefix/share/man/man1/scree-$tool.1" || fail "no manual page of scree-$tool"
   bash -n "prefix/share/bash-completion/completions/scree-$tool" || fail "the completion of scree-$tool is no shell"
@@ -27,7 +28,7 @@ done
 # 3. the Debian package
 (cd "$build" && cpack -G DEB -B "$work/package" >"$work/cpack.log" 2>&1) || { cat cpack.log; fail "cpack"; }
 dpkg -x package/scree_*.deb unpacked
-for library in libopenmpi3 libhdf5-openmpi; do
+for library in libopenmpi3 libhdf5-openmpi python3-h5py python3-numpy; do
   dpkg -f package/scree_*.deb Depends | grep -q "$library" || fail "the package does not depend on $library"
 done
 unpacked/usr/bin/scree-mesher info box.shape.h5 >info.txt
