@@ -134,7 +134,7 @@ case $4 in
   heated-drum)
     run heated-drum
     # a third of a turn gives no heating time; what is stored came from the wall, to rounding
-    holds heated-drum/heated-drum.md "^| heat stored, less what the wall gave, over it | [0-9.]*e-\(09\|1[0-9]\) |"
+    holds heated-drum/heated-drum.md "^| heat stored, less what the wall gave, over it | \(0.0e+00\|[0-9.]*e-1[0-9]\) |"
     charts heated-drum/heated-drum
     if command -v ffmpeg >/dev/null; then there heated-drum/heated-rock.mp4; fi
     page heated-drum/heated-rock; resumes heated-drum/heated-rock ;;
