@@ -7,6 +7,9 @@
 #include <map>
 #include <mutex>
 #include <new>
+#include <utility>
+
+#include "core/base/warning_sink.hpp"
 
 namespace scree {
 
@@ -42,11 +45,27 @@ int run_main(const std::string& tool, const std::function<int()>& body) {
   }
 }
 
+namespace {
+
+std::mutex g_warnings;
+std::function<void(const std::string&)> g_sink;
+
+}  // namespace
+
 void warn_once(const std::string& tool, const std::string& text) {
-  static std::mutex mutex;
   static std::map<std::string, long> counts;
-  const std::lock_guard lock(mutex);
-  if (counts[text]++ == 0) print_message(tool, "warning", "33", text);
+  std::function<void(const std::string&)> sink;
+  {
+    const std::lock_guard lock(g_warnings);
+    if (counts[text]++ != 0) return;
+    sink = g_sink;
+  }
+  sink ? sink(text) : print_message(tool, "warning", "33", text);
+}
+
+void set_warning_sink(std::function<void(const std::string& text)> sink) {
+  const std::lock_guard lock(g_warnings);
+  g_sink = std::move(sink);
 }
 
 namespace detail {

@@ -246,6 +246,56 @@ std::string Servo::text() const {
                        : fmt::format("presses with {:.4g} N, at most at {:.4g} m/s", d.push, max_speed);
 }
 
+void OuterMotion::keys(KeyVisitor& k) {
+  k.vector({"direction", "or `axis`", "along which it moves"}, direction, Dimension::none);
+  k.vector({"axis", "or `direction`", "about which it turns"}, axis, Dimension::none);
+  k.vector({"centre", "", "a point on the axis"}, centre, Dimension::length);
+  k.number({"max_speed", "with `direction`", "above which the program's rate is refused"}, max_speed, Dimension::velocity,
+           Range::not_negative);
+  k.number({"max_rate", "with `axis`", "the same"}, max_rate, Dimension::angular_velocity, Range::not_negative);
+  k.numbers({"stroke", "none", "`[lowest, highest]`: limits of its displacement, with `direction`"}, stroke, Dimension::length);
+  k.numbers({"swing", "none", "`[lowest, highest]`: limits of its rotation, with `axis`"}, swing, Dimension::angle);
+}
+
+Drive OuterMotion::drive() const {
+  Drive d;
+  d.guide = guide_of(direction, axis, centre);
+  d.most_rate = d.guide.turns ? max_rate : max_speed;
+  d.is_outer = true;
+  set_ends(d.guide.turns ? swing : stroke, d);
+  return d;
+}
+
+std::optional<KeyFault> OuterMotion::fault() const {
+  if (const auto fault = fault_of_guide("direction", direction, "axis", axis)) return fault;
+  const bool turns = is_given(axis);
+  if (turns) {
+    if (max_speed > 0) return KeyFault{"max_speed", "is there with `axis`; expected `max_rate`"};
+    if (!(max_rate > 0)) return KeyFault{"max_rate", "is 0 or missing; expected how fast it may turn, such as \"5 rpm\""};
+  } else {
+    if (max_rate > 0) return KeyFault{"max_rate", "is there with `direction`; expected `max_speed`"};
+    if (!(max_speed > 0)) return KeyFault{"max_speed", "is 0 or missing; expected how fast it may move, such as \"0.1 m/s\""};
+  }
+  return turns ? fault_of_ends("swing", swing, "stroke", stroke) : fault_of_ends("stroke", stroke, "swing", swing);
+}
+
+double OuterMotion::fastest(std::span<const Vec3> points) const {
+  const Drive d = drive();
+  return d.guide.turns ? max_rate * largest_lever(points, d.guide.axis, centre) : max_speed;
+}
+
+std::vector<Vec3> OuterMotion::displacements(double first, double last) const { return reach_of(drive(), max_speed * (last - first)); }
+
+std::optional<TurnAxis> OuterMotion::turn_axis() const {
+  if (!is_given(axis)) return {};
+  return TurnAxis{centre, normalised(axis)};
+}
+
+std::string OuterMotion::text() const {
+  return drive().guide.turns ? fmt::format("moves as a program says, at most at {:.4g} rad/s", max_rate)
+                             : fmt::format("moves as a program says, at most at {:.4g} m/s", max_speed);
+}
+
 void Free::keys(KeyVisitor& k) {
   k.vector({"guide", "or `hinge`", "along which it moves"}, guide, Dimension::none);
   k.vector({"hinge", "or `guide`", "about which it turns"}, hinge, Dimension::none);

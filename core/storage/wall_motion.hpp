@@ -74,6 +74,7 @@ struct Drive {
   double damping = 0;  ///< [N s/m] or [N m s]
   double most_rate = kUnlimitedRate;
   double share = 0;                               ///< of a servo: of what is missing, within the time of a contact
+  bool is_outer = false;                          ///< its rate is set from outside, at most `most_rate`
   double lowest = -kForever, highest = kForever;  ///< ends of its way
   double mass = 0;                                ///< that gravity acts on [kg]
   Vec3 mass_centre{};                             ///< where, as placed [m]
@@ -175,6 +176,28 @@ struct Servo {
   Drive drive() const;
 };
 
+/// Moves as a program says that steps the run.
+struct OuterMotion {
+  static constexpr const char* kWord = "outer";
+  static constexpr const char* kMeaning =
+      "moves along a `direction` or about an `axis` at the rate that a program sets which steps the run (`scree.Engine`), and stands still "
+      "until "
+      "then";
+  Vec3 direction{}, axis{}, centre{};  ///< the first or the second is given, of any length > 0; a point on the axis [m]
+  double max_speed = 0, max_rate = 0;
+  std::vector<double> stroke{}, swing{};  ///< lowest and highest; empty: no end
+  void keys(KeyVisitor& k);
+  MotionState state(double, const Pose& pose) const { return {pose, {}, {}}; }
+  double fastest(std::span<const Vec3> points) const;
+  double last_change() const { return kForever; }
+  std::vector<Vec3> displacements(double first, double last) const;
+  std::string text() const;
+  std::optional<TurnAxis> turn_axis() const;
+  void move_origin(const Vec3& origin) { centre -= origin; }
+  std::optional<KeyFault> fault() const;
+  Drive drive() const;
+};
+
 /// A part with a mass that moves by what acts on it.
 struct Free {
   static constexpr const char* kWord = "free";
@@ -239,7 +262,7 @@ struct Several {
   Vec3 pivot(double time, const Pose& placed) const;
 };
 
-using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable, Servo, Free, Motor, Several>;
+using MotionKind = std::variant<Still, Rotate, Translate, Oscillate, FollowTable, Servo, OuterMotion, Free, Motor, Several>;
 
 /// A motion of a wall: before `start` and after `stop` it stands still.
 struct WallMotion {

@@ -28,6 +28,7 @@ struct DriveState {
   double stiffness = 0;    ///< of its contacts, now
   double impedance = 0;    ///< of its contacts, now: their force for a rate, pi sqrt(k m) each [N s/m] or [N m s]
   double yield = 0;        ///< rate at which what touches it gives way, the mean by stiffness, now
+  double asked = 0;        ///< rate that a program has set, of one that moves by that
 
   bool operator==(const DriveState&) const = default;
 };

@@ -273,9 +273,10 @@ std::string energy_section(const Run& run) {
                     {"potential above its lowest", t, potential},
                     {"elastic", t, elastic},
                     {"dissipated", t, log.column("dissipated")}};
-  if (log.has("wall_work")) {
-    const std::vector<double>& work = log.column("wall_work");
-    if (std::any_of(work.begin(), work.end(), [](double w) { return w != 0; })) energies.lines.push_back({"wall work", t, work});
+  for (const auto& [column, title] : {std::pair{"wall_work", "wall work"}, std::pair{"outer_work", "work of outer forces"}}) {
+    if (!log.has(column)) continue;
+    const std::vector<double>& work = log.column(column);
+    if (std::any_of(work.begin(), work.end(), [](double w) { return w != 0; })) energies.lines.push_back({title, t, work});
   }
   const double peak = *std::max_element(kinetic.begin(), kinetic.end());
   LineChart settling{"Kinetic energy", "time", "s", "energy", "J", true, false, {}, {}};

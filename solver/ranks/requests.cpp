@@ -18,13 +18,20 @@ void catch_signals() {
 }
 
 void Requests::fill(StepReport& mine) const {
-  mine.signal = g_signal;
+  mine.signal = stop_ != 0 ? stop_ : g_signal;
   mine.checkpoint = asked_;
 }
 
 void Requests::hear(const StepReport& all) {
-  signal_ = static_cast<int>(all.signal);
+  signal_ = deaf_steps_ > 0 ? 0 : static_cast<int>(all.signal);
+  if (deaf_steps_ > 0) --deaf_steps_;
   heard_ = all.checkpoint;
+}
+
+void Requests::stopped() {
+  constexpr int kStepsAhead = 2;
+  signal_ = stop_ = 0;
+  deaf_steps_ = kStepsAhead;
 }
 
 }  // namespace scree

@@ -16,6 +16,11 @@ class Requests {
   /// The largest number of a signal that any rank has seen; 0: none.
   int pending_signal() const { return signal_; }
 
+  /// Asks all ranks, from this one, to stop by the number of a signal, as if it had been caught.
+  void ask_to_stop(int signal) { stop_ = signal; }
+  /// The run has stopped, on every rank, and may go on: what was asked until now counts no more.
+  void stopped();
+
   /// A checkpoint that one rank's clock asks for: rank 0 asks, and within two steps all ranks hear it at the same step. Whoever
   /// writes one, for whatever reason, calls checkpoint_written() on every rank.
   void ask_for_checkpoint() { asked_ = written_ + 1; }
@@ -28,7 +33,8 @@ class Requests {
   void hear(const StepReport& all);
 
  private:
-  int signal_ = 0;
+  int signal_ = 0, stop_ = 0;
+  int deaf_steps_ = 0;  // in which signals are those that have been followed: ranks may agree a step ahead
   std::int64_t asked_ = 0, heard_ = 0, written_ = 0;  // numbers of checkpoints: a request for one that is written by now asks for nothing
 };
 

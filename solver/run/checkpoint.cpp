@@ -40,6 +40,7 @@ void for_each_number(Record& r, Action&& action) {
   action("elastic_tangential", r.energies.tangential_elastic);
   action("dissipated", r.energies.dissipated);
   action("wall_work", r.energies.wall_work);
+  action("outer_work", r.energies.outer_work);
   action("removed", r.energies.removed);
   action("arrived", r.energies.arrived);
   action("bond", r.energies.bond);
@@ -306,7 +307,7 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
     }
     for (const std::unique_ptr<Effect>& effect : simulation.state().effects) {
       const EffectFormat& format = effect_kinds()[effect->kind()].format;
-      if (!format.arrays.empty() && checkpoint.totals.effects[effect->kind()].empty())
+      if (!format.arrays.empty() && !format.is_optional && checkpoint.totals.effects[effect->kind()].empty())
         throw InputError("{}: holds no '{}', which the scene has; it is of another scene", checkpoint.path, format.name());
     }
   });

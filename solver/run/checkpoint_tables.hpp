@@ -198,7 +198,9 @@ inline EffectRecord read_effect(const h5::Group& root, const EffectFormat& forma
   const std::optional<h5::Group> group = *format.group != 0 ? std::optional(root.open_group(format.group)) : std::nullopt;
   for (const ArrayFormat& array : format.arrays) {
     const h5::Group& in = group ? *group : root;
-    if (array.is_real)
+    if (array.is_later && !in.has(array.name))
+      record.emplace_back();
+    else if (array.is_real)
       record.push_back({.reals = in.read_array<double>(array.name, array.width)});
     else
       record.push_back({.integers = in.read_array<std::int64_t>(array.name, array.width)});

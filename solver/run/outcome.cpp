@@ -20,7 +20,7 @@ namespace {
 nlohmann::json energy_json(const RunRecord& record) {
   const Energies& e = record.energies;
   const double scale = record.energy_scale();
-  return {{"initial_balance", record.energy_reference},
+  nlohmann::json j{{"initial_balance", record.energy_reference},
           {"kinetic_peak", record.kinetic_peak},
           {"kinetic_final", e.translational + e.rotational},
           {"potential_final", e.potential},
@@ -30,6 +30,8 @@ nlohmann::json energy_json(const RunRecord& record) {
           {"removed", e.removed},
           {"error_max", record.energy_error},
           {"error_relative", scale > 0 ? record.energy_error / scale : 0.0}};
+  if (e.outer_work != 0) j["outer_work"] = e.outer_work;
+  return j;
 }
 
 /// Bytes held for a body and for a ghost, pairs and their candidates included.

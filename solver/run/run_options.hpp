@@ -25,6 +25,7 @@ struct RunOptions {
   double checkpoint_interval = kCheckpointInterval;  ///< [s] of wall time, for a case that says nothing of checkpoints; 0: only at the end
   std::function<void(const std::string&)> stalled;   ///< ends the process with a message
   std::vector<std::string> command;
+  bool is_quiet = false;  ///< no progress and no notes, only warnings
 };
 
 }  // namespace scree

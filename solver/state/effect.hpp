@@ -73,6 +73,7 @@ class Effect {
   /// Between migration and after_migration(): an owned body that is about to be taken out, and one that has just joined, by its row.
   virtual void body_leaves(const RunState&, std::size_t /*row*/) {}
   virtual void body_joins(const RunState&, std::size_t /*row*/) {}
+  /// What is thrown is kept as in drift().
   virtual void before_forces(RunState&) {}
   /// Is shown the contacts of the step; null: none.
   virtual PairObserver* observer() { return nullptr; }
@@ -86,6 +87,8 @@ class Effect {
   virtual void end_step(const StepParts&) {}
   /// The step has changed at the end of one: its forces count for `difference` [s] more than they were counted in end_step().
   virtual void on_step_change(RunState&, double /*difference*/) {}
+  /// What it adds to the force on an owned body that is asleep, and to its torque.
+  virtual void add_force_at_rest(const RunState&, std::size_t /*row*/, Vec3& /*force*/, Vec3& /*torque*/) const {}
   /// A body, by its row, is about to fall asleep: it has its last velocities.
   virtual void falls_asleep(RunState&, std::size_t /*row*/) {}
   /// After a whole step. Returns whether neighbour lists must be made again.
@@ -127,6 +130,8 @@ struct EffectKind {
   PlanLine without;  ///< of `--plan` for scenes without it; an empty name: no line
   /// Null where the scene does not need it. Throws UsageError for what cannot be combined with it.
   std::unique_ptr<Effect> (*make)(const RunState&);
+  /// The same where no scene needs it, but a program that steps the run, or a checkpoint that has its record. Null: there is none.
+  std::unique_ptr<Effect> (*make_on_demand)(const RunState&) = nullptr;
 };
 
 }  // namespace scree

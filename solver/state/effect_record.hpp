@@ -16,6 +16,7 @@ struct ArrayFormat {
   const char* unit;        ///< "": none
   std::int64_t width = 1;  ///< numbers in a row
   bool is_real = true;     ///< doubles; else 64-bit integers
+  bool is_later = false;   ///< checkpoints of earlier versions lack it: it is empty then
 };
 
 /// The numbers of one array, row after row: the vector that its format names, the other is empty.
@@ -41,6 +42,9 @@ struct EffectFormat {
   std::vector<ArrayFormat> arrays = {};
   /// Says more than that of two records (recorded, found); "": no more. Null: nothing.
   std::string (*difference)(const EffectRecord&, const EffectRecord&) = nullptr;
+
+  /// A checkpoint of the scene may be without it.
+  bool is_optional = false;
 
   /// What a message calls it.
   std::string name() const { return *group != 0 ? group : arrays.front().name; }

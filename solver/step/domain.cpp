@@ -9,6 +9,7 @@ namespace scree {
 
 namespace {
 
+bool is_review_step(const RunState& s) { return s.clock.substep == 0 && s.clock.step % kReviewSteps == 0; }
 bool is_exchange_step(const RunState& s) { return s.clock.step % kExchangeSteps == 0 && !s.scene.outlets().empty(); }
 
 /// Where a body leaves the run.
@@ -17,11 +18,15 @@ enum Exit : std::int32_t { kStays = -2, kDomain = -1 };  // others: the index of
 /// What is due in this step: the same question for review() and remove(), between which no body moves.
 class Exits {
  public:
-  explicit Exits(const RunState& s)
-      : s_(s), of_domain_(s.scene.source().settings.domain.outside == Outside::remove), of_outlets_(is_exchange_step(s)) {}
+  Exits(const RunState& s, const std::unordered_set<std::int64_t>& asked)
+      : s_(s),
+        asked_(asked),
+        of_domain_(is_review_step(s) && s.scene.source().settings.domain.outside == Outside::remove),
+        of_outlets_(is_exchange_step(s)) {}
   bool are_open() const { return (of_domain_ && s_.scene.source().settings.domain.bounded) || of_outlets_; }
   std::int32_t of(std::size_t i) const {
     const ParticleSet& p = s_.particles;
+    if (!asked_.empty() && asked_.contains(p.id[i])) return kDomain;
     if (p.fixed[i]) return kStays;
     const std::vector<Region>& outlets = s_.scene.outlets();
     for (std::size_t k = 0; of_outlets_ && k < outlets.size(); ++k) {
@@ -38,6 +43,7 @@ class Exits {
 
  private:
   const RunState& s_;
+  const std::unordered_set<std::int64_t>& asked_;
   bool of_domain_, of_outlets_;
 };
 
@@ -75,16 +81,39 @@ void check_finite(const RunState& s) {
 
 bool DomainGuard::review(const RunState& s, FirstFailure& failure) {
   const Domain& domain = s.scene.source().settings.domain;
-  if (s.clock.substep != 0 || s.clock.step % kReviewSteps != 0) return false;
+  if (!asked_.empty()) removal_due_ = true;
+  if (!is_review_step(s)) return removal_due_;
   if (domain.bounded && domain.outside == Outside::stop) failure.watch(s.clock.step, [&] { check_domain(s); });
-  const Exits exits(s);
-  if (!exits.are_open()) return false;
+  const Exits exits(s, asked_);
+  if (removal_due_ || !exits.are_open()) return removal_due_;
   removal_due_ = s.comm.max(exits.any() ? 1.0 : 0.0) > 0;
   return removal_due_;
 }
 
+void DomainGuard::ask_removal(const RunState& s, const std::vector<std::int64_t>& mine) {
+  std::vector<std::int64_t> all;
+  for (const auto& block : s.comm.exchange(std::vector<std::vector<std::int64_t>>(static_cast<std::size_t>(s.comm.size()), mine)))
+    all.insert(all.end(), block.begin(), block.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  const std::unordered_set<std::int64_t> wanted(all.begin(), all.end());
+  std::vector<std::uint8_t> here(all.size(), 0), found(all.size(), 0);
+  for (std::size_t i = 0; i < s.particles.owned; ++i) {
+    if (!wanted.contains(s.particles.id[i])) continue;
+    here[static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s.particles.id[i]) - all.begin())] = 1;
+  }
+  MPI_Allreduce(here.data(), found.data(), static_cast<int>(here.size()), MPI_UINT8_T, MPI_MAX, s.comm.get());
+  mpi::on_root(s.comm, [&] {
+    const auto missing = std::find(found.begin(), found.end(), 0);
+    if (missing != found.end())
+      throw UsageError("remove: no body of the run has the id {}; it is a wall, has left, or was never there: take ids from bodies",
+                       all[static_cast<std::size_t>(missing - found.begin())]);
+  });
+  asked_.insert(all.begin(), all.end());
+}
+
 std::vector<std::uint8_t> DomainGuard::leaving(const RunState& s) const {
-  const Exits exits(s);
+  const Exits exits(s, asked_);
   std::vector<std::uint8_t> leaves(s.particles.owned);
   for (std::size_t i = 0; i < leaves.size(); ++i) leaves[i] = exits.of(i) != kStays ? 1 : 0;
   return leaves;
@@ -93,7 +122,7 @@ std::vector<std::uint8_t> DomainGuard::leaving(const RunState& s) const {
 bool DomainGuard::remove(RunState& s) {
   if (!std::exchange(removal_due_, false)) return false;
   ParticleSet& p = s.particles;
-  const Exits exits(s);
+  const Exits exits(s, asked_);
   std::vector<Returning> returning;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < p.owned; ++i) {
@@ -121,6 +150,7 @@ bool DomainGuard::remove(RunState& s) {
   }
   p.resize(kept);
   p.owned = kept;
+  asked_.clear();
   queue_for_return(s, returning);
   return true;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <unordered_set>
 #include <vector>
 
 #include "solver/ranks/failure.hpp"
@@ -31,6 +32,9 @@ class DomainGuard {
   /// is to be removed. Collective.
   /// Returns whether bodies of any rank are to be removed: at the rebuild of lists in this step, by remove().
   bool review(const RunState& s, FirstFailure& failure);
+  /// Takes these bodies of any rank out in the next step, as if they had left the domain. Each rank may name others. Collective.
+  /// Throws UsageError on every rank for an id that no body has.
+  void ask_removal(const RunState& s, const std::vector<std::int64_t>& mine);
   bool is_removal_due() const { return removal_due_; }
   /// Of each owned row, after review(), whether it is to be taken out.
   std::vector<std::uint8_t> leaving(const RunState& s) const;
@@ -47,7 +51,8 @@ class DomainGuard {
   };
   void queue_for_return(RunState& s, const std::vector<Returning>& mine) const;
 
-  std::vector<RemovedBody> removed_;  // by this rank
+  std::vector<RemovedBody> removed_;        // by this rank
+  std::unordered_set<std::int64_t> asked_;  // ids that are to be taken out in any case, the same on every rank
   bool removal_due_ = false;
 };
 

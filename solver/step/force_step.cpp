@@ -29,7 +29,7 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   const bool timed = refresh_ghosts && balance.is_sample(s.clock.step);
   observers_.clear();
   for (const std::unique_ptr<Effect>& effect : s.effects) {
-    effect->before_forces(s);
+    failure.watch(s.clock.step, [&] { effect->before_forces(s); });
     if (PairObserver* const observer = effect->observer()) observers_.push_back(observer);
   }
   if (s.sleep) s.sleep->sort_pairs(s, scratch_, failure);

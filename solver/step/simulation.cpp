@@ -7,6 +7,7 @@
 
 #include "solver/built_with.hpp"
 #include "solver/effects/effects.hpp"
+#include "solver/effects/outer_forces/outer_forces.hpp"
 #include "solver/effects/sleep/sleep.hpp"
 #include "solver/step/leaving_contacts.hpp"
 #include "solver/step/start_from_run.hpp"
@@ -40,6 +41,34 @@ Simulation::Simulation(const mpi::Communicator& comm, const SolverScene& scene, 
   compute_new_contacts_ = [this](const std::vector<std::int32_t>& which) { forces_.compute_new_contacts(state_, failure_, which); };
   state_.effects = make_effects(state_);
   state_.sleep = state_.effect<Sleep>();
+}
+
+/// Makes an effect that no scene needs, at its place in the order of effects.
+Effect& Simulation::add_on_demand(std::size_t kind) {
+  std::unique_ptr<Effect> effect = effect_kinds()[kind].make_on_demand(state_);
+  effect->set_kind(kind);
+  const auto at = std::find_if(state_.effects.begin(), state_.effects.end(), [kind](const auto& other) { return other->kind() > kind; });
+  return **state_.effects.insert(at, std::move(effect));
+}
+
+OuterForces& Simulation::outer_forces() {
+  if (auto* const there = state_.effect<OuterForces>()) return *there;
+  std::size_t kind = 0;
+  while (effect_kinds()[kind].make_on_demand == nullptr) ++kind;
+  return dynamic_cast<OuterForces&>(add_on_demand(kind));
+}
+
+void Simulation::drive_wall(std::size_t wall, double rate) {
+  const Wall& known = state_.scene.source().walls[wall];
+  const Drive* drive = state_.scene.drive(wall);
+  if (drive == nullptr || !drive->is_outer)
+    throw UsageError(
+        "drive: wall '{}' is not moved from outside; give it motion = {{ outer = {{ direction = [0, 0, 1], max_speed = \"0.1 m/s\" }} }}",
+        known.name);
+  if (!(std::abs(rate) <= drive->most_rate))
+    throw UsageError("drive: wall '{}' is to move at {:g} {}, above its {} of {:g}; raise it in the case, or stay below", known.name, rate,
+                     drive->guide.turns ? "rad/s" : "m/s", drive->guide.turns ? "max_rate" : "max_speed", drive->most_rate);
+  state_.drives[wall].asked = rate;
 }
 
 void Simulation::for_each_effect(void (Effect::*hook)(RunState&)) {
@@ -77,6 +106,10 @@ void Simulation::start_from_records(const std::vector<ParticleRecord>& records, 
   state_.totals.largest_id = totals.largest_id;
   state_.totals.inlets = totals.inlets;
   state_.totals.effects.clear();
+  for (std::size_t k = 0; k < totals.effects.size(); ++k) {
+    const bool is_there = std::any_of(state_.effects.begin(), state_.effects.end(), [k](const auto& e) { return e->kind() == k; });
+    if (!totals.effects[k].empty() && effect_kinds()[k].make_on_demand != nullptr && !is_there) add_on_demand(k);
+  }
   for (const std::unique_ptr<Effect>& effect : state_.effects) {
     // a record that is missing, of an older version, leaves what a scene begins with; the state hash judges it
     if (effect->kind() < totals.effects.size() && !totals.effects[effect->kind()].empty())

@@ -25,6 +25,8 @@
 
 namespace scree {
 
+class OuterForces;
+
 class Simulation {
  public:
   Simulation(const mpi::Communicator& comm, const SolverScene& scene, const ParallelOptions& options = {});
@@ -41,6 +43,19 @@ class Simulation {
 
   /// Bodies that join in the next step, see Arrivals::add(). Collective.
   void add_bodies(const std::vector<ParticleRecord>& mine) { arrivals_.add(state_, mine); }
+
+  /// Takes bodies out in the next step, as if they had left the domain. Each rank gives what it wants taken out, of any rank. Collective.
+  /// Throws UsageError on every rank for an id that no body has.
+  void remove_bodies(const std::vector<std::int64_t>& mine) { domain_.ask_removal(state_, mine); }
+
+  /// Moves a wall with the motion `outer` at this rate [m/s] or [rad/s] from now on, on every rank alike.
+  /// Throws UsageError for another wall, and for a rate above its maximum or not finite.
+  void drive_wall(std::size_t wall, double rate);
+
+  /// What acts from outside; made at the first call, on every rank alike, between two steps.
+  OuterForces& outer_forces();
+  /// The state, for what changes it between two steps: its functions are its own.
+  RunState& changeable_state() { return state_; }
 
   /// Throws on every rank what one of them met in the last step. Called before anything is written, so that no rank waits in
   /// a collective write for one that failed, and no failure of the last step is lost. Collective.
@@ -73,6 +88,7 @@ class Simulation {
   void freeze();
   void set_frozen_step();
   StepParts parts() { return {state_, forces_.scratch(), failure_, decomposition_.halo(), agree_, compute_new_contacts_, lists_.skin()}; }
+  Effect& add_on_demand(std::size_t kind);
   void for_each_effect(void (Effect::*hook)(RunState&));
   void move_bodies();
   void finish_motion();

@@ -18,6 +18,57 @@ prefix/bin/scree-mesher generate box --size "1, 2, 3" -o box.shape.h5 >/dev/null
 expected=$'box 6 22\ndistance 3'
 [[ "$(outside/outside box.shape.h5)" == "$expected" ]] || fail "the outside program said: $(outside/outside box.shape.h5)"
 
+# the engine, by programs that have its headers and its library alone: the hash of the solver, and errors as they are told
+cat >fall.toml <<'CASE'
+gravity = [0, 0, -9.81]
+[time]
+duration = "60 ms"
+[materials.glass]
+density = 2500
+[[pairs]]
+between = ["glass", "glass"]
+stiffness = "1 kN/m"
+restitution = 0.7
+friction = 0.4
+[shapes.ball]
+sphere = { radius = "2 mm" }
+[[bodies]]
+shape = "ball"
+material = "glass"
+position = [0, 0, 0.03]
+[[bodies]]
+shape = "ball"
+material = "glass"
+position = [0.001, 0, 0.004]
+[[walls]]
+name = "floor"
+shape = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }
+material = "glass"
+[output]
+every = "10 ms"
+CASE
+prefix/bin/scree-decomposer pack fall.toml -o fall.scene.h5 >pack.log 2>&1 || { cat pack.log; fail "pack"; }
+prefix/bin/scree-solver fall.scene.h5 -o fall.run >/dev/null 2>&1
+hash=$(/usr/bin/python3 - <<'PYTHON'
+import csv
+rows = [row for row in csv.reader(line for line in open("fall.run/log.csv") if not line.startswith("#"))]
+column = [name.split(" ")[0] for name in rows[0]].index("state_hash")
+print(rows[-1][column])
+PYTHON
+)
+outside/step_in_c fall.scene.h5 >c.txt
+outside/step_in_cpp fall.scene.h5 >cpp.txt
+grep -q "^$hash " c.txt || fail "the engine in C: $(cat c.txt); the solver has $hash"
+grep -q "^101 calls, as it should fall, held back$" c.txt || fail "a force in C: $(cat c.txt)"
+grep -q "^$hash " cpp.txt || fail "the engine in C++: $(cat cpp.txt); the solver has $hash"
+grep -q "^2 outer force: no body of the run has the id 987654" cpp.txt || fail "an unknown body in C++: $(cat cpp.txt)"
+grep -q "^my own mistake$" cpp.txt || fail "an exception in C++: $(cat cpp.txt)"
+if command -v gfortran >/dev/null; then
+  library=$(dirname "$(find prefix -name libscree_engine.so)")
+  gfortran -Wall -std=f2008 "$outside/step.f90" -o outside/step_in_fortran -L"$library" -lscree_engine -Wl,-rpath,"$work/$library"
+  [[ "$(outside/step_in_fortran fall.scene.h5)" == "$hash" ]] || fail "the engine in Fortran: $(outside/step_in_fortran fall.scene.h5); the solver has $hash"
+fi
+
 # 2. the tools and nothing else; every tool has its page and its completion
 [[ "$(cd prefix/bin && echo *)" == "scree-decomposer scree-mesher scree-post scree-solver" ]] || fail "installed are: $(cd prefix/bin && echo *)"
 for tool in mesher decomposer solver post; do

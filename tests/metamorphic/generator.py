@@ -753,12 +753,14 @@ def drives(d):
             continue
         lever = float(numpy.linalg.norm(numpy.abs(d.room - centre).max(axis=0)) + d.radius)
         turns = not d.periodic and kind not in ("plane", "box_inside") and d.chance(0.4)
-        motion = d.pick({"servo": 3, "free": 3, **({"motor": 2} if turns else {})})
+        motion = d.pick({"servo": 3, "outer": 1, "free": 3, **({"motor": 2} if turns else {})})
         heavy = mass * d.log_between(1, 100)
         if motion == "servo" and turns:
             table = {"axis": way.tolist(), "centre": centre.tolist(), "torque": force * lever, "max_rate": speed / lever}
             if d.chance(0.5):
                 table["swing"] = [-d.between(0, 0.3), d.between(0.01, 0.5)]
+        elif motion == "outer":   # nobody drives it here: it stands still
+            table = {"axis": way.tolist(), "centre": centre.tolist(), "max_rate": speed / lever} if turns else {"direction": way.tolist(), "max_speed": speed}
         elif motion == "servo" and d.chance(0.5):
             area = d.radius**2 * d.log_between(1, 100)
             table = {"direction": way.tolist(), "stress": force / area, "area": area, "max_speed": speed}

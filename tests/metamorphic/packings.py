@@ -88,7 +88,7 @@ def wall_at_start(wall):
         for part in motion["parts"]:
             wall = wall_at_start(wall | {"motion": part})
         return wall
-    if kind in ("none", "servo", "free", "motor"):   # those that answer to force start where they are placed
+    if kind in ("none", "servo", "outer", "free", "motor"):   # those that answer to force start where they are placed
         return wall
     elapsed = min(max(0.0, motion["start"]), max(motion["start"], motion["stop"])) - motion["start"]
     axis, quat, centre, way = numpy.array(motion["axis"]), [1.0, 0, 0, 0], numpy.zeros(3), numpy.zeros(3)

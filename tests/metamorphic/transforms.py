@@ -171,7 +171,7 @@ def turn_motion(motion, how):
         motion["oscillate"]["direction"] = how.vector(motion["oscillate"]["direction"])
     if "table" in motion:
         motion["table"]["position"] = [how.vector(p) for p in motion["table"]["position"]]
-    for word, ways, spins, points in (("servo", ["direction"], ["axis"], ["centre"]),
+    for word, ways, spins, points in (("servo", ["direction"], ["axis"], ["centre"]), ("outer", ["direction"], ["axis"], ["centre"]),
                                       ("free", ["guide"], ["hinge"], ["centre", "mass_centre"]), ("motor", [], ["axis"], ["centre"])):
         if word not in motion:
             continue

@@ -328,7 +328,7 @@ TEST(WallMotion, that_cannot_be_is_refused_by_name) {
   };
   const nlohmann::json turns = scene_text(one_of_each()[0]), table = scene_text(one_of_each()[3]);
   EXPECT_EQ(message_for(turns, "/kind", "magic"),
-            "X.walls[0].motion.kind: 'magic' found, expected one of none, rotate, translate, oscillate, table, servo, free, motor");
+            "X.walls[0].motion.kind: 'magic' found, expected one of none, rotate, translate, oscillate, table, servo, outer, free, motor");
   EXPECT_EQ(message_for(turns, "/axis", {0, 0, 2}), "X.walls[0].motion.axis: length 2 found, a unit vector expected");
   EXPECT_EQ(message_for(table, "/table_time", {0, 1}),
             "X.walls[0].motion: time has 2 rows and position 4; expected as many, and at least one");

@@ -33,6 +33,7 @@ double damping_share(const Drive& drive, double dt) { return drive.damping * dt 
 
 /// With which it goes in a step that begins now.
 double rate_ahead(const Drive& drive, const DriveState& at, const Vec3& gravity, double dt) {
+  if (drive.is_outer) return at.asked;
   if (drive.inertia > 0) {
     const double rate = at.rate * (1 - damping_share(drive, dt)) + 0.5 * dt * acceleration(drive, at, gravity);
     return std::clamp(rate, -drive.most_rate, drive.most_rate);
@@ -169,10 +170,14 @@ struct DriveColumn {
   ArrayFormat format;
   double DriveState::*field;
 };
-constexpr DriveColumn kColumns[] = {
-    {{"way", ""}, &DriveState::way},     {{"rate", ""}, &DriveState::rate},           {{"rate_before", ""}, &DriveState::rate_before},
-    {{"force", ""}, &DriveState::force}, {{"stiffness", ""}, &DriveState::stiffness}, {{"impedance", ""}, &DriveState::impedance},
-    {{"yield", ""}, &DriveState::yield}};
+constexpr DriveColumn kColumns[] = {{{"way", ""}, &DriveState::way},
+                                    {{"rate", ""}, &DriveState::rate},
+                                    {{"rate_before", ""}, &DriveState::rate_before},
+                                    {{"force", ""}, &DriveState::force},
+                                    {{"stiffness", ""}, &DriveState::stiffness},
+                                    {{"impedance", ""}, &DriveState::impedance},
+                                    {{"yield", ""}, &DriveState::yield},
+                                    {{"asked", "", 1, true, true}, &DriveState::asked}};
 
 class Drives : public Effect {
  public:
@@ -190,6 +195,7 @@ class Drives : public Effect {
   }
   void restore(RunState& s, const EffectRecord& record) override {
     for (std::size_t c = 0; c < std::size(kColumns); ++c) {
+      if (kColumns[c].format.is_later && record[c].reals.empty()) continue;
       if (record[c].reals.size() != s.drives.size())
         throw InputError("{} walls that answer to force instead of {}; the file is damaged or of another scene", record[c].reals.size(),
                          s.drives.size());

@@ -22,6 +22,9 @@ class GivenForces : public Effect {
       if (s.particles.rest[given.row] != kAsleep) s.particles.force[given.row] += given.force;
     }
   }
+  void add_force_at_rest(const RunState& s, std::size_t row, Vec3& force, Vec3&) const override {
+    if (const BodyForce* f = s.scene.given_force(s.particles.id[row])) force += f->force;
+  }
   std::vector<PlanLine> plan(const RunState& s) const override {
     return {{"given forces", fmt::format("on {} bodies", s.scene.source().forces.size())}};
   }

@@ -134,7 +134,6 @@ void Sleep::update_ghosts(RunState& s, ForceScratch& scratch, FirstFailure& fail
 void Sleep::wake_disturbed(RunState& s) {
   ParticleSet& p = s.particles;
   const double tolerance = s.scene.source().settings.sleep_tolerance;
-  bool woke = false;
   std::vector<std::size_t> disturbed, borders;
   for (const std::int32_t k : border_) {
     const PairResult& r = s.pairs.results()[at(k)];
@@ -166,11 +165,12 @@ void Sleep::wake_disturbed(RunState& s) {
       disturbed.push_back(body);
   }
   // each pair is judged by which bodies slept as the step began: else the order of pairs would enter
-  for (const std::size_t body : disturbed) {
-    p.rest[body] = 0;
-    woke = true;
-  }
-  if (!woke) return;
+  wake_rows(s, disturbed);
+}
+
+void Sleep::wake_rows(RunState& s, const std::vector<std::size_t>& rows) {
+  if (rows.empty()) return;
+  for (const std::size_t row : rows) s.particles.rest[row] = 0;
   dirty_ = true;
   find_awake_rows(s);
 }

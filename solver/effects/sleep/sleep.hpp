@@ -78,6 +78,9 @@ class Sleep : public Effect {
   /// Once all pairs are computed, before their forces are summed: wakes the bodies that are disturbed.
   void wake_disturbed(RunState& s);
 
+  /// Wakes owned rows: before the pairs of a step are sorted, or between two steps.
+  void wake_rows(RunState& s, const std::vector<std::size_t>& rows);
+
   /// Bodies asleep that touch one of those that leave, of all ranks. Before bodies migrate and are taken out. Collective.
   /// in   leaves   for each owned row
   std::vector<std::int64_t> touching_those_that_leave(const RunState& s, const std::vector<std::uint8_t>& leaves) const;

@@ -27,7 +27,7 @@ std::vector<BodyLoad> loads_on(RunState& s, const std::vector<std::size_t>& rows
   if (s.fluid) s.fluid->add_buoyancy(p);
   std::swap(p.awake, runs);
   for (const std::size_t i : rows) {
-    if (const BodyForce* given = s.scene.given_force(p.id[i])) p.force[i] += given->force;
+    for (const std::unique_ptr<Effect>& effect : s.effects) effect->add_force_at_rest(s, i, p.force[i], p.torque[i]);
   }
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const std::size_t i = rows[n];

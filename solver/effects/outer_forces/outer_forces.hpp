@@ -1,0 +1,119 @@
+// Forces and torques that a program beside the simulation gives: held on bodies until they are given again, or as functions that are
+// evaluated within each step.
+//
+// Time. What is given between two steps acts from that moment on: the force on the body changes at once, and with it the first half kick of
+// the next step. A held force that follows a place x then lags by half a step on the mean, so that a spring held between steps gains
+// energy: 2 pi w dt / 2 of itself in a period. Functions are called in every step when bodies are at their new places, with velocities of
+// half a step before, as damping is evaluated: velocity Verlet holds.
+//
+// Work. A half kick of dt/2 by all forces changes the kinetic energy of a body by dt/2 F . (v_before + v_after) / 2, of which each force
+// has its exact share; the same of torques, with angular velocities at the orientation of the kick. Both half kicks of a step are counted
+// as they happen, by exact sums.
+//
+// Ranks. What belongs to a body lies on the rank that owns it, by its id, and goes with it: what a rank holds of bodies that it does not
+// own any more is gathered on all ranks, and their new owners keep it. That costs 56 B for each such body and rank.
+//
+// Sleep. The wrench with which a body fell asleep is kept. It wakes when the present one differs from it by more than `sleep_tolerance` of
+// its weight (or of weight times radius, as torque): at once, however slowly that came about.
+//
+// Source: the kick of W. C. Swope, H. C. Andersen, P. H. Berens, K. R. Wilson, J. Chem. Phys. 76 (1982) 637.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "solver/ranks/exact_sum.hpp"
+#include "solver/state/effect.hpp"
+
+namespace scree {
+
+/// Force [N], and torque about the centre of mass [N m], world.
+struct Wrench {
+  Vec3 force, torque;
+  bool operator==(const Wrench&) const = default;
+};
+struct WrenchOnBody {
+  std::int64_t id;
+  Wrench wrench;
+};
+
+/// Adds to force and torque of each owned row, all 0 before. What it throws ends the step on all ranks.
+using ForceFunction = std::function<void(std::span<Vec3> force, std::span<Vec3> torque)>;
+
+class OuterForces : public Effect {
+ public:
+  // 1. Between two steps. Collective.
+  /// Holds wrenches, each in place of that which its body had. Any rank may name any body.
+  /// Throws UsageError on every rank, and nothing is changed: a body that is unknown, named twice or fixed; a number that is not finite.
+  void hold(RunState& s, const std::vector<WrenchOnBody>& mine);
+  /// Holds nothing any more: on these bodies, without a list on none. Throws as hold().
+  void release(RunState& s, const std::optional<std::vector<std::int64_t>>& mine);
+  /// Calls a function now, and in steps whose number is a multiple of `every` (>= 1); between them its last forces are held. Functions are
+  /// called in the order of their numbers. Returns the number. Throws on every rank what it throws on one.
+  int add(RunState& s, ForceFunction function, std::int64_t every);
+  /// Throws UsageError for a number that is not there.
+  void remove(RunState& s, int number);
+
+  // 2. As an effect.
+  void drift(RunState& s) override;
+  void after_migration(RunState& s, bool left) override;
+  void on_rebuild(const StepParts& parts) override;
+  void before_forces(RunState& s) override;
+  void add_forces(RunState& s) override;
+  void after_kick(RunState& s) override;
+  void falls_asleep(RunState& s, std::size_t row) override;
+  void add_force_at_rest(const RunState& s, std::size_t row, Vec3& force, Vec3& torque) const override;
+  EffectRecord record(const RunState& s) const override;
+  void restore(RunState& s, const EffectRecord& record) override;
+  std::vector<ItemHash> hashes(const RunState&) const override { return {}; }  // bodies say it
+  void add_energies(const RunState& s, Energies& energies) const override;
+  void add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const override;
+  std::vector<PlanLine> plan(const RunState& s) const override;
+
+  using WrenchById = std::unordered_map<std::int64_t, Wrench>;
+
+ private:
+  /// What acts on an owned row since the last evaluation of forces.
+  struct Acting {
+    std::size_t row;
+    Wrench wrench;
+    Vec3 v, w;  ///< velocities at the beginning of the present half kick, and
+    Quat q;     ///< the orientation at which w follows from L
+  };
+  struct Function {
+    int number;
+    ForceFunction call;
+    std::int64_t every;
+    std::vector<Vec3> force, torque;  ///< by owned row
+    WrenchById latest;                ///< where it is not called in every step: rows may change between
+  };
+
+  void call(const RunState& s, Function& f);
+  void hold_latest(const RunState& s, Function& f);
+  void sum_functions(const RunState& s);
+  std::vector<std::pair<std::size_t, Wrench>> present(const RunState& s) const;
+  void change_now(RunState& s);
+  void wake_changed(RunState& s, const std::vector<std::pair<std::size_t, Wrench>>& now);
+  void find_rows(const RunState& s);
+  void add_work(const RunState& s, const Acting& acting, double dt, const Vec3& w_after);
+
+  WrenchById held_, kept_;                                 // of bodies of this rank; kept_: as they fell asleep
+  std::vector<std::pair<std::size_t, Wrench>> held_rows_;  // ascending
+  std::vector<Function> functions_;
+  std::vector<Vec3> force_, torque_;  // of all functions together, by owned row; empty without functions
+  std::vector<Acting> acting_;        // ascending rows
+  WrenchById restored_;               // acting, of a restart, until rows are known
+  bool is_used_ = false;              // anything was ever given: the same on every rank
+  int last_number_ = 0;
+  ExactSum work_;  // of this rank [J]
+};
+
+/// Made where a record asks for it, or by Simulation::outer_forces(): no case has it.
+EffectKind outer_forces_effect();
+
+}  // namespace scree

@@ -1,0 +1,184 @@
+// The engine of Scree for C++ programs: owners, spans and exceptions around the functions of scree_engine.h, which says what each means,
+// its units, frame, errors and cost. Header-only: a program needs scree_engine.h, this file and libscree_engine.so (CMake: Scree::engine),
+// and any compiler of C++20.
+//
+//   scree::Engine engine("bed.scene.h5");
+//   engine.add_force([](const scree::Engine& e, std::span<double> force, std::span<double>) {
+//     const std::span<const double> x = e.reals("position", 3);
+//     for (std::size_t i = 0; i < force.size(); ++i) force[i] = -2.0 * x[i];
+//   });
+//   engine.run_until(0.2);
+//
+// Not thread-safe; the functions are collective over the ranks of the communicator as scree_engine.h says.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scree_engine.h"
+
+namespace scree {
+
+/// What a function of the engine throws: its text, and the code of scree_engine.h (SCREE_USAGE, ...; 128 and a number: an interrupted
+/// step).
+class EngineError : public std::runtime_error {
+ public:
+  explicit EngineError(int code) : std::runtime_error(code >= 128 ? "interrupted" : scree_error()), code_(code) {}
+  int code() const { return code_; }
+
+ private:
+  int code_;
+};
+
+/// A state that Engine::save() kept.
+class EngineState {
+ public:
+  explicit EngineState(scree_state* state) : state_(state, scree_free_state) {}
+  const scree_state* get() const { return state_.get(); }
+
+ private:
+  std::unique_ptr<scree_state, void (*)(scree_state*)> state_;
+};
+
+class Engine {
+ public:
+  /// Adds to force [N] and torque [N m], 3 numbers a body, all 0 before. An exception ends the step.
+  using Force = std::function<void(const Engine&, std::span<double> force, std::span<double> torque)>;
+
+  struct Options {
+    const void* comm = nullptr;  ///< address of an MPI_Comm; null: this process alone
+    std::string run, restart;    ///< "": none
+    int threads = 0;
+  };
+
+  explicit Engine(const std::string& scene) : Engine(scene, Options{}) {}
+  Engine(const std::string& scene, const Options& options) {
+    check(scree_open(scene.c_str(), options.comm, options.run.empty() ? nullptr : options.run.c_str(),
+                     options.restart.empty() ? nullptr : options.restart.c_str(), options.threads, &engine_));
+  }
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  ~Engine() { scree_close(engine_); }
+  /// What the destructor does, with its errors.
+  void close() { check(scree_close(std::exchange(engine_, nullptr))); }
+
+  void step(std::int64_t n = 1) { check(scree_step(engine_, n)); }
+  void run_until(double time) { check(scree_run_until(engine_, time)); }
+  double time() const { return scree_time(engine_); }
+  double dt() const { return scree_dt(engine_); }
+  std::int64_t steps() const { return scree_step_count(engine_); }
+  double duration() const { return scree_duration(engine_); }
+  bool is_over() const { return scree_is_over(engine_) != 0; }
+
+  /// Fields of the bodies of this rank: `width` numbers a body. Valid until the next call that changes the engine.
+  std::span<const double> reals(const char* field, std::size_t width) const {
+    const double* numbers = scree_reals(engine_, field);
+    if (numbers == nullptr) throw EngineError(SCREE_USAGE);
+    return {numbers, width * body_count()};
+  }
+  std::span<const std::int64_t> integers(const char* field) const {
+    const std::int64_t* numbers = scree_integers(engine_, field);
+    if (numbers == nullptr) throw EngineError(SCREE_USAGE);
+    return {numbers, body_count()};
+  }
+  std::size_t body_count() const { return static_cast<std::size_t>(scree_body_count(engine_)); }
+
+  /// Three numbers for each id; torques may be empty.
+  void set_wrench(std::span<const std::int64_t> ids, std::span<const double> forces, std::span<const double> torques = {}) {
+    if (forces.size() != 3 * ids.size() || (!torques.empty() && torques.size() != 3 * ids.size()))
+      throw std::invalid_argument("set_wrench: 3 numbers for each id are needed");
+    check(scree_set_wrench(engine_, static_cast<std::int64_t>(ids.size()), ids.data(), forces.data(),
+                           torques.empty() ? nullptr : torques.data()));
+  }
+  void clear_wrench() { check(scree_clear_wrench(engine_, 0, nullptr)); }
+  /// Returns a number for remove_force(). The function lives until then.
+  int add_force(Force force, std::int64_t every = 1) {
+    forces_.push_back(std::make_unique<Call>(Call{this, std::move(force), {}, 0}));
+    check(scree_add_force(engine_, &Engine::call, every, forces_.back().get(), &forces_.back()->number));
+    return forces_.back()->number;
+  }
+  void remove_force(int number) {
+    check(scree_remove_force(engine_, number));
+    std::erase_if(forces_, [number](const auto& call) { return call->number == number; });
+  }
+
+  int wall(const std::string& name) const {
+    for (int w = 0; w < scree_wall_count(engine_); ++w)
+      if (name == scree_wall_name(engine_, w)) return w;
+    throw std::invalid_argument("the scene has no wall '" + name + "'");
+  }
+  /// Force and torque about the world's origin, 6 numbers a wall.
+  std::vector<double> wall_loads() {
+    std::vector<double> loads(6 * static_cast<std::size_t>(scree_wall_count(engine_)));
+    check(scree_wall_loads(engine_, loads.data()));
+    return loads;
+  }
+
+  scree_energies energies() {
+    scree_energies e;
+    check(scree_get_energies(engine_, &e));
+    return e;
+  }
+  std::string state_hash() {
+    std::array<char, 33> text{};
+    check(scree_state_hash(engine_, text.data()));
+    return text.data();
+  }
+
+  EngineState save() {
+    scree_state* state = nullptr;
+    check(scree_save(engine_, &state));
+    return EngineState(state);
+  }
+  void restore(const EngineState& state) { check(scree_restore(engine_, state.get())); }
+  void write_checkpoint(const std::string& folder) { check(scree_write_checkpoint(engine_, folder.c_str())); }
+  void write_frame(const std::string& path) { check(scree_write_frame(engine_, path.c_str())); }
+
+  std::vector<std::int64_t> insert(std::span<const scree_new_body> bodies) {
+    std::vector<std::int64_t> ids(bodies.size());
+    check(scree_insert(engine_, static_cast<std::int64_t>(bodies.size()), bodies.data(), ids.data()));
+    return ids;
+  }
+  void remove(std::span<const std::int64_t> ids) { check(scree_remove(engine_, static_cast<std::int64_t>(ids.size()), ids.data())); }
+
+  /// For what this class does not have.
+  scree_engine* get() const { return engine_; }
+
+ private:
+  struct Call {
+    Engine* engine;
+    Force force;
+    std::exception_ptr error;
+    int number;
+  };
+  static int call(void* user, scree_engine*, std::int64_t count, double* force, double* torque) {
+    auto* const self = static_cast<Call*>(user);
+    const auto numbers = 3 * static_cast<std::size_t>(count);
+    try {
+      self->force(*self->engine, {force, numbers}, {torque, numbers});
+      return 0;
+    } catch (...) {
+      self->error = std::current_exception();
+      return 1;
+    }
+  }
+  /// Throws what a function of forces threw, else EngineError.
+  void check(int code) {
+    if (code == SCREE_DONE) return;
+    for (const auto& call : forces_)
+      if (call->error) std::rethrow_exception(std::exchange(call->error, nullptr));
+    throw EngineError(code);
+  }
+
+  scree_engine* engine_ = nullptr;
+  std::vector<std::unique_ptr<Call>> forces_;
+};
+
+}  // namespace scree
