@@ -21,8 +21,9 @@ const std::vector<EffectKind>& effect_kinds() {
   //   load maps     count the sliding work of a step before walls wear by it
   //   heat          comes last in a step: what the step has dissipated is known, and bodies have their velocities
   //   wear          changes walls between two steps; which bodies sleep is judged by the walls as they are then
-  static const std::vector<EffectKind> kinds{given_forces_effect(), outer_forces_effect(), bonds_effect(), drives_effect(), load_maps_effect(),
-                                             impacts_effect(), heat_effect(), wear_effect(), sleep_effect()};
+  static const std::vector<EffectKind> kinds{given_forces_effect(), outer_forces_effect(), bonds_effect(),
+                                             drives_effect(),       load_maps_effect(),    impacts_effect(),
+                                             heat_effect(),         wear_effect(),         sleep_effect()};
   return kinds;
 }
 

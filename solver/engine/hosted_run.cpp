@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/base/nearest_name.hpp"
+#include "solver/engine/body_fields.hpp"
 #include "solver/run/make_frame.hpp"
 #include "solver/run/measures.hpp"
 #include "solver/run/run_steps.hpp"
@@ -24,17 +25,6 @@ namespace scree {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// Columns of the bodies that are read as they lie.
-const double* as_numbers(const std::vector<double>& column) { return column.data(); }
-const double* as_numbers(const std::vector<Vec3>& column) {
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  return reinterpret_cast<const double*>(column.data());
-}
-const double* as_numbers(const std::vector<Quat>& column) {
-  static_assert(sizeof(Quat) == 4 * sizeof(double));
-  return reinterpret_cast<const double*>(column.data());
-}
 
 int threads_at_start(const HostedRun::Options& options) { return options.threads > 0 ? options.threads : omp_get_max_threads(); }
 
@@ -75,17 +65,14 @@ struct HostedRun::Inner {
   };
   std::vector<Force> forces;
   int last_force = 0;
-  std::vector<double> numbers;
-  std::vector<Vec3> vectors;
-  std::vector<Quat> quaternions;
-  std::vector<std::int64_t> integers;
+  BodyFields fields;
   FrameContacts contacts;
 
   Inner(const std::string& scene, MPI_Comm c, const Options& o) : comm(c), threads(threads_at_start(o)), loaded(load_scene(comm, scene)) {
     options.scene_path = scene;
     options.run_folder = o.run_folder;
     options.restart = o.restart;
-    options.command = {"scree.Engine", scene};
+    options.command = {kEngineCommand, scene};
     options.is_quiet = true;
     options.stall_limit = 0;  // the program that steps may wait for as long as it likes
     options.most_threads = o.threads > 0 || std::getenv("OMP_NUM_THREADS") != nullptr ? 0 : threads;
@@ -233,57 +220,8 @@ bool HostedRun::is_over() const { return in_->files && in_->files->is_over(); }
 const Scene& HostedRun::scene() const { return in_->loaded.scene; }
 std::int64_t HostedRun::body_count() const { return static_cast<std::int64_t>(in_->state().particles.owned); }
 
-const double* HostedRun::reals(const std::string& field) {
-  static const double kNone = 0;
-  const ParticleSet& p = in_->state().particles;
-  const SolverScene& scene = *in_->loaded.prepared;
-  const auto shown = [](const double* data) { return data == nullptr ? &kNone : data; };
-  if (field == "velocity") return shown(as_numbers(p.v));
-  if (field == "angular_velocity") return shown(as_numbers(p.w));
-  if (field == "force") return shown(as_numbers(p.force));
-  if (field == "torque") return shown(as_numbers(p.torque));
-  if (field == "mass") return shown(as_numbers(p.mass));
-  if (field == "radius") return shown(as_numbers(p.radius));
-  if (field == "scale") return shown(as_numbers(p.scale));
-  if (field == "temperature") return in_->loaded.scene.settings.heat ? shown(as_numbers(p.temperature)) : nullptr;
-  if (field == "position") {
-    if (in_->loaded.origin == Vec3{}) return shown(as_numbers(p.x));
-    in_->vectors.resize(p.owned);
-    for (std::size_t i = 0; i < p.owned; ++i) in_->vectors[i] = p.x[i] + in_->loaded.origin;
-    return shown(as_numbers(in_->vectors));
-  }
-  if (field == "quaternion") {
-    in_->quaternions.resize(p.owned);
-    for (std::size_t i = 0; i < p.owned; ++i) in_->quaternions[i] = mesh_orientation(scene, p.shape[i], p.q[i]);
-    return shown(as_numbers(in_->quaternions));
-  }
-  if (field == "volume" || field == "diameter") {
-    in_->numbers.resize(p.owned);
-    for (std::size_t i = 0; i < p.owned; ++i) {
-      const double volume = p.mass[i] / scene.source().materials[static_cast<std::size_t>(p.material[i])].density;
-      in_->numbers[i] = field == "volume" ? volume : 2 * p.equivalent_radius[i];
-    }
-    return shown(as_numbers(in_->numbers));
-  }
-  return nullptr;
-}
-
-const std::int64_t* HostedRun::integers(const std::string& field) {
-  static const std::int64_t kNone = 0;
-  const ParticleSet& p = in_->state().particles;
-  if (field == "id") return p.owned > 0 ? p.id.data() : &kNone;
-  std::vector<std::int64_t>& to = in_->integers;
-  to.resize(p.owned);
-  const auto fill = [&](const auto& value) {
-    for (std::size_t i = 0; i < p.owned; ++i) to[i] = value(i);
-    return p.owned > 0 ? to.data() : &kNone;
-  };
-  if (field == "shape") return fill([&](std::size_t i) { return p.shape[i]; });
-  if (field == "material") return fill([&](std::size_t i) { return p.material[i]; });
-  if (field == "fixed") return fill([&](std::size_t i) { return p.fixed[i]; });
-  if (field == "asleep") return fill([&](std::size_t i) { return p.rest[i] == kAsleep ? 1 : 0; });
-  return nullptr;
-}
+const double* HostedRun::reals(const std::string& field) { return in_->fields.reals(in_->loaded, in_->state(), field); }
+const std::int64_t* HostedRun::integers(const std::string& field) { return in_->fields.integers(in_->state(), field); }
 
 void HostedRun::hold(const std::vector<WrenchOnBody>& mine) {
   in_->check_moves("set_wrench");

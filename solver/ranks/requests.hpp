@@ -34,7 +34,7 @@ class Requests {
 
  private:
   int signal_ = 0, stop_ = 0;
-  int deaf_steps_ = 0;  // in which signals are those that have been followed: ranks may agree a step ahead
+  int deaf_steps_ = 0;                                // in which signals are those that have been followed: ranks may agree a step ahead
   std::int64_t asked_ = 0, heard_ = 0, written_ = 0;  // numbers of checkpoints: a request for one that is written by now asks for nothing
 };
 

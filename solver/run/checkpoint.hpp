@@ -27,7 +27,9 @@ struct RunRecord {
   double wall_seconds = 0;
   PhaseTimes phases{};  ///< mean over the ranks [s]
   /// What an error of the energy is measured by [J].
-  double energy_scale() const { return std::max({kinetic_peak, energies.dissipated, elastic_peak, std::abs(energies.wall_work), std::abs(energies.outer_work)}); }
+  double energy_scale() const {
+    return std::max({kinetic_peak, energies.dissipated, elastic_peak, std::abs(energies.wall_work), std::abs(energies.outer_work)});
+  }
 };
 
 struct Checkpoint {

@@ -21,15 +21,15 @@ nlohmann::json energy_json(const RunRecord& record) {
   const Energies& e = record.energies;
   const double scale = record.energy_scale();
   nlohmann::json j{{"initial_balance", record.energy_reference},
-          {"kinetic_peak", record.kinetic_peak},
-          {"kinetic_final", e.translational + e.rotational},
-          {"potential_final", e.potential},
-          {"elastic_final", e.elastic + e.tangential_elastic},
-          {"dissipated", e.dissipated},
-          {"wall_work", e.wall_work},
-          {"removed", e.removed},
-          {"error_max", record.energy_error},
-          {"error_relative", scale > 0 ? record.energy_error / scale : 0.0}};
+                   {"kinetic_peak", record.kinetic_peak},
+                   {"kinetic_final", e.translational + e.rotational},
+                   {"potential_final", e.potential},
+                   {"elastic_final", e.elastic + e.tangential_elastic},
+                   {"dissipated", e.dissipated},
+                   {"wall_work", e.wall_work},
+                   {"removed", e.removed},
+                   {"error_max", record.energy_error},
+                   {"error_relative", scale > 0 ? record.energy_error / scale : 0.0}};
   if (e.outer_work != 0) j["outer_work"] = e.outer_work;
   return j;
 }

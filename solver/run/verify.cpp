@@ -191,6 +191,14 @@ Verdict Verifier::finish_features(std::int64_t last) const {
 
 Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) {
   // 1. what was recorded, and where to begin
+  mpi::on_root(comm, [&] {
+    if (is_stepped_by_program(options.run_folder))
+      warn_once(
+          "scree-solver",
+          fmt::format("{}: a program stepped this run (the engine): forces that it gave, and walls and bodies that it moved, are in no "
+                      "file, so that steps after the first of them cannot be computed again",
+                      options.run_folder));
+  });
   const LoadedScene loaded = load_scene(comm, options.run_folder + "/scene.h5");
   Recorded recorded = find_records(comm, options);
   Watchdog watchdog(comm, options.stall_limit, options.stalled);

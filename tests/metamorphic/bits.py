@@ -399,6 +399,19 @@ def recording_impacts_is_no_physics(trial):
     bodies_go_the_same_way(trial, case, "recording impacts")
 
 
+@relation("bits", another_hash)
+def stepped_by_the_engine(trial):
+    """A program that steps the scene gets the state of the solver, whatever it tried and took back meanwhile."""
+    run = trial.completed()
+    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "engine_steps.py")
+    words = ["/usr/bin/python3", script, trial.scene.path, str(run.record["steps"]), f"{trial.seed} {trial.random.random()}"]
+    threads = trial.random.choice([1, 1, 2])
+    code, out, err = trial.tools.outcome_of(words, f"the engine with {threads} threads", threads, {"SCREE_BIN": trial.tools.bin}, None)
+    require(code == 0, f"the engine ends with {code}: {err.strip()[-800:]}")
+    found = trial.seen(Run(run.folder, run.code, run.text, trial.scene))
+    require(out.split()[-1] == found.hash, f"the engine has the state {out.split()[-1]}, the solver {found.hash}")
+
+
 def without_contacts(frame):
     kept = object.__new__(type(frame))
     kept.__dict__.update(frame.__dict__)

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
+#include <iterator>
 
 #include "core/base/error.hpp"
 #include "solver/bodies/motion.hpp"
@@ -15,107 +15,54 @@ namespace scree {
 
 namespace {
 
-using WrenchById = OuterForces::WrenchById;
-
-bool is_zero(const Wrench& w) { return w == Wrench{}; }
-Wrench operator-(const Wrench& a, const Wrench& b) { return {a.force - b.force, a.torque - b.torque}; }
-
-/// What all ranks give, by ascending id, on every rank. Collective.
-std::vector<WrenchOnBody> of_all_ranks(const RunState& s, const std::vector<WrenchOnBody>& mine) {
-  std::vector<WrenchOnBody> all;
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<WrenchOnBody>>(static_cast<std::size_t>(s.comm.size()), mine)))
-    all.insert(all.end(), block.begin(), block.end());
-  std::sort(all.begin(), all.end(), [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id < r.id; });
-  return all;
-}
-
-/// Owned rows by id, of a few ids.
-std::unordered_map<std::int64_t, std::size_t> rows_of(const ParticleSet& p, const std::unordered_set<std::int64_t>& ids) {
-  std::unordered_map<std::int64_t, std::size_t> rows;
-  for (std::size_t i = 0; i < p.owned; ++i)
-    if (ids.contains(p.id[i])) rows[p.id[i]] = i;
-  return rows;
-}
-
-/// Rows of what all ranks named. Throws UsageError on every rank. Collective.
-std::unordered_map<std::int64_t, std::size_t> checked_rows(const RunState& s, const std::vector<WrenchOnBody>& all) {
-  std::unordered_set<std::int64_t> ids;
-  for (const WrenchOnBody& w : all) ids.insert(w.id);
-  std::unordered_map<std::int64_t, std::size_t> mine = rows_of(s.particles, ids);
-  std::vector<std::uint8_t> state(all.size(), 0), of_any(all.size(), 0);  // 0: not here, 1: here, 2: here and fixed
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto found = mine.find(all[k].id);
-    if (found != mine.end()) state[k] = s.particles.fixed[found->second] ? 2 : 1;
-  }
-  MPI_Allreduce(state.data(), of_any.data(), static_cast<int>(state.size()), MPI_UINT8_T, MPI_MAX, s.comm.get());
-  mpi::on_root(s.comm, [&] {
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      if (k > 0 && all[k].id == all[k - 1].id)
-        throw UsageError("outer force: body {} is named twice in one call; add up its forces, and name it once", all[k].id);
-      if (!is_finite(all[k].wrench.force) || !is_finite(all[k].wrench.torque))
-        throw UsageError("outer force: body {} gets a force or torque that is not a finite number; check what it is computed from",
-                         all[k].id);
-      if (of_any[k] == 0)
-        throw UsageError("outer force: no body of the run has the id {}; it is a wall, has left, or was never there: take ids from bodies",
-                         all[k].id);
-      if (of_any[k] == 2) throw UsageError("outer force: body {} is fixed, and no force moves it; leave it out", all[k].id);
-    }
-  });
-  return mine;
-}
-
-/// What a rank holds of bodies that it does not own any more goes to their owners; what nobody owns has left the run. Collective.
-void travel(const RunState& s, WrenchById& of) {
-  std::unordered_set<std::int64_t> owned;
-  if (!of.empty()) owned.insert(s.particles.id.begin(), s.particles.id.begin() + static_cast<std::ptrdiff_t>(s.particles.owned));
-  std::vector<WrenchOnBody> lost;
-  for (const auto& [id, wrench] : of)
-    if (!owned.contains(id)) lost.push_back({id, wrench});
-  for (const WrenchOnBody& w : lost) of.erase(w.id);
-  const std::vector<WrenchOnBody> all = of_all_ranks(s, lost);
-  if (all.empty()) return;
-  std::unordered_map<std::int64_t, Wrench> found;
-  for (const WrenchOnBody& w : all) found[w.id] = w.wrench;
-  for (std::size_t i = 0; i < s.particles.owned; ++i) {
-    const auto here = found.find(s.particles.id[i]);
-    if (here != found.end()) of.insert(*here);
-  }
-}
-
-constexpr std::int64_t kNumbers = 6;  // of a wrench
-
-StateArray ids_of(const std::vector<WrenchOnBody>& rows) {
-  StateArray array;
-  for (const WrenchOnBody& r : rows) array.integers.push_back(r.id);
-  return array;
-}
-StateArray numbers_of(const std::vector<WrenchOnBody>& rows) {
-  StateArray array;
-  for (const WrenchOnBody& r : rows) {
-    for (const Vec3* v : {&r.wrench.force, &r.wrench.torque}) array.reals.insert(array.reals.end(), {v->x, v->y, v->z});
-  }
-  return array;
-}
-/// Those of the bodies of this rank. Throws InputError.
-WrenchById wrenches_of(const StateArray& ids, const StateArray& numbers) {
-  if (numbers.reals.size() != static_cast<std::size_t>(kNumbers) * ids.integers.size())
-    throw InputError("outer forces: {} numbers for {} bodies; the file is damaged", numbers.reals.size(), ids.integers.size());
-  WrenchById all;
-  for (std::size_t k = 0; k < ids.integers.size(); ++k) {
-    const double* n = numbers.reals.data() + static_cast<std::size_t>(kNumbers) * k;
-    all[ids.integers[k]] = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-  }
-  return all;
-}
+constexpr std::size_t kRowsWorthThreads = 4000;
 
 }  // namespace
 
-void OuterForces::find_rows(const RunState& s) {
-  held_rows_.clear();
-  for (std::size_t i = 0; i < s.particles.owned && !held_.empty(); ++i) {
-    const auto found = held_.find(s.particles.id[i]);
-    if (found != held_.end()) held_rows_.emplace_back(i, found->second);
+void OuterForces::Acting::clear() {
+  row.clear();
+  force.clear();
+  v.clear();
+  turning.clear();
+}
+
+void OuterForces::Acting::add(const ParticleSet& p, const OnRow& on) {
+  row.push_back(on.row);
+  force.push_back(on.wrench.force);
+  v.push_back(p.v[on.row]);
+  if (!(on.wrench.torque == Vec3{})) turning.push_back({on.row, on.wrench.torque, p.w[on.row], p.q[on.row]});
+}
+
+std::vector<OuterForces::OnRow> OuterForces::Acting::list() const {
+  std::vector<OnRow> rows;
+  auto turn = turning.begin();
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    const bool turns = turn != turning.end() && turn->row == row[k];
+    rows.push_back({row[k], {force[k], turns ? turn->torque : Vec3{}}});
+    if (turns) ++turn;
   }
+  return rows;
+}
+
+const std::vector<std::int32_t>& OuterForces::by_id(const RunState& s) {
+  if (by_id_.size() != s.particles.owned) by_id_ = rows_by_id(s.particles);
+  return by_id_;
+}
+
+void OuterForces::find_rows(const RunState& s) {
+  const ParticleSet& p = s.particles;
+  held_rows_.clear();
+  is_current_ = false;
+  if (held_.empty()) return;
+  std::vector<std::int32_t> place(p.owned, -1);
+  auto next = held_.begin();
+  for (const std::int32_t row : by_id(s)) {
+    const auto i = static_cast<std::size_t>(row);
+    while (next != held_.end() && next->id < p.id[i]) ++next;
+    if (next != held_.end() && next->id == p.id[i]) place[i] = static_cast<std::int32_t>(next - held_.begin());
+  }
+  for (std::size_t i = 0; i < p.owned; ++i)
+    if (place[i] >= 0) held_rows_.push_back({i, held_[static_cast<std::size_t>(place[i])].wrench});
 }
 
 /// Calls a function for the owned rows.
@@ -162,92 +109,94 @@ void OuterForces::sum_functions(const RunState& s) {
 }
 
 /// What is held and what functions gave, of the owned rows where there is any, ascending.
-std::vector<std::pair<std::size_t, Wrench>> OuterForces::present(const RunState& s) const {
+std::vector<OuterForces::OnRow> OuterForces::present(const RunState& s) const {
   if (force_.empty()) return held_rows_;
-  std::vector<std::pair<std::size_t, Wrench>> rows;
+  std::vector<OnRow> rows;
   auto next = held_rows_.begin();
   for (std::size_t i = 0; i < s.particles.owned; ++i) {
     Wrench w{force_[i], torque_[i]};
-    if (next != held_rows_.end() && next->first == i) {
-      w.force += next->second.force;
-      w.torque += next->second.torque;
+    if (next != held_rows_.end() && next->row == i) {
+      w.force += next->wrench.force;
+      w.torque += next->wrench.torque;
       ++next;
     }
-    if (!is_zero(w)) rows.emplace_back(i, w);
+    if (!is_zero(w)) rows.push_back({i, w});
   }
   return rows;
 }
 
 /// Wakes the bodies on which other wrenches act than those with which they fell asleep.
-void OuterForces::wake_changed(RunState& s, const std::vector<std::pair<std::size_t, Wrench>>& now) {
+void OuterForces::wake_changed(RunState& s, const std::vector<OnRow>& now) {
   if (s.sleep == nullptr) return;
   const ParticleSet& p = s.particles;
   const double tolerance = s.scene.source().settings.sleep_tolerance;
   std::vector<std::size_t> disturbed;
   auto next = now.begin();
   for (std::size_t i = 0; i < p.owned; ++i) {
-    while (next != now.end() && next->first < i) ++next;
-    const bool acts = next != now.end() && next->first == i;
+    while (next != now.end() && next->row < i) ++next;
+    const bool acts = next != now.end() && next->row == i;
     if (p.rest[i] != kAsleep) {
       if (!kept_.empty()) kept_.erase(p.id[i]);
       continue;
     }
     const auto kept = kept_.find(p.id[i]);
     if (!acts && kept == kept_.end()) continue;
-    const Wrench change = (acts ? next->second : Wrench{}) - (kept == kept_.end() ? Wrench{} : kept->second);
+    const Wrench change = (acts ? next->wrench : Wrench{}) - (kept == kept_.end() ? Wrench{} : kept->second);
     const double most = tolerance * weight_of(s, i);
     if (length(change.force) <= most && (p.lock_rotation[i] || length(change.torque) <= most * p.equivalent_radius[i])) continue;
     disturbed.push_back(i);
     if (kept != kept_.end()) kept_.erase(kept);
   }
+  if (!disturbed.empty()) is_current_ = false;
   s.sleep->wake_rows(s, disturbed);
 }
 
 /// Between two steps: forces on bodies become those that they would have with what acts now.
 void OuterForces::change_now(RunState& s) {
   ParticleSet& p = s.particles;
-  std::unordered_map<std::size_t, Wrench> before;
-  for (const Acting& a : acting_) before[a.row] = a.wrench;
+  std::vector<OnRow> before = acting_.list();
+  const auto acted = static_cast<std::ptrdiff_t>(before.size());
   for (std::size_t i = 0; i < p.owned && !kept_.empty(); ++i) {
     const auto kept = p.rest[i] == kAsleep ? kept_.find(p.id[i]) : kept_.end();
-    if (kept != kept_.end()) before[i] = kept->second;
+    if (kept != kept_.end()) before.push_back({i, kept->second});
   }
-  const std::vector<std::pair<std::size_t, Wrench>> now = present(s);
+  std::inplace_merge(before.begin(), before.begin() + acted, before.end(), [](const OnRow& l, const OnRow& r) { return l.row < r.row; });
+  const std::vector<OnRow> now = present(s);
   wake_changed(s, now);
-  std::vector<Acting> acting;
-  auto next = now.begin();
-  const auto change = [&](std::size_t row, const Wrench& to) {
+  acting_.clear();
+  auto was = before.begin();
+  const auto change = [&](std::size_t row, const Wrench& by) {
     if (p.rest[row] == kAsleep) return;
-    const auto was = before.find(row);
-    const Wrench by = was == before.end() ? to : to - was->second;
     p.force[row] += by.force;
     p.torque[row] += by.torque;
-    if (was != before.end()) before.erase(was);
   };
-  for (; next != now.end(); ++next) {
-    change(next->first, next->second);
-    if (p.rest[next->first] == kAsleep) continue;
-    const std::size_t i = next->first;
-    acting.push_back({i, next->second, p.v[i], p.w[i], p.q[i]});
+  for (const OnRow& is : now) {
+    for (; was != before.end() && was->row < is.row; ++was) change(was->row, Wrench{} - was->wrench);
+    const bool acted_before = was != before.end() && was->row == is.row;
+    change(is.row, acted_before ? is.wrench - was->wrench : is.wrench);
+    if (acted_before) ++was;
+    if (p.rest[is.row] != kAsleep) acting_.add(p, is);
   }
-  std::vector<std::size_t> ended;
-  for (const auto& [row, wrench] : before) ended.push_back(row);
-  for (const std::size_t row : ended) change(row, {});
-  acting_ = std::move(acting);
+  for (; was != before.end(); ++was) change(was->row, Wrench{} - was->wrench);
+  is_current_ = false;
 }
 
 void OuterForces::hold(RunState& s, const std::vector<WrenchOnBody>& mine) {
   const std::vector<WrenchOnBody> all = of_all_ranks(s, mine);
-  if (all.empty()) return;
-  const auto rows = checked_rows(s, all);
+  if (s.comm.sum(static_cast<std::int64_t>(mine.size())) == 0) return;
+  const std::vector<std::int32_t> rows = checked_rows(s, all, by_id(s));
   is_used_ = true;
-  for (const WrenchOnBody& w : all) {
-    if (!rows.contains(w.id)) continue;
-    if (is_zero(w.wrench))
-      held_.erase(w.id);
-    else
-      held_[w.id] = w.wrench;
+  WrenchTable held;
+  held.reserve(held_.size() + all.size());
+  auto old = held_.begin();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (rows[k] < 0) continue;
+    for (; old != held_.end() && old->id < all[k].id; ++old) held.push_back(*old);
+    if (old != held_.end() && old->id == all[k].id) ++old;
+    if (!is_zero(all[k].wrench)) held.push_back(all[k]);
   }
+  held.insert(held.end(), old, held_.end());
+  held_ = std::move(held);
   find_rows(s);
   change_now(s);
 }
@@ -259,8 +208,11 @@ void OuterForces::release(RunState& s, const std::optional<std::vector<std::int6
     std::vector<WrenchOnBody> named;
     for (const std::int64_t id : *mine) named.push_back({id, {}});
     const std::vector<WrenchOnBody> all = of_all_ranks(s, named);
-    checked_rows(s, all);
-    for (const WrenchOnBody& w : all) held_.erase(w.id);
+    checked_rows(s, all, by_id(s));
+    WrenchTable held;
+    std::set_difference(held_.begin(), held_.end(), all.begin(), all.end(), std::back_inserter(held),
+                        [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id < r.id; });
+    held_ = std::move(held);
   }
   find_rows(s);
   change_now(s);
@@ -285,28 +237,42 @@ void OuterForces::remove(RunState& s, int number) {
   change_now(s);
 }
 
-/// dt/2, or dt where a scheme has one kick a step.
-void OuterForces::add_work(const RunState& s, const Acting& a, double dt, const Vec3& w_after) {
+/// In a kick of length dt [s].   in   w_after   (turning): the angular velocity at its end
+template <class WAfter>
+void OuterForces::add_work(const RunState& s, double dt, const WAfter& w_after) {
   const ParticleSet& p = s.particles;
-  work_.add(0.5 * dt * (dot(a.wrench.force, a.v + p.v[a.row]) + dot(a.wrench.torque, a.w + w_after)));
-}
-
-void OuterForces::drift(RunState& s) {
-  const ParticleSet& p = s.particles;
-  const double dt = s.integrator == Integrator::euler ? s.clock.dt : 0.5 * s.clock.dt;
-  for (const Acting& a : acting_) {
-    if (p.rest[a.row] == kAsleep) continue;
-    const bool turns = !(a.wrench.torque == Vec3{});
-    add_work(s, a, dt, turns ? angular_velocity(a.q, p.inverse_inertia[a.row], p.L[a.row]) : Vec3{});
+  const std::size_t rows = acting_.row.size();
+#pragma omp parallel if (rows > kRowsWorthThreads)
+  {
+    ExactSum sum;
+#pragma omp for nowait
+    for (std::size_t k = 0; k < rows; ++k) sum.add(0.5 * dt * dot(acting_.force[k], acting_.v[k] + p.v[acting_.row[k]]));
+#pragma omp for nowait
+    for (std::size_t k = 0; k < acting_.turning.size(); ++k) {
+      const Acting::Turning& t = acting_.turning[k];
+      sum.add(0.5 * dt * dot(t.torque, t.w + w_after(t)));
+    }
+#pragma omp critical(outer_work)
+    work_.add(sum);
   }
 }
 
+void OuterForces::drift(RunState& s) {
+  if (acting_.row.empty()) return;
+  const ParticleSet& p = s.particles;
+  add_work(s, s.integrator == Integrator::euler ? s.clock.dt : 0.5 * s.clock.dt,
+           [&p](const Acting::Turning& t) { return angular_velocity(t.q, p.inverse_inertia[t.row], p.L[t.row]); });
+}
+
 void OuterForces::after_migration(RunState& s, bool) {
+  by_id_.clear();
   if (!is_used_) return;
-  travel(s, held_);
-  if (s.sleep != nullptr) travel(s, kept_);
+  const std::vector<std::int32_t> rows = rows_by_id(s.particles);
+  travel(s, held_, rows);
+  if (s.sleep != nullptr) travel(s, kept_, rows);
   for (Function& f : functions_)
-    if (f.every > 1) travel(s, f.latest);
+    if (f.every > 1) travel(s, f.latest, rows);
+  by_id_ = rows;
 }
 
 void OuterForces::on_rebuild(const StepParts& parts) {
@@ -314,51 +280,78 @@ void OuterForces::on_rebuild(const StepParts& parts) {
   find_rows(s);
   if (restored_.empty()) return;
   const ParticleSet& p = s.particles;
-  acting_.clear();
-  for (std::size_t i = 0; i < p.owned; ++i) {
-    const auto found = restored_.find(p.id[i]);
-    if (found != restored_.end()) acting_.push_back({i, found->second, p.v[i], p.w[i], p.q[i]});
+  std::vector<OnRow> rows;
+  auto next = restored_.begin();
+  for (const std::int32_t row : by_id(s)) {
+    const auto i = static_cast<std::size_t>(row);
+    while (next != restored_.end() && next->id < p.id[i]) ++next;
+    if (next != restored_.end() && next->id == p.id[i]) rows.push_back({i, next->wrench});
   }
+  std::sort(rows.begin(), rows.end(), [](const OnRow& l, const OnRow& r) { return l.row < r.row; });
+  acting_.clear();
+  for (const OnRow& on : rows) acting_.add(p, on);
   restored_.clear();
 }
 
 void OuterForces::before_forces(RunState& s) {
+  const ParticleSet& p = s.particles;
+  if (is_current_ && functions_.empty() && s.sleep == nullptr) {  // the same on the same rows
+    const std::size_t rows = acting_.row.size();
+#pragma omp parallel for if (rows > kRowsWorthThreads)
+    for (std::size_t k = 0; k < rows; ++k) acting_.v[k] = p.v[acting_.row[k]];
+    for (Acting::Turning& t : acting_.turning) {
+      t.w = p.w[t.row];
+      t.q = p.q[t.row];
+    }
+    return;
+  }
   for (Function& f : functions_) s.clock.step % f.every == 0 ? call(s, f) : hold_latest(s, f);
   sum_functions(s);
-  const ParticleSet& p = s.particles;
-  const std::vector<std::pair<std::size_t, Wrench>> now = present(s);
+  const std::vector<OnRow> now = present(s);
   wake_changed(s, now);
   acting_.clear();
-  for (const auto& [i, wrench] : now)
-    if (p.rest[i] != kAsleep) acting_.push_back({i, wrench, p.v[i], p.w[i], p.q[i]});
+  for (const OnRow& on : now)
+    if (p.rest[on.row] != kAsleep) acting_.add(p, on);
+  is_current_ = true;
 }
 
 void OuterForces::add_forces(RunState& s) {
   ParticleSet& p = s.particles;
-  for (const Acting& a : acting_) {
-    p.force[a.row] += a.wrench.force;
-    p.torque[a.row] += a.wrench.torque;
-  }
+  const std::size_t rows = acting_.row.size();
+#pragma omp parallel for if (rows > kRowsWorthThreads)
+  for (std::size_t k = 0; k < rows; ++k) p.force[acting_.row[k]] += acting_.force[k];
+  for (const Acting::Turning& t : acting_.turning) p.torque[t.row] += t.torque;
 }
 
 void OuterForces::after_kick(RunState& s) {
+  const std::size_t rows = acting_.row.size();
+  if (rows == 0) return;
   const ParticleSet& p = s.particles;
-  for (Acting& a : acting_) {
-    if (s.integrator != Integrator::euler) add_work(s, a, 0.5 * s.clock.dt, p.w[a.row]);
-    a.v = p.v[a.row];
-    a.w = p.w[a.row];
-    a.q = p.q[a.row];
+  if (s.integrator != Integrator::euler) add_work(s, 0.5 * s.clock.dt, [&p](const Acting::Turning& t) { return p.w[t.row]; });
+#pragma omp parallel for if (rows > kRowsWorthThreads)
+  for (std::size_t k = 0; k < rows; ++k) acting_.v[k] = p.v[acting_.row[k]];
+  for (Acting::Turning& t : acting_.turning) {
+    t.w = p.w[t.row];
+    t.q = p.q[t.row];
   }
 }
 
 void OuterForces::falls_asleep(RunState& s, std::size_t row) {
-  const auto at = std::lower_bound(acting_.begin(), acting_.end(), row, [](const Acting& a, std::size_t r) { return a.row < r; });
-  if (at == acting_.end() || at->row != row) {
-    kept_.erase(s.particles.id[row]);
+  const std::int64_t id = s.particles.id[row];
+  const auto at = std::lower_bound(acting_.row.begin(), acting_.row.end(), row);
+  if (at == acting_.row.end() || *at != row) {
+    kept_.erase(id);
     return;
   }
-  kept_[s.particles.id[row]] = at->wrench;
-  acting_.erase(at);
+  const std::ptrdiff_t k = at - acting_.row.begin();
+  const auto turn = std::find_if(acting_.turning.begin(), acting_.turning.end(), [row](const auto& t) { return t.row == row; });
+  const bool turns = turn != acting_.turning.end();
+  kept_[id] = {acting_.force[static_cast<std::size_t>(k)], turns ? turn->torque : Vec3{}};
+  if (turns) acting_.turning.erase(turn);
+  acting_.row.erase(at);
+  acting_.force.erase(acting_.force.begin() + k);
+  acting_.v.erase(acting_.v.begin() + k);
+  is_current_ = false;
 }
 
 void OuterForces::add_force_at_rest(const RunState& s, std::size_t row, Vec3& force, Vec3& torque) const {
@@ -366,62 +359,6 @@ void OuterForces::add_force_at_rest(const RunState& s, std::size_t row, Vec3& fo
   if (found == kept_.end()) return;
   force += found->second.force;
   torque += found->second.torque;
-}
-
-EffectRecord OuterForces::record(const RunState& s) const {
-  if (!is_used_) return {};
-  std::vector<WrenchOnBody> acting;
-  for (const Acting& a : acting_) acting.push_back({s.particles.id[a.row], a.wrench});
-  for (const auto& [id, wrench] : restored_) acting.push_back({id, wrench});
-  const auto listed = [](const WrenchById& of) {
-    std::vector<WrenchOnBody> rows;
-    for (const auto& [id, wrench] : of) rows.push_back({id, wrench});
-    return rows;
-  };
-  EffectRecord record;
-  for (const auto& rows : {listed(held_), acting, listed(kept_)}) {
-    const std::vector<WrenchOnBody> all = of_all_ranks(s, rows);
-    record.push_back(ids_of(all));
-    record.push_back(numbers_of(all));
-  }
-  record.push_back(array_of(over_ranks(s.comm.get(), work_)));
-  return record;
-}
-
-void OuterForces::restore(RunState& s, const EffectRecord& record) {
-  held_ = wrenches_of(record[0], record[1]);
-  restored_ = wrenches_of(record[2], record[3]);
-  kept_ = wrenches_of(record[4], record[5]);
-  const ExactSum work = sum_of(record[6]);
-  if (s.comm.rank() == 0) work_ = work;
-  is_used_ = true;
-}
-
-void OuterForces::add_energies(const RunState& s, Energies& energies) const {
-  energies.outer_work = over_ranks(s.comm.get(), work_).value();
-}
-
-void OuterForces::add_log_columns(const RunState&, const Energies& energies, std::vector<Column>& columns) const {
-  columns.push_back({"outer_work", "J", exact(energies.outer_work)});
-}
-
-std::vector<PlanLine> OuterForces::plan(const RunState& s) const {
-  const std::int64_t held = s.comm.sum(static_cast<std::int64_t>(held_.size()));
-  return {{"outer forces", fmt::format("held on {} bodies, and {} functions", held, functions_.size())}};
-}
-
-EffectKind outer_forces_effect() {
-  EffectFormat format{"outer_forces", "the forces that act from outside, or their work, differ", {}};
-  format.is_optional = true;
-  for (const char* name : {"held", "acting", "kept"}) {
-    static const std::unordered_map<std::string, const char*> ids{{"held", "held_id"}, {"acting", "acting_id"}, {"kept", "kept_id"}};
-    format.arrays.push_back({ids.at(name), "", 1, false});
-    format.arrays.push_back({name, "N; N m", kNumbers});
-  }
-  format.arrays.push_back(sum_format("work"));
-  EffectKind kind{format, {}, [](const RunState&) -> std::unique_ptr<Effect> { return nullptr; }};
-  kind.make_on_demand = [](const RunState&) -> std::unique_ptr<Effect> { return std::make_unique<OuterForces>(); };
-  return kind;
 }
 
 }  // namespace scree

@@ -23,24 +23,14 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "solver/effects/outer_forces/wrench_table.hpp"
 #include "solver/ranks/exact_sum.hpp"
 #include "solver/state/effect.hpp"
 
 namespace scree {
-
-/// Force [N], and torque about the centre of mass [N m], world.
-struct Wrench {
-  Vec3 force, torque;
-  bool operator==(const Wrench&) const = default;
-};
-struct WrenchOnBody {
-  std::int64_t id;
-  Wrench wrench;
-};
 
 /// Adds to force and torque of each owned row, all 0 before. What it throws ends the step on all ranks.
 using ForceFunction = std::function<void(std::span<Vec3> force, std::span<Vec3> torque)>;
@@ -75,15 +65,26 @@ class OuterForces : public Effect {
   void add_log_columns(const RunState& s, const Energies& energies, std::vector<Column>& columns) const override;
   std::vector<PlanLine> plan(const RunState& s) const override;
 
-  using WrenchById = std::unordered_map<std::int64_t, Wrench>;
-
  private:
-  /// What acts on an owned row since the last evaluation of forces.
-  struct Acting {
+  /// A wrench on an owned row.
+  struct OnRow {
     std::size_t row;
     Wrench wrench;
-    Vec3 v, w;  ///< velocities at the beginning of the present half kick, and
-    Quat q;     ///< the orientation at which w follows from L
+  };
+  /// What acts since the last evaluation of forces, by ascending rows, with what its work follows from: the velocities at the beginning of
+  /// the present half kick, and for torques the orientation at which w follows from L.
+  struct Acting {
+    std::vector<std::size_t> row;
+    std::vector<Vec3> force, v;
+    struct Turning {
+      std::size_t row;
+      Vec3 torque, w;
+      Quat q;
+    };
+    std::vector<Turning> turning;  // rows with a torque
+    void clear();
+    void add(const ParticleSet& p, const OnRow& on);
+    std::vector<OnRow> list() const;
   };
   struct Function {
     int number;
@@ -93,22 +94,27 @@ class OuterForces : public Effect {
     WrenchById latest;                ///< where it is not called in every step: rows may change between
   };
 
+  const std::vector<std::int32_t>& by_id(const RunState& s);
   void call(const RunState& s, Function& f);
   void hold_latest(const RunState& s, Function& f);
   void sum_functions(const RunState& s);
-  std::vector<std::pair<std::size_t, Wrench>> present(const RunState& s) const;
+  std::vector<OnRow> present(const RunState& s) const;
   void change_now(RunState& s);
-  void wake_changed(RunState& s, const std::vector<std::pair<std::size_t, Wrench>>& now);
+  void wake_changed(RunState& s, const std::vector<OnRow>& now);
   void find_rows(const RunState& s);
-  void add_work(const RunState& s, const Acting& acting, double dt, const Vec3& w_after);
+  template <class WAfter>
+  void add_work(const RunState& s, double dt, const WAfter& w_after);
 
-  WrenchById held_, kept_;                                 // of bodies of this rank; kept_: as they fell asleep
-  std::vector<std::pair<std::size_t, Wrench>> held_rows_;  // ascending
+  WrenchTable held_;                 // of bodies of this rank
+  WrenchById kept_;                  // the same, as they fell asleep
+  std::vector<OnRow> held_rows_;     // ascending
+  std::vector<std::int32_t> by_id_;  // rows; empty: not known since lists were made again
   std::vector<Function> functions_;
   std::vector<Vec3> force_, torque_;  // of all functions together, by owned row; empty without functions
-  std::vector<Acting> acting_;        // ascending rows
-  WrenchById restored_;               // acting, of a restart, until rows are known
-  bool is_used_ = false;              // anything was ever given: the same on every rank
+  Acting acting_;
+  bool is_current_ = false;  // acting_ is what is held, on the present rows
+  WrenchTable restored_;     // acting, of a restart, until rows are known
+  bool is_used_ = false;     // anything was ever given: the same on every rank
   int last_number_ = 0;
   ExactSum work_;  // of this rank [J]
 };

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include "solver/effects/outer_forces/outer_forces.hpp"
+#include "solver/state/run_state.hpp"
+
+namespace scree {
+
+EffectRecord OuterForces::record(const RunState& s) const {
+  if (!is_used_) return {};
+  std::vector<WrenchOnBody> acting = restored_, kept;
+  for (const OnRow& on : acting_.list()) acting.push_back({s.particles.id[on.row], on.wrench});
+  for (const auto& [id, wrench] : kept_) kept.push_back({id, wrench});
+  EffectRecord record;
+  for (const auto& rows : {held_, acting, kept}) {
+    const std::vector<WrenchOnBody> all = of_all_ranks(s, rows);
+    record.push_back(ids_of(all));
+    record.push_back(numbers_of(all));
+  }
+  record.push_back(array_of(over_ranks(s.comm.get(), work_)));
+  return record;
+}
+
+void OuterForces::restore(RunState& s, const EffectRecord& record) {
+  held_ = wrenches_of(record[0], record[1]);
+  restored_ = wrenches_of(record[2], record[3]);
+  for (const WrenchOnBody& entry : wrenches_of(record[4], record[5])) kept_[entry.id] = entry.wrench;
+  const ExactSum work = sum_of(record[6]);
+  if (s.comm.rank() == 0) work_ = work;
+  is_used_ = true;
+}
+
+void OuterForces::add_energies(const RunState& s, Energies& energies) const {
+  energies.outer_work = over_ranks(s.comm.get(), work_).value();
+}
+
+void OuterForces::add_log_columns(const RunState&, const Energies& energies, std::vector<Column>& columns) const {
+  columns.push_back({"outer_work", "J", exact(energies.outer_work)});
+}
+
+std::vector<PlanLine> OuterForces::plan(const RunState& s) const {
+  const std::int64_t held = s.comm.sum(static_cast<std::int64_t>(held_.size()));
+  return {{"outer forces", fmt::format("held on {} bodies, and {} functions", held, functions_.size())}};
+}
+
+EffectKind outer_forces_effect() {
+  EffectFormat format{"outer_forces", "the forces that act from outside, or their work, differ", {}};
+  format.is_optional = true;
+  for (const char* name : {"held", "acting", "kept"}) {
+    static const std::unordered_map<std::string, const char*> ids{{"held", "held_id"}, {"acting", "acting_id"}, {"kept", "kept_id"}};
+    format.arrays.push_back({ids.at(name), "", 1, false});
+    format.arrays.push_back({name, "N; N m", kNumbersOfWrench});
+  }
+  format.arrays.push_back(sum_format("work"));
+  EffectKind kind{format, {}, [](const RunState&) -> std::unique_ptr<Effect> { return nullptr; }};
+  kind.make_on_demand = [](const RunState&) -> std::unique_ptr<Effect> { return std::make_unique<OuterForces>(); };
+  return kind;
+}
+
+}  // namespace scree
