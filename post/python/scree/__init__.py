@@ -1,4 +1,4 @@
-"""Scree from Python: read runs, write cases, call the tools.
+"""Scree from Python: read runs, write cases, call the tools, step runs.
 
     import scree
     run = scree.open("boulders.run")
@@ -7,6 +7,7 @@
 All quantities are in SI units. post/python/README.md explains the package, and its folder `examples` has scripts.
 """
 from .case import Case
+from .engine import Engine, ScreeWarning
 from .errors import (InputError, InternalError, Interrupted, MachineError, MissingPackage, RunInvalid, ScreeError, UnknownName, UsageError)
 from .frames import Frame, Frames
 from .h5md import write_h5md
@@ -24,9 +25,9 @@ from .units import si
 __version__ = "0.1.0"
 
 __all__ = [
-    "Bodies", "Box", "Case", "Contacts", "Cylinder", "Frame", "Frames", "InputError", "InternalError", "Interrupted", "MachineError",
-    "Material", "Mesh", "MissingPackage", "Packing", "Progress", "Region", "Result", "Run", "RunInvalid", "Scene", "ScreeError", "Shape", "Shapes",
-    "Sphere", "Statistics", "Table", "UnknownName", "UsageError", "Wall", "Walls", "call", "generate", "import_mesh", "open",
-    "open_scene", "open_shapes", "pack", "region", "report", "rotate", "rotation_matrix", "si", "solve", "statistics",
-    "write_h5md",
+    "Bodies", "Box", "Case", "Contacts", "Cylinder", "Engine", "Frame", "Frames", "InputError", "InternalError", "Interrupted",
+    "MachineError", "Material", "Mesh", "MissingPackage", "Packing", "Progress", "Region", "Result", "Run", "RunInvalid", "Scene",
+    "ScreeError", "ScreeWarning", "Shape", "Shapes", "Sphere", "Statistics", "Table", "UnknownName", "UsageError", "Wall", "Walls",
+    "call", "generate", "import_mesh", "open", "open_scene", "open_shapes", "pack", "region", "report", "rotate", "rotation_matrix",
+    "si", "solve", "statistics", "write_h5md",
 ]
