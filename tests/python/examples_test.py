@@ -69,6 +69,12 @@ class ExamplesTest(InFolder):
         for name in ("bed.h5md", "bed.data", "bed.dump", "bed.txt", "bed.vtp"):
             self.assertGreater(os.path.getsize(self.path(os.path.join("other", name))), 1000)
 
+    def test_engines(self):
+        os.makedirs(self.path("engines"), exist_ok=True)
+        self.assertIn("contacts a ball", self.example("own_force.py", self.path("engines")))  # each compares itself with a closed form
+        self.assertEqual(len(self.example("own_controller.py", self.path("engines")).splitlines()), 4)
+        self.assertEqual(len(self.example("two_engines.py", self.path("engines")).splitlines()), 10)
+
     def test_the_page(self):
         with open(os.path.join(EXAMPLES, "..", "README.md"), encoding="utf-8") as file:
             blocks = re.findall(r"^```python\n(.*?)^```", file.read(), flags=re.S | re.M)

@@ -113,12 +113,25 @@ def _library_path() -> str:
     raise UsageError(f"{_NAME}: not found {where}; set SCREE_ENGINE_LIBRARY to its path, or install it with the tools")
 
 
+def _loaded(path: str) -> ctypes.CDLL:
+    """OpenMP threads that wait give their core away soon, as those of scree-solver (solver/main.cpp): else a step takes up to a thousand times longer
+    where others want the cores. The runtime reads the variable as it is loaded; where it is loaded before, it waits as it does."""
+    is_given = "OMP_WAIT_POLICY" in os.environ or "GOMP_SPINCOUNT" in os.environ
+    if not is_given:
+        os.environ["GOMP_SPINCOUNT"] = "2000"
+    try:
+        return ctypes.CDLL(path)
+    finally:
+        if not is_given:
+            del os.environ["GOMP_SPINCOUNT"]
+
+
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
     """The library, loaded once for the process. Raises UsageError when there is none, or one of another version."""
     path = _library_path()
     try:
-        library = ctypes.CDLL(path)
+        library = _loaded(path)
         abi = library.scree_engine_abi()
     except (OSError, AttributeError) as error:
         raise UsageError(f"{path}: cannot be loaded: {error}") from error

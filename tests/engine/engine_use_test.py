@@ -1,0 +1,433 @@
+#!/usr/bin/env python3
+"""The engine as a Python user meets it: reading, mistakes, errors on ranks, Ctrl-C, files, warnings. usage: engine_use_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import gc
+import glob
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+
+from engine_cases import ENV, FLOOR, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, program, solver_hash  # isort: skip
+
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+import scree  # noqa: E402
+from tool_runs import MEASURED  # noqa: E402
+
+MASS = 1000 * 4 / 3 * math.pi * 0.01**3  # of one_ball()
+WEIGHT = 9.81 * MASS
+
+
+def bodies_are_those_of_one_moment():
+    pack("balls", balls())
+    with scree.Engine("balls.scene.h5") as engine:
+        assert repr(engine) == "<scree.Engine 'balls.scene.h5': step 0 at 0 s, 80 bodies>"
+        start = scree.open_scene("balls.scene.h5").start
+        bodies = engine.bodies
+        order = np.argsort(bodies.id)
+        assert len(bodies) == 80 and (bodies.id[order] == start["id"]).all()
+        assert np.abs(bodies.position[order] - start["position"]).max() < 1e-17 and (bodies.velocity == [0.4, 0.3, -0.5]).all()
+        assert set(bodies.shape_name) == {"ball"} and set(bodies.material_name) == {"glass"} and not bodies.shape.any() and not bodies.material.any()
+        volume = 4 / 3 * math.pi * 0.004**3
+        for name, value in (("mass", 2500 * volume), ("volume", volume), ("diameter", 0.008), ("radius", 0.004), ("scale", 1)):
+            assert np.abs(getattr(bodies, name) / value - 1).max() < 1e-12, name
+        assert np.abs(np.linalg.norm(bodies.quaternion, axis=1) - 1).max() < 1e-15
+        assert not bodies.fixed.any() and not bodies.asleep.any() and not bodies.angular_velocity.any()
+        assert np.abs(bodies.force - [[0, 0, -9.81 * 2500 * volume]]).max() < 1e-15 and not bodies.torque.any()
+        before = bodies.position.copy()
+        engine.step(10)
+        assert (bodies.position == before).all() and (engine.bodies.position != before).any(), "what was read stays"
+        late = engine.bodies
+        low = late[late.position[:, 2] < 0.03]
+        assert 0 < len(low) < 80 and (low.id == late.id[late.position[:, 2] < 0.03]).all() and low.row(int(low.id[3])) == 3
+        kept = engine.bodies.read("mass", "force")
+        engine.step(1)
+        assert kept.mass.shape == (80,) and kept.force.shape == (80, 3)
+        for action in (lambda: late.velocity, lambda: low.mass, lambda: kept.torque):
+            refused(scree.UsageError, "has moved on", action)
+        refused(ValueError, "read-only", lambda: late.position.__setitem__((0, 0), 1))
+        refused(scree.UsageError, "temperature", lambda: engine.bodies.temperature)
+        refused(scree.UnknownName, "there are: id, position", lambda: engine.bodies.read("places"))
+        refused(scree.UnknownName, "body 12345", lambda: engine.bodies.row(12345))
+        everything = engine.bodies.read()
+    assert everything.quaternion.shape == (80, 4) and "torque" in repr(everything)
+    assert everything.fields()["angular_velocity"].unit == "rad/s"
+
+
+def a_ball_at_rest_has_its_weight_in_contact_wall_and_energies():
+    """Load, contact force and overlap of a ball that has come to rest: m g, m g / k; 1e-9."""
+    pack("rest", one_ball(gravity="[0, 0, -9.81]", step="1e-4", position="[0.02, 0.03, 0.0099]", more=FLOOR))
+    with scree.Engine("rest.scene.h5") as engine:
+        assert np.abs(engine.gravity - [0, 0, -9.81]).max() == 0 and engine.duration == 1 and engine.dt == 1e-4
+        engine.run_until(0.99999)
+        assert engine.steps == 10000 and abs(engine.time - 1) < 1e-12
+        floor, contacts = engine.walls["floor"], engine.contacts()
+        assert list(engine.walls) == ["floor"] and floor.name == "floor" and "floor" in repr(floor)
+        assert np.abs(floor.load - [0, 0, -WEIGHT]).max() < 1e-9 * WEIGHT
+        assert np.abs(floor.torque - np.cross([0.02, 0.03, 0], floor.load)).max() < 1e-9 * WEIGHT
+        assert floor.quaternion.tolist() == [1, 0, 0, 0] and not floor.velocity.any() and not floor.angular_velocity.any() and floor.position.shape == (3,)
+        assert len(contacts) == 1 and contacts.body_a[0] == engine.bodies.id[0] and contacts.feature.shape == (1,)
+        assert np.abs(contacts.force[0] - [0, 0, WEIGHT]).max() < 1e-9 * WEIGHT and abs(contacts.normal_force[0] / WEIGHT - 1) < 1e-9
+        assert abs(contacts.overlap[0] / (WEIGHT / 1e3) - 1) < 1e-9 and contacts.margin.shape == (1,) and contacts.normal[0, 2] == 1
+        assert np.abs(contacts.point[0] - [0.02, 0.03, 0]).max() < 1e-3 and contacts.tangential_force.shape == (1, 3)
+        energies = engine.energies()
+        assert energies.kinetic == energies.translational + energies.rotational < 1e-15
+        assert abs(energies.elastic / (0.5 * WEIGHT**2 / 1e3) - 1) < 1e-6 and energies.dissipated > 0
+        others = ("tangential_elastic", "wall_work", "outer_work", "removed", "arrived", "bond", "fracture", "slept")
+        assert not any(getattr(energies, name) for name in others), energies
+        assert abs(energies.potential + energies.elastic + energies.dissipated + energies.kinetic - energies.balance) < 1e-15
+        assert 1e-4 < engine.critical_step() < 1
+        assert np.abs(engine.bodies.force[0]).max() < 1e-9 * WEIGHT
+        refused(scree.UnknownName, "there are: floor", lambda: engine.walls["lid"])
+        refused(scree.UsageError, "", lambda: floor.way)
+        refused(scree.UsageError, "", lambda: floor.drive(0.1))
+        refused(scree.UsageError, "a number expected", lambda: floor.drive("fast"))
+
+
+def a_frame_is_the_whole_scene_on_every_rank():
+    pack("balls", balls())
+    found = {ranks: program("moments", ranks, scene="balls.scene.h5", steps=2500) for ranks in (1, 2, 3)}
+    numbers, files = zip(*found.values())
+    assert len(set(numbers)) == 1 and numbers[0] > 0.5, numbers
+    with scree.Engine("balls.scene.h5") as engine:
+        frame = engine.frame()
+        path = frame.path
+        engine.step(5)
+        assert frame.time == 0 and len(frame.contacts) == 0 and frame.walls.name == ["box"] and os.path.exists(path)
+        engine.write_frame("own.hdf")
+        with h5py.File("own.hdf") as file:
+            assert file["frame"].attrs["step"] == 5
+        del frame
+        gc.collect()
+        assert not os.path.exists(path)
+        refused(scree.MachineError, "nowhere", lambda: engine.write_frame("nowhere/own.hdf"))
+
+
+def functions_of_forces_see_bodies_during_the_call_only():
+    pack("balls", balls())
+    kept = []
+
+    def look(bodies):
+        kept[:] = [bodies, bodies.position, bodies[:3]]
+        assert len(bodies) == 80 and set(bodies.shape_name) == {"ball"} and bodies.velocity.flags.writeable is False
+        assert engine.steps >= 0 and engine.time >= 0 and engine.dt > 0
+
+    def both(bodies):
+        return np.zeros((len(bodies), 3)), np.tile([0, 0, 1e-7], (len(bodies), 1))
+
+    with scree.Engine("balls.scene.h5") as engine:
+        number = engine.add_force(look)
+        engine.step(2)
+        assert kept[1].shape == (80, 3) and (kept[1] == engine.bodies.position).all(), "arrays stay, and are of the new places"
+        refused(scree.UsageError, "end with its call", lambda: kept[0].velocity)
+        refused(scree.UsageError, "end with its call", lambda: kept[0].position)
+        refused(scree.UsageError, "end with its call", lambda: kept[2].mass)
+        engine.remove_force(number)
+        engine.add_force(both, every=3)
+        engine.step(1)
+        torque = engine.bodies.torque
+        assert np.abs(torque - [0, 0, 1e-7]).max() < 1e-20
+        state = engine.save()
+        for function, kind, text in (
+                (lambda bodies: np.zeros((3, 3)), scree.UsageError, r"shape (3, 3) found, (80, 3) expected"),
+                (lambda bodies: "much", scree.UsageError, "no array of numbers"),
+                (lambda bodies: engine.step(), scree.UsageError, "within a step"),
+                (lambda bodies: engine.bodies.position, scree.UsageError, "within a step"),
+                (lambda bodies: engine.close(), scree.UsageError, "within a step"),
+                (lambda bodies: [0, 0, math.nan], scree.RunInvalid, "not a finite number"),
+                (lambda bodies: 1 // 0, ZeroDivisionError, "by zero")):
+            refused(kind, text, lambda: engine.add_force(function))  # it is called at once
+            engine.step(1)  # nothing was added
+        calls = []
+        fails = engine.add_force(lambda bodies: calls.append(1) or (None if len(calls) < 5 else 1 // 0))
+        refused(ZeroDivisionError, "by zero", lambda: engine.step(100))
+        refused(scree.UsageError, "Restore a saved state", engine.step)
+        assert engine.bodies.position.shape == (80, 3), "it can be read"
+        calls.clear()  # as it is called again at once
+        engine.restore(state)
+        engine.remove_force(fails)
+        engine.step(20)
+
+
+def refused(kind, text, action):
+    try:
+        action()
+    except kind as error:
+        assert text in str(error), f"'{text}' expected in: {error}"
+        return str(error)
+    raise AssertionError(f"{kind.__name__} expected, and nothing was raised; text {text}")
+
+
+def mistakes_are_told_with_a_cure():
+    pack("balls", balls() + '[[bodies]]\nshape = "ball"\nmaterial = "glass"\nposition = [0, 0, 0.15]\nfixed = true\n')
+    pack("other", balls(duration=0.01))
+    engine = scree.Engine("balls.scene.h5")
+    other = scree.Engine("other.scene.h5")
+    state, foreign = engine.save(), other.save()
+    other.close()
+    stuck = int(engine.bodies.id[engine.bodies.fixed == 1][0])
+    one, two = engine.bodies.id[engine.bodies.fixed == 0][:2].tolist()
+    for kind, text, action in (
+            (scree.UsageError, "the engine is closed; open another one", lambda: other.step()),
+            (scree.UsageError, "the engine is closed", lambda: other.time),
+            (scree.UsageError, "the engine is closed", lambda: other.bodies),
+            (scree.InputError, "missing.scene.h5", lambda: scree.Engine("missing.scene.h5")),
+            (scree.UsageError, "None for this process alone", lambda: scree.Engine("balls.scene.h5", comm=2)),
+            (scree.UsageError, "a path expected", lambda: scree.Engine(2)),
+            (scree.UsageError, "a whole number of at least 1", lambda: scree.Engine("balls.scene.h5", threads=0)),
+            (scree.UsageError, "of a run folder", lambda: scree.Engine("balls.scene.h5", restart="latest")),
+            (scree.InputError, "missing.h5", lambda: scree.Engine("balls.scene.h5", restart="missing.h5")),
+            (scree.UsageError, "a whole number of at least 0", lambda: engine.step(-1)),
+            (scree.UsageError, "a whole number expected", lambda: engine.step(0.5)),
+            (scree.UsageError, "a number expected", lambda: engine.run_until("end")),
+            (scree.UsageError, "no time that can be reached", lambda: engine.run_until(math.inf)),
+            (scree.UsageError, "take ids from bodies", lambda: engine.set_wrench([10**6], [0, 0, 1])),
+            (scree.UsageError, "name it once", lambda: engine.set_wrench([one, two, one], [0, 0, 1])),
+            (scree.UsageError, "not a finite number", lambda: engine.set_wrench([one], [0, 0, math.nan])),
+            (scree.UsageError, "fixed", lambda: engine.set_wrench([stuck], [0, 0, 1])),
+            (scree.UsageError, "(2, 3) expected, a row for each body", lambda: engine.set_wrench([one, two], [[0, 0, 1]])),
+            (scree.UsageError, "(1, 3) expected", lambda: engine.set_wrench([one], [0, 0, 1], torque=1)),
+            (scree.UsageError, "bodies.id[mask]", lambda: engine.set_wrench(engine.bodies.id > 3, [0, 0, 1])),
+            (scree.UsageError, "whole numbers", lambda: engine.set_wrench([1.5], [0, 0, 1])),
+            (scree.UsageError, "no array of numbers", lambda: engine.set_wrench([one], ["much"])),
+            (scree.UsageError, "take ids from bodies", lambda: engine.clear_wrench([10**6])),
+            (scree.UsageError, "a function expected", lambda: engine.add_force([0, 0, 1])),
+            (scree.UsageError, "at least 1", lambda: engine.add_force(lambda bodies: None, every=0)),
+            (scree.UsageError, "never added", lambda: engine.remove_force(77)),
+            (scree.UsageError, "a function expected", lambda: engine.after_step(3)),
+            (scree.UsageError, "a state from save() expected", lambda: engine.restore("state")),
+            (scree.UsageError, "of another scene", lambda: engine.restore(foreign)),
+            (scree.UnknownName, "there are: ball", lambda: engine.insert("bell", "glass", [0, 0, 0.19])),
+            (scree.UnknownName, "there are: glass", lambda: engine.insert("ball", "grass", [0, 0, 0.19])),
+            (scree.UsageError, "(n, 3) or (3,) expected", lambda: engine.insert("ball", "glass", [0, 0])),
+            (scree.UsageError, "one or 2 expected", lambda: engine.insert(["ball"], "glass", np.zeros((2, 3)))),
+            (scree.UsageError, "divide it by its norm", lambda: engine.insert("ball", "glass", [0, 0, 0.19], quaternion=[1, 1, 0, 0])),
+            (scree.UsageError, "expected a number > 0", lambda: engine.insert("ball", "glass", [0, 0, 0.19], scale=0)),
+            (scree.UsageError, "not finite", lambda: engine.insert("ball", "glass", [0, 0, math.nan])),
+            (scree.UsageError, "take ids from bodies", lambda: engine.remove([10**6])),
+            (scree.ScreeError, "nowhere", lambda: engine.write_checkpoint("nowhere"))):
+        refused(kind, text, action)
+        engine.step(1)  # and it goes on
+    twin = scree.Engine("balls.scene.h5")
+    twin.step(engine.steps)
+    assert twin.state_hash() == engine.state_hash(), "what was refused has changed nothing"
+    twin.close()
+    twin.close()
+    refused(scree.UsageError, "closed", lambda: twin.restore(state))
+    assert "closed" in repr(twin) and "step 0 at 0 s" in repr(state) and (state.time, state.steps) == (0, 0)
+    engine.close()
+    there = os.environ["SCREE_BIN"]
+    for name, value, text in (("SCREE_BIN", os.getcwd(), "set SCREE_ENGINE_LIBRARY to its path"), ("SCREE_ENGINE_LIBRARY", "lost.so", "no such file")):
+        result = subprocess.run([sys.executable, "-c", "import scree; scree.Engine('balls.scene.h5')"], env=dict(ENV, SCREE_BIN=there) | {name: value}, capture_output=True, text=True)
+        assert "UsageError: " in result.stderr and text in result.stderr, result.stderr
+
+
+def only_one_thread_is_within_a_call():
+    pack("balls", balls())
+    with scree.Engine("balls.scene.h5") as engine:
+        begun, ended = threading.Event(), []
+
+        def look(bodies):
+            begun.set()
+
+        def work():
+            engine.step(3000)
+            ended.append(engine.steps)
+
+        engine.add_force(look)
+        begun.clear()
+        thread = threading.Thread(target=work)
+        thread.start()
+        assert begun.wait(60)
+        text = "another thread is within a call"
+        for action in (engine.step, lambda: engine.time, lambda: engine.bodies, engine.state_hash, engine.close):
+            refused(scree.UsageError, text, action)
+        assert not ended, "the step must have been under way"
+        thread.join()
+        assert ended == [3000] and engine.steps == 3000
+
+
+def an_error_of_one_rank_is_raised_on_all_within_a_second():
+    pack("balls", balls())
+    needs_mpi4py()
+    for ranks, culprit in ((2, 1), (3, 0)):
+        found = program("errors", ranks, scene="balls.scene.h5", culprit=culprit)
+        own = ["UsageError", "UsageError", "UsageError", "UnknownName", "UsageError", "ValueError", "UsageError", "ZeroDivisionError", "UsageError", "InputError"]
+        assert len(found) == len(own)
+        for row, kind in zip(found, own):
+            assert row["seconds"] < 1, row
+            everywhere = kind == "InputError"
+            assert all(k == (kind if rank == culprit or everywhere else "UsageError") for rank, k in enumerate(row["kinds"])), row
+        assert f"rank {culprit}" in found[0]["texts"][1 - culprit] and "(1, 3) expected" in found[0]["texts"][1 - culprit]
+        assert found[5]["texts"][culprit] == "the partner failed"
+    assert program("left_by_one_rank", 2, scene="balls.scene.h5")
+
+
+def wait_for(condition, limit=100):
+    begin = time.time()
+    while not condition():
+        assert time.time() - begin < limit, "waited too long"
+        time.sleep(0.01)
+
+
+def ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on():
+    pack("balls", balls(duration=1000))
+    for kind, ranks, target in (("plain", 1, 0), ("force", 1, 0), ("short", 1, 0), ("plain", 2, 1), ("force", 2, 0)):
+        if ranks > 1:
+            needs_mpi4py()
+        ready = os.path.abspath(f"ready_{kind}_{ranks}")
+        arguments = json.dumps({"scene": "balls.scene.h5", "kind": kind, "ready": ready})
+        words = [*([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []), sys.executable, PARTNER, "interrupted", arguments]
+        process = subprocess.Popen(words, env=ENV, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        files = [f"{ready}.{rank}" for rank in range(ranks)]
+        wait_for(lambda: all(os.path.exists(name) and os.path.getsize(name) for name in files) or process.poll() is not None)
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.5)
+        with open(files[target], encoding="utf-8") as file:
+            pid = int(file.read())
+        sent = time.time()
+        os.kill(pid, signal.SIGINT)
+        output, errors = process.communicate(timeout=600)
+        assert process.returncode == 0, (kind, ranks, output, errors)
+        caught, hashes = json.loads(output.strip().splitlines()[-1])
+        assert all(0 < moment - sent < 1 for moment in caught), f"{kind} on {ranks} ranks: {[moment - sent for moment in caught]} s"
+        assert hashes[0] == hashes[1], f"{kind} on {ranks} ranks: other bits after a stop"
+
+
+def log_without_work(folder):
+    """Columns of log.csv that are no times, without that of outer forces, which the engine's has; the rows."""
+    with open(os.path.join(folder, "log.csv"), encoding="utf-8") as file:
+        rows = [line.strip().split(",") for line in file if not line.startswith("#")]
+    kept = [k for k, name in enumerate(rows[0]) if name not in (*MEASURED, "outer_work") and not name.startswith("t_")]
+    return [[row[k] for k in kept] for row in rows]
+
+
+def a_run_folder_is_as_that_of_scree_solver():
+    pack("balls", balls(duration=0.03, every=0.01))
+    expected, steps = solver_hash("balls.scene.h5", "solver.run")
+    for ranks in (1, 2):
+        folder = f"engine{ranks}.run"
+        assert program("with_folder", ranks, scene="balls.scene.h5", folder=folder) == [steps, True]
+        assert sorted(os.listdir(folder)) == sorted(os.listdir("solver.run"))
+        assert log_without_work(folder) == log_without_work("solver.run") and len(log_without_work(folder)) > 3
+        assert outcome(folder)["state_hash"] == expected and outcome(folder)["outcome"] == "completed"
+    mine, theirs = scree.open("engine1.run"), scree.open("solver.run")
+    assert (mine.frames.times == theirs.frames.times).all()
+    for k in range(len(mine.frames)):
+        assert (mine.frames[k].bodies.position == theirs.frames[k].bodies.position).all()
+    with scree.Engine("balls.scene.h5", run="halted.run") as engine:
+        assert not engine.is_over
+        engine.run_until(0.015)
+        refused(scree.UsageError, "open it without run", lambda: engine.restore(engine.save()))
+    assert scree.open("halted.run").outcome["outcome"] != "completed"
+    assert program("with_folder", 1, scene="balls.scene.h5", folder="halted.run", restart="latest") == [steps, True]
+    assert outcome("halted.run")["state_hash"] == expected
+    refused(scree.UsageError, "complete", lambda: scree.Engine("balls.scene.h5", run="halted.run", restart="auto"))
+    engine = scree.Engine("balls.scene.h5", run="over.run")
+    engine.run_until(engine.duration)
+    assert engine.is_over
+    refused(scree.UsageError, "a longer time.duration", engine.step)
+    engine.close()
+    assert outcome("over.run")["state_hash"] == expected
+
+
+def functions_after_steps_are_called_in_multiples():
+    pack("balls", balls())
+    plain = scree.Engine("balls.scene.h5")
+    plain.run_until(0.012)
+    with scree.Engine("balls.scene.h5") as engine:
+        calls = []
+        engine.after_step(lambda e: calls.append(e.steps), every=7)
+        engine.after_step(lambda e: calls.append(-e.steps), every=5)
+        engine.step(3)
+        engine.step(12)
+        engine.step(0)
+        assert calls == [-5, 7, -10, 14, -15]
+        engine.run_until(0.012)
+        assert (engine.steps, engine.state_hash()) == (plain.steps, plain.state_hash())
+        assert calls[-1] in (-(engine.steps // 5) * 5, engine.steps // 7 * 7)
+        engine.after_step(lambda e: e.step())
+        refused(scree.UsageError, "after_step", engine.step)
+    plain.close()
+
+
+def warnings_go_to_python():
+    heavy = one_ball(more='[[bodies]]\nshape = "ball"\nmaterial = "glass"\nposition = [3, 0, 0]\nscale = 100\n[[bodies]]\nshape = "ball"\nmaterial = "glass"\nposition = [0, 0.3, 0]\nscale = 0.1\n')
+    pack("uneven", heavy.replace("step = 2e-5", ""))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scree.Engine("uneven.scene.h5").close()
+    assert [w.category for w in caught] == [scree.ScreeWarning], caught
+    assert "mass ratio" in str(caught[0].message) and caught[0].filename == os.path.abspath(__file__), (caught[0].filename, caught[0].lineno)
+
+
+def engines_end_without_a_word():
+    """Closed by the garbage collection where one rank has it alone, and left as they are at the end of a program."""
+    pack("balls", balls(duration=0.03, every=0.01))
+    engine = scree.Engine("balls.scene.h5", run="left.run")
+    engine.step(10)
+    state = engine.save()
+    del engine
+    gc.collect()
+    assert outcome("left.run")["outcome"] != "completed"
+    del state
+    for text in ("e = scree.Engine('balls.scene.h5'); e.add_force(lambda b: None); e.step(3); s = e.save()",
+                 "e = scree.Engine('balls.scene.h5', run='open.run'); e.step(3); raise SystemExit(0)",
+                 "es = [scree.Engine('balls.scene.h5') for _ in range(3)]; [e.step(3) for e in es]; es[0].close(); es[0].close()"):
+        result = subprocess.run([sys.executable, "-c", "import scree; " + text], env=ENV, capture_output=True, text=True)
+        assert (result.returncode, result.stdout + result.stderr) == (0, ""), result
+
+
+def it_runs_beside_h5py():
+    pack("balls", balls(duration=0.02))
+    expected, steps = solver_hash("balls.scene.h5", "balls.run")
+    with scree.Engine("balls.scene.h5", run="own.run") as engine, h5py.File("own.h5", "w") as file:
+        places = file.create_dataset("position", (10, 80, 3))
+        for k in range(10):
+            engine.step(steps // 10 if k < 9 else steps - 9 * (steps // 10))
+            places[k] = engine.bodies.position
+            file.flush()
+        assert engine.state_hash() == expected
+    with h5py.File("own.h5") as file:
+        assert np.ptp(file["position"][()], axis=0).min() > 0
+    assert outcome("own.run")["state_hash"] == expected and len(glob.glob("own.run/frame_*.hdf")) > 1
+
+
+def what_reading_costs():
+    """Printed, not judged: the machine is shared."""
+    pack("many", balls(duration=1).replace("count = 80", "count = 200000\nmethod = \"lattice\"").replace('["25 mm", "25 mm", "60 mm"]', "[0.535, 0.535, 0.561]")
+         .replace('["25 mm", "25 mm", "200 mm"]', "[0.54, 0.54, 1]"))
+    with scree.Engine("many.scene.h5", threads=1) as engine:
+        engine.step(2)
+
+        def cost(action, n=5):
+            begin = time.process_time()
+            for _ in range(n):
+                action()
+            return 1e3 * (time.process_time() - begin) / n
+
+        step, read = cost(engine.step), cost(lambda: engine.bodies.position)
+        everything = cost(lambda: engine.bodies.read())
+        engine.add_force(lambda bodies: -1e-3 * bodies.velocity)
+        print(f"{len(engine.bodies)} bodies: a step {step:.1f} ms, positions {read:.2f} ms, all fields {everything:.1f} ms, a step with a function {cost(engine.step):.1f} ms")
+    pack("one", one_ball())
+    with scree.Engine("one.scene.h5", threads=1) as engine:
+        step = cost(lambda: engine.step(10000), 1) / 10
+        single = cost(engine.step, 5000) * 1e3
+        engine.add_force(lambda bodies: -4 * bodies.position)
+        print(f"one body: a step {step:.1f} us, with a call for each {single:.1f} us, with a function {cost(lambda: engine.step(10000), 1) / 10:.1f} us")
+
+
+if __name__ == "__main__":
+    main([
+        bodies_are_those_of_one_moment, a_ball_at_rest_has_its_weight_in_contact_wall_and_energies, a_frame_is_the_whole_scene_on_every_rank,
+        functions_of_forces_see_bodies_during_the_call_only, mistakes_are_told_with_a_cure, only_one_thread_is_within_a_call,
+        an_error_of_one_rank_is_raised_on_all_within_a_second, ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on,
+        a_run_folder_is_as_that_of_scree_solver, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
+        it_runs_beside_h5py, what_reading_costs,
+    ])

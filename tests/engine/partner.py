@@ -1,0 +1,255 @@
+#!/usr/bin/env python3
+"""Programs that step scenes on ranks: partner.py FUNCTION ARGUMENTS_AS_JSON. Rank 0 prints the result as JSON. Alone it needs no mpi4py."""
+import json
+import os
+import sys
+import time
+
+import numpy as np
+import scree
+
+
+def world():
+    if int(os.environ.get("OMPI_COMM_WORLD_SIZE", "1")) == 1:
+        return None
+    from mpi4py import MPI
+    return MPI.COMM_WORLD
+
+
+COMM = world()
+RANK, SIZE = (0, 1) if COMM is None else (COMM.rank, COMM.size)
+
+
+def mine(rows):
+    """This rank's part of a list that all ranks give together, in the order of ranks."""
+    return rows[len(rows) * RANK // SIZE:len(rows) * (RANK + 1) // SIZE]
+
+
+def gathered(value):
+    return [value] if COMM is None else COMM.allgather(value)
+
+
+def total(value):
+    return sum(gathered(value))
+
+
+def to_the_end(scene, steps, parts=1):
+    with scree.Engine(scene, COMM) as engine:
+        for _ in range(parts):
+            engine.step(steps // parts)
+        engine.step(steps % parts)
+        engine.run_until(engine.duration)
+        assert total(len(engine.bodies)) == len(scree.open_scene(scene).start["id"])
+        return engine.state_hash(), engine.steps
+
+
+def pushed(scene, ids, steps, force, torque=None, by="wrench"):
+    """Forces on some bodies from the start."""
+    with scree.Engine(scene, COMM) as engine:
+        if by == "wrench":
+            named = mine(ids)[::-1]  # whichever rank owns them
+            engine.set_wrench(named, force, torque)
+        else:
+            engine.add_force(lambda bodies: np.isin(bodies.id, ids)[:, None] * np.array(force))
+        engine.step(steps)
+        return engine.state_hash()
+
+
+def pull(bodies):
+    """Follows places and velocities."""
+    return -2.0 * bodies.mass[:, None] * bodies.velocity - 300 * bodies.mass[:, None] * bodies.position
+
+
+def repeated(scene, before, window, kind):
+    """Hashes and energies of a window that is made twice from memory, and of one that was never interrupted."""
+    found = []
+    for keeps in (True, False):
+        with scree.Engine(scene, COMM) as engine:
+            if kind == "wrench":
+                engine.set_wrench(mine(list(range(10, 30))), [1e-3, -2e-3, 3e-3], [1e-6, 0, 2e-6])
+            elif kind.startswith("force"):
+                engine.add_force(pull, every=int(kind[5:]))
+            engine.step(before)
+            state = engine.save() if keeps else None
+            for _ in range(2 if keeps else 1):
+                if keeps:
+                    engine.restore(state)
+                engine.step(window)
+                found.append((engine.state_hash(), vars(engine.energies())))
+            if keeps:
+                assert (state.steps, engine.steps) == (before, before + window)
+    return found
+
+
+def until_checkpoint(scene, steps, folder):
+    with scree.Engine(scene, COMM) as engine:
+        engine.set_wrench(mine(list(range(5, 25))), [2e-3, 1e-3, 1e-3], [0, 2e-6, 0])
+        engine.step(steps)
+        engine.write_checkpoint(folder)
+        engine.step(steps)
+        return engine.state_hash(), vars(engine.energies())
+
+
+def from_checkpoint(scene, steps, path):
+    with scree.Engine(scene, COMM, restart=path) as engine:
+        assert engine.steps == steps
+        engine.step(steps)
+        return engine.state_hash(), vars(engine.energies())
+
+
+def come_and_go(scene):
+    """Bodies come in from all ranks and go; what is counted each time."""
+    rows = []
+    with scree.Engine(scene, COMM) as engine:
+        def count(ids):
+            bodies, energies = engine.bodies, engine.energies()
+            rows.append({"ids": [int(i) for i in ids], "bodies": total(len(bodies)), "mass": total(float(bodies.mass.sum())), "hash": engine.state_hash(),
+                         "balance": energies.balance, "kinetic": energies.kinetic, "known": sorted(int(i) for part in gathered(bodies.id.tolist()) for i in part)})
+
+        engine.step(200)
+        count([])
+        places = [[0.011 * x, 0.011 * y, 0.12] for x in (-1, 0, 1) for y in (-1, 0, 1)]
+        part = mine(places)
+        ids = engine.insert("ball", "glass", np.reshape(part, (-1, 3)), velocity=[0, 0, -0.3], scale=0.8)
+        more = engine.insert(["ball"] * len(part), "glass", np.add(np.reshape(part, (-1, 3)), [0, 0, 0.03]), velocity=[[0, 0, -0.3]] * len(part))
+        ids, more = (sorted(int(i) for part in gathered(some.tolist()) for i in part) for some in (ids, more))
+        engine.step(1)
+        row = {int(i): x for part in gathered(list(zip(engine.bodies.id.tolist(), engine.bodies.position.tolist()))) for i, x in part}
+        for i, place in zip(ids, places):
+            assert np.abs(np.subtract(row[i], place)).max() <= 1e-16, (row[i], place)
+        count(ids + more)
+        engine.step(600)
+        count([])
+        engine.remove(mine(ids[:4] + [3, 5]))
+        engine.step(1)
+        count([])
+        engine.step(600)
+        count([])
+        return rows
+
+
+def moments(scene, steps):
+    """The whole scene as a frame, on every rank, against what ranks read."""
+    with scree.Engine(scene, COMM) as engine:
+        engine.step(steps)
+        frame, bodies, contacts = engine.frame(), engine.bodies.read(), engine.contacts()
+        assert (frame.step, frame.time, frame.number) == (engine.steps, engine.time, steps)
+        engine.step(1)
+        for name in ("position", "quaternion", "velocity", "angular_velocity", "shape", "material", "scale"):
+            all_ranks = {i: row for part in gathered(list(zip(bodies.id.tolist(), getattr(bodies, name).tolist()))) for i, row in part}
+            assert getattr(frame.bodies, name).tolist() == [all_ranks[i] for i in frame.bodies.id.tolist()], name
+        for name in ("mass", "volume", "diameter"):
+            here, there = getattr(bodies, name), getattr(frame.bodies, name)[np.searchsorted(frame.bodies.id, bodies.id)]
+            assert np.abs(here / there - 1).max(initial=0) < 1e-12, name
+        assert total(len(contacts)) == len(frame.contacts) > 20, (total(len(contacts)), len(frame.contacts))
+        keys = sorted(key for part in gathered(list(zip(contacts.body_a.tolist(), contacts.body_b.tolist(), contacts.overlap.tolist(), *contacts.force.T.tolist()))) for key in part)
+        c = frame.contacts
+        assert keys == sorted(zip(c.body_a.tolist(), c.body_b.tolist(), c.overlap.tolist(), *c.force.T.tolist()))
+        box = engine.walls["box"]
+        assert frame.walls.position[0].tolist() == box.position.tolist()
+        return frame.measures()["coordination_number"], sorted(os.listdir("."))
+
+
+def errors(scene, culprit):
+    """Errors that one rank makes: of each, the class and text on every rank, and how long after the first rank the last one raised [s]."""
+    here, found = RANK == culprit, []
+
+    def attempt(action):
+        try:
+            action()
+            kind, text = "none", ""
+        except Exception as error:
+            kind, text = type(error).__name__, str(error)
+        times = gathered(time.time())
+        found.append({"kinds": gathered(kind), "texts": gathered(text), "seconds": max(times) - min(times)})
+
+    def fails_here(bodies):
+        if here and engine.steps > 30:
+            raise ValueError("the partner failed")
+
+    def fails_after(engine):
+        if here:
+            raise ZeroDivisionError("after the step")
+
+    with scree.Engine(scene, COMM) as engine:
+        begin = engine.save()
+        attempt(lambda: engine.set_wrench([1], np.zeros((2, 3)) if here else [0, 0, 0]))
+        attempt(lambda: engine.set_wrench([10**6] if here else [], [0, 0, 0]))
+        attempt(lambda: engine.clear_wrench([1] if here else None))
+        attempt(lambda: engine.insert("ball" if not here else "bell", "glass", [0, 0, 0.15]))
+        attempt(lambda: engine.add_force("no function" if here else pull))
+        engine.step(30)
+        engine.add_force(fails_here)
+        attempt(lambda: engine.step(100))
+        attempt(lambda: engine.step())
+        engine.restore(begin)
+        engine.step(10)
+    with scree.Engine(scene, COMM) as engine:
+        engine.after_step(fails_after, every=5)
+        attempt(lambda: engine.step(100))
+        assert engine.steps == 5
+    attempt(lambda: scree.Engine(scene if not here else 3, COMM))
+    attempt(lambda: scree.Engine("missing.scene.h5", COMM))
+    return found
+
+
+def left_by_one_rank(scene):
+    """An exception of one rank's own leaves the `with` without waiting for the others."""
+    engine = scree.Engine(scene, COMM)
+    begin = time.time()
+    try:
+        with engine:
+            if RANK == 1:
+                raise ValueError("of this rank alone")
+    except ValueError:
+        assert time.time() - begin < 1
+        assert "closed" not in repr(engine)
+        engine.close()
+    return "closed" in repr(engine)
+
+
+def interrupted(scene, kind, ready, culprit=0):
+    """Steps until a signal comes; when it came through, and whether the engine goes on with the same bits."""
+    engine = scree.Engine(scene, COMM)
+    if kind == "force":
+        engine.add_force(pull)
+    begin = engine.save()
+    engine.step(200)
+    with open(f"{ready}.{RANK}", "w", encoding="utf-8") as file:
+        file.write(str(os.getpid()))
+    caught = 0.0
+    try:
+        while True:
+            engine.step(10**7 if kind != "short" else 3)
+    except KeyboardInterrupt:
+        caught = time.time()
+    steps = engine.steps
+    engine.step(100)
+    hashes = [engine.state_hash()]
+    engine.restore(begin)
+    engine.step(steps + 100)
+    hashes.append(engine.state_hash())
+    engine.close()
+    return gathered(caught), hashes
+
+
+def with_folder(scene, folder, restart=None, until=None):
+    with scree.Engine(scene, COMM, run=folder, restart=restart) as engine:
+        while not engine.is_over and (until is None or engine.time < until):
+            engine.step(50 if until is not None else 1)
+        return engine.steps, engine.is_over
+
+
+def driven(scene, rate, until):
+    with scree.Engine(scene, COMM) as engine:
+        lid = engine.walls["lid"]
+        lid.drive(rate)
+        engine.run_until(until)
+        frame = engine.frame()
+        return lid.way, lid.rate, lid.position.tolist(), frame.bodies.position.tolist()
+
+
+if __name__ == "__main__":
+    result = globals()[sys.argv[1]](**json.loads(sys.argv[2]))
+    if RANK == 0:
+        print(json.dumps(result))
