@@ -761,6 +761,8 @@ def drives(d):
                 table["swing"] = [-d.between(0, 0.3), d.between(0.01, 0.5)]
         elif motion == "outer":   # nobody drives it here: it stands still
             table = {"axis": way.tolist(), "centre": centre.tolist(), "max_rate": speed / lever} if turns else {"direction": way.tolist(), "max_speed": speed}
+            if turns and d.chance(0.5):
+                table["swing"] = [-d.between(0, 0.3), d.between(0.01, 0.5)]
         elif motion == "servo" and d.chance(0.5):
             area = d.radius**2 * d.log_between(1, 100)
             table = {"direction": way.tolist(), "stress": force / area, "area": area, "max_speed": speed}

@@ -49,7 +49,7 @@ def attributes_set(kind):
 
 
 class NamesTest(unittest.TestCase):
-    tests = text_of(glob.glob(os.path.join(HERE, "*_test.py")))
+    tests = text_of(glob.glob(os.path.join(HERE, "*_test.py")) + glob.glob(os.path.join(HERE, "..", "engine", "*.py")))
     examples = text_of(glob.glob(os.path.join(PACKAGE, "examples", "*.py")))
 
     def test_all_is_what_there_is(self):
