@@ -22,6 +22,7 @@ std::vector<WallMotion> answering() {
   std::vector<WallMotion> all;
   for (const MotionKind& kind : std::initializer_list<MotionKind>{
            Servo{.axis = {0, 2, 1}, .centre = {0.1, 0, 1.0 / 3}, .torque = 2, .max_rate = 3, .swing = {-0.1, 0.7}},
+           OuterMotion{.axis = {0, 2, 1}, .centre = {0.1, 0, 1.0 / 3}, .max_rate = 3, .swing = {-0.1, 0.7}},
            Free{.hinge = {1, 2, 3},
            .centre = {0.1, -0.2, 1.0 / 3},
            .mass = 2,
