@@ -22,7 +22,7 @@ struct scree_engine {
 };
 
 struct scree_state {
-  std::shared_ptr<const scree::Checkpoint> state;
+  std::shared_ptr<const scree::HostedRun::State> state;
 };
 
 namespace scree {

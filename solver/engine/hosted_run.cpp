@@ -292,25 +292,40 @@ const FrameContacts& HostedRun::collect_contacts() {
   return in_->contacts;
 }
 
-std::shared_ptr<const Checkpoint> HostedRun::save() {
+std::shared_ptr<const HostedRun::State> HostedRun::save() {
   in_->check_goes_on("save");
-  auto state = std::make_shared<Checkpoint>(present_state(in_->comm, *in_->simulation));
-  state->scene_sha256 = in_->loaded.sha256;
-  state->step_limited_by = in_->state().clock.size.limited_by;
+  auto state = std::make_shared<State>();
+  state->checkpoint = present_state(in_->comm, *in_->simulation);
+  state->checkpoint.scene_sha256 = in_->loaded.sha256;
+  state->checkpoint.step_limited_by = in_->state().clock.size.limited_by;
+  for (const Inner::Force& f : in_->forces) {
+    state->functions.push_back(f.number);
+    if (f.every > 1) state->latest.emplace_back(f.number, in_->simulation->outer_forces().latest_of(f.number_of_effect));
+  }
   return state;
 }
 
-void HostedRun::restore(const Checkpoint& state) {
+void HostedRun::restore(const State& state) {
   if (in_->files)
     throw UsageError("restore: the engine writes a run folder, whose files would not be those of one run; open it without run");
-  if (state.scene_sha256 != in_->loaded.sha256) throw UsageError("restore: the state is of another scene");
+  if (state.checkpoint.scene_sha256 != in_->loaded.sha256) throw UsageError("restore: the state is of another scene");
   in_->failed.clear();
   in_->guarded([&] {
     // a simulation starts once: another one takes its place
     in_->simulation.emplace(in_->comm, *in_->loaded.prepared, in_->options.parallel);
-    Checkpoint copy = state;
+    Checkpoint copy = state.checkpoint;
     in_->simulation->start_from_records(copy.bodies, std::move(copy.states), copy.step, copy.step_size, copy.step_limited_by, copy.totals);
-    for (Inner::Force& f : in_->forces) f.number_of_effect = in_->simulation->outer_forces().add(in_->change(), f.function, f.every);
+    const auto acted = [&](const Inner::Force& f) {
+      return std::find(state.functions.begin(), state.functions.end(), f.number) != state.functions.end();
+    };
+    for (Inner::Force& f : in_->forces) {
+      if (!acted(f)) continue;
+      const auto latest = std::find_if(state.latest.begin(), state.latest.end(), [&](const auto& l) { return l.first == f.number; });
+      f.number_of_effect = in_->simulation->outer_forces().add_restored(in_->change(), f.function, f.every,
+                                                                        latest == state.latest.end() ? WrenchTable{} : latest->second);
+    }
+    for (Inner::Force& f : in_->forces)
+      if (!acted(f)) f.number_of_effect = in_->simulation->outer_forces().add(in_->change(), f.function, f.every);
   });
 }
 

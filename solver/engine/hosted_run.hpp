@@ -82,8 +82,13 @@ class HostedRun {
   const FrameContacts& collect_contacts();
 
   // 6. States.
-  std::shared_ptr<const Checkpoint> save();
-  void restore(const Checkpoint& state);
+  struct State {
+    Checkpoint checkpoint;
+    std::vector<std::pair<int, WrenchTable>> latest;  ///< of functions that are not called in every step, by their numbers: of some bodies
+    std::vector<int> functions;                       ///< numbers of those that acted
+  };
+  std::shared_ptr<const State> save();
+  void restore(const State& state);
   void write_checkpoint(const std::string& folder);
   void write_frame(const std::string& path);
 

@@ -184,18 +184,18 @@ def a_constant_torque_turns_a_ball_by_its_inertia():
 
 def a_ball_with_its_own_drag_falls_at_the_speed_of_stokes():
     """v = m g / c after 20 relaxation times, to 1e-6; on the way v = m g / c (1 - exp(-c t / m)), and as in a fluid of the same drag and no density, to
-    1e-4: drag follows the velocity of half a step before, dt / (2 m / c) = 1e-4."""
+    1e-4: drag follows the velocity of half a step before, dt / (2 m / c) = 6e-5."""
     viscosity = 0.5
     c = 6 * math.pi * viscosity * RADIUS
     end = -MASS * 9.81 / c
     pack("fall", one_ball(gravity="[0, 0, -9.81]", step="1e-4"))
     for name, fluid in (("own", ""), ("stokes", f'[fluid]\ndensity = 1e-9\nviscosity = {viscosity}\ndrag = "stokes"\n')):
-        pack(name, one_ball(gravity="[0, 0, -9.81]", step="1e-5", more=fluid))
+        pack(name, one_ball(gravity="[0, 0, -9.81]", step="5e-6", more=fluid))
     with scree.Engine("own.scene.h5") as engine, scree.Engine("stokes.scene.h5") as fluid:
         engine.add_force(lambda bodies: -c * bodies.velocity)
         for _ in range(3):
-            engine.step(1000)
-            fluid.step(1000)
+            engine.step(2000)
+            fluid.step(2000)
             speed = engine.bodies.velocity[0, 2]
             assert abs(speed / (end * (1 - math.exp(-c * engine.time / MASS))) - 1) < 1e-4 and abs(speed / fluid.bodies.velocity[0, 2] - 1) < 1e-4
     with scree.Engine("fall.scene.h5") as engine:

@@ -72,6 +72,7 @@ void OuterForces::call(const RunState& s, Function& f) {
   f.torque.assign(p.owned, Vec3{});
   f.call(f.force, f.torque);
   f.latest.clear();
+  f.is_known = true;
   for (std::size_t i = 0; i < p.owned; ++i) {
     if (!is_finite(f.force[i]) || !is_finite(f.torque[i]))
       throw RunInvalid("step {}: a function of outer forces gives body {} a force or torque that is not a finite number", s.clock.step,
@@ -92,6 +93,7 @@ void OuterForces::hold_latest(const RunState& s, Function& f) {
     f.force[i] = found->second.force;
     f.torque[i] = found->second.torque;
   }
+  f.is_known = true;
 }
 
 /// All functions together.
@@ -99,12 +101,15 @@ void OuterForces::sum_functions(const RunState& s) {
   const ParticleSet& p = s.particles;
   force_.assign(functions_.empty() ? 0 : p.owned, Vec3{});
   torque_.assign(force_.size(), Vec3{});
-  for (const Function& f : functions_) {
-    for (std::size_t i = 0; i < p.owned; ++i) {
-      if (p.fixed[i]) continue;
-      force_[i] += f.force[i];
-      torque_[i] += f.torque[i];
-    }
+  for (const Function& f : functions_) add_to_sum(s, f);
+}
+
+void OuterForces::add_to_sum(const RunState& s, const Function& f) {
+  const ParticleSet& p = s.particles;
+  for (std::size_t i = 0; i < p.owned; ++i) {
+    if (p.fixed[i]) continue;
+    force_[i] += f.force[i];
+    torque_[i] += f.torque[i];
   }
 }
 
@@ -220,12 +225,24 @@ void OuterForces::release(RunState& s, const std::optional<std::vector<std::int6
 
 int OuterForces::add(RunState& s, ForceFunction function, std::int64_t every) {
   if (every < 1) throw UsageError("outer force: every = {}: expected a number of steps >= 1", every);
-  Function f{++last_number_, std::move(function), every, {}, {}, {}};
+  Function f{++last_number_, std::move(function), every, false, {}, {}, {}};
   mpi::on_all(s.comm, [&] { call(s, f); });
+  is_used_ = true;
+  force_.resize(s.particles.owned);
+  torque_.resize(s.particles.owned);
+  add_to_sum(s, f);
+  functions_.push_back(std::move(f));
+  change_now(s);
+  return last_number_;
+}
+
+int OuterForces::add_restored(RunState& s, ForceFunction function, std::int64_t every, const WrenchTable& latest) {
+  Function f{++last_number_, std::move(function), every, false, {}, {}, {}};
+  WrenchTable mine = latest;
+  travel(s, mine, by_id(s));
+  for (const WrenchOnBody& entry : mine) f.latest[entry.id] = entry.wrench;
   functions_.push_back(std::move(f));
   is_used_ = true;
-  sum_functions(s);
-  change_now(s);
   return last_number_;
 }
 
@@ -233,6 +250,10 @@ void OuterForces::remove(RunState& s, int number) {
   const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
   if (at == functions_.end()) throw UsageError("outer force: no function has the number {}; it was removed before, or never added", number);
   functions_.erase(at);
+  mpi::on_all(s.comm, [&] {
+    for (Function& f : functions_)
+      if (!f.is_known) call(s, f);
+  });
   sum_functions(s);
   change_now(s);
 }
@@ -278,45 +299,51 @@ void OuterForces::after_migration(RunState& s, bool) {
 void OuterForces::on_rebuild(const StepParts& parts) {
   RunState& s = parts.state;
   find_rows(s);
-  if (restored_.empty()) return;
+  for (Function& f : functions_) f.is_known = false;
+  if (!is_restored_) return;
+  is_restored_ = false;
   const ParticleSet& p = s.particles;
-  std::vector<OnRow> rows;
+  force_.assign(restored_.empty() ? 0 : p.owned, Vec3{});
+  torque_.assign(force_.size(), Vec3{});
   auto next = restored_.begin();
   for (const std::int32_t row : by_id(s)) {
     const auto i = static_cast<std::size_t>(row);
     while (next != restored_.end() && next->id < p.id[i]) ++next;
-    if (next != restored_.end() && next->id == p.id[i]) rows.push_back({i, next->wrench});
+    if (next == restored_.end() || next->id != p.id[i]) continue;
+    force_[i] = next->wrench.force;
+    torque_[i] = next->wrench.torque;
   }
-  std::sort(rows.begin(), rows.end(), [](const OnRow& l, const OnRow& r) { return l.row < r.row; });
-  acting_.clear();
-  for (const OnRow& on : rows) acting_.add(p, on);
   restored_.clear();
+  acting_.clear();
+  for (const OnRow& on : present(s))
+    if (p.rest[on.row] != kAsleep) acting_.add(p, on);
 }
 
 void OuterForces::before_forces(RunState& s) {
-  const ParticleSet& p = s.particles;
-  if (is_current_ && functions_.empty() && s.sleep == nullptr) {  // the same on the same rows
-    const std::size_t rows = acting_.row.size();
-#pragma omp parallel for if (rows > kRowsWorthThreads)
-    for (std::size_t k = 0; k < rows; ++k) acting_.v[k] = p.v[acting_.row[k]];
-    for (Acting::Turning& t : acting_.turning) {
-      t.w = p.w[t.row];
-      t.q = p.q[t.row];
-    }
-    return;
-  }
+  if (is_current_ && functions_.empty() && s.sleep == nullptr) return;  // the same on the same rows
   for (Function& f : functions_) s.clock.step % f.every == 0 ? call(s, f) : hold_latest(s, f);
   sum_functions(s);
-  const std::vector<OnRow> now = present(s);
-  wake_changed(s, now);
-  acting_.clear();
-  for (const OnRow& on : now)
-    if (p.rest[on.row] != kAsleep) acting_.add(p, on);
-  is_current_ = true;
+  now_ = present(s);
+  wake_changed(s, now_);
+  is_current_ = false;
 }
 
 void OuterForces::add_forces(RunState& s) {
   ParticleSet& p = s.particles;
+  const std::size_t known = acting_.row.size();
+  if (is_current_) {
+#pragma omp parallel for if (known > kRowsWorthThreads)
+    for (std::size_t k = 0; k < known; ++k) acting_.v[k] = p.v[acting_.row[k]];
+    for (Acting::Turning& t : acting_.turning) {
+      t.w = p.w[t.row];
+      t.q = p.q[t.row];
+    }
+  } else {  // bodies that contacts woke in this step have their forces too
+    acting_.clear();
+    for (const OnRow& on : now_)
+      if (p.rest[on.row] != kAsleep) acting_.add(p, on);
+    is_current_ = true;
+  }
   const std::size_t rows = acting_.row.size();
 #pragma omp parallel for if (rows > kRowsWorthThreads)
   for (std::size_t k = 0; k < rows; ++k) p.force[acting_.row[k]] += acting_.force[k];

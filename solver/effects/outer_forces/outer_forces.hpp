@@ -46,6 +46,11 @@ class OuterForces : public Effect {
   /// Calls a function now, and in steps whose number is a multiple of `every` (>= 1); between them its last forces are held. Functions are
   /// called in the order of their numbers. Returns the number. Throws on every rank what it throws on one.
   int add(RunState& s, ForceFunction function, std::int64_t every);
+  /// The same of a function whose forces are among those of a restored state: it is called in the next step.
+  /// in   latest   its last forces, of any bodies on any rank, where it is not called in every step
+  int add_restored(RunState& s, ForceFunction function, std::int64_t every, const WrenchTable& latest);
+  /// The last forces of a function on bodies of this rank, where it is not called in every step.
+  WrenchTable latest_of(int number) const;
   /// Throws UsageError for a number that is not there.
   void remove(RunState& s, int number);
 
@@ -90,6 +95,7 @@ class OuterForces : public Effect {
     int number;
     ForceFunction call;
     std::int64_t every;
+    bool is_known = false;            ///< its forces on the present rows are
     std::vector<Vec3> force, torque;  ///< by owned row
     WrenchById latest;                ///< where it is not called in every step: rows may change between
   };
@@ -98,6 +104,7 @@ class OuterForces : public Effect {
   void call(const RunState& s, Function& f);
   void hold_latest(const RunState& s, Function& f);
   void sum_functions(const RunState& s);
+  void add_to_sum(const RunState& s, const Function& f);
   std::vector<OnRow> present(const RunState& s) const;
   void change_now(RunState& s);
   void wake_changed(RunState& s, const std::vector<OnRow>& now);
@@ -111,10 +118,12 @@ class OuterForces : public Effect {
   std::vector<std::int32_t> by_id_;  // rows; empty: not known since lists were made again
   std::vector<Function> functions_;
   std::vector<Vec3> force_, torque_;  // of all functions together, by owned row; empty without functions
+  std::vector<OnRow> now_;            // what acts in this step, on bodies asleep too
   Acting acting_;
-  bool is_current_ = false;  // acting_ is what is held, on the present rows
-  WrenchTable restored_;     // acting, of a restart, until rows are known
-  bool is_used_ = false;     // anything was ever given: the same on every rank
+  bool is_current_ = false;   // acting_ is what is held, on the present rows
+  bool is_restored_ = false;  // a restart, until rows are known, with the forces of all functions together in the step before:
+  WrenchTable restored_;
+  bool is_used_ = false;  // anything was ever given: the same on every rank
   int last_number_ = 0;
   ExactSum work_;  // of this rank [J]
 };

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "solver/effects/outer_forces/outer_forces.hpp"
 #include "solver/state/run_state.hpp"
 
@@ -7,11 +9,14 @@ namespace scree {
 
 EffectRecord OuterForces::record(const RunState& s) const {
   if (!is_used_) return {};
-  std::vector<WrenchOnBody> acting = restored_, kept;
-  for (const OnRow& on : acting_.list()) acting.push_back({s.particles.id[on.row], on.wrench});
+  std::vector<WrenchOnBody> of_functions, kept;
+  for (std::size_t i = 0; i < force_.size(); ++i) {
+    const Wrench w{force_[i], torque_[i]};
+    if (!is_zero(w)) of_functions.push_back({s.particles.id[i], w});
+  }
   for (const auto& [id, wrench] : kept_) kept.push_back({id, wrench});
   EffectRecord record;
-  for (const auto& rows : {held_, acting, kept}) {
+  for (const auto& rows : {held_, of_functions, kept}) {
     const std::vector<WrenchOnBody> all = of_all_ranks(s, rows);
     record.push_back(ids_of(all));
     record.push_back(numbers_of(all));
@@ -26,7 +31,17 @@ void OuterForces::restore(RunState& s, const EffectRecord& record) {
   for (const WrenchOnBody& entry : wrenches_of(record[4], record[5])) kept_[entry.id] = entry.wrench;
   const ExactSum work = sum_of(record[6]);
   if (s.comm.rank() == 0) work_ = work;
-  is_used_ = true;
+  is_used_ = is_restored_ = true;
+}
+
+WrenchTable OuterForces::latest_of(int number) const {
+  WrenchTable table;
+  for (const Function& f : functions_) {
+    if (f.number != number) continue;
+    for (const auto& [id, wrench] : f.latest) table.push_back({id, wrench});
+  }
+  std::sort(table.begin(), table.end(), [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id < r.id; });
+  return table;
 }
 
 void OuterForces::add_energies(const RunState& s, Energies& energies) const {
@@ -45,8 +60,8 @@ std::vector<PlanLine> OuterForces::plan(const RunState& s) const {
 EffectKind outer_forces_effect() {
   EffectFormat format{"outer_forces", "the forces that act from outside, or their work, differ", {}};
   format.is_optional = true;
-  for (const char* name : {"held", "acting", "kept"}) {
-    static const std::unordered_map<std::string, const char*> ids{{"held", "held_id"}, {"acting", "acting_id"}, {"kept", "kept_id"}};
+  for (const char* name : {"held", "functions", "kept"}) {
+    static const std::unordered_map<std::string, const char*> ids{{"held", "held_id"}, {"functions", "functions_id"}, {"kept", "kept_id"}};
     format.arrays.push_back({ids.at(name), "", 1, false});
     format.arrays.push_back({name, "N; N m", kNumbersOfWrench});
   }
