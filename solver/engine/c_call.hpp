@@ -17,6 +17,7 @@ struct scree_engine {
   std::unique_ptr<scree::HostedRun> run;
   int threads = 1;
   std::atomic<bool> busy{false};
+  scree::CallConditions* conditions = nullptr;  // of the present call
   std::int64_t contact_count = 0;
   const scree::FrameContacts* contacts = nullptr;
 };
@@ -53,11 +54,21 @@ int called(scree_engine* engine, const char* what, Action&& action) {
                                  ": a call of this engine has not returned yet; from another thread wait for it, and within a "
                                  "function of forces only read bodies and facts");
   const int code = mapped([&] {
-    const CallConditions conditions(engine->threads);
+    CallConditions conditions(engine->threads);
+    engine->conditions = &conditions;
     return action(*engine->run);
   });
   engine->busy = false;
   return code;
+}
+
+/// Calls a function of the partner under the partner's own conditions.
+template <class Function>
+int call_back(scree_engine* engine, Function&& function) {
+  engine->conditions->leave();
+  const int result = function();
+  engine->conditions->enter();
+  return result;
 }
 
 inline int need(bool given, const char* what) { return given ? SCREE_DONE : fail(SCREE_USAGE, std::string(what) + " is NULL"); }

@@ -44,6 +44,9 @@ void begin_mpi(bool has_comm) {
 }
 
 int open_on(const char* scene, MPI_Comm comm, const char* run, const char* restart, int threads, scree_engine** engine) {
+  constexpr int kMostThreads = 1024;
+  if (threads < 0 || threads > kMostThreads)
+    throw UsageError("threads = {}: expected 1 to {}, or 0 for a choice by the number of bodies", threads, kMostThreads);
   auto made = std::make_unique<scree_engine>();
   const int partner = omp_get_max_threads();
   made->threads = threads > 0 ? threads : partner;
@@ -84,11 +87,12 @@ int scree_open_fortran(const char* scene, int comm, const char* run, const char*
 
 int scree_close(scree_engine* engine) {
   if (engine == nullptr) return SCREE_DONE;
-  const int code = called(engine, "close", [](HostedRun& run) {
-    run.close();
+  if (engine->busy.exchange(true)) return fail(SCREE_USAGE, "close: a call of this engine has not returned yet; wait for it");
+  const int code = mapped([&] {
+    const CallConditions conditions(engine->threads);
+    engine->run->close();
     return SCREE_DONE;
   });
-  if (engine->busy) return code;  // of another thread
   int is_ended = 0;
   MPI_Finalized(&is_ended);
   if (is_ended == 0)
@@ -159,9 +163,8 @@ const int64_t* scree_integers(scree_engine* engine, const char* field) {
 }
 
 int scree_set_wrench(scree_engine* engine, int64_t n, const int64_t* ids, const double* forces, const double* torques) {
-  if (n < 0 || (n > 0 && (ids == nullptr || forces == nullptr)))
-    return fail(SCREE_USAGE, "set_wrench: ids and forces of n >= 0 bodies are needed");
   return called(engine, "set_wrench", [&](HostedRun& run) {
+    run.check(n >= 0 && (n == 0 || (ids != nullptr && forces != nullptr)), "set_wrench: ids and forces of n >= 0 bodies are needed");
     std::vector<WrenchOnBody> mine;
     mine.reserve(static_cast<std::size_t>(n));
     for (std::int64_t k = 0; k < n; ++k) mine.push_back({ids[k], {vector_at(forces, k), vector_at(torques, k)}});
@@ -171,17 +174,20 @@ int scree_set_wrench(scree_engine* engine, int64_t n, const int64_t* ids, const 
 }
 int scree_clear_wrench(scree_engine* engine, int64_t n, const int64_t* ids) {
   return called(engine, "clear_wrench", [&](HostedRun& run) {
-    run.release(ids == nullptr ? std::nullopt : std::optional(std::vector<std::int64_t>(ids, ids + std::max<std::int64_t>(0, n))));
+    run.check(n <= 0 || ids != nullptr, "clear_wrench: the ids of n bodies are needed; n = -1: all bodies");
+    run.release(n < 0 ? std::nullopt : std::optional(std::vector<std::int64_t>(ids, ids + n)));
     return SCREE_DONE;
   });
 }
 int scree_add_force(scree_engine* engine, scree_force_function function, int64_t every, void* user, int* number) {
-  if (function == nullptr || number == nullptr) return fail(SCREE_USAGE, "add_force: the function or the place for its number is NULL");
   return called(engine, "add_force", [&](HostedRun& run) {
+    run.check(function != nullptr && number != nullptr, "add_force: the function or the place for its number is NULL");
     *number = run.add_force(
         [engine, function, user](std::span<Vec3> force, std::span<Vec3> torque) {
-          const int result = function(user, engine, static_cast<std::int64_t>(force.size()), reinterpret_cast<double*>(force.data()),
-                                      reinterpret_cast<double*>(torque.data()));
+          const int result = call_back(engine, [&] {
+            return function(user, engine, static_cast<std::int64_t>(force.size()), reinterpret_cast<double*>(force.data()),
+                            reinterpret_cast<double*>(torque.data()));
+          });
           if (result != 0) throw UsageError("a function of outer forces failed: it gave {}", result);
         },
         every);

@@ -144,9 +144,8 @@ int scree_write_frame(scree_engine* engine, const char* path) {
 }
 
 int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, int64_t* ids) {
-  if (n < 0 || (n > 0 && (bodies == nullptr || ids == nullptr)))
-    return fail(SCREE_USAGE, "insert: n >= 0 bodies and a place for their ids are needed");
   return called(engine, "insert", [&](HostedRun& run) {
+    run.check(n >= 0 && (n == 0 || (bodies != nullptr && ids != nullptr)), "insert: n >= 0 bodies and a place for their ids are needed");
     std::vector<NewBody> mine;
     for (std::int64_t k = 0; k < n; ++k) {
       const scree_new_body& b = bodies[k];
@@ -160,8 +159,8 @@ int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, 
   });
 }
 int scree_remove(scree_engine* engine, int64_t n, const int64_t* ids) {
-  if (n < 0 || (n > 0 && ids == nullptr)) return fail(SCREE_USAGE, "remove: n >= 0 ids are needed");
   return called(engine, "remove", [&](HostedRun& run) {
+    run.check(n >= 0 && (n == 0 || ids != nullptr), "remove: n >= 0 ids are needed");
     run.remove(std::vector<std::int64_t>(ids, ids + n));
     return SCREE_DONE;
   });

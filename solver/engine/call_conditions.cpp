@@ -23,11 +23,27 @@ CallConditions::CallConditions(int threads)
   }
 }
 
+void CallConditions::leave() {
+  threads_ = omp_get_max_threads();  // a run may take more or fewer
+  omp_set_num_threads(threads_before_);
+  omp_set_dynamic(is_dynamic_before_);
+  std::fesetenv(environments_.data());
+}
+
+void CallConditions::enter() {
+  threads_before_ = omp_get_max_threads();
+  is_dynamic_before_ = omp_get_dynamic();
+  std::fegetenv(environments_.data());
+  omp_set_dynamic(0);
+  omp_set_num_threads(threads_);
+  std::fesetenv(FE_DFL_ENV);
+}
+
 CallConditions::~CallConditions() {
-  if (threads_ == 1) {
+  if (environments_.size() == 1) {
     std::fesetenv(environments_.data());
   } else {
-#pragma omp parallel num_threads(threads_)
+#pragma omp parallel num_threads(static_cast <int>(environments_.size()))
     std::fesetenv(&environments_[static_cast<std::size_t>(omp_get_thread_num())]);
   }
   omp_set_num_threads(threads_before_);

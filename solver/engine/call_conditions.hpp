@@ -14,6 +14,9 @@ class CallConditions {
   /// in   threads   that the call may start
   explicit CallConditions(int threads);
   ~CallConditions();
+  /// For a call back to the caller on this thread: its conditions, then those of the call again.
+  void leave();
+  void enter();
   CallConditions(const CallConditions&) = delete;
   CallConditions& operator=(const CallConditions&) = delete;
 

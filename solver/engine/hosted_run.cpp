@@ -1,10 +1,10 @@
 #include "solver/engine/hosted_run.hpp"
 
-#include <fmt/ranges.h>
 #include <omp.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,12 +12,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/nearest_name.hpp"
-#include "solver/engine/body_fields.hpp"
-#include "solver/run/make_frame.hpp"
+#include "solver/engine/hosted_run-inl.hpp"
 #include "solver/run/measures.hpp"
-#include "solver/run/run_steps.hpp"
-#include "solver/run/start.hpp"
 #include "solver/scene/origin.hpp"
 
 namespace scree {
@@ -26,69 +22,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-int threads_at_start(const HostedRun::Options& options) { return options.threads > 0 ? options.threads : omp_get_max_threads(); }
-
-std::int32_t index_of(const std::vector<std::string>& names, const std::string& name, const char* kind) {
-  const auto at = std::find(names.begin(), names.end(), name);
-  if (at != names.end()) return static_cast<std::int32_t>(at - names.begin());
-  const std::string near = nearest_name(name, names);
-  throw UsageError("insert: the scene has no {} '{}'; {}", kind, name,
-                   near.empty() ? fmt::format("there are: {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
-}
-
-template <class Items>
-std::vector<std::string> names_of(const Items& items) {
-  std::vector<std::string> names;
-  for (const auto& item : items) names.push_back(item.name);
-  return names;
-}
+/// Numbers of functions of forces, each given once in a process: a state of one run is never taken for that of another.
+std::atomic<int> g_last_force{0};
 
 }  // namespace
-
-struct HostedRun::Inner {
-  mpi::Communicator comm;
-  RunOptions options;
-  int threads;
-  LoadedScene loaded;  // its prepared part points into it: it stays where it is made
-  RunStart start;
-  std::optional<Watchdog> watchdog;
-  std::optional<Simulation> simulation;
-  std::optional<RunSteps> files;  // of a run with a folder
-  std::function<int()> poll;
-  double poll_interval = 0;
-  Clock::time_point polled = Clock::now();
-  std::string failed;  // what ended the run; "": it goes on
-  struct Force {
-    int number, number_of_effect;
-    ForceFunction function;
-    std::int64_t every;
-  };
-  std::vector<Force> forces;
-  int last_force = 0;
-  BodyFields fields;
-  FrameContacts contacts;
-
-  Inner(const std::string& scene, MPI_Comm c, const Options& o) : comm(c), threads(threads_at_start(o)), loaded(load_scene(comm, scene)) {
-    options.scene_path = scene;
-    options.run_folder = o.run_folder;
-    options.restart = o.restart;
-    options.command = {kEngineCommand, scene};
-    options.is_quiet = true;
-    options.stall_limit = 0;  // the program that steps may wait for as long as it likes
-    options.most_threads = o.threads > 0 || std::getenv("OMP_NUM_THREADS") != nullptr ? 0 : threads;
-  }
-
-  const RunState& state() const { return simulation->state(); }
-  RunState& change() { return simulation->changeable_state(); }
-  void begin();
-  void check_goes_on(const char* what) const;
-  void check_moves(const char* what) const;
-  template <class Action>
-  void guarded(Action&& action);
-  int one_step();
-  void look_around();
-  int stopped();
-};
 
 void HostedRun::Inner::begin() {
   omp_set_num_threads(threads);
@@ -123,6 +60,7 @@ void HostedRun::Inner::begin() {
     simulation->start_from_scene(loaded.start);
   }
   check_step_size(comm, options, loaded.scene.settings, state().clock.size);
+  if (!has_folder && !path.empty()) look_at_contacts();
   if (!has_folder) return;
   files.emplace(comm, options, loaded, *watchdog, *simulation, path, before);
   files->begin();
@@ -132,20 +70,19 @@ void HostedRun::Inner::check_goes_on(const char* what) const {
   if (!failed.empty()) throw UsageError("{}: the run has ended: {}. Restore a saved state, or close the engine", what, failed);
 }
 
+void HostedRun::Inner::check_nobody_waits(const char* what) const {
+  if (simulation->bodies_wait())
+    throw UsageError("{}: bodies wait to join or to leave in the next step, and are in no state before; make a step first", what);
+}
+
+/// Until the next step loads of walls and energies follow from the contacts as they stand, without their damping.
+void HostedRun::Inner::look_at_contacts() {
+  guarded([&] { simulation->evaluate_for_measures(); });
+}
+
 void HostedRun::Inner::check_moves(const char* what) const {
   check_goes_on(what);
   if (loaded.prepared->is_frozen()) throw UsageError("{}: heat.frozen keeps bodies as they are; leave it out of the case", what);
-}
-
-/// What makes the state meaningless is remembered.
-template <class Action>
-void HostedRun::Inner::guarded(Action&& action) {
-  try {
-    action();
-  } catch (const std::exception& error) {
-    failed = error.what();
-    throw;
-  }
 }
 
 void HostedRun::Inner::look_around() {
@@ -185,8 +122,15 @@ HostedRun::HostedRun(const std::string& scene, MPI_Comm comm, const Options& opt
 
 HostedRun::~HostedRun() = default;
 
+void HostedRun::check(bool is_right, const char* text) const {
+  mpi::on_all(in_->comm, [&] {
+    if (!is_right) throw UsageError("{}", text);
+  });
+}
+
 void HostedRun::close() {
   if (in_->files && in_->failed.empty()) in_->files->leave();
+  if (in_->files && !in_->failed.empty() && !in_->is_told) in_->files->abandon(in_->failed);
   in_->files.reset();
 }
 
@@ -230,22 +174,25 @@ void HostedRun::hold(const std::vector<WrenchOnBody>& mine) {
 
 void HostedRun::release(const std::optional<std::vector<std::int64_t>>& mine) {
   in_->check_moves("clear_wrench");
+  const double all = mine ? 0 : 1;
+  if (in_->comm.max(all) != -in_->comm.max(-all))
+    throw UsageError("clear_wrench: some ranks name bodies, others mean all; on every rank name bodies, perhaps none, or mean all");
   in_->simulation->outer_forces().release(in_->change(), mine);
 }
 
 int HostedRun::add_force(const ForceFunction& function, std::int64_t every) {
   in_->check_moves("add_force");
   const int number = in_->simulation->outer_forces().add(in_->change(), function, every);
-  in_->forces.push_back({++in_->last_force, number, function, every});
-  return in_->last_force;
+  in_->forces.push_back({++g_last_force, number, function, every});
+  return in_->forces.back().number;
 }
 
 void HostedRun::remove_force(int number) {
-  in_->check_goes_on("remove_force");
   const auto at = std::find_if(in_->forces.begin(), in_->forces.end(), [number](const auto& f) { return f.number == number; });
   if (at == in_->forces.end())
     throw UsageError("remove_force: no function has the number {}; it was removed before, or never added", number);
-  in_->simulation->outer_forces().remove(in_->change(), at->number_of_effect);
+  // of a run that has ended, perhaps by this function, it is only forgotten
+  if (in_->failed.empty()) in_->simulation->outer_forces().remove(in_->change(), at->number_of_effect);
   in_->forces.erase(at);
 }
 
@@ -268,6 +215,7 @@ std::array<double, 13> HostedRun::wall_state(std::size_t wall) const {
 
 void HostedRun::drive_wall(std::size_t wall, double rate) {
   in_->check_moves("drive");
+  check(std::isfinite(rate), "drive: the rate is not a finite number; check what it is computed from");
   const double others = in_->comm.max(rate), least = -in_->comm.max(-rate);
   if (others != least)
     throw UsageError("drive: ranks give wall '{}' different rates, {:g} and {:g}; give the same on every rank", scene().walls[wall].name,
@@ -284,109 +232,16 @@ std::pair<double, double> HostedRun::wall_way(std::size_t wall) const {
 
 Energies HostedRun::energies() { return energies_of(in_->state()); }
 std::string HostedRun::state_hash() { return scree::state_hash(in_->state()); }
-double HostedRun::critical_step() { return in_->simulation->critical_step().step; }
+double HostedRun::critical_step() {
+  in_->check_goes_on("critical_step");
+  return in_->simulation->critical_step().step;
+}
 
 const FrameContacts& HostedRun::collect_contacts() {
+  in_->check_goes_on("contacts");
   in_->contacts = in_->simulation->contacts();
   for (Vec3& point : in_->contacts.point) point += in_->loaded.origin;
   return in_->contacts;
-}
-
-std::shared_ptr<const HostedRun::State> HostedRun::save() {
-  in_->check_goes_on("save");
-  auto state = std::make_shared<State>();
-  state->checkpoint = present_state(in_->comm, *in_->simulation);
-  state->checkpoint.scene_sha256 = in_->loaded.sha256;
-  state->checkpoint.step_limited_by = in_->state().clock.size.limited_by;
-  for (const Inner::Force& f : in_->forces) {
-    state->functions.push_back(f.number);
-    if (f.every > 1) state->latest.emplace_back(f.number, in_->simulation->outer_forces().latest_of(f.number_of_effect));
-  }
-  return state;
-}
-
-void HostedRun::restore(const State& state) {
-  if (in_->files)
-    throw UsageError("restore: the engine writes a run folder, whose files would not be those of one run; open it without run");
-  if (state.checkpoint.scene_sha256 != in_->loaded.sha256) throw UsageError("restore: the state is of another scene");
-  in_->failed.clear();
-  in_->guarded([&] {
-    // a simulation starts once: another one takes its place
-    in_->simulation.emplace(in_->comm, *in_->loaded.prepared, in_->options.parallel);
-    Checkpoint copy = state.checkpoint;
-    in_->simulation->start_from_records(copy.bodies, std::move(copy.states), copy.step, copy.step_size, copy.step_limited_by, copy.totals);
-    const auto acted = [&](const Inner::Force& f) {
-      return std::find(state.functions.begin(), state.functions.end(), f.number) != state.functions.end();
-    };
-    for (Inner::Force& f : in_->forces) {
-      if (!acted(f)) continue;
-      const auto latest = std::find_if(state.latest.begin(), state.latest.end(), [&](const auto& l) { return l.first == f.number; });
-      f.number_of_effect = in_->simulation->outer_forces().add_restored(in_->change(), f.function, f.every,
-                                                                        latest == state.latest.end() ? WrenchTable{} : latest->second);
-    }
-    for (Inner::Force& f : in_->forces)
-      if (!acted(f)) f.number_of_effect = in_->simulation->outer_forces().add(in_->change(), f.function, f.every);
-  });
-}
-
-void HostedRun::write_checkpoint(const std::string& folder) {
-  in_->check_goes_on("write_checkpoint");
-  Checkpoint so_far;
-  so_far.origin = in_->loaded.origin;
-  so_far.scene_sha256 = in_->loaded.sha256;
-  const nlohmann::json provenance = provenance_of_run(in_->comm, in_->options, in_->loaded, "");
-  scree::write_checkpoint(in_->comm, *in_->simulation, folder, so_far, provenance);
-}
-
-void HostedRun::write_frame(const std::string& path) {
-  const bool with_contacts = in_->loaded.scene.settings.output_contacts && in_->failed.empty();
-  Frame frame = make_frame(*in_->simulation, energies_of(in_->state()), in_->comm.rank(), with_contacts, in_->loaded.origin);
-  frame.number = 0;
-  frame.provenance = provenance_of_run(in_->comm, in_->options, in_->loaded, "");
-  mpi::on_all(in_->comm, [&] { write_frame_file(in_->comm.get(), path, frame); });
-}
-
-std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
-  in_->check_moves("insert");
-  const RunState& s = in_->state();
-  std::vector<ParticleRecord> records;
-  std::vector<std::int64_t> ids;
-  std::int64_t before = 0, count = static_cast<std::int64_t>(mine.size());
-  MPI_Exscan(&count, &before, 1, MPI_INT64_T, MPI_SUM, in_->comm.get());
-  if (in_->comm.rank() == 0) before = 0;
-  mpi::on_all(in_->comm, [&] {
-    const Scene& scene = in_->loaded.scene;
-    if (scene.settings.heat) throw UsageError("insert: a scene with heat takes bodies in by its inlets only");
-    const std::vector<std::string> shapes = names_of(scene.shapes), materials = names_of(scene.materials);
-    for (const NewBody& body : mine) {
-      BodyAtStart b{};
-      b.id = s.largest_id + 1 + before + static_cast<std::int64_t>(ids.size());
-      b.shape = index_of(shapes, body.shape, "shape");
-      b.material = index_of(materials, body.material, "material");
-      b.scale = body.scale;
-      b.position = body.position - in_->loaded.origin;
-      b.orientation = body.orientation;
-      b.velocity = body.velocity;
-      b.angular_velocity = body.angular_velocity;
-      const Quat& q = body.orientation;
-      const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-      if (!is_finite(b.position) || !is_finite(b.velocity) || !is_finite(b.angular_velocity) || !std::isfinite(norm))
-        throw UsageError("insert: body {} of this call has a number that is not finite; check what it is computed from", ids.size());
-      if (!(norm > 0))
-        throw UsageError("insert: the quaternion of body {} of this call is 0; without a rotation it is 1 0 0 0", ids.size());
-      if (!(b.scale > 0) || !std::isfinite(b.scale))
-        throw UsageError("insert: body {} of this call has a scale of {:g}; expected a number > 0", ids.size(), b.scale);
-      records.push_back(make_record(*in_->loaded.prepared, b));
-      ids.push_back(b.id);
-    }
-  });
-  in_->simulation->add_bodies(records);
-  return ids;
-}
-
-void HostedRun::remove(const std::vector<std::int64_t>& mine) {
-  in_->check_moves("remove");
-  in_->simulation->remove_bodies(mine);
 }
 
 }  // namespace scree

@@ -46,6 +46,9 @@ class HostedRun {
   /// The last files of a run with a folder. Nothing is to be called after it.
   void close();
 
+  /// Throws UsageError with this text on every rank, where the arguments of a call are wrong on one of them.
+  void check(bool is_right, const char* text) const;
+
   // 1. Steps.
   /// Returns 0, or 128 and the number that a poll gave.
   int step(std::int64_t count);
@@ -85,7 +88,8 @@ class HostedRun {
   struct State {
     Checkpoint checkpoint;
     std::vector<std::pair<int, WrenchTable>> latest;  ///< of functions that are not called in every step, by their numbers: of some bodies
-    std::vector<int> functions;                       ///< numbers of those that acted
+    std::vector<int> functions;                       ///< numbers of those that acted: different in all runs of a process
+    int ranks = 1;
   };
   std::shared_ptr<const State> save();
   void restore(const State& state);

@@ -12,7 +12,8 @@
  * that it owns: others after each step, in any order. One thread of a process calls an engine at a time; several engines may be open.
  *
  * Errors. A function that can fail returns SCREE_DONE or a code of the list below, the same on every rank, and scree_error() says what was
- * wrong and what to do. After SCREE_RUN_INVALID and SCREE_INTERNAL a run cannot go on: only reading, scree_restore() and scree_close() are left.
+ * wrong and what to do. SCREE_USAGE changes nothing, but for a function of forces that fails within a step. After any other error within a step, and after that
+ * one, a run cannot go on: what is left is to read bodies, energies and loads, scree_write_frame(), scree_remove_force(), scree_restore() and scree_close().
  *
  * Numbers. A run without any input gives the same bits as scree-solver, on any number of ranks and threads. The library sets its number of threads,
  * the rounding of floating-point numbers and the treatment of denormal numbers in each call, and puts back those of the caller.
@@ -109,13 +110,13 @@ SCREE_API const int64_t* scree_integers(scree_engine* engine, const char* field)
 /* ---- Forces from outside ---- */
 
 /* Forces [N], and torques [N m] about the centres of mass, held on n bodies until they are given again; each in place of what was held on its
- * body before. They act from the next evaluation of forces on, within the next step: for partners that change slowly (a fluid, a
+ * body before. They act at once, from the first half kick of the next step on: for partners that change slowly (a fluid, a
  * controller). For a force that follows from places or velocities use scree_add_force(): a spring that is held for a step gains energy.
  * Any rank may name any body. torques: NULL: none.
  * SCREE_USAGE: an id that is unknown, given twice, or of a fixed body; a number that is not finite. Nothing is changed then.
  */
 SCREE_API int scree_set_wrench(scree_engine* engine, int64_t n, const int64_t* ids, const double* forces, const double* torques);
-/* Holds nothing any more: on n bodies, or with ids NULL on all. */
+/* Holds nothing any more: on n bodies, of which each rank may name its own; n = -1: on all, and then on every rank. */
 SCREE_API int scree_clear_wrench(scree_engine* engine, int64_t n, const int64_t* ids);
 /* `function` is called on every rank in every step (and once at once) when bodies are at their new places, with the velocities of half a step
  * before, as damping is evaluated. It adds to force and torque, 3 numbers for each body of this rank, all 0 before. It may read by
@@ -162,7 +163,8 @@ SCREE_API const int64_t* scree_contact_integers(const scree_engine* engine, cons
 /* ---- States ---- */
 
 /* Keeps the present state in memory, held forces included; scree_restore() goes back to it, as often as wanted, with the same bits after it. Functions stay as
- * they are at that time. In a run with a folder scree_restore() is a SCREE_USAGE: its files would tell another story. */
+ * they are at that time; one that was removed since the state was kept still acts in the first half kick after it. Until the next step, loads of walls and energies are those
+ * of contacts without their damping; the same after a restart. SCREE_USAGE while bodies wait to join or to leave. In a run with a folder scree_restore() is a SCREE_USAGE: its files would tell another story. */
 SCREE_API int scree_save(scree_engine* engine, scree_state** state);
 SCREE_API int scree_restore(scree_engine* engine, const scree_state* state);
 SCREE_API void scree_free_state(scree_state* state);
@@ -178,8 +180,8 @@ typedef struct {
   double position[3], quaternion[4], velocity[3], angular_velocity[3], scale;
 } scree_new_body;
 /* n bodies join in the next step, whose end they reach as they are given here if they touch nothing. out: n ids. Each rank gives its own; ids are
- * given in the order of ranks. SCREE_USAGE: a shape or material that is unknown, a number that is not finite, a scale or shape larger than
- * the scene was prepared for. SCREE_RUN_INVALID: the step is too long for them. No check is made that their place is free. */
+ * given in the order of ranks. SCREE_USAGE: a shape or material that is unknown, a number that is not finite, a body whose contacts need a
+ * shorter step than that of the run. No check is made that their place is free. */
 SCREE_API int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, int64_t* ids);
 /* Takes bodies out in the next step, booked as those that leave the domain. */
 SCREE_API int scree_remove(scree_engine* engine, int64_t n, const int64_t* ids);

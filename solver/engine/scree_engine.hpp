@@ -97,7 +97,7 @@ class Engine {
     check(scree_set_wrench(engine_, static_cast<std::int64_t>(ids.size()), ids.data(), forces.data(),
                            torques.empty() ? nullptr : torques.data()));
   }
-  void clear_wrench() { check(scree_clear_wrench(engine_, 0, nullptr)); }
+  void clear_wrench() { check(scree_clear_wrench(engine_, -1, nullptr)); }
   /// Returns a number for remove_force(). The function lives until then.
   int add_force(Force force, std::int64_t every = 1) {
     forces_.push_back(std::make_unique<Call>(Call{this, std::move(force), {}, 0}));

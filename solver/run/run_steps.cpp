@@ -250,6 +250,11 @@ void RunSteps::leave() {
   write_outcome({"interrupted", fmt::format("closed at step {}; continue with --restart latest", simulation_.step()), 0});
 }
 
+void RunSteps::abandon(const std::string& reason) {
+  write_outcome(
+      {"interrupted", fmt::format("ended by an error at step {}: {}", simulation_.step(), reason), static_cast<int>(ExitCode::usage)});
+}
+
 void RunSteps::finish() {
   const std::string reason = is_empty_ && body_count(simulation_.state()) > 0                   ? "no body is left that is free to move"
                              : body_count(simulation_.state()) > 0                              ? ""

@@ -42,6 +42,8 @@ class RunSteps {
   void finish();
   /// The same of one that ends here: it can be continued.
   void leave();
+  /// The same of one that an error ended which is not of the simulation: the state means nothing, the last checkpoint does.
+  void abandon(const std::string& reason);
 
  private:
   void announce() const;

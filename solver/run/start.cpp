@@ -62,7 +62,7 @@ RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, co
     check_scene(comm, options, loaded, start);
     start.is_complete = start.checkpoint && start.checkpoint->step == complete;
   }
-  if (start.is_complete && comm.rank() == 0) {
+  if (start.is_complete && comm.rank() == 0 && !options.is_quiet) {
     std::fprintf(
         stderr,
         "scree-solver: %s: complete at step %lld; nothing is left to do, and nothing was changed; to go on for longer, make a case with "

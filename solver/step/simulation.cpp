@@ -162,6 +162,15 @@ void Simulation::freeze() {
   for_each_effect(&Effect::add_forces);
 }
 
+void Simulation::evaluate_for_measures() {
+  if (state_.scene.is_frozen()) return;  // they are known
+  failure_.watch(step(), [&] {
+    for (const auto* which : {&state_.pairs.inner(), &state_.pairs.outer(), &state_.pairs.duplicated()})
+      evaluate_at_rest(state_.scene, state_.particles, state_.walls, *which, state_.clock.dt, step(), forces_.scratch(), state_.pairs);
+  });
+  agree_on_failures();
+}
+
 /// Nothing moves: effects alone bound the step. It divides the time between two frames. Collective.
 void Simulation::set_frozen_step() {
   StepBound bound;

@@ -52,6 +52,12 @@ class Simulation {
   /// Throws UsageError for another wall, and for a rate above its maximum or not finite.
   void drive_wall(std::size_t wall, double rate);
 
+  /// Whether bodies are to join or to leave in the next step.
+  bool bodies_wait() const { return arrivals_.are_waiting() || domain_.is_removal_asked(); }
+  /// After a restart the forces of the last step are not known before the next one: until then results of contacts are those that they have
+  /// where they stand, without damping. No state changes. Collective.
+  void evaluate_for_measures();
+
   /// What acts from outside; made at the first call, on every rank alike, between two steps.
   OuterForces& outer_forces();
   /// The state, for what changes it between two steps: its functions are its own.

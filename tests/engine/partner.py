@@ -101,16 +101,16 @@ def come_and_go(scene):
     """Bodies come in from all ranks and go; what is counted each time."""
     rows = []
     with scree.Engine(scene, COMM) as engine:
-        def count(ids):
+        def count(ids, leaving=0.0):
             bodies, energies = engine.bodies, engine.energies()
-            rows.append({"ids": [int(i) for i in ids], "bodies": total(len(bodies)), "mass": total(float(bodies.mass.sum())), "hash": engine.state_hash(),
+            rows.append({"arrived": energies.arrived, "removed": energies.removed, "leaving": leaving, "ids": ids, "bodies": total(len(bodies)), "mass": total(float(bodies.mass.sum())), "hash": engine.state_hash(),
                          "balance": energies.balance, "kinetic": energies.kinetic, "known": sorted(int(i) for part in gathered(bodies.id.tolist()) for i in part)})
 
         engine.step(200)
         count([])
         places = [[0.011 * x, 0.011 * y, 0.12] for x in (-1, 0, 1) for y in (-1, 0, 1)]
         part = mine(places)
-        ids = engine.insert("ball", "glass", np.reshape(part, (-1, 3)), velocity=[0, 0, -0.3], scale=0.8)
+        ids = engine.insert("ball", "glass", np.reshape(part, (-1, 3)), velocity=[0, 0, -0.3], scale=1.1)
         more = engine.insert(["ball"] * len(part), "glass", np.add(np.reshape(part, (-1, 3)), [0, 0, 0.03]), velocity=[[0, 0, -0.3]] * len(part))
         ids, more = (sorted(int(i) for part in gathered(some.tolist()) for i in part) for some in (ids, more))
         engine.step(1)
@@ -120,9 +120,12 @@ def come_and_go(scene):
         count(ids + more)
         engine.step(600)
         count([])
+        leave = engine.bodies[np.isin(engine.bodies.id, ids[:4] + [3, 5])]
+        energy = 0.5 * leave.mass * ((leave.velocity**2).sum(axis=1) + 0.4 * leave.radius**2 * (leave.angular_velocity**2).sum(axis=1))
+        energy = total(float((energy + 9.81 * leave.mass * leave.position[:, 2]).sum()))
         engine.remove(mine(ids[:4] + [3, 5]))
         engine.step(1)
-        count([])
+        count([], energy)
         engine.step(600)
         count([])
         return rows
@@ -246,7 +249,7 @@ def driven(scene, rate, until):
         lid.drive(rate)
         engine.run_until(until)
         frame = engine.frame()
-        return lid.way, lid.rate, lid.position.tolist(), frame.bodies.position.tolist()
+        return engine.time, lid.way, lid.rate, lid.position.tolist(), frame.bodies.position.tolist()
 
 
 if __name__ == "__main__":

@@ -522,7 +522,7 @@ def _force_callback(function: Callable[[EngineBodies], Any], kept: _Kept, names:
     def fill(address: int, what: str, values: Any, count: int) -> None:
         if values is not None and count:
             given = _vectors(f"force function {name}: {what}", values, count)
-            ctypes.memmove(address, given.tobytes(), given.nbytes)  # all 0 before
+            ctypes.memmove(address, _address(given), given.nbytes)  # all 0 before
 
     def call(_: Any, handle: int, count: int, force: int, torque: int) -> int:
         store = _WithinStep(handle, count, names)
@@ -904,7 +904,7 @@ class Engine:
     def clear_wrench(self, ids: ArrayLike | None = None) -> None:
         """Holds nothing any more: on these bodies, or on all."""
         found = self._together(lambda: None if ids is None else _id_list("clear_wrench: ids", ids), "ids of all" if ids is None else "a list of ids")
-        self._call("clear_wrench", 0 if found is None else len(found), _address(found))
+        self._call("clear_wrench", -1 if found is None else len(found), None if found is None else _address(found))
 
     def add_force(self, function: Callable[[EngineBodies], Any], every: int = 1) -> int:
         """Calls a function within each step, and once at once. Returns a number for `remove_force`.

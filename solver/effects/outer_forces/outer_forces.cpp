@@ -30,7 +30,7 @@ void OuterForces::Acting::add(const ParticleSet& p, const OnRow& on) {
   row.push_back(on.row);
   force.push_back(on.wrench.force);
   v.push_back(p.v[on.row]);
-  if (!(on.wrench.torque == Vec3{})) turning.push_back({on.row, on.wrench.torque, p.w[on.row], p.q[on.row]});
+  if (!(on.wrench.torque == Vec3{})) turning.push_back({on.row, on.wrench.torque, p.w[on.row], p.L[on.row], p.q[on.row]});
 }
 
 std::vector<OuterForces::OnRow> OuterForces::Acting::list() const {
@@ -101,6 +101,7 @@ void OuterForces::sum_functions(const RunState& s) {
   const ParticleSet& p = s.particles;
   force_.assign(functions_.empty() ? 0 : p.owned, Vec3{});
   torque_.assign(force_.size(), Vec3{});
+  is_orphan_ = false;
   for (const Function& f : functions_) add_to_sum(s, f);
 }
 
@@ -226,10 +227,21 @@ void OuterForces::release(RunState& s, const std::optional<std::vector<std::int6
 int OuterForces::add(RunState& s, ForceFunction function, std::int64_t every) {
   if (every < 1) throw UsageError("outer force: every = {}: expected a number of steps >= 1", every);
   Function f{++last_number_, std::move(function), every, false, {}, {}, {}};
-  mpi::on_all(s.comm, [&] { call(s, f); });
+  mpi::on_all(s.comm, [&] {
+    try {
+      call(s, f);
+    } catch (const RunInvalid& error) {  // nothing has changed yet
+      throw UsageError("{}", error.what());
+    }
+  });
   is_used_ = true;
   force_.resize(s.particles.owned);
   torque_.resize(s.particles.owned);
+  if (is_orphan_) {
+    force_.assign(s.particles.owned, Vec3{});
+    torque_.assign(s.particles.owned, Vec3{});
+    is_orphan_ = false;
+  }
   add_to_sum(s, f);
   functions_.push_back(std::move(f));
   change_now(s);
@@ -243,17 +255,18 @@ int OuterForces::add_restored(RunState& s, ForceFunction function, std::int64_t 
   for (const WrenchOnBody& entry : mine) f.latest[entry.id] = entry.wrench;
   functions_.push_back(std::move(f));
   is_used_ = true;
+  is_orphan_ = false;
   return last_number_;
 }
 
 void OuterForces::remove(RunState& s, int number) {
   const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
   if (at == functions_.end()) throw UsageError("outer force: no function has the number {}; it was removed before, or never added", number);
-  functions_.erase(at);
   mpi::on_all(s.comm, [&] {
     for (Function& f : functions_)
-      if (!f.is_known) call(s, f);
+      if (!f.is_known && f.number != number) call(s, f);
   });
+  functions_.erase(at);
   sum_functions(s);
   change_now(s);
 }
@@ -281,8 +294,12 @@ void OuterForces::add_work(const RunState& s, double dt, const WAfter& w_after) 
 void OuterForces::drift(RunState& s) {
   if (acting_.row.empty()) return;
   const ParticleSet& p = s.particles;
-  add_work(s, s.integrator == Integrator::euler ? s.clock.dt : 0.5 * s.clock.dt,
-           [&p](const Acting::Turning& t) { return angular_velocity(t.q, p.inverse_inertia[t.row], p.L[t.row]); });
+  if (s.integrator == Integrator::euler) {  // turns first, and kicks at the new orientation
+    for (Acting::Turning& t : acting_.turning) t.w = angular_velocity(p.q[t.row], p.inverse_inertia[t.row], t.L);
+    add_work(s, s.clock.dt, [&p](const Acting::Turning& t) { return angular_velocity(p.q[t.row], p.inverse_inertia[t.row], p.L[t.row]); });
+    return;
+  }
+  add_work(s, 0.5 * s.clock.dt, [&p](const Acting::Turning& t) { return angular_velocity(t.q, p.inverse_inertia[t.row], p.L[t.row]); });
 }
 
 void OuterForces::after_migration(RunState& s, bool) {
@@ -314,6 +331,7 @@ void OuterForces::on_rebuild(const StepParts& parts) {
     torque_[i] = next->wrench.torque;
   }
   restored_.clear();
+  is_orphan_ = !force_.empty();
   acting_.clear();
   for (const OnRow& on : present(s))
     if (p.rest[on.row] != kAsleep) acting_.add(p, on);
@@ -321,6 +339,8 @@ void OuterForces::on_rebuild(const StepParts& parts) {
 
 void OuterForces::before_forces(RunState& s) {
   if (is_current_ && functions_.empty() && s.sleep == nullptr) return;  // the same on the same rows
+  now_.clear();                                                         // of rows that may be others now, if a function throws
+  acting_.clear();
   for (Function& f : functions_) s.clock.step % f.every == 0 ? call(s, f) : hold_latest(s, f);
   sum_functions(s);
   now_ = present(s);
@@ -336,6 +356,7 @@ void OuterForces::add_forces(RunState& s) {
     for (std::size_t k = 0; k < known; ++k) acting_.v[k] = p.v[acting_.row[k]];
     for (Acting::Turning& t : acting_.turning) {
       t.w = p.w[t.row];
+      t.L = p.L[t.row];
       t.q = p.q[t.row];
     }
   } else {  // bodies that contacts woke in this step have their forces too
@@ -359,33 +380,9 @@ void OuterForces::after_kick(RunState& s) {
   for (std::size_t k = 0; k < rows; ++k) acting_.v[k] = p.v[acting_.row[k]];
   for (Acting::Turning& t : acting_.turning) {
     t.w = p.w[t.row];
+    t.L = p.L[t.row];
     t.q = p.q[t.row];
   }
-}
-
-void OuterForces::falls_asleep(RunState& s, std::size_t row) {
-  const std::int64_t id = s.particles.id[row];
-  const auto at = std::lower_bound(acting_.row.begin(), acting_.row.end(), row);
-  if (at == acting_.row.end() || *at != row) {
-    kept_.erase(id);
-    return;
-  }
-  const std::ptrdiff_t k = at - acting_.row.begin();
-  const auto turn = std::find_if(acting_.turning.begin(), acting_.turning.end(), [row](const auto& t) { return t.row == row; });
-  const bool turns = turn != acting_.turning.end();
-  kept_[id] = {acting_.force[static_cast<std::size_t>(k)], turns ? turn->torque : Vec3{}};
-  if (turns) acting_.turning.erase(turn);
-  acting_.row.erase(at);
-  acting_.force.erase(acting_.force.begin() + k);
-  acting_.v.erase(acting_.v.begin() + k);
-  is_current_ = false;
-}
-
-void OuterForces::add_force_at_rest(const RunState& s, std::size_t row, Vec3& force, Vec3& torque) const {
-  const auto found = kept_.find(s.particles.id[row]);
-  if (found == kept_.end()) return;
-  force += found->second.force;
-  torque += found->second.torque;
 }
 
 }  // namespace scree

@@ -46,8 +46,9 @@ class OuterForces : public Effect {
   /// Calls a function now, and in steps whose number is a multiple of `every` (>= 1); between them its last forces are held. Functions are
   /// called in the order of their numbers. Returns the number. Throws on every rank what it throws on one.
   int add(RunState& s, ForceFunction function, std::int64_t every);
-  /// The same of a function whose forces are among those of a restored state: it is called in the next step.
-  /// in   latest   its last forces, of any bodies on any rank, where it is not called in every step
+  /// The same of a function whose forces are among those of a restored state: it is called in the next step. After a restart, of which
+  /// nobody knows whose the forces of functions were, add() puts those of the first function in their place. in   latest   its last forces,
+  /// of any bodies on any rank, where it is not called in every step
   int add_restored(RunState& s, ForceFunction function, std::int64_t every, const WrenchTable& latest);
   /// The last forces of a function on bodies of this rank, where it is not called in every step.
   WrenchTable latest_of(int number) const;
@@ -83,7 +84,7 @@ class OuterForces : public Effect {
     std::vector<Vec3> force, v;
     struct Turning {
       std::size_t row;
-      Vec3 torque, w;
+      Vec3 torque, w, L;
       Quat q;
     };
     std::vector<Turning> turning;  // rows with a torque
@@ -123,7 +124,8 @@ class OuterForces : public Effect {
   bool is_current_ = false;   // acting_ is what is held, on the present rows
   bool is_restored_ = false;  // a restart, until rows are known, with the forces of all functions together in the step before:
   WrenchTable restored_;
-  bool is_used_ = false;  // anything was ever given: the same on every rank
+  bool is_orphan_ = false;  // force_ is that of functions which are not there any more
+  bool is_used_ = false;    // anything was ever given: the same on every rank
   int last_number_ = 0;
   ExactSum work_;  // of this rank [J]
 };

@@ -7,6 +7,31 @@
 
 namespace scree {
 
+void OuterForces::falls_asleep(RunState& s, std::size_t row) {
+  const std::int64_t id = s.particles.id[row];
+  const auto at = std::lower_bound(acting_.row.begin(), acting_.row.end(), row);
+  if (at == acting_.row.end() || *at != row) {
+    kept_.erase(id);
+    return;
+  }
+  const std::ptrdiff_t k = at - acting_.row.begin();
+  const auto turn = std::find_if(acting_.turning.begin(), acting_.turning.end(), [row](const auto& t) { return t.row == row; });
+  const bool turns = turn != acting_.turning.end();
+  kept_[id] = {acting_.force[static_cast<std::size_t>(k)], turns ? turn->torque : Vec3{}};
+  if (turns) acting_.turning.erase(turn);
+  acting_.row.erase(at);
+  acting_.force.erase(acting_.force.begin() + k);
+  acting_.v.erase(acting_.v.begin() + k);
+  is_current_ = false;
+}
+
+void OuterForces::add_force_at_rest(const RunState& s, std::size_t row, Vec3& force, Vec3& torque) const {
+  const auto found = kept_.find(s.particles.id[row]);
+  if (found == kept_.end()) return;
+  force += found->second.force;
+  torque += found->second.torque;
+}
+
 EffectRecord OuterForces::record(const RunState& s) const {
   if (!is_used_) return {};
   std::vector<WrenchOnBody> of_functions, kept;

@@ -1,0 +1,143 @@
+// States of a hosted run, in memory and in files, and bodies that come and go.
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/nearest_name.hpp"
+#include "solver/engine/hosted_run-inl.hpp"
+#include "solver/run/make_frame.hpp"
+#include "solver/run/measures.hpp"
+
+namespace scree {
+
+namespace {
+
+std::int32_t index_of(const std::vector<std::string>& names, const std::string& name, const char* kind) {
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at != names.end()) return static_cast<std::int32_t>(at - names.begin());
+  const std::string near = nearest_name(name, names);
+  throw UsageError("insert: the scene has no {} '{}'; {}", kind, name,
+                   near.empty() ? fmt::format("there are: {}", fmt::join(names, ", ")) : fmt::format("did you mean '{}'?", near));
+}
+
+template <class Items>
+std::vector<std::string> names_of(const Items& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  return names;
+}
+
+}  // namespace
+
+std::shared_ptr<const HostedRun::State> HostedRun::save() {
+  in_->check_goes_on("save");
+  in_->check_nobody_waits("save");
+  auto state = std::make_shared<State>();
+  state->ranks = in_->comm.size();
+  state->checkpoint = present_state(in_->comm, *in_->simulation);
+  state->checkpoint.scene_sha256 = in_->loaded.sha256;
+  state->checkpoint.step_limited_by = in_->state().clock.size.limited_by;
+  for (const Inner::Force& f : in_->forces) {
+    state->functions.push_back(f.number);
+    if (f.every > 1) state->latest.emplace_back(f.number, in_->simulation->outer_forces().latest_of(f.number_of_effect));
+  }
+  return state;
+}
+
+void HostedRun::restore(const State& state) {
+  if (in_->files)
+    throw UsageError("restore: the engine writes a run folder, whose files would not be those of one run; open it without run");
+  if (state.checkpoint.scene_sha256 != in_->loaded.sha256) throw UsageError("restore: the state is of another scene");
+  if (state.ranks != in_->comm.size())
+    throw UsageError("restore: the state is of a run on {} ranks, this one has {}", state.ranks, in_->comm.size());
+  in_->failed.clear();
+  in_->guarded([&] {
+    // a simulation starts once: another one takes its place
+    in_->simulation.emplace(in_->comm, *in_->loaded.prepared, in_->options.parallel);
+    Checkpoint copy = state.checkpoint;
+    in_->simulation->start_from_records(copy.bodies, std::move(copy.states), copy.step, copy.step_size, copy.step_limited_by, copy.totals);
+    const auto acted = [&](const Inner::Force& f) {
+      return std::find(state.functions.begin(), state.functions.end(), f.number) != state.functions.end();
+    };
+    for (Inner::Force& f : in_->forces) {
+      if (!acted(f)) continue;
+      const auto latest = std::find_if(state.latest.begin(), state.latest.end(), [&](const auto& l) { return l.first == f.number; });
+      f.number_of_effect = in_->simulation->outer_forces().add_restored(in_->change(), f.function, f.every,
+                                                                        latest == state.latest.end() ? WrenchTable{} : latest->second);
+    }
+    for (Inner::Force& f : in_->forces)
+      if (!acted(f)) f.number_of_effect = in_->simulation->outer_forces().add(in_->change(), f.function, f.every);
+    in_->simulation->evaluate_for_measures();
+  });
+}
+
+void HostedRun::write_checkpoint(const std::string& folder) {
+  in_->check_goes_on("write_checkpoint");
+  in_->check_nobody_waits("write_checkpoint");
+  Checkpoint so_far;
+  so_far.origin = in_->loaded.origin;
+  so_far.scene_sha256 = in_->loaded.sha256;
+  const nlohmann::json provenance = provenance_of_run(in_->comm, in_->options, in_->loaded, "");
+  scree::write_checkpoint(in_->comm, *in_->simulation, folder, so_far, provenance);
+}
+
+void HostedRun::write_frame(const std::string& path) {
+  const bool with_contacts = in_->loaded.scene.settings.output_contacts && in_->failed.empty();
+  Frame frame = make_frame(*in_->simulation, energies_of(in_->state()), in_->comm.rank(), with_contacts, in_->loaded.origin);
+  frame.number = 0;
+  frame.provenance = provenance_of_run(in_->comm, in_->options, in_->loaded, "");
+  mpi::on_all(in_->comm, [&] { write_frame_file(in_->comm.get(), path, frame); });
+}
+
+std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
+  in_->check_moves("insert");
+  const RunState& s = in_->state();
+  std::vector<ParticleRecord> records;
+  std::vector<std::int64_t> ids;
+  std::int64_t before = 0, count = static_cast<std::int64_t>(mine.size());
+  MPI_Exscan(&count, &before, 1, MPI_INT64_T, MPI_SUM, in_->comm.get());
+  if (in_->comm.rank() == 0) before = 0;
+  mpi::on_all(in_->comm, [&] {
+    const Scene& scene = in_->loaded.scene;
+    if (scene.settings.heat) throw UsageError("insert: a scene with heat takes bodies in by its inlets only");
+    const std::vector<std::string> shapes = names_of(scene.shapes), materials = names_of(scene.materials);
+    for (const NewBody& body : mine) {
+      BodyAtStart b{};
+      b.id = s.largest_id + 1 + before + static_cast<std::int64_t>(ids.size());
+      b.shape = index_of(shapes, body.shape, "shape");
+      b.material = index_of(materials, body.material, "material");
+      b.scale = body.scale;
+      b.position = body.position - in_->loaded.origin;
+      b.orientation = body.orientation;
+      b.velocity = body.velocity;
+      b.angular_velocity = body.angular_velocity;
+      const Quat& q = body.orientation;
+      const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+      if (!is_finite(b.position) || !is_finite(b.velocity) || !is_finite(b.angular_velocity) || !std::isfinite(norm))
+        throw UsageError("insert: body {} of this call has a number that is not finite; check what it is computed from", ids.size());
+      if (!(norm > 0))
+        throw UsageError("insert: the quaternion of body {} of this call is 0; without a rotation it is 1 0 0 0", ids.size());
+      if (!(b.scale > 0) || !std::isfinite(b.scale))
+        throw UsageError("insert: body {} of this call has a scale of {:g}; expected a number > 0", ids.size(), b.scale);
+      records.push_back(make_record(*in_->loaded.prepared, b));
+      ids.push_back(b.id);
+    }
+  });
+  try {
+    in_->simulation->add_bodies(records);
+  } catch (const Error& error) {  // on every rank, and no body joins
+    if (error.code() != ExitCode::run_invalid) throw;
+    throw UsageError("insert: {}", error.what());
+  }
+  return ids;
+}
+
+void HostedRun::remove(const std::vector<std::int64_t>& mine) {
+  in_->check_moves("remove");
+  in_->simulation->remove_bodies(mine);
+}
+
+}  // namespace scree
