@@ -139,7 +139,7 @@ def functions_of_forces_see_bodies_during_the_call_only():
                 (lambda bodies: engine.step(), scree.UsageError, "within a step"),
                 (lambda bodies: engine.bodies.position, scree.UsageError, "within a step"),
                 (lambda bodies: engine.close(), scree.UsageError, "within a step"),
-                (lambda bodies: [0, 0, math.nan], scree.RunInvalid, "not a finite number"),
+                (lambda bodies: [0, 0, math.nan], scree.UsageError, "not a finite number"),
                 (lambda bodies: 1 // 0, ZeroDivisionError, "by zero")):
             refused(kind, text, lambda: engine.add_force(function))  # it is called at once
             engine.step(1)  # nothing was added

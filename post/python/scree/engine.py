@@ -160,13 +160,13 @@ def _copied(address: int, rows: int, width: int, kind: type) -> np.ndarray:
 
 # ---- Arguments: each function raises UsageError, with the argument's name in the text
 
-def _whole(what: str, value: Any, least: int) -> int:
+def _whole(what: str, value: Any, least: int, most: int = 2**63 - 1) -> int:
     try:
         number = operator.index(value)
     except TypeError:
         raise UsageError(f"{what}: {value!r} found, a whole number expected") from None
-    if not least <= number < 2**63:
-        raise UsageError(f"{what}: {number} found, a whole number of at least {least} expected")
+    if not least <= number <= most:
+        raise UsageError(f"{what}: {number} found, a whole number of at least {least}{f' and at most {most}' if most < 2**63 - 1 else ''} expected")
     return number
 
 
@@ -578,7 +578,7 @@ class Engine:
 
         def arguments() -> tuple[Any, ...]:
             paths = (None if path is None else _path(what, path) for what, path in (("run", run), ("restart", restart)))
-            return (_path("scene", scene), *paths, 0 if threads is None else _whole("threads", threads, 1))
+            return (_path("scene", scene), *paths, 0 if threads is None else _whole("threads", threads, 1, 1024))
 
         scene_path, *given = self._together(arguments)
         self._scene_path = os.fsdecode(scene_path)
@@ -899,11 +899,13 @@ class Engine:
             return found, _vectors("set_wrench: force", force, len(found)), torques
 
         found, forces, torques = self._together(check)
+        self._moves += 1  # forces on bodies change at once
         self._call("set_wrench", len(found), _address(found), _address(forces), _address(torques))
 
     def clear_wrench(self, ids: ArrayLike | None = None) -> None:
         """Holds nothing any more: on these bodies, or on all."""
         found = self._together(lambda: None if ids is None else _id_list("clear_wrench: ids", ids), "ids of all" if ids is None else "a list of ids")
+        self._moves += 1  # forces on bodies change at once
         self._call("clear_wrench", -1 if found is None else len(found), None if found is None else _address(found))
 
     def add_force(self, function: Callable[[EngineBodies], Any], every: int = 1) -> int:
@@ -921,13 +923,15 @@ class Engine:
 
         steps = self._together(check)
         number, callback = _int(), _force_callback(function, self._kept, self._names)
+        self._moves += 1  # forces on bodies change at once
         self._call("add_force", callback, steps, None, ctypes.byref(number))
         self._functions[number.value] = callback
         return number.value
 
     def remove_force(self, number: int) -> None:
         """Calls the function with this number no more."""
-        self._call("remove_force", _whole("remove_force", number, -(2**31)))
+        self._moves += 1  # forces on bodies change at once
+        self._call("remove_force", _whole("remove_force", number, -(2**31), 2**31 - 1))
         del self._functions[number]
 
     # -- states
