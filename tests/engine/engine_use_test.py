@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The engine as a Python user meets it: reading, mistakes, errors on ranks, Ctrl-C, files, warnings. usage: engine_use_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import ctypes
 import gc
 import glob
 import json
@@ -12,7 +13,7 @@ import threading
 import time
 import warnings
 
-from engine_cases import ENV, FLOOR, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, program, solver_hash  # isort: skip
+from engine_cases import ENV, FLOOR, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, pile, program, solver_hash  # isort: skip
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -398,6 +399,83 @@ def it_runs_beside_h5py():
     assert outcome("own.run")["state_hash"] == expected and len(glob.glob("own.run/frame_*.hdf")) > 1
 
 
+def a_restarted_run_goes_on_with_a_function_that_is_added_again():
+    """A force of places is among the forces of a checkpoint: added again, it does not count twice."""
+    def field(bodies):
+        return -300 * bodies.mass[:, None] * bodies.position
+
+    pack("balls", balls())
+    os.mkdir("kept")
+    with scree.Engine("balls.scene.h5") as engine:
+        engine.add_force(field)
+        engine.step(300)
+        engine.write_checkpoint("kept")
+        engine.step(200)
+        expected = engine.state_hash(), engine.energies().outer_work
+    with scree.Engine("balls.scene.h5", restart=glob.glob("kept/*.h5")[0]) as engine:
+        engine.add_force(field)
+        engine.step(200)
+        assert (engine.state_hash(), engine.energies().outer_work) == expected
+
+
+def loads_and_energies_are_known_after_a_restore():
+    """Contacts as they stand, without their damping: within a hundredth in a bed that has come to rest."""
+    pack("balls", balls(duration=1))
+    with scree.Engine("balls.scene.h5") as engine:
+        engine.run_until(0.6)
+        before = engine.walls["box"].load, engine.energies(), engine.critical_step()
+        engine.restore(engine.save())
+        after = engine.walls["box"].load, engine.energies(), engine.critical_step()
+        assert before[0][2] < 0 and np.linalg.norm(after[0] - before[0]) < 0.01 * np.linalg.norm(before[0]), (before[0], after[0])
+        assert abs(after[1].elastic / before[1].elastic - 1) < 1e-12 and after[2] == before[2]
+
+
+def a_function_may_change_threads_and_rounding():
+    """As a library does that it calls: neither bits nor scratch memory of the run depend on that."""
+    runtime, libm = ctypes.CDLL("libgomp.so.1"), ctypes.CDLL("libm.so.6")
+    upward, nearest = 0x800, 0  # of x86
+
+    def partner(bodies):
+        runtime.omp_set_num_threads(8)
+        libm.fesetround(upward)
+
+    pack("pile", pile())
+    hashes = set()
+    for function in (lambda bodies: None, partner):
+        with scree.Engine("pile.scene.h5", threads=2) as engine:
+            engine.add_force(function)
+            engine.step(400)
+            hashes.add(engine.state_hash())
+            rounding = libm.fegetround()
+        libm.fesetround(nearest)
+    assert len(hashes) == 1 and rounding == upward, (hashes, rounding)
+    runtime.omp_set_num_threads(1)
+
+
+def a_bad_function_can_be_removed_and_the_run_restored():
+    pack("balls", balls())
+    calls = []
+    with scree.Engine("balls.scene.h5") as engine:
+        engine.step(50)
+        state, expected = engine.save(), engine.state_hash()
+        bad = engine.add_force(lambda bodies: calls.append(1) or (None if len(calls) < 3 else 1 // 0))
+        refused(ZeroDivisionError, "by zero", lambda: engine.step(10))
+        refused(scree.UsageError, "the run has ended", engine.contacts)
+        engine.remove_force(bad)
+        engine.restore(state)
+        assert engine.state_hash() == expected
+        engine.step(10)
+        engine.insert("ball", "glass", [0, 0, 0.15])
+        refused(scree.UsageError, "make a step first", engine.save)
+        engine.step()
+        assert len(engine.bodies) == 81 and engine.save()
+    with scree.Engine("balls.scene.h5", run="failed.run") as engine:
+        engine.step(50)
+        engine.add_force(lambda bodies: calls.append(1) or (None if len(calls) < 8 else 1 // 0))
+        refused(ZeroDivisionError, "by zero", lambda: engine.step(10))
+    assert outcome("failed.run")["outcome"] == "interrupted" and "function of outer forces" in outcome("failed.run")["message"]
+
+
 def what_reading_costs():
     """Printed, not judged: the machine is shared."""
     pack("many", balls(duration=1).replace("count = 80", "count = 200000\nmethod = \"lattice\"").replace('["25 mm", "25 mm", "60 mm"]', "[0.535, 0.535, 0.561]")
@@ -429,5 +507,6 @@ if __name__ == "__main__":
         functions_of_forces_see_bodies_during_the_call_only, mistakes_are_told_with_a_cure, only_one_thread_is_within_a_call,
         an_error_of_one_rank_is_raised_on_all_within_a_second, ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on,
         a_run_folder_is_as_that_of_scree_solver, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
-        it_runs_beside_h5py, what_reading_costs,
+        it_runs_beside_h5py, a_restarted_run_goes_on_with_a_function_that_is_added_again, loads_and_energies_are_known_after_a_restore,
+        a_function_may_change_threads_and_rounding, a_bad_function_can_be_removed_and_the_run_restored, what_reading_costs,
     ])
