@@ -18,6 +18,9 @@
  * Numbers. A run without any input gives the same bits as scree-solver, on any number of ranks and threads. The library sets its number of threads,
  * the rounding of floating-point numbers and the treatment of denormal numbers in each call, and puts back those of the caller.
  *
+ * Waiting threads. With more than one thread a rank, set GOMP_SPINCOUNT=2000 or OMP_WAIT_POLICY=passive before the process starts, as scree-solver and the Python
+ * package do: else threads that wait for the caller between two calls hold their cores, and a step can take a hundred times as long.
+ *
  * Page: docs/user/engine.md. The interface has a version, SCREE_ENGINE_ABI: functions are added, and none is changed, within one.
  */
 #ifndef SCREE_ENGINE_H

@@ -3,7 +3,7 @@
 # usage: cases_test.sh RUNNER BIN SCRATCH CASE    "--list" in place of RUNNER prints the cases
 set -euo pipefail
 cases=(hopper column repose drum conveyor triaxial press mill screen sticky granuheap impact silo crater crush brazilian beam rockfall granite unbroken
-  shape-dial dice heated-drum heated-bed drum-sweep)
+  shape-dial dice heated-drum heated-bed fluidised drum-sweep)
 if [[ $1 == --list ]]; then printf '%s;' "${cases[@]}"; exit 0; fi
 runner=$1; export SCREE_BIN=$2; scratch=$3/$4
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -138,6 +138,12 @@ case $4 in
     charts heated-drum/heated-drum
     if command -v ffmpeg >/dev/null; then there heated-drum/heated-rock.mp4; fi
     page heated-drum/heated-rock; resumes heated-drum/heated-rock ;;
+  fluidised)
+    /usr/bin/python3 -c "import dolfinx" 2>/dev/null || { echo "dolfinx is not installed: ./setup --fluid"; exit 77; }
+    run fluidised
+    holds fluidised/ergun.md "pressure gradient at 1.0 m/s"
+    there fluidised/fluidised-ball.csv fluidised/fluidised-rock.csv fluidised/fluidised.png
+    page fluidised/fluidised-ball ;;
   heated-bed)
     run heated-bed
     # too low a bed for the depths of the experiment; what is stored came from the lid, to rounding
