@@ -12,10 +12,10 @@ BodyFacts agree_on_facts(const mpi::Communicator& comm, const ParticleSet& p) {
     mine.largest_radius = std::max(mine.largest_radius, p.radius[i]);
   }
   BodyFacts all{0, kNone, 0};
-  for (const auto& block : comm.exchange(std::vector<std::vector<BodyFacts>>(static_cast<std::size_t>(comm.size()), {mine}))) {
-    all.count += block[0].count;
-    all.smallest_radius = std::min(all.smallest_radius, block[0].smallest_radius);
-    all.largest_radius = std::max(all.largest_radius, block[0].largest_radius);
+  for (const BodyFacts& of_rank : comm.of_all(std::vector{mine})) {
+    all.count += of_rank.count;
+    all.smallest_radius = std::min(all.smallest_radius, of_rank.smallest_radius);
+    all.largest_radius = std::max(all.largest_radius, of_rank.largest_radius);
   }
   if (all.count == 0) all.smallest_radius = BodyFacts{}.smallest_radius;
   return all;

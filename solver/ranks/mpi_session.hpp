@@ -40,6 +40,16 @@ class Communicator {
     return typed_blocks<T>(exchange_bytes(byte_blocks(outgoing)));
   }
 
+  /// What all ranks give, rank after rank, on every rank. T is plain data. Collective.   Cost: as exchange(), each block to every rank.
+  template <class T>
+  std::vector<T> of_all(const std::vector<T>& mine) const {
+    if (size_ == 1) return mine;
+    std::vector<T> all;
+    for (const std::vector<T>& block : exchange(std::vector<std::vector<T>>(static_cast<std::size_t>(size_), mine)))
+      all.insert(all.end(), block.begin(), block.end());
+    return all;
+  }
+
   /// Sends block n to rank partners[n] and returns its answer. The partners must name this rank likewise; no other rank takes part.
   template <class T>
   std::vector<std::vector<T>> exchange(std::span<const int> partners, const std::vector<std::vector<T>>& outgoing) const {

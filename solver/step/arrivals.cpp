@@ -23,12 +23,9 @@ void count_arrival(const RunState& s, const ParticleRecord& r, ArrivalTotals& ar
 
 /// Throws on every rank when an id is given twice or taken. Returns the largest; -1 when there are none.
 std::int64_t check_ids(const RunState& s, const std::vector<ParticleRecord>& mine) {
-  std::vector<std::int64_t> ids, all;
+  std::vector<std::int64_t> ids;
   for (const ParticleRecord& r : mine) ids.push_back(r.id);
-  const auto ranks = static_cast<std::size_t>(s.comm.size());
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<std::int64_t>>(ranks, ids))) {
-    all.insert(all.end(), block.begin(), block.end());
-  }
+  std::vector<std::int64_t> all = s.comm.of_all(ids);
   if (all.empty()) return -1;
   std::sort(all.begin(), all.end());
   mpi::on_root(s.comm, [&] {

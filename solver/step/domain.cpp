@@ -91,9 +91,7 @@ bool DomainGuard::review(const RunState& s, FirstFailure& failure) {
 }
 
 void DomainGuard::ask_removal(const RunState& s, const std::vector<std::int64_t>& mine) {
-  std::vector<std::int64_t> all;
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<std::int64_t>>(static_cast<std::size_t>(s.comm.size()), mine)))
-    all.insert(all.end(), block.begin(), block.end());
+  std::vector<std::int64_t> all = s.comm.of_all(mine);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   const std::unordered_set<std::int64_t> wanted(all.begin(), all.end());
@@ -159,9 +157,7 @@ bool DomainGuard::remove(RunState& s) {
 void DomainGuard::queue_for_return(RunState& s, const std::vector<Returning>& mine) const {
   const std::vector<Outlet>& outlets = s.scene.source().outlets;
   if (std::none_of(outlets.begin(), outlets.end(), [](const Outlet& o) { return o.to >= 0; })) return;
-  std::vector<Returning> all;
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<Returning>>(static_cast<std::size_t>(s.comm.size()), mine)))
-    all.insert(all.end(), block.begin(), block.end());
+  std::vector<Returning> all = s.comm.of_all(mine);
   std::sort(all.begin(), all.end(), [](const Returning& l, const Returning& r) { return l.body.id < r.body.id; });
   for (const Returning& r : all) s.totals.inlets[static_cast<std::size_t>(r.inlet)].queue.push_back(r.body);
 }

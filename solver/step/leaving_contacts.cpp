@@ -27,9 +27,8 @@ void count_contacts_of_leaving(RunState& s, const std::vector<std::uint8_t>& lea
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     if (leaves[i] != 0) mine.push_back(s.particles.id[i]);
   }
-  std::unordered_set<std::int64_t> all;
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<std::int64_t>>(static_cast<std::size_t>(s.comm.size()), mine)))
-    all.insert(block.begin(), block.end());
+  const std::vector<std::int64_t> of_all = s.comm.of_all(mine);
+  const std::unordered_set<std::int64_t> all(of_all.begin(), of_all.end());
   // What the last forces have stored, less what they gave to bodies in the first kick of this step: bodies leave between both.
   const ParticleSet& p = s.particles;
   ExactSum& energy = s.totals.departed.energy;

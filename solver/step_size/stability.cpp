@@ -42,11 +42,8 @@ void fetch_bounds_of_ghosts(const RunState& s, const std::vector<std::int32_t>& 
   for (const std::unique_ptr<Effect>& effect : s.effects) {
     for (const BodyLink& link : effect->links(s)) share(link.a, link.b);
   }
-  const auto ranks = static_cast<std::size_t>(s.comm.size());
   std::unordered_map<std::int64_t, BodyBound> of_id;
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<NamedBound>>(ranks, shared))) {
-    for (const NamedBound& n : block) of_id[n.id] = n.bound;
-  }
+  for (const NamedBound& n : s.comm.of_all(shared)) of_id[n.id] = n.bound;
   for (std::size_t i = p.owned; i < p.size(); ++i) {
     if (const auto it = of_id.find(p.id[i]); it != of_id.end()) bounds.set_bound(i, it->second);
   }
@@ -54,9 +51,7 @@ void fetch_bounds_of_ghosts(const RunState& s, const std::vector<std::int32_t>& 
 
 /// The smallest of all ranks; the lower pair among equals.
 CriticalStep smallest_of(const mpi::Communicator& comm, CriticalStep critical) {
-  const auto ranks = static_cast<std::size_t>(comm.size());
-  for (const auto& block : comm.exchange(std::vector<std::vector<CriticalStep>>(ranks, {critical}))) {
-    const CriticalStep& other = block.front();
+  for (const CriticalStep& other : comm.of_all(std::vector{critical})) {
     if (other.step < critical.step || (other.step == critical.step && other.key < critical.key)) critical = other;
   }
   return critical;

@@ -49,9 +49,7 @@ void exchange_broken(RunState& s) {
   };
   std::vector<Broken> mine;
   for (const std::int32_t bond : s.bonds->take_news()) mine.push_back({bond, s.bonds->broken_at()[at(bond)]});
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<Broken>>(static_cast<std::size_t>(s.comm.size()), mine))) {
-    for (const Broken& b : block) s.bonds->mark_broken(b.bond, b.step);
-  }
+  for (const Broken& b : s.comm.of_all(mine)) s.bonds->mark_broken(b.bond, b.step);
   s.bonds->take_news();  // those of others
 }
 
@@ -207,11 +205,9 @@ double Bonds::extra_reach(const RunState& s, bool is_begin) const {
     }
     std::map<std::int64_t, Vec3> places;
     std::map<std::int64_t, double> radii;
-    for (const auto& block : s.comm.exchange(std::vector<std::vector<Place>>(static_cast<std::size_t>(s.comm.size()), mine))) {
-      for (const Place& place : block) {
-        places[place.id] = place.x;
-        radii[place.id] = place.radius;
-      }
+    for (const Place& place : s.comm.of_all(mine)) {
+      places[place.id] = place.x;
+      radii[place.id] = place.radius;
     }
     gap = s.bonds->farthest_gap(places, radii);
   } else {

@@ -106,13 +106,7 @@ std::vector<Pressing> pressing_here(const RunState& s) {
 
 void share_damping(RunState& s) {
   if (!s.fragments || s.clock.substep != 0 || s.clock.step % kReviewSteps != 0) return;
-  std::vector<Pressing> all = pressing_here(s);
-  if (s.comm.size() > 1) {
-    std::vector<Pressing> of_all;
-    for (const auto& block : s.comm.exchange(std::vector<std::vector<Pressing>>(static_cast<std::size_t>(s.comm.size()), all)))
-      of_all.insert(of_all.end(), block.begin(), block.end());
-    all = std::move(of_all);
-  }
+  std::vector<Pressing> all = s.comm.of_all(pressing_here(s));
   std::sort(all.begin(), all.end(), [](const Pressing& l, const Pressing& r) {
     return std::tuple(l.first.name(), l.second.name(), l.key) < std::tuple(r.first.name(), r.second.name(), r.key);
   });

@@ -178,15 +178,13 @@ void Sleep::wake_rows(RunState& s, const std::vector<std::size_t>& rows) {
 std::vector<std::int64_t> Sleep::touching_those_that_leave(const RunState& s, const std::vector<std::uint8_t>& leaves) const {
   const ParticleSet& p = s.particles;
   const auto is_leaving = [&](std::int32_t row) { return row >= 0 && at(row) < p.owned && leaves[at(row)] != 0; };
-  std::vector<std::int64_t> mine, all;
+  std::vector<std::int64_t> mine;
   for (const BodyPair& pair : s.pairs.pairs()) {
     if (pair.state.kept.empty() || pair.b < 0) continue;
     if (is_leaving(pair.a)) mine.push_back(pair.key.b);
     if (is_leaving(pair.b)) mine.push_back(pair.key.a);
   }
-  for (const auto& block : s.comm.exchange(std::vector<std::vector<std::int64_t>>(static_cast<std::size_t>(s.comm.size()), mine)))
-    all.insert(all.end(), block.begin(), block.end());
-  return all;
+  return s.comm.of_all(mine);
 }
 
 void Sleep::wake(RunState& s, const std::vector<std::int64_t>& ids) {
