@@ -167,6 +167,17 @@ std::optional<KeyFault> fault_of_ends(const char* key, const std::vector<double>
   return KeyFault{key, "expected [lowest, highest] from where the wall is placed, such as [0, highest]"};
 }
 
+/// Of a motion along a direction, without an axis, none.   in   axis   of any length
+std::optional<TurnAxis> turn_axis_of(const Vec3& axis, const Vec3& centre) {
+  if (!is_given(axis)) return {};
+  return TurnAxis{centre, normalised(axis)};
+}
+
+/// No point of a wall is faster that goes at most at the rate of its drive [m/s].
+double fastest_of(const Drive& drive, std::span<const Vec3> points) {
+  return drive.guide.turns ? drive.most_rate * largest_lever(points, drive.guide.axis, drive.guide.centre) : drive.most_rate;
+}
+
 /// Where a wall can go along a direction that is not turned; without ends, anywhere.
 std::vector<Vec3> reach_of(const Drive& drive, double farthest) {
   if (drive.guide.turns) return {};
@@ -228,17 +239,11 @@ std::optional<KeyFault> Servo::fault() const {
   return turns ? fault_of_ends("swing", swing, "stroke", stroke) : fault_of_ends("stroke", stroke, "swing", swing);
 }
 
-double Servo::fastest(std::span<const Vec3> points) const {
-  const Drive d = drive();
-  return d.guide.turns ? max_rate * largest_lever(points, d.guide.axis, centre) : max_speed;
-}
+double Servo::fastest(std::span<const Vec3> points) const { return fastest_of(drive(), points); }
 
 std::vector<Vec3> Servo::displacements(double first, double last) const { return reach_of(drive(), max_speed * (last - first)); }
 
-std::optional<TurnAxis> Servo::turn_axis() const {
-  if (!is_given(axis)) return {};
-  return TurnAxis{centre, normalised(axis)};
-}
+std::optional<TurnAxis> Servo::turn_axis() const { return turn_axis_of(axis, centre); }
 
 std::string Servo::text() const {
   const Drive d = drive();
@@ -279,17 +284,11 @@ std::optional<KeyFault> OuterMotion::fault() const {
   return turns ? fault_of_ends("swing", swing, "stroke", stroke) : fault_of_ends("stroke", stroke, "swing", swing);
 }
 
-double OuterMotion::fastest(std::span<const Vec3> points) const {
-  const Drive d = drive();
-  return d.guide.turns ? max_rate * largest_lever(points, d.guide.axis, centre) : max_speed;
-}
+double OuterMotion::fastest(std::span<const Vec3> points) const { return fastest_of(drive(), points); }
 
 std::vector<Vec3> OuterMotion::displacements(double first, double last) const { return reach_of(drive(), max_speed * (last - first)); }
 
-std::optional<TurnAxis> OuterMotion::turn_axis() const {
-  if (!is_given(axis)) return {};
-  return TurnAxis{centre, normalised(axis)};
-}
+std::optional<TurnAxis> OuterMotion::turn_axis() const { return turn_axis_of(axis, centre); }
 
 std::string OuterMotion::text() const {
   return drive().guide.turns ? fmt::format("moves as a program says, at most at {:.4g} rad/s", max_rate)
@@ -343,10 +342,7 @@ std::optional<KeyFault> Free::fault() const {
 
 std::vector<Vec3> Free::displacements(double, double) const { return reach_of(drive(), kAnywhere); }
 
-std::optional<TurnAxis> Free::turn_axis() const {
-  if (!is_given(hinge)) return {};
-  return TurnAxis{centre, normalised(hinge)};
-}
+std::optional<TurnAxis> Free::turn_axis() const { return turn_axis_of(hinge, centre); }
 
 void Free::move_origin(const Vec3& origin) {
   centre -= origin;

@@ -79,6 +79,8 @@ struct Drive {
   double mass = 0;                                ///< that gravity acts on [kg]
   Vec3 mass_centre{};                             ///< where, as placed [m]
 
+  /// It moves by what is missing of its force: by no inertia, and not from outside.
+  bool is_servo() const { return !(inertia > 0) && !is_outer; }
   /// Weight along the guide [N] or [N m].
   double weight(const Vec3& gravity, double way) const;
 };

@@ -56,7 +56,7 @@ std::pair<std::string, Judgement> drive_sentence(const Run& run, const Wall& wal
   std::string text = fmt::format("'{}' ({}) ends {} from where it was placed", wall.name, wall.motion.word(), place);
   if (record.contains("at_end") && record["at_end"].is_string())
     text += fmt::format(", at the {} end of its way", record["at_end"].get<std::string>());
-  if (drive.inertia > 0 || drive.is_outer) {
+  if (!drive.is_servo()) {
     text += fmt::format(", moving at {}; ", speed);
     text += now == 0 ? "it touches nothing" : fmt::format("its contacts push it with {} along its way", force(now));
     return {text + ".", Judgement::information};
@@ -88,7 +88,7 @@ Verdict judge_drives(const Run& run) {
       if (record.value("wall", std::int64_t{-1}) != wall.id) continue;
       const auto [text, judgement] = drive_sentence(run, wall, *drive, record);
       v.evidence += (v.evidence.empty() ? "" : " ") + text;
-      if (drive->inertia > 0 || drive->is_outer) continue;
+      if (!drive->is_servo()) continue;
       ++servos;
       if (judgement == Judgement::good) ++held;
     }

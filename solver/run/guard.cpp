@@ -60,9 +60,7 @@ void Guard::add_overlap(double ratio) { record_.max_overlap_ratio = std::max(rec
 
 double Guard::energy_scale() const {
   const RunRecord& r = record_;
-  return std::max(
-             {r.kinetic_peak, r.energies.dissipated, r.elastic_peak, std::abs(r.energies.wall_work), std::abs(r.energies.outer_work)}) +
-         kEnergyRounding * std::abs(r.energies.potential) + bond_rounding_;
+  return r.energy_scale() + kEnergyRounding * std::abs(r.energies.potential) + bond_rounding_;
 }
 
 void Guard::check(const Simulation& simulation, double energy_error) const {

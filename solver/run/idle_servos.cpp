@@ -14,7 +14,7 @@ namespace {
 /// Why the servo `w` does not press as asked; "" of one that does, and of what is no servo.
 std::string fault_of_servo(const RunState& s, std::size_t w) {
   const Drive* drive = s.scene.drive(w);
-  if (drive == nullptr || drive->inertia > 0 || drive->is_outer) return "";
+  if (drive == nullptr || !drive->is_servo()) return "";
   const std::string& name = s.scene.source().walls[w].name;
   const DriveState& at = s.drives[w];
   const auto value = [&](double x, Dimension along, Dimension about) { return format_quantity(x, drive->guide.turns ? about : along); };
@@ -52,7 +52,7 @@ nlohmann::json drives_json(const RunState& s) {
     const DriveState& at = s.drives[w];
     nlohmann::json j{{"wall", wall.id}, {"name", wall.name}, {"kind", wall.motion.word()}, {"way", at.way},
                      {"rate", at.rate}, {"force", at.force}, {"at_end", nullptr},          {"note", nullptr}};
-    if (!(drive->inertia > 0) && !drive->is_outer) j["asked"] = drive->push;
+    if (drive->is_servo()) j["asked"] = drive->push;
     if (at.way == drive->lowest || at.way == drive->highest) j["at_end"] = at.way == drive->lowest ? "lowest" : "highest";
     if (const std::string note = fault_of_servo(s, w); !note.empty()) j["note"] = note;
     all.push_back(std::move(j));
