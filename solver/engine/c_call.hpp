@@ -17,9 +17,8 @@ struct scree_engine {
   std::unique_ptr<scree::HostedRun> run;
   int threads = 1;
   std::atomic<bool> busy{false};
-  scree::CallConditions* conditions = nullptr;  // of the present call
-  std::int64_t contact_count = 0;
-  const scree::FrameContacts* contacts = nullptr;
+  scree::CallConditions* conditions = nullptr;     // of the present call
+  const scree::FrameContacts* contacts = nullptr;  // of the last scree_contacts()
 };
 
 struct scree_state {

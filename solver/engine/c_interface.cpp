@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "core/base/mpi_session.hpp"
 #include "core/base/version.hpp"
@@ -110,8 +111,9 @@ int scree_run_until(scree_engine* engine, double time) {
 }
 int scree_on_poll(scree_engine* engine, int (*function)(void*), double interval, void* user) {
   return called(engine, "on_poll", [&](HostedRun& run) {
-    run.on_poll(
-        function == nullptr ? std::function<int()>() : [function, user] { return function(user); }, interval);
+    std::function<int()> poll;
+    if (function != nullptr) poll = [engine, function, user] { return call_back(engine, [&] { return function(user); }); };
+    run.on_poll(std::move(poll), interval);
     return SCREE_DONE;
   });
 }

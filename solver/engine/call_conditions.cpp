@@ -40,10 +40,11 @@ void CallConditions::enter() {
 }
 
 CallConditions::~CallConditions() {
-  if (environments_.size() == 1) {
+  const auto threads = static_cast<int>(environments_.size());
+  if (threads == 1) {
     std::fesetenv(environments_.data());
   } else {
-#pragma omp parallel num_threads(static_cast <int>(environments_.size()))
+#pragma omp parallel num_threads(threads)
     std::fesetenv(&environments_[static_cast<std::size_t>(omp_get_thread_num())]);
   }
   omp_set_num_threads(threads_before_);

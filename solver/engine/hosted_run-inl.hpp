@@ -57,12 +57,10 @@ struct HostedRun::Inner {
   void check_goes_on(const char* what) const;
   void check_moves(const char* what) const;
   void check_nobody_waits(const char* what) const;
-  void look_at_contacts();
   template <class Action>
   void guarded(Action&& action);
   int one_step();
   void look_around();
-  int stopped();
 };
 
 /// What makes the state meaningless is remembered.

@@ -60,8 +60,10 @@ void HostedRun::Inner::begin() {
     simulation->start_from_scene(loaded.start);
   }
   check_step_size(comm, options, loaded.scene.settings, state().clock.size);
-  if (!has_folder && !path.empty()) look_at_contacts();
-  if (!has_folder) return;
+  if (!has_folder) {
+    if (!path.empty()) simulation->evaluate_contacts_at_rest();
+    return;
+  }
   files.emplace(comm, options, loaded, *watchdog, *simulation, path, before);
   files->begin();
 }
@@ -73,11 +75,6 @@ void HostedRun::Inner::check_goes_on(const char* what) const {
 void HostedRun::Inner::check_nobody_waits(const char* what) const {
   if (simulation->bodies_wait())
     throw UsageError("{}: bodies wait to join or to leave in the next step, and are in no state before; make a step first", what);
-}
-
-/// Until the next step loads of walls and energies follow from the contacts as they stand, without their damping.
-void HostedRun::Inner::look_at_contacts() {
-  guarded([&] { simulation->evaluate_for_measures(); });
 }
 
 void HostedRun::Inner::check_moves(const char* what) const {
@@ -93,29 +90,23 @@ void HostedRun::Inner::look_around() {
   if (const int number = poll(); number != 0) simulation->requests().ask_to_stop(number);
 }
 
-int HostedRun::Inner::stopped() {
-  const int code = static_cast<int>(ExitCode::signal_base) + simulation->requests().pending_signal();
-  simulation->requests().stopped();
-  return code;
-}
-
 int HostedRun::Inner::one_step() {
   look_around();
-  if (files) {
-    if (files->is_over())
-      throw UsageError("step: the run in {} is over after {:g} s; a longer time.duration goes on", options.run_folder, simulation->time());
-    int code = 0;
-    guarded([&] { code = files->step(); });
-    if (code != 0) simulation->requests().stopped();
-    return code;
-  }
-  guarded([&] { simulation->advance(); });
-  return simulation->requests().pending_signal() != 0 ? stopped() : 0;
+  if (files && files->is_over())
+    throw UsageError("step: the run in {} is over after {:g} s; a longer time.duration goes on", options.run_folder, simulation->time());
+  guarded([&] {
+    if (files)
+      files->step();
+    else
+      simulation->advance();
+  });
+  const int signal = simulation->requests().pending_signal();
+  if (signal == 0) return 0;
+  simulation->requests().stopped();
+  return static_cast<int>(ExitCode::signal_base) + signal;
 }
 
 HostedRun::HostedRun(const std::string& scene, MPI_Comm comm, const Options& options) {
-  if (options.threads < 0)
-    throw UsageError("threads = {}: expected a number >= 1, or 0 for a choice by the number of bodies", options.threads);
   in_ = std::make_unique<Inner>(scene, comm, options);
   in_->begin();
 }

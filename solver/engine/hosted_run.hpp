@@ -37,7 +37,7 @@ class HostedRun {
   struct Options {
     std::string run_folder;  ///< "": no files
     std::string restart;     ///< as RunOptions::restart
-    int threads = 0;         ///< 0: OMP_NUM_THREADS, or as many as bodies keep busy
+    int threads = 0;         ///< >= 0; 0: OMP_NUM_THREADS, or as many as bodies keep busy
   };
   HostedRun(const std::string& scene, MPI_Comm comm, const Options& options);
   HostedRun(const HostedRun&) = delete;

@@ -70,7 +70,7 @@ void HostedRun::restore(const State& state) {
     }
     for (Inner::Force& f : in_->forces)
       if (!acted(f)) f.number_of_effect = in_->simulation->outer_forces().add(in_->change(), f.function, f.every);
-    in_->simulation->evaluate_for_measures();
+    in_->simulation->evaluate_contacts_at_rest();
   });
 }
 

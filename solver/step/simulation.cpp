@@ -153,17 +153,12 @@ void Simulation::begin(const std::vector<ParticleRecord>& records, std::int64_t 
 
 /// Results of contacts whose bodies stay as they are: a function of places and springs, after a restart as at the start. Collective.
 void Simulation::freeze() {
-  failure_.watch(step(), [&] {
-    for (const auto* which : {&state_.pairs.inner(), &state_.pairs.outer(), &state_.pairs.duplicated()})
-      evaluate_at_rest(state_.scene, state_.particles, state_.walls, *which, state_.clock.dt, step(), forces_.scratch(), state_.pairs);
-  });
-  agree_on_failures();
+  evaluate_contacts_at_rest();
   state_.pairs.sum_onto_bodies(state_.scene.source().settings.gravity, state_.particles);
   for_each_effect(&Effect::add_forces);
 }
 
-void Simulation::evaluate_for_measures() {
-  if (state_.scene.is_frozen()) return;  // they are known
+void Simulation::evaluate_contacts_at_rest() {
   failure_.watch(step(), [&] {
     for (const auto* which : {&state_.pairs.inner(), &state_.pairs.outer(), &state_.pairs.duplicated()})
       evaluate_at_rest(state_.scene, state_.particles, state_.walls, *which, state_.clock.dt, step(), forces_.scratch(), state_.pairs);

@@ -56,7 +56,7 @@ class Simulation {
   bool bodies_wait() const { return arrivals_.are_waiting() || domain_.is_removal_asked(); }
   /// After a restart the forces of the last step are not known before the next one: until then results of contacts are those that they have
   /// where they stand, without damping. No state changes. Collective.
-  void evaluate_for_measures();
+  void evaluate_contacts_at_rest();
 
   /// What acts from outside; made at the first call, on every rank alike, between two steps.
   OuterForces& outer_forces();

@@ -549,7 +549,8 @@ class Engine:
                 engine.step(100)
                 print(engine.time, engine.bodies.position[:, 2].max())
 
-    Errors are raised on all ranks. After RunInvalid, InternalError, or an exception in a force function, only reading, `restore` and `close` are left.
+    Errors are raised on all ranks. After RunInvalid, InternalError, or an exception in a force function, only reading, `remove_force`, `restore` and `close`
+    are left.
     Without `with`, call `close`. An engine of one rank is closed, too, when nothing refers to it any more; one of several ranks is not, since all must
     close it together, and for the same reason an exception of your own that leaves the `with` does not close it.
     One thread at a time calls an engine. Ctrl-C stops `step` within 0.1 s after a complete step, on all ranks; the engine can go on.

@@ -33,6 +33,17 @@ void OuterForces::Acting::add(const ParticleSet& p, const OnRow& on) {
   if (!(on.wrench.torque == Vec3{})) turning.push_back({on.row, on.wrench.torque, p.w[on.row], p.L[on.row], p.q[on.row]});
 }
 
+void OuterForces::Acting::begin_kick(const ParticleSet& p) {
+  const std::size_t rows = row.size();
+#pragma omp parallel for if (rows > kRowsWorthThreads)
+  for (std::size_t k = 0; k < rows; ++k) v[k] = p.v[row[k]];
+  for (Turning& t : turning) {
+    t.w = p.w[t.row];
+    t.L = p.L[t.row];
+    t.q = p.q[t.row];
+  }
+}
+
 std::vector<OuterForces::OnRow> OuterForces::Acting::list() const {
   std::vector<OnRow> rows;
   auto turn = turning.begin();
@@ -55,12 +66,11 @@ void OuterForces::find_rows(const RunState& s) {
   is_current_ = false;
   if (held_.empty()) return;
   std::vector<std::int32_t> place(p.owned, -1);
-  auto next = held_.begin();
-  for (const std::int32_t row : by_id(s)) {
-    const auto i = static_cast<std::size_t>(row);
-    while (next != held_.end() && next->id < p.id[i]) ++next;
-    if (next != held_.end() && next->id == p.id[i]) place[i] = static_cast<std::int32_t>(next - held_.begin());
-  }
+  std::int32_t next = 0;
+  join_rows(p, held_, by_id(s), [&](const WrenchOnBody&, std::int32_t row) {
+    if (row >= 0) place[static_cast<std::size_t>(row)] = next;
+    ++next;
+  });
   for (std::size_t i = 0; i < p.owned; ++i)
     if (place[i] >= 0) held_rows_.push_back({i, held_[static_cast<std::size_t>(place[i])].wrench});
 }
@@ -153,7 +163,6 @@ void OuterForces::wake_changed(RunState& s, const std::vector<OnRow>& now) {
     disturbed.push_back(i);
     if (kept != kept_.end()) kept_.erase(kept);
   }
-  if (!disturbed.empty()) is_current_ = false;
   s.sleep->wake_rows(s, disturbed);
 }
 
@@ -189,7 +198,7 @@ void OuterForces::change_now(RunState& s) {
 
 void OuterForces::hold(RunState& s, const std::vector<WrenchOnBody>& mine) {
   const std::vector<WrenchOnBody> all = of_all_ranks(s, mine);
-  if (s.comm.sum(static_cast<std::int64_t>(mine.size())) == 0) return;
+  if (all.empty()) return;
   const std::vector<std::int32_t> rows = checked_rows(s, all, by_id(s));
   is_used_ = true;
   WrenchTable held;
@@ -216,8 +225,7 @@ void OuterForces::release(RunState& s, const std::optional<std::vector<std::int6
     const std::vector<WrenchOnBody> all = of_all_ranks(s, named);
     checked_rows(s, all, by_id(s));
     WrenchTable held;
-    std::set_difference(held_.begin(), held_.end(), all.begin(), all.end(), std::back_inserter(held),
-                        [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id < r.id; });
+    std::set_difference(held_.begin(), held_.end(), all.begin(), all.end(), std::back_inserter(held), has_lower_id);
     held_ = std::move(held);
   }
   find_rows(s);
@@ -235,13 +243,13 @@ int OuterForces::add(RunState& s, ForceFunction function, std::int64_t every) {
     }
   });
   is_used_ = true;
+  if (is_orphan_) {
+    force_.clear();
+    torque_.clear();
+  }
+  is_orphan_ = false;
   force_.resize(s.particles.owned);
   torque_.resize(s.particles.owned);
-  if (is_orphan_) {
-    force_.assign(s.particles.owned, Vec3{});
-    torque_.assign(s.particles.owned, Vec3{});
-    is_orphan_ = false;
-  }
   add_to_sum(s, f);
   functions_.push_back(std::move(f));
   change_now(s);
@@ -305,12 +313,10 @@ void OuterForces::drift(RunState& s) {
 void OuterForces::after_migration(RunState& s, bool) {
   by_id_.clear();
   if (!is_used_) return;
-  const std::vector<std::int32_t> rows = rows_by_id(s.particles);
-  travel(s, held_, rows);
-  if (s.sleep != nullptr) travel(s, kept_, rows);
+  travel(s, held_, by_id(s));
+  if (s.sleep != nullptr) travel(s, kept_, by_id(s));
   for (Function& f : functions_)
-    if (f.every > 1) travel(s, f.latest, rows);
-  by_id_ = rows;
+    if (f.every > 1) travel(s, f.latest, by_id(s));
 }
 
 void OuterForces::on_rebuild(const StepParts& parts) {
@@ -322,14 +328,11 @@ void OuterForces::on_rebuild(const StepParts& parts) {
   const ParticleSet& p = s.particles;
   force_.assign(restored_.empty() ? 0 : p.owned, Vec3{});
   torque_.assign(force_.size(), Vec3{});
-  auto next = restored_.begin();
-  for (const std::int32_t row : by_id(s)) {
-    const auto i = static_cast<std::size_t>(row);
-    while (next != restored_.end() && next->id < p.id[i]) ++next;
-    if (next == restored_.end() || next->id != p.id[i]) continue;
-    force_[i] = next->wrench.force;
-    torque_[i] = next->wrench.torque;
-  }
+  join_rows(p, restored_, by_id(s), [&](const WrenchOnBody& entry, std::int32_t row) {
+    if (row < 0) return;
+    force_[static_cast<std::size_t>(row)] = entry.wrench.force;
+    torque_[static_cast<std::size_t>(row)] = entry.wrench.torque;
+  });
   restored_.clear();
   is_orphan_ = !force_.empty();
   acting_.clear();
@@ -350,15 +353,8 @@ void OuterForces::before_forces(RunState& s) {
 
 void OuterForces::add_forces(RunState& s) {
   ParticleSet& p = s.particles;
-  const std::size_t known = acting_.row.size();
   if (is_current_) {
-#pragma omp parallel for if (known > kRowsWorthThreads)
-    for (std::size_t k = 0; k < known; ++k) acting_.v[k] = p.v[acting_.row[k]];
-    for (Acting::Turning& t : acting_.turning) {
-      t.w = p.w[t.row];
-      t.L = p.L[t.row];
-      t.q = p.q[t.row];
-    }
+    acting_.begin_kick(p);
   } else {  // bodies that contacts woke in this step have their forces too
     acting_.clear();
     for (const OnRow& on : now_)
@@ -372,17 +368,10 @@ void OuterForces::add_forces(RunState& s) {
 }
 
 void OuterForces::after_kick(RunState& s) {
-  const std::size_t rows = acting_.row.size();
-  if (rows == 0) return;
+  if (acting_.row.empty()) return;
   const ParticleSet& p = s.particles;
   if (s.integrator != Integrator::euler) add_work(s, 0.5 * s.clock.dt, [&p](const Acting::Turning& t) { return p.w[t.row]; });
-#pragma omp parallel for if (rows > kRowsWorthThreads)
-  for (std::size_t k = 0; k < rows; ++k) acting_.v[k] = p.v[acting_.row[k]];
-  for (Acting::Turning& t : acting_.turning) {
-    t.w = p.w[t.row];
-    t.L = p.L[t.row];
-    t.q = p.q[t.row];
-  }
+  acting_.begin_kick(p);
 }
 
 }  // namespace scree

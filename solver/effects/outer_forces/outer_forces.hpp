@@ -41,14 +41,14 @@ class OuterForces : public Effect {
   /// Holds wrenches, each in place of that which its body had. Any rank may name any body.
   /// Throws UsageError on every rank, and nothing is changed: a body that is unknown, named twice or fixed; a number that is not finite.
   void hold(RunState& s, const std::vector<WrenchOnBody>& mine);
-  /// Holds nothing any more: on these bodies, without a list on none. Throws as hold().
+  /// Holds nothing any more: on these bodies, without a list on all. Throws as hold().
   void release(RunState& s, const std::optional<std::vector<std::int64_t>>& mine);
   /// Calls a function now, and in steps whose number is a multiple of `every` (>= 1); between them its last forces are held. Functions are
   /// called in the order of their numbers. Returns the number. Throws on every rank what it throws on one.
   int add(RunState& s, ForceFunction function, std::int64_t every);
   /// The same of a function whose forces are among those of a restored state: it is called in the next step. After a restart, of which
-  /// nobody knows whose the forces of functions were, add() puts those of the first function in their place. in   latest   its last forces,
-  /// of any bodies on any rank, where it is not called in every step
+  /// nobody knows whose the forces of functions were, add() puts those of the first function in their place.
+  /// in   latest   its last forces, of any bodies on any rank, where it is not called in every step
   int add_restored(RunState& s, ForceFunction function, std::int64_t every, const WrenchTable& latest);
   /// The last forces of a function on bodies of this rank, where it is not called in every step.
   WrenchTable latest_of(int number) const;
@@ -90,6 +90,8 @@ class OuterForces : public Effect {
     std::vector<Turning> turning;  // rows with a torque
     void clear();
     void add(const ParticleSet& p, const OnRow& on);
+    /// A half kick begins: what its work follows from is as it is now.
+    void begin_kick(const ParticleSet& p);
     std::vector<OnRow> list() const;
   };
   struct Function {

@@ -34,14 +34,13 @@ void OuterForces::add_force_at_rest(const RunState& s, std::size_t row, Vec3& fo
 
 EffectRecord OuterForces::record(const RunState& s) const {
   if (!is_used_) return {};
-  std::vector<WrenchOnBody> of_functions, kept;
+  std::vector<WrenchOnBody> of_functions;
   for (std::size_t i = 0; i < force_.size(); ++i) {
     const Wrench w{force_[i], torque_[i]};
     if (!is_zero(w)) of_functions.push_back({s.particles.id[i], w});
   }
-  for (const auto& [id, wrench] : kept_) kept.push_back({id, wrench});
   EffectRecord record;
-  for (const auto& rows : {held_, of_functions, kept}) {
+  for (const auto& rows : {held_, of_functions, table_of(kept_)}) {
     const std::vector<WrenchOnBody> all = of_all_ranks(s, rows);
     record.push_back(ids_of(all));
     record.push_back(numbers_of(all));
@@ -60,13 +59,8 @@ void OuterForces::restore(RunState& s, const EffectRecord& record) {
 }
 
 WrenchTable OuterForces::latest_of(int number) const {
-  WrenchTable table;
-  for (const Function& f : functions_) {
-    if (f.number != number) continue;
-    for (const auto& [id, wrench] : f.latest) table.push_back({id, wrench});
-  }
-  std::sort(table.begin(), table.end(), [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id < r.id; });
-  return table;
+  const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
+  return at == functions_.end() ? WrenchTable{} : table_of(at->latest);
 }
 
 void OuterForces::add_energies(const RunState& s, Energies& energies) const {
@@ -83,14 +77,16 @@ std::vector<PlanLine> OuterForces::plan(const RunState& s) const {
 }
 
 EffectKind outer_forces_effect() {
-  EffectFormat format{"outer_forces", "the forces that act from outside, or their work, differ", {}};
+  EffectFormat format{"outer_forces",
+                      "the forces that act from outside, or their work, differ",
+                      {{"held_id", "", 1, false},
+                       {"held", "N; N m", kNumbersOfWrench},
+                       {"functions_id", "", 1, false},
+                       {"functions", "N; N m", kNumbersOfWrench},
+                       {"kept_id", "", 1, false},
+                       {"kept", "N; N m", kNumbersOfWrench},
+                       sum_format("work")}};
   format.is_optional = true;
-  for (const char* name : {"held", "functions", "kept"}) {
-    static const std::unordered_map<std::string, const char*> ids{{"held", "held_id"}, {"functions", "functions_id"}, {"kept", "kept_id"}};
-    format.arrays.push_back({ids.at(name), "", 1, false});
-    format.arrays.push_back({name, "N; N m", kNumbersOfWrench});
-  }
-  format.arrays.push_back(sum_format("work"));
   EffectKind kind{format, {}, [](const RunState&) -> std::unique_ptr<Effect> { return nullptr; }};
   kind.make_on_demand = [](const RunState&) -> std::unique_ptr<Effect> { return std::make_unique<OuterForces>(); };
   return kind;

@@ -7,22 +7,12 @@
 
 namespace scree {
 
-namespace {
-
-bool by_id_first(const WrenchOnBody& l, const WrenchOnBody& r) { return l.id < r.id; }
-
-/// Calls action(entry, row) for each entry of a list by ascending id; row -1 of one that is not owned here.
-template <class Action>
-void join_rows(const ParticleSet& p, const std::vector<WrenchOnBody>& list, const std::vector<std::int32_t>& by_id, const Action& action) {
-  auto next = by_id.begin();
-  for (const WrenchOnBody& entry : list) {
-    while (next != by_id.end() && p.id[static_cast<std::size_t>(*next)] < entry.id) ++next;
-    const bool is_here = next != by_id.end() && p.id[static_cast<std::size_t>(*next)] == entry.id;
-    action(entry, is_here ? *next : -1);
-  }
+WrenchTable table_of(const WrenchById& of) {
+  WrenchTable table;
+  for (const auto& [id, wrench] : of) table.push_back({id, wrench});
+  std::sort(table.begin(), table.end(), has_lower_id);
+  return table;
 }
-
-}  // namespace
 
 std::vector<std::int32_t> rows_by_id(const ParticleSet& p) {
   std::vector<std::int32_t> rows(p.owned);
@@ -33,14 +23,8 @@ std::vector<std::int32_t> rows_by_id(const ParticleSet& p) {
 }
 
 std::vector<WrenchOnBody> of_all_ranks(const RunState& s, const std::vector<WrenchOnBody>& mine) {
-  std::vector<WrenchOnBody> all;
-  if (s.comm.size() == 1) {
-    all = mine;
-  } else {
-    for (const auto& block : s.comm.exchange(std::vector<std::vector<WrenchOnBody>>(static_cast<std::size_t>(s.comm.size()), mine)))
-      all.insert(all.end(), block.begin(), block.end());
-  }
-  if (!std::is_sorted(all.begin(), all.end(), by_id_first)) std::sort(all.begin(), all.end(), by_id_first);
+  std::vector<WrenchOnBody> all = s.comm.of_all(mine);
+  if (!std::is_sorted(all.begin(), all.end(), has_lower_id)) std::sort(all.begin(), all.end(), has_lower_id);
   return all;
 }
 
@@ -71,25 +55,24 @@ std::vector<std::int32_t> checked_rows(const RunState& s, const std::vector<Wren
 }
 
 void travel(const RunState& s, WrenchTable& of, const std::vector<std::int32_t>& by_id) {
+  const auto is_same_body = [](const WrenchOnBody& l, const WrenchOnBody& r) { return l.id == r.id; };
   WrenchTable stay;
   std::vector<WrenchOnBody> lost;
   join_rows(s.particles, of, by_id, [&](const WrenchOnBody& entry, std::int32_t row) { (row < 0 ? lost : stay).push_back(entry); });
   const std::size_t mine = stay.size();
   std::vector<WrenchOnBody> all = of_all_ranks(s, lost);
   // a restart gives everything to every rank
-  all.erase(std::unique(all.begin(), all.end(), [](const auto& l, const auto& r) { return l.id == r.id; }), all.end());
+  all.erase(std::unique(all.begin(), all.end(), is_same_body), all.end());
   join_rows(s.particles, all, by_id, [&](const WrenchOnBody& entry, std::int32_t row) {
     if (row >= 0) stay.push_back(entry);
   });
-  std::inplace_merge(stay.begin(), stay.begin() + static_cast<std::ptrdiff_t>(mine), stay.end(), by_id_first);
-  stay.erase(std::unique(stay.begin(), stay.end(), [](const auto& l, const auto& r) { return l.id == r.id; }), stay.end());
+  std::inplace_merge(stay.begin(), stay.begin() + static_cast<std::ptrdiff_t>(mine), stay.end(), has_lower_id);
+  stay.erase(std::unique(stay.begin(), stay.end(), is_same_body), stay.end());
   of = std::move(stay);
 }
 
 void travel(const RunState& s, WrenchById& of, const std::vector<std::int32_t>& by_id) {
-  WrenchTable table;
-  for (const auto& [id, wrench] : of) table.push_back({id, wrench});
-  std::sort(table.begin(), table.end(), by_id_first);
+  WrenchTable table = table_of(of);
   travel(s, table, by_id);
   of.clear();
   for (const WrenchOnBody& entry : table) of[entry.id] = entry.wrench;
@@ -115,7 +98,7 @@ WrenchTable wrenches_of(const StateArray& ids, const StateArray& numbers) {
     const double* n = numbers.reals.data() + static_cast<std::size_t>(kNumbersOfWrench) * k;
     all.push_back({ids.integers[k], {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}});
   }
-  std::sort(all.begin(), all.end(), by_id_first);
+  std::sort(all.begin(), all.end(), has_lower_id);
   return all;
 }
 
