@@ -5,6 +5,7 @@
 
 #include "core/base/error.hpp"
 #include "core/storage/json_object.hpp"
+#include "core/storage/written_by_program.hpp"
 
 namespace scree {
 
@@ -15,7 +16,7 @@ constexpr const char* kNotOfThisScene = "frame and scene.h5 do not belong togeth
 /// Ids that a body of a frame may have.
 class KnownBodies {
  public:
-  explicit KnownBodies(const Scene& scene) : ids_(scene.bodies.id), more_come_(!scene.inlets.empty()) {
+  KnownBodies(const Scene& scene, bool more_come) : ids_(scene.bodies.id), more_come_(more_come) {
     if (!std::is_sorted(ids_.begin(), ids_.end())) std::sort(ids_.begin(), ids_.end());
     largest_ = ids_.empty() ? -1 : ids_.back();
     for (const Wall& wall : scene.walls) largest_ = std::max(largest_, wall.id);
@@ -38,8 +39,9 @@ class Checker {
  public:
   Checker(const Scene& scene, const std::string& path) : scene_(scene), path_(path) {}
 
-  void bodies(const FrameBodies& b) const {
-    const KnownBodies known(scene_);
+  /// in   more_come   bodies come in that the scene does not have
+  void bodies(const FrameBodies& b, bool more_come) const {
+    const KnownBodies known(scene_, more_come);
     if (scene_.settings.heat && !b.has_temperature && b.size() > 0)
       throw InputError("{}: has no temperatures, which the scene asks for ([heat]); {}", path_, kNotOfThisScene);
     for (std::size_t i = 0; i < b.size(); ++i) {
@@ -122,9 +124,9 @@ class Checker {
 
 }  // namespace
 
-void check_frame(const Scene& scene, const Frame& frame, const std::string& path) {
+void check_frame(const Scene& scene, const Frame& frame, const std::string& path, bool has_program) {
   const Checker check(scene, path);
-  check.bodies(frame.bodies);
+  check.bodies(frame.bodies, !scene.inlets.empty() || has_program || is_written_by_program(*frame.provenance));
   check.walls(frame.walls);
   check.maps(frame.loads, frame.wear);
   check.materials(frame.impacts, "impacts");

@@ -382,7 +382,7 @@ std::string heat_section(const Run& run) {
 double mean_bodies(const Run& run) {
   const LogTable& log = run.log;
   const auto start = static_cast<double>(run.scene.bodies.size());
-  if (run.scene.inlets.empty() && run.scene.outlets.empty()) return start;
+  if (!run.lets_in() && run.scene.outlets.empty() && run.removed() == 0) return start;
   double sum = 0;
   for (std::size_t i = 0; i < log.rows(); ++i) {
     const auto at = [&](const char* name) { return log.has(name) ? log.column(name)[i] : 0.0; };
@@ -475,10 +475,8 @@ nlohmann::json numbers_of(const Run& run, const std::vector<Verdict>& verdicts, 
 
 /// What the head of the page says of the bodies that were not there at the start: of a run that has not ended, what its log has so far.
 std::string came_in(const Run& run) {
-  if (run.scene.inlets.empty()) return "";
-  double count = run.is_finished() ? run.outcome->value("inserted_bodies", 0.0) : 0;
-  if (!run.is_finished() && run.log.rows() > 0 && run.log.has("inserted_bodies")) count = run.log.column("inserted_bodies").back();
-  return fmt::format(" at the start and {:.0f} that came in{}", count, run.is_finished() ? "" : " so far");
+  if (!run.lets_in()) return "";
+  return fmt::format(" at the start and {:.0f} that came in{}", run.inserted(), run.is_finished() ? "" : " so far");
 }
 
 }  // namespace

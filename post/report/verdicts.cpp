@@ -68,9 +68,10 @@ Verdict judge_energy(const Run& run) {
   v.answer = "closed to " + percent(relative);
   v.judgement = relative <= kEnergyGood ? Judgement::good : (relative <= kEnergyDoubtful ? Judgement::doubtful : Judgement::bad);
   v.evidence = fmt::format(
-      "Lasting error of kinetic + potential + elastic + dissipated - wall work in the log, {:.3g} J, over the largest energy in play, "
+      "Lasting error of kinetic + potential + elastic + dissipated - wall work{} in the log, {:.3g} J, over the largest energy in play, "
       "{:.3g} J. Dissipation is summed from the contact forces. Good up to {}.",
-      e.lasting, e.in_play, percent(kEnergyGood));
+      run.has_program() ? " - work of outer forces + energy of removed bodies - energy of inserted bodies" : "", e.lasting, e.in_play,
+      percent(kEnergyGood));
   if (on_the_way > std::max(kEnergyGood, relative)) {
     v.evidence += fmt::format(" During contacts it was {} at most and vanished when they ended; more steps per contact reduce it.",
                               percent(on_the_way));
@@ -128,9 +129,8 @@ Verdict judge_rest(const Run& run) {
     const double mean = std::accumulate(asleep.begin(), asleep.end(), 0.0) / static_cast<double>(asleep.size());
     v.evidence += fmt::format(" {:.0f} bodies sleep at the end, {:.4g} on average over the rows of the log", asleep.back(), mean);
     const auto bodies = static_cast<double>(run.scene.bodies.size());
-    v.evidence += run.scene.inlets.empty() && bodies > 0
-                      ? fmt::format(" ({:.0f} and {:.0f} %).", 100 * asleep.back() / bodies, 100 * mean / bodies)
-                      : ".";
+    v.evidence +=
+        !run.lets_in() && bodies > 0 ? fmt::format(" ({:.0f} and {:.0f} %).", 100 * asleep.back() / bodies, 100 * mean / bodies) : ".";
   }
   if (run.outcome->contains("no_body_left")) {
     v.answer = "no body is left";
@@ -208,9 +208,14 @@ Verdict judge_bodies(const Run& run) {
                            number_in(run.outcome, "bodies", static_cast<double>(run.scene.bodies.size()) - lost));
   if (removed > 0) {
     v.answer += fmt::format(", {:.0f} of {:.0f} removed", removed, all);
-    v.evidence += run.scene.outlets.empty()
-                      ? fmt::format(" {:.0f} were removed as the case requires, because they left the domain.", removed)
-                      : fmt::format(" {:.0f} were removed as the case requires, by outlets or because they left the domain.", removed);
+    const bool by_domain = run.scene.settings.domain.outside == Outside::remove, by_outlets = !run.scene.outlets.empty();
+    const bool by_case = by_domain || by_outlets;
+    v.evidence += fmt::format(" {:.0f} were removed", removed);
+    if (by_case)
+      v.evidence += by_outlets ? " as the case requires, by outlets or because they left the domain"
+                               : " as the case requires, because they left the domain";
+    if (run.has_program()) v.evidence += by_case ? ", or by the program that stepped the run" : " by the program that stepped the run";
+    v.evidence += ".";
   }
   if (below > 0) {
     v.answer = (v.answer == "none" ? std::string() : v.answer + ", ") + fmt::format("{} of {:.0f} fall below all walls", below, all);
@@ -388,8 +393,9 @@ EnergyBalance energy_balance(const Run& run) {
     const double elastic = at("elastic", i) + at("elastic_tangential", i), error = std::abs(at("energy_error", i));
     lowest = std::min(lowest, at("potential", i));
     highest = std::max(highest, at("potential", i));
-    balance.in_play = std::max({balance.in_play, at("kinetic_translational", i) + at("kinetic_rotational", i), elastic,
-                                std::abs(at("wall_work", i)), std::abs(at("dissipated", i)), highest - lowest});
+    balance.in_play =
+        std::max({balance.in_play, at("kinetic_translational", i) + at("kinetic_rotational", i), elastic, std::abs(at("wall_work", i)),
+                  std::abs(at("outer_work", i)), std::abs(at("dissipated", i)), highest - lowest});
     balance.largest = std::max(balance.largest, error);
     balance.lasting = std::max(balance.lasting, i + 1 == log.rows() ? error : error - kContactError * elastic);
   }

@@ -6,13 +6,21 @@
 
 namespace scree {
 
-EventTable::EventTable(const std::string& path, const std::vector<std::string>& numbers, const std::vector<std::string>& texts)
+EventTable::EventTable(const std::string& path, const std::vector<std::string>& numbers, const std::vector<std::string>& texts,
+                       const std::vector<std::string>& optional)
     : path_(path) {
   const std::optional<CsvTable> read = read_csv(path);
   if (!read) throw InputError("{}: cannot be read", path);
   table_ = *read;
   for (const std::string& name : numbers) columns_.push_back(find(name));
   for (const std::string& name : texts) texts_.push_back(find(name));
+  for (const std::string& name : optional) texts_.push_back(table_.column(name));
+}
+
+const std::string& EventTable::text(std::size_t row, std::size_t column) const {
+  static const std::string kNone;
+  const std::size_t at = texts_[column];
+  return at < table_.names.size() ? table_.rows[row].cells[at] : kNone;
 }
 
 bool EventTable::is_whole(std::size_t row) const {

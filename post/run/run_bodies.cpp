@@ -17,7 +17,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 RunBodies::RunBodies(const Run& run) {
   add_scene(run.scene);
-  if (run.scene.inlets.empty()) return;
+  if (run.scene.inlets.empty() && !run.has_program()) return;
   const bool has_table = std::filesystem::exists(run.folder + "/inserted.csv");
   if (has_table) add_inserted(run);
   if (!has_table || !run.is_finished()) add_frames(run);  // a run that was killed may have bodies that the table lacks
@@ -41,28 +41,47 @@ void RunBodies::add_scene(const Scene& scene) {
 
 void RunBodies::add_inserted(const Run& run) {
   const Scene& scene = run.scene;
-  const auto first_inlet = static_cast<std::int32_t>(origins.size() - scene.inlets.size());
-  const EventTable table(run.folder + "/inserted.csv", {"id", "diameter", "x", "y", "z"}, {"inlet", "shape"});
+  const auto first_inlet = static_cast<std::int32_t>(origins.size() - scene.inlets.size());  // no other was added yet
+  const EventTable table(run.folder + "/inserted.csv", {"id", "diameter", "x", "y", "z"}, {"inlet", "shape"}, {"material"});
   for (std::size_t row = 0; row < table.rows(); ++row) {
     if (!table.is_whole(row)) continue;
-    const auto inlet = std::find_if(scene.inlets.begin(), scene.inlets.end(), [&](const Inlet& i) { return i.name == table.text(row, 0); });
-    if (inlet == scene.inlets.end()) table.refuse(row, fmt::format("the inlet '{}'", table.text(row, 0)));
     const auto shape = std::find_if(scene.shapes.begin(), scene.shapes.end(), [&](const Shape& s) { return s.name == table.text(row, 1); });
     if (shape == scene.shapes.end()) table.refuse(row, fmt::format("the shape '{}'", table.text(row, 1)));
-    add({static_cast<std::int64_t>(table.number(row, 0)),
-         static_cast<std::int32_t>(shape - scene.shapes.begin()),
-         inlet->material,
-         table.number(row, 1) / shape->equivalent_diameter(),
-         first_inlet + static_cast<std::int32_t>(inlet - scene.inlets.begin()),
-         false,
-         {table.number(row, 2), table.number(row, 3), table.number(row, 4)}});
+    RunBody body;
+    body.id = static_cast<std::int64_t>(table.number(row, 0));
+    body.shape = static_cast<std::int32_t>(shape - scene.shapes.begin());
+    body.scale = table.number(row, 1) / shape->equivalent_diameter();
+    body.start = {table.number(row, 2), table.number(row, 3), table.number(row, 4)};
+    if (table.text(row, 0).empty()) {
+      const auto& materials = scene.materials;
+      const auto material =
+          std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == table.text(row, 2); });
+      if (material == materials.end()) table.refuse(row, fmt::format("the material '{}'", table.text(row, 2)));
+      body.material = static_cast<std::int32_t>(material - materials.begin());
+      body.origin = origin_called("inserted by the program");
+      add(body);
+      continue;
+    }
+    const auto inlet = std::find_if(scene.inlets.begin(), scene.inlets.end(), [&](const Inlet& i) { return i.name == table.text(row, 0); });
+    if (inlet == scene.inlets.end()) table.refuse(row, fmt::format("the inlet '{}'", table.text(row, 0)));
+    body.material = inlet->material;
+    body.origin = first_inlet + static_cast<std::int32_t>(inlet - scene.inlets.begin());
+    add(body);
   }
 }
 
+/// Index of an origin that is added where there is none of this name.
+std::int32_t RunBodies::origin_called(const std::string& name) {
+  const auto at = std::find(origins.begin(), origins.end(), name);
+  if (at != origins.end()) return static_cast<std::int32_t>(at - origins.begin());
+  origins.push_back(name);
+  return static_cast<std::int32_t>(origins.size() - 1);
+}
+
 void RunBodies::add_frames(const Run& run) {
-  // where there is one inlet all that came later is from it; where there are several the frames do not say
-  if (run.scene.inlets.size() > 1) origins.emplace_back("came in");
-  const auto origin = static_cast<std::int32_t>(origins.size() - 1);
+  // where there is one inlet and no program all that came later is from it; else the frames do not say
+  const bool is_known = run.scene.inlets.size() == 1 && !run.has_program();
+  const std::int32_t origin = is_known ? static_cast<std::int32_t>(origins.size() - 1) : origin_called("came in");
   for (std::size_t f = 0; f < run.frames.size(); ++f) {
     const FrameBodies b = load_frame(run, f, FrameParts::bodies).bodies;
     for (std::size_t i = 0; i < b.size(); ++i) add({b.id[i], b.shape[i], b.material[i], b.scale[i], origin, false, {kNaN, kNaN, kNaN}});

@@ -25,13 +25,14 @@ struct RunBody {
 /// The bodies of the scene, and those that came in.
 class RunBodies {
  public:
-  /// From the scene and inserted.csv; where that table is missing though the scene has inlets, and of a run that did not end, from the
-  /// frames too.
+  /// From the scene and inserted.csv; where that table is missing though bodies came in, and of a run that did not end, from the frames
+  /// too.
   /// Fails: InputError (a damaged table or frame, named).
   explicit RunBodies(const Run& run);
 
   std::vector<RunBody> all;  ///< those of the scene in its order, then in order of coming in
-  /// "population 0" ..., "[[bodies]]", "inlet feed" ..., whether any body is of them or not; "came in" where no table says through what.
+  /// "population 0" ..., "[[bodies]]", "inlet feed" ..., whether any body is of them or not; "inserted by the program" where a program did;
+  /// "came in" where no table says through what.
   std::vector<std::string> origins;
   /// Null: no body of the run has this id.
   const RunBody* find(std::int64_t id) const;
@@ -46,6 +47,7 @@ class RunBodies {
   void add_scene(const Scene& scene);
   void add_inserted(const Run& run);
   void add_frames(const Run& run);
+  std::int32_t origin_called(const std::string& name);
   std::vector<std::int32_t> kinds(std::int32_t RunBody::*kind) const;
   std::unordered_map<std::int64_t, std::size_t> row_;
 };

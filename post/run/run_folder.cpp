@@ -121,6 +121,24 @@ LogTable read_log(const std::string& path) {
 
 bool Run::is_finished() const { return outcome->is_object(); }
 
+bool Run::has_program() const { return log.has("outer_work"); }
+
+namespace {
+
+double latest_count(const Run& run, const char* name) {
+  if (run.is_finished()) return run.outcome->value(name, 0.0);
+  if (run.log.rows() == 0 || !run.log.has(name)) return 0;
+  const double count = run.log.column(name).back();
+  return std::isfinite(count) ? count : 0;
+}
+
+}  // namespace
+
+double Run::inserted() const { return latest_count(*this, "inserted_bodies"); }
+double Run::removed() const { return latest_count(*this, "removed_bodies"); }
+bool Run::lets_in() const { return !scene.inlets.empty() || inserted() > 0; }
+bool Run::lets_out() const { return !scene.outlets.empty() || scene.settings.domain.outside == Outside::remove || removed() > 0; }
+
 std::string Run::notice() const {
   if (!is_finished()) {
     return fmt::format("{}: no run.json: the run is still being written, or was killed; the {} complete frames so far are used", folder,
@@ -188,7 +206,7 @@ void check_ids_that_came(const Run& run, const Frame& frame, const std::string& 
 Frame load_frame(const Run& run, std::size_t index, FrameParts parts) {
   const std::string& path = run.frames.at(index).path;
   Frame frame = read_frame_file(path, parts);
-  check_frame(run.scene, frame, path);
+  check_frame(run.scene, frame, path, run.has_program());
   check_ids_that_came(run, frame, path);
   // a contact of two bodies on either side of a periodic side is written where one of them sees it: beyond the side
   if (const Periodicity period = periodicity_of(run.scene); period.any()) {

@@ -35,6 +35,14 @@ struct Run {
   std::unordered_set<std::int64_t> boundary_ids;  ///< walls and fixed bodies: no particles
 
   bool is_finished() const;
+  /// Whether a program stepped it (docs/user/engine.md), which may have inserted and removed bodies.
+  bool has_program() const;
+  /// Bodies that came in and that were taken out so far, of run.json, else of the log.
+  double inserted() const;
+  double removed() const;
+  /// Whether bodies can come in or leave: by inlets and outlets, at the sides of the domain, or because a program had them do so.
+  bool lets_in() const;
+  bool lets_out() const;
   /// What the user must know before trusting the output; empty for a completed run.
   std::string notice() const;
 };

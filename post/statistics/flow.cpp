@@ -22,6 +22,9 @@ constexpr std::size_t kBodiesInInterval = 10, kMaxIntervals = 200, kMinIntervals
 
 std::size_t interval_count(std::size_t bodies) { return std::clamp(bodies / kBodiesInInterval, kMinIntervals, kMaxIntervals); }
 
+/// Name of the gate of bodies that leave the domain.
+constexpr const char* kSides = "sides of the domain";
+
 class FlowReader {
  public:
   FlowReader(const Run& run, double from, double to) : run_(run) {
@@ -30,7 +33,7 @@ class FlowReader {
     const Scene& scene = run.scene;
     for (const Inlet& inlet : scene.inlets) flow_.gates.push_back({"inlet " + inlet.name, true});
     for (const Outlet& outlet : scene.outlets) flow_.gates.push_back({"outlet " + outlet.name});
-    if (scene.settings.domain.outside == Outside::remove) flow_.gates.push_back({"sides of the domain"});
+    if (scene.settings.domain.outside == Outside::remove) flow_.gates.push_back({kSides});
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       const Shape& shape = scene.shapes[static_cast<std::size_t>(scene.bodies.shape[i])];
       diameter_[scene.bodies.id[i]] = scene.bodies.scale[i] * shape.equivalent_diameter();
@@ -38,8 +41,8 @@ class FlowReader {
   }
 
   Flow read() {
-    if (flow_.gates.empty() || !(flow_.to > flow_.from)) return {};
-    const bool lets_in = !run_.scene.inlets.empty(), lets_out = flow_.gates.size() > run_.scene.inlets.size();
+    if ((flow_.gates.empty() && !run_.has_program()) || !(flow_.to > flow_.from)) return {};
+    const bool lets_in = run_.lets_in(), lets_out = run_.lets_out();
     for (const char* table : {lets_in ? "/inserted.csv" : "", lets_out ? "/removed.csv" : ""}) {
       if (table[0] == 0 || std::filesystem::exists(run_.folder + table)) continue;
       Flow nothing;
@@ -59,6 +62,10 @@ class FlowReader {
       const Passage p{table.number(row, 0), table.number(row, 1), table.number(row, 2), 0};
       diameter_[static_cast<std::int64_t>(table.number(row, 3))] = p.diameter;
       const auto& inlets = run_.scene.inlets;
+      if (table.text(row).empty() && run_.has_program()) {
+        add(gate_of_program("inserted by the program", true), p);
+        continue;
+      }
       const auto at = std::find_if(inlets.begin(), inlets.end(), [&](const Inlet& i) { return i.name == table.text(row); });
       if (at == inlets.end()) table.refuse(row, fmt::format("the inlet '{}'", table.text(row)));
       add(static_cast<std::size_t>(at - inlets.begin()), p);
@@ -66,22 +73,34 @@ class FlowReader {
   }
 
   void read_removed() {
-    const EventTable table(run_.folder + "/removed.csv", {"time", "mass", "id", "residence_time"}, {"outlet"});
+    const EventTable table(run_.folder + "/removed.csv", {"time", "mass", "id", "residence_time"}, {"outlet"}, {"removed_by"});
     for (std::size_t row = 0; row < table.rows(); ++row) {
       if (!table.is_whole(row)) continue;
       const auto known = diameter_.find(static_cast<std::int64_t>(table.number(row, 2)));
       if (known == diameter_.end()) table.refuse(row, fmt::format("the body {:.0f}", table.number(row, 2)));
       const auto& outlets = run_.scene.outlets;
-      std::size_t gate = run_.scene.inlets.size() + outlets.size();
+      std::size_t gate = 0;
       if (!table.text(row).empty()) {
         const auto at = std::find_if(outlets.begin(), outlets.end(), [&](const Outlet& o) { return o.name == table.text(row); });
         if (at == outlets.end()) table.refuse(row, fmt::format("the outlet '{}'", table.text(row)));
         gate = run_.scene.inlets.size() + static_cast<std::size_t>(at - outlets.begin());
-      } else if (gate == flow_.gates.size()) {
-        table.refuse(row, "a side of the domain at which bodies are removed");
+      } else if (table.text(row, 1) == "program" && run_.has_program()) {
+        gate = gate_of_program("removed by the program", false);
+      } else {
+        const auto sides = std::find_if(flow_.gates.begin(), flow_.gates.end(), [](const Gate& g) { return g.name == kSides; });
+        if (sides == flow_.gates.end()) table.refuse(row, "a side of the domain at which bodies are removed");
+        gate = static_cast<std::size_t>(sides - flow_.gates.begin());
       }
       add(gate, {table.number(row, 0), table.number(row, 1), known->second, table.number(row, 3)});
     }
+  }
+
+  /// Made for the first body that passes it: no scene tells whether a program inserts or removes bodies.
+  std::size_t gate_of_program(const char* name, bool lets_in) {
+    const auto at = std::find_if(flow_.gates.begin(), flow_.gates.end(), [&](const Gate& g) { return g.name == name; });
+    if (at != flow_.gates.end()) return static_cast<std::size_t>(at - flow_.gates.begin());
+    flow_.gates.push_back({name, lets_in});
+    return flow_.gates.size() - 1;
   }
 
   void add(std::size_t gate, const Passage& p) {

@@ -20,9 +20,9 @@ struct Passage {
   double residence = 0;                     ///< since it came in, or since the start [s]; of what came in: 0
 };
 
-/// An inlet, an outlet, or the sides of the domain.
+/// An inlet, an outlet, the sides of the domain, or the program that stepped the run.
 struct Gate {
-  std::string name;  ///< "inlet feed", "outlet chute", "sides of the domain"
+  std::string name;  ///< "inlet feed", "outlet chute", "sides of the domain", "inserted by the program"
   bool lets_in = false;
   std::vector<Passage> passed{};     ///< within the chosen time, in its order
   double mass = 0;                   ///< of them [kg]

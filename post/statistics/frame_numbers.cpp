@@ -273,7 +273,7 @@ void StatisticsPlan::choose_halves(char axis_name) {
     for (const std::size_t i : rows) kind[b.id[i]] = b.position[i][axis] >= *middle ? 1 : 0;
     break;
   }
-  if (!run.scene.inlets.empty())
+  if (run.lets_in())
     gaps.emplace_back("mixing_index",
                       fmt::format("its kinds are the halves along {} of the first frame with bodies: what came in later is of "
                                   "neither; choose kinds with --mixing",
@@ -329,19 +329,18 @@ void StatisticsPlan::read_masses() {
       steps.mass.push_back((steps.mass.empty() ? 0 : steps.mass.back()) + table.number(row, 2));
     }
   };
-  if (!scene.inlets.empty()) read("/inserted.csv", "inlet", came_in_);
-  if (scene.settings.domain.outside == Outside::remove || !scene.outlets.empty()) read("/removed.csv", "outlet", removed_);
+  if (run.lets_in()) read("/inserted.csv", "inlet", came_in_);
+  if (run.lets_out()) read("/removed.csv", "outlet", removed_);
 }
 
 double StatisticsPlan::discharged(const CountedFrame& counted) const {
   const double time = counted.frame.time;
   if (discharge_axis < 0) {
-    const bool are_removed = run.scene.settings.domain.outside == Outside::remove || !run.scene.outlets.empty();
-    if (!are_removed) return kNaN;
+    if (!run.lets_out()) return kNaN;
     if (removed_.is_known) return removed_.at(time);
   }
   // what came in by now counts as what was there from the start; without its table as the log has it, between its rows
-  const double came_in = run.scene.inlets.empty() ? 0 : came_in_.is_known ? came_in_.at(time) : log_value(run.log, "inserted_mass", time);
+  const double came_in = !run.lets_in() ? 0 : came_in_.is_known ? came_in_.at(time) : log_value(run.log, "inserted_mass", time);
   return start_mass_ + came_in - counted.mass_above;
 }
 

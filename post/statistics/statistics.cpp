@@ -316,8 +316,17 @@ std::vector<std::string> write_statistics(const Run& run, const Statistics& s, c
   }
   write("force_chains.csv", text);
   if (run.log.rows() > 0) {
-    static const std::vector<const char*> kColumns{"kinetic_translational", "kinetic_rotational", "potential", "elastic",
-                                                   "elastic_tangential",    "dissipated",         "wall_work", "energy_error"};
+    static const std::vector<const char*> kColumns{"kinetic_translational",
+                                                   "kinetic_rotational",
+                                                   "potential",
+                                                   "elastic",
+                                                   "elastic_tangential",
+                                                   "dissipated",
+                                                   "wall_work",
+                                                   "outer_work",
+                                                   "removed",
+                                                   "inserted",
+                                                   "energy_error"};
     text = "time";
     std::string units = "s";
     for (const char* name : kColumns) {

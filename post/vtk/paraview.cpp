@@ -47,7 +47,7 @@ ParaviewResult write_paraview_files(const Run& run, const ParaviewOptions& optio
   for (const RunBody& body : bodies.all)
     result.triangles_per_frame += static_cast<double>(shapes[static_cast<std::size_t>(body.shape)].mesh.triangles.size());
   // of bodies that come and go, as many as there are at one time
-  if (!run.scene.inlets.empty() && !bodies.all.empty())
+  if (run.lets_in() && !bodies.all.empty())
     result.triangles_per_frame *= std::min(1.0, static_cast<double>(extent.most_of_all) / static_cast<double>(bodies.all.size()));
   result.surfaces = options.surfaces == "auto" ? expanded_frames(result.triangles_per_frame, run.frames.size()) : options.surfaces;
   const bool moving = any_wall_changes(run.scene);

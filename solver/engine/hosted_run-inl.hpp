@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/written_by_program.hpp"
 #include "solver/engine/body_fields.hpp"
 #include "solver/engine/hosted_run.hpp"
 #include "solver/run/run_steps.hpp"
@@ -46,6 +47,7 @@ struct HostedRun::Inner {
     options.run_folder = o.run_folder;
     options.restart = o.restart;
     options.command = {kEngineCommand, scene};
+    options.has_program = true;
     options.is_quiet = true;
     options.stall_limit = 0;  // the program that steps may wait for as long as it likes
     options.most_threads = o.threads > 0 || std::getenv("OMP_NUM_THREADS") != nullptr ? 0 : threads;

@@ -131,6 +131,7 @@ int HostedRun::step(std::int64_t count) {
   int code = 0;
   for (std::int64_t k = 0; k < count && code == 0; ++k) code = in_->one_step();
   in_->guarded([&] { in_->simulation->agree_on_failures(); });
+  if (!in_->files) in_->simulation->drop_events();
   return code;
 }
 

@@ -30,6 +30,7 @@ nlohmann::json energy_json(const RunRecord& record) {
                    {"removed", e.removed},
                    {"error_max", record.energy_error},
                    {"error_relative", scale > 0 ? record.energy_error / scale : 0.0}};
+  if (e.arrived != 0) j["inserted"] = e.arrived;
   if (e.outer_work != 0) j["outer_work"] = e.outer_work;
   return j;
 }
@@ -157,7 +158,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
       run["outlets"].push_back(
           {{"name", loaded.scene.outlets[k].name}, {"bodies", static_cast<std::int64_t>(by_outlet[k].count)}, {"mass", by_outlet[k].mass}});
     }
-    if (!loaded.scene.inlets.empty()) {
+    if (!loaded.scene.inlets.empty() || options.has_program) {
       run["inserted_bodies"] = static_cast<std::int64_t>(arrived.count);
       run["inserted_mass"] = arrived.mass;
     }

@@ -16,6 +16,7 @@
 
 #include "core/base/provenance.hpp"
 #include "core/storage/h5.hpp"
+#include "core/storage/written_by_program.hpp"
 
 namespace scree {
 
@@ -68,12 +69,10 @@ std::optional<std::int64_t> completed_at(const std::string& folder) {
   return steps.get<std::int64_t>();
 }
 
-bool is_stepped_by_program(const std::string& folder) {
+bool is_folder_of_program(const std::string& folder) {
   std::ifstream file(fs::path(folder) / "run.json");
   const nlohmann::json run = nlohmann::json::parse(file, nullptr, false);
-  if (!run.is_object() || !run.contains("provenance") || !run["provenance"].is_object()) return false;
-  const nlohmann::json command = run["provenance"].value("command", nlohmann::json());
-  return command.is_array() && !command.empty() && command[0] == kEngineCommand;
+  return run.is_object() && run.contains("provenance") && is_written_by_program(run["provenance"]);
 }
 
 void check_run_folder(const std::string& folder, const std::string& scene_path, const std::string& scene_sha256,

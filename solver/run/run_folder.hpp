@@ -17,10 +17,8 @@ namespace scree {
 /// Whether a file is what a killed solver left of a file of its own, "." NAME "." PROCESS ".tmp".
 bool is_left_over(const std::string& name);
 
-/// First word of the command in the provenance of runs that a program stepped.
-inline constexpr const char* kEngineCommand = "scree.Engine";
-/// Whether run.json says so.
-bool is_stepped_by_program(const std::string& folder);
+/// Whether run.json says that a program stepped the run.
+bool is_folder_of_program(const std::string& folder);
 
 /// The step at which a run ended, when its run.json says that it is complete.
 std::optional<std::int64_t> completed_at(const std::string& folder);

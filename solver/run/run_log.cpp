@@ -57,8 +57,8 @@ std::vector<Column> log_columns(const Scene& scene, const LogRow& row) {
   columns.push_back({"steps_per_second", "1/s", fmt::format("{:.6g}", row.steps_per_second)});
   columns.push_back({"removed_bodies", "-", fmt::format("{:.0f}", row.removed.count)});
   columns.push_back({"removed_mass", "kg", exact(row.removed.mass)});
-  if (can_remove(scene)) columns.push_back({"removed", "J", exact(e.removed)});
-  if (!scene.inlets.empty()) {
+  if (can_remove(scene) || row.has_program) columns.push_back({"removed", "J", exact(e.removed)});
+  if (!scene.inlets.empty() || row.has_program) {
     columns.push_back({"inserted_bodies", "-", fmt::format("{:.0f}", row.inserted.count)});
     columns.push_back({"inserted_mass", "kg", exact(row.inserted.mass)});
     columns.push_back({"inserted", "J", exact(e.arrived)});
@@ -103,7 +103,7 @@ std::vector<Column> step_columns(const StepChange& change) {
           {"reason", "-", change.reason}};
 }
 
-std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body) {
+std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body, bool has_program) {
   std::vector<Column> columns{{"step", "-", fmt::format("{}", body.step)},
                               {"time", "s", exact(body.time)},
                               {"id", "-", fmt::format("{}", body.id)},
@@ -112,19 +112,22 @@ std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body)
   add_vector(columns, "velocity", "m/s", body.v);
   columns.push_back({"residence_time", "s", exact(body.time - body.entered)});
   columns.push_back({"outlet", "-", body.outlet < 0 ? "" : scene.outlets[static_cast<std::size_t>(body.outlet)].name});
+  if (has_program)
+    columns.push_back({"removed_by", "-", body.outlet == kTakenOut ? "program" : body.outlet == kLeftDomain ? "domain" : "outlet"});
   return columns;
 }
 
-std::vector<Column> inserted_columns(const Scene& scene, const InsertedBody& body) {
+std::vector<Column> inserted_columns(const Scene& scene, const InsertedBody& body, bool has_program) {
   std::vector<Column> columns{{"step", "-", fmt::format("{}", body.step)},
                               {"time", "s", exact(body.time)},
                               {"id", "-", fmt::format("{}", body.id)},
                               {"mass", "kg", exact(body.mass)},
                               {"diameter", "m", exact(body.diameter)}};
   for (int k = 0; k < 3; ++k) columns.push_back({std::string(1, "xyz"[k]), "m", exact(body.x[k])});
-  const bool is_known = body.inlet >= 0;
-  columns.push_back({"shape", "-", is_known ? scene.shapes[static_cast<std::size_t>(body.shape)].name : ""});
-  columns.push_back({"inlet", "-", is_known ? scene.inlets[static_cast<std::size_t>(body.inlet)].name : ""});
+  columns.push_back({"shape", "-", body.shape < 0 ? "" : scene.shapes[static_cast<std::size_t>(body.shape)].name});
+  columns.push_back({"inlet", "-", body.inlet < 0 ? "" : scene.inlets[static_cast<std::size_t>(body.inlet)].name});
+  if (has_program)
+    columns.push_back({"material", "-", body.shape < 0 ? "" : scene.materials[static_cast<std::size_t>(body.material)].name});
   return columns;
 }
 

@@ -23,6 +23,7 @@ struct LogRow {
   std::vector<RankMeasures> ranks;              ///< since the start of the run; the row has the mean of their times
   double steps_per_second = 0;
   RemovedTotals removed, inserted;
+  bool has_program = false;  ///< see RunOptions: bodies may come and go without inlets and outlets
   CriticalStep critical;
   std::vector<WallLoad> loads;   ///< in the world
   std::vector<WallState> walls;  ///< in the world
@@ -32,13 +33,15 @@ struct LogRow {
   std::string state_hash;
 };
 
-/// Whether bodies can be taken out: the run then has a removed.csv.
+/// Whether the case takes bodies out: the run then has a removed.csv.
 bool can_remove(const Scene& scene);
 
 // The columns of the tables, each declared once. A header is that of a row without values.
 std::vector<Column> log_columns(const Scene& scene, const LogRow& row);
-std::vector<Column> step_columns(const StepChange& change);                          ///< steps.csv: every change of a quantised step
-std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body);    ///< removed.csv: the bodies that were taken out
-std::vector<Column> inserted_columns(const Scene& scene, const InsertedBody& body);  ///< inserted.csv: the bodies that came in
+std::vector<Column> step_columns(const StepChange& change);  ///< steps.csv: every change of a quantised step
+/// removed.csv: the bodies that were taken out.
+std::vector<Column> removed_columns(const Scene& scene, const RemovedBody& body, bool has_program);
+/// inserted.csv: the bodies that came in.
+std::vector<Column> inserted_columns(const Scene& scene, const InsertedBody& body, bool has_program);
 
 }  // namespace scree

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solver/ranks/mpi_session.hpp"
+#include "solver/run/option_words.hpp"
 #include "solver/step/simulation.hpp"
 
 namespace scree {
@@ -25,7 +26,10 @@ struct RunOptions {
   double checkpoint_interval = kCheckpointInterval;  ///< [s] of wall time, for a case that says nothing of checkpoints; 0: only at the end
   std::function<void(const std::string&)> stalled;   ///< ends the process with a message
   std::vector<std::string> command;
-  bool is_quiet = false;  ///< no progress and no notes, only warnings
+  bool has_program = false;  ///< another program steps the run and may insert and remove bodies, which its tables count from the start
+  bool is_quiet = false;     ///< no progress and no notes, only warnings
+
+  OptionWords words() const { return {has_program}; }
 };
 
 }  // namespace scree

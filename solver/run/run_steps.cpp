@@ -76,8 +76,7 @@ RunSteps::RunSteps(const mpi::Communicator& comm, const RunOptions& options, con
       rest_(make_rest_watch(comm, loaded.scene)),
       schedule_(
           make_schedule(loaded.scene.settings, simulation.state().clock.size.step, rest_.row_interval(), options.checkpoint_interval)),
-      writers_(comm, loaded, options.run_folder, schedule_, provenance_of_run(comm, options, loaded, checkpoint_path), simulation,
-               is_restart_),
+      writers_(comm, options, loaded, schedule_, provenance_of_run(comm, options, loaded, checkpoint_path), simulation, is_restart_),
       guard_(comm, *loaded.prepared, before),
       row_step_(simulation.step()) {
   if (is_restart_) {
@@ -200,6 +199,7 @@ LogRow RunSteps::take_row() {
   row.state_hash = state_hash(simulation_.state());
   row.ranks = gather_measures(comm_, rank_measures(simulation_));
   row.removed = removed_totals(simulation_.state());
+  row.has_program = options_.has_program;
   row.inserted = arrived_totals(simulation_.state());
   row.critical = simulation_.critical_step();
   row.energy_error = guard_.add_row(row.energies, row.max_overlap_ratio, row.imbalance, row.critical);

@@ -192,7 +192,7 @@ Verdict Verifier::finish_features(std::int64_t last) const {
 Verdict verify_run(const mpi::Communicator& comm, const VerifyOptions& options) {
   // 1. what was recorded, and where to begin
   mpi::on_root(comm, [&] {
-    if (is_stepped_by_program(options.run_folder))
+    if (is_folder_of_program(options.run_folder))
       warn_once(
           "scree-solver",
           fmt::format("{}: a program stepped this run (the engine): forces that it gave, and walls and bodies that it moved, are in no "

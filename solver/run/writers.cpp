@@ -29,15 +29,17 @@ std::vector<RankMeasures> since_start(std::vector<RankMeasures> ranks, const Run
 
 }  // namespace
 
-Writers::Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::string folder, const Schedule& schedule,
+Writers::Writers(const mpi::Communicator& comm, const RunOptions& options, const LoadedScene& loaded, const Schedule& schedule,
                  const nlohmann::json& provenance, const Simulation& simulation, bool is_restart)
-    : comm_(comm), loaded_(loaded), folder_(std::move(folder)), provenance_(provenance), rank_log_(comm.size()) {
+    : comm_(comm), loaded_(loaded), folder_(options.run_folder), provenance_(provenance), rank_log_(comm.size()) {
   const Settings& settings = loaded.scene.settings;
   has_steps_ = settings.step_control == StepControl::quantised;
-  has_removed_ = can_remove(loaded.scene);
-  has_inserted_ = !loaded.scene.inlets.empty();
+  has_program_ = options.has_program;
+  has_removed_ = can_remove(loaded.scene) || has_program_;
+  has_inserted_ = !loaded.scene.inlets.empty() || has_program_;
   const std::int64_t keep_up_to_step = is_restart ? simulation.step() : -1;
   LogRow header;
+  header.has_program = has_program_;
   header.of_effects = columns_of_effects(simulation.state(), header.energies);
   mpi::on_root(comm_, [&] {
     open_run_folder(folder_, loaded_.path);
@@ -54,11 +56,11 @@ void Writers::start_tables(const LogRow& header, std::int64_t keep_up_to_step) {
   start(log_path(), log_columns(loaded_.scene, header));
   start(folder_ + "/ranks.csv", rank_columns(0, 0, {}));
   if (has_steps_) start(folder_ + "/steps.csv", step_columns({}));
-  InsertedBody nobody_came{};
-  RemovedBody nobody_left{};
-  nobody_came.inlet = nobody_left.outlet = -1;
-  if (has_inserted_) start(folder_ + "/inserted.csv", inserted_columns(loaded_.scene, nobody_came));
-  if (has_removed_) start(folder_ + "/removed.csv", removed_columns(loaded_.scene, nobody_left));
+  InsertedBody no_body{};
+  RemovedBody none_left{};
+  no_body.inlet = no_body.shape = none_left.outlet = -1;
+  if (has_inserted_) start(folder_ + "/inserted.csv", inserted_columns(loaded_.scene, no_body, has_program_));
+  if (has_removed_) start(folder_ + "/removed.csv", removed_columns(loaded_.scene, none_left, has_program_));
 }
 
 void Writers::write_row(const LogRow& row, const RunRecord& before, bool is_last) {
@@ -77,18 +79,19 @@ void Writers::write_events(Simulation& simulation) {
     mpi::on_root(comm_, [&] { append_to_table(folder_ + "/steps.csv", rows_of(changes, step_columns)); });
   }
   if (has_inserted_) {
-    std::vector<InsertedBody> bodies = simulation.inlets().take_inserted();
+    std::vector<InsertedBody> bodies = simulation.take_inserted();
     for (InsertedBody& b : bodies) b.x += loaded_.origin;
     mpi::on_root(comm_, [&] {
       append_to_table(folder_ + "/inserted.csv",
-                      rows_of(bodies, [&](const InsertedBody& b) { return inserted_columns(loaded_.scene, b); }));
+                      rows_of(bodies, [&](const InsertedBody& b) { return inserted_columns(loaded_.scene, b, has_program_); }));
     });
   }
   if (!has_removed_) return;
   std::vector<RemovedBody> bodies = simulation.domain().take_removed(simulation.state().comm);
   for (RemovedBody& b : bodies) b.x += loaded_.origin;
   mpi::on_root(comm_, [&] {
-    append_to_table(folder_ + "/removed.csv", rows_of(bodies, [&](const RemovedBody& b) { return removed_columns(loaded_.scene, b); }));
+    append_to_table(folder_ + "/removed.csv",
+                    rows_of(bodies, [&](const RemovedBody& b) { return removed_columns(loaded_.scene, b, has_program_); }));
   });
 }
 

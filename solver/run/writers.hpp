@@ -10,6 +10,7 @@
 #include "solver/run/loaded_scene.hpp"
 #include "solver/run/rank_log.hpp"
 #include "solver/run/run_log.hpp"
+#include "solver/run/run_options.hpp"
 #include "solver/run/schedule.hpp"
 
 namespace scree {
@@ -19,7 +20,7 @@ class Writers {
  public:
   /// Opens the folder. A restart keeps what was written up to its step, and the rest is made again.
   /// in   provenance   of the frames and checkpoints
-  Writers(const mpi::Communicator& comm, const LoadedScene& loaded, std::string folder, const Schedule& schedule,
+  Writers(const mpi::Communicator& comm, const RunOptions& options, const LoadedScene& loaded, const Schedule& schedule,
           const nlohmann::json& provenance, const Simulation& simulation, bool is_restart);
 
   /// A row of log.csv, and of ranks.csv when it is due or `is_last`.
@@ -42,7 +43,7 @@ class Writers {
   const LoadedScene& loaded_;
   std::string folder_;
   JsonRecord provenance_;
-  bool has_steps_, has_removed_, has_inserted_;
+  bool has_program_, has_steps_, has_removed_, has_inserted_;
   std::vector<std::string> tables_;  // paths; rank 0
   RankLog rank_log_;
   std::vector<FrameEntry> frames_;  // rank 0

@@ -73,6 +73,13 @@ void Arrivals::add(RunState& s, const std::vector<ParticleRecord>& mine) {
   mpi::on_all(s.comm, [&] {
     check_step(s.clock.size, limit_of_contacts(s.comm, s.scene, s.particles, waiting), s.scene.source().settings, s.clock.step);
   });
+  std::vector<InsertedBody> added;
+  for (std::size_t k = 0; k < mine.size(); ++k) {
+    const ParticleRecord& r = mine[k];
+    added.push_back({r.id, 0, 0, joining.mass[k], 2 * joining.equivalent_radius[k], r.x, -1, r.shape, r.material});
+  }
+  added = s.comm.of_all(added);
+  added_.insert(added_.end(), added.begin(), added.end());
   add_known(s, mine, largest_id);
 }
 
@@ -84,6 +91,12 @@ void Arrivals::add_known(RunState& s, const std::vector<ParticleRecord>& mine, s
 
 bool Arrivals::join(RunState& s, const Halo& halo) {
   if (!std::exchange(waiting_, false)) return false;
+  std::sort(added_.begin(), added_.end(), [](const InsertedBody& l, const InsertedBody& r) { return l.id < r.id; });
+  for (InsertedBody& body : std::exchange(added_, {})) {
+    body.step = s.clock.step;
+    body.time = s.clock.time();
+    inserted_.push_back(body);
+  }
   std::vector<ParticleRecord> joined = halo.deliver(std::exchange(mine_, {}));
   // the order in which ranks gave them must not show
   std::sort(joined.begin(), joined.end(), [](const ParticleRecord& l, const ParticleRecord& r) { return l.id < r.id; });
@@ -102,6 +115,8 @@ bool Arrivals::join(RunState& s, const Halo& halo) {
   s.particles.owned = s.particles.size();
   return true;
 }
+
+std::vector<InsertedBody> Arrivals::take_inserted() { return std::exchange(inserted_, {}); }
 
 void agree_on_bodies(RunState& s) {
   s.facts = agree_on_facts(s.comm, s.particles);

@@ -14,6 +14,15 @@ void check_built_with(const mpi::Communicator& comm, const SolverScene& scene, c
 /// Agrees what is known of all bodies, and of the contacts that they can have, after bodies came or went. The step stays. Collective.
 void agree_on_bodies(RunState& s);
 
+/// A body that came in.
+struct InsertedBody {
+  std::int64_t id, step;
+  double time, mass, diameter;
+  Vec3 x;
+  std::int32_t inlet;  ///< -1: a program inserted it
+  std::int32_t shape, material;
+};
+
 class Arrivals {
  public:
   /// Bodies that join in the next step, each given by one rank, with the place and velocities that they have at its end if they touch
@@ -30,9 +39,12 @@ class Arrivals {
   /// Lets them join on the ranks that own their places, between the two kicks of a step, after migration and before ghosts are made.
   /// Returns whether any rank had some. Collective.
   bool join(RunState& s, const Halo& halo);
+  /// Bodies of add() that joined since the last call, in the order of their ids; the same on every rank.
+  std::vector<InsertedBody> take_inserted();
 
  private:
   std::vector<ParticleRecord> mine_;
+  std::vector<InsertedBody> added_, inserted_;  // by add(), the same on every rank: that wait, and that have joined
   bool waiting_ = false;
 };
 

@@ -12,8 +12,8 @@ namespace {
 bool is_review_step(const RunState& s) { return s.clock.substep == 0 && s.clock.step % kReviewSteps == 0; }
 bool is_exchange_step(const RunState& s) { return s.clock.step % kExchangeSteps == 0 && !s.scene.outlets().empty(); }
 
-/// Where a body leaves the run.
-enum Exit : std::int32_t { kStays = -2, kDomain = -1 };  // others: the index of an outlet
+/// Not where a body leaves the run: that is the index of an outlet, kLeftDomain or kTakenOut.
+constexpr std::int32_t kStays = -3;
 
 /// What is due in this step: the same question for review() and remove(), between which no body moves.
 class Exits {
@@ -26,13 +26,13 @@ class Exits {
   bool are_open() const { return (of_domain_ && s_.scene.source().settings.domain.bounded) || of_outlets_; }
   std::int32_t of(std::size_t i) const {
     const ParticleSet& p = s_.particles;
-    if (!asked_.empty() && asked_.contains(p.id[i])) return kDomain;
+    if (!asked_.empty() && asked_.contains(p.id[i])) return kTakenOut;
     if (p.fixed[i]) return kStays;
     const std::vector<Region>& outlets = s_.scene.outlets();
     for (std::size_t k = 0; of_outlets_ && k < outlets.size(); ++k) {
       if (outlets[k].contains(p.x[i])) return static_cast<std::int32_t>(k);
     }
-    return of_domain_ && is_outside(s_.scene, p.x[i]) ? kDomain : kStays;
+    return of_domain_ && is_outside(s_.scene, p.x[i]) ? kLeftDomain : kStays;
   }
   bool any() const {
     for (std::size_t i = 0; i < s_.particles.owned; ++i) {
@@ -139,7 +139,7 @@ bool DomainGuard::remove(RunState& s) {
     departed.energy.add(translational_energy(p, i) + rotational_energy(p, i) + potential_energy(s, p, i));
     departed.dissipated.add(p.dissipated[i]);
     for (const std::unique_ptr<Effect>& effect : s.effects) effect->body_leaves(s, i);
-    if (exit == kDomain) continue;
+    if (exit < 0) continue;
     OutletTotals& outlet = s.totals.outlets[static_cast<std::size_t>(exit)];
     outlet.count.add(1);
     outlet.mass.add(p.mass[i]);

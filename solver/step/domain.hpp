@@ -10,13 +10,16 @@
 
 namespace scree {
 
+/// In place of an outlet: a body left the domain; a program took it out.
+inline constexpr std::int32_t kLeftDomain = -1, kTakenOut = -2;
+
 /// A body that was taken out.
 struct RemovedBody {
   std::int64_t id, step;
   double time, mass;
   Vec3 x, v;
   double entered;       ///< when it came into the run [s]
-  std::int32_t outlet;  ///< that it was in; -1: it left the domain
+  std::int32_t outlet;  ///< that it was in; kLeftDomain, kTakenOut
 };
 
 /// Whether a place is outside a bounded domain; never across a periodic axis.
@@ -32,7 +35,7 @@ class DomainGuard {
   /// is to be removed. Collective.
   /// Returns whether bodies of any rank are to be removed: at the rebuild of lists in this step, by remove().
   bool review(const RunState& s, FirstFailure& failure);
-  /// Takes these bodies of any rank out in the next step, as if they had left the domain. Each rank may name others. Collective.
+  /// Takes these bodies of any rank out in the next step, counted as those that leave the domain. Each rank may name others. Collective.
   /// Throws UsageError on every rank for an id that no body has.
   void ask_removal(const RunState& s, const std::vector<std::int64_t>& mine);
   bool is_removal_asked() const { return !asked_.empty(); }
@@ -44,6 +47,7 @@ class DomainGuard {
   bool remove(RunState& s);
   /// Bodies removed since the last call, by step and id; on rank 0. Collective.
   std::vector<RemovedBody> take_removed(const mpi::Communicator& comm);
+  void drop_removed() { removed_.clear(); }
 
  private:
   struct Returning {

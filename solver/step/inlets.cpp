@@ -234,7 +234,7 @@ void Inlets::Feeder::let_in(const Wanted& w, const PlacedBody& body) {
     state().mass += w.mass;
   }
   inlets_.inserted_.push_back({id, s_.clock.step, s_.clock.time(), w.mass, w.scale * body.shape->shape.equivalent_diameter(), body.position,
-                               static_cast<std::int32_t>(inlet_), w.shape});
+                               static_cast<std::int32_t>(inlet_), w.shape, w.material});
 }
 
 void Inlets::Feeder::find_no_room(const Wanted& w) {

@@ -20,14 +20,6 @@
 
 namespace scree {
 
-/// A body that came in.
-struct InsertedBody {
-  std::int64_t id, step;
-  double time, mass, diameter;
-  Vec3 x;
-  std::int32_t inlet, shape;
-};
-
 class Inlets {
  public:
   explicit Inlets(const SolverScene& scene);

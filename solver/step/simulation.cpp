@@ -268,6 +268,19 @@ StepReport Simulation::agree_on_step(bool forced) {
   return now;
 }
 
+std::vector<InsertedBody> Simulation::take_inserted() {
+  std::vector<InsertedBody> all = inlets_.take_inserted();
+  const std::vector<InsertedBody> added = arrivals_.take_inserted();
+  all.insert(all.end(), added.begin(), added.end());
+  std::stable_sort(all.begin(), all.end(), [](const InsertedBody& l, const InsertedBody& r) { return l.step < r.step; });
+  return all;
+}
+
+void Simulation::drop_events() {
+  take_inserted();
+  domain_.drop_removed();
+}
+
 void Simulation::agree_on_failures() {
   agreement_.finish_early();
   failure_.agree(state_.comm);

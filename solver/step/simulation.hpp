@@ -67,6 +67,11 @@ class Simulation {
   /// a collective write for one that failed, and no failure of the last step is lost. Collective.
   void agree_on_failures();
 
+  /// Bodies that came in since the last call, by inlets and by add_bodies(), in the order of their steps; the same on every rank.
+  std::vector<InsertedBody> take_inserted();
+  /// Forgets which bodies came in and left since the last call, where no table is made of them.
+  void drop_events();
+
   const RunState& state() const { return state_; }
   std::int64_t step() const { return state_.clock.step; }
   double time() const { return state_.clock.time(); }
@@ -74,7 +79,6 @@ class Simulation {
   Requests& requests() { return requests_; }
   StepLevels& levels() { return levels_; }
   DomainGuard& domain() { return domain_; }
-  Inlets& inlets() { return inlets_; }
   NeighbourLists& lists() { return lists_; }
   Decomposition& decomposition() { return decomposition_; }
   PhaseTimes& times() { return state_.times; }

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The engine as a Python user meets it: reading, mistakes, errors on ranks, Ctrl-C, files, warnings. usage: engine_use_test.py BIN_FOLDER MPIEXEC [TEST...]"""
+import csv
 import ctypes
 import gc
 import glob
@@ -301,10 +302,10 @@ def ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on():
 
 
 def log_without_work(folder):
-    """Columns of log.csv that are no times, without that of outer forces, which the engine's has; the rows."""
+    """Columns of log.csv that are no times, without those that only the engine's has; the rows."""
     with open(os.path.join(folder, "log.csv"), encoding="utf-8") as file:
         rows = [line.strip().split(",") for line in file if not line.startswith("#")]
-    kept = [k for k, name in enumerate(rows[0]) if name not in (*MEASURED, "outer_work") and not name.startswith("t_")]
+    kept = [k for k, name in enumerate(rows[0]) if name not in (*MEASURED, "outer_work", "removed", "inserted_bodies", "inserted_mass", "inserted") and not name.startswith("t_")]
     return [[row[k] for k in kept] for row in rows]
 
 
@@ -314,7 +315,8 @@ def a_run_folder_is_as_that_of_scree_solver():
     for ranks in (1, 2):
         folder = f"engine{ranks}.run"
         assert program("with_folder", ranks, scene="balls.scene.h5", folder=folder) == [steps, True]
-        assert sorted(os.listdir(folder)) == sorted(os.listdir("solver.run"))
+        assert sorted(os.listdir(folder)) == sorted([*os.listdir("solver.run"), "inserted.csv", "removed.csv"])
+        assert not events(f"{folder}/inserted.csv") and not events(f"{folder}/removed.csv")
         assert log_without_work(folder) == log_without_work("solver.run") and len(log_without_work(folder)) > 3
         assert outcome(folder)["state_hash"] == expected and outcome(folder)["outcome"] == "completed"
     mine, theirs = scree.open("engine1.run"), scree.open("solver.run")
@@ -335,6 +337,53 @@ def a_run_folder_is_as_that_of_scree_solver():
     refused(scree.UsageError, "a longer time.duration", engine.step)
     engine.close()
     assert outcome("over.run")["state_hash"] == expected
+
+
+def events(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def what_a_program_inserts_and_removes_is_in_every_book():
+    """Tables, log, run.json, report and statistics of a run that is left and goes on, on 1 and 2 ranks; mass to rounding; the balance to 1e-2 of the
+    kinetic energy, which is the error of coarse steps and less than one body brings."""
+    pack("balls", balls(duration=0.03, every=0.01))
+    mass, start = 2500 * 4 / 3 * math.pi * 0.004**3, len(scree.open_scene("balls.scene.h5").start["id"])
+    found = {}
+    for ranks in (1, 2):
+        folder = f"booked{ranks}.run"
+        program("booked", ranks, scene="balls.scene.h5", folder=folder)
+        hash_, left = program("booked", ranks, scene="balls.scene.h5", folder=folder, restart="latest", until=1)
+        found[ranks] = hash_, events(f"{folder}/inserted.csv"), events(f"{folder}/removed.csv")
+        assert abs(left - (start + 4 - 3) * mass) < 1e-12 * left
+    assert found[1] == found[2], found
+    _, inserted, removed = found[1]
+    first = max(scree.open_scene("balls.scene.h5").start["id"]) + 1
+    assert [int(row["id"]) for row in inserted] == list(range(first, first + 4)), inserted
+    assert {(row["shape"], row["material"], row["inlet"]) for row in inserted} == {("ball", "glass", "")}
+    assert [int(row["step"]) for row in inserted[:3]] == [101] * 3 and abs(float(inserted[0]["mass"]) / mass - 1) < 1e-12
+    assert [float(inserted[0][k]) for k in "xyz"] == [-0.01, 0, 0.12] and abs(float(inserted[0]["diameter"]) / 0.008 - 1) < 1e-12
+    assert [(int(row["id"]), int(row["step"]), row["removed_by"], row["outlet"]) for row in removed] == [(i, 151, "program", "") for i in (3, 5, 7)]
+    run = scree.open("booked1.run")
+    log, end = run.log, run.outcome
+    assert log["inserted_bodies"][0] == log["removed_bodies"][0] == 0 and (log["inserted_bodies"][-1], log["removed_bodies"][-1]) == (4, 3)
+    assert abs(log["inserted_mass"][-1] / (4 * mass) - 1) < 1e-12 and abs(log["removed_mass"][-1] / (3 * mass) - 1) < 1e-12
+    assert log["inserted"][-1] > 4 * mass * 9.81 * 0.12 and log["removed"][-1] != 0
+    scale = max(log["kinetic_translational"])
+    assert abs(log["energy_error"]).max() < 1e-2 * scale < mass * 9.81 * 0.12, (log["energy_error"], scale)
+    assert (end["inserted_bodies"], end["removed_bodies"], end["lost_bodies"], end["bodies"]) == (4, 3, 0, start + 1)
+    assert abs(end["energy"]["inserted"] - log["inserted"][-1]) < 1e-12 * scale
+    assert f"{start} bodies at the start, 4 came in" in repr(run)
+    scree.call("post", "report", "booked1.run", "-o", "booked.html")
+    with open("booked.html", encoding="utf-8") as file:
+        page = file.read()
+    for text in ("4 came in", "3 were removed by the program that stepped the run", "energy of inserted bodies", "inserted by the program"):
+        assert text in page, text
+    scree.call("post", "statistics", "booked1.run", "-o", "booked.statistics", "--no-charts")
+    passed = {row["gate"]: float(row["mass"]) for row in events("booked.statistics/flow.csv")}
+    assert abs(passed["inserted by the program"] / (4 * mass) - 1) < 1e-6 and abs(passed["removed by the program"] / (3 * mass) - 1) < 1e-6, passed
+    with open("booked.statistics/energies.csv", encoding="utf-8") as file:
+        assert "outer_work,removed,inserted,energy_error" in file.readline()
 
 
 def functions_after_steps_are_called_in_multiples():
@@ -506,7 +555,7 @@ if __name__ == "__main__":
         bodies_are_those_of_one_moment, a_ball_at_rest_has_its_weight_in_contact_wall_and_energies, a_frame_is_the_whole_scene_on_every_rank,
         functions_of_forces_see_bodies_during_the_call_only, mistakes_are_told_with_a_cure, only_one_thread_is_within_a_call,
         an_error_of_one_rank_is_raised_on_all_within_a_second, ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on,
-        a_run_folder_is_as_that_of_scree_solver, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
+        a_run_folder_is_as_that_of_scree_solver, what_a_program_inserts_and_removes_is_in_every_book, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
         it_runs_beside_h5py, a_restarted_run_goes_on_with_a_function_that_is_added_again, loads_and_energies_are_known_after_a_restore,
         a_function_may_change_threads_and_rounding, a_bad_function_can_be_removed_and_the_run_restored, what_reading_costs,
     ])

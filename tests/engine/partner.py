@@ -243,6 +243,22 @@ def with_folder(scene, folder, restart=None, until=None):
         return engine.steps, engine.is_over
 
 
+def booked(scene, folder, restart=None, until=0.015):
+    """Bodies come and go in a run with a folder, which is left at `until` and goes on after a restart."""
+    with scree.Engine(scene, COMM, run=folder, restart=restart) as engine:
+        if restart is None:
+            engine.step(100)
+            places = mine([[-0.01, 0, 0.12], [0.01, 0, 0.12], [0, 0.01, 0.14]])
+            engine.insert("ball", "glass", np.reshape(places, (-1, 3)), velocity=[0, 0, -0.3])
+            engine.step(50)
+            engine.remove(mine([3, 5, 7]))
+        else:
+            engine.insert("ball", "glass", mine([[0, 0, 0.15]]) or np.zeros((0, 3)))
+        while not engine.is_over and engine.time < until:
+            engine.step(1)
+        return engine.state_hash(), total(float(engine.bodies.mass.sum()))
+
+
 def driven(scene, rate, until):
     with scree.Engine(scene, COMM) as engine:
         lid = engine.walls["lid"]

@@ -136,12 +136,12 @@ class Run:
 
     @cached_property
     def removed(self) -> Table:
-        """removed.csv: bodies that were taken out, of a run with outlets or `outside = "remove"`. Raises InputError for others."""
+        """removed.csv: bodies that were taken out, of a run with outlets or `outside = "remove"`, or stepped by an engine. Raises InputError for others."""
         return self._table("removed.csv")
 
     @cached_property
     def inserted(self) -> Table:
-        """inserted.csv: bodies that came in, of a run with inlets. Raises InputError for others."""
+        """inserted.csv: bodies that came in, of a run with inlets, or stepped by an engine. Raises InputError for others."""
         return self._table("inserted.csv")
 
     @cached_property
@@ -185,7 +185,8 @@ class Run:
         return self.outcome["outcome"] + (f": {self.outcome['message']}" if self.outcome.get("message") else "")
 
     def __repr__(self) -> str:
-        came_in = f" at the start, {self.inserted.rows} came in" if os.path.exists(os.path.join(self.folder, "inserted.csv")) else ""
+        rows = self.inserted.rows if os.path.exists(os.path.join(self.folder, "inserted.csv")) else 0
+        came_in = f" at the start, {rows} came in" if rows or "inlets" in self.scene.settings else ""
         return f"<scree.Run '{self.folder}': {len(self.scene.start['id'])} bodies{came_in}, {len(self.frames)} frames; {self._how()}>"
 
     def _repr_html_(self) -> str:
