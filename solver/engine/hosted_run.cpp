@@ -31,18 +31,21 @@ void HostedRun::Inner::begin() {
   omp_set_num_threads(threads);
   const bool has_folder = !options.run_folder.empty();
   if (!has_folder && (options.restart == "latest" || options.restart == "auto"))
-    throw UsageError("restart = '{}' is of a run folder: give one, or the path of a checkpoint", options.restart);
+    throw UsageError(
+        "restart = \"{}\": is the newest checkpoint of a run folder, and run is not given; give run, or the path of a checkpoint",
+        options.restart);
   std::optional<Checkpoint> checkpoint;
   if (has_folder) {
     start = find_start(comm, options, loaded);
     if (start.is_complete)
-      throw UsageError("{}: this run is complete; open it with scree.open, or give another folder", options.run_folder);
+      throw UsageError("run = \"{}\": this run is complete, and nothing is left to do; read its files, or give another folder",
+                       options.run_folder);
     checkpoint = std::exchange(start.checkpoint, std::nullopt);
   } else if (!options.restart.empty()) {
     checkpoint = read_checkpoint(comm, options.restart);
     mpi::on_root(comm, [&] {
       if (checkpoint->scene_sha256 != loaded.sha256)
-        throw InputError("restart {}: was made from another scene than {}; give the scene it came from", options.restart,
+        throw InputError("restart = \"{}\": was made from another scene than {}; give the scene it came from", options.restart,
                          options.scene_path);
     });
   }
@@ -93,7 +96,8 @@ void HostedRun::Inner::look_around() {
 int HostedRun::Inner::one_step() {
   look_around();
   if (files && files->is_over())
-    throw UsageError("step: the run in {} is over after {:g} s; a longer time.duration goes on", options.run_folder, simulation->time());
+    throw UsageError("step: the run in {} is over after {:g} s, the time.duration of its case; close it, and give a longer time.duration",
+                     options.run_folder, simulation->time());
   guarded([&] {
     if (files)
       files->step();

@@ -270,7 +270,7 @@ Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simula
   return c;
 }
 
-Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder) {
+Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder, const OptionWords& words) {
   std::vector<std::string> paths;
   mpi::on_root(comm, [&] { paths = list_checkpoints(folder); });
   std::string refused;
@@ -278,7 +278,8 @@ Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::stri
     const std::string path = broadcast_text(comm.get(), paths.empty() ? std::string() : paths.back());
     if (path.empty()) {
       mpi::on_root(comm, [&] {
-        if (refused.empty()) throw InputError("--restart latest: {} holds no checkpoint; start without --restart", folder);
+        if (refused.empty())
+          throw InputError("{}: {} holds no checkpoint; start without {}", words.restart("latest"), folder, words.restart_name());
         throw InputError("{}; no older checkpoint is left: run the scene again into another folder", refused);
       });
     }

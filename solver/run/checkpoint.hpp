@@ -11,6 +11,7 @@
 
 #include "core/storage/run_files.hpp"
 #include "solver/run/measures.hpp"
+#include "solver/run/option_words.hpp"
 
 namespace scree {
 
@@ -60,7 +61,7 @@ Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& pat
 
 /// The newest checkpoint of a run folder that is whole; damaged ones are told in a warning and passed over. Collective.
 /// Fails: throws InputError on every rank when there is none.
-Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder);
+Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder, const OptionWords& words = {});
 
 /// The present state as read_checkpoint() would give it; what the run keeps besides is left empty. Collective.
 Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simulation);

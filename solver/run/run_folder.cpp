@@ -75,11 +75,12 @@ bool is_folder_of_program(const std::string& folder) {
   return run.is_object() && run.contains("provenance") && is_written_by_program(run["provenance"]);
 }
 
-void check_run_folder(const std::string& folder, const std::string& scene_path, const std::string& scene_sha256,
-                      const std::string& restart) {
+void check_run_folder(const std::string& folder, const std::string& scene_path, const std::string& scene_sha256, const std::string& restart,
+                      const OptionWords& words) {
+  const std::string given = words.folder(folder);
   std::error_code error;
   const bool exists = fs::exists(folder, error);
-  if (exists && !fs::is_directory(folder)) throw UsageError("-o {}: exists and is a file; name a folder", folder);
+  if (exists && !fs::is_directory(folder)) throw UsageError("{}: exists and is a file; name a folder", given);
   const std::vector<fs::path> files = files_in(folder);
   const auto counts = [](const fs::path& file) {
     const std::string name = file.filename().string();
@@ -87,31 +88,30 @@ void check_run_folder(const std::string& folder, const std::string& scene_path, 
   };
   const bool is_empty = std::none_of(files.begin(), files.end(), counts);
   if (!is_empty && restart.empty()) {
-    throw UsageError("-o {}: exists and is not empty; remove it, choose another name, or continue it with --restart latest or auto",
-                     folder);
+    throw UsageError("{}: exists and is not empty; remove it, choose another name, or continue it with {}", given, words.restart_choice());
   }
   const fs::path scene = fs::path(folder) / "scene.h5";
   const bool has_scene = fs::exists(scene, error), has_checkpoint = !list_checkpoints(folder).empty();
   if (has_scene && sha256_of_file(scene.string()) != scene_sha256) {
     throw UsageError(
-        "-o {}: holds a run of another scene than {}; choose another folder. A run whose case has changed since, such as its "
+        "{}: holds a run of another scene than {}; choose another folder. A run whose case has changed since, such as its "
         "duration, goes on from a new case: [start] run = \"{}\"",
-        folder, scene_path, folder);
+        given, scene_path, folder);
   }
   if (restart == "latest" && !has_checkpoint) {
-    throw InputError("--restart latest: {} holds no checkpoint; start without --restart", folder);
+    throw InputError("{}: {} holds no checkpoint; start without {}", words.restart("latest"), folder, words.restart_name());
   }
-  if (!is_empty && !has_scene && !has_checkpoint)
-    throw UsageError("-o {}: exists, is not empty and is no run; choose another folder", folder);
+  if (!is_empty && !has_scene && !has_checkpoint) throw UsageError("{}: exists, is not empty and is no run; choose another folder", given);
   if (exists && access(folder.c_str(), W_OK) != 0) {
-    throw SystemError("-o {}: {}; choose a folder that is writable", folder, std::strerror(errno));
+    throw SystemError("{}: {}; choose a folder that is writable", given, std::strerror(errno));
   }
 }
 
-FolderLock::FolderLock(const std::string& folder) : folder_(folder), path_((fs::path(folder) / kLockName).string()) {
+FolderLock::FolderLock(const std::string& folder, const OptionWords& words) : path_((fs::path(folder) / kLockName).string()) {
+  const std::string given = words.folder(folder);
   const auto refuse = [&](const std::string& reason) {
-    if (made_folder_) rmdir(folder_.c_str());
-    throw SystemError("-o {}: {}; choose a folder that is writable", folder_, reason);
+    if (made_folder_) rmdir(folder.c_str());
+    throw SystemError("{}: {}; choose a folder that is writable", given, reason);
   };
   std::error_code error;
   made_folder_ = fs::create_directories(folder, error);
@@ -126,11 +126,11 @@ FolderLock::FolderLock(const std::string& folder) : folder_(folder), path_((fs::
         std::array<char, 512> owner{};
         const ssize_t length = pread(file_, owner.data(), owner.size() - 1, 0);
         close(file_);
-        throw UsageError("-o {}: another scree-solver is at work in it ({}); wait for its end, stop it, or choose another folder", folder_,
-                         length > 0 ? owner.data() : "its name is not known");
+        throw UsageError("{}: another {} is at work in it ({}); wait for its end, stop it, or choose another folder", given,
+                         words.of_engine ? "run" : "scree-solver", length > 0 ? owner.data() : "its name is not known");
       }
-      warn_once("scree-solver", fmt::format("-o {}: no file locks here ({}): a second solver in the same folder would not be noticed",
-                                            folder_, std::strerror(reason)));
+      warn_once("scree-solver", fmt::format("{}: no file locks here ({}): a second solver in the same folder would not be noticed", given,
+                                            std::strerror(reason)));
       break;
     }
     // the owner before may have removed the file between our opening and locking it: then the lock is on no file at all
@@ -147,7 +147,7 @@ FolderLock::FolderLock(const std::string& folder) : folder_(folder), path_((fs::
 FolderLock::~FolderLock() {
   unlink(path_.c_str());  // while it is still ours: see the constructor
   close(file_);
-  if (made_folder_) rmdir(folder_.c_str());  // succeeds only when it is empty
+  if (made_folder_) rmdir(fs::path(path_).parent_path().c_str());  // succeeds only when it is empty
 }
 
 void open_run_folder(const std::string& folder, const std::string& scene_path) {

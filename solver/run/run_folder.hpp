@@ -11,6 +11,7 @@
 
 #include "core/storage/frame_file.hpp"
 #include "core/storage/run_files.hpp"
+#include "solver/run/option_words.hpp"
 
 namespace scree {
 
@@ -25,9 +26,10 @@ std::optional<std::int64_t> completed_at(const std::string& folder);
 
 /// Refuses a folder that this run must not write in; touches nothing.
 /// in   restart   as in RunOptions
+/// in   words     for messages
 /// Fails: throws UsageError (a file, not empty, another scene, no run), InputError (no checkpoint), SystemError (not writable).
-void check_run_folder(const std::string& folder, const std::string& scene_path, const std::string& scene_sha256,
-                      const std::string& restart);
+void check_run_folder(const std::string& folder, const std::string& scene_path, const std::string& scene_sha256, const std::string& restart,
+                      const OptionWords& words);
 
 /// The right to write in a run folder: one solver at a time has it, on whatever machine. Made by rank 0 alone.
 ///
@@ -38,13 +40,13 @@ void check_run_folder(const std::string& folder, const std::string& scene_path, 
 /// Limits: on a file system without locks (Lustre mounted without flock) a warning is all.
 class FolderLock {
  public:
-  explicit FolderLock(const std::string& folder);
+  FolderLock(const std::string& folder, const OptionWords& words);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  std::string folder_, path_;
+  std::string path_;
   int file_ = -1;
   bool made_folder_ = false;
 };

@@ -228,7 +228,9 @@ int RunSteps::stop_by_signal() {
   save_state();
   guard_.add_overlap(simulation_.take_max_overlap_ratio());
   const int signal = simulation_.requests().pending_signal(), code = static_cast<int>(ExitCode::signal_base) + signal;
-  write_outcome({"interrupted", fmt::format("signal {} at step {}; continue with --restart latest", signal, simulation_.step()), code});
+  write_outcome({"interrupted",
+                 fmt::format("signal {} at step {}; continue with {}", signal, simulation_.step(), options_.words().restart("latest")),
+                 code});
   if (progress_) progress_->finish(fmt::format("stopped by signal {} at step {}; a checkpoint was kept", signal, simulation_.step()));
   return code;
 }
@@ -247,7 +249,8 @@ void RunSteps::leave() {
     return;
   }
   timed_output([&] { save_state(); });
-  write_outcome({"interrupted", fmt::format("closed at step {}; continue with --restart latest", simulation_.step()), 0});
+  write_outcome(
+      {"interrupted", fmt::format("closed at step {}; continue with {}", simulation_.step(), options_.words().restart("latest")), 0});
 }
 
 void RunSteps::abandon(const std::string& reason) {

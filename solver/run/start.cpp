@@ -25,9 +25,8 @@ void check_scene(const mpi::Communicator& comm, const RunOptions& options, const
   mpi::on_root(comm, [&] {
     if (start.checkpoint && start.checkpoint->scene_sha256 != loaded.sha256) {
       throw InputError(
-          "--restart {}: was made from another scene than {}; give the scene it came from, or begin a new run from it with [start] in "
-          "the case",
-          start.checkpoint->path, options.scene_path);
+          "{}: was made from another scene than {}; give the scene it came from, or begin a new run from it with [start] in the case",
+          options.words().restart(start.checkpoint->path), options.scene_path);
     }
     const std::int64_t cut_for = loaded.scene.partition.ranks;
     if (cut_for > 0 && cut_for != comm.size()) {
@@ -44,20 +43,20 @@ RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, co
   std::int64_t complete = -1;
   mpi::on_root(comm, [&] {
     const auto look = [&] {
-      check_run_folder(options.run_folder, options.scene_path, loaded.sha256, options.restart);
+      check_run_folder(options.run_folder, options.scene_path, loaded.sha256, options.restart, options.words());
       if (!options.restart.empty()) complete = completed_at(options.run_folder).value_or(-1);
     };
     look();
     if (continues_newest(options) && complete >= 0) return;
-    start.lock = std::make_unique<FolderLock>(options.run_folder);
+    start.lock = std::make_unique<FolderLock>(options.run_folder, options.words());
     look();  // the solver that had the lock before may have gone on since
   });
   MPI_Bcast(&complete, 1, MPI_INT64_T, 0, comm.get());
   start.is_complete = continues_newest(options) && complete >= 0;
   if (!start.is_complete) {
     if (is_restart(comm, options)) {
-      start.checkpoint =
-          continues_newest(options) ? read_latest_checkpoint(comm, options.run_folder) : read_checkpoint(comm, options.restart);
+      start.checkpoint = continues_newest(options) ? read_latest_checkpoint(comm, options.run_folder, options.words())
+                                                   : read_checkpoint(comm, options.restart);
     }
     check_scene(comm, options, loaded, start);
     start.is_complete = start.checkpoint && start.checkpoint->step == complete;

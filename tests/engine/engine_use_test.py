@@ -334,7 +334,7 @@ def a_run_folder_is_as_that_of_scree_solver():
     engine = scree.Engine("balls.scene.h5", run="over.run")
     engine.run_until(engine.duration)
     assert engine.is_over
-    refused(scree.UsageError, "a longer time.duration", engine.step)
+    refused(scree.UsageError, "give a longer time.duration", engine.step)
     engine.close()
     assert outcome("over.run")["state_hash"] == expected
 
@@ -384,6 +384,33 @@ def what_a_program_inserts_and_removes_is_in_every_book():
     assert abs(passed["inserted by the program"] / (4 * mass) - 1) < 1e-6 and abs(passed["removed by the program"] / (3 * mass) - 1) < 1e-6, passed
     with open("booked.statistics/energies.csv", encoding="utf-8") as file:
         assert "outer_work,removed,inserted,energy_error" in file.readline()
+
+
+def messages_of_run_folders_name_the_options_of_the_engine():
+    pack("balls", balls(duration=0.01, every=0.005))
+    pack("other", balls(duration=0.02, every=0.005))
+    os.mkdir("strange.run")
+    for name in ("strange.run/note.txt", "file.run"):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write("mine")
+    first = scree.Engine("balls.scene.h5", run="first.run")
+    first.step(10)
+    refused(scree.UsageError, 'run = "first.run": another run is at work in it', lambda: scree.Engine("balls.scene.h5", run="first.run", restart="auto"))
+    first.close()
+    message = scree.open("first.run").outcome["message"]
+    assert message == 'closed at step 10; continue with restart = "latest"', message
+    for text, arguments in (
+            ('run = "first.run": exists and is not empty; remove it, choose another name, or continue it with restart = "latest" or "auto"', {"run": "first.run"}),
+            ('run = "strange.run": exists and is not empty', {"run": "strange.run"}),
+            ('run = "strange.run": exists, is not empty and is no run', {"run": "strange.run", "restart": "auto"}),
+            ('run = "file.run": exists and is a file', {"run": "file.run"}),
+            ('restart = "latest": new.run holds no checkpoint; start without restart', {"run": "new.run", "restart": "latest"}),
+            ('restart = "latest": is the newest checkpoint of a run folder, and run is not given', {"restart": "latest"})):
+        refused(scree.ScreeError, text, lambda: scree.Engine("balls.scene.h5", **arguments))
+    refused(scree.UsageError, 'run = "first.run": holds a run of another scene', lambda: scree.Engine("other.scene.h5", run="first.run", restart="auto"))
+    checkpoint = sorted(glob.glob("first.run/checkpoint_*"))[-1]
+    refused(scree.InputError, f'restart = "{checkpoint}": was made from another scene', lambda: scree.Engine("other.scene.h5", run="third.run", restart=checkpoint))
+    assert not os.path.exists("new.run")
 
 
 def functions_after_steps_are_called_in_multiples():
@@ -555,7 +582,8 @@ if __name__ == "__main__":
         bodies_are_those_of_one_moment, a_ball_at_rest_has_its_weight_in_contact_wall_and_energies, a_frame_is_the_whole_scene_on_every_rank,
         functions_of_forces_see_bodies_during_the_call_only, mistakes_are_told_with_a_cure, only_one_thread_is_within_a_call,
         an_error_of_one_rank_is_raised_on_all_within_a_second, ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on,
-        a_run_folder_is_as_that_of_scree_solver, what_a_program_inserts_and_removes_is_in_every_book, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
+        a_run_folder_is_as_that_of_scree_solver, what_a_program_inserts_and_removes_is_in_every_book,
+        messages_of_run_folders_name_the_options_of_the_engine, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
         it_runs_beside_h5py, a_restarted_run_goes_on_with_a_function_that_is_added_again, loads_and_energies_are_known_after_a_restore,
         a_function_may_change_threads_and_rounding, a_bad_function_can_be_removed_and_the_run_restored, what_reading_costs,
     ])
