@@ -13,6 +13,7 @@
 #include "core/storage/written_by_program.hpp"
 #include "solver/engine/body_fields.hpp"
 #include "solver/engine/hosted_run.hpp"
+#include "solver/engine/new_body_check.hpp"
 #include "solver/run/run_steps.hpp"
 #include "solver/run/start.hpp"
 
@@ -39,6 +40,8 @@ struct HostedRun::Inner {
   };
   std::vector<Force> forces;
   BodyFields fields;
+  std::optional<NewBodyCheck> new_body_check;  // from the first insert() on
+  bool overlap_is_told = false;
   FrameContacts contacts;
 
   Inner(const std::string& scene, MPI_Comm c, const Options& o)

@@ -126,12 +126,16 @@ std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
       ids.push_back(b.id);
     }
   });
+  if (!in_->new_body_check) in_->new_body_check.emplace(*in_->loaded.prepared);
+  const std::string warning =
+      in_->new_body_check->check(s, records, in_->simulation->waiting_bodies(), in_->simulation->domain().asked(), in_->loaded.origin);
   try {
     in_->simulation->add_bodies(records);
   } catch (const Error& error) {  // on every rank, and no body joins
     if (error.code() != ExitCode::run_invalid) throw;
     throw UsageError("insert: {}", error.what());
   }
+  if (in_->comm.rank() == 0 && !warning.empty() && !std::exchange(in_->overlap_is_told, true)) warn_once("scree-solver", warning);
   return ids;
 }
 

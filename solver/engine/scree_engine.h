@@ -183,8 +183,9 @@ typedef struct {
   double position[3], quaternion[4], velocity[3], angular_velocity[3], scale;
 } scree_new_body;
 /* n bodies join in the next step, whose end they reach as they are given here if they touch nothing. out: n ids. Each rank gives its own; ids are
- * given in the order of ranks. SCREE_USAGE: a shape or material that is unknown, a number that is not finite, a body whose contacts need a
- * shorter step than that of the run. No check is made that their place is free. */
+ * given in the order of ranks. SCREE_USAGE, and no body joins: a shape or material that is unknown, a number that is not finite, a place outside a bounded domain,
+ * a body within another one or behind a wall, a size for which the margins or ranges of attraction of the scene were not made, or whose contacts need a
+ * shorter step than that of the run. A warning reports the first call with an overlap of more than 2 % of a radius. */
 SCREE_API int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, int64_t* ids);
 /* Takes bodies out in the next step, booked as those that leave the domain. */
 SCREE_API int scree_remove(scree_engine* engine, int64_t n, const int64_t* ids);

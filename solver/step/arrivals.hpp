@@ -34,6 +34,8 @@ class Arrivals {
   /// The same for bodies of which every rank knows that they can join: the run was prepared for them, and no id is taken.
   /// in   largest_id   that any body has or had then, the same on every rank
   void add_known(RunState& s, const std::vector<ParticleRecord>& mine, std::int64_t largest_id);
+  /// Those of this rank.
+  const std::vector<ParticleRecord>& waiting() const { return mine_; }
   /// Whether any rank has bodies that wait: the same on all.
   bool are_waiting() const { return waiting_; }
   /// Lets them join on the ranks that own their places, between the two kicks of a step, after migration and before ghosts are made.

@@ -38,6 +38,7 @@ class DomainGuard {
   /// Takes these bodies of any rank out in the next step, counted as those that leave the domain. Each rank may name others. Collective.
   /// Throws UsageError on every rank for an id that no body has.
   void ask_removal(const RunState& s, const std::vector<std::int64_t>& mine);
+  const std::unordered_set<std::int64_t>& asked() const { return asked_; }
   bool is_removal_asked() const { return !asked_.empty(); }
   bool is_removal_due() const { return removal_due_; }
   /// Of each owned row, after review(), whether it is to be taken out.

@@ -52,6 +52,8 @@ class Simulation {
   /// Throws UsageError for another wall, and for a rate above its maximum or not finite.
   void drive_wall(std::size_t wall, double rate);
 
+  /// Bodies of this rank that are to join in the next step.
+  const std::vector<ParticleRecord>& waiting_bodies() const { return arrivals_.waiting(); }
   /// Whether bodies are to join or to leave in the next step.
   bool bodies_wait() const { return arrivals_.are_waiting() || domain_.is_removal_asked(); }
   /// After a restart the forces of the last step are not known before the next one: until then results of contacts are those that they have

@@ -14,7 +14,7 @@ import threading
 import time
 import warnings
 
-from engine_cases import ENV, FLOOR, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, pile, program, solver_hash  # isort: skip
+from engine_cases import ENV, FLOOR, GLASS, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, pile, program, solver_hash  # isort: skip
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -386,6 +386,87 @@ def what_a_program_inserts_and_removes_is_in_every_book():
         assert "outer_work,removed,inserted,energy_error" in file.readline()
 
 
+MARGINS = """
+gravity = [0, 0, 0]
+[time]
+duration = 1
+step = 2e-6
+[contact]
+margin_ratio = 0.03
+%s
+""" + GLASS + """
+[shapes.rock]
+file = "rock.shape.h5"
+[[populations]]
+shape = "rock"
+material = "glass"
+count = 4
+size = { distribution = "uniform", min = "8 mm", max = "10 mm" }
+region = { box = [[0, 0, 0], ["60 mm", "60 mm", "60 mm"]] }
+"""
+
+
+def places_and_sizes_of_new_bodies_are_checked():
+    """Each mistake is told with where, found, expected and what to do; nothing is changed by it."""
+    pile()
+    box = '[domain]\nmin = [-0.05, -0.05, -0.01]\nmax = [0.05, 0.05, 0.3]\n'
+    pack("walled", balls() + box)
+    with scree.Engine("walled.scene.h5") as engine:
+        ball, twin = engine.bodies, scree.Engine("walled.scene.h5")
+        there, one = ball.position[7], int(ball.id[7])
+        for text, arguments in (
+                ("body 1 of this call: position (0 0 0.4) m is outside the domain of the scene, which reaches from (-0.05 -0.05 -0.01) m to (0.05 0.05 0.3) m; give a place within it",
+                 {"position": [[0, 0, 0.15], [0, 0, 0.4]]}),
+                (f"lies within body {one}; give a free place", {"position": there + [0.001, 0, 0]}),
+                ("lies within body 0 of this call", {"position": [[0, 0, 0.15], [0, 0, 0.152]]}),
+                ("is behind the surface of wall 'box'; give a free place", {"position": [0.04, 0, 0.15]}),
+                ("expected a number > 0", {"position": [0, 0, 0.15], "scale": -1}),
+                ("expected a number > 0", {"position": [0, 0, 0.15], "scale": math.inf}),
+                ("requires a step of at most", {"position": [0, 0, 0.15], "scale": 1e-3})):
+            refused(scree.UsageError, text, lambda: engine.insert("ball", "glass", **arguments))
+        engine.step()
+        twin.step()
+        assert engine.state_hash() == twin.state_hash(), "what was refused has changed nothing"
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            engine.insert("ball", "glass", [[0, 0, 0.15], [0, 0.0078, 0.15], [0.02, 0.02, 0.15]])   # 5 % of the radius
+            engine.insert("ball", "glass", [0, 0.0156, 0.15])   # touches one that waits, and is not reported again
+            engine.insert("ball", "glass", [-0.02, 0, 0.15], scale=1.2)
+        assert [w.category for w in caught] == [scree.ScreeWarning], caught
+        text = str(caught[0].message)
+        for part in ("1 of 3 bodies overlap others or walls by more than 2 % of a radius", "body 1 of 3 of this call", "with body 0 of this call", "200 um (5 % of the radius", "give free places"):
+            assert part in text, (part, text)
+        engine.step(3)
+        assert len(engine.bodies) == 85
+        engine.remove([one])
+        engine.insert("ball", "glass", there)   # the place of one that leaves in the same step
+        engine.step()
+        twin.close()
+    pack("open", balls() + box.replace("0.3]", "0.1]") + 'outside = "keep"\n')
+    with scree.Engine("open.scene.h5") as engine:
+        engine.insert("ball", "glass", [0, 0, 0.15])
+        engine.step()
+    pack("round", one_ball(position="[0, 0, 0]", more='[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.05, 0.05, 0.05]\nperiodic = ["x"]\n'))
+    with scree.Engine("round.scene.h5") as engine:
+        number, = engine.insert("ball", "glass", [0.125, 0.02, 0])
+        refused(scree.UsageError, "outside the domain", lambda: engine.insert("ball", "glass", [0, 0.06, 0]))
+        refused(scree.UsageError, "lies within body", lambda: engine.insert("ball", "glass", [0.1, 0.001, 0]))
+        engine.step()
+        assert np.abs(engine.bodies.position[engine.bodies.row(number)] - [0.025, 0.02, 0]).max() < 1e-15
+    pack("rocks", MARGINS % "")
+    with scree.Engine("rocks.scene.h5") as engine:
+        scale = float(engine.bodies.scale.max())
+        refused(scree.UsageError, "for which the margins of the scene were not made (contact.margin_ratio)", lambda: engine.insert("rock", "glass", [0.1, 0, 0], scale=1.5 * scale))
+        refused(scree.UsageError, "give the case a body or an inlet of this size", lambda: engine.insert("rock", "glass", [0.1, 0, 0], scale=0.5 * scale))
+        engine.insert("rock", "glass", [0.1, 0, 0], scale=scale)
+        engine.step()
+    sticky = one_ball(more="").replace("friction = 0.3", 'friction = 0.3\nadhesion = "0.05 J/m^2"\nadhesion_model = "dmt"\nadhesion_range = "10 um"')
+    pack("sticky", sticky)
+    with scree.Engine("sticky.scene.h5") as engine:
+        engine.insert("ball", "glass", [0.3, 0, 0], scale=2)   # a range that is given is that of all sizes
+        engine.step()
+
+
 def messages_of_run_folders_name_the_options_of_the_engine():
     pack("balls", balls(duration=0.01, every=0.005))
     pack("other", balls(duration=0.02, every=0.005))
@@ -583,7 +664,7 @@ if __name__ == "__main__":
         functions_of_forces_see_bodies_during_the_call_only, mistakes_are_told_with_a_cure, only_one_thread_is_within_a_call,
         an_error_of_one_rank_is_raised_on_all_within_a_second, ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on,
         a_run_folder_is_as_that_of_scree_solver, what_a_program_inserts_and_removes_is_in_every_book,
-        messages_of_run_folders_name_the_options_of_the_engine, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
+        places_and_sizes_of_new_bodies_are_checked, messages_of_run_folders_name_the_options_of_the_engine, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
         it_runs_beside_h5py, a_restarted_run_goes_on_with_a_function_that_is_added_again, loads_and_energies_are_known_after_a_restore,
         a_function_may_change_threads_and_rounding, a_bad_function_can_be_removed_and_the_run_restored, what_reading_costs,
     ])
