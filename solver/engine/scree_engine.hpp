@@ -31,7 +31,8 @@ namespace scree {
 /// step).
 class EngineError : public std::runtime_error {
  public:
-  explicit EngineError(int code) : std::runtime_error(code >= 128 ? "interrupted" : scree_error()), code_(code) {}
+  explicit EngineError(int code) : EngineError(code, code >= 128 ? "interrupted" : scree_error()) {}
+  EngineError(int code, const std::string& text) : std::runtime_error(text), code_(code) {}
   int code() const { return code_; }
 
  private:
@@ -67,92 +68,99 @@ class Engine {
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
   ~Engine() { scree_close(engine_); }
-  /// What the destructor does, with its errors.
+  /// What the destructor does, with its errors. Every other function then throws EngineError; a second close() does nothing.
   void close() { check(scree_close(std::exchange(engine_, nullptr))); }
 
-  void step(std::int64_t n = 1) { check(scree_step(engine_, n)); }
-  void run_until(double time) { check(scree_run_until(engine_, time)); }
-  double time() const { return scree_time(engine_); }
-  double dt() const { return scree_dt(engine_); }
-  std::int64_t steps() const { return scree_step_count(engine_); }
-  double duration() const { return scree_duration(engine_); }
-  bool is_over() const { return scree_is_over(engine_) != 0; }
+  void step(std::int64_t n = 1) { check(scree_step(open(), n)); }
+  void run_until(double time) { check(scree_run_until(open(), time)); }
+  double time() const { return scree_time(open()); }
+  double dt() const { return scree_dt(open()); }
+  std::int64_t steps() const { return scree_step_count(open()); }
+  double duration() const { return scree_duration(open()); }
+  bool is_over() const { return scree_is_over(open()) != 0; }
 
   /// Fields of the bodies of this rank: `width` numbers a body. Valid until the next call that changes the engine.
   std::span<const double> reals(const char* field, std::size_t width) const {
-    const double* numbers = scree_reals(engine_, field);
+    const double* numbers = scree_reals(open(), field);
     if (numbers == nullptr) throw EngineError(SCREE_USAGE);
     return {numbers, width * body_count()};
   }
   std::span<const std::int64_t> integers(const char* field) const {
-    const std::int64_t* numbers = scree_integers(engine_, field);
+    const std::int64_t* numbers = scree_integers(open(), field);
     if (numbers == nullptr) throw EngineError(SCREE_USAGE);
     return {numbers, body_count()};
   }
-  std::size_t body_count() const { return static_cast<std::size_t>(scree_body_count(engine_)); }
+  std::size_t body_count() const { return static_cast<std::size_t>(scree_body_count(open())); }
 
   /// Three numbers for each id; torques may be empty.
   void set_wrench(std::span<const std::int64_t> ids, std::span<const double> forces, std::span<const double> torques = {}) {
     if (forces.size() != 3 * ids.size() || (!torques.empty() && torques.size() != 3 * ids.size()))
       throw std::invalid_argument("set_wrench: 3 numbers for each id are needed");
-    check(scree_set_wrench(engine_, static_cast<std::int64_t>(ids.size()), ids.data(), forces.data(),
+    check(scree_set_wrench(open(), static_cast<std::int64_t>(ids.size()), ids.data(), forces.data(),
                            torques.empty() ? nullptr : torques.data()));
   }
-  void clear_wrench() { check(scree_clear_wrench(engine_, -1, nullptr)); }
+  void clear_wrench() { check(scree_clear_wrench(open(), -1, nullptr)); }
   /// Returns a number for remove_force(). The function lives until then.
   int add_force(Force force, std::int64_t every = 1) {
-    forces_.push_back(std::make_unique<Call>(Call{this, std::move(force), {}, 0}));
-    check(scree_add_force(engine_, &Engine::call, every, forces_.back().get(), &forces_.back()->number));
+    auto added = std::make_unique<Call>(Call{this, std::move(force), {}, 0});
+    const int code = scree_add_force(open(), &Engine::call, every, added.get(), &added->number);
+    if (added->error) std::rethrow_exception(added->error);  // it is called once at once
+    check(code);
+    forces_.push_back(std::move(added));
     return forces_.back()->number;
   }
   void remove_force(int number) {
-    check(scree_remove_force(engine_, number));
+    check(scree_remove_force(open(), number));
     std::erase_if(forces_, [number](const auto& call) { return call->number == number; });
   }
 
   int wall(const std::string& name) const {
-    for (int w = 0; w < scree_wall_count(engine_); ++w)
-      if (name == scree_wall_name(engine_, w)) return w;
+    for (int w = 0; w < scree_wall_count(open()); ++w)
+      if (name == scree_wall_name(open(), w)) return w;
     throw std::invalid_argument("the scene has no wall '" + name + "'");
   }
   /// Force and torque about the world's origin, 6 numbers a wall.
   std::vector<double> wall_loads() {
-    std::vector<double> loads(6 * static_cast<std::size_t>(scree_wall_count(engine_)));
-    check(scree_wall_loads(engine_, loads.data()));
+    std::vector<double> loads(6 * static_cast<std::size_t>(scree_wall_count(open())));
+    check(scree_wall_loads(open(), loads.data()));
     return loads;
   }
 
   scree_energies energies() {
     scree_energies e;
-    check(scree_get_energies(engine_, &e));
+    check(scree_get_energies(open(), &e));
     return e;
   }
   std::string state_hash() {
     std::array<char, 33> text{};
-    check(scree_state_hash(engine_, text.data()));
+    check(scree_state_hash(open(), text.data()));
     return text.data();
   }
 
   EngineState save() {
     scree_state* state = nullptr;
-    check(scree_save(engine_, &state));
+    check(scree_save(open(), &state));
     return EngineState(state);
   }
-  void restore(const EngineState& state) { check(scree_restore(engine_, state.get())); }
-  void write_checkpoint(const std::string& folder) { check(scree_write_checkpoint(engine_, folder.c_str())); }
-  void write_frame(const std::string& path) { check(scree_write_frame(engine_, path.c_str())); }
+  void restore(const EngineState& state) { check(scree_restore(open(), state.get())); }
+  void write_checkpoint(const std::string& folder) { check(scree_write_checkpoint(open(), folder.c_str())); }
+  void write_frame(const std::string& path) { check(scree_write_frame(open(), path.c_str())); }
 
   std::vector<std::int64_t> insert(std::span<const scree_new_body> bodies) {
     std::vector<std::int64_t> ids(bodies.size());
-    check(scree_insert(engine_, static_cast<std::int64_t>(bodies.size()), bodies.data(), ids.data()));
+    check(scree_insert(open(), static_cast<std::int64_t>(bodies.size()), bodies.data(), ids.data()));
     return ids;
   }
-  void remove(std::span<const std::int64_t> ids) { check(scree_remove(engine_, static_cast<std::int64_t>(ids.size()), ids.data())); }
+  void remove(std::span<const std::int64_t> ids) { check(scree_remove(open(), static_cast<std::int64_t>(ids.size()), ids.data())); }
 
-  /// For what this class does not have.
+  /// For what this class does not have. Null after close().
   scree_engine* get() const { return engine_; }
 
  private:
+  scree_engine* open() const {
+    if (engine_ == nullptr) throw EngineError(SCREE_USAGE, "the engine is closed; open another one");
+    return engine_;
+  }
   struct Call {
     Engine* engine;
     Force force;

@@ -1,6 +1,8 @@
-// Steps a scene to its end in C++, and prints its state hash; then says what a mistake is answered.
+// Steps a scene to its end in C++, and prints its state hash; then says what a mistake is answered, and that a closed engine is refused.
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <string>
 
 #include "scree_engine.hpp"
 
@@ -16,6 +18,28 @@ int main(int argc, char** argv) {
       engine.set_wrench({&unknown, 1}, force);
     } catch (const scree::EngineError& error) {
       std::printf("%d %s\n", error.code(), error.what());
+    }
+    scree::Engine closed(argv[1]);
+    closed.close();
+    closed.close();
+    const std::function<void()> calls[] = {[&] { closed.step(); },
+                                           [&] { (void)closed.time(); },
+                                           [&] { (void)closed.reals("position", 3); },
+                                           [&] { (void)closed.body_count(); },
+                                           [&] { (void)closed.wall("floor"); },
+                                           [&] {
+                                             closed.set_wrench({&unknown, 1}, force);
+                                           },
+                                           [&] { closed.add_force({}); },
+                                           [&] { (void)closed.save(); },
+                                           [&] { (void)closed.is_over(); }};
+    for (const auto& call : calls) {
+      try {
+        call();
+        return 1;
+      } catch (const scree::EngineError& error) {
+        if (error.code() != SCREE_USAGE || std::string(error.what()) != "the engine is closed; open another one") return 1;
+      }
     }
     engine.add_force([](const scree::Engine&, std::span<double>, std::span<double>) { throw std::runtime_error("my own mistake"); });
   } catch (const std::exception& error) {
