@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Writes the wheel: the Python package, the tools and every shared library that they need. usage: wheel.py TREE OUT
 
-TREE is an installation whose programs look for libraries in $ORIGIN/../lib. The wheel puts
+TREE is an installation whose programs and libraries look for libraries in $ORIGIN/../lib. The wheel puts
 
     scree/                          the Python package
     bin/scree-X                     packaging/tool, once for each program
-    lib/scree/bin, lib, lib/plugins programs, libraries, plug-ins of Open MPI
+    lib/scree/bin, lib, lib/plugins programs; libraries, among them libscree_engine.so for scree.Engine; plug-ins of Open MPI
     share/                          manual pages, shell completion
 
 into the environment. As in manylinux wheels, the C and C++ libraries (kSystem) are those of the system; unlike there, X11 and GL are in the wheel,
@@ -68,7 +68,9 @@ def main():
     tree, out = sys.argv[1:3]
     tools = [f"{tree}/bin/{tool}" for tool in TOOLS]
     version = re.search(r"\d+\.\d+\.\d+", output_of(tools[0], "--version"))[0]
-    libraries = libraries_of(tools)
+    engine = os.path.realpath(glob.glob(f"{tree}/lib/**/libscree_engine.so", recursive=True)[0])
+    assert "(RPATH)" in output_of("readelf", "-dW", engine), f"{engine}: has no RPATH, which also holds for what its libraries need"
+    libraries = libraries_of([*tools, engine])
     plugins = plugins_of_open_mpi(libraries)
     # a RUNPATH of a library would be searched instead of the RPATH of the program
     shutil.rmtree(f"{tree}/bundled", ignore_errors=True)
@@ -89,6 +91,7 @@ def main():
             if os.path.isfile(path) and "__pycache__" not in path:
                 files[place + os.path.relpath(path, folder)] = path
     files |= {f"{data}/data/lib/scree/bin/{tool}": f"{tree}/bin/{tool}" for tool in TOOLS}
+    files[f"{data}/data/lib/scree/lib/libscree_engine.so"] = engine
     files |= {f"{info}/licenses/{package}": text for package, text in licences([*libraries.values(), *plugins]).items()}
     files[f"{info}/licenses/scree"] = f"{HERE}/../LICENSE"
     files[f"{info}/METADATA"] = (f"Metadata-Version: 2.1\nName: scree\nVersion: {version}\n"
