@@ -143,6 +143,7 @@ case $4 in
     run fluidised
     holds fluidised/ergun.md "pressure gradient at 1.0 m/s"
     there fluidised/fluidised-ball.csv fluidised/fluidised-rock.csv fluidised/fluidised.png
+    if command -v ffmpeg >/dev/null; then there fluidised/fluidised-ball.mp4 fluidised/fluidised-rock.mp4; fi
     page fluidised/fluidised-ball ;;
   heated-bed)
     run heated-bed
