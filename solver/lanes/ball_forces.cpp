@@ -12,6 +12,8 @@
 // sum. Pairs beyond kMaxDistance go the general way. Effective overlaps, D = d (1)^(1/8), and weights of 1 are the numbers themselves.
 #include "solver/lanes/ball_forces.hpp"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "solver/lanes/ball_forces.cpp"
 #include <hwy/foreach_target.h>
@@ -114,9 +116,15 @@ HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, 
 /// What pairs keep no spring for, what they keep one for, and what two.
 enum class Rubs { no, slides, slides_and_rolls };
 
+/// What the lanes of one vector say of themselves.
+struct LanesFound {
+  Mask<double> fits;
+  Lane ratio;  ///< overlap over maximum overlap
+};
+
 template <LaneLawKind kKind, Rubs kRubs, bool kWall>
-HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, std::size_t k,
-                                BallForces& out) {
+HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, std::size_t k,
+                                      BallForces& out) {
   const ParticleSet& p = scene.p;
   const LaneLaws& laws = scene.laws;
   const LawRows<LaneLaw> law(laws.laws, springs.law.data() + k);
@@ -171,6 +179,7 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     const Lane kept = Lane::load(springs.kept.data() + k);
     const auto is_kept = kept > zero;
     const auto [spring_force, spring_stiffness] = load_fours(springs.spring, k);
+    const Lane3 spring_normal = load_fours(springs.normal, k).first;
     const auto [turn_v, turn_w] = load_fours(springs.turn, k);
     const LaneFriction friction{half_turn(LaneQuat{turn_w, turn_v.x, turn_v.y, turn_v.z}, m.turn),
                                 law.at(&LaneLaw::friction),
@@ -178,11 +187,9 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
                                 law.at(&LaneLaw::tangential_ratio),
                                 law.at(&LaneLaw::tangential_damping) * damping.chi,
                                 Lane(kStiffnessRounding) * length(m.centre_b)};
-    LaneSpring spring{spring_force, spring_stiffness, load_fours(springs.normal, k).first};
+    LaneSpring spring{spring_force, spring_stiffness, spring_normal};
     dissipative = dissipative + friction.force({n, vt, overlap, vn, push, damped}, overlap, is_kept, step, spring);
     stored = with_energy({spring.force, spring.stiffness}, stored);
-    store_fours(spring.force, spring.stiffness, k, out.spring);
-    store_fours(spring.normal, zero, k, out.normal);
     if constexpr (kRubs == Rubs::slides_and_rolls) {
       const LawRows<BallRolling> rolling(laws.rolling, springs.law.data() + k);
       const Lane size = length(force);
@@ -202,9 +209,13 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
       moment = rolls.moment;
       stored = with_energy({rolls.spring, rolls.stiffness}, stored);
       fits = fits & (size > zero);
-      store_fours(rolls.spring, rolls.stiffness, k, out.rolling);
+      store_fours(select(fits, rolls.spring, old_roll), select(fits, rolls.stiffness, old_stiffness), k, springs.rolling);
     }
-    store_fours(Lane3{m.turn.x, m.turn.y, m.turn.z}, m.turn.w, k, out.turn);
+    // those that are left keep what they have
+    store_fours(select(fits, spring.force, spring_force), select(fits, spring.stiffness, spring_stiffness), k, springs.spring);
+    store_fours(select(fits, spring.normal, spring_normal), zero, k, springs.normal);
+    store_fours(select(fits, Lane3{m.turn.x, m.turn.y, m.turn.z}, turn_v), select(fits, m.turn.w, turn_w), k, springs.turn);
+    select(fits, one, kept).store(springs.kept.data() + k);
   }
 
   // onto the bodies
@@ -220,33 +231,45 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, const BallPai
     ratio = overlap / (kWall ? equivalent_a : select(m.equivalent_b < equivalent_a, m.equivalent_b, equivalent_a));
   else if (laws.margin > 0)
     ratio = overlap / Lane(laws.margin);
-  store_fours(Lane3{ratio, energy, stored}, zero, k, out.fours[0]);
-  store_fours(force_a, torque_a.x, k, out.fours[1]);
-  store_fours(Lane3{torque_a.y, torque_a.z, torque_b.x}, torque_b.y, k, out.fours[2]);
-  store_fours(Lane3{torque_b.z, lost_a.x, lost_a.y}, lost_a.z, k, out.fours[3]);
-  store_fours(lost_torque_a, lost_torque_b.x, k, out.fours[4]);
-  store_fours(Lane3{lost_torque_b.y, lost_torque_b.z, zero}, zero, k, out.fours[5]);
+  store_fours(force_a, ratio, k, out.fours[0]);
+  store_fours(torque_a, energy, k, out.fours[1]);
+  store_fours(torque_b, stored, k, out.fours[2]);
+  store_fours(lost_a, zero, k, out.fours[3]);
+  store_fours(lost_torque_a, zero, k, out.fours[4]);
+  store_fours(lost_torque_b, zero, k, out.fours[5]);
+  return {fits, ratio};
 }
 
 template <LaneLawKind kKind, Rubs kRubs, bool kWall>
-HWY_NOINLINE void forces_of(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
-  for (std::size_t k = 0; k < pairs.count; k += kLanes) forces_in_lanes<kKind, kRubs, kWall>(scene, dt, pairs, springs, k, out);
+HWY_NOINLINE BallSummary forces_of(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, BallForces& out) {
+  const Lane zero(0.0);
+  Lane largest = zero;
+  BallSummary summary;
+  for (std::size_t k = 0; k < pairs.count; k += kLanes) {
+    const LanesFound found = forces_in_lanes<kKind, kRubs, kWall>(scene, dt, pairs, springs, k, out);
+    largest = select(found.fits & (largest < found.ratio), found.ratio, largest);
+    summary.some_left = summary.some_left || any(!found.fits);
+  }
+  alignas(64) double of_lanes[kLanes];
+  largest.store(of_lanes);
+  summary.largest = *std::max_element(of_lanes, of_lanes + kLanes);
+  return summary;
 }
 
 template <LaneLawKind kKind, Rubs kRubs>
-void forces_with(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+BallSummary forces_with(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, BallForces& out) {
   return pairs.with_walls ? forces_of<kKind, kRubs, true>(scene, dt, pairs, springs, out)
                           : forces_of<kKind, kRubs, false>(scene, dt, pairs, springs, out);
 }
 
 template <LaneLawKind kKind>
-void forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+BallSummary forces_of_kind(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, BallForces& out) {
   if (!scene.laws.friction) return forces_with<kKind, Rubs::no>(scene, dt, pairs, springs, out);
   if (scene.laws.rolling.empty()) return forces_with<kKind, Rubs::slides>(scene, dt, pairs, springs, out);
   return forces_with<kKind, Rubs::slides_and_rolls>(scene, dt, pairs, springs, out);
 }
 
-HWY_NOINLINE void forces_of_any(const BallScene& scene, double dt, const BallPairs& pairs, const BallSprings& springs, BallForces& out) {
+HWY_NOINLINE BallSummary forces_of_any(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, BallForces& out) {
   switch (scene.laws.kind) {
     case LaneLawKind::linear_viscous:
       return forces_of_kind<LaneLawKind::linear_viscous>(scene, dt, pairs, springs, out);
@@ -255,8 +278,9 @@ HWY_NOINLINE void forces_of_any(const BallScene& scene, double dt, const BallPai
     case LaneLawKind::hertz_viscous:
       return forces_of_kind<LaneLawKind::hertz_viscous>(scene, dt, pairs, springs, out);
     case LaneLawKind::none:
-      return;
+      break;
   }
+  return {};
 }
 
 }  // namespace scree::HWY_NAMESPACE
@@ -285,12 +309,12 @@ void find_ball_gaps(const BallScene& scene, BallPairs& pairs, double* gap) {
   HWY_DYNAMIC_DISPATCH(gaps_in_lanes)(scene, pairs, gap);
 }
 
-void find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces) {
+BallSummary find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces) {
   fill_up(pairs.count, pairs.a);
   fill_up(pairs.count, pairs.b);
   fill_up(pairs.count, springs.law);
   fill_up(pairs.count, springs.kept);
-  HWY_DYNAMIC_DISPATCH(forces_of_any)(scene, dt, pairs, springs, forces);
+  return HWY_DYNAMIC_DISPATCH(forces_of_any)(scene, dt, pairs, springs, forces);
 }
 
 }  // namespace scree

@@ -17,7 +17,8 @@ namespace scree {
 /// Gaps between the surfaces of pairs [m].   out  gap   kBallPairs numbers
 void find_ball_gaps(const BallScene& scene, BallPairs& pairs, double* gap);
 
-/// The forces of pairs that touch; those of pairs that do not are left.   in   dt   of the run, and of springs [s], > 0
-void find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces);
+/// The forces of pairs that touch, and their springs after them; those of pairs that do not are left.
+/// in   dt   of the run, and of springs [s], > 0
+BallSummary find_ball_forces(const BallScene& scene, double dt, BallPairs& pairs, BallSprings& springs, BallForces& forces);
 
 }  // namespace scree

@@ -42,8 +42,8 @@ struct BallPairs {
 /// Four numbers of each pair, next to each other.
 using BallFours = std::array<double, 4 * kBallPairs>;
 
-/// What pairs that touch have kept and will keep: their springs as in FrictionSpring (x, y, z, stiffness), and how B was turned against A
-/// when they were set (x, y, z, w).
+/// What pairs that touch have kept from the step before, and keep for the next: their springs as in FrictionSpring (x, y, z, stiffness),
+/// and how B was turned against A when they were set (x, y, z, w).
 struct BallSprings {
   alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of LaneLaws
   alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
@@ -53,13 +53,19 @@ struct BallSprings {
 
 /// What pairs do to their bodies, world axes; as in PairResult.
 struct BallForces {
-  /// In fours: overlap over maximum overlap, elastic and tangential energy, 0; then force, torque on A, torque on B, and the same three of
-  /// what is dissipative; two places are left.
+  /// In fours, a vector and a number: force and overlap over maximum overlap, torque on A and elastic energy, torque on B and energy of
+  /// springs; then the same three vectors of what is dissipative, and nothing.
   static constexpr std::size_t kFours = 6;
   alignas(64) std::array<BallFours, kFours> fours;
-  alignas(64) BallFours spring, turn, rolling, normal;
-  alignas(64) std::array<double, kBallPairs> left;  ///< 1: the general path is to compute the pair, what is here is nothing
+  alignas(64) std::array<double, kBallPairs> left;  ///< 1: the pair does not touch, or the general path is to compute it; what is here is
+                                                    ///< nothing, and its springs are as they were
   alignas(64) std::array<double, kBallPairs> gap;   ///< of the surfaces, as find_ball_gaps() [m]
+};
+
+/// What some pairs have in common.
+struct BallSummary {
+  bool some_left = false;  ///< see BallForces::left
+  double largest = 0;      ///< overlap over maximum overlap, of those that are not left
 };
 
 }  // namespace scree

@@ -170,12 +170,12 @@ HWY_INLINE void forces_in_lanes(const BallScene& scene, double dt, MeshPairs& pa
   const Lane3 lost_a = m.a_to_world.times(lost), lost_torque_a = m.a_to_world.times(lost_torque);
   const Lane3 torque_b = cross(m.branch, force_a) - torque_a, lost_torque_b = cross(m.branch, lost_a) - lost_torque_a;
   const Lane max_overlap = at(pairs.max_overlap, k), ratio = select(max_overlap > zero, push.largest / max_overlap, zero);
-  store_fours(Lane3{ratio, push.energy, stored}, zero, k, out.fours[0]);
-  store_fours(force_a, torque_a.x, k, out.fours[1]);
-  store_fours(Lane3{torque_a.y, torque_a.z, torque_b.x}, torque_b.y, k, out.fours[2]);
-  store_fours(Lane3{torque_b.z, lost_a.x, lost_a.y}, lost_a.z, k, out.fours[3]);
-  store_fours(lost_torque_a, lost_torque_b.x, k, out.fours[4]);
-  store_fours(Lane3{lost_torque_b.y, lost_torque_b.z, zero}, zero, k, out.fours[5]);
+  store_fours(force_a, ratio, k, out.fours[0]);
+  store_fours(torque_a, push.energy, k, out.fours[1]);
+  store_fours(torque_b, stored, k, out.fours[2]);
+  store_fours(lost_a, zero, k, out.fours[3]);
+  store_fours(lost_torque_a, zero, k, out.fours[4]);
+  store_fours(lost_torque_b, zero, k, out.fours[5]);
 }
 
 template <LaneLawKind kKind>

@@ -114,6 +114,7 @@ void PairList::rebuild(const SolverScene& scene, const ParticleSet& p, const std
   const std::vector<NearPair> found = find_near_pairs(scene, p, walls, scene.contact_range(), skin, grid_, times);
 
   // keep what known pairs hold
+  write_back();
   merge(waiting_);
   const auto count = static_cast<std::ptrdiff_t>(found.size());
   std::vector<BodyPair> next(found.size());
@@ -208,14 +209,32 @@ void PairList::sort_sides(const ParticleSet& p) {
 }
 
 void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
+  if (blocks_.are_filled())
+    sum<true>(gravity, p);
+  else
+    sum<false>(gravity, p);
+}
+
+template <bool kBlocks>
+void PairList::sum(const Vec3& gravity, ParticleSet& p) const {
   const auto last = static_cast<std::int32_t>(entry_.size()) - 1;
   for_each_awake_row(p, [&](std::size_t i) {
     Vec3 force, torque, dissipative_force, dissipative_torque;
     for (std::int32_t s = start_[i]; s < start_[i + 1]; ++s) {
       const std::int32_t entry = entry_[static_cast<std::size_t>(s)];
       const std::int32_t later = entry_[static_cast<std::size_t>(std::min(s + kAhead, last))];
-      prefetch<sizeof(PairResult)>(&results_[static_cast<std::size_t>(later / 2)]);
-      const PairResult& r = results_[static_cast<std::size_t>(entry / 2)];
+      const auto k = static_cast<std::size_t>(entry / 2);
+      if constexpr (kBlocks) {
+        blocks_.prefetch_result(later / 2);
+        if (blocks_.holds(entry / 2)) {
+          blocks_.add_to_body(entry / 2, entry % 2 != 0, force, torque, dissipative_force, dissipative_torque);
+          continue;
+        }
+        if (idle_[k].way >= 0) continue;  // apart
+      } else {
+        prefetch<sizeof(PairResult)>(&results_[static_cast<std::size_t>(later / 2)]);
+      }
+      const PairResult& r = results_[k];
       if (!r.active) continue;
       if (entry % 2 == 0) {
         force += r.force_a;
@@ -236,12 +255,19 @@ void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
   });
 }
 
+void PairList::fill_blocks(const SolverScene& scene, const ParticleSet& p) {
+  if (blocks_.are_filled()) return;
+  blocks_.fill(scene.ball_laws(), p, {inner_, outer_, duplicated_}, pairs_, idle_, results_);
+}
+
 void PairList::hold_apart(const std::function<bool(const PairKey&)>& which) {
+  write_back();
   for (std::vector<std::int32_t>* list : {&inner_, &outer_, &duplicated_})
     std::erase_if(*list, [&](std::int32_t k) { return which(pairs_[static_cast<std::size_t>(k)].key); });
 }
 
 std::int32_t PairList::let_touch(const PairKey& key, const ParticleSet& p) {
+  write_back();
   const auto found =
       std::lower_bound(pairs_.begin(), pairs_.end(), key, [](const BodyPair& pair, const PairKey& k) { return pair.key < k; });
   if (found == pairs_.end() || found->key != key) return -1;
@@ -257,6 +283,7 @@ std::vector<std::int32_t>& PairList::list_of(const BodyPair& pair, const Particl
 }
 
 void PairList::forget_candidates() {
+  write_back();
   for (BodyPair& pair : pairs_) pair.lists.reset();
   for (IdlePair& rest : idle_) rest.way = kNeverIdle;
 }

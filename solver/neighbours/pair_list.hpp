@@ -4,29 +4,19 @@
 // the body as A. A pair across ranks is held and computed by both owners, from the same bits.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/search/multilevel_grid.hpp"
-#include "solver/bodies/particle_set.hpp"
-#include "solver/contact/pair_force.hpp"
+#include "solver/neighbours/ball_blocks.hpp"
+#include "solver/neighbours/body_pair.hpp"
 #include "solver/neighbours/travel_bounds.hpp"
 #include "solver/phases.hpp"
 
 namespace scree {
-
-/// Kept between steps.
-struct BodyPair {
-  PairKey key;
-  std::int32_t a = 0, b = 0;              ///< rows in ParticleSet; b is -1 for a wall zone
-  std::unique_ptr<CandidateLists> lists;  ///< none until they are made; balls that go in lanes need none (lanes/ball_forces.hpp)
-  PairState state;
-};
-
-/// Whether this rank counts a pair in sums over the scene: the owner of A does.
-inline bool counts_here(const BodyPair& pair, const ParticleSet& p) { return static_cast<std::size_t>(pair.a) < p.owned; }
 
 /// A pair that may touch, by its key and rows; b is -1 for a wall zone.
 struct NearPair {
@@ -40,25 +30,6 @@ struct NearPair {
 std::vector<NearPair> find_near_pairs(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double range,
                                       double skin, MultilevelGrid& grid, PhaseTimes& times);
 
-/// Written by one thread per pair and step, read by the gather. World axes. What every pair is asked for comes first.
-struct PairResult {
-  bool active = false;
-  std::int32_t contact_count = 0;
-  double overlap_ratio = 0;  ///< largest_overlap over margin sum
-  double elastic = 0, tangential_elastic = 0;
-  double surface_power = 0;          ///< of a wall's surface that moves [W]
-  Vec3 force_a, torque_a, torque_b;  ///< force on b is -force_a; torques about each body's centre
-  Vec3 dissipative_force_a, dissipative_torque_a, dissipative_torque_b;
-};
-
-/// What a step reads of a pair that nothing can happen to: kept apart from all else, 16 bytes.
-struct IdlePair {
-  std::int32_t a, b;  ///< as in BodyPair
-  double way;         ///< of both together: until they have gone it the pair has no features [m]
-};
-inline constexpr double kNeverIdle = -1;  ///< such a pair is looked at in every step
-inline constexpr double kTouching = -2;   ///< and so is one that touched in the last, which most likely still does
-
 /// Bytes of the candidates of a pair.
 std::size_t memory_of_candidates(const BodyPair& pair);
 /// Bytes that a pair holds, its lists, state and result included.
@@ -70,12 +41,27 @@ class PairList {
   /// hands waiting state to theirs. Pairs of two fixed bodies and of two ghosts are left out.
   void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin, PhaseTimes& times);
 
-  std::vector<BodyPair>& pairs() { return pairs_; }
-  const std::vector<BodyPair>& pairs() const { return pairs_; }
-  std::vector<PairResult>& results() { return results_; }
-  const std::vector<PairResult>& results() const { return results_; }
+  /// All that pairs keep and did. Where pairs of balls lie in blocks, they are written back first.   Threads: not in a parallel region.
+  std::vector<BodyPair>& pairs() { return write_back(), pairs_; }
+  const std::vector<BodyPair>& pairs() const { return write_back(), pairs_; }
+  std::vector<PairResult>& results() { return write_back(), results_; }
+  const std::vector<PairResult>& results() const { return write_back(), results_; }
+  /// The same, for loops over pairs that know which of them lie in blocks: state and results of those are out of date.
+  std::vector<BodyPair>& stored_pairs() { return pairs_; }
+  const std::vector<BodyPair>& stored_pairs() const { return pairs_; }
+  std::vector<PairResult>& stored_results() { return results_; }
+  const std::vector<PairResult>& stored_results() const { return results_; }
   std::vector<IdlePair>& idle() { return idle_; }
   const std::vector<IdlePair>& idle() const { return idle_; }
+  /// Pairs of balls in contact, in blocks; empty unless they have been moved there.
+  BallBlocks& blocks() { return blocks_; }
+  const BallBlocks& blocks() const { return blocks_; }
+  /// Moves the pairs of balls in contact into blocks, unless they are there.   in   scene   with lane laws for balls
+  void fill_blocks(const SolverScene& scene, const ParticleSet& p);
+  /// Writes back what lies in blocks, which then are empty.
+  void write_back() const {
+    if (blocks_.are_filled()) blocks_.write_back(pairs_, results_, idle_);
+  }
   TravelBounds& travel() { return travel_; }
   /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
   std::vector<WaitingState>& waiting() { return waiting_; }
@@ -104,9 +90,14 @@ class PairList {
   void sort_sides(const ParticleSet& p);
   std::vector<std::int32_t>& list_of(const BodyPair& pair, const ParticleSet& p);
 
-  std::vector<BodyPair> pairs_;
-  std::vector<PairResult> results_;
-  std::vector<IdlePair> idle_;
+  template <bool kBlocks>
+  void sum(const Vec3& gravity, ParticleSet& p) const;
+
+  // Whether a pair lies here or in a block is no part of what the list says: a reader finds all of it here (write_back()).
+  mutable std::vector<BodyPair> pairs_;
+  mutable std::vector<PairResult> results_;
+  mutable std::vector<IdlePair> idle_;
+  mutable BallBlocks blocks_;
   TravelBounds travel_;
   std::vector<WaitingState> waiting_;
   std::vector<std::int32_t> inner_, outer_, duplicated_, with_walls_;

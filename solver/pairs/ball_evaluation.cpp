@@ -4,19 +4,11 @@
 #include <chrono>
 #include <cstddef>
 
-#include "solver/pairs/lane_rows.hpp"
+#include "solver/neighbours/lane_rows.hpp"
 
 namespace scree {
 
 namespace {
-
-constexpr std::int64_t kSpringKey = kCornerOfA << 60;  ///< of the one contact of such a pair
-
-[[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
-  springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
-  springs.front().key = kSpringKey;
-  springs.back().key = kTurnKey;
-}
 
 BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   BallWall w;
@@ -46,7 +38,7 @@ BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.peri
 
 BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
   at_walls_.pairs.with_walls = old_contacts_at_walls_.pairs.with_walls = true;
-  if (balls.scene().laws.friction) spring_count_ = balls.scene().laws.rolling.empty() ? kMaxSprings - 1 : kMaxSprings;
+  spring_count_ = ball_spring_count(balls.scene().laws);
 }
 
 template <class Work>
@@ -94,24 +86,6 @@ void BallEvaluation::press(Due& due) {
   });
 }
 
-/// The springs of the n-th pair that touches.   Returns false for others than those of friction and rolling and the turn that goes with
-/// them.
-[[gnu::always_inline]] inline bool BallEvaluation::load_springs(const std::vector<FrictionSpring>& springs, std::size_t n) {
-  springs_.kept[n] = 0;
-  if (springs.empty()) return true;
-  const FrictionSpring* const kept = springs.data();
-  if (springs.size() != spring_count_ || kept[0].key != kSpringKey || springs.back().key != kTurnKey) return false;
-  springs_.kept[n] = 1;
-  store(kept[0], &springs_.spring[4 * n]);
-  store(kept[0].normal, &springs_.normal[4 * n]);
-  store(springs.back(), &springs_.turn[4 * n]);
-  if (spring_count_ == kMaxSprings) {
-    if (kept[1].key != kRollingKey) return false;
-    store(kept[1], &springs_.rolling[4 * n]);
-  }
-  return true;
-}
-
 /// Adds the n-th pair to those that touch, with its springs, if lanes have its law.   in, out   count   of them
 [[gnu::always_inline]] inline void BallEvaluation::take_touching(const Due& due, std::size_t n, std::size_t& count) {
   const LaneLaws& laws = balls_.scene().laws;
@@ -122,7 +96,8 @@ void BallEvaluation::press(Due& due) {
     const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
     law = laws.row(material[a], due.pairs.with_walls ? laws.zones[b].material : material[b]);
   }
-  if (laws.holds[law] == 0 || !load_springs(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs, count)) {
+  if (laws.holds[law] == 0 ||
+      !load_springs(pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.springs, spring_count_, count, springs_)) {
     left_.push_back(k);
     return;
   }
@@ -142,7 +117,7 @@ void BallEvaluation::find_forces() {
 /// A pair that does not touch.   in   a, b   rows, as in BallPairs
 void BallEvaluation::part(std::int32_t k, std::size_t a, std::size_t b, bool at_wall, double gap) {
   const std::vector<double>& radius = pass_.p.ball_radius;
-  PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+  PairResult& result = pass_.list.stored_results()[static_cast<std::size_t>(k)];
   result.active = false;
   result.contact_count = 0;
   IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
@@ -150,14 +125,14 @@ void BallEvaluation::part(std::int32_t k, std::size_t a, std::size_t b, bool at_
   idle.way = at_wall && pass_.scene.has_driven_walls()
                  ? kNeverIdle
                  : pass_.way_of(idle) + slack_below(gap - balls_.scene().laws.margin, 0, radius[a] + (at_wall ? 0 : radius[b]));
-  pass_.list.pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
+  pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.keep_lasting();
 }
 
 /// Gives the pairs that touch what was computed. One loop with all that it reads at hand: it is a tenth of a step of balls.
 void BallEvaluation::hand_out() {
   const std::size_t spring_count = spring_count_;
-  BodyPair* const pairs = pass_.list.pairs().data();
-  PairResult* const results = pass_.list.results().data();
+  BodyPair* const pairs = pass_.list.stored_pairs().data();
+  PairResult* const results = pass_.list.stored_results().data();
   IdlePair* const idle = pass_.list.idle().data();
   const double stop_ratio = pass_.stop_ratio, margin = balls_.scene().laws.margin;
   double largest = largest_overlap_;
@@ -173,6 +148,7 @@ void BallEvaluation::hand_out() {
         left_.push_back(touching_.index[n]);
       continue;
     }
+    if (idle[k].way != kTouching && !touching_.pairs.with_walls) begun_.push_back(touching_.index[n]);
     idle[k].way = kTouching;
     PairResult& result = results[k];
     result.active = true;
@@ -185,16 +161,61 @@ void BallEvaluation::hand_out() {
     largest = std::max(largest, result.overlap_ratio);
     too_deep = too_deep || !(result.overlap_ratio < stop_ratio);  // or not a number
     if (spring_count == 0) continue;
-    std::vector<FrictionSpring>& springs = pairs[k].state.springs;
-    if (springs.size() != spring_count) begin_springs(spring_count, springs);
-    FrictionSpring* const kept = springs.data();
-    load(&forces_.spring[4 * n], kept[0]);
-    load(&forces_.normal[4 * n], kept[0].normal);
-    load(&forces_.turn[4 * n], kept[spring_count - 1]);
-    if (spring_count == kMaxSprings) load(&forces_.rolling[4 * n], kept[1]);
+    save_springs(springs_, n, spring_count, pairs[k].state.springs);
   }
   largest_overlap_ = largest;
   too_deep_ = too_deep;
+}
+
+void BallEvaluation::compute(BallBlock& block) {
+  const BallSummary found = find_ball_forces(balls_.scene(), pass_.dt, block.pairs, block.springs, block.forces);
+  largest_overlap_ = std::max(largest_overlap_, found.largest);
+  too_deep_ = too_deep_ || !(found.largest < pass_.stop_ratio);
+  if (!found.some_left && block.all_touch) return;
+  block.all_touch = true;
+  for (std::size_t n = 0; n < block.pairs.count; ++n) {
+    const bool is_general = block.state[n] == BallBlock::State::general;
+    if (block.forces.left[n] == 0 && !is_general) {
+      block.state[n] = BallBlock::State::touches;
+      continue;
+    }
+    block.all_touch = false;
+    if (!is_general && block.forces.gap[n] >= balls_.scene().laws.margin)
+      block.part(n);
+    else
+      leave(block, n);
+  }
+}
+
+/// Leaves a pair of a block to the general path.
+void BallEvaluation::leave(BallBlock& block, std::size_t n) {
+  const auto k = static_cast<std::size_t>(block.index[n]);
+  PairState& state = pass_.list.stored_pairs()[k].state;
+  if (block.state[n] != BallBlock::State::general) {
+    if (spring_count_ > 0 && block.springs.kept[n] > 0)
+      save_springs(block.springs, n, spring_count_, state.springs);
+    else
+      state.keep_lasting();
+  }
+  pass_.list.idle()[k].way = kNeverIdle;
+  left_.push_back(block.index[n]);
+  left_of_blocks_.push_back({&block, n});
+}
+
+void BallEvaluation::take_back() {
+  for (const auto& [block, n] : left_of_blocks_) {
+    const auto k = static_cast<std::size_t>(block->index[n]);
+    const PairResult& result = pass_.list.stored_results()[k];
+    if (!result.active) {
+      pass_.list.stored_pairs()[k].state.keep_lasting();
+      block->part(n);
+      continue;
+    }
+    store(result, n, block->forces.fours);
+    const bool fits = load_springs(pass_.list.stored_pairs()[k].state.springs, spring_count_, n, block->springs);
+    if (!fits) block->springs.kept[n] = 0;
+    block->state[n] = fits ? BallBlock::State::touches : BallBlock::State::general;
+  }
 }
 
 }  // namespace scree

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "solver/lanes/ball_forces.hpp"
@@ -46,7 +47,7 @@ class BallEvaluation {
       if (!(pass_.p.ball_radius[static_cast<std::size_t>(idle.b)] > 0)) return false;
       add(k, idle.a, idle.b, touched, touched ? old_contacts_ : two_balls_);
     } else {
-      const std::int32_t zone = pass_.list.pairs()[static_cast<std::size_t>(k)].key.zone;
+      const std::int32_t zone = pass_.list.stored_pairs()[static_cast<std::size_t>(k)].key.zone;
       const std::int32_t row = balls_.scene().laws.row_of_zone[static_cast<std::size_t>(zone)];
       if (row < 0) return false;
       add(k, idle.a, row, touched, touched ? old_contacts_at_walls_ : at_walls_);
@@ -62,8 +63,15 @@ class BallEvaluation {
       if (due->pairs.count > 0) press(*due);
   }
 
+  /// Computes the pairs of a block; some may be left to the general path.
+  void compute(BallBlock& block);
+  /// Takes over what the general path found of those.
+  void take_back();
+
   /// Pairs that were taken, and that the general path is to compute.
   const std::vector<std::int32_t>& left() const { return left_; }
+  /// Pairs of two balls that began to touch, and may go into blocks.
+  const std::vector<std::int32_t>& begun() const { return begun_; }
   double largest_overlap() const { return largest_overlap_; }  ///< over the maximum overlap of its pair
   bool too_deep() const { return too_deep_; }
 
@@ -74,8 +82,8 @@ class BallEvaluation {
   };
 
   void add(std::int32_t k, std::int32_t a, std::int32_t b, bool touched, Due& due) {
-    prefetch<sizeof(PairState)>(&pass_.list.pairs()[static_cast<std::size_t>(k)].state);
-    prefetch<sizeof(PairResult)>(&pass_.list.results()[static_cast<std::size_t>(k)]);
+    prefetch<sizeof(PairState)>(&pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state);
+    prefetch<sizeof(PairResult)>(&pass_.list.stored_results()[static_cast<std::size_t>(k)]);
     const std::size_t n = due.pairs.count++;
     due.pairs.a[n] = a;
     due.pairs.b[n] = b;
@@ -88,7 +96,7 @@ class BallEvaluation {
     if (due.pairs.count == kBallPairs) press(due);
   }
   void ask_for_springs(std::int32_t k) const {
-    prefetch<kMaxSprings * sizeof(FrictionSpring)>(pass_.list.pairs()[static_cast<std::size_t>(k)].state.springs.data());
+    prefetch<kMaxSprings * sizeof(FrictionSpring)>(pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.springs.data());
   }
   void look(Due& due);
   void press(Due& due);
@@ -96,13 +104,13 @@ class BallEvaluation {
   template <class Work>
   void timed(Due& due, Work&& work);
   void take_touching(const Due& due, std::size_t n, std::size_t& count);
-  bool load_springs(const std::vector<FrictionSpring>& springs, std::size_t n);
+  void leave(BallBlock& block, std::size_t n);
   void part(std::int32_t k, std::size_t a, std::size_t b, bool at_wall, double gap);
   void find_forces();
   void hand_out();
 
   static constexpr std::size_t kAhead = 8;       ///< pairs before a pair's springs are asked for: where they lie is known by then
-  static constexpr std::size_t kMaxSprings = 3;  ///< of friction, of rolling, and the turn that goes with them
+  static constexpr std::size_t kMaxSprings = 3;  ///< see ball_spring_count()
 
   const BallPass& balls_;
   PairPass& pass_;
@@ -111,7 +119,8 @@ class BallEvaluation {
   alignas(64) std::array<double, kBallPairs> gap_;
   BallSprings springs_;
   BallForces forces_;
-  std::vector<std::int32_t> left_;
+  std::vector<std::int32_t> left_, begun_;
+  std::vector<std::pair<BallBlock*, std::size_t>> left_of_blocks_;
   double largest_overlap_ = 0;
   bool too_deep_ = false;
 };

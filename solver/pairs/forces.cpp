@@ -32,20 +32,34 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   if (has_ball_way(pass)) of_balls.emplace(pass);
   const MeshPass of_meshes(pass);
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
+  WorkShares blocks(pass.blocks ? pass.list.blocks().count(*pass.blocks) : 0, omp_get_max_threads(), 1);
+  std::vector<std::int32_t> begun;  // pairs of balls that may go into blocks
 #pragma omp parallel if (pass.at_rest || !pass.is_read_only()) reduction(max : overlap) reduction(|| : too_deep)
   {
     const int thread = omp_get_thread_num();
     MeshEvaluation meshes(of_meshes);
     PairEvaluation<Model> evaluation(pass, thread, of_meshes.has_lanes() ? &meshes : nullptr);
+    const auto finish = [&] {
+      evaluation.finish();
+      meshes.finish();
+      for (const std::int32_t k : meshes.left()) evaluation.evaluate_alone(k);
+    };
     if (of_balls) {
       BallEvaluation balls(*of_balls);
+      blocks.take(thread, [&](std::size_t n) { balls.compute(pass.list.blocks().block(*pass.blocks, n)); });
       shares.take(thread, [&](std::size_t n) {
         if (!balls.take(which[n])) evaluation.evaluate(which[n]);
       });
       balls.finish();
       for (const std::int32_t k : balls.left()) evaluation.evaluate(k);
+      finish();
+      balls.take_back();
       overlap = balls.largest_overlap();
       too_deep = balls.too_deep();
+      if (pass.blocks && !balls.begun().empty()) {
+#pragma omp critical
+        begun.insert(begun.end(), balls.begun().begin(), balls.begun().end());
+      }
     } else {
       shares.take_chunks(thread, [&](std::size_t begin, std::size_t end) {
         PairsAhead ahead(pass.list, which.subspan(begin, end - begin));
@@ -54,19 +68,21 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
           evaluation.evaluate(which[n]);
         }
       });
+      finish();
     }
-    evaluation.finish();
-    meshes.finish();
-    for (const std::int32_t k : meshes.left()) evaluation.evaluate_alone(k);
     overlap = std::max({overlap, meshes.largest_overlap(), evaluation.largest_overlap()});
     too_deep = too_deep || meshes.too_deep() || evaluation.too_deep();
+  }
+  if (!begun.empty()) {
+    std::sort(begun.begin(), begun.end());
+    pass.list.blocks().add(*pass.blocks, begun, pass.scene.ball_laws(), pass.p, pass.list.stored_pairs(), pass.list.stored_results());
   }
   return {overlap, too_deep};
 }
 
 /// Names the pair that makes the run invalid, if one does.
 void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::int64_t step, const Deepest& deepest) {
-  const auto describe = [&](std::int32_t k) { return name_of_pair(pass.scene, pass.list.pairs()[static_cast<std::size_t>(k)].key); };
+  const auto describe = [&](std::int32_t k) { return name_of_pair(pass.scene, pass.list.stored_pairs()[static_cast<std::size_t>(k)].key); };
   const char* general = step == 0 ? "they overlap at the start: move them, or let scree-decomposer part them with contact.relax = true"
                                   : "the contact is too soft for this speed or load: raise the stiffness or the margin, or lower the speed";
   const auto cure = [&](std::int32_t k) {
@@ -87,7 +103,7 @@ void check_pass(const PairPass& pass, std::span<const std::int32_t> which, std::
         step, describe(k), kMaxOverlap, cure(k));
   }
   for (std::size_t n = 0; n < which.size() && deepest.too_deep; ++n) {
-    const PairResult& r = pass.list.results()[static_cast<std::size_t>(which[n])];
+    const PairResult& r = pass.list.stored_results()[static_cast<std::size_t>(which[n])];
     if (r.active && !(r.overlap_ratio < pass.stop_ratio)) {
       throw RunInvalid("step {}: {} touch to {:.3f} of their margin (limit {}); {}", step, describe(which[n]), r.overlap_ratio,
                        pass.stop_ratio, cure(which[n]));
@@ -104,7 +120,8 @@ enum class Purpose { forces, examination, rest };
 
 double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::span<const std::int32_t> which,
                 double dt, double friction_dt, std::int64_t step, ForceScratch& scratch, PairList& list, PairObservers observers,
-                Purpose purpose) {
+                Purpose purpose, std::optional<PairClass> blocks = {}) {
+  if (!blocks) list.write_back();
   // a barrier makes room for gaps that are otherwise too near to be followed
   const double stop_ratio = scene.source().settings.barrier > 0 ? 1 - kBarrierShare * kMinBarrierGap : kStopOverlapRatio;
   PairPass pass{scene,
@@ -121,11 +138,14 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 !scene.source().bonds.empty(),
                 scene.continues(),
                 purpose == Purpose::examination,
-                purpose == Purpose::rest};
+                purpose == Purpose::rest,
+                blocks};
   if (pass.holds != nullptr) scratch.released.resize(scratch.distance.size());
   if (pass.continues) scratch.deep.resize(scratch.distance.size());
   Deepest deepest;
-  ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, which); });
+  const std::span<const std::int32_t> listed = blocks ? std::span<const std::int32_t>(list.blocks().others(*blocks)) : which;
+  ContactModels::choose(scene.law_choice().gathering, [&]<class Model>() { deepest = evaluate_all<Model>(pass, listed); });
+  if (deepest.too_deep) list.write_back();
   check_pass(pass, which, step, deepest);
   return deepest.overlap;
 }
@@ -159,6 +179,17 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                       std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
                       PairList& list, PairObservers observers) {
   return evaluate(scene, p, walls, which, dt, friction_dt, step, scratch, list, observers, Purpose::forces);
+}
+
+double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
+                      std::span<const std::int32_t> all, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
+                      PairList& list, PairObservers observers) {
+  // where bodies sleep, pairs are due that differ from step to step; where pairs are timed or shown, each goes for itself
+  const bool in_blocks = scene.ball_laws().kind != LaneLawKind::none && !p.may_sleep && !scene.continues() && friction_dt > 0 &&
+                         friction_dt == dt && scratch.pair_seconds.empty() && !any_observes_bodies(observers);
+  if (!in_blocks) return evaluate_pairs(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers);
+  list.fill_blocks(scene, p);
+  return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, which);
 }
 
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

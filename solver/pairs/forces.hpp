@@ -20,6 +20,12 @@ double evaluate_pairs(const SolverScene& scene, const ParticleSet& p, const std:
                       std::span<const std::int32_t> which, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
                       PairList& list, PairObservers observers = {});
 
+/// The same of all pairs of a class, of a step; pairs of balls go in blocks where they can (neighbours/ball_blocks.hpp).
+/// in   all   indices of the pairs of the class that are due
+double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, PairClass which,
+                      std::span<const std::int32_t> all, double dt, double friction_dt, std::int64_t step, ForceScratch& scratch,
+                      PairList& list, PairObservers observers = {});
+
 /// Results of pairs whose bodies are at rest: a function of where they are and of their springs, which stay as they are to the last bit.
 /// Evaluated again, it gives the same bits.   Threads: parallel inside.   Ranks: local.
 void evaluate_at_rest(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls,

@@ -5,7 +5,7 @@
 
 #include "solver/contact/overlap_limit.hpp"
 #include "solver/contact/pair_friction.hpp"
-#include "solver/pairs/lane_rows.hpp"
+#include "solver/neighbours/lane_rows.hpp"
 
 namespace scree {
 
@@ -98,7 +98,7 @@ void MeshEvaluation::evaluate(MeshPairs& batch) {
   const std::size_t count = batch.features.size();
   for (std::size_t n = 0; n < batch.count; ++n) {
     const auto k = static_cast<std::size_t>(batch.index[n]);
-    PairResult& result = pass_.list.results()[k];
+    PairResult& result = pass_.list.stored_results()[k];
     load(forces_.fours, n, result);
     if (forces_.left[n] != 0 || (pass_.continues && !(result.overlap_ratio < kLookFrom))) {
       left_.push_back(batch.index[n]);
@@ -108,7 +108,7 @@ void MeshEvaluation::evaluate(MeshPairs& batch) {
     result.contact_count = static_cast<std::int32_t>(count);
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (!(result.overlap_ratio < pass_.stop_ratio)) too_deep_ = true;  // or not a number
-    std::vector<FrictionSpring>& springs = pass_.list.pairs()[k].state.springs;
+    std::vector<FrictionSpring>& springs = pass_.list.stored_pairs()[k].state.springs;
     if (!friction) {
       springs.clear();
       continue;

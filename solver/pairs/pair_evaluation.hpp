@@ -67,8 +67,8 @@ class PairEvaluation {
     IdlePair& idle = pass_.list.idle()[static_cast<std::size_t>(k)];
     if (pass_.way_of(idle) < idle.way) return;  // its result says so already
     const PairClock clock(pass_.scratch.pair_seconds, k);
-    BodyPair& pair = pass_.list.pairs()[static_cast<std::size_t>(k)];
-    PairResult& result = pass_.list.results()[static_cast<std::size_t>(k)];
+    BodyPair& pair = pass_.list.stored_pairs()[static_cast<std::size_t>(k)];
+    PairResult& result = pass_.list.stored_results()[static_cast<std::size_t>(k)];
     prefetch_pair(pair, result);
     result.active = false;
     result.contact_count = 0;
@@ -98,13 +98,13 @@ class PairEvaluation {
 
   /// Completes the pairs whose candidates have waited for others.
   void finish() {
-    pending_.finish(pass_.list.pairs(), [&](PendingPair& pending) {
+    pending_.finish(pass_.list.stored_pairs(), [&](PendingPair& pending) {
       const auto k = static_cast<std::size_t>(pending.k);
-      BodyPair& pair = pass_.list.pairs()[k];
+      BodyPair& pair = pass_.list.stored_pairs()[k];
       std::swap(features_.list, pending.features);
       share_among_cells(pending.view, features_);
       finish_features(pending.k, pending.view, velocities_of(pass_.p, pass_.walls, pair.a, pair.b, pending.view, pass_.friction_dt > 0),
-                      pending.moved, *pair.lists, pair, pass_.list.results()[k], pass_.list.idle()[k]);
+                      pending.moved, *pair.lists, pair, pass_.list.stored_results()[k], pass_.list.idle()[k]);
       std::swap(features_.list, pending.features);
     });
   }
@@ -208,7 +208,7 @@ class PairEvaluation {
     if (lists.skin >= 0) moved = motion_of_pair(view, lists);
     // a body behind a plane or in a cylinder is still seen
     if (built_with::kMeshes && view.has_mesh() && pass_.dt > 0 && moved > lists.first_slack && is_fast(view, velocities, pass_.dt)) {
-      const BodyPair& pair = pass_.list.pairs()[static_cast<std::size_t>(k)];
+      const BodyPair& pair = pass_.list.stored_pairs()[static_cast<std::size_t>(k)];
       const PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, matrix_of(view.a.q));
       if (may_have_passed_through(view.a, view.b, motion, view.radius_a, view.radius_b, view.margin, pass_.dt, moved, lists, distance_))
         pass_.passing.store(k);

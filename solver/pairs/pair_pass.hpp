@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <vector>
 
 #include "solver/contact/pair_force.hpp"
@@ -19,12 +20,13 @@ struct PairPass {
   PairList& list;
   PairObservers observers;
   PairForceFunction force_of;
-  PairHoldsFunction holds;  ///< null where no pair remembers whether it has touched
-  double stop_ratio;        ///< overlap over the maximum overlap of a pair at which a run is stopped
-  bool has_bonds;           ///< pairs may count their overlap from one that they had as their bond broke
-  bool continues;           ///< beyond that ratio pairs go on (contact/overlap_limit.hpp)
-  bool examines = false;    ///< for observers alone, one thread: neither springs nor candidates' idle times change
-  bool at_rest = false;     ///< only results are asked for, of pairs whose springs stay as they are to the bit
+  PairHoldsFunction holds;            ///< null where no pair remembers whether it has touched
+  double stop_ratio;                  ///< overlap over the maximum overlap of a pair at which a run is stopped
+  bool has_bonds;                     ///< pairs may count their overlap from one that they had as their bond broke
+  bool continues;                     ///< beyond that ratio pairs go on (contact/overlap_limit.hpp)
+  bool examines = false;              ///< for observers alone, one thread: neither springs nor candidates' idle times change
+  bool at_rest = false;               ///< only results are asked for, of pairs whose springs stay as they are to the bit
+  std::optional<PairClass> blocks{};  ///< the pass is over all pairs of this class, those in blocks too
   std::atomic<std::int32_t> intersecting{-1}, passing{-1}, through{-1};
 
   bool is_read_only() const { return examines || at_rest; }

@@ -40,8 +40,8 @@ class PairsAhead {
     for (; next_ < which_.size() && coming_ == nullptr; ++next_) {
       const auto k = static_cast<std::size_t>(which_[next_]);
       if (list_.idle()[k].way >= 0) continue;
-      coming_ = &list_.pairs()[k];
-      prefetch_pair(*coming_, list_.results()[k]);
+      coming_ = &list_.stored_pairs()[k];
+      prefetch_pair(*coming_, list_.stored_results()[k]);
     }
   }
 

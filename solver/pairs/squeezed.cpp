@@ -43,12 +43,12 @@ Vec3 nearest_of_zone(const PairPass& pass, const WallZone& zone, const Vec3& poi
 
 std::string squeezed_between_walls(const PairPass& pass, std::int32_t k) {
   const Scene& scene = pass.scene.source();
-  const BodyPair& pressed = pass.list.pairs()[at(k)];
+  const BodyPair& pressed = pass.list.stored_pairs()[at(k)];
   std::vector<Touched> touched;
   for (const std::int32_t n : pass.list.with_walls()) {
-    const BodyPair& pair = pass.list.pairs()[at(n)];
+    const BodyPair& pair = pass.list.stored_pairs()[at(n)];
     if (pair.a != pressed.a && !(pressed.b >= 0 && pair.a == pressed.b)) continue;
-    if (n == k || pass.list.results()[at(n)].active) touched.push_back({pair.key.zone, pair.a});
+    if (n == k || pass.list.stored_results()[at(n)].active) touched.push_back({pair.key.zone, pair.a});
   }
   const auto wall_of = [&](const Touched& t) { return pass.scene.zones()[at(t.zone)].wall; };
   const auto moves = [&](const Touched& t) { return scene.walls[at(wall_of(t))].motion.moves(); };

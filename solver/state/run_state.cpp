@@ -93,9 +93,9 @@ namespace {
 
 void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
   for (const std::int32_t k : pairs) {
-    const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
+    const PairResult& r = s.pairs.stored_results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
-    const BodyPair& pair = s.pairs.pairs()[static_cast<std::size_t>(k)];
+    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
     const Vec3 on_wall = -r.force_a;
     std::array<ExactSum, 3>& impulse = totals.impulse[w];

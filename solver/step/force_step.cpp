@@ -36,20 +36,21 @@ void ForceStep::compute(RunState& s, Decomposition& decomposition, FirstFailure&
   const auto due = [&s](Sleep::Which which, const std::vector<std::int32_t>& all) {
     return s.sleep ? s.sleep->due(which, all) : std::span(all);
   };
-  if (timed) scratch_.pair_seconds.assign(s.pairs.pairs().size(), 0.0f);
+  if (timed) scratch_.pair_seconds.assign(s.pairs.stored_pairs().size(), 0.0f);
 
   if (refresh_ghosts) halo.start_refresh(p, s.times);
   if (refresh_ghosts && !overlap) halo.finish_refresh(p, s.times);
   if (refresh) add_travel(s, balance, false);
-  compute_pairs(s, balance, failure, due(Sleep::kInner, s.pairs.inner()), friction_dt, Phase::contact);
+  compute_pairs(s, balance, failure, PairClass::inner, due(Sleep::kInner, s.pairs.inner()), friction_dt);
   if (refresh_ghosts && overlap) halo.finish_refresh(p, s.times);
   if (refresh) add_travel(s, balance, true);
   if (built_with::kRanks && s.sleep) s.sleep->update_ghosts(s, scratch_, failure);
-  if (built_with::kRanks) compute_pairs(s, balance, failure, due(Sleep::kOuter, s.pairs.outer()), friction_dt, Phase::contact);
-  if (built_with::kRanks) compute_pairs(s, balance, failure, due(Sleep::kDuplicated, s.pairs.duplicated()), friction_dt, Phase::duplicated);
+  if (built_with::kRanks) compute_pairs(s, balance, failure, PairClass::outer, due(Sleep::kOuter, s.pairs.outer()), friction_dt);
+  if (built_with::kRanks)
+    compute_pairs(s, balance, failure, PairClass::duplicated, due(Sleep::kDuplicated, s.pairs.duplicated()), friction_dt);
 
   if (timed) {
-    balance.add_sample(scratch_.pair_seconds, s.pairs.pairs(), p);
+    balance.add_sample(scratch_.pair_seconds, s.pairs.stored_pairs(), p);
     scratch_.pair_seconds.clear();
   }
   const PhaseTimer timer(s.times, Phase::sum);
@@ -69,14 +70,14 @@ void ForceStep::compute_new_contacts(RunState& s, FirstFailure& failure, std::sp
   });
 }
 
-void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, std::span<const std::int32_t> which, double friction_dt,
-                              Phase phase) {
+void ForceStep::compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, PairClass of, std::span<const std::int32_t> which,
+                              double friction_dt) {
   if (failure.exists() || which.empty()) return;
-  const PhaseTimer timer(s.times, phase);
+  const PhaseTimer timer(s.times, of == PairClass::duplicated ? Phase::duplicated : Phase::contact);
   const WorkTimer work(balance.computing(), balance.weight_of(s.clock.step));
   failure.watch(s.clock.step, [&] {
     double& largest = s.totals.max_overlap_ratio;
-    largest = std::max(largest, evaluate_pairs(s.scene, s.particles, s.walls, which, s.clock.dt, friction_dt, s.clock.step, scratch_,
+    largest = std::max(largest, evaluate_class(s.scene, s.particles, s.walls, of, which, s.clock.dt, friction_dt, s.clock.step, scratch_,
                                                s.pairs, observers_));
     for (ExactSum& released : scratch_.released) {
       s.totals.walls.dissipated.add(released);

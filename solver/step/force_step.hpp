@@ -28,8 +28,8 @@ class ForceStep {
   ForceScratch& scratch() { return scratch_; }
 
  private:
-  void compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, std::span<const std::int32_t> which, double friction_dt,
-                     Phase phase);
+  void compute_pairs(RunState& s, Balance& balance, FirstFailure& failure, PairClass of, std::span<const std::int32_t> which,
+                     double friction_dt);
 
   ForceScratch scratch_;
   std::vector<PairObserver*> observers_;  // of the effects, in this step

@@ -106,9 +106,9 @@ void sum_drive_forces(RunState& s) {
   const double cluster = settings.gather == Gathering::area ? 1 : s.scene.extent_of_rough_pair(s.scene.extremes());
   std::vector<ExactSum> sums(count * s.drives.size());
   for (const std::int32_t k : s.pairs.with_walls()) {
-    const PairResult& r = s.pairs.results()[static_cast<std::size_t>(k)];
+    const PairResult& r = s.pairs.stored_results()[static_cast<std::size_t>(k)];
     if (!r.active) continue;
-    const BodyPair& pair = s.pairs.pairs()[static_cast<std::size_t>(k)];
+    const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
     const Drive* drive = s.scene.drive(w);
     if (drive == nullptr) continue;

@@ -5,17 +5,18 @@
 #include <cstring>
 #include <type_traits>
 
-#include "solver/neighbours/pair_list.hpp"
+#include "solver/neighbours/body_pair.hpp"
 
 namespace scree {
 
 inline constexpr std::size_t kFour = 4 * sizeof(double), kOfSpring = offsetof(FrictionSpring, force),
-                             kNumbers = offsetof(PairResult, overlap_ratio);
+                             kNumbers = offsetof(PairResult, force_a), kFoursOfResult = 6;
 static_assert(offsetof(FrictionSpring, stiffness) == kOfSpring + 3 * sizeof(double));
-static_assert(offsetof(PairResult, surface_power) == kNumbers + 3 * sizeof(double) && offsetof(PairResult, force_a) == kNumbers + kFour &&
-              offsetof(PairResult, torque_b) == kNumbers + 10 * sizeof(double) &&
-              offsetof(PairResult, dissipative_torque_b) == kNumbers + 19 * sizeof(double) &&
-              sizeof(PairResult) == kNumbers + 22 * sizeof(double) && std::is_trivially_copyable_v<PairResult>);
+static_assert(offsetof(PairResult, torque_a) == kNumbers + kFour && offsetof(PairResult, torque_b) == kNumbers + 2 * kFour &&
+              offsetof(PairResult, dissipative_force_a) == kNumbers + 3 * kFour &&
+              offsetof(PairResult, dissipative_torque_a) == kNumbers + 4 * kFour &&
+              offsetof(PairResult, dissipative_torque_b) == kNumbers + 5 * kFour &&
+              sizeof(PairResult) == kNumbers + kFoursOfResult * kFour && std::is_trivially_copyable_v<PairResult>);
 
 inline void store(const FrictionSpring& s, double* four) { std::memcpy(four, reinterpret_cast<const char*>(&s) + kOfSpring, kFour); }
 inline void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpret_cast<char*>(&s) + kOfSpring, four, kFour); }
@@ -28,13 +29,14 @@ inline void load(const double* four, Vec3& v) { v = {four[0], four[1], four[2]};
 template <class Fours>
 [[gnu::always_inline]] inline void load(const Fours& fours, std::size_t n, PairResult& result) {
   char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
-  const auto four = [&](std::size_t which) { return &fours[which][4 * n]; };
-  std::memcpy(numbers, four(0), kFour);
-  std::memcpy(numbers + kFour, four(1), kFour);
-  std::memcpy(numbers + 2 * kFour, four(2), kFour);
-  std::memcpy(numbers + 3 * kFour, four(3), kFour);
-  std::memcpy(numbers + 4 * kFour, four(4), kFour);
-  std::memcpy(numbers + 5 * kFour, four(5), kFour / 2);
+  for (std::size_t which = 0; which < kFoursOfResult; ++which) std::memcpy(numbers + which * kFour, &fours[which][4 * n], kFour);
+}
+
+/// The other way round.
+template <class Fours>
+void store(const PairResult& result, std::size_t n, Fours& fours) {
+  const char* const numbers = reinterpret_cast<const char*>(&result) + kNumbers;
+  for (std::size_t which = 0; which < kFoursOfResult; ++which) std::memcpy(&fours[which][4 * n], numbers + which * kFour, kFour);
 }
 
 }  // namespace scree
