@@ -38,38 +38,35 @@ struct Meeting {
 };
 
 /// Two balls: sphere_pair_features.
-HWY_INLINE Meeting meet_ball(const BallScene& scene, const Rows& a, const Rows& b) {
-  const ParticleSet& p = scene.p;
+HWY_INLINE Meeting meet_ball(const BallScene& scene, const LaneBody& a, const LaneBody& b) {
   const Lane one(1.0), half(0.5);
   Meeting m;
-  m.qa = a.of(p.q);
-  m.turn = conjugate(m.qa) * b.of(p.q);
-  const Lane3 xa = a.of(p.x), xb = image_of(scene.periodicity, xa, b.of(p.x)), between = xa - xb;
-  const Lane radius_a = a.of(p.ball_radius);
+  m.qa = a.q;
+  m.turn = conjugate(m.qa) * b.q;
+  const Lane3 xa = a.x, xb = image_of(scene.periodicity, xa, b.x), between = xa - xb;
   m.distance = length(between);
   m.branch = xb - xa;
-  m.radius_b = b.of(p.ball_radius);
-  m.gap = m.distance - radius_a - m.radius_b;
+  m.radius_b = b.radius;
+  m.gap = m.distance - a.radius - m.radius_b;
   m.n = rotate_inverse(m.qa, (one / m.distance) * between);
-  m.x = (-(radius_a + half * m.gap)) * m.n;
+  m.x = (-(a.radius + half * m.gap)) * m.n;
   m.centre_b = m.pivot_b = rotate_inverse(m.qa, m.branch);
-  m.v_b = m.pivot_v_b = b.of(p.v);
-  m.w_b = b.of(p.w);
-  m.inverse_mass_b = b.of(p.inverse_mass);
-  m.equivalent_b = b.of(p.equivalent_radius);
+  m.v_b = m.pivot_v_b = b.v;
+  m.w_b = b.w;
+  m.inverse_mass_b = b.inverse_mass;
+  m.equivalent_b = b.equivalent_radius;
   return m;
 }
 
 /// A ball at a wall: zone_pair_features, where the ball's only corner is its centre.
-HWY_INLINE Meeting meet_wall(const BallScene& scene, const Rows& a, const WallRows& b) {
-  const ParticleSet& p = scene.p;
+HWY_INLINE Meeting meet_wall(const BallScene& scene, const LaneBody& a, const WallRows& b) {
   const Lane zero(0.0), one(1.0), half(0.5);
   const Lane3 origin{zero, zero, zero};
   Meeting m;
-  m.qa = a.of(p.q);
+  m.qa = a.q;
   m.turn = conjugate(m.qa) * b.of(&BallWall::q);
   const LaneMatrix rotation(m.turn);
-  const Lane3 xa = a.of(p.x), direction = b.of(&BallWall::direction);
+  const Lane3 xa = a.x, direction = b.of(&BallWall::direction);
   m.branch = b.of(&BallWall::x) - xa;
   m.centre_b = rotate_inverse(m.qa, m.branch);
   const Lane3 r = rotation.transpose_times(origin - m.centre_b) - b.of(&BallWall::point);
@@ -84,10 +81,9 @@ HWY_INLINE Meeting meet_wall(const BallScene& scene, const Rows& a, const WallRo
     normal = select(is_round, select(rho > zero, ((-one) / rho) * radial, origin), normal);
     height = select(is_round, radius - rho, height);
   }
-  const Lane radius_a = a.of(p.ball_radius);
-  m.gap = height - radius_a;
+  m.gap = height - a.radius;
   m.n = rotation.times(normal);
-  m.x = origin - (radius_a + half * m.gap) * m.n;
+  m.x = origin - (a.radius + half * m.gap) * m.n;
   m.pivot_b = rotate_inverse(m.qa, b.of(&BallWall::pivot) - xa);
   m.v_b = b.of(&BallWall::v);
   m.w_b = b.of(&BallWall::w);
@@ -96,21 +92,22 @@ HWY_INLINE Meeting meet_wall(const BallScene& scene, const Rows& a, const WallRo
   return m;
 }
 
-template <bool kWall>
-HWY_INLINE Meeting meet(const BallScene& scene, const BallPairs& pairs, std::size_t k) {
-  const Rows a(pairs.a.data() + k);
+template <bool kWall, bool kRows>
+HWY_INLINE Meeting meet(const BallScene& scene, const LaneBody& a, const BallPairs& pairs, std::size_t k) {
   if constexpr (kWall)
     return meet_wall(scene, a, WallRows(scene.walls, pairs.b.data() + k));
   else
-    return meet_ball(scene, a, Rows(pairs.b.data() + k));
+    return meet_ball(scene, a, load_body<kRows>(scene, pairs.b.data() + k));
+}
+
+template <bool kWall>
+void gaps_of(const BallScene& scene, const BallPairs& pairs, double* gap) {
+  for (std::size_t k = 0; k < pairs.count; k += kLanes)
+    meet<kWall, false>(scene, load_body<false>(scene, pairs.a.data() + k), pairs, k).gap.store(gap + k);
 }
 
 HWY_NOINLINE void gaps_in_lanes(const BallScene& scene, const BallPairs& pairs, double* gap) {
-  if (pairs.with_walls) {
-    for (std::size_t k = 0; k < pairs.count; k += kLanes) meet<true>(scene, pairs, k).gap.store(gap + k);
-    return;
-  }
-  for (std::size_t k = 0; k < pairs.count; k += kLanes) meet<false>(scene, pairs, k).gap.store(gap + k);
+  pairs.with_walls ? gaps_of<true>(scene, pairs, gap) : gaps_of<false>(scene, pairs, gap);
 }
 
 /// What pairs keep no spring for, what they keep one for, and what two.
@@ -122,20 +119,19 @@ struct LanesFound {
   Lane ratio;  ///< overlap over maximum overlap
 };
 
-template <LaneLawKind kKind, Rubs kRubs, bool kWall>
+template <LaneLawKind kKind, Rubs kRubs, bool kWall, bool kRows>
 HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, std::size_t k,
                                       BallForces& out) {
-  const ParticleSet& p = scene.p;
   const LaneLaws& laws = scene.laws;
   const LawRows<LaneLaw> law(laws.laws, springs.law.data() + k);
   const Lane zero(0.0), one(1.0), half(0.5), step(dt);
-  const Rows a(pairs.a.data() + k);
-  const Meeting m = meet<kWall>(scene, pairs, k);
+  const LaneBody a = load_body<kRows>(scene, pairs.a.data() + k);
+  const Meeting m = meet<kWall, kRows>(scene, a, pairs, k);
   const Lane3 n = m.n, x = m.x;
   const Lane overlap = Lane(laws.margin) - m.gap;
 
   // the push
-  const Lane equivalent_a = a.of(p.equivalent_radius);
+  const Lane equivalent_a = a.equivalent_radius;
   Lane radius = zero;
   if (laws.needs_radius) {
     const Lane given = law.at(&LaneLaw::radius);
@@ -155,17 +151,17 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
   const Lane3 force = push * n, torque = cross(x, force);
 
   // damping
-  const Lane own = a.of(p.inverse_mass) + m.inverse_mass_b, wrench = own * dot(force, force) / (push * push);
+  const Lane own = a.inverse_mass + m.inverse_mass_b, wrench = own * dot(force, force) / (push * push);
   const Lane mobility = select(own < wrench, wrench, own);
   const LaneDamping damping = damping_of<kKind>(law, energy, push, mobility, step);
   auto fits = damping.fits;
   if constexpr (!kWall) {
     const Lane most(kMaxDistance);
-    fits = fits & (m.distance > zero) & (m.distance < most * a.of(p.ball_radius)) & (m.distance < most * m.radius_b);
+    fits = fits & (m.distance > zero) & (m.distance < most * a.radius) & (m.distance < most * m.radius_b);
   }
   const LaneMatrix a_to_world(m.qa);
-  const Lane3 w_a = a_to_world.transpose_times(a.of(p.w)), w_b = a_to_world.transpose_times(m.w_b);
-  const Lane3 v_a = a_to_world.transpose_times(a.of(p.v)), v_b = a_to_world.transpose_times(m.pivot_v_b);
+  const Lane3 w_a = a_to_world.transpose_times(a.w), w_b = a_to_world.transpose_times(m.w_b);
+  const Lane3 v_a = a_to_world.transpose_times(a.v), v_b = a_to_world.transpose_times(m.pivot_v_b);
   const Lane3 turning_a = cross(w_a, x), turning_b = cross(w_b, x - m.pivot_b);
   const Lane3 velocity = v_a + turning_a - v_b - turning_b;
   const Lane vn = dot(velocity, n), damped = damped_push<kKind>(damping, push, overlap, vn, step);
@@ -240,13 +236,13 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
   return {fits, ratio};
 }
 
-template <LaneLawKind kKind, Rubs kRubs, bool kWall>
+template <LaneLawKind kKind, Rubs kRubs, bool kWall, bool kRows>
 HWY_NOINLINE BallSummary forces_of(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, BallForces& out) {
   const Lane zero(0.0);
   Lane largest = zero;
   BallSummary summary;
   for (std::size_t k = 0; k < pairs.count; k += kLanes) {
-    const LanesFound found = forces_in_lanes<kKind, kRubs, kWall>(scene, dt, pairs, springs, k, out);
+    const LanesFound found = forces_in_lanes<kKind, kRubs, kWall, kRows>(scene, dt, pairs, springs, k, out);
     largest = select(found.fits & (largest < found.ratio), found.ratio, largest);
     summary.some_left = summary.some_left || any(!found.fits);
   }
@@ -258,8 +254,9 @@ HWY_NOINLINE BallSummary forces_of(const BallScene& scene, double dt, const Ball
 
 template <LaneLawKind kKind, Rubs kRubs>
 BallSummary forces_with(const BallScene& scene, double dt, const BallPairs& pairs, BallSprings& springs, BallForces& out) {
-  return pairs.with_walls ? forces_of<kKind, kRubs, true>(scene, dt, pairs, springs, out)
-                          : forces_of<kKind, kRubs, false>(scene, dt, pairs, springs, out);
+  if (pairs.with_walls) return forces_of<kKind, kRubs, true, false>(scene, dt, pairs, springs, out);
+  return scene.rows != nullptr ? forces_of<kKind, kRubs, false, true>(scene, dt, pairs, springs, out)
+                               : forces_of<kKind, kRubs, false, false>(scene, dt, pairs, springs, out);
 }
 
 template <LaneLawKind kKind>

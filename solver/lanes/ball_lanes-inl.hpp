@@ -73,6 +73,69 @@ class Rows {
   hn::Vec<Integers> row_, three_, four_;
 };
 
+/// Four numbers of rows of bodies, one row in each lane: column[j] has the number `first` + j of each.
+/// A gather costs as much as four of these shuffles, or more.
+HWY_INLINE void load_quarters(const BallRow* rows, const std::int64_t* index, std::size_t first, Lane* column) {
+  static_assert(sizeof(BallRow) == 16 * sizeof(double));
+  const auto at = [=](std::size_t lane) { return &rows[index[lane]].x.x + first; };
+#if HWY_TARGET == HWY_SCALAR
+  for (std::size_t j = 0; j < 4; ++j) column[j] = Lane(at(0)[j]);
+#elif HWY_TARGET <= HWY_AVX3
+  // a half of 256 bits is loaded into its place, which takes no shuffle: two stages are left
+  const auto halves = [&](std::size_t lane) {
+    return _mm512_mask_broadcast_f64x4(_mm512_castpd256_pd512(_mm256_load_pd(at(lane))), 0xf0, _mm256_load_pd(at(lane + 2)));
+  };
+  const __m512d a = halves(0), b = halves(1), c = halves(4), d = halves(5);
+  const __m512d lower0 = _mm512_unpacklo_pd(a, b), lower1 = _mm512_unpacklo_pd(c, d), upper0 = _mm512_unpackhi_pd(a, b),
+                upper1 = _mm512_unpackhi_pd(c, d);
+  column[0].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(lower0, lower1, 0x88)};
+  column[1].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(upper0, upper1, 0x88)};
+  column[2].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(lower0, lower1, 0xdd)};
+  column[3].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(upper0, upper1, 0xdd)};
+#else
+  const Tag<double> d;
+  if constexpr (kLanes == 2) {
+    for (std::size_t j = 0; j < 4; j += 2) {
+      const auto a = hn::Load(d, at(0) + j), b = hn::Load(d, at(1) + j);
+      column[j].v = hn::InterleaveLower(d, a, b);
+      column[j + 1].v = hn::InterleaveUpper(d, a, b);
+    }
+  } else {
+    const auto a = hn::Load(d, at(0)), b = hn::Load(d, at(1)), e = hn::Load(d, at(2)), f = hn::Load(d, at(3));
+    const auto lower0 = hn::InterleaveLower(d, a, b), lower1 = hn::InterleaveLower(d, e, f), upper0 = hn::InterleaveUpper(d, a, b),
+               upper1 = hn::InterleaveUpper(d, e, f);
+    column[0].v = hn::ConcatLowerLower(d, lower1, lower0);
+    column[1].v = hn::ConcatLowerLower(d, upper1, upper0);
+    column[2].v = hn::ConcatUpperUpper(d, lower1, lower0);
+    column[3].v = hn::ConcatUpperUpper(d, upper1, upper0);
+  }
+#endif
+}
+
+/// A body in each lane.
+struct LaneBody {
+  Lane3 x, v, w;
+  LaneQuat q;
+  Lane radius, inverse_mass, equivalent_radius;
+};
+
+/// in   kRows   from scene.rows, else from the columns
+template <bool kRows>
+HWY_INLINE LaneBody load_body(const BallScene& scene, const std::int64_t* index) {
+  if constexpr (kRows) {
+    Lane x[4], v[4], w[4], q[4];
+    load_quarters(scene.rows, index, 0, x);
+    load_quarters(scene.rows, index, 4, v);
+    load_quarters(scene.rows, index, 8, w);
+    load_quarters(scene.rows, index, 12, q);
+    return {{x[0], x[1], x[2]}, {v[0], v[1], v[2]}, {w[0], w[1], w[2]}, {q[0], q[1], q[2], q[3]}, x[3], v[3], w[3]};
+  } else {
+    const ParticleSet& p = scene.p;
+    const Rows row(index);
+    return {row.of(p.x), row.of(p.v), row.of(p.w), row.of(p.q), row.of(p.ball_radius), row.of(p.inverse_mass), row.of(p.equivalent_radius)};
+  }
+}
+
 /// Rows of walls, one in each lane.
 class WallRows {
  public:

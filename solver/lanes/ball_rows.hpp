@@ -24,12 +24,24 @@ struct alignas(256) BallWall {
   double radius = 0;  ///< of a cylinder [m]; 0: a plane
 };
 
+/// What pairs read of a body, in one place: two lines of the cache instead of seven.
+struct alignas(128) BallRow {
+  Vec3 x;
+  double radius;  ///< of the ball
+  Vec3 v;
+  double inverse_mass;
+  Vec3 w;
+  double equivalent_radius;
+  Quat q;
+};
+
 /// What pairs are of: A always a ball, B a ball or a wall.
 struct BallScene {
   const ParticleSet& p;
   const Periodicity& periodicity;
   const LaneLaws& laws;
   std::vector<BallWall> walls{};  ///< one for each of laws.zones
+  const BallRow* rows = nullptr;  ///< of all bodies of `p` as they are now; null: what pairs read is collected from the columns
 };
 
 /// Some pairs, A and B as in BodyPair; all with balls or all with walls.

@@ -67,6 +67,10 @@ void BallBlock::part(std::size_t n) {
   for (BallFours& fours : forces.fours) std::fill_n(fours.begin() + static_cast<std::ptrdiff_t>(4 * n), 4, 0.0);
 }
 
+std::size_t BallBlocks::law_of(const LaneLaws& laws, const ParticleSet& p, std::int32_t a, std::int32_t b) {
+  return laws.laws.size() == 1 ? 0 : laws.row(p.material[static_cast<std::size_t>(a)], p.material[static_cast<std::size_t>(b)]);
+}
+
 bool BallBlocks::append(std::size_t of, std::int32_t k, const LaneLaws& laws, const ParticleSet& p, const BodyPair& pair) {
   std::vector<std::int32_t>& mine = of_class_[of];
   if (mine.empty() || blocks_[static_cast<std::size_t>(mine.back())]->pairs.count == kBallPairs) {
@@ -77,8 +81,7 @@ bool BallBlocks::append(std::size_t of, std::int32_t k, const LaneLaws& laws, co
   }
   BallBlock& block = *blocks_[static_cast<std::size_t>(mine.back())];
   const std::size_t n = block.pairs.count;
-  std::size_t law = 0;
-  if (laws.laws.size() != 1) law = laws.row(p.material[static_cast<std::size_t>(pair.a)], p.material[static_cast<std::size_t>(pair.b)]);
+  const std::size_t law = law_of(laws, p, pair.a, pair.b);
   const bool fits = laws.holds[law] != 0 && load_springs(pair.state.springs, spring_count_, n, block.springs);
   if (fits) {
     block.springs.law[n] = static_cast<std::int64_t>(law);
@@ -100,7 +103,7 @@ void BallBlocks::fill(const LaneLaws& laws, const ParticleSet& p, const std::arr
   filled_ = true;
   spring_count_ = ball_spring_count(laws);
   used_ = 0;
-  place_.assign(pairs.size(), -1);
+  place_.assign(pairs.size(), kOther);
   for (std::size_t c = 0; c < kPairClasses; ++c) {
     of_class_[c].clear();
     others_[c].clear();
@@ -111,6 +114,7 @@ void BallBlocks::fill(const LaneLaws& laws, const ParticleSet& p, const std::arr
       const bool touches = i.way == kTouching || !pairs[at].state.springs.empty();
       if (!balls || !touches || !append(c, k, laws, p, pairs[at])) {
         others_[c].push_back(k);
+        if (balls && !touches && laws.holds[law_of(laws, p, i.a, i.b)] != 0) place_[at] = kWaits;
         continue;
       }
       store(results[at], static_cast<std::size_t>(place_[at]) % kBallPairs,
@@ -126,7 +130,10 @@ void BallBlocks::add(PairClass which, std::span<const std::int32_t> begun, const
   std::vector<std::int32_t> taken;
   for (const std::int32_t k : begun) {
     const auto at = static_cast<std::size_t>(k);
-    if (!append(c, k, laws, p, pairs[at])) continue;
+    if (!append(c, k, laws, p, pairs[at])) {
+      place_[at] = kOther;
+      continue;
+    }
     taken.push_back(k);
     BallBlock& block = *blocks_[static_cast<std::size_t>(place_[at]) / kBallPairs];
     store(results[at], static_cast<std::size_t>(place_[at]) % kBallPairs, block.forces.fours);

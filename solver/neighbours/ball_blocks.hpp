@@ -17,7 +17,6 @@
 #include "solver/lanes/ball_rows.hpp"
 #include "solver/neighbours/body_pair.hpp"
 #include "solver/neighbours/lane_rows.hpp"
-#include "solver/neighbours/prefetch.hpp"
 
 namespace scree {
 
@@ -55,7 +54,7 @@ class BallBlocks {
             const std::vector<BodyPair>& pairs, std::vector<IdlePair>& idle, const std::vector<PairResult>& results);
   /// Gives all back, and is empty.
   void write_back(std::vector<BodyPair>& pairs, std::vector<PairResult>& results, std::vector<IdlePair>& idle);
-  /// Adds pairs of a class that have begun to touch, with their results.   in   begun   ascending
+  /// Adds pairs of a class that have waited and touch now, with their results.   in   begun   ascending
   void add(PairClass which, std::span<const std::int32_t> begun, const LaneLaws& laws, const ParticleSet& p,
            const std::vector<BodyPair>& pairs, const std::vector<PairResult>& results);
 
@@ -67,37 +66,15 @@ class BallBlocks {
   }
   std::size_t spring_count() const { return spring_count_; }
 
-  /// Whether a pair of the list lies here.
-  bool holds(std::int32_t k) const { return place_[static_cast<std::size_t>(k)] >= 0; }
-  /// Adds what such a pair does to one of its bodies.   in   of_b   to B, else to A
-  void add_to_body(std::int32_t k, bool of_b, Vec3& force, Vec3& torque, Vec3& dissipative_force, Vec3& dissipative_torque) const {
-    const auto place = static_cast<std::size_t>(place_[static_cast<std::size_t>(k)]);
-    const auto& fours = blocks_[place / kBallPairs]->forces.fours;
-    const auto at = [&](std::size_t which) {
-      const double* const four = &fours[which][4 * (place % kBallPairs)];
-      return Vec3{four[0], four[1], four[2]};
-    };
-    if (of_b) {
-      force -= at(0);
-      torque += at(2);
-      dissipative_force -= at(3);
-      dissipative_torque += at(5);
-    } else {
-      force += at(0);
-      torque += at(1);
-      dissipative_force += at(3);
-      dissipative_torque += at(4);
-    }
-  }
-  void prefetch_result(std::int32_t k) const {
-    const std::int32_t at = place_[static_cast<std::size_t>(k)];
-    if (at < 0) return;
-    const auto place = static_cast<std::size_t>(at);
-    const BallForces& forces = blocks_[place / kBallPairs]->forces;
-    for (std::size_t which = 0; which < BallForces::kFours; ++which) prefetch<1>(&forces.fours[which][4 * (place % kBallPairs)]);
-  }
+  /// Where a pair lies: 64 times its block plus its place there; or one of these.
+  static constexpr std::int32_t kOther = -1;  ///< not here: its result is that of the list
+  static constexpr std::int32_t kWaits = -2;  ///< not here, and without force: it comes here when it touches
+  std::int32_t place_of(std::int32_t k) const { return place_[static_cast<std::size_t>(k)]; }
+  /// What pairs in blocks do, in fours (BallForces).
+  const BallForces& forces_at(std::int32_t place) const { return blocks_[static_cast<std::size_t>(place) / kBallPairs]->forces; }
 
  private:
+  static std::size_t law_of(const LaneLaws& laws, const ParticleSet& p, std::int32_t a, std::int32_t b);
   bool append(std::size_t of, std::int32_t k, const LaneLaws& laws, const ParticleSet& p, const BodyPair& pair);
 
   bool filled_ = false;
@@ -105,7 +82,7 @@ class BallBlocks {
   std::vector<std::unique_ptr<BallBlock>> blocks_;  // more than are used
   std::size_t used_ = 0;
   std::array<std::vector<std::int32_t>, kPairClasses> of_class_, others_;
-  std::vector<std::int32_t> place_;  // of each pair of the list: 64 times its block plus its place there; -1
+  std::vector<std::int32_t> place_;  // of each pair of the list
 };
 
 }  // namespace scree

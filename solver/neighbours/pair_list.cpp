@@ -209,32 +209,15 @@ void PairList::sort_sides(const ParticleSet& p) {
 }
 
 void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
-  if (blocks_.are_filled())
-    sum<true>(gravity, p);
-  else
-    sum<false>(gravity, p);
-}
-
-template <bool kBlocks>
-void PairList::sum(const Vec3& gravity, ParticleSet& p) const {
+  if (blocks_.are_filled()) return sum_blocks(gravity, p);
   const auto last = static_cast<std::int32_t>(entry_.size()) - 1;
   for_each_awake_row(p, [&](std::size_t i) {
     Vec3 force, torque, dissipative_force, dissipative_torque;
     for (std::int32_t s = start_[i]; s < start_[i + 1]; ++s) {
       const std::int32_t entry = entry_[static_cast<std::size_t>(s)];
       const std::int32_t later = entry_[static_cast<std::size_t>(std::min(s + kAhead, last))];
-      const auto k = static_cast<std::size_t>(entry / 2);
-      if constexpr (kBlocks) {
-        blocks_.prefetch_result(later / 2);
-        if (blocks_.holds(entry / 2)) {
-          blocks_.add_to_body(entry / 2, entry % 2 != 0, force, torque, dissipative_force, dissipative_torque);
-          continue;
-        }
-        if (idle_[k].way >= 0) continue;  // apart
-      } else {
-        prefetch<sizeof(PairResult)>(&results_[static_cast<std::size_t>(later / 2)]);
-      }
-      const PairResult& r = results_[k];
+      prefetch<sizeof(PairResult)>(&results_[static_cast<std::size_t>(later / 2)]);
+      const PairResult& r = results_[static_cast<std::size_t>(entry / 2)];
       if (!r.active) continue;
       if (entry % 2 == 0) {
         force += r.force_a;
@@ -255,9 +238,84 @@ void PairList::sum(const Vec3& gravity, ParticleSet& p) const {
   });
 }
 
+/// The same sums in the same order. Of a body's entries those alone are met that may have a force, and which side of a pair the body is
+/// decides no branch: most of the time went into branches that were guessed wrong.
+void PairList::sum_blocks(const Vec3& gravity, ParticleSet& p) const {
+  constexpr std::size_t kBodiesAhead = 2;
+  for_each_awake_row(p, [&](std::size_t i) {
+    if (i + kBodiesAhead < p.owned) {
+      const std::int32_t* const later = &due_[static_cast<std::size_t>(start_[i + kBodiesAhead])];
+      for (std::int32_t n = 0; n < due_count_[i + kBodiesAhead]; ++n) {
+        if (later[n] < 0) continue;
+        const auto& fours = blocks_.forces_at(later[n] / 2).fours;
+        for (const auto& four : fours) prefetch<1>(&four[4 * (static_cast<std::size_t>(later[n] / 2) % kBallPairs)]);
+      }
+    }
+    std::array<std::array<double, 4>, 4> sum{};  // force, torque, and what is dissipative of them; the fourth numbers are nothing
+    const std::int32_t* const due = &due_[static_cast<std::size_t>(start_[i])];
+    for (std::int32_t n = 0; n < due_count_[i]; ++n) {
+      const bool in_block = due[n] >= 0;
+      const std::int32_t code = in_block ? due[n] : -1 - due[n];
+      const auto side = static_cast<std::size_t>(code % 2);
+      const double sign = 1 - 2 * static_cast<double>(side);
+      const double *force, *torque, *lost, *lost_torque;
+      if (in_block) {
+        const auto& fours = blocks_.forces_at(code / 2).fours;
+        const std::size_t at = 4 * (static_cast<std::size_t>(code / 2) % kBallPairs);
+        force = &fours[0][at];
+        torque = &fours[1 + side][at];
+        lost = &fours[3][at];
+        lost_torque = &fours[4 + side][at];
+      } else {
+        const PairResult& r = results_[static_cast<std::size_t>(code / 2)];
+        if (!r.active) continue;
+        force = &r.force_a.x;
+        torque = side == 0 ? &r.torque_a.x : &r.torque_b.x;
+        lost = &r.dissipative_force_a.x;
+        lost_torque = side == 0 ? &r.dissipative_torque_a.x : &r.dissipative_torque_b.x;
+      }
+      for (std::size_t j = 0; j < 4; ++j) {
+        sum[0][j] += sign * force[j];
+        sum[1][j] += torque[j];
+        sum[2][j] += sign * lost[j];
+        sum[3][j] += lost_torque[j];
+      }
+    }
+    const auto vector = [&sum](std::size_t which) { return Vec3{sum[which][0], sum[which][1], sum[which][2]}; };
+    p.force[i] = vector(0) + p.mass[i] * gravity;
+    p.torque[i] = vector(1);
+    p.dissipative_force[i] = vector(2);
+    p.dissipative_torque[i] = vector(3);
+  });
+}
+
 void PairList::fill_blocks(const SolverScene& scene, const ParticleSet& p) {
   if (blocks_.are_filled()) return;
   blocks_.fill(scene.ball_laws(), p, {inner_, outer_, duplicated_}, pairs_, idle_, results_);
+  due_.resize(entry_.size() + 1);  // so that there is an address past the last
+  due_count_.resize(start_.size() - 1);
+  const auto count = static_cast<std::ptrdiff_t>(due_count_.size());
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t i = 0; i < count; ++i) list_due(static_cast<std::size_t>(i));
+}
+
+void PairList::list_due(std::size_t row) {
+  std::int32_t* const due = &due_[static_cast<std::size_t>(start_[row])];
+  std::int32_t count = 0;
+  for (std::int32_t s = start_[row]; s < start_[row + 1]; ++s) {
+    const std::int32_t entry = entry_[static_cast<std::size_t>(s)], place = blocks_.place_of(entry / 2);
+    if (place == BallBlocks::kWaits) continue;
+    due[count++] = place >= 0 ? 2 * place + entry % 2 : -1 - entry;
+  }
+  due_count_[row] = count;
+}
+
+void PairList::add_to_blocks(PairClass which, std::span<const std::int32_t> begun, const SolverScene& scene, const ParticleSet& p) {
+  blocks_.add(which, begun, scene.ball_laws(), p, pairs_, results_);
+  for (const std::int32_t k : begun) {
+    for (const std::int32_t row : {idle_[static_cast<std::size_t>(k)].a, idle_[static_cast<std::size_t>(k)].b})
+      if (static_cast<std::size_t>(row) < p.owned) list_due(static_cast<std::size_t>(row));
+  }
 }
 
 void PairList::hold_apart(const std::function<bool(const PairKey&)>& which) {

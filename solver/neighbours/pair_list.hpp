@@ -58,6 +58,8 @@ class PairList {
   const BallBlocks& blocks() const { return blocks_; }
   /// Moves the pairs of balls in contact into blocks, unless they are there.   in   scene   with lane laws for balls
   void fill_blocks(const SolverScene& scene, const ParticleSet& p);
+  /// Adds pairs of a class that have waited and touch now.   in   begun   ascending
+  void add_to_blocks(PairClass which, std::span<const std::int32_t> begun, const SolverScene& scene, const ParticleSet& p);
   /// Writes back what lies in blocks, which then are empty.
   void write_back() const {
     if (blocks_.are_filled()) blocks_.write_back(pairs_, results_, idle_);
@@ -90,8 +92,8 @@ class PairList {
   void sort_sides(const ParticleSet& p);
   std::vector<std::int32_t>& list_of(const BodyPair& pair, const ParticleSet& p);
 
-  template <bool kBlocks>
-  void sum(const Vec3& gravity, ParticleSet& p) const;
+  void sum_blocks(const Vec3& gravity, ParticleSet& p) const;
+  void list_due(std::size_t row);
 
   // Whether a pair lies here or in a block is no part of what the list says: a reader finds all of it here (write_back()).
   mutable std::vector<BodyPair> pairs_;
@@ -103,6 +105,9 @@ class PairList {
   std::vector<std::int32_t> inner_, outer_, duplicated_, with_walls_;
   // row starts of each body's pairs, and (pair, side) entries in ascending partner order
   std::vector<std::int32_t> start_, entry_;
+  // of each body's entries those that may have a force while pairs lie in blocks, in the same order: their number, and from the same
+  // start twice the place in blocks plus the side, or -1 less the entry
+  std::vector<std::int32_t> due_count_, due_;
   MultilevelGrid grid_;
 };
 

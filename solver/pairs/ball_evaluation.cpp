@@ -24,11 +24,27 @@ BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   return w;
 }
 
+/// What pairs read of bodies [begin, end).
+void collect_rows(const ParticleSet& p, std::size_t begin, std::size_t end, std::vector<BallRow>& rows) {
+  rows.resize(p.size());
+  const auto first = static_cast<std::ptrdiff_t>(begin), last = static_cast<std::ptrdiff_t>(end);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t n = first; n < last; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    rows[i] = {p.x[i], p.ball_radius[i], p.v[i], p.inverse_mass[i], p.w[i], p.equivalent_radius[i], p.q[i]};
+  }
+}
+
 }  // namespace
 
 bool has_ball_way(const PairPass& pass) { return pass.scene.ball_laws().kind != LaneLawKind::none && pass.asks_for_forces_alone(); }
 
 BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.periodicity(), pass.scene.ball_laws()} {
+  if (pass.blocks) {
+    // ghosts are not here yet while the pairs of owned bodies are computed
+    collect_rows(pass.p, 0, *pass.blocks == PairClass::inner ? pass.p.owned : pass.p.size(), pass.scratch.ball_rows);
+    scene_.rows = pass.scratch.ball_rows.data();
+  }
   scene_.walls.reserve(scene_.laws.zones.size());
   for (const BallZone& z : scene_.laws.zones) {
     const WallZone& zone = pass.scene.zones()[static_cast<std::size_t>(z.zone)];
@@ -148,7 +164,7 @@ void BallEvaluation::hand_out() {
         left_.push_back(touching_.index[n]);
       continue;
     }
-    if (idle[k].way != kTouching && !touching_.pairs.with_walls) begun_.push_back(touching_.index[n]);
+    if (idle[k].way != kTouching) begun_.push_back(touching_.index[n]);
     idle[k].way = kTouching;
     PairResult& result = results[k];
     result.active = true;
@@ -216,6 +232,17 @@ void BallEvaluation::take_back() {
     if (!fits) block->springs.kept[n] = 0;
     block->state[n] = fits ? BallBlock::State::touches : BallBlock::State::general;
   }
+}
+
+std::vector<std::int32_t> BallEvaluation::begun_to_touch() const {
+  std::vector<std::int32_t> begun;
+  for (const std::vector<std::int32_t>* const some : {&begun_, &left_}) {
+    for (const std::int32_t k : *some) {
+      if (pass_.list.blocks().place_of(k) == BallBlocks::kWaits && pass_.list.stored_results()[static_cast<std::size_t>(k)].active)
+        begun.push_back(k);
+    }
+  }
+  return begun;
 }
 
 }  // namespace scree

@@ -70,8 +70,8 @@ class BallEvaluation {
 
   /// Pairs that were taken, and that the general path is to compute.
   const std::vector<std::int32_t>& left() const { return left_; }
-  /// Pairs of two balls that began to touch, and may go into blocks.
-  const std::vector<std::int32_t>& begun() const { return begun_; }
+  /// Pairs that have waited for their place in blocks and touch now, those of the general path too.
+  std::vector<std::int32_t> begun_to_touch() const;
   double largest_overlap() const { return largest_overlap_; }  ///< over the maximum overlap of its pair
   bool too_deep() const { return too_deep_; }
 
@@ -119,7 +119,7 @@ class BallEvaluation {
   alignas(64) std::array<double, kBallPairs> gap_;
   BallSprings springs_;
   BallForces forces_;
-  std::vector<std::int32_t> left_, begun_;
+  std::vector<std::int32_t> left_, begun_;  // begun_: touch, and did not in the last step
   std::vector<std::pair<BallBlock*, std::size_t>> left_of_blocks_;
   double largest_overlap_ = 0;
   bool too_deep_ = false;

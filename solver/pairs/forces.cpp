@@ -56,9 +56,10 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
       balls.take_back();
       overlap = balls.largest_overlap();
       too_deep = balls.too_deep();
-      if (pass.blocks && !balls.begun().empty()) {
+      if (pass.blocks) {
+        const std::vector<std::int32_t> mine = balls.begun_to_touch();
 #pragma omp critical
-        begun.insert(begun.end(), balls.begun().begin(), balls.begun().end());
+        begun.insert(begun.end(), mine.begin(), mine.end());
       }
     } else {
       shares.take_chunks(thread, [&](std::size_t begin, std::size_t end) {
@@ -75,7 +76,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   }
   if (!begun.empty()) {
     std::sort(begun.begin(), begun.end());
-    pass.list.blocks().add(*pass.blocks, begun, pass.scene.ball_laws(), pass.p, pass.list.stored_pairs(), pass.list.stored_results());
+    pass.list.add_to_blocks(*pass.blocks, begun, pass.scene, pass.p);
   }
   return {overlap, too_deep};
 }

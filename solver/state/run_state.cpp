@@ -103,6 +103,8 @@ void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, doub
     impulse[1].add(dt * on_wall.y);
     impulse[2].add(dt * on_wall.z);
     const WallState& state = s.walls[w];
+    // one that stands still does no work
+    if (state.velocity == Vec3{} && state.angular_velocity == Vec3{} && !s.scene.has_moving_surfaces()) continue;
     // torque on A about its centre turns into minus torque on the wall about any point, plus the lever
     const Vec3 lever = s.particles.x[static_cast<std::size_t>(pair.a)] - state.position;
     const Vec3 torque_wall = cross(lever, on_wall) - r.torque_a;

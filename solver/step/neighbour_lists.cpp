@@ -61,18 +61,30 @@ StepReport NeighbourLists::look(const RunState& s, bool rebuilt) {
     fastest = std::max(fastest, fastest_wall(s, next));
   }
   const double ask = ahead ? (1 - kSkinInHand) * limit : limit;
-  const double ahead_v = ahead ? kVelocityShare * dt : 0, ahead_a = ahead ? kAccelerationShare * dt : 0;
+  if (ahead) {
 #pragma omp parallel reduction(|| : beyond, soon) reduction(max : fastest)
-  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double moved = rebuilt ? 0.0 : length(p.x[i] - p.x_listed[i]), speed = length(p.v[i]);
-      const double gain = ahead_a * p.inverse_mass[i] * length(p.force[i]);
-      // written so that a NaN position counts as used up, and is then found by the guard
-      if (!(moved <= limit)) beyond = true;
-      if (!(moved + ahead_v * speed + dt * gain <= ask)) soon = true;
-      fastest = std::max({fastest, speed, gain});  // from rest, the acceleration tells what comes
-    }
-  });
+    for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const double moved = rebuilt ? 0.0 : length(p.x[i] - p.x_listed[i]), speed = length(p.v[i]);
+        const double gain = kAccelerationShare * dt * p.inverse_mass[i] * length(p.force[i]);
+        // written so that a NaN position counts as used up, and is then found by the guard
+        if (!(moved <= limit)) beyond = true;
+        if (!(moved + kVelocityShare * dt * speed + dt * gain <= ask)) soon = true;
+        fastest = std::max({fastest, speed, gain});  // from rest, the acceleration tells what comes
+      }
+    });
+  } else {  // one thing to know, and no root of each body for it
+    double squared = fastest * fastest;
+#pragma omp parallel reduction(|| : beyond) reduction(max : squared)
+    for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!rebuilt && !(squared_length(p.x[i] - p.x_listed[i]) <= limit * limit)) beyond = true;
+        squared = std::max(squared, squared_length(p.v[i]));
+      }
+    });
+    soon = soon || beyond;
+    fastest = std::sqrt(squared);
+  }
   StepReport report;
   const bool asked = std::exchange(rebuild_asked_, false);
   report.rebuild = beyond || soon || (asked && !rebuilt) ? 1 : 0;
