@@ -146,5 +146,66 @@ TEST(BallForces, leave_to_the_general_path_what_lanes_have_no_formula_for) {
   EXPECT_EQ(SolverScene(dense_heap()).ball_laws().kind, LaneLawKind::none) << "there are no balls";
 }
 
+/// What pairs in blocks were seen in.
+struct Seen {
+  std::size_t filled = 0, touching = 0, apart = 0;
+};
+
+void look_into(BallBlocks& blocks, Seen& seen) {
+  if (!blocks.are_filled()) return;
+  ++seen.filled;
+  for (std::size_t n = 0; n < blocks.count(PairClass::inner); ++n) {
+    const BallBlock& block = blocks.block(PairClass::inner, n);
+    for (std::size_t k = 0; k < block.pairs.count; ++k) {
+      seen.touching += block.state[k] == BallBlock::State::touches ? 1 : 0;
+      seen.apart += block.state[k] == BallBlock::State::apart ? 1 : 0;
+    }
+  }
+}
+
+// Whoever reads the list of pairs has those in blocks written back, and the next step takes them again.
+TEST(BallBlocks, may_be_written_back_after_any_step) {
+  Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, true);
+  for (MaterialPair& pair : scene.pairs) pair.rolling_friction = 0.05;
+  std::vector<std::string> hashes;
+  std::vector<std::unique_ptr<TestRun>> runs;
+  for (const int every : {1, 3, 7, 100000}) {
+    runs.push_back(std::make_unique<TestRun>(scene));
+    runs.back()->start();
+    Simulation& simulation = *runs.back()->simulation;
+    Seen seen;
+    for (int n = 1; n <= 1500; ++n) {
+      simulation.advance();
+      PairList& pairs = const_cast<PairList&>(simulation.state().pairs);
+      look_into(pairs.blocks(), seen);
+      if (n % every != 0) continue;
+      pairs.write_back();
+      EXPECT_FALSE(pairs.blocks().are_filled());
+    }
+    EXPECT_EQ(seen.filled, 1500u);
+    EXPECT_GT(seen.touching, 1000u);
+    if (every > 1) {
+      EXPECT_GT(seen.apart, 100u) << "pairs that have parted stay in their block";
+    }
+    hashes.push_back(state_hash(simulation.state()));
+    expect_same_bodies(runs[0]->simulation->state().particles, simulation.state().particles);
+  }
+  for (const std::string& hash : hashes) EXPECT_EQ(hash, hashes[0]);
+}
+
+TEST(BallBlocks, are_not_used_where_pairs_are_shown_or_bodies_sleep) {
+  for (const bool sleeps : {false, true}) {
+    Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, false);
+    if (sleeps)
+      scene.settings.sleep = true;
+    else
+      scene.settings.output_impacts = true;
+    TestRun run(scene);
+    run.start();
+    for (int n = 0; n < 20; ++n) run.simulation->advance();
+    EXPECT_FALSE(run.simulation->state().pairs.blocks().are_filled());
+  }
+}
+
 }  // namespace
 }  // namespace scree
