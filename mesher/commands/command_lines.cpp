@@ -105,14 +105,25 @@ MesherCommand describe_line(CLI::App& app) {
 
 MesherCommand generate_line(CLI::App& app) {
   auto options = std::make_shared<GenerateOptions>();
-  CLI::App* line = app.add_subcommand("generate", "Generate primitives, Platonic solids, hooks, rocks and crushed stones");
+  CLI::App* line = app.add_subcommand(
+      "generate", "Generate primitives, Platonic solids, tablets, lobes, cylinders with holes, hooks, rocks and crushed stones");
   line->add_option("SHAPE", options->what, "What to make")->required()->check(CLI::IsMember(generated_shapes()));
-  line->add_option("--radius", options->radius, "Of sphere, cylinder, capsule, cone (below) and torus (ring): \"5 mm\"");
-  line->add_option("--height", options->height, "Of cylinder, capsule (between the balls) and cone, along z");
+  line->add_option("--radius", options->radius,
+                   "Of sphere, cylinder, capsule, cone (below), torus (ring), tablet, hollow_cylinder and each lobe: \"5 mm\"");
+  line->add_option("--height", options->height,
+                   "Of cylinder, capsule (between the balls), cone, tablet (its band), hollow_cylinder and lobes, along z");
   line->add_option("--size", options->size,
                    "Box, ellipsoid, superellipsoid: \"x, y, z\"; hook, u: \"width, left leg, right leg\"; Platonic: edge");
   line->add_option("--tube-radius", options->tube_radius, "Of the torus and of the rod of hook and u");
   line->add_option("--upper-radius", options->upper_radius, "Of the cone; without it the cone has a tip");
+  line->add_option("--cup", options->cup, "Tablet: depth of each cap, at most the radius");
+  line->add_option("--bevel", options->bevel, "Tablet: width of a bevelled edge around flat faces; without it caps are round");
+  line->add_option("--inner-radius", options->inner_radius, "Hollow_cylinder: of the hole in the middle; with it alone a Raschig ring");
+  line->add_option("--holes", options->holes, "Hollow_cylinder: so many holes around the middle, at equal angles");
+  line->add_option("--hole-radius", options->hole_radius, "Hollow_cylinder: of each of these holes");
+  line->add_option("--hole-circle", options->hole_circle, "Hollow_cylinder: distance of their centres from the axis");
+  line->add_option("--lobes", options->lobes, "Lobes: their number, from 2");
+  line->add_option("--spread", options->spread, "Lobes: distance of their centres from the axis (default: the radius)");
   line->add_option("--rounding", options->rounding,
                    "Box, Platonic: radius of its edges and corners; --edge-length is then that of the rounding");
   line->add_option("--exponents", options->exponents, "Of the superellipsoid: \"e, n\", from 0.1 (a box) over 1 to 2");

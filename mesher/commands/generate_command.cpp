@@ -11,6 +11,7 @@
 #include "core/base/units.hpp"
 #include "mesher/commands/certificate.hpp"
 #include "mesher/edit/descriptors.hpp"
+#include "mesher/make/extruded.hpp"
 #include "mesher/make/generate.hpp"
 #include "mesher/make/primitives.hpp"
 #include "mesher/make/random_rock.hpp"
@@ -81,11 +82,15 @@ void refuse_others(const GenerateOptions& options) {
   sized.insert(sized.end(), platonic.begin(), platonic.end());
   std::vector<std::string> edged{"box"};
   edged.insert(edged.end(), platonic.begin(), platonic.end());
-  for (const Use& use : {Use{options.radius, "--radius", {"sphere", "cylinder", "capsule", "cone", "torus"}},
-                         Use{options.height, "--height", {"cylinder", "capsule", "cone"}}, Use{options.size, "--size", sized},
-                         Use{options.tube_radius, "--tube-radius", {"torus", "hook", "u"}},
-                         Use{options.upper_radius, "--upper-radius", {"cone"}}, Use{options.exponents, "--exponents", {"superellipsoid"}},
-                         Use{options.rounding, "--rounding", edged}, Use{options.diameter, "--diameter", {"rock", "stone"}}}) {
+  for (const Use& use :
+       {Use{options.radius, "--radius", {"sphere", "cylinder", "capsule", "cone", "torus", "tablet", "hollow_cylinder", "lobes"}},
+        Use{options.height, "--height", {"cylinder", "capsule", "cone", "tablet", "hollow_cylinder", "lobes"}},
+        Use{options.cup, "--cup", {"tablet"}}, Use{options.bevel, "--bevel", {"tablet"}},
+        Use{options.inner_radius, "--inner-radius", {"hollow_cylinder"}}, Use{options.hole_radius, "--hole-radius", {"hollow_cylinder"}},
+        Use{options.hole_circle, "--hole-circle", {"hollow_cylinder"}}, Use{options.spread, "--spread", {"lobes"}},
+        Use{options.size, "--size", sized}, Use{options.tube_radius, "--tube-radius", {"torus", "hook", "u"}},
+        Use{options.upper_radius, "--upper-radius", {"cone"}}, Use{options.exponents, "--exponents", {"superellipsoid"}},
+        Use{options.rounding, "--rounding", edged}, Use{options.diameter, "--diameter", {"rock", "stone"}}}) {
     if (!use.value.empty() && !is_one_of(options.what, use.shapes))
       throw UsageError("generate {}: {} has no meaning for it", options.what, use.option);
   }
@@ -94,6 +99,8 @@ void refuse_others(const GenerateOptions& options) {
     throw UsageError("generate {}: --edge-length has no meaning for it", options.what);
   if (!is_random && (options.count != 1 || options.triangles != 0))
     throw UsageError("generate {}: --count and --triangles are for rock and stone", options.what);
+  if (options.holes != 0 && options.what != "hollow_cylinder") throw UsageError("generate {}: --holes has no meaning for it", options.what);
+  if (options.lobes != 0 && options.what != "lobes") throw UsageError("generate {}: --lobes has no meaning for it", options.what);
   if (options.triangles < 0 || options.count < 1)
     throw UsageError("generate {}: --triangles {} and --count {}: expected numbers of at least 1", options.what, options.triangles,
                      options.count);
@@ -129,6 +136,51 @@ TriangleMesh rounded_as_asked(const TriangleMesh& solid, const GenerateOptions& 
   return rounded(solid, radius, edge_length);
 }
 
+TriangleMesh make_tablet(const GenerateOptions& options, double radius, double height, double edge_length) {
+  const double cup = positive_length(options.cup, "--cup");
+  if (cup > radius) throw UsageError("--cup {}: a cap deeper than the radius {}; expected at most that", options.cup, options.radius);
+  const double bevel = options.bevel.empty() ? 0 : positive_length(options.bevel, "--bevel");
+  if (!(bevel < radius))
+    throw UsageError("--bevel {}: no flat face is left; expected less than the radius {}", options.bevel, options.radius);
+  const double arc = 2 * std::atan2(cup, radius) * 0.5 * (radius * radius + cup * cup) / cup;
+  return tablet(radius, height, cup, bevel, sectors_for(radius, edge_length),
+                std::max(2, static_cast<int>(std::lround(arc / edge_length))));
+}
+
+TriangleMesh make_hollow_cylinder(const GenerateOptions& options, double radius, double height, double edge_length) {
+  constexpr int kMostHoles = 100;
+  Drilled disc{radius, options.inner_radius.empty() ? 0 : positive_length(options.inner_radius, "--inner-radius"), options.holes, 0, 0};
+  if (options.inner_radius.empty() && options.holes == 0)
+    throw UsageError("generate hollow_cylinder: no hole; give --inner-radius for one in the middle, --holes for others around it");
+  if (options.holes != 0 && (options.holes < 2 || options.holes > kMostHoles))
+    throw UsageError("--holes {}: expected from 2 to {}; for one in the middle, give --inner-radius", options.holes, kMostHoles);
+  if (options.holes == 0 && !(options.hole_radius.empty() && options.hole_circle.empty()))
+    throw UsageError("--hole-radius and --hole-circle are of holes around the middle: give their number with --holes");
+  if (options.holes != 0) {
+    disc.hole_radius = positive_length(options.hole_radius, "--hole-radius");
+    disc.circle = options.hole_circle.empty() ? 0.5 * (disc.radius + disc.inner) : positive_length(options.hole_circle, "--hole-circle");
+  }
+  if (const std::string fault = fault_of(disc); !fault.empty()) {
+    throw UsageError("generate hollow_cylinder: {}: radius {:g} m, inner radius {:g} m, {} holes of radius {:g} m at {:g} m from the axis",
+                     fault, disc.radius, disc.inner, disc.holes, disc.hole_radius, disc.circle);
+  }
+  int sectors = sectors_for(radius, edge_length);
+  if (disc.holes != 0) sectors = disc.holes * ((sectors + disc.holes - 1) / disc.holes);
+  return extruded(drilled(disc, sectors, disc.holes == 0 ? 0 : sectors_for(disc.hole_radius, edge_length)), height);
+}
+
+TriangleMesh make_lobes(const GenerateOptions& options, double radius, double height, double edge_length) {
+  constexpr int kMostLobes = 100;
+  if (options.lobes < 2 || options.lobes > kMostLobes) throw UsageError("--lobes {}: expected from 2 to {}", options.lobes, kMostLobes);
+  const double spread = options.spread.empty() ? radius : positive_length(options.spread, "--spread");
+  if (!(radius > spread * std::sin(kPi / options.lobes))) {
+    throw UsageError("--spread {}: {} lobes of radius {} do not overlap their neighbours; expected less than {:g} m", options.spread,
+                     options.lobes, options.radius, radius / std::sin(kPi / options.lobes));
+  }
+  // the arc that is left of a circle is at most all of it
+  return extruded(lobes(options.lobes, radius, spread, sectors_for(radius, edge_length) / 2), height);
+}
+
 TriangleMesh make_mesh(const GenerateOptions& options) {
   const std::string& what = options.what;
   const auto radius = [&] { return positive_length(options.radius, "--radius"); };
@@ -160,6 +212,11 @@ TriangleMesh make_mesh(const GenerateOptions& options) {
     const double r = radius();
     const double upper = options.upper_radius.empty() ? 0 : positive_length(options.upper_radius, "--upper-radius");
     return cone(r, upper, height(), sectors_for(r, edge_length(kEdgePerRadius * r, 4 * kPi * r * r)));
+  }
+  if (what == "tablet" || what == "hollow_cylinder" || what == "lobes") {
+    const double r = radius(), h = height(), l = edge_length(kEdgePerRadius * r, 4 * kPi * r * (r + h));
+    if (what == "tablet") return make_tablet(options, r, h, l);
+    return what == "lobes" ? make_lobes(options, r, h, l) : make_hollow_cylinder(options, r, h, l);
   }
   if (what == "torus") {
     const double ring = radius(), tube = positive_length(options.tube_radius, "--tube-radius");
@@ -222,8 +279,9 @@ std::vector<NamedMesh> make_family(const GenerateOptions& options, const std::st
 
 const std::vector<std::string>& generated_shapes() {
   static const std::vector<std::string> names{
-      "sphere", "box",        "cylinder",     "capsule",     "cone", "torus", "ellipsoid", "superellipsoid", "tetrahedron",
-      "cube",   "octahedron", "dodecahedron", "icosahedron", "hook", "u",     "rock",      "stone"};
+      "sphere",          "box",         "cylinder", "capsule",    "cone",         "torus",       "ellipsoid",
+      "superellipsoid",  "tetrahedron", "cube",     "octahedron", "dodecahedron", "icosahedron", "tablet",
+      "hollow_cylinder", "lobes",       "hook",     "u",          "rock",         "stone"};
   return names;
 }
 
@@ -266,11 +324,15 @@ CommandResult generate_command(const GenerateOptions& options, const std::vector
                      shape.mass.volume);
   }
   Provenance provenance = shape_provenance(
-      command, fmt::format("generate {} radius={} height={} size={} edge-length={} tube-radius={} upper-radius={} "
-                           "exponents={} rounding={} diameter={} elongation={} flatness={} roughness={} triangles={} count={} analytic={}",
-                           options.what, options.radius, options.height, options.size, options.edge_length, options.tube_radius,
-                           options.upper_radius, options.exponents, options.rounding, options.diameter, options.elongation,
-                           options.flatness, options.roughness, options.triangles, options.count, options.analytic));
+      command,
+      fmt::format(
+          "generate {} radius={} height={} size={} edge-length={} tube-radius={} upper-radius={} "
+          "exponents={} rounding={} diameter={} elongation={} flatness={} roughness={} triangles={} count={} analytic={} cup={} bevel={} "
+          "inner-radius={} holes={} hole-radius={} hole-circle={} lobes={} spread={}",
+          options.what, options.radius, options.height, options.size, options.edge_length, options.tube_radius, options.upper_radius,
+          options.exponents, options.rounding, options.diameter, options.elongation, options.flatness, options.roughness, options.triangles,
+          options.count, options.analytic, options.cup, options.bevel, options.inner_radius, options.holes, options.hole_radius,
+          options.hole_circle, options.lobes, options.spread));
   provenance.seed = options.seed;
   write_shape_file(options.output, shapes, provenance_record(provenance));
   result.output += report + fmt::format("wrote {}\n", options.output);

@@ -150,6 +150,25 @@ TriangleMesh cone(double lower, double upper, double height, int sectors) {
   return revolved({{lower, -0.5 * height}, {upper, 0.5 * height}}, sectors);
 }
 
+TriangleMesh tablet(double radius, double height, double cup, double bevel, int sectors, int rings) {
+  std::vector<std::array<double, 2>> cap;  // of the upper half, from its middle to the band
+  if (bevel > 0) {
+    cap = {{radius - bevel, 0.5 * height + cup}, {radius, 0.5 * height}};
+  } else {
+    const double sphere = 0.5 * (radius * radius + cup * cup) / cup, centre = 0.5 * height + cup - sphere;
+    const double end = 2 * std::atan2(cup, radius);  // of the arc, from the axis
+    for (int i = 0; i < rings; ++i) {
+      const double a = end * i / rings;
+      cap.push_back({i == 0 ? 0 : sphere * std::sin(a), centre + sphere * std::cos(a)});
+    }
+    cap.push_back({radius, 0.5 * height});
+  }
+  std::vector<std::array<double, 2>> profile;
+  for (const auto& [r, z] : cap) profile.push_back({r, -z});
+  for (auto point = cap.rbegin(); point != cap.rend(); ++point) profile.push_back(*point);
+  return revolved(profile, sectors);
+}
+
 TriangleMesh rod(const std::vector<Vec3>& path, double radius, int sectors) {
   TriangleMesh mesh;
   // a frame carried along the path without twist

@@ -34,6 +34,11 @@ TriangleMesh capsule(double radius, double height, int sectors);
 /// Cone along z from radius `lower` to radius `upper` (0: a tip), its centre of height at the origin.
 TriangleMesh cone(double lower, double upper, double height, int sectors);
 
+/// Tablet along z: a band of `height` between two equal caps of depth `cup`. Without a bevel the caps are parts of a sphere (biconvex:
+/// volume pi radius^2 height + pi cup (3 radius^2 + cup^2) / 3); with one, `bevel` wide, they are flat with a bevelled edge (volume of two
+/// frustums). Needs cup <= radius and bevel < radius. `rings` of the round part of a cap.
+TriangleMesh tablet(double radius, double height, double cup, double bevel, int sectors, int rings);
+
 /// A round rod along a path of points, closed by flat ends: hooks, staples, U. Neighbouring pieces must not turn by more
 /// than a right angle, and bends must be wider than the rod.
 TriangleMesh rod(const std::vector<Vec3>& path, double radius, int sectors);

@@ -503,6 +503,48 @@ TEST_F(Mesher, wrong_sizes_are_refused_with_exit_2) {
   expect_nothing_written();
 }
 
+TEST_F(Mesher, pressed_shapes_say_what_is_wrong_with_their_sizes) {
+  struct Case {
+    const char* arguments;
+    const char* says;
+  };
+  for (const Case& c :
+       {Case{"tablet --radius 4mm --height 3mm", "--cup is missing"},
+        {"tablet --radius 4mm --height 3mm --cup 5mm", "a cap deeper than the radius"},
+        {"tablet --radius 4mm --height 3mm --cup 1mm --bevel 4mm", "no flat face is left"},
+        {"tablet --radius 4mm --height 3mm --cup 1mm --holes 3", "--holes has no meaning"},
+        {"hollow_cylinder --radius 5mm --height 1cm", "no hole"},
+        {"hollow_cylinder --radius 5mm --height 1cm --inner-radius 6mm", "reaches the rim"},
+        {"hollow_cylinder --radius 5mm --height 1cm --holes 1 --hole-radius 1mm", "from 2 to 100"},
+        {"hollow_cylinder --radius 5mm --height 1cm --holes 6 --hole-radius 2mm", "the holes meet each other"},
+        {"hollow_cylinder --radius 5mm --height 1cm --inner-radius 1mm --hole-radius 1mm", "give their number with --holes"},
+        {"lobes --radius 1mm --height 5mm", "--lobes 0: expected from 2"},
+        {"lobes --radius 1mm --height 5mm --lobes 4 --spread 2mm", "do not overlap"},
+        {"box --size 1,1,1 --spread 1", "--spread has no meaning"}}) {
+    const ToolRun result = run("generate " + std::string(c.arguments) + " -o x.shape.h5");
+    EXPECT_EQ(result.code, 2) << c.arguments;
+    EXPECT_SAYS(result.errors, c.says);
+  }
+  expect_nothing_written();
+}
+
+TEST_F(Mesher, pressed_shapes_are_solids_near_their_closed_forms) {
+  struct Case {
+    const char* arguments;
+    double volume;
+  };
+  const double pi = std::numbers::pi;
+  for (const Case& c : {Case{"tablet --radius 5mm --height 3mm --cup 1mm", pi * (25e-9 * 3 + 1e-9 * (75 + 1) / 3)},
+                        {"hollow_cylinder --radius 5mm --height 1cm --inner-radius 4mm", pi * 9e-6 * 1e-2},
+                        {"hollow_cylinder --radius 8mm --height 1cm --inner-radius 2mm --holes 6 --hole-radius 1.5mm",
+                         pi * (64e-6 - 4e-6 - 6 * 2.25e-6) * 1e-2},
+                        {"lobes --lobes 2 --radius 1mm --spread 0.9mm --height 5mm",  // two discs less their lens
+                         (2 * pi - 2 * std::acos(0.9) + 1.8 * std::sqrt(0.19)) * 1e-6 * 5e-3}}) {
+    ASSERT_EQ(run("generate " + std::string(c.arguments) + " --edge-length 0.1mm -o x.shape.h5").code, 0) << c.arguments;
+    EXPECT_NEAR(shapes("x.shape.h5")[0].mass.volume / c.volume, 1, 3e-3) << c.arguments;
+  }
+}
+
 TEST_F(Mesher, info_shows_every_shape_and_where_it_comes_from) {
   ASSERT_EQ(run("generate box --size 3,2,1 --name brick -o x.shape.h5").code, 0);
   const ToolRun result = run("info x.shape.h5");

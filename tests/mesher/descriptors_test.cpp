@@ -1,13 +1,16 @@
 // Descriptors, hulls and generated shapes against closed forms.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "core/base/error.hpp"
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/edit/convex_hull.hpp"
 #include "mesher/edit/descriptors.hpp"
+#include "mesher/make/extruded.hpp"
 #include "mesher/make/primitives.hpp"
 #include "mesher/make/random_rock.hpp"
 #include "tests/support/shapes.hpp"
@@ -185,6 +188,92 @@ TEST(Primitives, capsule_cone_and_ellipsoid_tend_to_their_volumes) {
   // (cos^e, sin^e) with exponents 0.5: V = 2 a b c e n B(n/2 + 1, n) B(e/2, e/2) (Barr 1981)
   const double e = 0.5, n = 0.5;
   expect_volume(superellipsoid({1, 1, 1}, e, n, 5), 2 * e * n * std::beta(n / 2 + 1, n) * std::beta(e / 2, e / 2), 6e-3);
+}
+
+/// Of a regular polygon with corners on a circle of radius 1.
+double area_of_polygon(int corners) { return 0.5 * corners * std::sin(2 * kPi / corners); }
+
+TEST(Primitives, tablets_have_the_volumes_of_their_caps_and_their_band) {
+  // flat faces with a bevel: a prism between two frustums, exact for the polygon
+  MeshCheck check = check_mesh(tablet(5, 3, 1, 2, 24, 0));
+  EXPECT_TRUE(check.is_solid());
+  const double frustums = 2 * (25 + 5 * 3 + 9) / 3.0;  // 2 h (R^2 + R r + r^2) / 3, h = 1
+  EXPECT_NEAR(check.mass.volume, area_of_polygon(24) * (3 * 25 + frustums), 1e-11);
+  // round caps: the error falls with the square of the edges, to those of a ball where the caps are half balls
+  for (const double cup : {0.5, 2.0, 5.0}) {
+    const double volume = kPi * 25 * 3 + kPi * cup * (3 * 25 + cup * cup) / 3;
+    double error[2];
+    for (int k = 0; k < 2; ++k) {
+      const int n = k == 0 ? 32 : 64;
+      check = check_mesh(tablet(5, 3, cup, 0, n, n / 4));
+      EXPECT_TRUE(check.is_solid());
+      error[k] = 1 - check.mass.volume / volume;
+      EXPECT_GT(error[k], 0) << "vertices lie on the tablet";
+    }
+    EXPECT_LT(error[1], 3e-3) << cup;
+    EXPECT_NEAR(error[0] / error[1], 4, 0.1) << cup;
+  }
+}
+
+TEST(Extruded, cylinders_with_holes_have_the_volume_of_their_polygons) {
+  struct Form {
+    Drilled disc;
+    int sectors, hole_sectors;
+  };
+  for (const Form& f :
+       {Form{{5, 2, 0, 0, 0}, 16, 0}, Form{{5, 0, 2, 1, 2.5}, 16, 12}, Form{{5, 0, 3, 1.2, 2.6}, 24, 9}, Form{{5, 1, 4, 0.9, 3}, 32, 16},
+        Form{{5, 1.2, 6, 0.8, 3.2}, 36, 8}, Form{{5, 0, 19, 0.3, 4}, 38, 8}, Form{{5, 0, 5, 1.4, 2.5}, 10, 40}}) {
+    SCOPED_TRACE(fmt::format("{} holes, inner {}", f.disc.holes, f.disc.inner));
+    ASSERT_STREQ(fault_of(f.disc), "");
+    const TriangleMesh mesh = extruded(drilled(f.disc, f.sectors, f.hole_sectors), 7);
+    const MeshCheck check = check_mesh(mesh);
+    EXPECT_TRUE(check.is_solid());
+    const auto area = [](double r, int n) { return n > 0 ? r * r * area_of_polygon(n) : 0.0; };
+    const double expected =
+        7 * (area(f.disc.radius, f.sectors) - area(f.disc.inner, f.sectors) - f.disc.holes * area(f.disc.hole_radius, f.hole_sectors));
+    EXPECT_NEAR(check.mass.volume, expected, 1e-11);
+    // Euler's number of a body with g holes through it is 2 - 2 g
+    EXPECT_EQ(mesh.vertex_count() - mesh.triangle_count() / 2, 2 - 2 * (f.disc.holes + (f.disc.inner > 0 ? 1 : 0)));
+  }
+}
+
+TEST(Extruded, discs_whose_holes_meet_are_refused) {
+  EXPECT_STRNE(fault_of({5, 5, 0, 0, 0}), "");
+  EXPECT_STRNE(fault_of({5, 0, 3, 1, 4}), "") << "the rim";
+  EXPECT_STRNE(fault_of({5, 0, 3, 1, 1}), "") << "the middle";
+  EXPECT_STRNE(fault_of({5, 2, 3, 1, 3}), "") << "the hole in the middle";
+  EXPECT_STRNE(fault_of({5, 0, 8, 1, 2.5}), "") << "each other";
+  EXPECT_STRNE(fault_of({5, 1.8, 3, 0.5, 3}), "") << "not all of the middle is seen";
+}
+
+TEST(Extruded, lobes_have_the_area_of_their_union) {
+  // two discs: twice their area less that of the lens between them
+  const double r = 1.2, d = 0.9, lens = 2 * r * r * std::acos(d / r) - 2 * d * std::sqrt(r * r - d * d);
+  EXPECT_NEAR(area_of_lobes(2, r, d), 2 * kPi * r * r - lens, 1e-12);
+  for (const auto& [count, radius, spread] : {std::tuple(2, 1.2, 0.9), {3, 1.0, 1.0}, {3, 1.0, 1.15}, {4, 1.0, 0.8}, {6, 1.0, 1.9}}) {
+    SCOPED_TRACE(fmt::format("{} lobes of {} at {}", count, radius, spread));
+    double error[2];
+    for (int k = 0; k < 2; ++k) {
+      const MeshCheck check = check_mesh(extruded(lobes(count, radius, spread, k == 0 ? 24 : 48), 3));
+      EXPECT_TRUE(check.is_solid());
+      error[k] = 1 - check.mass.volume / (3 * area_of_lobes(count, radius, spread));
+    }
+    EXPECT_GT(error[0], 0);
+    EXPECT_LT(error[1], 2e-3);
+    EXPECT_NEAR(error[0] / error[1], 4, 0.1);
+    // how many of many points lie in any disc: another way to the area
+    int inside = 0;
+    constexpr int kAcross = 1000;
+    const double reach = radius + spread;
+    for (int i = 0; i < kAcross * kAcross; ++i) {
+      const double x = reach * (2.0 * (i % kAcross + 0.5) / kAcross - 1), y = reach * (2.0 * (i / kAcross + 0.5) / kAcross - 1);
+      bool in = false;
+      for (int lobe = 0; lobe < count && !in; ++lobe)
+        in = std::hypot(x - spread * std::cos(2 * kPi * lobe / count), y - spread * std::sin(2 * kPi * lobe / count)) < radius;
+      inside += in ? 1 : 0;
+    }
+    EXPECT_NEAR(area_of_lobes(count, radius, spread) / (4 * reach * reach * inside / kAcross / kAcross), 1, 1e-3);
+  }
 }
 
 TEST(Primitives, a_straight_rod_is_a_prism_and_a_u_follows_its_path) {

@@ -1,0 +1,46 @@
+// Solids of constant cross-section along z: lobes and cylinders with holes, as catalysts and packings are pressed or extruded.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.hpp"
+
+namespace scree {
+
+/// A cross-section in the plane, in triangles. Lengths in metres.
+struct CrossSection {
+  std::vector<std::array<double, 2>> points;
+  std::vector<std::array<std::int32_t, 3>> triangles;  ///< counter-clockwise
+  std::vector<std::vector<std::int32_t>> loops;        ///< borders, the solid to their left: the outer one counter-clockwise
+};
+
+/// The solid of this cross-section, from -height / 2 to height / 2, with flat ends.
+TriangleMesh extruded(const CrossSection& section, double height);
+
+/// The union of `count` discs of `radius` whose centres lie `spread` from the axis, at equal angles: trilobes, quadrilobes. Each lobe has
+/// `steps` edges, with vertices on its circle. Needs count >= 2 and radius > spread sin(pi / count), so that neighbours overlap.
+CrossSection lobes(int count, double radius, double spread, int steps);
+
+/// Area of the union itself [m^2]: count (spread^2 sin(2 t) / 2 + radius^2 t + s sqrt(radius^2 - s^2) + radius^2 asin(s / radius)) with
+/// t = pi / count and s = spread sin(t), the integral of half the squared distance of the border from the axis.
+double area_of_lobes(int count, double radius, double spread);
+
+/// A disc with holes.
+struct Drilled {
+  double radius = 0;       ///< of the disc [m]
+  double inner = 0;        ///< of the hole in the middle [m]; 0: none
+  int holes = 0;           ///< around it, at equal angles; 0, or at least 2
+  double hole_radius = 0;  ///< of each of them [m]
+  double circle = 0;       ///< distance of their centres from the axis [m]
+};
+
+/// Why there is no such disc: holes that meet each other, the middle or the rim. Empty: there is one.
+const char* fault_of(const Drilled& disc);
+
+/// The disc in triangles: circles are polygons with vertices on them, `sectors` of the rim and of the hole in the middle, a multiple of the
+/// number of holes, and `hole_sectors` of each hole.
+CrossSection drilled(const Drilled& disc, int sectors, int hole_sectors);
+
+}  // namespace scree
