@@ -177,8 +177,8 @@ TriangleMesh make_lobes(const GenerateOptions& options, double radius, double he
     throw UsageError("--spread {}: {} lobes of radius {} do not overlap their neighbours; expected less than {:g} m", options.spread,
                      options.lobes, options.radius, radius / std::sin(kPi / options.lobes));
   }
-  // the arc that is left of a circle is at most all of it
-  return extruded(lobes(options.lobes, radius, spread, sectors_for(radius, edge_length) / 2), height);
+  const double arc = arc_of_lobe(options.lobes, radius, spread);
+  return extruded(lobes(options.lobes, radius, spread, std::max(4, static_cast<int>(std::lround(arc / edge_length)))), height);
 }
 
 TriangleMesh make_mesh(const GenerateOptions& options) {

@@ -73,12 +73,23 @@ TriangleMesh extruded(const CrossSection& section, double height) {
   return mesh;
 }
 
-CrossSection lobes(int count, double radius, double spread, int steps) {
-  CrossSection section;
-  // of a lobe about the x axis: the border meets that of the next at the angle pi / count, seen from the axis
+namespace {
+
+/// Of a lobe about the x axis: the angle, seen from the middle of its circle, at which its border meets that of the next. The two meet at
+/// the angle pi / count, seen from the axis.
+double end_of_lobe(int count, double radius, double spread) {
   const double half = kPi / count, s = spread * std::sin(half);
   const double reach = spread * std::cos(half) + std::sqrt(radius * radius - s * s);
-  const double end = std::atan2(reach * std::sin(half), reach * std::cos(half) - spread);
+  return std::atan2(reach * std::sin(half), reach * std::cos(half) - spread);
+}
+
+}  // namespace
+
+double arc_of_lobe(int count, double radius, double spread) { return 2 * radius * end_of_lobe(count, radius, spread); }
+
+CrossSection lobes(int count, double radius, double spread, int steps) {
+  CrossSection section;
+  const double half = kPi / count, end = end_of_lobe(count, radius, spread);
   std::vector<std::int32_t> border;
   for (int lobe = 0; lobe < count; ++lobe) {
     const double middle = 2 * half * lobe;

@@ -19,11 +19,15 @@ struct CrossSection {
 /// The solid of this cross-section, from -height / 2 to height / 2, with flat ends.
 TriangleMesh extruded(const CrossSection& section, double height);
 
-/// The union of `count` discs of `radius` whose centres lie `spread` from the axis, at equal angles: trilobes, quadrilobes. Each lobe has
-/// `steps` edges, with vertices on its circle. Needs count >= 2 and radius > spread sin(pi / count), so that neighbours overlap.
+/// The union of `count` discs of `radius` whose centres lie `spread` from the axis, at equal angles: trilobes, quadrilobes. A gap in the
+/// middle, which discs leave open where spread > radius and count > 2, is filled. Each lobe has `steps` edges, with vertices on its circle.
+/// Needs count >= 2 and radius > spread sin(pi / count), so that neighbours overlap.
 CrossSection lobes(int count, double radius, double spread, int steps);
 
-/// Area of the union itself [m^2]: count (spread^2 sin(2 t) / 2 + radius^2 t + s sqrt(radius^2 - s^2) + radius^2 asin(s / radius)) with
+/// Length of the border of one lobe [m].
+double arc_of_lobe(int count, double radius, double spread);
+
+/// Area of the union with its gap filled [m^2]: count (spread^2 sin(2 t) / 2 + radius^2 t + s sqrt(radius^2 - s^2) + radius^2 asin(s / radius)) with
 /// t = pi / count and s = spread sin(t), the integral of half the squared distance of the border from the axis.
 double area_of_lobes(int count, double radius, double spread);
 
