@@ -68,6 +68,22 @@ void view_own_margins(const SolverScene& scene, PairView& view) {
 
 }  // namespace
 
+bool is_ball_contact(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone) {
+  const LaneLaws& laws = scene.ball_laws();
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  if (laws.kind == LaneLawKind::none || !(p.ball_radius[i] > 0)) return false;
+  std::int32_t other = 0;
+  if (b >= 0) {
+    if (!(p.ball_radius[j] > 0)) return false;
+    other = p.material[j];
+  } else {
+    const std::int32_t row = laws.row_of_zone[static_cast<std::size_t>(zone)];
+    if (row < 0) return false;
+    other = laws.zones[static_cast<std::size_t>(row)].material;
+  }
+  return laws.holds[laws.row(p.material[i], other)] != 0;
+}
+
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,
                  std::int32_t zone) {
   PairView view;
@@ -78,6 +94,10 @@ PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vect
     view_body(scene, p, i, static_cast<std::size_t>(b), view);
   else
     view_wall(scene, walls, zone, view);
+  if (is_ball_contact(scene, p, a, b, zone)) {
+    view.a.q = {};
+    if (b >= 0) view.b.q = {};
+  }
   view.geometry = geometry_of(view);
   if (scene.margins_by_size()) {
     view_own_margins(scene, view);

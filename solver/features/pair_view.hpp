@@ -37,10 +37,15 @@ struct PairView {
   bool has_mesh() const { return geometry == PairGeometry::sphere_mesh || geometry == PairGeometry::two_meshes; }
 };
 
+/// Whether a pair is of two balls, or of a ball and a plane or cylinder, with a law that lanes have: by the scene and its bodies alone,
+/// never by the step. Its force is that of laws/ball-inl.hpp, and its springs are in world axes.
+bool is_ball_contact(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone);
+
 /// See find_minima(): of two meshes [m].
 inline double sharing_of_vertices(const PairView& view) { return kSharingOfVertices * view.margin; }
 
 /// in   a, b   rows of the particle set; b is -1 for a wall     in  zone  index into SolverScene::zones(), -1 for two bodies
+/// Of a ball contact, balls are seen as if they had not turned: the frame of A has the axes of the world.
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,
                  std::int32_t zone);
 

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -73,37 +74,53 @@ class Rows {
   hn::Vec<Integers> row_, three_, four_;
 };
 
-/// Four numbers of rows of bodies, one row in each lane: column[j] has the number `first` + j of each.
-/// A gather costs as much as four of these shuffles, or more.
-HWY_INLINE void load_quarters(const BallRow* rows, const std::int64_t* index, std::size_t first, Lane* column) {
+enum class Of : std::uint8_t { difference, sum, one };
+
+template <Of kOf, class Numbers>
+HWY_INLINE Numbers combined(Numbers of_a, Numbers of_b) {
+  if constexpr (kOf == Of::difference) return of_a - of_b;
+  if constexpr (kOf == Of::sum) return of_a + of_b;
+  return of_a;
+}
+
+/// Four numbers of A's rows less those of B's, their sums, or A's alone, a pair in each lane: column[j] has the number `first` + j.
+/// A gather costs as much as four of these shuffles, or more; sums are made first, so that half of the shuffles suffice.
+template <Of kOf>
+HWY_INLINE void load_quarters(const BallRow* rows, const std::int64_t* a, const std::int64_t* b, std::size_t first, Lane* column) {
   static_assert(sizeof(BallRow) == 16 * sizeof(double));
-  const auto at = [=](std::size_t lane) { return &rows[index[lane]].x.x + first; };
+  const auto at = [=](const std::int64_t* index, std::size_t lane) { return &rows[index[lane]].x.x + first; };
 #if HWY_TARGET == HWY_SCALAR
-  for (std::size_t j = 0; j < 4; ++j) column[j] = Lane(at(0)[j]);
+  for (std::size_t j = 0; j < 4; ++j) column[j] = combined<kOf>(Lane(at(a, 0)[j]), Lane(at(b, 0)[j]));
 #elif HWY_TARGET <= HWY_AVX3
   // a half of 256 bits is loaded into its place, which takes no shuffle: two stages are left
-  const auto halves = [&](std::size_t lane) {
-    return _mm512_mask_broadcast_f64x4(_mm512_castpd256_pd512(_mm256_load_pd(at(lane))), 0xf0, _mm256_load_pd(at(lane + 2)));
+  const auto halves_of = [&](const std::int64_t* index, std::size_t lane) {
+    return _mm512_mask_broadcast_f64x4(_mm512_castpd256_pd512(_mm256_load_pd(at(index, lane))), 0xf0, _mm256_load_pd(at(index, lane + 2)));
   };
-  const __m512d a = halves(0), b = halves(1), c = halves(4), d = halves(5);
-  const __m512d lower0 = _mm512_unpacklo_pd(a, b), lower1 = _mm512_unpacklo_pd(c, d), upper0 = _mm512_unpackhi_pd(a, b),
-                upper1 = _mm512_unpackhi_pd(c, d);
+  const auto halves = [&](std::size_t lane) {
+    return combined<kOf>(halves_of(a, lane), kOf == Of::one ? _mm512_setzero_pd() : halves_of(b, lane));
+  };
+  const __m512d p = halves(0), q = halves(1), r = halves(4), s = halves(5);
+  const __m512d lower0 = _mm512_unpacklo_pd(p, q), lower1 = _mm512_unpacklo_pd(r, s), upper0 = _mm512_unpackhi_pd(p, q),
+                upper1 = _mm512_unpackhi_pd(r, s);
   column[0].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(lower0, lower1, 0x88)};
   column[1].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(upper0, upper1, 0x88)};
   column[2].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(lower0, lower1, 0xdd)};
   column[3].v = hn::Vec<Tag<double>>{_mm512_shuffle_f64x2(upper0, upper1, 0xdd)};
 #else
   const Tag<double> d;
+  const auto of_both = [&](std::size_t lane, std::size_t j) {
+    return combined<kOf>(Lane(hn::Load(d, at(a, lane) + j)), kOf == Of::one ? Lane(0.0) : Lane(hn::Load(d, at(b, lane) + j))).v;
+  };
   if constexpr (kLanes == 2) {
     for (std::size_t j = 0; j < 4; j += 2) {
-      const auto a = hn::Load(d, at(0) + j), b = hn::Load(d, at(1) + j);
-      column[j].v = hn::InterleaveLower(d, a, b);
-      column[j + 1].v = hn::InterleaveUpper(d, a, b);
+      const auto p = of_both(0, j), q = of_both(1, j);
+      column[j].v = hn::InterleaveLower(d, p, q);
+      column[j + 1].v = hn::InterleaveUpper(d, p, q);
     }
   } else {
-    const auto a = hn::Load(d, at(0)), b = hn::Load(d, at(1)), e = hn::Load(d, at(2)), f = hn::Load(d, at(3));
-    const auto lower0 = hn::InterleaveLower(d, a, b), lower1 = hn::InterleaveLower(d, e, f), upper0 = hn::InterleaveUpper(d, a, b),
-               upper1 = hn::InterleaveUpper(d, e, f);
+    const auto p = of_both(0, 0), q = of_both(1, 0), r = of_both(2, 0), s = of_both(3, 0);
+    const auto lower0 = hn::InterleaveLower(d, p, q), lower1 = hn::InterleaveLower(d, r, s), upper0 = hn::InterleaveUpper(d, p, q),
+               upper1 = hn::InterleaveUpper(d, r, s);
     column[0].v = hn::ConcatLowerLower(d, lower1, lower0);
     column[1].v = hn::ConcatLowerLower(d, upper1, upper0);
     column[2].v = hn::ConcatUpperUpper(d, lower1, lower0);
@@ -112,29 +129,23 @@ HWY_INLINE void load_quarters(const BallRow* rows, const std::int64_t* index, st
 #endif
 }
 
-/// A body in each lane.
-struct LaneBody {
-  Lane3 x, v, w;
-  LaneQuat q;
-  Lane radius, inverse_mass, equivalent_radius;
-};
-
-/// in   kRows   from scene.rows, else from the columns
-template <bool kRows>
-HWY_INLINE LaneBody load_body(const BallScene& scene, const std::int64_t* index) {
-  if constexpr (kRows) {
-    Lane x[4], v[4], w[4], q[4];
-    load_quarters(scene.rows, index, 0, x);
-    load_quarters(scene.rows, index, 4, v);
-    load_quarters(scene.rows, index, 8, w);
-    load_quarters(scene.rows, index, 12, q);
-    return {{x[0], x[1], x[2]}, {v[0], v[1], v[2]}, {w[0], w[1], w[2]}, {q[0], q[1], q[2], q[3]}, x[3], v[3], w[3]};
-  } else {
-    const ParticleSet& p = scene.p;
-    const Rows row(index);
-    return {row.of(p.x), row.of(p.v), row.of(p.w), row.of(p.q), row.of(p.ball_radius), row.of(p.inverse_mass), row.of(p.equivalent_radius)};
+/// One wall in all lanes.
+class OneWall {
+ public:
+  HWY_INLINE explicit OneWall(const BallWall& wall) : wall_(wall) {}
+  HWY_INLINE Lane of(double BallWall::*number) const { return Lane(wall_.*number); }
+  HWY_INLINE Lane3 of(Vec3 BallWall::*vector) const {
+    const Vec3& v = wall_.*vector;
+    return {Lane(v.x), Lane(v.y), Lane(v.z)};
   }
-}
+  HWY_INLINE LaneQuat of(Quat BallWall::*turn) const {
+    const Quat& q = wall_.*turn;
+    return {Lane(q.w), Lane(q.x), Lane(q.y), Lane(q.z)};
+  }
+
+ private:
+  const BallWall& wall_;
+};
 
 /// Rows of walls, one in each lane.
 class WallRows {
@@ -175,6 +186,30 @@ class LawRows {
   bool is_one_;
   hn::Vec<hn::RebindToSigned<Tag<double>>> first_;
 };
+
+/// A vector and a number of each lane as rows of `stride` numbers. What StoreInterleaved4 does, but for the gaps between rows.
+HWY_INLINE void store_rows(const Lane3& v, Lane last, double* to, std::size_t stride) {
+#if HWY_TARGET <= HWY_AVX3
+  const __m512d x = v.x.v.raw, y = v.y.v.raw, z = v.z.v.raw, w = last.v.raw;
+  const __m512d even01 = _mm512_unpacklo_pd(x, y), odd01 = _mm512_unpackhi_pd(x, y), even23 = _mm512_unpacklo_pd(z, w),
+                odd23 = _mm512_unpackhi_pd(z, w);
+  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+  const __m512d rows02 = _mm512_permutex2var_pd(even01, first, even23), rows46 = _mm512_permutex2var_pd(even01, second, even23),
+                rows13 = _mm512_permutex2var_pd(odd01, first, odd23), rows57 = _mm512_permutex2var_pd(odd01, second, odd23);
+  const auto store = [to, stride](std::size_t row, __m512d two) {
+    _mm256_store_pd(to + row * stride, _mm512_castpd512_pd256(two));
+    _mm256_store_pd(to + (row + 2) * stride, _mm512_extractf64x4_pd(two, 1));
+  };
+  store(0, rows02);
+  store(1, rows13);
+  store(4, rows46);
+  store(5, rows57);
+#else
+  alignas(64) double rows[4 * kLanes];
+  hn::StoreInterleaved4(v.x.v, v.y.v, v.z.v, last.v, Tag<double>(), rows);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) std::memcpy(to + lane * stride, rows + 4 * lane, 4 * sizeof(double));
+#endif
+}
 
 /// Four numbers of each pair from `k` on: three of a vector and one.
 template <class Fours>

@@ -16,23 +16,24 @@ inline constexpr std::size_t kBallPairs = 64;
 
 /// A plane or cylinder of a wall as a ball meets it. Aligned so that a row is found by its index alone.
 struct alignas(256) BallWall {
-  Vec3 x;  ///< of the wall frame's origin [m]
-  Quat q;
+  Vec3 x;               ///< of the wall frame's origin [m]
+  Quat q;               ///< with zeros of the sign that RelativePose gives them
   Vec3 v, w;            ///< half a step before
   Vec3 pivot, pivot_v;  ///< see PairVelocities
   Vec3 point, direction;
   double radius = 0;  ///< of a cylinder [m]; 0: a plane
 };
 
-/// What pairs read of a body, in one place: two lines of the cache instead of seven.
+/// What pairs read of a body, in one place: two lines of the cache.
 struct alignas(128) BallRow {
   Vec3 x;
   double radius;  ///< of the ball
   Vec3 v;
-  double inverse_mass;
+  double nothing;
   Vec3 w;
-  double equivalent_radius;
-  Quat q;
+  double nothing_either;
+  Vec3 surface_spin;  ///< radius times w [m/s]
+  double nor_here;
 };
 
 /// What pairs are of: A always a ball, B a ball or a wall.
@@ -54,21 +55,42 @@ struct BallPairs {
 /// Four numbers of each pair, next to each other.
 using BallFours = std::array<double, 4 * kBallPairs>;
 
-/// What pairs that touch have kept from the step before, and keep for the next: their springs as in FrictionSpring (x, y, z, stiffness),
-/// and how B was turned against A when they were set (x, y, z, w).
+/// What pairs that touch have kept from the step before, and keep for the next: their springs in world axes, as in FrictionSpring (x, y, z,
+/// stiffness). A stiffness of 0: it touches since.
 struct BallSprings {
   alignas(64) std::array<std::int64_t, kBallPairs> law;  ///< row of LaneLaws
-  alignas(64) std::array<double, kBallPairs> kept;       ///< 1: has them from the step before; 0: touches since
-  alignas(64) BallFours spring, turn, rolling;
-  alignas(64) BallFours normal;  ///< x, y, z, and a place that is left
+  alignas(64) BallFours spring, rolling;
 };
 
-/// What pairs do to their bodies, world axes; as in PairResult.
+/// What does not change while the two sides of a pair are the same.
+struct BallConstants {
+  alignas(64) std::array<double, kBallPairs> radius_a, radius_b;  ///< of the balls [m]; of a wall 0
+  alignas(64) std::array<double, kBallPairs> radius;              ///< R* [m]
+  alignas(64) std::array<double, kBallPairs> stiffness;           ///< Hertz: push over overlap^(3/2) [N/m^(3/2)]; linear: k [N/m]
+  alignas(64) std::array<double, kBallPairs> mobility, mass;      ///< 1/m* [1/kg], m* [kg]
+  alignas(64) std::array<double, kBallPairs> inverse_limit;       ///< 1 over the maximum overlap [1/m]
+};
+
+/// What a pair does to its bodies, world axes, next to each other: bodies read pairs in an order of their own. Torques of balls are
+/// dissipative.
+struct alignas(32) BallSlot {
+  Vec3 force;  ///< on A [N]
+  double elastic;
+  Vec3 across;   ///< n x tangential force [N], see ball_torque()
+  double half;   ///< of the overlap without margins [m]
+  Vec3 lost;     ///< what of the force is dissipative [N]
+  double ratio;  ///< overlap over maximum overlap
+};
+/// The moment on A of rolling [N m], where the scene has any.
+struct alignas(32) BallMoment {
+  Vec3 moment;
+  double nothing;
+};
+
+/// Of some pairs.
 struct BallForces {
-  /// In fours, a vector and a number: force and overlap over maximum overlap, torque on A and elastic energy, torque on B and energy of
-  /// springs; then the same three vectors of what is dissipative, and nothing.
-  static constexpr std::size_t kFours = 6;
-  alignas(64) std::array<BallFours, kFours> fours;
+  BallSlot* slots = nullptr;                        ///< kBallPairs of them, as are moments
+  BallMoment* moments = nullptr;                    ///< null where the scene has none
   alignas(64) std::array<double, kBallPairs> left;  ///< 1: the pair does not touch, or the general path is to compute it; what is here is
                                                     ///< nothing, and its springs are as they were
   alignas(64) std::array<double, kBallPairs> gap;   ///< of the surfaces, as find_ball_gaps() [m]

@@ -14,8 +14,7 @@
 #include <hwy/highway.h>
 
 #include "solver/lanes/ball_lanes-inl.hpp"
-#include "solver/laws/damping.hpp"
-#include "solver/laws/friction.hpp"
+#include "solver/laws/ball.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace scree::HWY_NAMESPACE {
@@ -24,6 +23,8 @@ namespace scree::HWY_NAMESPACE {
 #include "solver/laws/damping-inl.hpp"
 #include "solver/laws/friction-inl.hpp"
 #include "solver/laws/rolling-inl.hpp"
+// made of those
+#include "solver/laws/ball-inl.hpp"
 #undef SCREE_LAW
 
 /// PairDamping and Damping of the pairs.

@@ -50,7 +50,10 @@ struct MeshPairs {
 
 /// What pairs do to their bodies, as BallForces.
 struct MeshForces {
-  alignas(64) std::array<MeshFours, BallForces::kFours> fours;
+  /// In fours, a vector and a number, as PairResult: force and overlap over maximum overlap, torque on A and elastic energy, torque on B
+  /// and energy of springs; then the same three vectors of what is dissipative, and nothing.
+  static constexpr std::size_t kFours = 6;
+  alignas(64) std::array<MeshFours, kFours> fours;
   alignas(64) MeshNumbers left;  ///< 1: the general path is to compute the pair; its springs are spoilt here, not in the pair
 };
 

@@ -2,31 +2,25 @@
 
 #include <algorithm>
 
+#include "solver/lanes/ball_forces.hpp"
+
 namespace scree {
 
 namespace {
 
 constexpr std::int64_t kSpringKey = kCornerOfA << 60;  // of the one contact of such a pair
-constexpr std::size_t kMostSprings = 3;                // of friction, of rolling, and the turn that goes with them
-constexpr std::size_t kMostLanes = 8;
+constexpr std::size_t kMostSprings = 2;                // of friction, of rolling
 
 [[gnu::noinline]] void begin_springs(std::size_t count, std::vector<FrictionSpring>& springs) {
   springs.assign(count, FrictionSpring{kRollingKey, {}, 0});
   springs.front().key = kSpringKey;
-  springs.back().key = kTurnKey;
 }
 
-/// Lanes beyond the last pair repeat it.
-void repeat_last(BallBlock& b) {
-  const std::size_t last = b.pairs.count - 1;
-  for (std::size_t n = b.pairs.count; n % kMostLanes != 0; ++n) {
-    b.pairs.a[n] = b.pairs.a[last];
-    b.pairs.b[n] = b.pairs.b[last];
-    b.springs.law[n] = b.springs.law[last];
-    b.springs.kept[n] = b.springs.kept[last];
-    for (BallFours* fours : {&b.springs.spring, &b.springs.turn, &b.springs.rolling, &b.springs.normal})
-      std::copy_n(fours->begin() + static_cast<std::ptrdiff_t>(4 * last), 4, fours->begin() + static_cast<std::ptrdiff_t>(4 * n));
-  }
+ContactSpring spring_at(const BallFours& four, std::size_t n) { return {{four[4 * n], four[4 * n + 1], four[4 * n + 2]}, four[4 * n + 3]}; }
+
+template <class Column>
+void clear(Column& four, std::size_t n) {
+  std::fill_n(four.begin() + static_cast<std::ptrdiff_t>(4 * n), 4, 0.0);
 }
 
 }  // namespace
@@ -36,108 +30,167 @@ std::size_t ball_spring_count(const LaneLaws& laws) {
   return laws.rolling.empty() ? kMostSprings - 1 : kMostSprings;
 }
 
-bool load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, BallSprings& lanes) {
-  lanes.kept[n] = 0;
+bool are_of_balls(const std::vector<FrictionSpring>& springs, std::size_t spring_count) {
   if (springs.empty()) return true;
-  const FrictionSpring* const kept = springs.data();
-  if (springs.size() != spring_count || kept[0].key != kSpringKey || springs.back().key != kTurnKey) return false;
-  lanes.kept[n] = 1;
-  store(kept[0], &lanes.spring[4 * n]);
-  store(kept[0].normal, &lanes.normal[4 * n]);
-  store(springs.back(), &lanes.turn[4 * n]);
-  if (spring_count == kMostSprings) {
-    if (kept[1].key != kRollingKey) return false;
-    store(kept[1], &lanes.rolling[4 * n]);
+  return springs.size() == spring_count && springs[0].key == kSpringKey && (spring_count < kMostSprings || springs[1].key == kRollingKey);
+}
+
+void load_springs(const std::vector<FrictionSpring>& springs, std::size_t spring_count, std::size_t n, BallSprings& lanes) {
+  if (springs.empty()) {
+    clear(lanes.spring, n);
+    clear(lanes.rolling, n);
+    return;
   }
-  return true;
+  store(springs[0], &lanes.spring[4 * n]);
+  if (spring_count == kMostSprings) store(springs[1], &lanes.rolling[4 * n]);
 }
 
 void save_springs(const BallSprings& lanes, std::size_t n, std::size_t spring_count, std::vector<FrictionSpring>& springs) {
   if (springs.size() != spring_count) begin_springs(spring_count, springs);
   FrictionSpring* const kept = springs.data();
   load(&lanes.spring[4 * n], kept[0]);
-  load(&lanes.normal[4 * n], kept[0].normal);
-  load(&lanes.turn[4 * n], kept[spring_count - 1]);
   if (spring_count == kMostSprings) load(&lanes.rolling[4 * n], kept[1]);
 }
 
+double energy_of_springs(const BallSprings& lanes, std::size_t n, std::size_t spring_count) {
+  double stored = 0;
+  if (spring_count > 0) stored = with_energy(spring_at(lanes.spring, n), stored);
+  if (spring_count == kMostSprings) stored = with_energy(spring_at(lanes.rolling, n), stored);
+  return stored;
+}
+
 void BallBlock::part(std::size_t n) {
-  state[n] = State::apart;
-  springs.kept[n] = 0;
-  for (BallFours& fours : forces.fours) std::fill_n(fours.begin() + static_cast<std::ptrdiff_t>(4 * n), 4, 0.0);
+  touches[n] = 0;
+  all_touch = false;
+  clear(springs.spring, n);
+  clear(springs.rolling, n);
+  forces.slots[n] = {};
+  if (forces.moments != nullptr) forces.moments[n] = {};
 }
 
-std::size_t BallBlocks::law_of(const LaneLaws& laws, const ParticleSet& p, std::int32_t a, std::int32_t b) {
-  return laws.laws.size() == 1 ? 0 : laws.row(p.material[static_cast<std::size_t>(a)], p.material[static_cast<std::size_t>(b)]);
-}
+namespace {
 
-bool BallBlocks::append(std::size_t of, std::int32_t k, const LaneLaws& laws, const ParticleSet& p, const BodyPair& pair) {
-  std::vector<std::int32_t>& mine = of_class_[of];
-  if (mine.empty() || blocks_[static_cast<std::size_t>(mine.back())]->pairs.count == kBallPairs) {
-    if (used_ == blocks_.size()) blocks_.push_back(std::make_unique<BallBlock>());
-    blocks_[used_]->pairs.count = 0;
-    blocks_[used_]->all_touch = true;
-    mine.push_back(static_cast<std::int32_t>(used_++));
+/// Where lanes find the law and the other side of a pair.
+struct InLanes {
+  bool goes = false;       ///< it is a ball contact
+  std::size_t law = 0;     ///< row of LaneLaws
+  std::size_t wall = 0;    ///< 0: two balls; else 1 more than the row of the wall
+  std::int64_t other = 0;  ///< row of the ball or of the wall
+};
+
+InLanes in_lanes(const BallScene& scene, const IdlePair& pair, std::int32_t zone) {
+  const ParticleSet& p = scene.p;
+  const LaneLaws& laws = scene.laws;
+  const auto a = static_cast<std::size_t>(pair.a);
+  InLanes found;
+  if (!(p.ball_radius[a] > 0)) return found;
+  std::int32_t material = 0;
+  if (pair.b >= 0) {
+    const auto b = static_cast<std::size_t>(pair.b);
+    if (!(p.ball_radius[b] > 0)) return found;
+    found.other = pair.b;
+    material = p.material[b];
+  } else {
+    const std::int32_t row = laws.row_of_zone[static_cast<std::size_t>(zone)];
+    if (row < 0) return found;
+    found.other = row;
+    found.wall = static_cast<std::size_t>(row) + 1;
+    material = laws.zones[static_cast<std::size_t>(row)].material;
   }
-  BallBlock& block = *blocks_[static_cast<std::size_t>(mine.back())];
-  const std::size_t n = block.pairs.count;
-  const std::size_t law = law_of(laws, p, pair.a, pair.b);
-  const bool fits = laws.holds[law] != 0 && load_springs(pair.state.springs, spring_count_, n, block.springs);
-  if (fits) {
-    block.springs.law[n] = static_cast<std::int64_t>(law);
-    block.pairs.a[n] = pair.a;
-    block.pairs.b[n] = pair.b;
-    block.index[n] = k;
-    block.state[n] = BallBlock::State::touches;
-    ++block.pairs.count;
-    place_[static_cast<std::size_t>(k)] = mine.back() * static_cast<std::int32_t>(kBallPairs) + static_cast<std::int32_t>(n);
-  } else if (n == 0) {  // no block without pairs
-    mine.pop_back();
-    --used_;
-  }
-  return fits;
+  found.law = laws.laws.size() == 1 ? 0 : laws.row(p.material[a], material);
+  found.goes = laws.holds[found.law] != 0;
+  return found;
 }
 
-void BallBlocks::fill(const LaneLaws& laws, const ParticleSet& p, const std::array<std::span<const std::int32_t>, kPairClasses>& lists,
-                      const std::vector<BodyPair>& pairs, std::vector<IdlePair>& idle, const std::vector<PairResult>& results) {
+}  // namespace
+
+BallBlock& BallBlocks::with_slots(std::int32_t n) {
+  const auto at = static_cast<std::size_t>(n);
+  BallBlock& b = *blocks_[at];
+  b.forces.slots = &slots_[at * kBallPairs];
+  b.forces.moments = have_rolling() ? &moments_[at * kBallPairs] : nullptr;
+  return b;
+}
+
+/// in   wall   as in InLanes
+std::int32_t BallBlocks::block_with_room(std::size_t of, std::size_t wall) {
+  std::int32_t& last = last_[of][wall];
+  if (last >= 0 && blocks_[static_cast<std::size_t>(last)]->pairs.count < kBallPairs) return last;
+  if (used_ == blocks_.size()) blocks_.push_back(std::make_unique<BallBlock>());
+  BallBlock& block = *blocks_[used_];
+  block.pairs.count = 0;
+  block.pairs.with_walls = wall > 0;
+  block.all_touch = true;
+  last = static_cast<std::int32_t>(used_++);
+  of_class_[of].push_back(last);
+  slots_.resize(std::max(slots_.size(), used_ * kBallPairs));
+  moments_.resize(have_rolling() ? slots_.size() : 0);
+  return last;
+}
+
+/// in   pair   a ball contact, or any other, which is not taken
+bool BallBlocks::append(std::size_t of, std::int32_t k, const BallScene& scene, const BodyPair& pair) {
+  const InLanes found = in_lanes(scene, {pair.a, pair.b, 0}, pair.key.zone);
+  if (!found.goes || !are_of_balls(pair.state.springs, spring_count_)) return false;
+  const std::int32_t last = block_with_room(of, found.wall);
+  BallBlock& block = *blocks_[static_cast<std::size_t>(last)];
+  const std::size_t n = block.pairs.count++;
+  load_springs(pair.state.springs, spring_count_, n, block.springs);
+  block.springs.law[n] = static_cast<std::int64_t>(found.law);
+  block.pairs.a[n] = pair.a;
+  block.pairs.b[n] = found.other;
+  block.index[n] = k;
+  block.touches[n] = 1;
+  place_[static_cast<std::size_t>(k)] = last * static_cast<std::int32_t>(kBallPairs) + static_cast<std::int32_t>(n);
+  return true;
+}
+
+void BallBlocks::complete(std::int32_t n, const BallScene& scene) {
+  BallBlock& block = *blocks_[static_cast<std::size_t>(n)];
+  repeat_last_pair(block.pairs, block.springs);
+  find_ball_constants(scene, block.pairs, block.springs, block.constants);
+}
+
+void BallBlocks::fill(const BallScene& scene, const std::array<std::span<const std::int32_t>, kPairClasses>& lists,
+                      const std::vector<BodyPair>& pairs, const std::vector<IdlePair>& idle) {
   filled_ = true;
-  spring_count_ = ball_spring_count(laws);
+  spring_count_ = ball_spring_count(scene.laws);
   used_ = 0;
   place_.assign(pairs.size(), kOther);
   for (std::size_t c = 0; c < kPairClasses; ++c) {
     of_class_[c].clear();
     others_[c].clear();
+    last_[c].assign(scene.laws.zones.size() + 1, -1);
     for (const std::int32_t k : lists[c]) {
       const auto at = static_cast<std::size_t>(k);
-      const IdlePair& i = idle[at];
-      const bool balls = i.b >= 0 && p.ball_radius[static_cast<std::size_t>(i.a)] > 0 && p.ball_radius[static_cast<std::size_t>(i.b)] > 0;
-      const bool touches = i.way == kTouching || !pairs[at].state.springs.empty();
-      if (!balls || !touches || !append(c, k, laws, p, pairs[at])) {
-        others_[c].push_back(k);
-        if (balls && !touches && laws.holds[law_of(laws, p, i.a, i.b)] != 0) place_[at] = kWaits;
-        continue;
-      }
-      store(results[at], static_cast<std::size_t>(place_[at]) % kBallPairs,
-            blocks_[static_cast<std::size_t>(place_[at]) / kBallPairs]->forces.fours);
+      const bool touches = idle[at].way == kTouching || !pairs[at].state.springs.empty();
+      if (touches && append(c, k, scene, pairs[at])) continue;
+      others_[c].push_back(k);
+      if (!touches && in_lanes(scene, idle[at], idle[at].b < 0 ? pairs[at].key.zone : -1).goes) place_[at] = kWaits;
     }
+    for (const std::int32_t n : of_class_[c]) complete(n, scene);
   }
-  for (std::size_t n = 0; n < used_; ++n) repeat_last(*blocks_[n]);
 }
 
-void BallBlocks::add(PairClass which, std::span<const std::int32_t> begun, const LaneLaws& laws, const ParticleSet& p,
-                     const std::vector<BodyPair>& pairs, const std::vector<PairResult>& results) {
+void BallBlocks::take_out(PairClass which, std::span<const std::int32_t> pairs) {
+  std::vector<std::int32_t>& others = others_[static_cast<std::size_t>(which)];
+  for (const std::int32_t k : pairs) {
+    std::int32_t& place = place_[static_cast<std::size_t>(k)];
+    if (place >= 0) {
+      blocks_[static_cast<std::size_t>(place) / kBallPairs]->index[static_cast<std::size_t>(place) % kBallPairs] = -1;
+      others.insert(std::lower_bound(others.begin(), others.end(), k), k);
+    }
+    place = kOther;
+  }
+}
+
+void BallBlocks::add(PairClass which, std::span<const std::int32_t> begun, const BallScene& scene, const std::vector<BodyPair>& pairs) {
   const auto c = static_cast<std::size_t>(which);
   std::vector<std::int32_t> taken;
   for (const std::int32_t k : begun) {
-    const auto at = static_cast<std::size_t>(k);
-    if (!append(c, k, laws, p, pairs[at])) {
-      place_[at] = kOther;
-      continue;
-    }
+    if (!append(c, k, scene, pairs[static_cast<std::size_t>(k)])) continue;
     taken.push_back(k);
-    BallBlock& block = *blocks_[static_cast<std::size_t>(place_[at]) / kBallPairs];
-    store(results[at], static_cast<std::size_t>(place_[at]) % kBallPairs, block.forces.fours);
-    repeat_last(block);
+    complete(place_[static_cast<std::size_t>(k)] / static_cast<std::int32_t>(kBallPairs), scene);
   }
   if (taken.empty()) return;
   auto next = taken.begin();
@@ -147,24 +200,36 @@ void BallBlocks::add(PairClass which, std::span<const std::int32_t> begun, const
   });
 }
 
+void BallBlocks::give_back(std::size_t place, std::size_t k, std::vector<BodyPair>& pairs, std::vector<PairResult>& results,
+                           std::vector<IdlePair>& idle) const {
+  const BallBlock& block = *blocks_[place / kBallPairs];
+  const std::size_t n = place % kBallPairs;
+  PairResult& result = results[k];
+  result.active = block.touches[n] != 0;
+  result.contact_count = result.active ? 1 : 0;
+  idle[k].way = result.active ? kTouching : kNeverIdle;
+  if (!result.active) {
+    pairs[k].state.keep_lasting();
+    return;
+  }
+  load_result(static_cast<std::int32_t>(place), result);
+  result.tangential_elastic = energy_of_springs(block.springs, n, spring_count_);
+  if (spring_count_ > 0) save_springs(block.springs, n, spring_count_, pairs[k].state.springs);
+}
+
+void BallBlocks::load_result(std::int32_t place, PairResult& result) const {
+  const auto at = static_cast<std::size_t>(place);
+  const BallConstants& c = blocks_[at / kBallPairs]->constants;
+  load(slots_[at], have_rolling() ? &moments_[at] : nullptr, c.radius_a[at % kBallPairs], c.radius_b[at % kBallPairs], result);
+  if (blocks_[at / kBallPairs]->pairs.with_walls) result.torque_b = result.dissipative_torque_b = {};
+}
+
 void BallBlocks::write_back(std::vector<BodyPair>& pairs, std::vector<PairResult>& results, std::vector<IdlePair>& idle) {
   filled_ = false;
   for (std::size_t b = 0; b < used_; ++b) {
     const BallBlock& block = *blocks_[b];
-    for (std::size_t n = 0; n < block.pairs.count; ++n) {
-      const auto k = static_cast<std::size_t>(block.index[n]);
-      if (block.state[n] == BallBlock::State::general) continue;
-      PairResult& result = results[k];
-      result.active = block.state[n] == BallBlock::State::touches;
-      result.contact_count = result.active ? 1 : 0;
-      idle[k].way = result.active ? kTouching : kNeverIdle;
-      if (!result.active) {
-        pairs[k].state.keep_lasting();
-        continue;
-      }
-      load(block.forces.fours, n, result);
-      if (spring_count_ > 0 && block.springs.kept[n] > 0) save_springs(block.springs, n, spring_count_, pairs[k].state.springs);
-    }
+    for (std::size_t n = 0; n < block.pairs.count; ++n)
+      if (block.index[n] >= 0) give_back(b * kBallPairs + n, static_cast<std::size_t>(block.index[n]), pairs, results, idle);
   }
   used_ = 0;
 }

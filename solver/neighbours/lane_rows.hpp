@@ -5,6 +5,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "solver/lanes/ball_rows.hpp"
+#include "solver/laws/ball.hpp"
 #include "solver/neighbours/body_pair.hpp"
 
 namespace scree {
@@ -25,18 +27,29 @@ inline void load(const double* four, FrictionSpring& s) { std::memcpy(reinterpre
 inline void store(const Vec3& v, double* four) { std::memcpy(four, &v, sizeof v); }
 inline void load(const double* four, Vec3& v) { v = {four[0], four[1], four[2]}; }
 
-/// The numbers of a pair's result.   in   fours   as BallForces::fours     in  n  place of the pair in each
+/// The numbers of a pair's result.   in   fours   as MeshForces::fours     in  n  place of the pair in each
 template <class Fours>
 [[gnu::always_inline]] inline void load(const Fours& fours, std::size_t n, PairResult& result) {
   char* const numbers = reinterpret_cast<char*>(&result) + kNumbers;
   for (std::size_t which = 0; which < kFoursOfResult; ++which) std::memcpy(numbers + which * kFour, &fours[which][4 * n], kFour);
 }
 
-/// The other way round.
-template <class Fours>
-void store(const PairResult& result, std::size_t n, Fours& fours) {
-  const char* const numbers = reinterpret_cast<const char*>(&result) + kNumbers;
-  for (std::size_t which = 0; which < kFoursOfResult; ++which) std::memcpy(&fours[which][4 * n], numbers + which * kFour, kFour);
+/// The result of a pair of balls, or of a ball and a wall without what it does to the wall.
+/// in   moment   null where the scene has none
+inline void load(const BallSlot& slot, const BallMoment* moment, double radius_a, double radius_b, PairResult& result) {
+  result.force_a = slot.force;
+  result.elastic = slot.elastic;
+  result.torque_a = ball_torque(slot.across, radius_a, slot.half);
+  result.torque_b = ball_torque(slot.across, radius_b, slot.half);
+  if (moment != nullptr) {
+    result.torque_a += moment->moment;
+    result.torque_b -= moment->moment;
+  }
+  result.dissipative_force_a = slot.lost;
+  result.dissipative_torque_a = result.torque_a;
+  result.dissipative_torque_b = result.torque_b;
+  result.overlap_ratio = slot.ratio;
+  result.surface_power = 0;
 }
 
 }  // namespace scree

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "solver/contact/ball_contact.hpp"
+#include "solver/laws/ball.hpp"
 #include "solver/neighbours/prefetch.hpp"
 
 namespace scree {
@@ -208,6 +210,16 @@ void PairList::sort_sides(const ParticleSet& p) {
   }
 }
 
+void PairList::set_axes_of_springs(const SolverScene& scene, const ParticleSet& p) {
+  write_back();
+  const auto is_ball = [&p](std::int32_t row) { return p.ball_radius[static_cast<std::size_t>(row)] > 0; };
+  for (BodyPair& pair : pairs_) {
+    if (!is_ball(pair.a) || (pair.b >= 0 && !is_ball(pair.b))) continue;
+    scree::set_axes_of_springs(is_ball_contact(scene, p, pair.a, pair.b, pair.key.zone), p.q[static_cast<std::size_t>(pair.a)],
+                               pair.state.springs);
+  }
+}
+
 void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
   if (blocks_.are_filled()) return sum_blocks(gravity, p);
   const auto last = static_cast<std::int32_t>(entry_.size()) - 1;
@@ -238,84 +250,109 @@ void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
   });
 }
 
-/// The same sums in the same order. Of a body's entries those alone are met that may have a force, and which side of a pair the body is
-/// decides no branch: most of the time went into branches that were guessed wrong.
+/// The same sums in the same order. Of a body's entries those alone are met that may have a force. Bodies whose entries are all in blocks
+/// go together.
 void PairList::sum_blocks(const Vec3& gravity, ParticleSet& p) const {
-  constexpr std::size_t kBodiesAhead = 2;
-  for_each_awake_row(p, [&](std::size_t i) {
-    if (i + kBodiesAhead < p.owned) {
-      const std::int32_t* const later = &due_[static_cast<std::size_t>(start_[i + kBodiesAhead])];
-      for (std::int32_t n = 0; n < due_count_[i + kBodiesAhead]; ++n) {
-        if (later[n] < 0) continue;
-        const auto& fours = blocks_.forces_at(later[n] / 2).fours;
-        for (const auto& four : fours) prefetch<1>(&four[4 * (static_cast<std::size_t>(later[n] / 2) % kBallPairs)]);
-      }
+  const std::vector<BallSlot>& slots = blocks_.slots();
+  const std::vector<BallMoment>& moments = blocks_.moments();
+  const BallSums sums{slots.data(), moments.empty() ? nullptr : moments.data(), slots.size(), start_.data(), due_count_.data(),
+                      due_.data()};
+#pragma omp parallel
+  for_awake_rows_of_thread(p, [&](std::size_t begin, std::size_t end) {
+    std::size_t i = begin;
+    while (i < end) {
+      const std::size_t first = i;
+      while (i < end && due_others_[i] == 0) ++i;
+      if (i > first) sum_onto_balls(sums, gravity, first, i, p);
+      if (i < end) sum_with_others(i++, sums, gravity, p);
     }
-    std::array<std::array<double, 4>, 4> sum{};  // force, torque, and what is dissipative of them; the fourth numbers are nothing
-    const std::int32_t* const due = &due_[static_cast<std::size_t>(start_[i])];
-    for (std::int32_t n = 0; n < due_count_[i]; ++n) {
-      const bool in_block = due[n] >= 0;
-      const std::int32_t code = in_block ? due[n] : -1 - due[n];
-      const auto side = static_cast<std::size_t>(code % 2);
-      const double sign = 1 - 2 * static_cast<double>(side);
-      const double *force, *torque, *lost, *lost_torque;
-      if (in_block) {
-        const auto& fours = blocks_.forces_at(code / 2).fours;
-        const std::size_t at = 4 * (static_cast<std::size_t>(code / 2) % kBallPairs);
-        force = &fours[0][at];
-        torque = &fours[1 + side][at];
-        lost = &fours[3][at];
-        lost_torque = &fours[4 + side][at];
-      } else {
-        const PairResult& r = results_[static_cast<std::size_t>(code / 2)];
-        if (!r.active) continue;
-        force = &r.force_a.x;
-        torque = side == 0 ? &r.torque_a.x : &r.torque_b.x;
-        lost = &r.dissipative_force_a.x;
-        lost_torque = side == 0 ? &r.dissipative_torque_a.x : &r.dissipative_torque_b.x;
-      }
-      for (std::size_t j = 0; j < 4; ++j) {
-        sum[0][j] += sign * force[j];
-        sum[1][j] += torque[j];
-        sum[2][j] += sign * lost[j];
-        sum[3][j] += lost_torque[j];
-      }
-    }
-    const auto vector = [&sum](std::size_t which) { return Vec3{sum[which][0], sum[which][1], sum[which][2]}; };
-    p.force[i] = vector(0) + p.mass[i] * gravity;
-    p.torque[i] = vector(1);
-    p.dissipative_force[i] = vector(2);
-    p.dissipative_torque[i] = vector(3);
   });
 }
 
-void PairList::fill_blocks(const SolverScene& scene, const ParticleSet& p) {
-  if (blocks_.are_filled()) return;
-  blocks_.fill(scene.ball_laws(), p, {inner_, outer_, duplicated_}, pairs_, idle_, results_);
+void PairList::sum_with_others(std::size_t i, const BallSums& sums, const Vec3& gravity, ParticleSet& p) const {
+  Vec3 force, torque, dissipative_force, dissipative_torque;
+  const std::int32_t* const due = &due_[static_cast<std::size_t>(start_[i])];
+  for (std::int32_t n = 0; n < due_count_[i]; ++n) {
+    const std::int32_t code = due[n] >= 0 ? due[n] : -1 - due[n];
+    const double sign = code % 2 == 0 ? 1 : -1;
+    const auto at = static_cast<std::size_t>(code / 2);
+    if (due[n] >= 0) {
+      const BallSlot& slot = sums.slots[at];
+      Vec3 of_pair = ball_torque(slot.across, p.ball_radius[i], slot.half);
+      if (sums.moments != nullptr) of_pair += sign * sums.moments[at].moment;
+      force += sign * slot.force;
+      torque += of_pair;
+      dissipative_force += sign * slot.lost;
+      dissipative_torque += of_pair;
+      continue;
+    }
+    const PairResult& r = results_[at];
+    if (!r.active) continue;
+    force += sign * r.force_a;
+    torque += sign > 0 ? r.torque_a : r.torque_b;
+    dissipative_force += sign * r.dissipative_force_a;
+    dissipative_torque += sign > 0 ? r.dissipative_torque_a : r.dissipative_torque_b;
+  }
+  p.force[i] = force + p.mass[i] * gravity;
+  p.torque[i] = torque;
+  p.dissipative_force[i] = dissipative_force;
+  p.dissipative_torque[i] = dissipative_torque;
+}
+
+void PairList::fill_blocks(const SolverScene& scene, const ParticleSet& p, PairClass which) {
+  const BallScene of_balls{p, scene.periodicity(), scene.ball_laws()};
+  if (blocks_.are_filled()) {
+    std::vector<std::int32_t>& begun = begun_[static_cast<std::size_t>(which)];
+    if (begun.empty()) return;
+    blocks_.add(which, begun, of_balls, pairs_);
+    list_due_of(begun, p);
+    begun.clear();
+    return;
+  }
+  blocks_.fill(of_balls, {inner_, outer_, duplicated_}, pairs_, idle_);
   due_.resize(entry_.size() + 1);  // so that there is an address past the last
   due_count_.resize(start_.size() - 1);
+  due_others_.resize(start_.size() - 1);
   const auto count = static_cast<std::ptrdiff_t>(due_count_.size());
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t i = 0; i < count; ++i) list_due(static_cast<std::size_t>(i));
 }
 
+const PairResult& PairList::result_of(std::int32_t k, PairResult& room) const {
+  const std::int32_t place = blocks_.are_filled() ? blocks_.place_of(k) : BallBlocks::kOther;
+  if (place < 0) return results_[static_cast<std::size_t>(k)];
+  room.active = blocks_.touches(place);
+  if (room.active) blocks_.load_result(place, room);
+  return room;
+}
+
 void PairList::list_due(std::size_t row) {
   std::int32_t* const due = &due_[static_cast<std::size_t>(start_[row])];
   std::int32_t count = 0;
+  due_others_[row] = 0;
   for (std::int32_t s = start_[row]; s < start_[row + 1]; ++s) {
     const std::int32_t entry = entry_[static_cast<std::size_t>(s)], place = blocks_.place_of(entry / 2);
     if (place == BallBlocks::kWaits) continue;
     due[count++] = place >= 0 ? 2 * place + entry % 2 : -1 - entry;
+    if (place < 0) due_others_[row] = 1;
   }
   due_count_[row] = count;
 }
 
-void PairList::add_to_blocks(PairClass which, std::span<const std::int32_t> begun, const SolverScene& scene, const ParticleSet& p) {
-  blocks_.add(which, begun, scene.ball_laws(), p, pairs_, results_);
-  for (const std::int32_t k : begun) {
+void PairList::list_due_of(std::span<const std::int32_t> pairs, const ParticleSet& p) {
+  for (const std::int32_t k : pairs) {
     for (const std::int32_t row : {idle_[static_cast<std::size_t>(k)].a, idle_[static_cast<std::size_t>(k)].b})
       if (static_cast<std::size_t>(row) < p.owned) list_due(static_cast<std::size_t>(row));
   }
+}
+
+void PairList::take_out_of_blocks(PairClass which, std::span<const std::int32_t> begun, std::span<const std::int32_t> left,
+                                  const ParticleSet& p) {
+  for (const std::span<const std::int32_t> pairs : {begun, left}) {
+    blocks_.take_out(which, pairs);
+    list_due_of(pairs, p);
+  }
+  begun_[static_cast<std::size_t>(which)].assign(begun.begin(), begun.end());
 }
 
 void PairList::hold_apart(const std::function<bool(const PairKey&)>& which) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/search/multilevel_grid.hpp"
+#include "solver/lanes/ball_sums.hpp"
 #include "solver/neighbours/ball_blocks.hpp"
 #include "solver/neighbours/body_pair.hpp"
 #include "solver/neighbours/travel_bounds.hpp"
@@ -41,6 +42,9 @@ class PairList {
   /// hands waiting state to theirs. Pairs of two fixed bodies and of two ghosts are left out.
   void rebuild(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, double skin, PhaseTimes& times);
 
+  /// Makes springs of balls that are of an older checkpoint, or of a run with another law, those of their pairs (contact/ball_contact.hpp).
+  void set_axes_of_springs(const SolverScene& scene, const ParticleSet& p);
+
   /// All that pairs keep and did. Where pairs of balls lie in blocks, they are written back first.   Threads: not in a parallel region.
   std::vector<BodyPair>& pairs() { return write_back(), pairs_; }
   const std::vector<BodyPair>& pairs() const { return write_back(), pairs_; }
@@ -53,16 +57,22 @@ class PairList {
   const std::vector<PairResult>& stored_results() const { return results_; }
   std::vector<IdlePair>& idle() { return idle_; }
   const std::vector<IdlePair>& idle() const { return idle_; }
-  /// Pairs of balls in contact, in blocks; empty unless they have been moved there.
+  /// What a pair does, wherever it lies, but for the energy of springs and the torque on a wall.   in   room   for it, where it lies in a
+  /// block
+  const PairResult& result_of(std::int32_t k, PairResult& room) const;
+  /// Ball contacts, in blocks; empty unless they have been moved there.
   BallBlocks& blocks() { return blocks_; }
   const BallBlocks& blocks() const { return blocks_; }
-  /// Moves the pairs of balls in contact into blocks, unless they are there.   in   scene   with lane laws for balls
-  void fill_blocks(const SolverScene& scene, const ParticleSet& p);
-  /// Adds pairs of a class that have waited and touch now.   in   begun   ascending
-  void add_to_blocks(PairClass which, std::span<const std::int32_t> begun, const SolverScene& scene, const ParticleSet& p);
+  /// Moves the pairs of balls in contact into blocks, unless they are there, and adds those of a class that have begun to touch in the step
+  /// before.   in   scene   with lane laws for balls
+  void fill_blocks(const SolverScene& scene, const ParticleSet& p, PairClass which);
+  /// Pairs of a class whose results of this step are in the list though they waited for blocks or lie there; those that waited are added
+  /// with the next step.   in   begun, left   ascending
+  void take_out_of_blocks(PairClass which, std::span<const std::int32_t> begun, std::span<const std::int32_t> left, const ParticleSet& p);
   /// Writes back what lies in blocks, which then are empty.
   void write_back() const {
     if (blocks_.are_filled()) blocks_.write_back(pairs_, results_, idle_);
+    for (std::vector<std::int32_t>& begun : begun_) begun.clear();
   }
   TravelBounds& travel() { return travel_; }
   /// State of pairs that are not listed: what arrived since the lists were made, and what lasts while its bodies are apart.
@@ -93,13 +103,16 @@ class PairList {
   std::vector<std::int32_t>& list_of(const BodyPair& pair, const ParticleSet& p);
 
   void sum_blocks(const Vec3& gravity, ParticleSet& p) const;
+  void sum_with_others(std::size_t i, const BallSums& sums, const Vec3& gravity, ParticleSet& p) const;
   void list_due(std::size_t row);
+  void list_due_of(std::span<const std::int32_t> pairs, const ParticleSet& p);
 
   // Whether a pair lies here or in a block is no part of what the list says: a reader finds all of it here (write_back()).
   mutable std::vector<BodyPair> pairs_;
   mutable std::vector<PairResult> results_;
   mutable std::vector<IdlePair> idle_;
   mutable BallBlocks blocks_;
+  mutable std::array<std::vector<std::int32_t>, kPairClasses> begun_;  // of each class, pairs that blocks take with the next step
   TravelBounds travel_;
   std::vector<WaitingState> waiting_;
   std::vector<std::int32_t> inner_, outer_, duplicated_, with_walls_;
@@ -108,6 +121,7 @@ class PairList {
   // of each body's entries those that may have a force while pairs lie in blocks, in the same order: their number, and from the same
   // start twice the place in blocks plus the side, or -1 less the entry
   std::vector<std::int32_t> due_count_, due_;
+  std::vector<std::uint8_t> due_others_;  // some of them are not in blocks
   MultilevelGrid grid_;
 };
 

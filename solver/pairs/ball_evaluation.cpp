@@ -13,7 +13,7 @@ namespace {
 BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   BallWall w;
   w.x = wall.position;
-  w.q = wall.orientation;
+  w.q = Quat{} * wall.orientation;
   w.v = wall.velocity_before;
   w.w = wall.angular_velocity_before;
   w.pivot = wall.pivot;
@@ -31,7 +31,7 @@ void collect_rows(const ParticleSet& p, std::size_t begin, std::size_t end, std:
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t n = first; n < last; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    rows[i] = {p.x[i], p.ball_radius[i], p.v[i], p.inverse_mass[i], p.w[i], p.equivalent_radius[i], p.q[i]};
+    rows[i] = {p.x[i], 0, p.v[i], 0, p.w[i], 0, p.ball_radius[i] * p.w[i], 0};
   }
 }
 
@@ -55,6 +55,8 @@ BallPass::BallPass(PairPass& pass) : pass_(pass), scene_{pass.p, pass.scene.peri
 BallEvaluation::BallEvaluation(const BallPass& balls) : balls_(balls), pass_(balls.pass()) {
   at_walls_.pairs.with_walls = old_contacts_at_walls_.pairs.with_walls = true;
   spring_count_ = ball_spring_count(balls.scene().laws);
+  forces_.slots = slots_.data();
+  if (spring_count_ == kMaxSprings) forces_.moments = moments_.data();
 }
 
 template <class Work>
@@ -112,11 +114,12 @@ void BallEvaluation::press(Due& due) {
     const auto a = static_cast<std::size_t>(due.pairs.a[n]), b = static_cast<std::size_t>(due.pairs.b[n]);
     law = laws.row(material[a], due.pairs.with_walls ? laws.zones[b].material : material[b]);
   }
-  if (laws.holds[law] == 0 ||
-      !load_springs(pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.springs, spring_count_, count, springs_)) {
+  const std::vector<FrictionSpring>& springs = pass_.list.stored_pairs()[static_cast<std::size_t>(k)].state.springs;
+  if (laws.holds[law] == 0 || !are_of_balls(springs, spring_count_)) {
     left_.push_back(k);
     return;
   }
+  load_springs(springs, spring_count_, count, springs_);
   touching_.pairs.a[count] = due.pairs.a[n];
   touching_.pairs.b[count] = due.pairs.b[n];
   touching_.index[count] = k;
@@ -126,7 +129,8 @@ void BallEvaluation::press(Due& due) {
 
 void BallEvaluation::find_forces() {
   if (touching_.pairs.count == 0) return;
-  find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, springs_, forces_);
+  repeat_last_pair(touching_.pairs, springs_);
+  find_ball_forces(balls_.scene(), pass_.dt, touching_.pairs, nullptr, springs_, forces_);
   hand_out();
 }
 
@@ -153,7 +157,8 @@ void BallEvaluation::hand_out() {
   const double stop_ratio = pass_.stop_ratio, margin = balls_.scene().laws.margin;
   double largest = largest_overlap_;
   bool too_deep = too_deep_;
-  const bool continues = pass_.continues;
+  const bool continues = pass_.continues, with_walls = touching_.pairs.with_walls;
+  const std::vector<double>& radius = pass_.p.ball_radius;
   for (std::size_t n = 0; n < touching_.pairs.count; ++n) {
     const auto k = static_cast<std::size_t>(touching_.index[n]);
     if (forces_.left[n] != 0) {
@@ -169,7 +174,10 @@ void BallEvaluation::hand_out() {
     PairResult& result = results[k];
     result.active = true;
     result.contact_count = 1;
-    load(forces_.fours, n, result);
+    const auto a = static_cast<std::size_t>(touching_.pairs.a[n]), b = static_cast<std::size_t>(touching_.pairs.b[n]);
+    load(slots_[n], forces_.moments != nullptr ? &moments_[n] : nullptr, radius[a], with_walls ? 0 : radius[b], result);
+    if (with_walls) result.torque_b = result.dissipative_torque_b = {};
+    result.tangential_elastic = energy_of_springs(springs_, n, spring_count);
     if (continues && !(result.overlap_ratio < stop_ratio)) {
       left_.push_back(touching_.index[n]);
       continue;
@@ -184,20 +192,16 @@ void BallEvaluation::hand_out() {
 }
 
 void BallEvaluation::compute(BallBlock& block) {
-  const BallSummary found = find_ball_forces(balls_.scene(), pass_.dt, block.pairs, block.springs, block.forces);
+  const BallSummary found = find_ball_forces(balls_.scene(), pass_.dt, block.pairs, &block.constants, block.springs, block.forces);
   largest_overlap_ = std::max(largest_overlap_, found.largest);
   too_deep_ = too_deep_ || !(found.largest < pass_.stop_ratio);
   if (!found.some_left && block.all_touch) return;
   block.all_touch = true;
   for (std::size_t n = 0; n < block.pairs.count; ++n) {
-    const bool is_general = block.state[n] == BallBlock::State::general;
-    if (block.forces.left[n] == 0 && !is_general) {
-      block.state[n] = BallBlock::State::touches;
-      continue;
-    }
-    block.all_touch = false;
-    if (!is_general && block.forces.gap[n] >= balls_.scene().laws.margin)
+    if (block.index[n] < 0 || (block.forces.left[n] != 0 && block.forces.gap[n] >= balls_.scene().laws.margin))
       block.part(n);
+    else if (block.forces.left[n] == 0)
+      block.touches[n] = 1;
     else
       leave(block, n);
   }
@@ -207,31 +211,15 @@ void BallEvaluation::compute(BallBlock& block) {
 void BallEvaluation::leave(BallBlock& block, std::size_t n) {
   const auto k = static_cast<std::size_t>(block.index[n]);
   PairState& state = pass_.list.stored_pairs()[k].state;
-  if (block.state[n] != BallBlock::State::general) {
-    if (spring_count_ > 0 && block.springs.kept[n] > 0)
-      save_springs(block.springs, n, spring_count_, state.springs);
-    else
-      state.keep_lasting();
-  }
+  // what touches first has no springs yet
+  if (spring_count_ > 0 && block.springs.spring[4 * n + 3] != 0)
+    save_springs(block.springs, n, spring_count_, state.springs);
+  else
+    state.keep_lasting();
   pass_.list.idle()[k].way = kNeverIdle;
   left_.push_back(block.index[n]);
-  left_of_blocks_.push_back({&block, n});
-}
-
-void BallEvaluation::take_back() {
-  for (const auto& [block, n] : left_of_blocks_) {
-    const auto k = static_cast<std::size_t>(block->index[n]);
-    const PairResult& result = pass_.list.stored_results()[k];
-    if (!result.active) {
-      pass_.list.stored_pairs()[k].state.keep_lasting();
-      block->part(n);
-      continue;
-    }
-    store(result, n, block->forces.fours);
-    const bool fits = load_springs(pass_.list.stored_pairs()[k].state.springs, spring_count_, n, block->springs);
-    if (!fits) block->springs.kept[n] = 0;
-    block->state[n] = fits ? BallBlock::State::touches : BallBlock::State::general;
-  }
+  left_of_blocks_.push_back(block.index[n]);
+  block.part(n);
 }
 
 std::vector<std::int32_t> BallEvaluation::begun_to_touch() const {

@@ -65,13 +65,12 @@ class BallEvaluation {
 
   /// Computes the pairs of a block; some may be left to the general path.
   void compute(BallBlock& block);
-  /// Takes over what the general path found of those.
-  void take_back();
-
   /// Pairs that were taken, and that the general path is to compute.
   const std::vector<std::int32_t>& left() const { return left_; }
   /// Pairs that have waited for their place in blocks and touch now, those of the general path too.
   std::vector<std::int32_t> begun_to_touch() const;
+  /// Pairs of blocks that are among `left`.
+  const std::vector<std::int32_t>& left_of_blocks() const { return left_of_blocks_; }
   double largest_overlap() const { return largest_overlap_; }  ///< over the maximum overlap of its pair
   bool too_deep() const { return too_deep_; }
 
@@ -110,7 +109,7 @@ class BallEvaluation {
   void hand_out();
 
   static constexpr std::size_t kAhead = 8;       ///< pairs before a pair's springs are asked for: where they lie is known by then
-  static constexpr std::size_t kMaxSprings = 3;  ///< see ball_spring_count()
+  static constexpr std::size_t kMaxSprings = 2;  ///< see ball_spring_count()
 
   const BallPass& balls_;
   PairPass& pass_;
@@ -119,8 +118,10 @@ class BallEvaluation {
   alignas(64) std::array<double, kBallPairs> gap_;
   BallSprings springs_;
   BallForces forces_;
+  std::array<BallSlot, kBallPairs> slots_;
+  std::array<BallMoment, kBallPairs> moments_;
   std::vector<std::int32_t> left_, begun_;  // begun_: touch, and did not in the last step
-  std::vector<std::pair<BallBlock*, std::size_t>> left_of_blocks_;
+  std::vector<std::int32_t> left_of_blocks_;
   double largest_overlap_ = 0;
   bool too_deep_ = false;
 };

@@ -33,7 +33,7 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
   const MeshPass of_meshes(pass);
   WorkShares shares(which.size(), omp_get_max_threads(), kPairsAtOnce);
   WorkShares blocks(pass.blocks ? pass.list.blocks().count(*pass.blocks) : 0, omp_get_max_threads(), 1);
-  std::vector<std::int32_t> begun;  // pairs of balls that may go into blocks
+  std::vector<std::int32_t> begun, taken_out;  // pairs of balls that may go into blocks, and that have left them
 #pragma omp parallel if (pass.at_rest || !pass.is_read_only()) reduction(max : overlap) reduction(|| : too_deep)
   {
     const int thread = omp_get_thread_num();
@@ -53,13 +53,15 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
       balls.finish();
       for (const std::int32_t k : balls.left()) evaluation.evaluate(k);
       finish();
-      balls.take_back();
       overlap = balls.largest_overlap();
       too_deep = balls.too_deep();
       if (pass.blocks) {
         const std::vector<std::int32_t> mine = balls.begun_to_touch();
 #pragma omp critical
-        begun.insert(begun.end(), mine.begin(), mine.end());
+        {
+          begun.insert(begun.end(), mine.begin(), mine.end());
+          taken_out.insert(taken_out.end(), balls.left_of_blocks().begin(), balls.left_of_blocks().end());
+        }
       }
     } else {
       shares.take_chunks(thread, [&](std::size_t begin, std::size_t end) {
@@ -74,9 +76,10 @@ Deepest evaluate_all(PairPass& pass, std::span<const std::int32_t> which) {
     overlap = std::max({overlap, meshes.largest_overlap(), evaluation.largest_overlap()});
     too_deep = too_deep || meshes.too_deep() || evaluation.too_deep();
   }
-  if (!begun.empty()) {
+  if (!begun.empty() || !taken_out.empty()) {
     std::sort(begun.begin(), begun.end());
-    pass.list.add_to_blocks(*pass.blocks, begun, pass.scene, pass.p);
+    std::sort(taken_out.begin(), taken_out.end());
+    pass.list.take_out_of_blocks(*pass.blocks, begun, taken_out, pass.p);
   }
   return {overlap, too_deep};
 }
@@ -134,6 +137,7 @@ double evaluate(const SolverScene& scene, const ParticleSet& p, const std::vecto
                 list,
                 observers,
                 pair_force_function(scene.law_choice()),
+                scene.ball_laws().kind != LaneLawKind::none ? ball_force_function(scene.law_choice()) : nullptr,
                 pair_holds_function(scene.law_choice()),
                 stop_ratio,
                 !scene.source().bonds.empty(),
@@ -189,7 +193,7 @@ double evaluate_class(const SolverScene& scene, const ParticleSet& p, const std:
   const bool in_blocks = scene.ball_laws().kind != LaneLawKind::none && !p.may_sleep && !scene.continues() && friction_dt > 0 &&
                          friction_dt == dt && scratch.pair_seconds.empty() && !any_observes_bodies(observers);
   if (!in_blocks) return evaluate_pairs(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers);
-  list.fill_blocks(scene, p);
+  list.fill_blocks(scene, p, which);
   return evaluate(scene, p, walls, all, dt, friction_dt, step, scratch, list, observers, Purpose::forces, which);
 }
 

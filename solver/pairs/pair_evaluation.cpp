@@ -43,6 +43,21 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt) {
   return 2 * (squared_length(velocity) + small * small * squared_length(m.w_a - m.w_b)) > limit * limit;
 }
 
+void set_result(const PairView& view, const BallForce& force, PairResult& result) {
+  const PairForce& f = force.force;
+  result.active = true;
+  result.contact_count = 1;
+  result.force_a = f.force;
+  result.torque_a = result.dissipative_torque_a = f.torque;
+  result.torque_b = force.torque_b;
+  result.dissipative_force_a = f.dissipative_force;
+  result.dissipative_torque_b = force.torque_b;
+  result.elastic = f.elastic;
+  result.tangential_elastic = f.tangential_elastic;
+  result.surface_power = 0;
+  result.overlap_ratio = view.max_overlap > 0 ? f.largest_overlap * (1 / view.max_overlap) : 0;
+}
+
 void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap) {
   const auto at = std::find_if(springs.begin(), springs.end(), [](const FrictionSpring& s) { return s.key >= kRestKey; });
   if (at != springs.end() && at->key == kRestKey)

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,29 +13,12 @@
 #include "solver/features/pass_through.hpp"
 #include "solver/pairs/deep_pairs.hpp"
 #include "solver/pairs/mesh_evaluation.hpp"
+#include "solver/pairs/pair_clock.hpp"
 #include "solver/pairs/pair_pass.hpp"
 #include "solver/pairs/pairs_ahead.hpp"
 #include "solver/pairs/pending_pairs.hpp"
 
 namespace scree {
-
-/// Times one pair where that is asked for: reading the clock twice takes a tenth of an average pair.
-class PairClock {
- public:
-  PairClock(std::vector<float>& seconds, std::int32_t pair) : slot_(seconds.empty() ? nullptr : &seconds[static_cast<std::size_t>(pair)]) {
-    if (slot_ != nullptr) start_ = Clock::now();
-  }
-  ~PairClock() {
-    if (slot_ != nullptr) *slot_ = std::chrono::duration<float>(Clock::now() - start_).count();
-  }
-  PairClock(const PairClock&) = delete;
-  PairClock& operator=(const PairClock&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  float* slot_;
-  Clock::time_point start_;
-};
 
 /// Length of the lists that a pair gets [m].
 double candidate_skin(const PairView& view, const PairVelocities& m, double dt);
@@ -45,6 +27,9 @@ bool is_fast(const PairView& view, const PairVelocities& m, double dt);
 /// Appends the contacts of a pair as they stand in frames.
 void append_contacts(const BodyPair& pair, const PairView& view, const std::vector<ContactFeature>& features,
                      const std::vector<ContactOutput>& outputs, FrameContacts& out);
+
+/// What a ball contact did.
+void set_result(const PairView& view, const BallForce& force, PairResult& result);
 
 /// Notes the overlap that a pair counts from, in the order of keys.
 void set_rest_overlap(std::vector<FrictionSpring>& springs, double overlap);
@@ -312,6 +297,8 @@ class PairEvaluation {
     DeepEntry deep;
     if (pass_.continues) deep = deep_entry_of(pair.state.springs);
     const PairLaw& law = pass_.continues ? limited_law_of(view, pair) : law_of(view, pair);
+    if (pass_.force_of_balls != nullptr && is_ball_contact(pass_.scene, pass_.p, pair.a, pair.b, pair.key.zone))
+      return apply_ball_law(view, velocities, law, deep, lists, pair, result);
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
     if (pass_.scene.law_choice().needs_radius) motion.radius = radius_of(view, law);
@@ -344,6 +331,29 @@ class PairEvaluation {
     result.tangential_elastic = f.tangential_elastic;
     result.surface_power = f.surface_power;
     result.overlap_ratio = view.max_overlap > 0 ? f.largest_overlap / view.max_overlap : 0;
+    conclude(view, law, motion, f, a_to_world, deep, lists, pair, result);
+  }
+
+  /// The same of a ball contact, whose frame of A has the axes of the world.
+  [[gnu::noinline]] void apply_ball_law(const PairView& view, const PairVelocities& velocities, const PairLaw& law, const DeepEntry& deep,
+                                        CandidateLists& lists, BodyPair& pair, PairResult& result) {
+    const Mat3 a_to_world = matrix_of(view.a.q);
+    PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
+    if (pass_.scene.law_choice().needs_radius) motion.radius = radius_of(view, law);
+    const bool needs_outputs = !pass_.observers.empty() && is_output_needed(view);
+    std::vector<FrictionSpring> copy;
+    if (pass_.is_read_only()) copy = pair.state.springs;
+    const BallForce of_ball = pass_.force_of_balls(
+        {view, velocities, features_.list.front(), law, motion.radius, motion.inverse_mass_a, motion.inverse_mass_b}, pass_.dt,
+        pass_.friction_dt, pass_.is_read_only() ? copy : pair.state.springs, needs_outputs ? &outputs_ : nullptr);
+    set_result(view, of_ball, result);
+    conclude(view, law, motion, of_ball.force, a_to_world, deep, lists, pair, result);
+  }
+
+  /// Looks how deep a contact is, and shows it to those who look.
+  [[gnu::always_inline]] void conclude(const PairView& view, const PairLaw& law, const PairMotion& motion, const PairForce& f,
+                                       const Mat3& a_to_world, const DeepEntry& deep, CandidateLists& lists, BodyPair& pair,
+                                       const PairResult& result) {
     largest_overlap_ = std::max(largest_overlap_, result.overlap_ratio);
     if (pass_.continues)
       go_on(pass_, thread_, {view, motion, features_.list, f, shift_, has_other_shift_}, deep, lists, pair, too_deep_);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "solver/contact/ball_contact.hpp"
 #include "solver/contact/pair_force.hpp"
 #include "solver/pairs/force_scratch.hpp"
 
@@ -20,6 +21,7 @@ struct PairPass {
   PairList& list;
   PairObservers observers;
   PairForceFunction force_of;
+  BallForceFunction force_of_balls;   ///< null where no pair is a ball contact
   PairHoldsFunction holds;            ///< null where no pair remembers whether it has touched
   double stop_ratio;                  ///< overlap over the maximum overlap of a pair at which a run is stopped
   bool has_bonds;                     ///< pairs may count their overlap from one that they had as their bond broke

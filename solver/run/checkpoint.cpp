@@ -324,6 +324,7 @@ void start_from_checkpoint(const mpi::Communicator& comm, Simulation& simulation
       throw InputError("{}: its contents do not match the hash of their state; use another checkpoint", checkpoint.path);
     }
   });
+  simulation.set_axes_of_springs();
 }
 
 }  // namespace scree

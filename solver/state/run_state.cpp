@@ -92,8 +92,9 @@ double wall_share_of_frequency(const RunState& s, std::size_t wall) {
 namespace {
 
 void add_effects_of(std::span<const std::int32_t> pairs, const RunState& s, double dt, WallTotals& totals) {
+  PairResult of_block;
   for (const std::int32_t k : pairs) {
-    const PairResult& r = s.pairs.stored_results()[static_cast<std::size_t>(k)];
+    const PairResult& r = s.pairs.result_of(k, of_block);
     if (!r.active) continue;
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);

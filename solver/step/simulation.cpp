@@ -79,6 +79,7 @@ void Simulation::start_from_scene(const std::optional<StartState>& start) {
   const std::vector<ParticleRecord> records = own_records(state_.comm, state_.scene, start);
   if (start) mpi::on_all(state_.comm, [&] { state_.pairs.waiting() = starting_pairs(state_.scene, *start, records); });
   begin(records, 0, 0, decomposition_.has_cut());
+  if (start) set_axes_of_springs();
   if (state_.scene.is_frozen()) {
     if (start) count_starting_springs(state_);
     for_each_effect(&Effect::start);

@@ -37,6 +37,8 @@ class Simulation {
   void start_from_scene(const std::optional<StartState>& start = {});
   void start_from_records(const std::vector<ParticleRecord>& records, std::vector<WaitingState> state, std::int64_t step, double step_size,
                           const std::string& step_limited_by, const RunTotals& totals);
+  /// After a start from records of an older version, once their hash has been compared: PairList::set_axes_of_springs().
+  void set_axes_of_springs() { state_.pairs.set_axes_of_springs(state_.scene, state_.particles); }
 
   /// One step. Collective.
   void advance();

@@ -157,8 +157,8 @@ void look_into(BallBlocks& blocks, Seen& seen) {
   for (std::size_t n = 0; n < blocks.count(PairClass::inner); ++n) {
     const BallBlock& block = blocks.block(PairClass::inner, n);
     for (std::size_t k = 0; k < block.pairs.count; ++k) {
-      seen.touching += block.state[k] == BallBlock::State::touches ? 1 : 0;
-      seen.apart += block.state[k] == BallBlock::State::apart ? 1 : 0;
+      seen.touching += block.index[k] >= 0 && block.touches[k] != 0 ? 1 : 0;
+      seen.apart += block.index[k] >= 0 && block.touches[k] == 0 ? 1 : 0;
     }
   }
 }

@@ -105,8 +105,9 @@ void sum_drive_forces(RunState& s) {
   const Settings& settings = s.scene.source().settings;
   const double cluster = settings.gather == Gathering::area ? 1 : s.scene.extent_of_rough_pair(s.scene.extremes());
   std::vector<ExactSum> sums(count * s.drives.size());
+  PairResult of_block;
   for (const std::int32_t k : s.pairs.with_walls()) {
-    const PairResult& r = s.pairs.stored_results()[static_cast<std::size_t>(k)];
+    const PairResult& r = s.pairs.result_of(k, of_block);
     if (!r.active) continue;
     const BodyPair& pair = s.pairs.stored_pairs()[static_cast<std::size_t>(k)];
     const auto w = static_cast<std::size_t>(s.scene.zones()[static_cast<std::size_t>(pair.key.zone)].wall);
