@@ -232,7 +232,14 @@ PairForce pair_force(const PairFeatures& features, const PairLaw& law, const Pai
       // The velocities are those of half a step ago, the arms those of now. Turned back by half a step the arms give no
       // slip to bodies that stick together while they turn about one axis (0.3 % creep in 9 s on a turntable otherwise).
       // Where springs do not move, at the start and for output, the velocities are those of now.
-      Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, turning_a) - cross(motion.w_b, turning_b));
+      // The contact point of a ball follows the normal, however the ball spins.
+      Vec3 before_a = turning_a, before_b = turning_b;
+      if (motion.ball_a || motion.ball_b) {
+        const Vec3 spin = spin_of_normal(motion, f.n);
+        if (motion.ball_a) before_a = cross(spin, f.x);
+        if (motion.ball_b) before_b = cross(spin, arm_b);
+      }
+      Vec3 slip = velocity - (0.5 * friction_dt) * (cross(motion.w_a, before_a) - cross(motion.w_b, before_b));
       if (motion.surface != nullptr) {
         const Vec3 surface = motion.surface->at(f.x);
         slip -= surface - (0.5 * friction_dt) * cross(motion.surface->spin, surface);

@@ -133,6 +133,12 @@ namespace {
 
 }  // namespace
 
+Vec3 spin_of_normal(const PairMotion& m, const Vec3& n) {
+  if (m.ball_a != m.ball_b) return m.ball_a ? m.w_b : m.w_a;  // it is that of the other surface
+  const double distance = length(m.centre_b);
+  return distance > 0 ? (1 / distance) * cross(n, m.v_a - m.v_b) : Vec3{};
+}
+
 PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,
                      const Mat3& a_to_world) {
   PairMotion m;
@@ -158,6 +164,8 @@ PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const
     m.inverse_inertia_b = p.inverse_inertia[j];
   }
   if (!p.bonded.empty()) see_bonded(p, i, b, m);
+  m.ball_a = p.ball_radius[i] > 0;
+  m.ball_b = b >= 0 && p.ball_radius[static_cast<std::size_t>(b)] > 0;
   return m;
 }
 

@@ -97,7 +97,11 @@ struct PairMotion {
   /// Where bonds hold a body to others: what damping needs in place of the body; null for both pieces of one fragment.
   const BondedMass *bonded_a = nullptr, *bonded_b = nullptr;
   bool is_bonded() const { return bonded_a != nullptr || bonded_b != nullptr; }
+  bool ball_a = false, ball_b = false;  ///< its contact point follows the normal, not its own spin
 };
+
+/// At which the normal of a contact turns, where A or B is a ball [rad/s].
+Vec3 spin_of_normal(const PairMotion& motion, const Vec3& n);
 
 PairMotion motion_of(const ParticleSet& p, std::int32_t a, std::int32_t b, const PairView& view, const PairVelocities& world,
                      const Mat3& a_to_world);

@@ -86,7 +86,7 @@ with open(TABLE, "w", encoding="utf-8") as file:
 left.set_xlabel("time [ms]")
 left.set_ylabel("lowest point of the ball below the surface [mm]")
 left.invert_yaxis()
-left.legend(fontsize="small")
+left.legend(fontsize="small", loc="upper right")
 line = np.array([0, 1.05 * scale.max()])
 right.plot(line, 10 * factor * line, "-", color="0.6", label="exponents 1/2, 2/3, 1/3")
 for prefix, marker, colour in (("fall", "o", "#0072B2"), ("density", "s", "#D55E00")):

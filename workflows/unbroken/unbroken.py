@@ -76,6 +76,7 @@ for kind, colour in (("whole", "#0072B2"), ("cut", "#D55E00")):
 axes[0].set(xlabel="time [ms]", ylabel="height [mm]", title="centre of mass", ylim=(0, None))
 axes[1].set(xlabel="time [ms]", ylabel="distance [mm]", title="mean distance from the axis", ylim=(0, None))
 axes[2].set(xlabel=MEASURES[1], ylabel=MEASURES[4], title="each pile")
+axes[2].locator_params(axis="x", nbins=5)  # labels of four decimals
 for a in axes:
     a.legend(frameon=False)
 figure.tight_layout()
