@@ -514,7 +514,7 @@ def messages_of_run_folders_name_the_options_of_the_engine():
     assert message == 'closed at step 10; continue with restart = "latest"', message
     for text, arguments in (
             ('run = "first.run": exists and is not empty; remove it, choose another name, or continue it with restart = "latest" or "auto"', {"run": "first.run"}),
-            ('run = "strange.run": exists and is not empty', {"run": "strange.run"}),
+            ('run = "strange.run": exists, is not empty and is no run; choose another folder', {"run": "strange.run"}),
             ('run = "strange.run": exists, is not empty and is no run', {"run": "strange.run", "restart": "auto"}),
             ('run = "file.run": exists and is a file', {"run": "file.run"}),
             ('restart = "latest": new.run holds no checkpoint; restart = "auto" begins from the scene', {"run": "new.run", "restart": "latest"}),
