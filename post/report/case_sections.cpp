@@ -200,7 +200,7 @@ std::string repeat_section(const Run& run, const nlohmann::json& record) {
   if (!commands.empty()) html += "<pre>" + escaped(text) + "</pre>\n<p>Given in the folders where they were given first.</p>\n";
   if (run.is_finished())
     html += fmt::format("<p>{} in the state hash <code>{}</code>.</p>\n",
-                        by_program ? "The same program of Scree and the same calls of your program at the same steps end"
+                        by_program ? "The same version of Scree, with the same calls of that program at the same steps, ends"
                                    : "The same program, ranks and threads end",
                         escaped(run.outcome->value("state_hash", "?")));
   return html;
