@@ -30,6 +30,25 @@ std::string verdict_section(const std::vector<Verdict>& verdicts) {
   return html + "</div>\n";
 }
 
+namespace {
+
+/// Functions and held forces of the program that stepped a run, and their work.
+std::string program_forces(const Run& run) {
+  const nlohmann::json known = run.outcome->value("program", nlohmann::json::object());
+  std::string text;
+  if (!known.empty()) {
+    const nlohmann::json names = known.value("force_functions", nlohmann::json::array());
+    std::string list;
+    for (const nlohmann::json& name : names) list += (list.empty() ? ": " : ", ") + (name.is_string() ? name.get<std::string>() : "?");
+    text = fmt::format("at the end {} function{} within the step{}, and held forces on {:.0f} bodies; ", names.size(),
+                       names.size() == 1 ? "" : "s", list, known.value("held_bodies", 0.0));
+  }
+  const std::vector<double>& work = run.log.column("outer_work");
+  return escaped(text + "work since the start " + format_quantity(work.empty() ? 0.0 : work.back(), Dimension::energy));
+}
+
+}  // namespace
+
 std::string case_section(const Run& run) {
   const Scene& scene = run.scene;
   const Settings& s = scene.settings;
@@ -74,6 +93,7 @@ std::string case_section(const Run& run) {
     if (to >= 0) text += "; they come in again through " + escaped(scene.inlets[static_cast<std::size_t>(to)].name);
     rows.emplace_back(escaped("Outlet " + scene.outlets[k].name), text);
   }
+  if (run.has_program()) rows.emplace_back("Forces of the program", program_forces(run));
   rows.emplace_back("Gravity", fmt::format("({:.4g}, {:.4g}, {:.4g}) m/s&sup2;", s.gravity.x, s.gravity.y, s.gravity.z));
   rows.emplace_back("Duration", fmt::format("{}, a frame every {}", format_quantity(s.duration, Dimension::time),
                                             s.output_every > 0 ? format_quantity(s.output_every, Dimension::time) : "hundredth of it"));
@@ -166,16 +186,23 @@ std::string provenance_section(const nlohmann::json& record, const std::vector<C
 
 std::string repeat_section(const Run& run, const nlohmann::json& record) {
   const std::vector<std::string> commands = commands_of(record);
-  if (commands.empty()) return "<p class=\"missing\">The provenance holds no commands.</p>\n";
-  std::string text;
+  const bool by_program = has_program(record);
+  if (commands.empty() && !by_program) return "<p class=\"missing\">The provenance holds no commands.</p>\n";
+  std::string html, text;
+  if (by_program)
+    html = fmt::format(
+        "<p>A program stepped {} with the engine (<code>scree.Engine</code>, <code>scree_engine.h</code>). The forces, motions of walls "
+        "and "
+        "bodies that it gave are in no file of the run: to run it again, run that program again. The commands below make the files around "
+        "it.</p>\n",
+        run.has_program() ? "this run" : "a run that this one starts from");
   for (const std::string& command : commands) text += command + "\n";
-  std::string html = "<pre>" + escaped(text) + "</pre>\n";
-  if (run.is_finished()) {
-    html += fmt::format(
-        "<p>Given in the folders where they were given first. The same program, ranks and threads end in the state hash "
-        "<code>{}</code>.</p>\n",
-        escaped(run.outcome->value("state_hash", "?")));
-  }
+  if (!commands.empty()) html += "<pre>" + escaped(text) + "</pre>\n<p>Given in the folders where they were given first.</p>\n";
+  if (run.is_finished())
+    html += fmt::format("<p>{} in the state hash <code>{}</code>.</p>\n",
+                        by_program ? "The same version of Scree, with the same calls of that program at the same steps, ends"
+                                   : "The same program, ranks and threads end",
+                        escaped(run.outcome->value("state_hash", "?")));
   return html;
 }
 

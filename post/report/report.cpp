@@ -283,7 +283,7 @@ std::string energy_section(const Run& run) {
   settling.lines = {{"translation", t, log.column("kinetic_translational")}, {"rotation", t, log.column("kinetic_rotational")}};
   if (peak > 0) settling.limits = {{kRestKinetic * peak, "at rest: 1e-6 of the peak"}};
 
-  const double scale = energy_balance(run).in_play;
+  const double scale = std::max(energy_balance(run).in_play.largest(), still_fall_energy(run.scene));
   std::vector<double> error = log.column("energy_error");
   for (double& e : error) e = scale > 0 ? 100 * e / scale : 0;
   LineChart balance{"Error of the energy balance", "time", "s", "error [%]", "", false, false, {{"error", t, error}}, {}};

@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
+#include "core/storage/energy_in_play.hpp"
 #include "post/report/verdict.hpp"
 
 namespace scree {
@@ -12,13 +13,12 @@ std::vector<Verdict> judge(const Run& run);
 
 /// The error of the energy balance, and what it is held against.
 ///
-/// in play   the largest of: peak kinetic energy, energy dissipated, peak elastic energy, work of the walls, range of the potential
-///           energy; at least what a fall of kStillFall diameters gives all bodies, so that a scene in which nothing moves is not judged
-///           by rounding
+/// largest   of all rows: over what is in play it is `error_relative` of run.json
 /// lasting   the largest error beyond a tenth of the elastic energy of its time, and that of the last row in full: the step's error
 ///           within a contact (4 % of its energy at 12 steps) goes as the contact ends
 struct EnergyBalance {
-  double in_play = 0, lasting = 0, largest = 0;  ///< [J]
+  double lasting = 0, largest = 0;  ///< [J]
+  EnergyInPlay in_play;
 };
 EnergyBalance energy_balance(const Run& run);
 
@@ -26,7 +26,6 @@ EnergyBalance energy_balance(const Run& run);
 /// touch (docs/results/work-precision.md, P1).
 double restitution_error(double steps);
 inline constexpr double kContactError = 0.1;  ///< of the elastic energy that the error within contacts may be
-inline constexpr double kStillFall = 1e-6;    ///< diameters; the solver's own measure of rest
 
 /// Pairs of triangles of a solid that pass through or touch each other, as scree-mesher found them; 0 where it did not look.
 std::int64_t crossing_pairs(const Shape& shape);

@@ -8,6 +8,7 @@
 
 #include "core/base/provenance.hpp"
 #include "core/base/utf8.hpp"
+#include "core/storage/written_by_program.hpp"
 
 namespace scree {
 
@@ -73,6 +74,7 @@ void collect(const nlohmann::json& record, std::vector<std::string>& commands) {
     if (input.is_object() && input.contains("history")) collect(input["history"], commands);
   }
   if (!record.is_object() || !record.contains("command")) return;
+  if (is_written_by_program(record)) return;  // its command is no line for a shell
   const bool is_run = word(record, "tool") == "scree-solver";
   std::string line = shell_line(is_run ? without_restart(record["command"]) : record["command"]);
   if (line.empty()) return;
@@ -117,6 +119,14 @@ std::vector<std::string> commands_of(const nlohmann::json& record) {
   std::vector<std::string> commands;
   collect(record, commands);
   return commands;
+}
+
+bool has_program(const nlohmann::json& record) {
+  if (is_written_by_program(record)) return true;
+  const nlohmann::json& inputs = inputs_of(record);
+  return std::any_of(inputs.begin(), inputs.end(), [](const nlohmann::json& input) {
+    return input.is_object() && input.contains("history") && has_program(input["history"]);
+  });
 }
 
 std::string shell_line(const nlohmann::json& words) {

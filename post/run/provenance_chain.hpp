@@ -28,7 +28,10 @@ struct ChainFile {
 /// Cost: reads every file that is found.
 std::vector<ChainFile> check_files(const nlohmann::json& record, const std::string& run_folder);
 
-/// Command lines that make the run again, in the order in which they must be given, each once.
+/// Whether a program stepped the run with the engine, or a run that it started from.
+bool has_program(const nlohmann::json& record);
+
+/// Command lines that make the run again, in the order in which they must be given, each once. A run that a program stepped has none.
 std::vector<std::string> commands_of(const nlohmann::json& record);
 
 /// Words as a line for the shell, quoted where needed.

@@ -18,6 +18,7 @@ struct scree_engine {
   int threads = 1;
   std::atomic<bool> busy{false};
   scree::CallConditions* conditions = nullptr;     // of the present call
+  std::string force_error;                         // what the present function of forces says of its failure
   const scree::FrameContacts* contacts = nullptr;  // of the last scree_contacts()
 };
 

@@ -142,11 +142,11 @@ const char* scree_material_name(const scree_engine* engine, int material) {
 int64_t scree_body_count(const scree_engine* engine) { return engine->run->body_count(); }
 const double* scree_reals(scree_engine* engine, const char* field) {
   const double* numbers = nullptr;
-  mapped([&] {
+  const int code = mapped([&] {
     numbers = engine->run->reals(text_or_empty(field));
     return SCREE_DONE;
   });
-  if (numbers == nullptr)
+  if (code == SCREE_DONE && numbers == nullptr)
     fail(SCREE_USAGE, std::string("bodies have no field '") + text_or_empty(field) +
                           "' of real numbers; there are: position, quaternion, velocity, angular_velocity, force, torque, mass, volume, "
                           "diameter, radius, scale, and temperature in a scene with heat");
@@ -154,11 +154,11 @@ const double* scree_reals(scree_engine* engine, const char* field) {
 }
 const int64_t* scree_integers(scree_engine* engine, const char* field) {
   const std::int64_t* numbers = nullptr;
-  mapped([&] {
+  const int code = mapped([&] {
     numbers = engine->run->integers(text_or_empty(field));
     return SCREE_DONE;
   });
-  if (numbers == nullptr)
+  if (code == SCREE_DONE && numbers == nullptr)
     fail(SCREE_USAGE, std::string("bodies have no field '") + text_or_empty(field) +
                           "' of whole numbers; there are: id, shape, material, fixed, asleep");
   return numbers;
@@ -182,20 +182,28 @@ int scree_clear_wrench(scree_engine* engine, int64_t n, const int64_t* ids) {
   });
 }
 int scree_add_force(scree_engine* engine, scree_force_function function, int64_t every, void* user, int* number) {
+  return scree_add_named_force(engine, nullptr, function, every, user, number);
+}
+int scree_add_named_force(scree_engine* engine, const char* name, scree_force_function function, int64_t every, void* user, int* number) {
   return called(engine, "add_force", [&](HostedRun& run) {
     run.check(function != nullptr && number != nullptr, "add_force: the function or the place for its number is NULL");
+    const std::string words = name == nullptr ? "a force function" : std::string("the force function ") + name;
     *number = run.add_force(
-        [engine, function, user](std::span<Vec3> force, std::span<Vec3> torque) {
+        [engine, function, user, words](std::span<Vec3> force, std::span<Vec3> torque) {
+          engine->force_error.clear();
           const int result = call_back(engine, [&] {
             return function(user, engine, static_cast<std::int64_t>(force.size()), reinterpret_cast<double*>(force.data()),
                             reinterpret_cast<double*>(torque.data()));
           });
-          if (result != 0) throw UsageError("a function of outer forces failed: it gave {}", result);
+          if (result == 0) return;
+          throw UsageError("step {}: {} failed: {}", engine->run->step_count(), words,
+                           engine->force_error.empty() ? fmt::format("it returned {}", result) : engine->force_error);
         },
-        every);
+        every, text_or_empty(name));
     return SCREE_DONE;
   });
 }
+void scree_force_failed(scree_engine* engine, const char* text) { engine->force_error = text_or_empty(text); }
 int scree_remove_force(scree_engine* engine, int number) {
   return called(engine, "remove_force", [&](HostedRun& run) {
     run.remove_force(number);

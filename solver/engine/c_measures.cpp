@@ -32,9 +32,11 @@ int scree_wall_loads(scree_engine* engine, double* loads) {
 int scree_wall_state(scree_engine* engine, int wall, double* state) {
   if (wall < 0 || wall >= scree_wall_count(engine) || state == nullptr)
     return fail(SCREE_USAGE, "wall_state: the scene has no wall of this number");
-  const auto numbers = engine->run->wall_state(static_cast<std::size_t>(wall));
-  std::copy(numbers.begin(), numbers.end(), state);
-  return SCREE_DONE;
+  return mapped([&] {
+    const auto numbers = engine->run->wall_state(static_cast<std::size_t>(wall));
+    std::copy(numbers.begin(), numbers.end(), state);
+    return SCREE_DONE;
+  });
 }
 
 int scree_drive_wall(scree_engine* engine, int wall, double rate) {

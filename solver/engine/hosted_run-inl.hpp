@@ -35,13 +35,12 @@ struct HostedRun::Inner {
   bool is_told = false;  // the files of the run say so
   struct Force {
     int number, number_of_effect;
-    ForceFunction function;
-    std::int64_t every;
+    GivenFunction given;
   };
   std::vector<Force> forces;
   BodyFields fields;
   std::optional<NewBodyCheck> new_body_check;  // from the first insert() on
-  bool overlap_is_told = false;
+  double reported_overlap = 0;                 // of new bodies, over the radius of the smaller one
   FrameContacts contacts;
 
   Inner(const std::string& scene, MPI_Comm c, const Options& o)
@@ -60,6 +59,7 @@ struct HostedRun::Inner {
   RunState& change() { return simulation->changeable_state(); }
   void begin();
   void check_goes_on(const char* what) const;
+  void check_joined(const char* what, const std::vector<std::int64_t>& mine) const;
   void check_moves(const char* what) const;
   void check_nobody_waits(const char* what) const;
   template <class Action>

@@ -63,16 +63,31 @@ void HostedRun::Inner::begin() {
     simulation->start_from_scene(loaded.start);
   }
   check_step_size(comm, options, loaded.scene.settings, state().clock.size);
-  if (!has_folder) {
-    if (!path.empty()) simulation->evaluate_contacts_at_rest();
-    return;
-  }
+  if (!path.empty()) simulation->evaluate_contacts_at_rest();
+  if (!has_folder) return;
   files.emplace(comm, options, loaded, *watchdog, *simulation, path, before);
   files->begin();
 }
 
 void HostedRun::Inner::check_goes_on(const char* what) const {
-  if (!failed.empty()) throw UsageError("{}: the run has ended: {}. Restore a saved state, or close the engine", what, failed);
+  if (!failed.empty())
+    throw UsageError(
+        "{}: the run has ended: {}. Its bodies are in the midst of a step; restore a saved state, or close the engine. "
+        "write_frame shows them as they are, to find the cause",
+        what, failed);
+}
+
+/// Bodies that wait to join are known by their ids already, and are in no state yet.
+void HostedRun::Inner::check_joined(const char* what, const std::vector<std::int64_t>& mine) const {
+  if (!simulation->bodies_wait()) return;
+  std::vector<std::int64_t> waiting;
+  for (const ParticleRecord& body : simulation->waiting_bodies()) waiting.push_back(body.id);
+  waiting = comm.of_all(waiting);
+  mpi::on_all(comm, [&] {
+    for (const std::int64_t id : mine)
+      if (std::find(waiting.begin(), waiting.end(), id) != waiting.end())
+        throw UsageError("{}: body {} was inserted and joins in the next step; make a step first", what, id);
+  });
 }
 
 void HostedRun::Inner::check_nobody_waits(const char* what) const {
@@ -160,11 +175,20 @@ bool HostedRun::is_over() const { return in_->files && in_->files->is_over(); }
 const Scene& HostedRun::scene() const { return in_->loaded.scene; }
 std::int64_t HostedRun::body_count() const { return static_cast<std::int64_t>(in_->state().particles.owned); }
 
-const double* HostedRun::reals(const std::string& field) { return in_->fields.reals(in_->loaded, in_->state(), field); }
-const std::int64_t* HostedRun::integers(const std::string& field) { return in_->fields.integers(in_->state(), field); }
+const double* HostedRun::reals(const std::string& field) {
+  in_->check_goes_on("bodies");
+  return in_->fields.reals(in_->loaded, in_->state(), field);
+}
+const std::int64_t* HostedRun::integers(const std::string& field) {
+  in_->check_goes_on("bodies");
+  return in_->fields.integers(in_->state(), field);
+}
 
 void HostedRun::hold(const std::vector<WrenchOnBody>& mine) {
   in_->check_moves("set_wrench");
+  std::vector<std::int64_t> ids;
+  for (const WrenchOnBody& entry : mine) ids.push_back(entry.id);
+  in_->check_joined("set_wrench", ids);
   in_->simulation->outer_forces().hold(in_->change(), mine);
 }
 
@@ -173,14 +197,16 @@ void HostedRun::release(const std::optional<std::vector<std::int64_t>>& mine) {
   const double all = mine ? 0 : 1;
   if (in_->comm.max(all) != -in_->comm.max(-all))
     throw UsageError("clear_wrench: some ranks name bodies, others mean all; on every rank name bodies, perhaps none, or mean all");
+  if (mine) in_->check_joined("clear_wrench", *mine);
   in_->simulation->outer_forces().release(in_->change(), mine);
 }
 
-int HostedRun::add_force(const ForceFunction& function, std::int64_t every) {
+int HostedRun::add_force(const ForceFunction& function, std::int64_t every, const std::string& name) {
   in_->check_moves("add_force");
-  const int number = in_->simulation->outer_forces().add(in_->change(), function, every);
-  in_->forces.push_back({++g_last_force, number, function, every});
-  return in_->forces.back().number;
+  const int number = ++g_last_force;
+  const GivenFunction given{function, every, name.empty() ? fmt::format("number {}", number) : name};
+  in_->forces.push_back({number, in_->simulation->outer_forces().add(in_->change(), given), given});
+  return number;
 }
 
 void HostedRun::remove_force(int number) {
@@ -193,6 +219,7 @@ void HostedRun::remove_force(int number) {
 }
 
 std::vector<std::array<double, 6>> HostedRun::wall_loads() {
+  in_->check_goes_on("loads of walls");
   std::vector<WallLoad> loads = wall_loads_of(in_->state());
   std::vector<WallState> walls = in_->state().walls;
   move_loads_to_world(loads, walls, in_->loaded.origin);
@@ -203,6 +230,7 @@ std::vector<std::array<double, 6>> HostedRun::wall_loads() {
 }
 
 std::array<double, 13> HostedRun::wall_state(std::size_t wall) const {
+  in_->check_goes_on("walls");
   const WallState& w = in_->state().walls[wall];
   const Vec3 at = wall_position_in_world(in_->loaded.scene.walls[wall], w, in_->loaded.origin);
   return {at.x,         at.y,         at.z,         w.orientation.w,      w.orientation.x,      w.orientation.y,     w.orientation.z,
@@ -220,14 +248,21 @@ void HostedRun::drive_wall(std::size_t wall, double rate) {
 }
 
 std::pair<double, double> HostedRun::wall_way(std::size_t wall) const {
+  in_->check_goes_on("way");
   const std::vector<DriveState>& drives = in_->state().drives;
   if (in_->loaded.prepared->drive(wall) == nullptr)
     throw UsageError("way: wall '{}' does not move by force or from outside; its place is its position", scene().walls[wall].name);
   return {drives[wall].way, drives[wall].rate};
 }
 
-Energies HostedRun::energies() { return energies_of(in_->state()); }
-std::string HostedRun::state_hash() { return scree::state_hash(in_->state()); }
+Energies HostedRun::energies() {
+  in_->check_goes_on("energies");
+  return energies_of(in_->state());
+}
+std::string HostedRun::state_hash() {
+  in_->check_goes_on("state_hash");
+  return scree::state_hash(in_->state());
+}
 double HostedRun::critical_step() {
   in_->check_goes_on("critical_step");
   return in_->simulation->critical_step().step;

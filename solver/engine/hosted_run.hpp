@@ -71,7 +71,8 @@ class HostedRun {
   // 4. Forces from outside.
   void hold(const std::vector<WrenchOnBody>& mine);
   void release(const std::optional<std::vector<std::int64_t>>& mine);
-  int add_force(const ForceFunction& function, std::int64_t every);
+  /// in   name   in messages; "": its number
+  int add_force(const ForceFunction& function, std::int64_t every, const std::string& name);
   void remove_force(int number);
 
   // 5. Walls and measures.
@@ -87,8 +88,8 @@ class HostedRun {
   // 6. States.
   struct State {
     Checkpoint checkpoint;
-    std::vector<std::pair<int, WrenchTable>> latest;  ///< of functions that are not called in every step, by their numbers: of some bodies
-    std::vector<int> functions;                       ///< numbers of those that acted: different in all runs of a process
+    /// Numbers of the functions that acted, different in all runs of a process; 0: one of a restart that nobody has added again.
+    std::vector<int> functions;
     int ranks = 1;
   };
   std::shared_ptr<const State> save();

@@ -40,9 +40,12 @@ std::shared_ptr<const HostedRun::State> HostedRun::save() {
   state->checkpoint = present_state(in_->comm, *in_->simulation);
   state->checkpoint.scene_sha256 = in_->loaded.sha256;
   state->checkpoint.step_limited_by = in_->state().clock.size.limited_by;
-  for (const Inner::Force& f : in_->forces) {
-    state->functions.push_back(f.number);
-    if (f.every > 1) state->latest.emplace_back(f.number, in_->simulation->outer_forces().latest_of(f.number_of_effect));
+  if (const auto* outer = in_->state().effect<OuterForces>()) {
+    for (const int number : outer->numbers()) {
+      const auto at =
+          std::find_if(in_->forces.begin(), in_->forces.end(), [number](const auto& f) { return f.number_of_effect == number; });
+      state->functions.push_back(at == in_->forces.end() ? 0 : at->number);
+    }
   }
   return state;
 }
@@ -59,17 +62,20 @@ void HostedRun::restore(const State& state) {
     in_->simulation.emplace(in_->comm, *in_->loaded.prepared, in_->options.parallel);
     Checkpoint copy = state.checkpoint;
     in_->simulation->start_from_records(copy.bodies, std::move(copy.states), copy.step, copy.step_size, copy.step_limited_by, copy.totals);
-    const auto acted = [&](const Inner::Force& f) {
-      return std::find(state.functions.begin(), state.functions.end(), f.number) != state.functions.end();
-    };
-    for (Inner::Force& f : in_->forces) {
-      if (!acted(f)) continue;
-      const auto latest = std::find_if(state.latest.begin(), state.latest.end(), [&](const auto& l) { return l.first == f.number; });
-      f.number_of_effect = in_->simulation->outer_forces().add_restored(in_->change(), f.function, f.every,
-                                                                        latest == state.latest.end() ? WrenchTable{} : latest->second);
+    std::vector<bool> acted(in_->forces.size());
+    for (std::size_t place = 0; place < state.functions.size(); ++place) {
+      const int number = state.functions[place];
+      if (number == 0) continue;
+      const auto at = std::find_if(in_->forces.begin(), in_->forces.end(), [number](const auto& f) { return f.number == number; });
+      if (at == in_->forces.end()) {
+        in_->simulation->outer_forces().close_place(place);
+        continue;
+      }
+      at->number_of_effect = in_->simulation->outer_forces().take_place(in_->change(), place, at->given);
+      acted[static_cast<std::size_t>(at - in_->forces.begin())] = true;
     }
-    for (Inner::Force& f : in_->forces)
-      if (!acted(f)) f.number_of_effect = in_->simulation->outer_forces().add(in_->change(), f.function, f.every);
+    for (std::size_t k = 0; k < in_->forces.size(); ++k)
+      if (!acted[k]) in_->forces[k].number_of_effect = in_->simulation->outer_forces().add(in_->change(), in_->forces[k].given);
     in_->simulation->evaluate_contacts_at_rest();
   });
 }
@@ -85,6 +91,7 @@ void HostedRun::write_checkpoint(const std::string& folder) {
 }
 
 void HostedRun::write_frame(const std::string& path) {
+  // after a failed step as well, to find its cause: contacts are then of no step
   const bool with_contacts = in_->loaded.scene.settings.output_contacts && in_->failed.empty();
   Frame frame = make_frame(*in_->simulation, energies_of(in_->state()), in_->comm.rank(), with_contacts, in_->loaded.origin);
   frame.number = 0;
@@ -116,8 +123,15 @@ std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
       b.angular_velocity = body.angular_velocity;
       const Quat& q = body.orientation;
       const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-      if (!is_finite(b.position) || !is_finite(b.velocity) || !is_finite(b.angular_velocity) || !std::isfinite(norm))
-        throw UsageError("insert: body {} of this call has a number that is not finite; check what it is computed from", ids.size());
+      for (const auto& [name, numbers] : {std::pair("position", body.position), std::pair("velocity", body.velocity),
+                                          std::pair("angular_velocity", body.angular_velocity)})
+        if (!is_finite(numbers))
+          throw UsageError("insert: {} of body {} of this call is ({:g} {:g} {:g}), which is not finite; check what it is computed from",
+                           name, ids.size(), numbers.x, numbers.y, numbers.z);
+      if (!std::isfinite(norm))
+        throw UsageError(
+            "insert: quaternion of body {} of this call is ({:g} {:g} {:g} {:g}), which is not finite; check what it is computed from",
+            ids.size(), q.w, q.x, q.y, q.z);
       if (!(norm > 0))
         throw UsageError("insert: the quaternion of body {} of this call is 0; without a rotation it is 1 0 0 0", ids.size());
       if (!(b.scale > 0) || !std::isfinite(b.scale))
@@ -127,7 +141,7 @@ std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
     }
   });
   if (!in_->new_body_check) in_->new_body_check.emplace(*in_->loaded.prepared);
-  const std::string warning =
+  const NewBodyCheck::Warning warning =
       in_->new_body_check->check(s, records, in_->simulation->waiting_bodies(), in_->simulation->domain().asked(), in_->loaded.origin);
   try {
     in_->simulation->add_bodies(records);
@@ -135,12 +149,17 @@ std::vector<std::int64_t> HostedRun::insert(const std::vector<NewBody>& mine) {
     if (error.code() != ExitCode::run_invalid) throw;
     throw UsageError("insert: {}", error.what());
   }
-  if (in_->comm.rank() == 0 && !warning.empty() && !std::exchange(in_->overlap_is_told, true)) warn_once("scree-solver", warning);
+  constexpr double kWorse = 2;  // than what was reported before: a small overlap must not hide a large one
+  if (warning.overlap > 0 && warning.overlap >= kWorse * in_->reported_overlap) {
+    in_->reported_overlap = warning.overlap;
+    if (in_->comm.rank() == 0) warn_once("scree-solver", warning.text);
+  }
   return ids;
 }
 
 void HostedRun::remove(const std::vector<std::int64_t>& mine) {
   in_->check_moves("remove");
+  in_->check_joined("remove", mine);
   in_->simulation->remove_bodies(mine);
 }
 

@@ -86,8 +86,8 @@ void NewBodyCheck::add_overlap_of_walls(const RunState& s, const ParticleRecord&
   }
 }
 
-std::string NewBodyCheck::check(const RunState& s, std::vector<ParticleRecord>& mine, const std::vector<ParticleRecord>& waiting,
-                                const std::unordered_set<std::int64_t>& leaving, const Vec3& origin) {
+NewBodyCheck::Warning NewBodyCheck::check(const RunState& s, std::vector<ParticleRecord>& mine, const std::vector<ParticleRecord>& waiting,
+                                          const std::unordered_set<std::int64_t>& leaving, const Vec3& origin) {
   // 1. each by itself
   mpi::on_all(s.comm, [&] {
     for (std::size_t k = 0; k < mine.size(); ++k) {
@@ -104,7 +104,7 @@ std::string NewBodyCheck::check(const RunState& s, std::vector<ParticleRecord>& 
   // 2. against bodies of the run, walls, and each other: each rank has its own bodies, and its share of the rest
   std::vector<ParticleRecord> all = s.comm.of_all(mine);
   const std::vector<ParticleRecord> before = s.comm.of_all(waiting);
-  if (all.empty()) return "";
+  if (all.empty()) return {};
   if (shapes_.empty())
     for (const Shape& shape : scene_.source().shapes) shapes_.push_back(make_pack_shape(shape, scene_.source().settings));
   std::sort(all.begin(), all.end(), [](const ParticleRecord& l, const ParticleRecord& r) { return l.id < r.id; });
@@ -135,7 +135,7 @@ std::string NewBodyCheck::check(const RunState& s, std::vector<ParticleRecord>& 
 
   // 3. the worst of all ranks
   found = s.comm.of_all(found);
-  if (found.empty()) return "";
+  if (found.empty()) return {};
   const Overlap worst =
       *std::min_element(found.begin(), found.end(), [](const Overlap& l, const Overlap& r) { return l.is_worse_than(r); });
   std::unordered_set<std::int64_t> bodies;
@@ -151,12 +151,15 @@ std::string NewBodyCheck::check(const RunState& s, std::vector<ParticleRecord>& 
                        worst.wall >= 0 ? "is behind the surface of" : "lies within", partner);
     });
   }
-  return fmt::format(
+  Warning warning{worst.depth / worst.radius, {}};
+  warning.text = fmt::format(
       "insert: {} of {} bodies overlap others or walls by more than {:g} % of a radius; the worst is {} with {}: by {} ({:.0f} % of the "
       "radius of the smaller "
-      "one). They begin with the contact force of that overlap; give free places. Further calls are not reported",
+      "one). They begin with the contact force of that overlap; give free places. A further call is reported when its worst overlap is at "
+      "least twice as large",
       bodies.size(), all.size(), 100 * kOverlapWorthWarning, number, partner, format_quantity(worst.depth, Dimension::length),
       100 * worst.depth / worst.radius);
+  return warning;
 }
 
 }  // namespace scree

@@ -16,6 +16,10 @@ inline constexpr double kOverlapWorthWarning = 0.02;
 
 class NewBodyCheck {
  public:
+  struct Warning {
+    double overlap = 0;  ///< the largest, over the radius of the smaller body; 0: nothing is to be warned of
+    std::string text;    ///< in one line
+  };
   explicit NewBodyCheck(const SolverScene& scene);
 
   /// Checks bodies of all ranks against the scene, the bodies of the run, and each other.
@@ -23,11 +27,11 @@ class NewBodyCheck {
   /// in   waiting   bodies of this rank that join in the same step
   /// in   leaving   ids of bodies that leave in the same step: the same on every rank
   /// in   origin    of the scene as it is computed, in the world [m]: for messages
-  /// Returns what is to be warned of, in one line; "": nothing. The same on every rank.
+  /// Returns what is to be warned of, the same on every rank.
   /// Fails: throws UsageError on every rank for a place outside the domain, a size that the scene was not made for, and a body that is
   /// within another one or behind a wall. Cost: O(new bodies x bodies near their common box). Collective.
-  std::string check(const RunState& s, std::vector<ParticleRecord>& mine, const std::vector<ParticleRecord>& waiting,
-                    const std::unordered_set<std::int64_t>& leaving, const Vec3& origin);
+  Warning check(const RunState& s, std::vector<ParticleRecord>& mine, const std::vector<ParticleRecord>& waiting,
+                const std::unordered_set<std::int64_t>& leaving, const Vec3& origin);
 
  private:
   struct Overlap;

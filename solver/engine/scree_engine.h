@@ -13,7 +13,8 @@
  *
  * Errors. A function that can fail returns SCREE_DONE or a code of the list below, the same on every rank, and scree_error() says what was
  * wrong and what to do. SCREE_USAGE changes nothing, but for a function of forces that fails within a step. After any other error within a step, and after that
- * one, a run cannot go on: what is left is to read bodies, energies and loads, scree_write_frame(), scree_remove_force(), scree_restore() and scree_close().
+ * one, bodies are in the midst of a step: reading them, energies and walls is a SCREE_USAGE. What is left is scree_restore(), scree_remove_force(), scree_close(),
+ * and scree_write_frame() to find the cause. scree_step_count() and scree_time() are those of the step that failed.
  *
  * Numbers. A run without any input gives the same bits as scree-solver, on any number of ranks and threads. The library sets its number of threads,
  * the rounding of floating-point numbers and the treatment of denormal numbers in each call, and puts back those of the caller.
@@ -121,13 +122,19 @@ SCREE_API const int64_t* scree_integers(scree_engine* engine, const char* field)
 SCREE_API int scree_set_wrench(scree_engine* engine, int64_t n, const int64_t* ids, const double* forces, const double* torques);
 /* Holds nothing any more: on n bodies, of which each rank may name its own; n = -1: on all, and then on every rank. */
 SCREE_API int scree_clear_wrench(scree_engine* engine, int64_t n, const int64_t* ids);
-/* `function` is called on every rank in every step (and once at once) when bodies are at their new places, with the velocities of half a step
- * before, as damping is evaluated. It adds to force and torque, 3 numbers for each body of this rank, all 0 before. It may read by
+/* `function` is called on every rank in every step when bodies are at their new places, with the velocities of half a step before, as damping is
+ * evaluated: a drag C is of first order in the step, and stable for dt < 2 m / C. The call of scree_add_force() itself calls it as well, for the first half
+ * kick: n steps take n + 1 calls. Not so after a restart: up to the next step, functions take the forces that those of the checkpoint had, in the order in
+ * which they are added; the same functions in the same order go on with the same bits. It adds to force and torque, 3 numbers for each body of this rank, all 0 before. It may read by
  * scree_reals(), scree_integers() and the facts, and call nothing else. A result other than 0 ends the step on all ranks with SCREE_USAGE.
  * every: in steps whose number is a multiple of it; between them the last forces are held. Functions are called in the order in which
  * they were added. out: its number, for scree_remove_force(). */
 typedef int (*scree_force_function)(void* user, scree_engine* engine, int64_t count, double* force, double* torque);
 SCREE_API int scree_add_force(scree_engine* engine, scree_force_function function, int64_t every, void* user, int* number);
+/* The same with a name for messages and run.json. */
+SCREE_API int scree_add_named_force(scree_engine* engine, const char* name, scree_force_function function, int64_t every, void* user, int* number);
+/* Within a function of forces that is about to return another number than 0: why, for the error that scree_step() returns and for run.json. */
+SCREE_API void scree_force_failed(scree_engine* engine, const char* text);
 SCREE_API int scree_remove_force(scree_engine* engine, int number);
 
 /* ---- Walls ---- */
@@ -146,7 +153,9 @@ SCREE_API int scree_wall_way(scree_engine* engine, int wall, double* way, double
 
 /* ---- Measures of the whole scene ---- */
 
-/* [J]; balance is what stays the same but for the error: the sum of all with the signs of what they bring. */
+/* [J]; balance: translational + rotational + potential + elastic + tangential_elastic + dissipated + bond + fracture + slept + removed - arrived - wall_work
+ * - outer_work. It stays the same but for the error of the run: the error since a moment is the difference to the balance of that moment. dissipated, wall_work, outer_work,
+ * removed (by bodies that left), arrived (with bodies that came in), fracture (of bonds as they broke) and slept (of bodies as they fell asleep) are since the start. */
 typedef struct {
   double translational, rotational, potential, elastic, tangential_elastic, dissipated, wall_work, outer_work, removed, arrived, bond,
       fracture, slept, balance;
@@ -185,7 +194,8 @@ typedef struct {
 /* n bodies join in the next step, whose end they reach as they are given here if they touch nothing. out: n ids. Each rank gives its own; ids are
  * given in the order of ranks. SCREE_USAGE, and no body joins: a shape or material that is unknown, a number that is not finite, a place outside a bounded domain,
  * a body within another one or behind a wall, a size for which the margins or ranges of attraction of the scene were not made, or whose contacts need a
- * shorter step than that of the run. A warning reports the first call with an overlap of more than 2 % of a radius. */
+ * shorter step than that of the run. A warning reports an overlap of more than 2 % of a radius, and again one that is at least twice as large. Until they have joined,
+ * scree_set_wrench() and scree_remove() refuse them. */
 SCREE_API int scree_insert(scree_engine* engine, int64_t n, const scree_new_body* bodies, int64_t* ids);
 /* Takes bodies out in the next step, booked as those that leave the domain. */
 SCREE_API int scree_remove(scree_engine* engine, int64_t n, const int64_t* ids);

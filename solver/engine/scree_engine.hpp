@@ -100,10 +100,11 @@ class Engine {
                            torques.empty() ? nullptr : torques.data()));
   }
   void clear_wrench() { check(scree_clear_wrench(open(), -1, nullptr)); }
-  /// Returns a number for remove_force(). The function lives until then.
-  int add_force(Force force, std::int64_t every = 1) {
+  /// Returns a number for remove_force(). The function lives until then.   in   name   in messages and run.json; "": its number
+  int add_force(Force force, std::int64_t every = 1, const std::string& name = "") {
     auto added = std::make_unique<Call>(Call{this, std::move(force), {}, 0});
-    const int code = scree_add_force(open(), &Engine::call, every, added.get(), &added->number);
+    const int code =
+        scree_add_named_force(open(), name.empty() ? nullptr : name.c_str(), &Engine::call, every, added.get(), &added->number);
     if (added->error) std::rethrow_exception(added->error);  // it is called once at once
     check(code);
     forces_.push_back(std::move(added));
@@ -167,12 +168,16 @@ class Engine {
     std::exception_ptr error;
     int number;
   };
-  static int call(void* user, scree_engine*, std::int64_t count, double* force, double* torque) {
+  static int call(void* user, scree_engine* engine, std::int64_t count, double* force, double* torque) {
     auto* const self = static_cast<Call*>(user);
     const auto numbers = 3 * static_cast<std::size_t>(count);
     try {
       self->force(*self->engine, {force, numbers}, {torque, numbers});
       return 0;
+    } catch (const std::exception& error) {
+      scree_force_failed(engine, error.what());
+      self->error = std::current_exception();
+      return 1;
     } catch (...) {
       self->error = std::current_exception();
       return 1;

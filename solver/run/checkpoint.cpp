@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <unordered_set>
 
+#include "core/base/near_file.hpp"
 #include "core/base/utf8.hpp"
 #include "core/storage/collective_file.hpp"
 #include "core/storage/shape_file.hpp"
@@ -125,6 +126,18 @@ std::vector<PairRow<Row>> table_of(const std::vector<WaitingState>& states) {
   std::vector<PairRow<Row>> rows;
   for (const KeyedRow<Row>& r : keyed_rows<Row>(states)) rows.push_back({r.key.a, r.key.b, r.key.zone, r.row});
   return rows;
+}
+
+/// A path that a user gave.
+void check_is_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(
+        "{}: is a folder, a checkpoint was expected: a file checkpoint_NNNNNNNNNNNN.h5 of a run folder, or latest of the run's own", path);
+  if (!std::filesystem::exists(path, error))
+    throw InputError(
+        "{}: no such checkpoint{}; checkpoints are the files checkpoint_NNNNNNNNNNNN.h5 of a run folder, and latest is the newest", path,
+        near_file(path));
 }
 
 void read_whole_file(const mpi::Communicator& comm, Checkpoint& c, std::vector<ParticleRecord>& bodies, std::vector<WaitingState>& states) {
@@ -251,6 +264,7 @@ Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& pat
   c.path = path;
   std::vector<ParticleRecord> bodies;
   std::vector<WaitingState> states;
+  mpi::on_root(comm, [&] { check_is_file(path); });
   mpi::on_all(comm, [&] { check_checksum(comm.get(), path); });
   mpi::on_all(comm, [&] { read_whole_file(comm, c, bodies, states); });
   share_out(comm, bodies, states, c);
@@ -270,6 +284,11 @@ Checkpoint present_state(const mpi::Communicator& comm, const Simulation& simula
   return c;
 }
 
+InputError no_checkpoint(const std::string& folder, const OptionWords& words) {
+  return InputError("{}: {} holds no checkpoint; {} begins from the scene where there is none", words.restart("latest"), folder,
+                    words.restart("auto"));
+}
+
 Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::string& folder, const OptionWords& words) {
   std::vector<std::string> paths;
   mpi::on_root(comm, [&] { paths = list_checkpoints(folder); });
@@ -278,8 +297,7 @@ Checkpoint read_latest_checkpoint(const mpi::Communicator& comm, const std::stri
     const std::string path = broadcast_text(comm.get(), paths.empty() ? std::string() : paths.back());
     if (path.empty()) {
       mpi::on_root(comm, [&] {
-        if (refused.empty())
-          throw InputError("{}: {} holds no checkpoint; start without {}", words.restart("latest"), folder, words.restart_name());
+        if (refused.empty()) throw no_checkpoint(folder, words);
         throw InputError("{}; no older checkpoint is left: run the scene again into another folder", refused);
       });
     }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/storage/energy_in_play.hpp"
 #include "core/storage/run_files.hpp"
 #include "solver/run/measures.hpp"
 #include "solver/run/option_words.hpp"
@@ -27,10 +28,8 @@ struct RunRecord {
   std::int64_t log_rows = 0, list_renewals = 0, cuts = 0, migrated = 0, bytes_sent = 0, peak_memory = 0;  ///< migrated: from rank 0
   double wall_seconds = 0;
   PhaseTimes phases{};  ///< mean over the ranks [s]
-  /// What an error of the energy is measured by [J].
-  double energy_scale() const {
-    return std::max({kinetic_peak, energies.dissipated, elastic_peak, std::abs(energies.wall_work), std::abs(energies.outer_work)});
-  }
+  /// What an error of the energy is measured by.
+  EnergyInPlay in_play() const { return {kinetic_peak, elastic_peak, energies.dissipated, energies.wall_work, energies.outer_work}; }
 };
 
 struct Checkpoint {
@@ -58,6 +57,9 @@ void write_checkpoint(const mpi::Communicator& comm, const Simulation& simulatio
 /// Checks every bit, then reads; a rank gets a share by id and no more. Collective.
 /// Fails: throws InputError on every rank when it is missing, truncated, damaged or of another kind.
 Checkpoint read_checkpoint(const mpi::Communicator& comm, const std::string& path);
+
+/// The error for a run folder without one.
+InputError no_checkpoint(const std::string& folder, const OptionWords& words);
 
 /// The newest checkpoint of a run folder that is whole; damaged ones are told in a warning and passed over. Collective.
 /// Fails: throws InputError on every rank when there is none.

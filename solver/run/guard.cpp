@@ -43,10 +43,11 @@ void Guard::begin(const Simulation& simulation, bool is_fresh) {
 double Guard::add_row(const Energies& energies, double overlap_ratio, double imbalance, const CriticalStep& critical) {
   RunRecord& r = record_;
   r.energies = energies;
-  r.kinetic_peak = std::max(r.kinetic_peak, energies.translational + energies.rotational);
   r.dissipated_peak = std::max(r.dissipated_peak, energies.dissipated);
-  // of a law that pulls the energy is below 0 where bodies hold each other
-  r.elastic_peak = std::max(r.elastic_peak, std::abs(energies.elastic) + energies.tangential_elastic + energies.bond);
+  EnergyInPlay in_play = r.in_play();
+  in_play.add_row(energies.translational + energies.rotational, energies.elastic, energies.tangential_elastic, energies.bond);
+  r.kinetic_peak = in_play.kinetic_peak;
+  r.elastic_peak = in_play.elastic_peak;
   const double error = energies.balance() - r.energy_reference;
   r.energy_error = std::max(r.energy_error, std::abs(error));
   add_overlap(overlap_ratio);
@@ -60,7 +61,7 @@ void Guard::add_overlap(double ratio) { record_.max_overlap_ratio = std::max(rec
 
 double Guard::energy_scale() const {
   const RunRecord& r = record_;
-  return r.energy_scale() + kEnergyRounding * std::abs(r.energies.potential) + bond_rounding_;
+  return r.in_play().largest() + kEnergyRounding * std::abs(r.energies.potential) + bond_rounding_;
 }
 
 void Guard::check(const Simulation& simulation, double energy_error) const {

@@ -16,8 +16,6 @@ struct OptionWords {
   std::string restart(const std::string& from) const { return of_engine ? fmt::format("restart = \"{}\"", from) : "--restart " + from; }
   /// The two words that stand for a checkpoint.
   std::string restart_choice() const { return of_engine ? "restart = \"latest\" or \"auto\"" : "--restart latest or auto"; }
-  /// The option without a value.
-  const char* restart_name() const { return of_engine ? "restart" : "--restart"; }
 };
 
 }  // namespace scree

@@ -8,6 +8,7 @@
 
 #include "core/base/utf8.hpp"
 #include "core/storage/h5.hpp"
+#include "solver/effects/outer_forces/outer_forces.hpp"
 #include "solver/effects/wear/wear.hpp"
 #include "solver/run/guard.hpp"
 #include "solver/run/idle_servos.hpp"
@@ -17,9 +18,8 @@ namespace scree {
 
 namespace {
 
-nlohmann::json energy_json(const RunRecord& record) {
+nlohmann::json energy_json(const RunRecord& record, const Scene& scene) {
   const Energies& e = record.energies;
-  const double scale = record.energy_scale();
   nlohmann::json j{{"initial_balance", record.energy_reference},
                    {"kinetic_peak", record.kinetic_peak},
                    {"kinetic_final", e.translational + e.rotational},
@@ -29,7 +29,7 @@ nlohmann::json energy_json(const RunRecord& record) {
                    {"wall_work", e.wall_work},
                    {"removed", e.removed},
                    {"error_max", record.energy_error},
-                   {"error_relative", scale > 0 ? record.energy_error / scale : 0.0}};
+                   {"error_relative", relative_energy_error(record.energy_error, record.in_play(), scene)}};
   if (e.arrived != 0) j["inserted"] = e.arrived;
   if (e.outer_work != 0) j["outer_work"] = e.outer_work;
   return j;
@@ -128,6 +128,8 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
   const RemovedTotals arrived = arrived_totals(simulation.state());
   const std::int64_t bodies = body_count(simulation.state()), outside = bodies_outside(simulation.state());
   const std::int64_t free = free_body_count(simulation.state());
+  const auto* const outer = simulation.state().effect<OuterForces>();
+  const std::int64_t held = outer == nullptr ? 0 : outer->held_count(simulation.state());
   const bool continues = simulation.state().scene.continues();
   const DeepTotals deep = continues ? over_ranks(comm.get(), simulation.state().totals.deep) : DeepTotals{};
   const std::vector<RankMeasures> ranks = gather_measures(comm, rank_measures(simulation));
@@ -162,6 +164,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
       run["inserted_bodies"] = static_cast<std::int64_t>(arrived.count);
       run["inserted_mass"] = arrived.mass;
     }
+    if (options.has_program && outer != nullptr) run["program"] = {{"force_functions", outer->function_names()}, {"held_bodies", held}};
     for (std::size_t k = 0; k < loaded.scene.inlets.size(); ++k)
       run["inlets"].push_back(inlet_json(loaded.scene.inlets[k], simulation.state().totals.inlets[k], simulation.time()));
     if (continues) run["deep_contacts"] = deep_json(simulation.state(), deep, loaded.origin);
@@ -171,7 +174,7 @@ void write_outcome(const mpi::Communicator& comm, const Outcome& outcome, const 
                          static_cast<std::int64_t>(removed.count);
     run["bodies_outside_domain"] = outside;
     add_measures(run, record);
-    run["energy"] = energy_json(record);
+    run["energy"] = energy_json(record, loaded.scene);
     run["memory"] = memory_json(ranks);
     run["parallel"] = {{"halo", options.parallel.strategy == HaloStrategy::overlap ? "overlap" : "blocking"},
                        {"send", options.parallel.selection == HaloSelection::all ? "all" : "selected"},

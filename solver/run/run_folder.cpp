@@ -87,21 +87,21 @@ void check_run_folder(const std::string& folder, const std::string& scene_path, 
     return name != kLockName && !is_left_over(name);
   };
   const bool is_empty = std::none_of(files.begin(), files.end(), counts);
-  if (!is_empty && restart.empty()) {
-    throw UsageError("{}: exists and is not empty; remove it, choose another name, or continue it with {}", given, words.restart_choice());
-  }
   const fs::path scene = fs::path(folder) / "scene.h5";
   const bool has_scene = fs::exists(scene, error), has_checkpoint = !list_checkpoints(folder).empty();
+  if (!is_empty && !has_scene && !has_checkpoint) throw UsageError("{}: exists, is not empty and is no run; choose another folder", given);
+  if (!is_empty && restart.empty()) {
+    // a run that is at work in it is what the user needs to know first: it must not be removed
+    if (fs::exists(fs::path(folder) / kLockName, error)) const FolderLock lock(folder, words);
+    throw UsageError("{}: exists and is not empty; remove it, choose another name, or continue it with {}", given,
+                     has_checkpoint ? words.restart_choice() : words.restart("auto"));
+  }
   if (has_scene && sha256_of_file(scene.string()) != scene_sha256) {
     throw UsageError(
         "{}: holds a run of another scene than {}; choose another folder. A run whose case has changed since, such as its "
         "duration, goes on from a new case: [start] run = \"{}\"",
         given, scene_path, folder);
   }
-  if (restart == "latest" && !has_checkpoint) {
-    throw InputError("{}: {} holds no checkpoint; start without {}", words.restart("latest"), folder, words.restart_name());
-  }
-  if (!is_empty && !has_scene && !has_checkpoint) throw UsageError("{}: exists, is not empty and is no run; choose another folder", given);
   if (exists && access(folder.c_str(), W_OK) != 0) {
     throw SystemError("{}: {}; choose a folder that is writable", given, std::strerror(errno));
   }

@@ -254,8 +254,7 @@ void RunSteps::leave() {
 }
 
 void RunSteps::abandon(const std::string& reason) {
-  write_outcome(
-      {"interrupted", fmt::format("ended by an error at step {}: {}", simulation_.step(), reason), static_cast<int>(ExitCode::usage)});
+  write_outcome({"interrupted", "ended by an error: " + reason, static_cast<int>(ExitCode::usage)});
 }
 
 void RunSteps::finish() {
@@ -275,7 +274,7 @@ void RunSteps::finish() {
   const RunRecord& record = guard_.record();
   progress_->finish(fmt::format("{} steps, {:.0f} particle-steps/s, overlap/margin at most {:.3f}, energy balance to {:.2g}",
                                 simulation_.step(), body_steps_ / std::max(seconds_since(start_), 1e-9), record.max_overlap_ratio,
-                                record.energy_error / std::max(record.energy_scale(), 1e-300)));
+                                relative_energy_error(record.energy_error, record.in_play(), loaded_.scene)));
 }
 
 /// Contacts deeper than their maximum overlap since the start.

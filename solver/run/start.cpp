@@ -50,6 +50,8 @@ RunStart find_start(const mpi::Communicator& comm, const RunOptions& options, co
     if (continues_newest(options) && complete >= 0) return;
     start.lock = std::make_unique<FolderLock>(options.run_folder, options.words());
     look();  // the solver that had the lock before may have gone on since
+    if (options.restart == "latest" && list_checkpoints(options.run_folder).empty())
+      throw no_checkpoint(options.run_folder, options.words());
   });
   MPI_Bcast(&complete, 1, MPI_INT64_T, 0, comm.get());
   start.is_complete = continues_newest(options) && complete >= 0;

@@ -48,11 +48,13 @@ Effect& Simulation::add_on_demand(std::size_t kind) {
   std::unique_ptr<Effect> effect = effect_kinds()[kind].make_on_demand(state_);
   effect->set_kind(kind);
   const auto at = std::find_if(state_.effects.begin(), state_.effects.end(), [kind](const auto& other) { return other->kind() > kind; });
-  return **state_.effects.insert(at, std::move(effect));
+  Effect& added = **state_.effects.insert(at, std::move(effect));
+  if (auto* const outer = dynamic_cast<OuterForces*>(&added)) outer_forces_ = outer;
+  return added;
 }
 
 OuterForces& Simulation::outer_forces() {
-  if (auto* const there = state_.effect<OuterForces>()) return *there;
+  if (outer_forces_ != nullptr) return *outer_forces_;
   std::size_t kind = 0;
   while (effect_kinds()[kind].make_on_demand == nullptr) ++kind;
   return dynamic_cast<OuterForces&>(add_on_demand(kind));
@@ -205,6 +207,8 @@ void Simulation::advance_substep() {
   if (all.failed != 0) agree_on_failures();
   if (all.rebuild != 0) rebuild_lists(all);
   forces_.compute(state_, decomposition_, failure_, state_.clock.dt, all.rebuild == 0);
+  // a function of a program fails for reasons of the program: the error is of this step, and not of one or two steps later
+  if (outer_forces_ != nullptr && outer_forces_->has_functions()) agree_on_failures();
   for (const std::unique_ptr<Effect>& effect : state_.effects) effect->before_kick(parts());
   finish_motion();
   for (const std::unique_ptr<Effect>& effect : state_.effects) effect->end_step(parts());
@@ -218,7 +222,10 @@ void Simulation::move_bodies() {
   if (state_.scene.periodicity().any()) wrap_positions(state_.scene.periodicity(), state_.particles);
   failure_.watch(step(), [&] { for_each_effect(&Effect::drift); });
   state_.clock.advance();
-  failure_.watch(step(), [&] { check_displacement(state_); });
+  const auto cause_of = [this](std::size_t row) {
+    return outer_forces_ == nullptr ? std::string() : outer_forces_->cause_of_motion(state_, row);
+  };
+  failure_.watch(step(), [&] { check_displacement(state_, cause_of); });
   if (state_.scene.has_driven_walls() || state_.scene.has_moving_surfaces()) state_.set_walls();
 }
 

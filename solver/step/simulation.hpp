@@ -120,8 +120,9 @@ class Simulation {
   Requests requests_;
   FirstFailure failure_;  // of this rank; all ranks stop together, a step or two later
   ForceStep forces_;
-  bool needs_lists_ = false;     // an effect has changed since the last step what they were made for
-  std::function<void()> agree_;  // as effects call them
+  OuterForces* outer_forces_ = nullptr;  // among the effects of the state; null: there are none
+  bool needs_lists_ = false;             // an effect has changed since the last step what they were made for
+  std::function<void()> agree_;          // as effects call them
   std::function<void(const std::vector<std::int32_t>&)> compute_new_contacts_;
 };
 

@@ -1,5 +1,7 @@
 #include "solver/step_size/step_levels.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -126,7 +128,7 @@ void StepLevels::change(RunState& s, std::int64_t level, const std::string& reas
   for (const std::unique_ptr<Effect>& effect : s.effects) effect->on_step_change(s, difference);
 }
 
-void check_displacement(const RunState& s) {
+void check_displacement(const RunState& s, const std::function<std::string(std::size_t)>& cause_of) {
   // Two bodies must not pass each other between two searches for neighbours: at this share of its radius a step, what a body could
   // miss is smaller than the skin of the lists. Pairs that are listed are watched by evaluate_pairs.
   constexpr double kRadiusPerStep = 0.1;
@@ -136,10 +138,12 @@ void check_displacement(const RunState& s) {
   for (std::size_t i = 0; i < p.owned; ++i) {
     const double limit = kRadiusPerStep * p.radius[i];
     if (!(squared_length(p.v[i]) * dt2 > limit * limit)) continue;
+    std::string cause = cause_of(i);
+    if (cause.empty()) cause = fmt::format("give a step of at most {:.3g} s", limit / length(p.v[i]));
     throw RunInvalid(
         "step {}: body {} moves {:.3g} m in a step of {:.3g} s, more than a tenth of its radius of {:.3g} m; it could pass through "
-        "others unseen: give a step of at most {:.3g} s",
-        s.clock.step, p.id[i], length(p.v[i]) * dt, dt, p.radius[i], limit / length(p.v[i]));
+        "others unseen: {}",
+        s.clock.step, p.id[i], length(p.v[i]) * dt, dt, p.radius[i], cause);
   }
 }
 

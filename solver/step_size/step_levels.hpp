@@ -2,6 +2,7 @@
 // against a step in which a body could pass another unseen.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,7 @@ class StepLevels {
 };
 
 /// Throws RunInvalid for the first body that moves so far in a step that it could miss another.
-void check_displacement(const RunState& s);
+/// in   cause_of   why a body, by its row, moves so far, and what to do; "": a shorter step cures it
+void check_displacement(const RunState& s, const std::function<std::string(std::size_t)>& cause_of);
 
 }  // namespace scree

@@ -148,3 +148,12 @@ def solver_hash(scene, folder, *words, **options):
     run(1, scene, "-o", folder, *words, **options)
     end = outcome(folder)
     return end["state_hash"], end["steps"]
+
+
+def refused(kind, text, action):
+    try:
+        action()
+    except kind as error:
+        assert text in str(error), f"'{text}' expected in: {error}"
+        return str(error)
+    raise AssertionError(f"{kind.__name__} expected, and nothing was raised; text {text}")

@@ -14,7 +14,7 @@ import threading
 import time
 import warnings
 
-from engine_cases import ENV, FLOOR, GLASS, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, pile, program, solver_hash  # isort: skip
+from engine_cases import ENV, FLOOR, GLASS, MPIEXEC, PARTNER, balls, main, needs_mpi4py, one_ball, outcome, pack, pile, program, refused, solver_hash  # isort: skip
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -104,7 +104,15 @@ def a_frame_is_the_whole_scene_on_every_rank():
         engine.write_frame("own.hdf")
         with h5py.File("own.hdf") as file:
             assert file["frame"].attrs["step"] == 5
+        view = engine.frame().walls
+        for chain in (lambda: engine.frame().bodies.position, lambda: engine.frame().walls.position, lambda: engine.frame().contacts.normal_force,
+                      lambda: engine.frame().bodies[:3].velocity, lambda: view.force):
+            assert len(chain()) in (80, 3, 1, 0), "the file lives as long as anything that was taken from its frame"
+        bodies = frame.bodies
         del frame
+        gc.collect()
+        assert os.path.exists(path) and bodies.mass.shape == (80,)
+        del bodies
         gc.collect()
         assert not os.path.exists(path)
         refused(scree.MachineError, "nowhere", lambda: engine.write_frame("nowhere/own.hdf"))
@@ -141,28 +149,19 @@ def functions_of_forces_see_bodies_during_the_call_only():
                 (lambda bodies: engine.step(), scree.UsageError, "within a step"),
                 (lambda bodies: engine.bodies.position, scree.UsageError, "within a step"),
                 (lambda bodies: engine.close(), scree.UsageError, "within a step"),
-                (lambda bodies: [0, 0, math.nan], scree.UsageError, "not a finite number"),
+                (lambda bodies: [0, 0, math.nan], scree.UsageError, "a force of (0 0 nan) N, which is not finite"),
                 (lambda bodies: 1 // 0, ZeroDivisionError, "by zero")):
             refused(kind, text, lambda: engine.add_force(function))  # it is called at once
             engine.step(1)  # nothing was added
         calls = []
         fails = engine.add_force(lambda bodies: calls.append(1) or (None if len(calls) < 5 else 1 // 0))
         refused(ZeroDivisionError, "by zero", lambda: engine.step(100))
-        refused(scree.UsageError, "Restore a saved state", engine.step)
-        assert engine.bodies.position.shape == (80, 3), "it can be read"
+        refused(scree.UsageError, "restore a saved state", engine.step)
+        refused(scree.UsageError, "in the midst of a step", lambda: engine.bodies.position)
         calls.clear()  # as it is called again at once
         engine.restore(state)
         engine.remove_force(fails)
         engine.step(20)
-
-
-def refused(kind, text, action):
-    try:
-        action()
-    except kind as error:
-        assert text in str(error), f"'{text}' expected in: {error}"
-        return str(error)
-    raise AssertionError(f"{kind.__name__} expected, and nothing was raised; text {text}")
 
 
 def mistakes_are_told_with_a_cure():
@@ -170,20 +169,40 @@ def mistakes_are_told_with_a_cure():
     pack("other", balls(duration=0.01))
     engine = scree.Engine("balls.scene.h5")
     other = scree.Engine("other.scene.h5")
-    state, foreign = engine.save(), other.save()
+    state, foreign, walls = engine.save(), other.save(), other.walls
     other.close()
     stuck = int(engine.bodies.id[engine.bodies.fixed == 1][0])
     one, two = engine.bodies.id[engine.bodies.fixed == 0][:2].tolist()
+    os.mkdir("empty.run")
     for kind, text, action in (
             (scree.UsageError, "the engine is closed; open another one", lambda: other.step()),
             (scree.UsageError, "the engine is closed", lambda: other.time),
-            (scree.UsageError, "the engine is closed", lambda: other.bodies),
+            (scree.UsageError, "bodies: the engine is closed", lambda: other.bodies),
+            (scree.UsageError, "steps: the engine is closed", lambda: other.steps),
+            (scree.UsageError, "energies: the engine is closed", lambda: other.energies()),
+            (scree.UsageError, "walls: the engine is closed", lambda: walls["box"].position),
+            (scree.UsageError, "add_force: the engine is closed", lambda: other.add_force(lambda bodies: None)),
+            (scree.UsageError, "insert: the engine is closed", lambda: other.insert("ball", "glass", [0, 0, 0.19])),
+            (scree.UsageError, "frame: the engine is closed", lambda: other.frame()),
+            (scree.UsageError, "after_step: the engine is closed", lambda: other.after_step(lambda engine: None)),
             (scree.InputError, "missing.scene.h5", lambda: scree.Engine("missing.scene.h5")),
             (scree.UsageError, "None for this process alone", lambda: scree.Engine("balls.scene.h5", comm=2)),
             (scree.UsageError, "a path expected", lambda: scree.Engine(2)),
             (scree.UsageError, "a whole number of at least 1", lambda: scree.Engine("balls.scene.h5", threads=0)),
             (scree.UsageError, "of a run folder", lambda: scree.Engine("balls.scene.h5", restart="latest")),
-            (scree.InputError, "missing.h5", lambda: scree.Engine("balls.scene.h5", restart="missing.h5")),
+            (scree.InputError, "missing.h5: no such checkpoint; checkpoints are the files checkpoint_", lambda: scree.Engine("balls.scene.h5", restart="missing.h5")),
+            (scree.InputError, "balls.scene.h6: no such checkpoint, did you mean 'balls.scene.h5'?", lambda: scree.Engine("balls.scene.h5", restart="balls.scene.h6")),
+            (scree.InputError, "empty.run: is a folder, a checkpoint was expected", lambda: scree.Engine("balls.scene.h5", restart="empty.run")),
+            (AttributeError, "Engine has no 'gravty' that could be set; did you mean 'gravity'?", lambda: setattr(engine, "gravty", 0)),
+            (AttributeError, "Engine.dt cannot be set", lambda: setattr(engine, "dt", 1)),
+            (AttributeError, "Engine.walls cannot be set", lambda: setattr(engine, "walls", 1)),
+            (AttributeError, "Engine has no 'set_wrenches'; did you mean 'set_wrench'?", lambda: engine.set_wrenches),
+            (AttributeError, "EngineBodies has no 'positions'; did you mean 'position'?", lambda: engine.bodies.positions),
+            (AttributeError, "EngineBodies has no 'vel'; did you mean 'velocity'?", lambda: engine.bodies.vel),
+            (AttributeError, "EngineBodies.velocity cannot be set", lambda: setattr(engine.bodies, "velocity", 1)),
+            (AttributeError, "EngineWall.drive cannot be set", lambda: setattr(engine.walls["box"], "drive", 1)),
+            (AttributeError, "EngineWall.name cannot be set", lambda: setattr(engine.walls["box"], "name", "lid")),
+            (AttributeError, "Bodies has no 'positions'; did you mean 'position'?", lambda: engine.frame().bodies.positions),
             (scree.UsageError, "a whole number of at least 0", lambda: engine.step(-1)),
             (scree.UsageError, "a whole number expected", lambda: engine.step(0.5)),
             (scree.UsageError, "a number expected", lambda: engine.run_until("end")),
@@ -202,6 +221,7 @@ def mistakes_are_told_with_a_cure():
             (scree.UsageError, "at least 1", lambda: engine.add_force(lambda bodies: None, every=0)),
             (scree.UsageError, "never added", lambda: engine.remove_force(77)),
             (scree.UsageError, "a function expected", lambda: engine.after_step(3)),
+            (scree.UsageError, "never added with after_step", lambda: engine.remove_after_step(1)),
             (scree.UsageError, "a state from save() expected", lambda: engine.restore("state")),
             (scree.UsageError, "of another scene", lambda: engine.restore(foreign)),
             (scree.UnknownName, "there are: ball", lambda: engine.insert("bell", "glass", [0, 0, 0.19])),
@@ -210,7 +230,9 @@ def mistakes_are_told_with_a_cure():
             (scree.UsageError, "one or 2 expected", lambda: engine.insert(["ball"], "glass", np.zeros((2, 3)))),
             (scree.UsageError, "divide it by its norm", lambda: engine.insert("ball", "glass", [0, 0, 0.19], quaternion=[1, 1, 0, 0])),
             (scree.UsageError, "expected a number > 0", lambda: engine.insert("ball", "glass", [0, 0, 0.19], scale=0)),
-            (scree.UsageError, "not finite", lambda: engine.insert("ball", "glass", [0, 0, math.nan])),
+            (scree.UsageError, "position of body 1 of this call is (0 0 nan), which is not finite", lambda: engine.insert("ball", "glass", [[0, 0, 0.19], [0, 0, math.nan]])),
+            (scree.UsageError, "angular_velocity of body 0 of this call is (inf 0 0)", lambda: engine.insert("ball", "glass", [0, 0, 0.19], angular_velocity=[math.inf, 0, 0])),
+            (scree.UsageError, "velocity of body 0 of this call is (0 nan 0)", lambda: engine.insert("ball", "glass", [0, 0, 0.19], velocity=[0, math.nan, 0])),
             (scree.UsageError, "take ids from bodies", lambda: engine.remove([10**6])),
             (scree.ScreeError, "nowhere", lambda: engine.write_checkpoint("nowhere"))):
         refused(kind, text, action)
@@ -267,6 +289,7 @@ def an_error_of_one_rank_is_raised_on_all_within_a_second():
             assert all(k == (kind if rank == culprit or everywhere else "UsageError") for rank, k in enumerate(row["kinds"])), row
         assert f"rank {culprit}" in found[0]["texts"][1 - culprit] and "(1, 3) expected" in found[0]["texts"][1 - culprit]
         assert found[5]["texts"][culprit] == "the partner failed"
+        assert "the force function fails_here failed: ValueError: the partner failed" in found[5]["texts"][1 - culprit], found[5]
     assert program("left_by_one_rank", 2, scene="balls.scene.h5")
 
 
@@ -430,14 +453,20 @@ def places_and_sizes_of_new_bodies_are_checked():
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             engine.insert("ball", "glass", [[0, 0, 0.15], [0, 0.0078, 0.15], [0.02, 0.02, 0.15]])   # 5 % of the radius
-            engine.insert("ball", "glass", [0, 0.0156, 0.15])   # touches one that waits, and is not reported again
+            engine.insert("ball", "glass", [0, 0.0156, 0.15])   # touches one that waits, as deep as that, and is not reported again
             engine.insert("ball", "glass", [-0.02, 0, 0.15], scale=1.2)
-        assert [w.category for w in caught] == [scree.ScreeWarning], caught
+            late, = engine.insert("ball", "glass", [-0.02, 0.0072, 0.15])   # much deeper
+            engine.insert("ball", "glass", [-0.02, -0.0072, 0.15])
+        assert [w.category for w in caught] == [scree.ScreeWarning] * 2, caught
+        assert "40 % of the radius" in str(caught[1].message) and "at least twice as large" in str(caught[1].message), str(caught[1].message)
+        for call, action in (("set_wrench", lambda: engine.set_wrench([one, late], [0, 0, 1e-3])), ("remove", lambda: engine.remove([late])), ("clear_wrench", lambda: engine.clear_wrench([late]))):
+            refused(scree.UsageError, f"{call}: body {late} was inserted and joins in the next step; make a step first", action)
         text = str(caught[0].message)
         for part in ("1 of 3 bodies overlap others or walls by more than 2 % of a radius", "body 1 of 3 of this call", "with body 0 of this call", "200 um (5 % of the radius", "give free places"):
             assert part in text, (part, text)
         engine.step(3)
-        assert len(engine.bodies) == 85
+        assert len(engine.bodies) == 87
+        engine.set_wrench([late], [0, 0, 1e-3])
         engine.remove([one])
         engine.insert("ball", "glass", there)   # the place of one that leaves in the same step
         engine.step()
@@ -474,24 +503,34 @@ def messages_of_run_folders_name_the_options_of_the_engine():
     for name in ("strange.run/note.txt", "file.run"):
         with open(name, "w", encoding="utf-8") as file:
             file.write("mine")
+    killed = "import os, scree; e = scree.Engine('balls.scene.h5', run='killed.run'); e.step(3); os.kill(os.getpid(), 9)"
+    assert subprocess.run([sys.executable, "-c", killed], env=ENV, capture_output=True).returncode == -signal.SIGKILL
     first = scree.Engine("balls.scene.h5", run="first.run")
     first.step(10)
-    refused(scree.UsageError, 'run = "first.run": another run is at work in it', lambda: scree.Engine("balls.scene.h5", run="first.run", restart="auto"))
+    for restart in ("auto", "latest", None):  # before its first checkpoint
+        refused(scree.UsageError, 'run = "first.run": another run is at work in it', lambda: scree.Engine("balls.scene.h5", run="first.run", restart=restart))
     first.close()
     message = scree.open("first.run").outcome["message"]
     assert message == 'closed at step 10; continue with restart = "latest"', message
     for text, arguments in (
             ('run = "first.run": exists and is not empty; remove it, choose another name, or continue it with restart = "latest" or "auto"', {"run": "first.run"}),
-            ('run = "strange.run": exists and is not empty', {"run": "strange.run"}),
+            ('run = "strange.run": exists, is not empty and is no run; choose another folder', {"run": "strange.run"}),
             ('run = "strange.run": exists, is not empty and is no run', {"run": "strange.run", "restart": "auto"}),
             ('run = "file.run": exists and is a file', {"run": "file.run"}),
-            ('restart = "latest": new.run holds no checkpoint; start without restart', {"run": "new.run", "restart": "latest"}),
+            ('restart = "latest": new.run holds no checkpoint; restart = "auto" begins from the scene', {"run": "new.run", "restart": "latest"}),
+            ('restart = "latest": killed.run holds no checkpoint; restart = "auto" begins from the scene', {"run": "killed.run", "restart": "latest"}),
+            ('run = "killed.run": exists and is not empty; remove it, choose another name, or continue it with restart = "auto"', {"run": "killed.run"}),
             ('restart = "latest": is the newest checkpoint of a run folder, and run is not given', {"restart": "latest"})):
         refused(scree.ScreeError, text, lambda: scree.Engine("balls.scene.h5", **arguments))
     refused(scree.UsageError, 'run = "first.run": holds a run of another scene', lambda: scree.Engine("other.scene.h5", run="first.run", restart="auto"))
     checkpoint = sorted(glob.glob("first.run/checkpoint_*"))[-1]
     refused(scree.InputError, f'restart = "{checkpoint}": was made from another scene', lambda: scree.Engine("other.scene.h5", run="third.run", restart=checkpoint))
     assert not os.path.exists("new.run")
+    with scree.Engine("balls.scene.h5", run="killed.run", restart="auto") as engine:
+        assert engine.steps == 0
+        engine.step()
+    scree.Engine("balls.scene.h5", run="no/such/deep.run").close()  # with the folders above it
+    assert scree.open("no/such/deep.run").outcome["outcome"] == "interrupted"
 
 
 def functions_after_steps_are_called_in_multiples():
@@ -509,9 +548,44 @@ def functions_after_steps_are_called_in_multiples():
         engine.run_until(0.012)
         assert (engine.steps, engine.state_hash()) == (plain.steps, plain.state_hash())
         assert calls[-1] in (-(engine.steps // 5) * 5, engine.steps // 7 * 7)
-        engine.after_step(lambda e: e.step())
+        nested = engine.after_step(lambda e: e.step())
         refused(scree.UsageError, "after_step", engine.step)
+        engine.remove_after_step(nested)
+        refused(scree.UsageError, "never added", lambda: engine.remove_after_step(nested))
+        calls.clear()
+        engine.after_step(lambda e: calls.append("once") or engine.remove_after_step(last), every=1)
+        last = engine.after_step(lambda e: calls.append("last"))
+        before = engine.steps
+        refused(scree.UsageError, "never added", lambda: engine.step(5))  # it removes the second one in each step
+        assert "last" not in calls and calls.count("once") == 2 and engine.steps == before + 2
     plain.close()
+
+
+def the_report_says_that_a_program_stepped_the_run():
+    """How to run it again, what forces the program gave, and one relative error of the energy: of the log by the page of formats, of run.json and of the report."""
+    pack("balls", balls(duration=0.2, every=0.02))
+    with scree.Engine("balls.scene.h5", run="program.run") as engine:
+        def field(bodies):
+            return -30 * bodies.mass[:, None] * bodies.position - 0.5 * bodies.mass[:, None] * bodies.velocity
+
+        engine.add_force(field)
+        engine.set_wrench(engine.bodies.id[:7], [0, 0, 1e-4])
+        engine.run_until(0.15)
+    end, log = outcome("program.run"), scree.open("program.run").log
+    assert end["program"] == {"force_functions": ["field"], "held_bodies": 7}, end["program"]
+    assert "interrupted" == end["outcome"] and "closed at step" in end["message"]
+    scale = max(max(log["kinetic_translational"] + log["kinetic_rotational"]), max(abs(log["elastic"]) + log["elastic_tangential"]), log["dissipated"][-1],
+                abs(log["wall_work"][-1]), abs(log["outer_work"][-1]))
+    expected = max(abs(log["energy_error"])) / scale
+    assert 1e-6 < expected < 0.05 and abs(end["energy"]["error_relative"] / expected - 1) < 1e-7, (expected, end["energy"])
+    scree.call("post", "report", "program.run", "-o", "program.html")
+    with open("program.html", encoding="utf-8") as file:
+        page = file.read()
+    for text in ("A program stepped this run with the engine", "scree-decomposer pack balls.toml", "Forces of the program", "1 function within the step: field, and held forces on 7 bodies",
+                 f"{end['energy']['outer_work'] * 1e3:.3g}"[:3], f"The largest error of all rows is {100 * expected:.3g} % of it (error_relative of run.json)"):
+        assert text in page, text
+    again = page[page.index("To run it again</h2>"):]
+    assert "mpirun" not in again and "scree.Engine first" not in again and "The same program, ranks and threads" not in again, again
 
 
 def warnings_go_to_python():
@@ -630,7 +704,7 @@ def a_bad_function_can_be_removed_and_the_run_restored():
         engine.step(50)
         engine.add_force(lambda bodies: calls.append(1) or (None if len(calls) < 8 else 1 // 0))
         refused(ZeroDivisionError, "by zero", lambda: engine.step(10))
-    assert outcome("failed.run")["outcome"] == "interrupted" and "function of outer forces" in outcome("failed.run")["message"]
+    assert outcome("failed.run")["outcome"] == "interrupted" and "failed: ZeroDivisionError: " in outcome("failed.run")["message"]
 
 
 def what_reading_costs():
@@ -664,7 +738,7 @@ if __name__ == "__main__":
         functions_of_forces_see_bodies_during_the_call_only, mistakes_are_told_with_a_cure, only_one_thread_is_within_a_call,
         an_error_of_one_rank_is_raised_on_all_within_a_second, ctrl_c_stops_a_step_within_a_second_and_the_engine_goes_on,
         a_run_folder_is_as_that_of_scree_solver, what_a_program_inserts_and_removes_is_in_every_book,
-        places_and_sizes_of_new_bodies_are_checked, messages_of_run_folders_name_the_options_of_the_engine, functions_after_steps_are_called_in_multiples, warnings_go_to_python, engines_end_without_a_word,
+        places_and_sizes_of_new_bodies_are_checked, messages_of_run_folders_name_the_options_of_the_engine, functions_after_steps_are_called_in_multiples, the_report_says_that_a_program_stepped_the_run, warnings_go_to_python, engines_end_without_a_word,
         it_runs_beside_h5py, a_restarted_run_goes_on_with_a_function_that_is_added_again, loads_and_energies_are_known_after_a_restore,
         a_function_may_change_threads_and_rounding, a_bad_function_can_be_removed_and_the_run_restored, what_reading_costs,
     ])

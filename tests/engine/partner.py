@@ -97,6 +97,33 @@ def from_checkpoint(scene, steps, path):
         return engine.state_hash(), vars(engine.energies())
 
 
+def swirl(bodies):
+    """A force and a torque that follow velocities: of some bodies only, and 0 at first for those at rest."""
+    return -0.3 * bodies.mass[:, None] * bodies.velocity[:, [1, 0, 2]], -1e-7 * bodies.angular_velocity
+
+
+def with_functions(scene, steps, further, folder=None, path=None):
+    """Steps with three functions, one that is called in every 7th step; from a checkpoint, they are added again in the same order.
+    Hash, energies and calls at the end."""
+    calls = []
+
+    def counted(bodies):
+        calls.append(1)
+        return pull(bodies)
+
+    with scree.Engine(scene, COMM, restart=path) as engine:
+        for function, every in ((counted, 1), (swirl, 7), (lambda bodies: None, 1)):
+            engine.add_force(function, every)
+        if folder is not None:
+            engine.step(steps)
+            engine.write_checkpoint(folder)
+        else:
+            assert engine.steps == steps
+        calls.clear()
+        engine.step(further)
+        return engine.state_hash(), vars(engine.energies()), len(calls)
+
+
 def come_and_go(scene):
     """Bodies come in from all ranks and go; what is counted each time."""
     rows = []

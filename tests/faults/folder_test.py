@@ -83,7 +83,7 @@ def a_folder_that_is_refused_is_left_as_it_is():
     for folder, scene, restart, code in (("a.run", "other.scene.h5", ["--restart", "latest"], 2), ("a.run", "other.scene.h5", ["--restart", "auto"], 2),
                                          ("a.run", "other.scene.h5", ["--restart", first], 2), ("a.run", "pile.scene.h5", [], 2),
                                          ("thesis", "pile.scene.h5", [], 2), ("thesis", "pile.scene.h5", ["--restart", "auto"], 2),
-                                         ("thesis", "pile.scene.h5", ["--restart", "latest"], 3), ("thesis", "pile.scene.h5", ["--restart", first], 2)):
+                                         ("thesis", "pile.scene.h5", ["--restart", "latest"], 2), ("thesis", "pile.scene.h5", ["--restart", first], 2)):
         before = contents(folder)
         told = run(1, scene, "-o", folder, *restart, expect=code).stderr
         assert folder in told and contents(folder) == before, (folder, scene, restart, told)

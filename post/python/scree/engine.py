@@ -17,8 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .attributes import ReadAttributes
+from .engine_after import AfterSteps
 from .engine_arguments import address_of, duplicate_of, id_list, new_bodies, path_bytes, real, vectors, whole
-from .engine_calls import EngineCalls, force_callback, polls
+from .engine_calls import force_callback, name_of, polls
 from .engine_library import CEnergies, PollFunction, ScreeWarning, c_double, c_int, c_int64, c_pointer, copied, error_text, loaded_library, of_the_wheel, pass_on_warnings
 from .engine_rows import INTEGERS, WIDTHS, EngineBodies, EngineContacts, Moment
 from .engine_values import Energies, EngineWall, State
@@ -31,7 +33,7 @@ __all__ = ["Energies", "Engine", "EngineBodies", "EngineContacts", "EngineWall",
 _POLL_INTERVAL = 0.1  # [s], after which a Ctrl-C stops the steps: not felt, and far longer than a step of few bodies
 
 
-class Engine(EngineCalls):
+class Engine(AfterSteps, ReadAttributes):
     """A run in this process, stepped from Python.
 
         with scree.Engine("bed.scene.h5") as engine:
@@ -39,8 +41,8 @@ class Engine(EngineCalls):
                 engine.step(100)
                 print(engine.time, engine.bodies.position[:, 2].max())
 
-    Errors are raised on all ranks. After RunInvalid, InternalError, or an exception in a force function, only reading, `remove_force`, `restore` and `close`
-    are left.
+    Errors are raised on all ranks. After RunInvalid, InternalError, or an exception in a force function the bodies are in the midst of a step: bodies, walls
+    and energies cannot be read then. What is left: `restore` a saved state, `remove_force`, `close`, and to find the cause `frame` and `write_frame`.
     Without `with`, call `close`. An engine of one rank is closed, too, when nothing refers to it any more; one of several ranks is not, since all must
     close it together, and for the same reason an exception of your own that leaves the `with` does not close it.
     One thread at a time calls an engine. Ctrl-C stops `step` within 0.1 s after a complete step, on all ranks; the engine can go on.
@@ -50,14 +52,13 @@ class Engine(EngineCalls):
                  restart: str | os.PathLike[str] | None = None, threads: int | None = None) -> None:
         """scene    NAME.scene.h5, or a Scene
         comm     a communicator of mpi4py, whose ranks share the scene; None: this process alone
-        run      NAME.run to make, with all files that scree-solver writes; None: no files
-        restart  path of a checkpoint, or "latest" or "auto" of the run folder; None: from the scene
+        run      NAME.run to make, with the folders above it and all files that scree-solver writes; None: no files. An engine that is closed before
+                 the duration of the case has the outcome "interrupted" there
+        restart  path of a checkpoint; "latest": the newest of the run folder; "auto": the same, or from the scene where there is none; None: from the scene
         threads  of each rank; None: OMP_NUM_THREADS where it is set, else as many as the bodies keep busy
         Raises UsageError, InputError, MachineError.
         """
         super().__init__()
-        self._is_in_after_step = False
-        self._after: list[tuple[int, Callable[[Engine], Any]]] = []
         self._loads: tuple[int, np.ndarray] | None = None
         library, own = loaded_library(), None if comm is None else duplicate_of(comm)
         self._ranks: int = 1 if own is None else own.Get_size()
@@ -138,14 +139,10 @@ class Engine(EngineCalls):
         steps = math.ceil((until - self.time) / self.dt - 1e-9) if math.isfinite(until) else 2**63  # as the library
         self._advance(whole("run_until: steps", max(0, steps), 0))
 
-    def _check_not_nested(self, what: str) -> None:
-        if self._is_in_after_step:
-            raise UsageError(f"{what}: called by a function of after_step(), which is called between the steps of step() itself; return, and step afterwards")
-
     def _advance(self, count: int) -> None:
         self._check_not_nested("step")
         while True:
-            part = min(count, *(every - self.steps % every for every, _ in self._after)) if self._after else count
+            part = self._until_due(count)
             self._moves += 1
             self._call("step", part)
             count -= part
@@ -153,23 +150,6 @@ class Engine(EngineCalls):
                 self._call_after()
             if count == 0:
                 return
-
-    def _call_after(self) -> None:
-        due = [function for every, function in self._after if self.steps % every == 0]
-        self._is_in_after_step = True
-        try:
-            self._together(lambda: [function(self) for function in due])
-        finally:
-            self._is_in_after_step = False
-
-    def after_step(self, function: Callable[[Engine], Any], every: int = 1) -> None:
-        """Calls function(engine) after each step whose number is a multiple of `every`. It may call everything but `step`."""
-        def check() -> tuple[int, Callable[[Engine], Any]]:
-            if not callable(function):
-                raise UsageError(f"after_step: {function!r} found, a function expected")
-            return whole("after_step: every", every, 1), function
-
-        self._after.append(self._together(check))
 
     @property
     def time(self) -> float:
@@ -232,8 +212,10 @@ class Engine(EngineCalls):
     def frame(self, folder: str | os.PathLike[str] | None = None) -> Frame:
         """The whole scene at this moment as a Frame of the reader: all bodies by id, contacts, walls; `measures()`, `plot()`. Collective.
 
-        folder   where its file is written, a folder that all ranks see; None: that of temporary files. The file is removed with the frame
+        folder   where its file is written, a folder that all ranks see; None: that of temporary files. The file is removed with the frame and all that
+                 was taken from it: bodies, walls, contacts
         """
+        self._check_open("frame")
         own = tempfile.TemporaryDirectory(prefix="scree-frame-")
         shared = self._together(lambda: tempfile.mkdtemp(prefix="scree-frame-", dir=folder))
         if self._comm is not None:
@@ -249,7 +231,7 @@ class Engine(EngineCalls):
             if self._comm is None or self._comm.Get_rank() == 0:
                 shutil.rmtree(shared, ignore_errors=True)
         frame = Frame(path, self._scene, self.time)
-        frame._folder = own  # type: ignore[attr-defined]  # lives as long
+        frame._store.folder = own  # lives as long as bodies, walls and contacts that were taken from the frame
         return frame
 
     def energies(self) -> Energies:
@@ -289,8 +271,9 @@ class Engine(EngineCalls):
 
         ids      of any bodies, also of other ranks; each rank may give its own part
         force    n x 3, or 3 for all [N]; torque the same [N m], None: none
-        They act from the next step on: for partners that change slowly, a fluid or a controller. A force that follows from positions or velocities
-        belongs in `add_force`: a spring that is held for a step gains energy.
+        They act at once: `bodies.force` has them, and so has the next step from its first half kick on. For partners that change slowly, a fluid or a
+        controller. A force that follows from positions or velocities belongs in `add_force`: a spring that is held for a step gains energy.
+        A body of `insert` takes a wrench after the step in which it joins.
         """
         def check() -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
             found = id_list("set_wrench: ids", ids)
@@ -308,22 +291,30 @@ class Engine(EngineCalls):
         self._call("clear_wrench", -1 if found is None else len(found), None if found is None else address_of(found))
 
     def add_force(self, function: Callable[[EngineBodies], Any], every: int = 1) -> int:
-        """Calls a function within each step, and once at once. Returns a number for `remove_force`.
+        """Calls a function within each step. Returns a number for `remove_force`.
 
         function  of the bodies of this rank, at their new positions, with the velocities of half a step before. It returns their forces, n x 3 or 3
                   for all [N], or a tuple (forces, torques) [N m], or None. The bodies end with the call, arrays that were read from them do not. It may
                   read `time`, `steps` and the like of the engine, and call nothing else of it. An exception is raised by `step`, and ends the run
         every     in steps whose number is a multiple of it; between them the last forces are held
+
+        add_force itself makes the first call, for the first half kick: n steps take n + 1 calls. After a restart it does not: up to the next step the
+        functions take the forces that those of the checkpoint had, in the order in which they are added. Add the same functions in the same order, before
+        the first step, and the run goes on with the same bits.
+        A drag C is of first order in the step, since its velocities are half a step old: a period is too short by C dt / (4 m) of itself. It is stable
+        for dt < 2 m / C, a spring of angular frequency w for dt < 2 / w; no check of the case knows of either.
         """
         def check() -> int:
             if not callable(function):
                 raise UsageError(f"add_force: {function!r} found, a function expected")
             return whole("add_force: every", every, 1)
 
+        self._check_open("add_force")
         steps = self._together(check)
-        number, callback = c_int(), force_callback(function, self._kept, self._names)
+        name = name_of(function)
+        number, callback = c_int(), force_callback(function, name, self._kept, self._names)
         self._moves += 1  # forces on bodies change at once
-        self._call("add_force", callback, steps, None, ctypes.byref(number))
+        self._call("add_named_force", name.encode("utf-8", "replace"), callback, steps, None, ctypes.byref(number))
         self._functions[number.value] = callback
         return number.value
 
@@ -370,7 +361,7 @@ class Engine(EngineCalls):
         """Bodies join in the next step. Returns their ids. Each rank gives its own bodies.
 
         Raises UsageError, and no body joins, for a place outside the domain, within a body or behind a wall, and for a size that the scene was not made for.
-        Warns, once for an engine, of an overlap of more than 2 % of a radius.
+        Warns of an overlap of more than 2 % of a radius, and again when one is at least twice as large as what was reported before.
 
         shape      name, or one for each; material the same
         position   n x 3, or 3 of one body [m]; where they are at the end of that step
@@ -379,6 +370,7 @@ class Engine(EngineCalls):
         def check() -> tuple[np.ndarray, list[Any]]:
             return new_bodies(self._names, shape, material, position, {"quaternion": quaternion, "velocity": velocity, "angular_velocity": angular_velocity, "scale": scale})
 
+        self._check_open("insert")
         bodies, _texts = self._together(check)
         ids = np.zeros(len(bodies), dtype=np.int64)
         self._call("insert", len(bodies), address_of(bodies), address_of(ids))

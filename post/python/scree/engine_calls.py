@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import _signal  # its functions without the enums of `signal`, which take longer than a step of few bodies
 import ctypes
+import os
 import signal
 import threading
 from collections.abc import Callable, Generator
@@ -48,9 +49,16 @@ def polls(kept: Kept) -> Generator[int, Any, None]:
             answer = int(signal.SIGINT)
 
 
-def force_callback(function: Callable[[EngineBodies], Any], kept: Kept, names: dict[str, np.ndarray]) -> Any:
-    name = getattr(function, "__name__", type(function).__name__)
+def name_of(function: Any) -> str:
+    """Of a function of a program, in messages and run.json."""
+    name, code = getattr(function, "__name__", type(function).__name__), getattr(function, "__code__", None)
+    if name == "<lambda>" and code is not None:
+        return f"lambda of {os.path.basename(code.co_filename)}:{code.co_firstlineno}"
+    return str(name)
 
+
+def force_callback(function: Callable[[EngineBodies], Any], name: str, kept: Kept, names: dict[str, np.ndarray]) -> Any:
+    """The function as the library calls it."""
     def fill(address: int, what: str, values: Any, count: int) -> None:
         if values is not None and count:
             given = vectors(f"force function {name}: {what}", values, count)
@@ -66,11 +74,19 @@ def force_callback(function: Callable[[EngineBodies], Any], kept: Kept, names: d
             return 0
         except BaseException as error:
             kept.failure = error
+            why = f"{type(error).__name__}: {error}".removesuffix(": ")
+            loaded_library().scree_force_failed(handle, why.encode("utf-8", "replace"))
             return 1
         finally:
             store.is_over = True
 
     return ForceFunction(call)
+
+
+#: what a user called, where the library has another name for it
+_SAID = {"body_count": "bodies", "step_count": "steps", "wall_count": "walls", "wall_name": "walls", "wall_state": "walls", "wall_loads": "walls: load",
+         "wall_way": "walls: way", "drive_wall": "drive", "get_energies": "energies", "add_named_force": "add_force", "shape_count": "shape_name",
+         "material_count": "material_name"}
 
 
 class EngineCalls:
@@ -86,21 +102,27 @@ class EngineCalls:
 
     def _enter(self, what: str) -> None:
         """One call at a time of an open engine; `_busy` is released at its end."""
+        what = _SAID.get(what, what)
         if not self._busy.acquire(blocking=False):
             if self._caller == threading.get_ident():
                 raise UsageError(f"{what}: the engine is within a step; a force function uses the bodies that it gets, and the numbers time to gravity")
             raise UsageError(f"{what}: another thread is within a call of this engine; use one thread, or a lock of your own")
         self._caller = threading.get_ident()
-        if self._handle is None:
+        try:
+            self._check_open(what)
+        except UsageError:
             self._busy.release()
+            raise
+
+    def _check_open(self, what: str) -> None:
+        if self._handle is None:
             raise UsageError(f"{what}: the engine is closed; open another one")
 
     def _fact(self, name: str, *arguments: Any) -> Any:
         """A number of the library; also within a function of forces."""
-        if self._handle is None:
-            raise UsageError(f"{name}: the engine is closed; open another one")
+        self._check_open(_SAID.get(name, name))
         if self._busy.locked() and self._caller != threading.get_ident():
-            raise UsageError(f"{name}: another thread is within a call of this engine; use one thread, or a lock of your own")
+            raise UsageError(f"{_SAID.get(name, name)}: another thread is within a call of this engine; use one thread, or a lock of your own")
         return getattr(loaded_library(), f"scree_{name}")(self._handle, *arguments)
 
     def _call(self, name: str, *arguments: Any) -> None:

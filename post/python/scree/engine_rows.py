@@ -67,7 +67,7 @@ def field_of(handle: int | None, name: str, count: int) -> np.ndarray:
     else:
         address, kind = loaded_library().scree_reals(handle, name.encode()), float
     if address is None:
-        raise UsageError(f"bodies.{name}: {error_text()}")
+        raise UsageError(f"bodies.{name}: {error_text().removeprefix('bodies: ')}")
     return copied(address, count, WIDTHS.get(name, 1), kind)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .attributes import ReadAttributes
 from .engine_arguments import address_of
 from .engine_library import c_double, error_text, loaded_library
 from .errors import UsageError
@@ -16,8 +17,10 @@ if TYPE_CHECKING:
     from .engine import Engine
 
 
-class EngineWall:
+class EngineWall(ReadAttributes):
     """A wall of an engine. Its loads are collective, its position and velocities are not."""
+
+    _may_be_set = frozenset({"name"})
 
     def __init__(self, engine: Engine, number: int, name: str) -> None:
         """Made by an engine."""
@@ -36,7 +39,8 @@ class EngineWall:
 
     def _state(self) -> np.ndarray:
         state = np.zeros(13)
-        self._engine._fact("wall_state", self._number, address_of(state))
+        if self._engine._fact("wall_state", self._number, address_of(state)):
+            raise UsageError(error_text())
         return state
 
     @property
@@ -88,22 +92,40 @@ class EngineWall:
 
 @dataclasses.dataclass(frozen=True)
 class Energies:
-    """Energies of the whole scene [J]."""
+    """Energies of the whole scene, all in J.
 
-    translational: float  #: kinetic, of the centres of mass
-    rotational: float  #: kinetic, about them
-    potential: float  #: of weight and of constant forces of the case
-    elastic: float  #: of all contacts, along their normals
-    tangential_elastic: float  #: of all contacts, across their normals
-    dissipated: float  #: since the start
-    wall_work: float  #: of moving walls on the bodies, since the start
-    outer_work: float  #: of set_wrench() and add_force(), since the start
-    removed: float  #: of bodies that left
-    arrived: float  #: of bodies that came in
-    bond: float  #: of bonds
-    fracture: float  #: of bonds that broke
-    slept: float  #: of bodies as they fell asleep
-    balance: float  #: sum of all with the signs of what they bring: constant but for the error of the run
+    translational       kinetic, of the centres of mass
+    rotational          kinetic, about the centres of mass
+    potential           of weight, buoyancy and constant forces of the case, from the origin of the world; of bodies that are in the run
+    elastic             of all contacts, along their normals
+    tangential_elastic  of all contacts, in the springs of friction across their normals
+    dissipated          taken by damping and friction of contacts and by a fluid, since the start
+    wall_work           done by moving walls on the bodies, since the start
+    outer_work          done by forces of `set_wrench` and `add_force`, since the start
+    removed             kinetic and potential, of bodies that left the run, as they left it
+    arrived             kinetic and potential, of bodies that came in after the start, as they came in
+    bond                of the bonds that hold
+    fracture            of bonds as they broke, less that of the contacts in their place
+    slept               kinetic, of bodies as they fell asleep
+    balance             the sum translational + rotational + potential + elastic + tangential_elastic + dissipated + bond + fracture + slept + removed
+                        - arrived - wall_work - outer_work. It is not an error: it is what stays the same. The error of the run since a moment is
+                        `engine.energies().balance - balance_then`; `energy_error` of log.csv is that since the start
+    """
+
+    translational: float
+    rotational: float
+    potential: float
+    elastic: float
+    tangential_elastic: float
+    dissipated: float
+    wall_work: float
+    outer_work: float
+    removed: float
+    arrived: float
+    bond: float
+    fracture: float
+    slept: float
+    balance: float
 
     @property
     def kinetic(self) -> float:

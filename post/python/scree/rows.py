@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 
+from .attributes import ReadAttributes
 from .chunks import read_array
 from .errors import InputError, UnknownName, missing_package, unknown_name
 from .hdf import opened
@@ -48,6 +49,7 @@ class Store:
 
     def __init__(self, path: str, scene: Scene) -> None:
         self.path, self.scene = path, scene
+        self.folder: Any = None  # what removes the file when nothing uses it any more, of a frame that is no file of a run
         self._arrays: dict[str, np.ndarray] = {}
         self._orders: dict[str, np.ndarray | None] = {}
 
@@ -104,7 +106,7 @@ class Store:
         return self._orders[group]
 
 
-class Rows:
+class Rows(ReadAttributes):
     """Rows of a frame: arrays by field. A mask, a slice or row numbers in brackets give a part of the same kind.
 
     The arrays are read-only, since all that use a frame share them; `.copy()` gives one of your own.

@@ -80,15 +80,24 @@ void OuterForces::call(const RunState& s, Function& f) {
   const ParticleSet& p = s.particles;
   f.force.assign(p.owned, Vec3{});
   f.torque.assign(p.owned, Vec3{});
-  f.call(f.force, f.torque);
-  f.latest.clear();
-  f.is_known = true;
+  f.given.call(f.force, f.torque);
   for (std::size_t i = 0; i < p.owned; ++i) {
-    if (!is_finite(f.force[i]) || !is_finite(f.torque[i]))
-      throw RunInvalid("step {}: a function of outer forces gives body {} a force or torque that is not a finite number", s.clock.step,
-                       p.id[i]);
+    const bool is_force = !is_finite(f.force[i]);
+    if (!is_force && is_finite(f.torque[i])) continue;
+    const Vec3& wrong = is_force ? f.force[i] : f.torque[i];
+    throw RunInvalid(
+        "step {}: the force function {} gives body {} a {} of ({:g} {:g} {:g}) {}, which is not finite; check what it is computed from",
+        s.clock.step, f.given.name, p.id[i], is_force ? "force" : "torque", wrong.x, wrong.y, wrong.z, is_force ? "N" : "N m");
+  }
+  keep_latest(s, f);
+}
+
+/// Of a function that is not called in every step: its forces by ids.
+void OuterForces::keep_latest(const RunState& s, Function& f) {
+  f.latest.clear();
+  for (std::size_t i = 0; f.given.every > 1 && i < s.particles.owned; ++i) {
     const Wrench w{f.force[i], f.torque[i]};
-    if (f.every > 1 && !is_zero(w)) f.latest[p.id[i]] = w;
+    if (!is_zero(w)) f.latest[s.particles.id[i]] = w;
   }
 }
 
@@ -103,7 +112,6 @@ void OuterForces::hold_latest(const RunState& s, Function& f) {
     f.force[i] = found->second.force;
     f.torque[i] = found->second.torque;
   }
-  f.is_known = true;
 }
 
 /// All functions together.
@@ -111,7 +119,6 @@ void OuterForces::sum_functions(const RunState& s) {
   const ParticleSet& p = s.particles;
   force_.assign(functions_.empty() ? 0 : p.owned, Vec3{});
   torque_.assign(force_.size(), Vec3{});
-  is_orphan_ = false;
   for (const Function& f : functions_) add_to_sum(s, f);
 }
 
@@ -232,9 +239,13 @@ void OuterForces::release(RunState& s, const std::optional<std::vector<std::int6
   change_now(s);
 }
 
-int OuterForces::add(RunState& s, ForceFunction function, std::int64_t every) {
-  if (every < 1) throw UsageError("outer force: every = {}: expected a number of steps >= 1", every);
-  Function f{++last_number_, std::move(function), every, false, {}, {}, {}};
+int OuterForces::add(RunState& s, const GivenFunction& given) {
+  if (given.every < 1) throw UsageError("outer force: every = {}: expected a number of steps >= 1", given.every);
+  const auto open = std::find_if(functions_.begin(), functions_.end(), [](const Function& f) { return f.is_open; });
+  if (open != functions_.end()) return take_place(s, static_cast<std::size_t>(open - functions_.begin()), given);
+  Function f;
+  f.number = ++last_number_;
+  f.given = given;
   mpi::on_all(s.comm, [&] {
     try {
       call(s, f);
@@ -243,11 +254,6 @@ int OuterForces::add(RunState& s, ForceFunction function, std::int64_t every) {
     }
   });
   is_used_ = true;
-  if (is_orphan_) {
-    force_.clear();
-    torque_.clear();
-  }
-  is_orphan_ = false;
   force_.resize(s.particles.owned);
   torque_.resize(s.particles.owned);
   add_to_sum(s, f);
@@ -256,24 +262,18 @@ int OuterForces::add(RunState& s, ForceFunction function, std::int64_t every) {
   return last_number_;
 }
 
-int OuterForces::add_restored(RunState& s, ForceFunction function, std::int64_t every, const WrenchTable& latest) {
-  Function f{++last_number_, std::move(function), every, false, {}, {}, {}};
-  WrenchTable mine = latest;
-  travel(s, mine, by_id(s));
-  for (const WrenchOnBody& entry : mine) f.latest[entry.id] = entry.wrench;
-  functions_.push_back(std::move(f));
-  is_used_ = true;
-  is_orphan_ = false;
+int OuterForces::take_place(RunState& s, std::size_t place, const GivenFunction& given) {
+  Function& f = functions_[place];
+  f.number = ++last_number_;
+  f.given = given;
+  f.is_open = false;
+  keep_latest(s, f);
   return last_number_;
 }
 
 void OuterForces::remove(RunState& s, int number) {
   const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
   if (at == functions_.end()) throw UsageError("outer force: no function has the number {}; it was removed before, or never added", number);
-  mpi::on_all(s.comm, [&] {
-    for (Function& f : functions_)
-      if (!f.is_known && f.number != number) call(s, f);
-  });
   functions_.erase(at);
   sum_functions(s);
   change_now(s);
@@ -316,25 +316,32 @@ void OuterForces::after_migration(RunState& s, bool) {
   travel(s, held_, by_id(s));
   if (s.sleep != nullptr) travel(s, kept_, by_id(s));
   for (Function& f : functions_)
-    if (f.every > 1) travel(s, f.latest, by_id(s));
+    if (f.given.every > 1) travel(s, f.latest, by_id(s));
 }
 
 void OuterForces::on_rebuild(const StepParts& parts) {
   RunState& s = parts.state;
   find_rows(s);
-  for (Function& f : functions_) f.is_known = false;
-  if (!is_restored_) return;
-  is_restored_ = false;
+  if (std::exchange(is_restored_, false)) place_restored(s);
+}
+
+/// The forces that functions had in the last step of a restored state, on the present rows.
+void OuterForces::place_restored(const RunState& s) {
   const ParticleSet& p = s.particles;
-  force_.assign(restored_.empty() ? 0 : p.owned, Vec3{});
-  torque_.assign(force_.size(), Vec3{});
-  join_rows(p, restored_, by_id(s), [&](const WrenchOnBody& entry, std::int32_t row) {
-    if (row < 0) return;
-    force_[static_cast<std::size_t>(row)] = entry.wrench.force;
-    torque_[static_cast<std::size_t>(row)] = entry.wrench.torque;
-  });
+  for (const WrenchTable& table : restored_) {
+    Function f;
+    f.is_open = true;
+    f.force.resize(p.owned);
+    f.torque.resize(p.owned);
+    join_rows(p, table, by_id(s), [&](const WrenchOnBody& entry, std::int32_t row) {
+      if (row < 0) return;
+      f.force[static_cast<std::size_t>(row)] = entry.wrench.force;
+      f.torque[static_cast<std::size_t>(row)] = entry.wrench.torque;
+    });
+    functions_.push_back(std::move(f));
+  }
   restored_.clear();
-  is_orphan_ = !force_.empty();
+  sum_functions(s);
   acting_.clear();
   for (const OnRow& on : present(s))
     if (p.rest[on.row] != kAsleep) acting_.add(p, on);
@@ -344,7 +351,8 @@ void OuterForces::before_forces(RunState& s) {
   if (is_current_ && functions_.empty() && s.sleep == nullptr) return;  // the same on the same rows
   now_.clear();                                                         // of rows that may be others now, if a function throws
   acting_.clear();
-  for (Function& f : functions_) s.clock.step % f.every == 0 ? call(s, f) : hold_latest(s, f);
+  std::erase_if(functions_, [](const Function& f) { return f.given.call == nullptr; });  // nothing in a restored state is theirs now
+  for (Function& f : functions_) s.clock.step % f.given.every == 0 ? call(s, f) : hold_latest(s, f);
   sum_functions(s);
   now_ = present(s);
   wake_changed(s, now_);

@@ -23,6 +23,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,13 @@ namespace scree {
 /// Adds to force and torque of each owned row, all 0 before. What it throws ends the step on all ranks.
 using ForceFunction = std::function<void(std::span<Vec3> force, std::span<Vec3> torque)>;
 
+/// What a program beside the simulation gives of a function.
+struct GivenFunction {
+  ForceFunction call;
+  std::int64_t every = 1;  ///< it is called in steps whose number is a multiple of it
+  std::string name;        ///< in messages
+};
+
 class OuterForces : public Effect {
  public:
   // 1. Between two steps. Collective.
@@ -43,17 +51,28 @@ class OuterForces : public Effect {
   void hold(RunState& s, const std::vector<WrenchOnBody>& mine);
   /// Holds nothing any more: on these bodies, without a list on all. Throws as hold().
   void release(RunState& s, const std::optional<std::vector<std::int64_t>>& mine);
-  /// Calls a function now, and in steps whose number is a multiple of `every` (>= 1); between them its last forces are held. Functions are
-  /// called in the order of their numbers. Returns the number. Throws on every rank what it throws on one.
-  int add(RunState& s, ForceFunction function, std::int64_t every);
-  /// The same of a function whose forces are among those of a restored state: it is called in the next step. After a restart, of which
-  /// nobody knows whose the forces of functions were, add() puts those of the first function in their place.
-  /// in   latest   its last forces, of any bodies on any rank, where it is not called in every step
-  int add_restored(RunState& s, ForceFunction function, std::int64_t every, const WrenchTable& latest);
-  /// The last forces of a function on bodies of this rank, where it is not called in every step.
-  WrenchTable latest_of(int number) const;
+  /// Adds a function: it is called now, and in each step whose number is a multiple of `every`; between them its last forces are held.
+  /// Functions are called in the order in which they were added. Returns a number. Throws on every rank what it throws on one.
+  /// A restored state has the forces of its functions, and no functions. Up to the next step, a function that is added takes the first of
+  /// these places that is open: it has the forces of the state, and is not called now. Their velocities were those of half a step before,
+  /// which the state does not have: a call now would give a drag another force, and the run other bits.
+  int add(RunState& s, const GivenFunction& given);
+  /// Gives the function of a place of a restored state, from 0 up.
+  int take_place(RunState& s, std::size_t place, const GivenFunction& given);
+  /// No function that is added takes this place: its forces act up to the next evaluation of forces, and then no more.
+  void close_place(std::size_t place) { functions_[place].is_open = false; }
+  /// The numbers of the functions, in their order; 0: a place that no function has taken.
+  std::vector<int> numbers() const;
   /// Throws UsageError for a number that is not there.
   void remove(RunState& s, int number);
+
+  /// Of a body that goes too far in a step: what its forces have to do with it, for the message. "": nothing.
+  std::string cause_of_motion(const RunState& s, std::size_t row) const;
+  /// Whether functions are called in steps: the same on every rank.
+  bool has_functions() const { return !functions_.empty(); }
+  std::vector<std::string> function_names() const;
+  /// Of all ranks. Collective.
+  std::int64_t held_count(const RunState& s) const;
 
   // 2. As an effect.
   void drift(RunState& s) override;
@@ -95,10 +114,9 @@ class OuterForces : public Effect {
     std::vector<OnRow> list() const;
   };
   struct Function {
-    int number;
-    ForceFunction call;
-    std::int64_t every;
-    bool is_known = false;            ///< its forces on the present rows are
+    int number = 0;
+    GivenFunction given;              ///< without `call`: a place of a restored state that no function has taken
+    bool is_open = false;             ///< such a place that add() may take
     std::vector<Vec3> force, torque;  ///< by owned row
     WrenchById latest;                ///< where it is not called in every step: rows may change between
   };
@@ -106,6 +124,8 @@ class OuterForces : public Effect {
   const std::vector<std::int32_t>& by_id(const RunState& s);
   void call(const RunState& s, Function& f);
   void hold_latest(const RunState& s, Function& f);
+  void keep_latest(const RunState& s, Function& f);
+  void place_restored(const RunState& s);
   void sum_functions(const RunState& s);
   void add_to_sum(const RunState& s, const Function& f);
   std::vector<OnRow> present(const RunState& s) const;
@@ -124,10 +144,9 @@ class OuterForces : public Effect {
   std::vector<OnRow> now_;            // what acts in this step, on bodies asleep too
   Acting acting_;
   bool is_current_ = false;   // acting_ is what is held, on the present rows
-  bool is_restored_ = false;  // a restart, until rows are known, with the forces of all functions together in the step before:
-  WrenchTable restored_;
-  bool is_orphan_ = false;  // force_ is that of functions which are not there any more
-  bool is_used_ = false;    // anything was ever given: the same on every rank
+  bool is_restored_ = false;  // a restart, until rows are known, with the forces of each function in the step before:
+  std::vector<WrenchTable> restored_;
+  bool is_used_ = false;  // anything was ever given: the same on every rank
   int last_number_ = 0;
   ExactSum work_;  // of this rank [J]
 };

@@ -34,33 +34,88 @@ void OuterForces::add_force_at_rest(const RunState& s, std::size_t row, Vec3& fo
 
 EffectRecord OuterForces::record(const RunState& s) const {
   if (!is_used_) return {};
-  std::vector<WrenchOnBody> of_functions;
-  for (std::size_t i = 0; i < force_.size(); ++i) {
-    const Wrench w{force_[i], torque_[i]};
-    if (!is_zero(w)) of_functions.push_back({s.particles.id[i], w});
+  std::vector<StateArray> tables;
+  const auto add_table = [&](const std::vector<WrenchOnBody>& mine) {
+    const std::vector<WrenchOnBody> all = of_all_ranks(s, mine);
+    tables.push_back(ids_of(all));
+    tables.push_back(numbers_of(all));
+    return all.size();
+  };
+  const auto append = [](StateArray& to, const StateArray& from) {
+    to.reals.insert(to.reals.end(), from.reals.begin(), from.reals.end());
+    to.integers.insert(to.integers.end(), from.integers.begin(), from.integers.end());
+  };
+  add_table(held_);
+  StateArray rows, ids, numbers;  // of one function after the other
+  for (const Function& f : functions_) {
+    std::vector<WrenchOnBody> mine;
+    for (std::size_t i = 0; i < f.force.size(); ++i) {
+      const Wrench w{f.force[i], f.torque[i]};
+      if (!is_zero(w)) mine.push_back({s.particles.id[i], w});
+    }
+    rows.integers.push_back(static_cast<std::int64_t>(add_table(mine)));
+    append(numbers, tables.back());
+    tables.pop_back();
+    append(ids, tables.back());
+    tables.pop_back();
   }
-  EffectRecord record;
-  for (const auto& rows : {held_, of_functions, table_of(kept_)}) {
-    const std::vector<WrenchOnBody> all = of_all_ranks(s, rows);
-    record.push_back(ids_of(all));
-    record.push_back(numbers_of(all));
-  }
-  record.push_back(array_of(over_ranks(s.comm.get(), work_)));
-  return record;
+  tables.insert(tables.end(), {rows, ids, numbers});
+  add_table(table_of(kept_));
+  tables.push_back(array_of(over_ranks(s.comm.get(), work_)));
+  return tables;
 }
 
 void OuterForces::restore(RunState& s, const EffectRecord& record) {
   held_ = wrenches_of(record[0], record[1]);
-  restored_ = wrenches_of(record[2], record[3]);
-  for (const WrenchOnBody& entry : wrenches_of(record[4], record[5])) kept_[entry.id] = entry.wrench;
-  const ExactSum work = sum_of(record[6]);
+  restored_.clear();
+  StateArray ids = record[3], numbers = record[4];
+  for (const std::int64_t rows : record[2].integers) {
+    if (rows < 0 || static_cast<std::size_t>(rows) > ids.integers.size() ||
+        static_cast<std::size_t>(rows * kNumbersOfWrench) > numbers.reals.size())
+      throw InputError("outer forces: a function has {} bodies, of {} that are there; the file is damaged", rows, ids.integers.size());
+    const std::ptrdiff_t bodies = rows, reals = rows * kNumbersOfWrench;
+    restored_.push_back(wrenches_of({{}, {ids.integers.begin(), ids.integers.begin() + bodies}},
+                                    {{numbers.reals.begin(), numbers.reals.begin() + reals}, {}}));
+    ids.integers.erase(ids.integers.begin(), ids.integers.begin() + bodies);
+    numbers.reals.erase(numbers.reals.begin(), numbers.reals.begin() + reals);
+  }
+  if (!ids.integers.empty() || !numbers.reals.empty())
+    throw InputError("outer forces: {} bodies are of no function; the file is damaged", ids.integers.size());
+  for (const WrenchOnBody& entry : wrenches_of(record[5], record[6])) kept_[entry.id] = entry.wrench;
+  const ExactSum work = sum_of(record[7]);
   if (s.comm.rank() == 0) work_ = work;
   is_used_ = is_restored_ = true;
 }
 
-WrenchTable OuterForces::latest_of(int number) const {
-  const auto at = std::find_if(functions_.begin(), functions_.end(), [number](const Function& f) { return f.number == number; });
-  return at == functions_.end() ? WrenchTable{} : table_of(at->latest);
+std::vector<int> OuterForces::numbers() const {
+  std::vector<int> all;
+  for (const Function& f : functions_) all.push_back(f.number);
+  return all;
+}
+
+std::vector<std::string> OuterForces::function_names() const {
+  std::vector<std::string> all;
+  for (const Function& f : functions_)
+    if (f.given.call != nullptr) all.push_back(f.given.name);
+  return all;
+}
+
+std::int64_t OuterForces::held_count(const RunState& s) const { return s.comm.sum(static_cast<std::int64_t>(held_.size())); }
+
+std::string OuterForces::cause_of_motion(const RunState& s, std::size_t row) const {
+  constexpr double kLargePart = 0.5;  // of the force on the body
+  const ParticleSet& p = s.particles;
+  const auto at = std::lower_bound(acting_.row.begin(), acting_.row.end(), row);
+  if (at == acting_.row.end() || *at != row) return "";
+  const double own = length(acting_.force[static_cast<std::size_t>(at - acting_.row.begin())]), all = length(p.force[row]);
+  if (!(own > kLargePart * all)) return "";
+  const double m = p.mass[row], dt = s.clock.dt;
+  return fmt::format(
+      "forces of the program give it {:.3g} N of the {:.3g} N that act on it. They have a limit of their own: with this step and its mass "
+      "of "
+      "{:.3g} kg a drag C is stable below 2 m / dt = {:.3g} N s/m, and a spring below m (2 / dt)^2 = {:.3g} N/m; reduce the force or its "
+      "coefficient, or give a step below 2 m / C and 2 sqrt(m / k)",
+      own, all, m, 2 * m / dt, m * (2 / dt) * (2 / dt));
 }
 
 void OuterForces::add_energies(const RunState& s, Energies& energies) const {
@@ -72,8 +127,7 @@ void OuterForces::add_log_columns(const RunState&, const Energies& energies, std
 }
 
 std::vector<PlanLine> OuterForces::plan(const RunState& s) const {
-  const std::int64_t held = s.comm.sum(static_cast<std::int64_t>(held_.size()));
-  return {{"outer forces", fmt::format("held on {} bodies, and {} functions", held, functions_.size())}};
+  return {{"outer forces", fmt::format("held on {} bodies, and {} functions", held_count(s), functions_.size())}};
 }
 
 EffectKind outer_forces_effect() {
@@ -81,6 +135,7 @@ EffectKind outer_forces_effect() {
                       "the forces that act from outside, or their work, differ",
                       {{"held_id", "", 1, false},
                        {"held", "N; N m", kNumbersOfWrench},
+                       {"functions_bodies", "", 1, false},
                        {"functions_id", "", 1, false},
                        {"functions", "N; N m", kNumbersOfWrench},
                        {"kept_id", "", 1, false},
