@@ -136,7 +136,7 @@ def check_capsule(archive):
         if "path" in item:
             read.text(item, place, "path", r"/[^\0]+", "an absolute path")
         left_out[name] = item
-    files = {*archive.files, *left_out}
+    files = {*archive.files, *(name for name in left_out if name.startswith("meshes/"))}
 
     shapes = set()
     for number, shape in enumerate(read.list(capsule, "", "shapes")):

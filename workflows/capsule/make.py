@@ -163,7 +163,7 @@ def make(target, limit, name, words):
         left_out.append({"name": inside, "bytes": entry.size, "sha256": entry.sha256, "how": how, **({"path": path} if how.startswith("Debian") else {})})
 
     command = ["workflows/run", name, *without_profile(words[words.index("--printshellcmds") + 1:])]
-    capsule = {"format": FORMAT, "format_version": FORMAT_VERSION, "title": f"{name.removesuffix('.toml')}: {recipe.runs[0]['title']}", "command": command, "date": max(recipe.dates),
+    capsule = {"format": FORMAT, "format_version": FORMAT_VERSION, "title": f"{name.removesuffix('.toml')}: {recipe.runs[-1]['title']}", "command": command, "date": max(recipe.dates),
                "versions": versions(), "meshes": meshes, "shapes": recipe.shapes, "runs": recipe.runs, "left_out": left_out}
     entries.append(Entry("capsule.json", (json.dumps(capsule, indent=1, ensure_ascii=False) + "\n").encode()))
     entries.append(Entry("README.md", readme(capsule).encode()))
