@@ -54,6 +54,8 @@ def author_entities(authors):
 
 def package_of(path):
     """Name and version of the Debian package that a file comes from, and its text of copyright; None without one."""
+    if not path.startswith("/usr/"):   # dpkg takes a second to know no owner
+        return None
     try:
         owner = subprocess.run(["dpkg", "-S", path], capture_output=True, text=True, check=True).stdout
         name = owner.split(":")[0].split(",")[0]

@@ -79,7 +79,7 @@ def workflow_files(snakefile):
 def versions():
     told = {tool: subprocess.run([tool, "--version"], capture_output=True, text=True, check=True).stdout.splitlines() for tool in TOOLS}
     system = platform.freedesktop_os_release().get("PRETTY_NAME", "") if hasattr(platform, "freedesktop_os_release") else ""
-    snakemake = subprocess.run(["snakemake", "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    snakemake = sys.modules["snakemake"].__version__   # which ran in this process
     return {"tools": told, "system": system, "machine": platform.machine(), "python": platform.python_version(), "snakemake": snakemake}
 
 
