@@ -82,28 +82,21 @@ def end_of(count, directory_size, directory_offset):
 
 
 def write(path, entries):
-    """Writes the entries; a file of that name is replaced at the end, when all is written."""
     entries = sorted(entries, key=lambda entry: entry.name)
     if len(entries) > MOST_FILES or sum(entry.size + 2 * len(entry.name.encode()) + 100 for entry in entries) > MOST_BYTES:
         raise Bad(f"{path}: {len(entries)} files of {sum(entry.size for entry in entries)} bytes are too many for a zip file; give a smaller --capsule-limit")
-    part = path + ".part"
-    try:
-        with open(part, "wb") as file:
-            directory = b""
-            for entry in entries:
-                directory += directory_entry(entry.name, entry.size, entry.crc, file.tell())
-                file.write(local_header(entry.name, entry.size, entry.crc))
-                begin = file.tell()
-                for block in entry.blocks():
-                    file.write(block)
-                if file.tell() - begin != entry.size:
-                    raise Bad(f"{entry.name} changed while the capsule was written; run the command again")
-            offset = file.tell()
-            file.write(directory + end_of(len(entries), len(directory), offset))
-        os.replace(part, path)
-    finally:
-        if os.path.exists(part):
-            os.remove(part)
+    with open(path, "wb") as file:
+        directory = b""
+        for entry in entries:
+            directory += directory_entry(entry.name, entry.size, entry.crc, file.tell())
+            file.write(local_header(entry.name, entry.size, entry.crc))
+            begin = file.tell()
+            for block in entry.blocks():
+                file.write(block)
+            if file.tell() - begin != entry.size:
+                raise Bad(f"{entry.name} changed while the capsule was written; run the command again")
+        offset = file.tell()
+        file.write(directory + end_of(len(entries), len(directory), offset))
 
 
 class Archive:

@@ -82,21 +82,19 @@ def check_crate(archive):
     for key in ("name", "description", "datePublished"):
         read.text(root, "./", key, r"[\s\S]+", "a text")
     read.get(root, "./", "license", dict, "the identifier of a licence")
-    parts = {read.text(part, "./.hasPart", "@id") for part in read.list(root, "./", "hasPart")}
+    parts = {unquote(read.text(part, "./.hasPart", "@id")) for part in read.list(root, "./", "hasPart")}
+    entities = {unquote(key): entity for key, entity in entities.items()}
     for name, (_, size, sha256) in archive.files.items():
         if name == METADATA:
             continue
-        key = next((key for key in entities if unquote(key) == name), None)
-        if key is None or key not in parts:
+        if name not in entities or name not in parts:
             raise Bad(f"{archive.path}: {name} is not among the files of {METADATA}; it was added after the capsule was made")
-        if read.text(entities[key], name, "sha256", SHA256, "64 hexadecimal digits") != sha256:
-            raise Bad(f"{archive.path}: {name} has other bytes than recorded: sha256 {sha256}, expected {entities[key]['sha256']}")
-        if read.text(entities[key], name, "contentSize") != str(size):
-            raise Bad(f"{where}: {name}: contentSize {entities[key]['contentSize']} found, expected {size}")
-    for part in parts - {METADATA}:
-        if unquote(part) not in archive.files:
-            raise Bad(f"{archive.path}: {unquote(part)} is missing; {METADATA} has it")
-    return root
+        if read.text(entities[name], name, "sha256", SHA256, "64 hexadecimal digits") != sha256:
+            raise Bad(f"{archive.path}: {name} has other bytes than recorded: sha256 {sha256}, expected {entities[name]['sha256']}")
+        if read.text(entities[name], name, "contentSize") != str(size):
+            raise Bad(f"{where}: {name}: contentSize {entities[name]['contentSize']} found, expected {size}")
+    for part in parts - {*archive.files}:
+        raise Bad(f"{archive.path}: {part} is missing; {METADATA} has it")
 
 
 def check_words(read, words, place, files, shapes):

@@ -67,6 +67,7 @@ def package_of(path):
 
 def metadata(capsule, entries, authors, licence, mesh_licences):
     """The text of ro-crate-metadata.json. capsule: content of capsule.json; entries: the files; licence: an entity; mesh_licences: file -> its licence."""
+    names = {entry.name for entry in entries}
     people = list(author_entities(authors))
     software = [{"@id": f"#{tool}", "@type": "SoftwareApplication", "name": tool, "softwareVersion": versions[0].removeprefix(tool).strip(),
                  "description": "; ".join(re.sub(r"\s+", " ", line) for line in versions[1:])} for tool, versions in capsule["versions"]["tools"].items()]
@@ -74,7 +75,7 @@ def metadata(capsule, entries, authors, licence, mesh_licences):
               "sha256": entry.sha256, **({"license": {"@id": mesh_licences[entry.name]}} if entry.name in mesh_licences else {})} for entry in entries]
     runs = [{"@id": f"#run-{quote(run['name'], safe='')}", "@type": "CreateAction", "name": run["name"], "description": f"{run['title']}: {run['steps']} steps of {run['bodies']} bodies; "
              f"state hash {run['state_hash']}", "instrument": {"@id": "#scree-solver"}, "object": [{"@id": id_of(run["case"])}],
-             "result": [{"@id": id_of(run[key])} for key in ("record", "log")], "actionStatus": "http://schema.org/CompletedActionStatus"} for run in capsule["runs"]]
+             "result": [{"@id": id_of(run[key])} for key in ("record", "log") if run[key] in names], "actionStatus": "http://schema.org/CompletedActionStatus"} for run in capsule["runs"]]
     root = {"@id": "./", "@type": "Dataset", "name": capsule["title"], "description": f"A simulation by the discrete element method, made with: {' '.join(capsule['command'])}. "
             "The command workflows/verify of Scree computes its runs again and compares the bits of their final states.",
             "datePublished": capsule["date"], "license": {"@id": licence["@id"]}, "hasPart": [{"@id": file["@id"]} for file in files],

@@ -15,12 +15,12 @@ sys.path[:0] = [HERE, os.path.dirname(HERE)]
 sys.dont_write_bytecode = True
 import run_snakemake  # noqa: E402
 from archive import Archive, Bad, Entry, write  # noqa: E402
+from contents import FORMAT, FORMAT_VERSION, check_capsule, check_crate  # noqa: E402
 from crate import METADATA, NO_LICENCE, cited, id_of, metadata, package_of  # noqa: E402
 from recipe import Recipe, Refused  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(HERE))
 TOOLS = ("scree-mesher", "scree-decomposer", "scree-solver", "scree-post")
-FORMAT, FORMAT_VERSION = "scree-capsule", 1
 # ends of results that are no figure, table or page: they are made again by verify, or are of use only with the frames of the run
 NO_RESULTS = (".shape.h5", ".scene.h5", ".toml")
 
@@ -136,7 +136,7 @@ def make(target, limit, name, words):
         recipe.run(folder)
     if not recipe.runs:
         raise Refused(f"{name} makes no run of scree-solver in {out}; a capsule needs one")
-    case = os.environ.get("SCREE_CASE")
+    case = os.environ["SCREE_CASE"] if os.path.basename(snakefile) == "own_case.smk" else None
     licence, authors, licence_files = licence_and_authors(case)
     files = {**recipe.files, **results(out, outputs), **workflow_files(snakefile), **licence_files}
     beside = os.path.join(os.path.dirname(case), "meshes.toml") if case else ""
@@ -168,8 +168,18 @@ def make(target, limit, name, words):
     entries.append(Entry("capsule.json", (json.dumps(capsule, indent=1, ensure_ascii=False) + "\n").encode()))
     entries.append(Entry("README.md", readme(capsule).encode()))
     entries.sort(key=lambda entry: entry.name)
-    write(target, entries + [Entry(METADATA, metadata(capsule, entries, authors, licence, mesh_licences).encode())])
-    return capsule, Archive(target)   # read again: a capsule that verify would refuse is found here
+    entries.append(Entry(METADATA, metadata(capsule, entries, authors, licence, mesh_licences).encode()))
+    part = target + ".part"
+    try:
+        write(part, entries)
+        archive = Archive(part)   # a capsule that verify would refuse is found here
+        check_crate(archive)
+        check_capsule(archive)
+        os.replace(part, target)
+    finally:
+        if os.path.exists(part):
+            os.remove(part)
+    return capsule, len(entries)
 
 
 def without_profile(words):
@@ -186,7 +196,7 @@ def main():
     target, limit, name, *words = sys.argv[1:]
     run_snakemake_first(words)
     try:
-        capsule, archive = make(target, int(limit) * 1_000_000, name, without_profile(words[1:]))
+        capsule, count = make(target, int(limit) * 1_000_000, name, without_profile(words[1:]))
     except (Refused, Bad) as reason:
         print(f"workflows/run: error: no capsule: {reason}", file=sys.stderr)
         sys.exit(3)
@@ -195,7 +205,7 @@ def main():
         sys.exit(4)
     if any(run["git_dirty"] for run in capsule["runs"]):
         print("workflows/run: note: the tools were built from changed sources, which the capsule does not have; others may get other bits", file=sys.stderr)
-    print(f"{target}: {len(archive.files)} files, {os.path.getsize(target)} bytes, {len(capsule['runs'])} runs; verify it with: workflows/verify {target}", file=sys.stderr)
+    print(f"{target}: {count} files, {os.path.getsize(target)} bytes, {len(capsule['runs'])} runs; verify it with: workflows/verify {target}", file=sys.stderr)
 
 
 if __name__ == "__main__":
