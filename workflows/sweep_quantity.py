@@ -122,6 +122,14 @@ def entry_of(word, run, statistics, functions={}):
     return next(iter(has.values()), {})
 
 
+def all_numbers(run, statistics):
+    """All numbers of a run by name: of all bodies, and "force_x@lid" of walls, or by the number of a wall where it has no name."""
+    numbers = dict(statistics["groups"]["all"])
+    for wall, entries in of_walls(run, statistics).items():
+        numbers |= {f"{quantity}@{wall.partition(' ')[2] or wall}": entry for quantity, entry in entries.items() if entry.get("mean") is not None}
+    return numbers
+
+
 def statistics_of(run):
     with open(f"{run}.statistics/statistics.json", encoding="utf-8") as file:
         return json.load(file)
