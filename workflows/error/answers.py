@@ -12,14 +12,16 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import sweep_quantity  # noqa: E402
 from run_record import NUMBER, quantity_of, unit_of  # noqa: E402
-from scree.intervals import (Effect, Interval, deviation, effect, effect_of_step, mean_interval, seeds_needed, shown, student_quantile,  # noqa: E402
+from scree.intervals import (ROUNDING, Effect, Interval, deviation, effect, effect_of_step, mean_interval, seeds_needed, shown, student_quantile,  # noqa: E402
                              total_error)
 from settings import CASE, PARTS  # noqa: E402
 
 # where nothing is asked for, these stand first, as far as the case has them; all others follow below
 FIRST = ("angle_of_repose", "discharge_rate", "discharged_mass", "mixing_index", "axis_torque", "power", "volume_worn", "fragments", "solid_fraction",
          "coordination_number", "pressure", "mean_speed", "temperature")
-FEWEST_FIRST = 3
+FIRST_FEW = 3
+ENOUGH = 5               # runs of a setting from which its own scatter is drawn: that of three is wrong by a factor of two too often
+
 
 
 class Wrong(Exception):
@@ -147,9 +149,16 @@ class Answer:
         return None if any(map(math.isnan, deviations)) else seeds_needed(self.goal, [self.bias], deviations)
 
     @property
+    def is_constant(self):
+        """No seed and no setting changes it, but for rounding: the number of bodies, for instance."""
+        sizes = [size for interval, size in [(self.seeds, 0.0), *((entry.interval, abs(entry.interval.value)) for entry in self.effects.values())]
+                 for size in (size, interval.half) if math.isfinite(size)]
+        return max(sizes) <= ROUNDING * abs(self.seeds.value)
+
+    @property
     def largest(self):
-        """(part, size) of the largest error: an effect by its value, the seeds by their half width."""
-        sizes = {part: abs(entry.interval.value) for part, entry in self.effects.items()}
+        """(part, size) of the largest error: an effect that is seen by its value, one that is not by what it may be, the seeds by their half width."""
+        sizes = {part: abs(entry.interval.value) if entry.interval.is_seen or not math.isfinite(entry.interval.half) else entry.interval.half for part, entry in self.effects.items()}
         if math.isfinite(self.seeds.half):
             sizes["seeds"] = self.seeds.half
         return max(sizes.items(), key=lambda entry: entry[1]) if sizes else (None, math.nan)
@@ -157,7 +166,7 @@ class Answer:
     def error_at(self, setting, count):
         """Total error of a number from so many seeds at a setting: what the setting adds there, and the interval of the seeds."""
         runs, shift = self.settings[setting]
-        spread = deviation(runs) if runs.count > 2 else deviation(self.seeds)
+        spread = deviation(runs) if runs.count >= ENOUGH else deviation(self.seeds)
         halves = [entry.interval.half for entry in self.effects.values()]
         if setting != CASE and shift.count > 1:
             halves.append(shift.half)
@@ -195,12 +204,13 @@ def certain(runs):
     return Interval(value, value, value, 2, "same bits")
 
 
-def first_names(asked, names):
+def first_names(asked, answers):
     """Those that stand in the first table: what was asked for, else what a case is usually made for, else the first few."""
     if asked:
         return asked
-    base = [name for first in FIRST for name in names if name.partition("@")[0] == first]
-    return base if len(base) >= FEWEST_FIRST else list(dict.fromkeys([*base, *names]))[:FEWEST_FIRST + len(base)]
+    changing = [name for name, answer in answers.items() if not answer.is_constant] or list(answers)
+    base = [name for first in FIRST for name in changing if name.partition("@")[0] == first]
+    return base or changing[:FIRST_FEW]
 
 
 def goal_in_unit(goal, unit, value):

@@ -12,6 +12,7 @@ from settings import CASE
 RESERVE = 20.0          # [s] of the budget for the table, the chart and checkpoints of interrupted runs
 RESERVE_SHARE = 0.15    # of the budget, where that is less
 START = 4.0             # [s] of a call of the queue, before its first run
+SMALL = 1.5             # half widths of the seeds: differences of two runs that have nothing in common are 1.41 times as wide as the runs
 KNOWN = 0.5             # root of the squares of all half widths over the sum of the effects below which more seeds change nothing
 
 
@@ -65,7 +66,8 @@ class Campaign:
 
     def make(self, jobs):
         begin = self.clock()
-        self.say(f"{len(jobs)} runs, about {makespan([self.cost(name) for name, _ in jobs], self.cores) + START:.0f} s"
+        fresh = [job for job in jobs if not self.source.is_there(job)]
+        self.say(f"{len(fresh)} runs{f' ({len(jobs) - len(fresh)} more are there)' if len(fresh) < len(jobs) else ''}, about {makespan([self.cost(name) for name, _ in fresh], self.cores) + START:.0f} s"
                  + (f"; {max(0.0, self.seconds - self.used):.0f} s of the budget are left" if self.seconds else ""))
         is_whole = self.source.make(jobs, None if self.seconds is None else max(1.0, self.time_left))
         new = []
@@ -74,14 +76,14 @@ class Campaign:
             if result:
                 self.results[job] = result
                 self.costs.add(job[0], result["cost"])
-                new.append(result["cost"])
+                new += [result["cost"]] if job in fresh else []
             elif is_whole:
                 self.fail(job)
         if new and is_whole:
             self.a_run = min(max(0.0, self.clock() - begin - START - makespan(new, self.cores)) * min(self.cores, len(new)) / len(new), 10 * self.a_run + 10)
         self.is_cut = self.is_cut or not is_whole
         self.find_seeded()
-        return bool(new)
+        return any(job in self.results for job in jobs)
 
     def fail(self, job):
         message = self.source.failure(job) or "no message"
@@ -129,15 +131,31 @@ class Campaign:
         jobs = [job for job in first_jobs(self.settings, self.seeds, self.count) if self.is_open(job)]
         if jobs or not self.is_seeded:
             return jobs
-        open_goals = [answer for answer in self.goal_answers() if not answer.is_enough and not self.is_hopeless(answer)]
-        if not open_goals:
+        if self.goals:
+            open_goals = [answer for answer in self.goal_answers() if not answer.is_enough and not self.is_hopeless(answer)]
+            worst = max(open_goals, key=lambda answer: answer.total / answer.goal, default=None)
+        else:
+            worst = self.least_seen() if self.seconds else None
+        if worst is None:
             return []
-        worst = max(open_goals, key=lambda answer: answer.total / answer.goal)
         parts = {part: (half, worst.counts[part]) for part, half in worst.halves.items() if math.isfinite(half)}
+        if not self.goals:
+            parts = {part: entry for part, entry in parts.items() if part in self.unseen(worst)}
         there = {}
         for name, seed in [*self.results, *self.failed_runs]:
             there.setdefault(name, set()).add(seed)
         return [job for job in next_jobs(parts, self.settings, self.seeds, self.cores, self.cost, there) if self.is_open(job)]
+
+    @staticmethod
+    def unseen(answer):
+        """Parts whose effect is neither seen nor known to be as small as the scatter of the seeds."""
+        return [part for part, entry in answer.effects.items()
+                if entry.interval.count < MOST and not entry.interval.is_seen and entry.interval.half > SMALL * answer.seeds.half > 0]
+
+    def least_seen(self):
+        """Without a goal a budget is for effects that are not seen: of the numbers of the first table, the one with the widest."""
+        answers = [answer for answer in self.answers()[1] if self.unseen(answer)]
+        return max(answers, key=lambda answer: max(answer.halves[part] for part in self.unseen(answer)) / answer.seeds.half, default=None)
 
     @staticmethod
     def is_hopeless(answer):
@@ -176,5 +194,5 @@ class Campaign:
         names = self.quantities()
         asked = list(dict.fromkeys([*(name_in(goal.name, names, "--goal") for goal in self.goals), *self.asked]))
         answers = {name: self.answer(name) for name in names}
-        first = [answers[name] for name in first_names(asked, names)]
+        first = [answers[name] for name in first_names(asked, answers)]
         return [*answers.values()], first

@@ -84,7 +84,7 @@ def read_words(words):
         if not re.fullmatch(r"[A-Za-z0-9_-]+", known.case) or not os.path.isfile(os.path.join(HERE, "..", known.case, "Snakefile")):
             raise Wrong(f"no case '{known.case}'; give a case of workflows, CASE/RUN for one of several runs, or the path of a case of yours, PATH/case.toml")
         out = os.path.join(HERE, "..", known.case, "out")
-    known.folder = os.path.abspath(known.out or os.path.join(out, "error", run) if not known.case.endswith(".toml") and run else known.out or os.path.join(out, "error"))
+    known.folder = os.path.abspath(known.out or os.path.join(out, "error", known.run or ""))
     return known, further
 
 
@@ -117,7 +117,7 @@ class Runs:
             if several:
                 raise Stop(2, f"{self.words.case} has several runs; say which: {', '.join(f'{self.words.case}/{run}' for run in several[1].split(', '))}")
             raise Stop(4 if code == 4 else 2, errors[0].partition("error: ")[2] if errors else cannot_begin(text) or f"workflows/run ended with exit code {code}; see {self.folder}.log")
-        return scree.pack and scree.open_scene(self.path(job) + ".scene.h5")
+        return scree.open_scene(self.path(job) + ".scene.h5")
 
     def is_there(self, job):
         return os.path.exists(self.path(job) + ".statistics/statistics.json")
@@ -157,10 +157,11 @@ def settings_here(runs, scene, folder):
     case, command = scene.case.data, scene.provenance["command"]
     base = os.path.dirname(os.path.join(folder, command[2]))
     variants = {name: variants_of(name, shape, base, os.path.join(folder, "shapes")) for name, shape in case.get("shapes", {}).items()}
-    has_margin = any(len(shape.triangles) for shape in scene.shapes.values() if hasattr(shape, "triangles"))
+    # balls have no margin, whatever the case says
+    margin = scene.settings.get("margin", 0.0) if any(len(shape.triangles) for shape in scene.shapes.values()) else 0.0
     settings = []
     changes = [word for pair in zip(command, command[1:]) if pair[0] == "--set" for word in pair]
-    for setting in settings_of(case, scene.settings.get("margin", 0.0) if has_margin else 0.0, variants) if has_margin else settings_of({**case, "contact": without_margin(case)}, 0.0, variants):
+    for setting in settings_of(case, margin, variants):
         if setting.keys:
             words = [word for key, value in setting.keys.items() for word in ("--set", f"{key}={value}")]
             result = subprocess.run(["scree-decomposer", "check", command[2], *changes, *words], cwd=folder, capture_output=True, text=True, check=False)
@@ -169,11 +170,6 @@ def settings_here(runs, scene, folder):
                 setting = type(setting)(setting.name, setting.part, setting.side, setting.what, why_not=first.partition("error: ")[2] or first)
         settings.append(setting)
     return settings, base
-
-
-def without_margin(case):
-    """Balls have none, whatever the case says of meshes."""
-    return {key: value for key, value in case.get("contact", {}).items() if not key.startswith("margin")}
 
 
 def time_of_case(runs, seed):
@@ -189,7 +185,7 @@ def time_of_case(runs, seed):
 
 
 def plan_text(words, settings, seed, cost, source):
-    from page import duration, table   # takes a second: matplotlib
+    from page import duration, keys_text, table   # takes a second: matplotlib
     expected = {setting.name: setting.cost * cost for setting in settings}
     seeds = [seed + number for number in range(words.seeds)]
     jobs = first_jobs(settings, seeds, words.seeds)
@@ -199,7 +195,7 @@ def plan_text(words, settings, seed, cost, source):
     rows = []
     for setting in settings:
         count = sum(name == setting.name for name, _ in jobs)
-        what = f"not possible: {setting.why_not}" if setting.why_not else ", ".join(f"{key} = {os.path.basename(value)}" for key, value in setting.keys.items()) or "-"
+        what = f"not possible: {setting.why_not}" if setting.why_not else keys_text(setting)
         rows.append((setting.what, what, count, "-" if setting.why_not else duration(expected[setting.name]), "-" if setting.why_not else duration(count * expected[setting.name])))
     lines = table(["setting", "keys", "seeds", "one run", "core time"], rows)
     lines += [f"{len(jobs)} runs, {duration(sum(expected[name] for name, _ in jobs))} of a core; about {duration(makespan([expected[name] for name, _ in jobs], words.cores) + 2 * START)} on {words.cores} cores.",

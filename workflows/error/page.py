@@ -8,6 +8,7 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import FuncFormatter  # noqa: E402
 
 from plan import MOST  # noqa: E402
 from settings import CASE, PARTS  # noqa: E402
@@ -26,12 +27,17 @@ def duration(seconds):
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
-def figure_of(x):
-    return "unknown" if not math.isfinite(x) else f"{x:.2g}" if x == 0 or 1e-3 <= abs(x) < 1e5 else f"{x:.1e}"
+def figure_of(x, sign=""):
+    """Two digits, without an exponent where that is readable."""
+    if not math.isfinite(x):
+        return "unknown"
+    if x == 0 or 1e-3 <= abs(x) < 100:
+        return f"{x:{sign}.2g}"
+    return f"{round(x, 1 - math.floor(math.log10(abs(x)))):{sign}.0f}" if 100 <= abs(x) < 1e6 else f"{x:{sign}.1e}"
 
 
 def with_unit(x, unit):
-    return figure_of(x) + ("" if unit in ("", "-") else f" {unit}")
+    return figure_of(x) + ("" if unit in ("", "-") or not math.isfinite(x) else f" {unit}")
 
 
 def cell(text):
@@ -45,7 +51,7 @@ def table(header, rows):
 def verdict(answer, report):
     """Whether the goal is reached, and what would reach it."""
     if math.isnan(answer.total):
-        return "one seed only: no interval yet"
+        return "unknown: a setting has one seed only"
     if answer.is_enough:
         return f"reached with {answer.seeds.count} seeds"
     needed = answer.seeds_for_goal
@@ -62,10 +68,30 @@ def effect_text(answer, part):
     entry = answer.effects.get(part)
     if entry is None:
         return "-"
-    text = f"{entry.interval.value:+.2g}" + (f" +- {figure_of(entry.interval.half)}" if math.isfinite(entry.interval.half) else "")
+    text = figure_of(entry.interval.value, "+") + (f" +- {figure_of(entry.interval.half)}" if math.isfinite(entry.interval.half) else "")
     if entry.order is not None:
         return f"{text} (order {entry.order:.2g})"
     return text if entry.interval.is_seen or entry.interval.half == 0 or math.isnan(entry.interval.half) else f"{text} (not seen)"
+
+
+def largest_text(answer):
+    part, _ = answer.largest
+    if part in (None, "seeds"):
+        return part or "-"
+    entry = answer.effects[part]
+    return f"{part}, {figure_of(entry.interval.value, '+')}" + (f" +- {figure_of(entry.interval.half)}" if entry.interval.half > 0 else "")
+
+
+def numbers_table(answers):
+    return table(["number", "value and errors", "total error", "largest error"], [(entry.name, entry.text, with_unit(entry.total, entry.unit), largest_text(entry)) for entry in answers])
+
+
+def keys_text(setting):
+    """The keys that a setting changes; of shapes the files."""
+    files = [name.split(".")[1] for name, value in setting.keys.items() if value.endswith(".shape.h5")]
+    if files:
+        return f"file of the shape{'s' if len(files) > 1 else ''} {', '.join(files)}"
+    return ", ".join(f"{key} = {value}" for key, value in setting.keys.items()) or "-"
 
 
 def cheapest(answer, report):
@@ -103,8 +129,11 @@ def chart(answers, report, files):
             if best:
                 plot.plot(best[2], answer.error_at(best[0], best[1]), "o", ms=14, mfc="none", mec="black", label=f"cheapest: {report.named[best[0]].what.partition(' (')[0]}, {best[1]} seeds")
         plot.set_xscale("log")
-        if all(line.get_ydata().min() > 0 for line in plot.lines if len(line.get_ydata())):
+        if all(np.min(line.get_ydata()) > 0 for line in plot.lines):
             plot.set_yscale("log")
+        for axis in (plot.xaxis, plot.yaxis):
+            axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+            axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}" if f"{x:.0e}"[0] in "25" else ""))
         plot.set_xlabel("core time of all seeds [s]")
         plot.set_ylabel(f"total error of {answer.name.replace('_', ' ')}" + (f" [{answer.unit}]" if answer.unit not in ("", "-") else ""))
         plot.grid(alpha=0.3, which="both")
@@ -123,7 +152,7 @@ def settings_rows(report, first):
             rows.append((setting.what, "not possible: " + setting.why_not, 0, "-", "-", "-"))
             continue
         failed = report.failed.get(setting.name)
-        note = f"failed: {failed}" if failed else ", ".join(f"{key} = {os.path.basename(value) if value.endswith('.h5') else value}" for key, value in setting.keys.items()) or "-"
+        note = f"failed: {failed}" if failed else keys_text(setting)
         if setting.name != CASE and not failed and not done:
             note += " (not run: " + ("the budget did not allow it" if report.seconds else "it was interrupted") + ")"
         effect = effect_text(first, setting.part) if first and setting.is_finer else "-"
@@ -137,10 +166,12 @@ def markdown(report, answers, first):
     if report.case_title:
         lines += [f"Case: {report.case_title}. {report.times}", ""]
     lines += ["## Results", ""]
-    lines += table(["number", "value and errors", "total error", "largest error"], [(entry.name, entry.text, with_unit(entry.total, entry.unit), entry.largest[0] or "-") for entry in first])
-    lines += ["The value is the mean of the runs at the settings of the case. `+- (seeds)` is the half width of its 95 % interval: other seeds pack the bodies in another way. `(step)`, `(stiffness)`, `(margin)` and "
-              "`(shape)` are what each setting of the computation adds to the value: the value at the setting of the case less the value at the finer setting. The total error is the sum of these effects plus the root of the "
-              "sum of squares of all half widths.", ""]
+    lines += numbers_table(first)
+    lines += ["The value is the mean of the runs at the settings of the case. `+- (seeds)` is the half width of its 95 % interval: each seed packs the bodies in another way. `(step)`, `(stiffness)`, `(margin)` and "
+              "`(shape)` are what the settings of the computation add to the value: the value at the setting of the case less the value at the finer setting, from runs with the same seeds. Effects that are zero in the digits "
+              "shown are left out. Each effect has an interval, too (table of settings). The total error is the size of the sum of the effects, plus the root of the sum of squares of all half widths.", ""]
+    if any(math.isnan(entry.total) for entry in first):
+        lines += ["The total error is unknown where a setting has one seed only: one difference has no interval.", ""]
     goals = [entry for entry in first if entry.goal is not None]
     if goals:
         rows = []
@@ -169,8 +200,11 @@ def markdown(report, answers, first):
         lines += ["The budget did not allow: " + "; ".join(f"{count} run{'s' if count > 1 else ''} of {report.named[name].what} ({duration(report.costs.of(name))} each)" for name, count in counts.items())
                   + ". The same command with a larger budget goes on from here.", ""]
     rest = [entry for entry in answers if entry not in first]
-    if rest:
-        lines += ["## All other numbers", "", *table(["number", "value and errors", "total error", "largest error"], [(entry.name, entry.text, with_unit(entry.total, entry.unit), entry.largest[0] or "-") for entry in rest])]
+    same = [entry for entry in rest if entry.is_constant]
+    if len(rest) > len(same):
+        lines += ["## All other numbers", "", *numbers_table([entry for entry in rest if not entry.is_constant])]
+    if same and report.is_seeded:
+        lines += ["The same in all runs: " + ", ".join(f"{entry.name} = {with_unit(entry.seeds.value, entry.unit)}" for entry in same) + ".", ""]
     lines += ["Methods, and what the intervals do not include: `workflows/README.md`, section on errors."]
     return "\n".join(lines) + "\n"
 
@@ -195,7 +229,7 @@ def plain_numbers(value):
 
 def write(report, answers, first, folder="."):
     here = lambda name: os.path.join(folder, name)  # noqa: E731
-    drawn = [entry for entry in first if math.isfinite(entry.total)][:MOST_CHARTS]
+    drawn = [entry for entry in first if math.isfinite(entry.total) and not entry.is_constant][:MOST_CHARTS]
     if drawn:
         chart(drawn, report, [here("error.svg"), here("error.png")])
     with open(here("error.md"), "w", encoding="utf-8") as file:

@@ -95,16 +95,16 @@ def stiffnesses(case):
 
 
 def margins(case, margin):
-    """margin: the thickness that the scene has, in m; None or 0 where no body has one."""
+    """margin: the thickness that the scene has, in m; 0 where no body has one."""
     contact = case.get("contact", {})
+    if not margin:
+        return [refused("margin", "finer", "margin / 2", "no body has a margin: balls are exact")]
     if "margin_ratio" in contact and si(contact["margin_ratio"]) > 0:
         keys = {"contact.margin_ratio": number(si(contact["margin_ratio"]) / 2)}
     elif "margin" in contact and si(contact["margin"]) > 0:
         keys = {"contact.margin": number(si(contact["margin"]) / 2)}
-    elif margin:
-        keys = {"contact.margin": number(margin / 2)}
     else:
-        return [refused("margin", "finer", "margin / 2", "no body has a margin: balls are exact")]
+        keys = {"contact.margin": number(margin / 2)}
     return [Setting("margin-finer", "margin", "finer", "margin / 2", keys)]
 
 

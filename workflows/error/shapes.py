@@ -4,7 +4,9 @@ A finer shape comes, where it can, from where the shape came from: a simplified 
 was imported has no more detail: each of its triangles is split in four. That shows what contacts owe to the triangles, not what the mesh owes to
 the body; the reason stands in the table.
 """
+import hashlib
 import json
+import math
 import os
 import subprocess
 import sys
@@ -61,7 +63,7 @@ def finer_words(words, path, count, edge):
     if words[:1] == ["generate"] and words[1] in BY_COUNT:
         return [*without(words, "--triangles", "--edge-length"), "--triangles", str(TIMES * count)], True
     if words[:1] == ["generate"] and words[1] not in FLAT:
-        return [*without(words, "--triangles", "--edge-length"), "--edge-length", f"{edge / 2:.9g} m"], True
+        return [*without(words, "--triangles", "--edge-length"), "--edge-length", f"{edge / math.sqrt(TIMES):.9g} m"], True
     return split, False
 
 
@@ -73,8 +75,8 @@ def mesher(words, folder):
 
 
 def make(words, output, source):
-    """Makes a file unless it is there and younger than the shape of the case."""
-    if not os.path.exists(output) or os.path.getmtime(output) < os.path.getmtime(source):
+    """Makes a file unless it is there."""
+    if not os.path.exists(output):
         part = output.removesuffix(".shape.h5") + ".part.shape.h5"
         mesher([*words, "-o", part], os.path.dirname(source))
         os.replace(part, output)
@@ -100,10 +102,13 @@ def variants_of(name, shape, base, folder):
     if origin is None:
         return dict.fromkeys(SIDES, f"{name} is an exact ball: it has no triangles")
     words, count, edge = origin
+    with open(source, "rb") as file:
+        digest = hashlib.sha256(file.read()).hexdigest()[:8]
     made = {}
     os.makedirs(folder, exist_ok=True)
     for side in SIDES:
-        output = os.path.join(os.path.abspath(folder), f"{name}-{side}.shape.h5")
+        # another shape of the case makes another name, which makes the runs again
+        output = os.path.join(os.path.abspath(folder), f"{name}-{side}-{digest}.shape.h5")
         try:
             if side == "coarser" and count // TIMES < FEWEST_TRIANGLES:
                 raise CannotMake(f"{count} triangles are too few for a quarter")

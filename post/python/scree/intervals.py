@@ -27,6 +27,7 @@ SKEWED = 0.3             # standard deviation over mean from which the logarithm
 ORDERS = (0.5, 4.0)      # of a step: measured orders outside are noise
 RESOLVED = 0.5           # half width over value of a difference from which an order follows: above, its error is not linear any more
 MOST_SEEDS = 10_000
+ROUNDING = 1e-9          # of a value: errors below it are those of sums
 
 
 @dataclass(frozen=True)
@@ -193,11 +194,11 @@ def shown(value: float, half: float, effects: Mapping[str, float] | None = None,
     """A number with its interval from seeds and its signed effects: "32.4 +- 0.8 (seeds) -0.3 (step) +0.1 (shape) deg".
 
     half     of the seeds; NaN where there is one run only
-    effects  by name
+    effects  by name; those that are zero in the digits shown are left out
     """
     effects = effects or {}
-    sizes = [abs(x) for x in (half, *effects.values()) if math.isfinite(x) and x != 0]
-    error = half if math.isfinite(half) and half > 0 else max(sizes, default=abs(value) * 1e-3)
+    sizes = [abs(x) for x in (half, *effects.values()) if math.isfinite(x) and abs(x) > ROUNDING * abs(value)]
+    error = half if half in sizes else max(sizes, default=abs(value) * 1e-3)
     if not math.isfinite(value):
         return "none"
     shift = 0
@@ -208,9 +209,9 @@ def shown(value: float, half: float, effects: Mapping[str, float] | None = None,
 
     def number(x: float, sign: str = "") -> str:
         text = f"{x / scale:{sign}.{places}f}"
-        return text.replace("-", "+" if sign else "") if float(text) == 0 else text
+        return text.replace("-", "") if float(text) == 0 else text
 
     text = number(value) + (f" +- {number(half)} (seeds)" if math.isfinite(half) else " (one seed)")
-    text += "".join(f" {number(x, '+')} ({name})" for name, x in effects.items())
+    text += "".join(f" {number(x, '+')} ({name})" for name, x in effects.items() if float(number(x)) != 0)
     text = f"({text})e{shift}" if shift else text
     return f"{text} {unit}".strip() if unit not in ("-", "") else text
