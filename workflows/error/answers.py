@@ -12,7 +12,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "..", "..", "post", "python")]
 import sweep_quantity  # noqa: E402
 from run_record import NUMBER, quantity_of, unit_of  # noqa: E402
-from scree.intervals import (ROUNDING, Effect, Interval, deviation, effect, effect_of_step, mean_interval, seeds_needed, shown, student_quantile,  # noqa: E402
+from scree.intervals import (ROUNDING, Interval, deviation, effect, effect_of_step, mean_interval, seeds_needed, shown, student_quantile,  # noqa: E402
                              total_error)
 from settings import CASE, PARTS  # noqa: E402
 
@@ -118,6 +118,11 @@ class Answer:
     goal: float | None = None                    # total error wanted, in the unit
 
     @property
+    def label(self):
+        """For people: a function without the folder of its file."""
+        return os.path.basename(self.name) if ".py:" in self.name else self.name
+
+    @property
     def bias(self):
         return sum(entry.interval.value for entry in self.effects.values())
 
@@ -170,13 +175,15 @@ class Answer:
         halves = [entry.interval.half for entry in self.effects.values()]
         if setting != CASE and shift.count > 1:
             halves.append(shift.half)
-        return total_error([self.bias + shift.value], [*halves, student_quantile(count) * spread / math.sqrt(count)])
+        return total_error([self.bias + shift.value], [*halves, student_quantile(count) * spread / math.sqrt(count) if spread != 0 else 0.0])
 
 
 def answer_of(name, unit, values, settings, why_missing, is_seeded=True):
     """values: setting -> {seed: number}. why_missing: setting -> why it has no runs."""
+    if not is_seeded:   # every further seed would give the same bits
+        values = {setting: dict.fromkeys((0, 1), value) for setting, runs in values.items() for value in list(runs.values())[:1]}
     case = values.get(CASE, {})
-    seeds = mean_interval(case.values()) if is_seeded else certain(case)
+    seeds = mean_interval(case.values())
     effects, missing, of_settings = {}, {}, {CASE: (seeds, Interval(0.0, 0.0, 0.0, max(2, seeds.count), "none"))}
     for part in PARTS:
         of_part = {setting.side: setting.name for setting in settings if setting.part == part}
@@ -184,8 +191,6 @@ def answer_of(name, unit, values, settings, why_missing, is_seeded=True):
         found = effect(case, finer)
         if part == "step" and "coarser" in of_part:
             found = effect_of_step(case, finer, values.get(of_part["coarser"], {})) if found else None
-        if found and not is_seeded:
-            found = Effect(certain({0: found.interval.value}), note=found.note)
         if found:
             effects[part] = found
         else:
@@ -194,14 +199,8 @@ def answer_of(name, unit, values, settings, why_missing, is_seeded=True):
             theirs = values.get(setting, {})
             shift = effect(theirs, case)
             if shift:
-                of_settings[setting] = (mean_interval(theirs.values()), shift.interval) if is_seeded else (certain(theirs), certain({0: shift.interval.value}))
+                of_settings[setting] = (mean_interval(theirs.values()), shift.interval)
     return Answer(name, unit, seeds, effects, missing, of_settings)
-
-
-def certain(runs):
-    """Of a case without random numbers: all seeds give the same bits."""
-    value = next(iter(runs.values()), math.nan)
-    return Interval(value, value, value, 2, "same bits")
 
 
 def first_names(asked, answers):

@@ -67,8 +67,9 @@ class Campaign:
     def make(self, jobs):
         begin = self.clock()
         fresh = [job for job in jobs if not self.source.is_there(job)]
-        self.say(f"{len(fresh)} runs{f' ({len(jobs) - len(fresh)} more are there)' if len(fresh) < len(jobs) else ''}, about {makespan([self.cost(name) for name, _ in fresh], self.cores) + START:.0f} s"
-                 + (f"; {max(0.0, self.seconds - self.used):.0f} s of the budget are left" if self.seconds else ""))
+        if fresh:
+            self.say(f"{len(fresh)} runs{f' ({len(jobs) - len(fresh)} more are there)' if len(fresh) < len(jobs) else ''}, about {makespan([self.cost(name) for name, _ in fresh], self.cores) + START:.0f} s"
+                     + (f"; {max(0.0, self.seconds - self.used):.0f} s of the budget are left" if self.seconds else ""))
         is_whole = self.source.make(jobs, None if self.seconds is None else max(1.0, self.time_left))
         new = []
         for job in jobs:
@@ -79,7 +80,7 @@ class Campaign:
                 new += [result["cost"]] if job in fresh else []
             elif is_whole:
                 self.fail(job)
-        if new and is_whole:
+        if new and is_whole and len(fresh) == len(jobs):
             self.a_run = min(max(0.0, self.clock() - begin - START - makespan(new, self.cores)) * min(self.cores, len(new)) / len(new), 10 * self.a_run + 10)
         self.is_cut = self.is_cut or not is_whole
         self.find_seeded()

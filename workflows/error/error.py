@@ -37,6 +37,7 @@ from shapes import note, variants_of  # noqa: E402
 from sweep_quantity import statistics_of  # noqa: E402
 
 FEWEST_SEEDS = 2
+STATISTICS = ".statistics/statistics.json"
 
 
 def say(text):
@@ -93,37 +94,53 @@ class Runs:
 
     def __init__(self, words, further):
         self.words, self.queue = words, PointsQueue(words.cores, words.config, further)
-        self.folder, self.named, self.asked, self.messages = words.folder, {}, {}, {}
-        self.has_bonds = False
+        self.folder, self.named, self.asked, self.messages, self.made = words.folder, {}, {}, {}, set()
+        self.first_seed, self.has_bonds = None, False
         self.functions = [name for name in dict.fromkeys([*(goal.name for goal in words.goals), *words.quantity]) if ".py:" in name]
 
+    def name(self, job):
+        """The run with the seed of the case is called by the case alone: it is made before its seed is known."""
+        return CASE if job[0] == CASE and job[1] in (None, self.first_seed) else f"{job[0]}-{job[1]}"
+
     def path(self, job):
-        return os.path.join(self.folder, f"{job[0]}-{job[1]}")
+        return os.path.join(self.folder, self.name(job))
 
     def call(self, jobs, ending, seconds=None):
-        for name, seed in jobs:
-            keys = self.named[name].keys if name in self.named else {}
-            self.asked[f"{name}-{seed}"] = {"case": self.words.run, **keys, **({} if seed is None else {"seed": str(seed)})}
-        return self.queue.call(self.words.case, self.folder, self.asked, [f"{name}-{seed}{ending}" for name, seed in jobs], seconds)
+        for job in jobs:
+            keys = self.named[job[0]].keys if job[0] in self.named else {}
+            self.asked[self.name(job)] = {"case": self.words.run, **keys, **({} if self.name(job) == CASE else {"seed": str(job[1])})}
+        return self.queue.call(self.words.case, self.folder, self.asked, [self.name(job) + ending for job in jobs], seconds)
 
-    def scene(self, job=(CASE, None)):
-        """The scene of the case as it is, seed included."""
-        self.asked = {}
-        code, text = self.call([job], ".scene.h5")
-        self.asked = {}
-        if code != 0 or not os.path.exists(self.path(job) + ".scene.h5"):
+    def first(self, seconds, is_plan):
+        """The scene of the case as it is, and its run unless only a plan is asked for."""
+        job = (CASE, None)
+        code, text = self.call([job], ".scene.h5" if is_plan else STATISTICS, seconds)
+        if code < 0:
+            raise Stop(5, f"the budget of {seconds:.0f} s ended before the first run of the case; the same command with a larger --budget goes on from its checkpoint")
+        if code != 0:
+            message = invalid(self.folder, CASE)
+            if message is not None:
+                raise Stop(5, f"the case itself becomes invalid: {message}")
             errors = tool_errors(text)
             several = re.search(r"\(none given\); there are: (.*)", text)
             if several:
                 raise Stop(2, f"{self.words.case} has several runs; say which: {', '.join(f'{self.words.case}/{run}' for run in several[1].split(', '))}")
             raise Stop(4 if code == 4 else 2, errors[0].partition("error: ")[2] if errors else cannot_begin(text) or f"workflows/run ended with exit code {code}; see {self.folder}.log")
-        return scree.open_scene(self.path(job) + ".scene.h5")
+        scene = scree.open_scene(self.path(job) + ".scene.h5")
+        self.first_seed = int(scene.case.data.get("seed", 0))
+        if not is_plan:
+            self.made.add((CASE, self.first_seed))
+        return scene
 
     def is_there(self, job):
-        return os.path.exists(self.path(job) + ".statistics/statistics.json")
+        return os.path.exists(self.path(job) + STATISTICS)
 
     def make(self, jobs, seconds):
-        code, text = self.call(jobs, ".statistics/statistics.json", seconds)
+        jobs = [job for job in jobs if job not in self.made]   # Snakemake sees each once: it makes those again whose case has changed since
+        if not jobs:
+            return True
+        code, text = self.call(jobs, STATISTICS, seconds)
+        self.made |= {job for job in jobs if self.is_there(job)}
         if code < 0:
             return False
         if code == 4:
@@ -131,9 +148,9 @@ class Runs:
         # a message that stands among those of other runs is not known to be of this one: one run of each setting that failed is called alone
         for name in dict.fromkeys(name for name, seed in jobs if not self.is_there((name, seed))):
             job = next(job for job in jobs if job[0] == name and not self.is_there(job))
-            message = invalid(self.folder, f"{job[0]}-{job[1]}")
+            message = invalid(self.folder, self.name(job))
             if message is None:
-                _, text = self.call([job], ".statistics/statistics.json")
+                _, text = self.call([job], STATISTICS)
                 errors = tool_errors(text)
                 message = errors[0].partition("error: ")[2] if errors else f"failed; see {self.folder}.log"
             self.messages[name] = message
@@ -149,7 +166,7 @@ class Runs:
         return {"numbers": numbers, "cost": record["wall_seconds"] * record["ranks"] * record["threads"], "hash": record["state_hash"]}
 
     def failure(self, job):
-        return invalid(self.folder, f"{job[0]}-{job[1]}") or self.messages.get(job[0])
+        return invalid(self.folder, self.name(job)) or self.messages.get(job[0])
 
 
 def settings_here(runs, scene, folder):
@@ -172,13 +189,13 @@ def settings_here(runs, scene, folder):
     return settings, base
 
 
-def time_of_case(runs, seed):
+def time_of_case(runs):
     """(core time of a run [s], where it is from)."""
-    for job in ((CASE, seed), (CASE, None)):
-        if os.path.exists(runs.path(job) + ".run/run.json"):
-            record = record_of(runs.path(job))
-            return record["wall_seconds"] * record["ranks"] * record["threads"], "a run of the case that was made"
-    result = subprocess.run(["scree-solver", runs.path((CASE, None)) + ".scene.h5", "--plan"], capture_output=True, text=True, check=False)
+    path = runs.path((CASE, None))
+    if os.path.exists(path + ".run/run.json"):
+        record = record_of(path)
+        return record["wall_seconds"] * record["ranks"] * record["threads"], "a run of the case that was made"
+    result = subprocess.run(["scree-solver", path + ".scene.h5", "--plan"], capture_output=True, text=True, check=False)
     found = re.search(r"wall time +about ([\d.e+-]+) (s|min|h|d)\b", result.stdout)
     factor = {"s": 1, "min": 60, "h": 3600, "d": 86400}
     return (float(found[1]) * factor[found[2]] if found else math.nan), "the first steps of the solver, before most contacts have formed: a dense bed takes several times as long"
@@ -214,22 +231,19 @@ def main():
     os.environ["PATH"] = os.pathsep.join([os.environ.get("SCREE_BIN") or os.path.join(ROOT, "build", "release", "bin"), os.environ["PATH"]])
     is_built = "SCREE_BIN" in runs.queue.env
 
-    # 2. the case as it is packed, and its settings
-    scene = runs.scene()
+    # 2. the case as it is: its scene, its first run, its settings
+    scene = runs.first(words.seconds, words.plan)
     runs.queue.env.setdefault("SCREE_BIN", os.path.join(ROOT, "build", "release", "bin"))   # built by now; not again by each call
-    case = scene.case.data
+    case, seed = scene.case.data, runs.first_seed
     settings, base = settings_here(runs, scene, words.folder)
     runs.named, runs.has_bonds = {setting.name: setting for setting in settings}, bool(case.get("bonds"))
-    seed = int(case.get("seed", 0))
     if words.plan:
-        print(plan_text(words, settings, seed, *time_of_case(runs, seed)))
+        print(plan_text(words, settings, seed, *time_of_case(runs)))
         return
     used = time.monotonic() - BEGAN if is_built else 0.0   # building the tools is not part of the budget
 
-    # 3. run
+    # 3. the other runs
     campaign = Campaign(settings, seed, words.seeds, runs, words.cores, words.goals, words.quantity, words.seconds, used, say=say)
-    campaign.costs.of_case = time_of_case(runs, seed)[0]
-    campaign.costs.of_case = campaign.costs.of_case if math.isfinite(campaign.costs.of_case) else 1.0
     campaign.run()
 
     # 4. what came out

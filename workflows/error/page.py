@@ -27,6 +27,10 @@ def duration(seconds):
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
+def seeds_text(count):
+    return f"{count} seed{'s' if count > 1 else ''}"
+
+
 def figure_of(x, sign=""):
     """Two digits, without an exponent where that is readable."""
     if not math.isfinite(x):
@@ -53,15 +57,16 @@ def verdict(answer, report):
     if math.isnan(answer.total):
         return "unknown: a setting has one seed only"
     if answer.is_enough:
-        return f"reached with {answer.seeds.count} seeds"
+        return f"reached with {seeds_text(answer.seeds.count if report.is_seeded else 1)}"
     needed = answer.seeds_for_goal
     if needed is not None:
         further = max(0, needed - min(answer.counts.values()))
         return f"not reached; about {needed} seeds of every setting would reach it, {further} more than now"
     part = max(answer.effects, key=lambda name: abs(answer.effects[name].interval.value), default=None)
-    if part is None or not report.is_seeded:
+    if part is None:
         return "not reached at the settings of this case"
-    return f"not reached, and no number of seeds reaches it: the effects of the settings add up to {answer.bias:+.2g}; the largest is that of the {part}: use {REMEDY[part]}"
+    return (f"not reached{', and no number of seeds reaches it' if report.is_seeded else ''}: the effects of the settings add up to {figure_of(answer.bias, '+')}; "
+            f"the largest is that of the {part}: use {REMEDY[part]}")
 
 
 def effect_text(answer, part):
@@ -83,7 +88,7 @@ def largest_text(answer):
 
 
 def numbers_table(answers):
-    return table(["number", "value and errors", "total error", "largest error"], [(entry.name, entry.text, with_unit(entry.total, entry.unit), largest_text(entry)) for entry in answers])
+    return table(["number", "value and errors", "total error", "largest error"], [(entry.label, entry.text, with_unit(entry.total, entry.unit), largest_text(entry)) for entry in answers])
 
 
 def keys_text(setting):
@@ -99,7 +104,7 @@ def cheapest(answer, report):
     best = None
     for setting in answer.settings:
         cost = report.costs.mean(setting)
-        for count in range(2, MOST + 1) if cost else ():
+        for count in (range(2, MOST + 1) if report.is_seeded else [1]) if cost else ():
             if answer.error_at(setting, count) <= answer.goal:
                 if best is None or count * cost < best[2]:
                     best = setting, count, count * cost
@@ -115,19 +120,19 @@ def chart(answers, report, files):
             cost = report.costs.mean(setting)
             if not cost or (setting != CASE and runs.count < 2):
                 continue
-            counts = np.arange(2, MOST + 1)
+            counts = np.arange(2, MOST + 1) if report.is_seeded else np.array([1])
             errors = np.array([answer.error_at(setting, count) for count in counts])
             number = order.index(setting) % len(COLOURS)
             label = report.named[setting].what.partition(" (")[0] if setting != CASE else "the case"
             plot.plot(counts * cost, errors, color=COLOURS[number], lw=2 if setting == CASE else 1, alpha=1 if setting == CASE else 0.7)
-            now = max(2, runs.count)
-            plot.plot(now * cost, answer.error_at(setting, now), MARKERS[number], color=COLOURS[number], label=f"{label}, {runs.count if report.is_seeded else 1} run{'s' if runs.count > 1 and report.is_seeded else ''}")
+            now = max(2, runs.count) if report.is_seeded else 1
+            plot.plot(now * cost, answer.error_at(setting, now), MARKERS[number], color=COLOURS[number], label=f"{label}, {now} run{'s' if now > 1 else ''}")
         if answer.goal is not None:
             plot.axhline(answer.goal, color="black", ls="--", lw=1)
             plot.annotate(f"goal {with_unit(answer.goal, answer.unit)}", (0.98, answer.goal), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize="small")
             best = cheapest(answer, report)
             if best:
-                plot.plot(best[2], answer.error_at(best[0], best[1]), "o", ms=14, mfc="none", mec="black", label=f"cheapest: {report.named[best[0]].what.partition(' (')[0]}, {best[1]} seeds")
+                plot.plot(best[2], answer.error_at(best[0], best[1]), "o", ms=14, mfc="none", mec="black", label=f"cheapest: {report.named[best[0]].what.partition(' (')[0]}, {seeds_text(best[1])}")
         plot.set_xscale("log")
         if all(np.min(line.get_ydata()) > 0 for line in plot.lines):
             plot.set_yscale("log")
@@ -135,7 +140,7 @@ def chart(answers, report, files):
             axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
             axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}" if f"{x:.0e}"[0] in "25" else ""))
         plot.set_xlabel("core time of all seeds [s]")
-        plot.set_ylabel(f"total error of {answer.name.replace('_', ' ')}" + (f" [{answer.unit}]" if answer.unit not in ("", "-") else ""))
+        plot.set_ylabel(f"total error of {answer.label.replace('_', ' ')}" + (f" [{answer.unit}]" if answer.unit not in ("", "-") else ""))
         plot.grid(alpha=0.3, which="both")
         plot.legend(fontsize="x-small")
     for file in files:
@@ -177,15 +182,15 @@ def markdown(report, answers, first):
         rows = []
         for entry in goals:
             best = cheapest(entry, report)
-            rows.append((entry.name, with_unit(entry.goal, entry.unit), with_unit(entry.total, entry.unit), verdict(entry, report),
-                         f"{report.named[best[0]].what}, {best[1]} seeds, {duration(best[2])} of a core" if best else "none of those tried"))
+            rows.append((entry.label, with_unit(entry.goal, entry.unit), with_unit(entry.total, entry.unit), verdict(entry, report),
+                         f"{report.named[best[0]].what}, {seeds_text(best[1])}, {duration(best[2])} of a core" if best else "none of those tried"))
         lines += ["## Goals", "", *table(["number", "goal", "total error", "verdict", "cheapest setting that reaches it"], rows)]
     if not report.is_seeded:
         lines += ["All seeds give the same bits: this case has no random numbers. One run of each setting is enough, and the intervals have no width.", ""]
     if main and len(main.settings) > 1:
-        lines += [f"![Total error against core time](error.png)", "",
-                  "Each line is a setting: its error falls with the number of seeds, from 2 to 40, down to what the setting itself adds. Markers: the seeds that were run.", ""]
-    lines += ["## Settings", "", *table(["setting", "keys", "seeds", "one run", "core time", f"effect on {main.name}" if main else "effect"], settings_rows(report, main))]
+        lines += ["![Total error against core time](error.png)", ""]
+        lines += ["Each line is a setting: its error falls with the number of seeds, from 2 to 40, down to what the setting itself adds. Markers: the seeds that were run.", ""] if report.is_seeded else []
+    lines += ["## Settings", "", *table(["setting", "keys", "seeds", "one run", "core time", f"effect on {main.label}" if main else "effect"], settings_rows(report, main))]
     for part, entry in main.effects.items() if main else ():
         if entry.note:
             lines += [f"The effect of the {part} is {entry.note}. It is the difference to the finer setting, the least that it can be.", ""]
@@ -204,7 +209,7 @@ def markdown(report, answers, first):
     if len(rest) > len(same):
         lines += ["## All other numbers", "", *numbers_table([entry for entry in rest if not entry.is_constant])]
     if same and report.is_seeded:
-        lines += ["The same in all runs: " + ", ".join(f"{entry.name} = {with_unit(entry.seeds.value, entry.unit)}" for entry in same) + ".", ""]
+        lines += ["The same in all runs: " + ", ".join(f"{entry.label} = {with_unit(entry.seeds.value, entry.unit)}" for entry in same) + ".", ""]
     lines += ["Methods, and what the intervals do not include: `workflows/README.md`, section on errors."]
     return "\n".join(lines) + "\n"
 

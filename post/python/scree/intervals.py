@@ -193,7 +193,7 @@ def _digits(error: float) -> int:
 def shown(value: float, half: float, effects: Mapping[str, float] | None = None, unit: str = "") -> str:
     """A number with its interval from seeds and its signed effects: "32.4 +- 0.8 (seeds) -0.3 (step) +0.1 (shape) deg".
 
-    half     of the seeds; NaN where there is one run only
+    half     of the seeds; NaN where there is one run only, 0 where nothing scatters
     effects  by name; those that are zero in the digits shown are left out
     """
     effects = effects or {}
@@ -211,7 +211,7 @@ def shown(value: float, half: float, effects: Mapping[str, float] | None = None,
         text = f"{x / scale:{sign}.{places}f}"
         return text.replace("-", "") if float(text) == 0 else text
 
-    text = number(value) + (f" +- {number(half)} (seeds)" if math.isfinite(half) else " (one seed)")
+    text = number(value) + (f" +- {number(half)} (seeds)" if half > 0 else " (one seed)" if math.isnan(half) else "")
     text += "".join(f" {number(x, '+')} ({name})" for name, x in effects.items() if float(number(x)) != 0)
     text = f"({text})e{shift}" if shift else text
     return f"{text} {unit}".strip() if unit not in ("-", "") else text
