@@ -12,6 +12,7 @@ import json
 import math
 import os
 import re
+import sys
 import tomllib
 
 TENSOR = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -43,6 +44,8 @@ def function_of(word, folder="."):
         raise Wrong(f"plot={word}: there is no file {path}; give FILE.py:FUNCTION")
     spec = importlib.util.spec_from_file_location("of_user", path)
     module = importlib.util.module_from_spec(spec)
+    if (beside := os.path.dirname(os.path.abspath(path))) not in sys.path:
+        sys.path.append(beside)   # modules beside it, as if it were started as a program
     try:
         spec.loader.exec_module(module)
     except Exception as error:   # whatever stands in it

@@ -187,7 +187,7 @@ def deviation(interval: Interval) -> float:
 def _digits(error: float) -> int:
     """Decimals that show one digit of an error, two where the first is a 1."""
     exponent = math.floor(math.log10(error))
-    return -exponent + (1 if error / 10**exponent < 2 else 0)
+    return -exponent + (1 if error / 10**exponent < 1.95 else 0)
 
 
 def shown(value: float, half: float, effects: Mapping[str, float] | None = None, unit: str = "") -> str:
