@@ -12,7 +12,7 @@ from settings import CASE
 RESERVE = 20.0          # [s] of the budget for the table, the chart and checkpoints of interrupted runs
 RESERVE_SHARE = 0.15    # of the budget, where that is less
 START = 4.0             # [s] of a call of the queue, before its first run
-SMALL = 1.5             # half widths of the seeds: differences of two runs that have nothing in common are 1.41 times as wide as the runs
+SMALL = 0.7             # half widths of the seeds: what is not seen and below adds a fifth to the root of the squares at most
 KNOWN = 0.5             # root of the squares of all half widths over the sum of the effects below which more seeds change nothing
 
 
@@ -149,7 +149,7 @@ class Campaign:
 
     @staticmethod
     def unseen(answer):
-        """Parts whose effect is neither seen nor known to be as small as the scatter of the seeds."""
+        """Parts whose effect is neither seen nor known to be small beside the interval of the seeds."""
         return [part for part, entry in answer.effects.items()
                 if entry.interval.count < MOST and not entry.interval.is_seen and entry.interval.half > SMALL * answer.seeds.half > 0]
 
