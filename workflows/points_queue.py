@@ -9,7 +9,7 @@ import signal
 import subprocess
 
 RUNNER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "run")
-GRACE = 60.0   # [s] for the checkpoints of the solvers that are interrupted
+GRACE = 20.0   # [s] for the checkpoints of the solvers that are interrupted
 
 
 class PointsQueue:

@@ -9,8 +9,10 @@ from answers import answer_of, first_names, goal_in_unit, name_in
 from plan import MOST, Costs, affordable, first_jobs, makespan, next_jobs
 from settings import CASE
 
-RESERVE = 20.0          # [s] of the budget for the table, the chart and checkpoints of interrupted runs
+RESERVE = 20.0          # [s] of the budget for the table, the chart and checkpoints of interrupted runs, until a table was written
 RESERVE_SHARE = 0.15    # of the budget, where that is less
+CHECKPOINTS = 5.0       # [s]
+SAFETY = 2.5            # times that the last table took: other programs may come between
 START = 4.0             # [s] of a call of the queue, before its first run
 SMALL = 0.7             # half widths of the seeds: what is not seen and below adds a fifth to the root of the squares at most
 KNOWN = 0.5             # root of the squares of all half widths over the sum of the effects below which more seeds change nothing
@@ -27,10 +29,12 @@ class Campaign:
 
     source   make(jobs, seconds) -> whether it came to its end in that time; result(job) -> {"numbers": name -> (value, unit), "cost": core seconds,
              "hash": of the last state} or None; failure(job) -> message or None; is_there(job): from a call before
+    write    called with this after every call of the queue: writes the table
     goals    list of answers.Goal; asked: names of quantities; seconds: budget, None for none
     """
 
-    def __init__(self, settings, first_seed, count, source, cores, goals=(), asked=(), seconds=None, used=0.0, clock=time.monotonic, say=lambda text: None):
+    def __init__(self, settings, first_seed, count, source, cores, goals=(), asked=(), seconds=None, used=0.0, clock=time.monotonic, say=lambda text: None,
+                 write=lambda campaign: None):
         self.settings, self.count, self.source, self.cores = settings, count, source, cores
         self.goals, self.asked, self.seconds, self.clock, self.say = list(goals), list(asked), seconds, clock, say
         self.named = {setting.name: setting for setting in settings}
@@ -41,6 +45,8 @@ class Campaign:
         self.costs = Costs(settings, 1.0)
         self.a_run = 1.0                  # [s] of a core for packing and statistics of a run
         self.began = clock() - used
+        self.write = write
+        self.reserve = 0.0 if seconds is None else min(RESERVE, RESERVE_SHARE * seconds)
 
     @property
     def used(self):
@@ -49,7 +55,7 @@ class Campaign:
     @property
     def time_left(self):
         """[s] for runs."""
-        return math.inf if self.seconds is None else self.seconds - min(RESERVE, RESERVE_SHARE * self.seconds) - self.used
+        return math.inf if self.seconds is None else self.seconds - self.reserve - self.used
 
     def there(self, setting):
         return [seed for name, seed in self.results if name == setting]
@@ -188,7 +194,15 @@ class Campaign:
                 if self.is_cut:
                     self.left = [job for job in self.wanted()]
                     break
+            self.write_table()
+        self.write_table()
         return self
+
+    def write_table(self):
+        """After every call of the queue: a user can read it while the runs go on, and the time that it takes is known when the budget ends."""
+        begin = self.clock()
+        self.write(self)
+        self.reserve = max(self.reserve, CHECKPOINTS + SAFETY * (self.clock() - begin))
 
     def answers(self):
         """(all numbers, those of the first table)."""

@@ -242,20 +242,22 @@ def main():
         return
     used = time.monotonic() - BEGAN if is_built else 0.0   # building the tools is not part of the budget
 
-    # 3. the other runs
-    campaign = Campaign(settings, seed, words.seeds, runs, words.cores, words.goals, words.quantity, words.seconds, used, say=say)
+    # 3. the other runs, with the table of what is known after each call of the queue
+    statistics = statistics_of(runs.path((CASE, None)))
+    said = remarks(case) + note(case, base)
+
+    def write_page(campaign):
+        from page import write   # takes a second: matplotlib
+        campaign.title, campaign.case_title, campaign.remarks = words.title, str(case.get("title", "")), said
+        campaign.times = f"Numbers are means over {statistics['first_time']:.4g} to {statistics['last_time']:.4g} s of simulated time."
+        write(campaign, *campaign.answers(), words.folder)
+
+    campaign = Campaign(settings, seed, words.seeds, runs, words.cores, words.goals, words.quantity, words.seconds, used, say=say, write=write_page)
     campaign.run()
 
     # 4. what came out
-    answers, first = campaign.answers()
-    statistics = statistics_of(runs.path((CASE, seed)))
-    campaign.title, campaign.case_title = words.title, str(case.get("title", ""))
-    campaign.times = f"Numbers are means over {statistics['first_time']:.4g} to {statistics['last_time']:.4g} s of simulated time."
-    campaign.remarks = [*remarks(case), *note(case, base)]
-    from page import write   # takes a second: matplotlib
-    write(campaign, answers, first, words.folder)
-    for entry in first:
-        print(f"{entry.name} = {entry.text}")
+    for entry in campaign.answers()[1]:
+        print(f"{entry.label} = {entry.text}")
     say(f"done: {os.path.join(words.folder, 'error.md')}")
 
 
