@@ -5,7 +5,8 @@
     --budget "2 h"                     ends in this time with what it has
     --quantity NAME                    stands first in the table; repeat it. FILE.py:FUNCTION is a function of yours, which gets the path of NAME.run
     --seeds 5                          of every setting
-    --plan                             what would be run, and how long that takes; runs nothing
+    --plan                             what would be run, and how long that takes; packs the case and runs nothing
+    --dry-run                          the steps of the case itself; changes nothing
     --cores N, --out FOLDER, --config WORDS...: as those of workflows/run. Other words go to Snakemake
 
 Results: error.md, error.csv, error.json, error.png and .svg in the folder error of the results of the case. The runs are beside them. The same command goes
@@ -30,7 +31,7 @@ import scree  # noqa: E402
 from answers import Wrong, check_name, fragments_of, goal_of, numbers_of, seconds_of  # noqa: E402
 from campaign import START, Campaign, Stop  # noqa: E402
 from plan import affordable, first_jobs, makespan  # noqa: E402
-from points_queue import PointsQueue, cannot_begin, invalid, tool_errors  # noqa: E402
+from points_queue import RUNNER, PointsQueue, cannot_begin, invalid, tool_errors  # noqa: E402
 from run_record import record_of  # noqa: E402
 from settings import CASE, remarks, settings_of  # noqa: E402
 from shapes import note, variants_of  # noqa: E402
@@ -54,6 +55,7 @@ def read_words(words):
     parser.add_argument("case")
     parser.add_argument("--error", action="store_true")
     parser.add_argument("--plan", action="store_true")
+    parser.add_argument("--dry-run", "--dryrun", "-n", action="store_true")
     parser.add_argument("--goal", action="append", default=[])
     parser.add_argument("--quantity", action="append", default=[])
     parser.add_argument("--budget")
@@ -227,6 +229,8 @@ def plan_text(words, settings, seed, cost, source):
 def main():
     # 1. what is asked for
     words, further = read_words(sys.argv[1:])
+    if words.dry_run:
+        os.execv(RUNNER, [RUNNER, words.case, "--dry-run", "--out", words.folder, *further, *(["--config", *words.config] if words.config else [])])
     runs = Runs(words, further)
     os.environ["PATH"] = os.pathsep.join([os.environ.get("SCREE_BIN") or os.path.join(ROOT, "build", "release", "bin"), os.environ["PATH"]])
     is_built = "SCREE_BIN" in runs.queue.env
