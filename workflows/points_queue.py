@@ -17,6 +17,7 @@ class PointsQueue:
 
     def __init__(self, cores, words=(), further=()):
         self.cores, self.words, self.further = cores, tuple(words), tuple(further)
+        self.received = None   # signal that interrupted a call
         self.env = dict(os.environ)
         tool = shutil.which("scree-solver")
         if tool and "SCREE_BIN" not in self.env:
@@ -39,7 +40,7 @@ class PointsQueue:
             log.flush()
                 # its own process group: an interrupt then reaches Snakemake and its steps alike, as Ctrl-C on a terminal does
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=self.env, process_group=0)
-            before = {number: signal.signal(number, lambda received, _: self._send(process, received)) for number in (signal.SIGTERM, signal.SIGINT)}
+            before = {number: signal.signal(number, lambda received, _: self._pass_on(process, received)) for number in (signal.SIGTERM, signal.SIGINT)}
             try:
                 code = self._wait(process, seconds)
             finally:
@@ -47,6 +48,10 @@ class PointsQueue:
                     signal.signal(number, action)
             log.seek(begin)
             return code, log.read()
+
+    def _pass_on(self, process, number):
+        self.received = number
+        self._send(process, number)
 
     @staticmethod
     def _send(process, number):

@@ -111,7 +111,10 @@ class Runs:
         for job in jobs:
             keys = self.named[job[0]].keys if job[0] in self.named else {}
             self.asked[self.name(job)] = {"case": self.words.run, **keys, **({} if self.name(job) == CASE else {"seed": str(job[1])})}
-        return self.queue.call(self.words.case, self.folder, self.asked, [self.name(job) + ending for job in jobs], seconds)
+        answer = self.queue.call(self.words.case, self.folder, self.asked, [self.name(job) + ending for job in jobs], seconds)
+        if self.queue.received:
+            raise Stop(128 + self.queue.received, "interrupted; the same command goes on from here")
+        return answer
 
     def first(self, seconds, is_plan):
         """The scene of the case as it is, and its run unless only a plan is asked for."""
