@@ -95,7 +95,7 @@ class IntervalsTest(unittest.TestCase):
     def test_totals_and_seeds_for_a_goal(self):
         self.assertAlmostEqual(total_error([0.3, -0.1], [0.3, 0.4]), 0.7)
         self.assertIsNone(seeds_needed(0.2, [0.3, -0.1], [1.0]))
-        self.assertIsNone(seeds_needed(1e-6, [], [1.0]))   # more than anybody runs
+        self.assertIsNone(seeds_needed(1e-6, [], [1.0]))   # more than 10 000
         needed = seeds_needed(0.5, [0.1], [0.3, 0.4])
         width = lambda count: 0.1 + student_quantile(count) * 0.5 / math.sqrt(count)  # noqa: E731
         self.assertLessEqual(width(needed), 0.5)

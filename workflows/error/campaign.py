@@ -155,7 +155,7 @@ class Campaign:
 
     @staticmethod
     def unseen(answer):
-        """Parts whose effect is neither seen nor known to be small beside the interval of the seeds."""
+        """Parts whose effect is neither seen nor known to be small compared with the interval of the seeds."""
         return [part for part, entry in answer.effects.items()
                 if entry.interval.count < MOST and not entry.interval.is_seen and entry.interval.half > SMALL * answer.seeds.half > 0]
 

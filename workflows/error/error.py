@@ -9,7 +9,7 @@
     --dry-run                          the steps of the case itself; changes nothing
     --cores N, --out FOLDER, --config WORDS...: as those of workflows/run. Other words go to Snakemake
 
-Results: error.md, error.csv, error.json, error.png and .svg in the folder error of the results of the case. The runs are beside them. The same command goes
+Results: error.md, error.csv, error.json, error.png and .svg in the folder error of the results of the case. The runs are in the same folder. The same command goes
 on where it was interrupted, and makes no run twice. Exit codes are those of the tools.
 """
 import argparse
