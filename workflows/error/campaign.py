@@ -11,8 +11,8 @@ from settings import CASE
 
 RESERVE = 20.0          # [s] of the budget for the table, the chart and checkpoints of interrupted runs, until a table was written
 RESERVE_SHARE = 0.15    # of the budget, where that is less
-CHECKPOINTS = 5.0       # [s]
-SAFETY = 2.5            # times that the last table took: other programs may come between
+CHECKPOINTS = 10.0      # [s] of runs that are interrupted
+SAFETY = 4.0            # times that the longest table took: the first one has no chart, and other programs may come between
 START = 4.0             # [s] of a call of the queue, before its first run
 SMALL = 0.7             # half widths of the seeds: what is not seen and below adds a fifth to the root of the squares at most
 KNOWN = 0.5             # root of the squares of all half widths over the sum of the effects below which more seeds change nothing
@@ -179,6 +179,7 @@ class Campaign:
         if not self.make([first]):
             raise Stop(5, f"the budget of {self.seconds:.0f} s ended before the first run of the case; give a larger --budget (the run goes on from its checkpoint)")
         self.check_names()
+        self.write_table()
         while jobs := self.wanted():
             is_there = {name for name, seed in jobs if self.source.is_there((name, seed))}
             free = [job for job in jobs if job[0] in is_there and self.source.is_there(job)]
@@ -187,8 +188,8 @@ class Campaign:
             if not chosen and not free or self.is_cut:
                 self.left = jobs if self.is_cut else self.left
                 break
-            # one run of each setting first: then their costs are known
-            unknown = list({name: (name, seed) for name, seed in reversed(chosen) if name not in self.costs.measured}.values())
+            # one run of each finer setting first: then their costs are known
+            unknown = list({name: (name, seed) for name, seed in reversed(chosen) if name not in self.costs.measured and self.named[name].is_finer}.values())
             second = [job for job in chosen if job[0] == CASE][:1] if len(self.there(CASE)) == 1 else []
             if not self.make(free or unknown + second or chosen):
                 if self.is_cut:

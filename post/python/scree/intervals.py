@@ -4,7 +4,7 @@ Intervals are of 95 %:
 - of the mean of fewer than 20 runs: Student's;
 - of 20 runs and more: the studentised bootstrap (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, section 12.5), which follows a skewed
   distribution. Fewer runs do not show the tails: the percentile bootstrap of 5 holds the mean in 85 % only;
-- of fewer than 20 positive and skewed numbers: that of a lognormal distribution, from the logarithms (Olsson, Journal of Statistics Education 13(1),
+- of 3 to 19 positive and skewed numbers: that of a lognormal distribution, from the logarithms (Olsson, Journal of Statistics Education 13(1),
   2005, section 3.4: Cox's method with Student's quantile).
 
 An effect is the value at the setting of the case less the value at a finer setting, as differences between runs of the same seed. The effect of the
@@ -26,6 +26,7 @@ RESAMPLES = 4000         # the ends of an interval are then reproducible to 3 % 
 SKEWED = 0.3             # standard deviation over mean from which the logarithm is used: a normal distribution of positive numbers is rarely wider
 ORDERS = (0.5, 4.0)      # of a step: measured orders outside are noise
 RESOLVED = 0.5           # half width over value of a difference from which an order follows: above, its error is not linear any more
+LOGNORMAL_FROM = 3       # runs: two have no shape
 MOST_SEEDS = 10_000
 ROUNDING = 1e-9          # of a value: errors below it are those of sums
 
@@ -96,7 +97,7 @@ def mean_interval(samples: Iterable[float], *, is_signed: bool = False) -> Inter
         return Interval(float(x[0]), float(x[0]), float(x[0]), len(x), "student")
     if len(x) >= BOOTSTRAP_FROM:
         return _bootstrap(x)
-    if not is_signed and x.min() > 0 and x.std(ddof=1) > SKEWED * x.mean():
+    if not is_signed and len(x) >= LOGNORMAL_FROM and x.min() > 0 and x.std(ddof=1) > SKEWED * x.mean():
         return _lognormal(x)
     return _student(x)
 
