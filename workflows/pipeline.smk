@@ -270,10 +270,16 @@ rule contacts:
     shell: "scree-post contacts {wildcards.run:q}.run -o {output:q}"
 
 
+# Programs that choose the points read numbers: charts would take five times as long as these.
+def words_of_statistics(run):
+    words = shlex.split(STATISTICS if isinstance(STATISTICS, str) else STATISTICS[POINTS.get(run, {}).get("case", run)])
+    return words + ["--no-charts"] if "points" in config and "--no-charts" not in words else words
+
+
 rule statistics:
     input: "{run}.run/run.json"
     output: "{run}.statistics/statistics.json"
-    params: words=lambda wildcards: shlex.split(STATISTICS if isinstance(STATISTICS, str) else STATISTICS[POINTS.get(wildcards.run, {}).get("case", wildcards.run)])
+    params: words=lambda wildcards: words_of_statistics(wildcards.run)
     shell: "scree-post statistics {wildcards.run:q}.run -o {wildcards.run:q}.statistics {params.words:q}"
 
 

@@ -12,6 +12,7 @@ import json
 import math
 import os
 import re
+import sys
 import tomllib
 
 TENSOR = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -43,6 +44,8 @@ def function_of(word, folder="."):
         raise Wrong(f"plot={word}: there is no file {path}; give FILE.py:FUNCTION")
     spec = importlib.util.spec_from_file_location("of_user", path)
     module = importlib.util.module_from_spec(spec)
+    if (beside := os.path.dirname(os.path.abspath(path))) not in sys.path:
+        sys.path.append(beside)   # modules beside it, as if it were started as a program
     try:
         spec.loader.exec_module(module)
     except Exception as error:   # whatever stands in it
@@ -120,6 +123,14 @@ def entry_of(word, run, statistics, functions={}):
     if len(has) > 1:
         raise Wrong(f"plot={word}: {len(has)} walls of {run} have it; say which: {', '.join(f'{name}@{wall}' for wall in has)}")
     return next(iter(has.values()), {})
+
+
+def all_numbers(run, statistics):
+    """All numbers of a run by name: of all bodies, and "force_x@lid" of walls, or by the number of a wall where it has no name."""
+    numbers = dict(statistics["groups"]["all"])
+    for wall, entries in of_walls(run, statistics).items():
+        numbers |= {f"{quantity}@{wall.partition(' ')[2] or wall}": entry for quantity, entry in entries.items() if entry.get("mean") is not None}
+    return numbers
 
 
 def statistics_of(run):

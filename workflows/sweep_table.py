@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from scipy.stats import t as student  # noqa: E402
 
 from run_record import quantity_of, record_of  # noqa: E402  beside this script
-from sweep_quantity import Wrong, entry_of, of_walls, statistics_of  # noqa: E402
+from sweep_quantity import Wrong, all_numbers, entry_of, statistics_of  # noqa: E402
 
 POINTS, QUANTITY, TABLE, *CHARTS = json.loads(sys.argv[1]), *sys.argv[2:]
 MARKERS = "osD^vP*X"
@@ -37,9 +37,7 @@ def scale_of(values):
 
 def read(name):
     statistics = statistics_of(name)
-    numbers = dict(statistics["groups"]["all"])
-    for wall, entries in of_walls(name, statistics).items():   # "force_x@lid", or by its number where it has no name
-        numbers |= {f"{quantity}@{wall.partition(' ')[2] or wall}": entry for quantity, entry in entries.items() if entry.get("mean") is not None}
+    numbers = all_numbers(name, statistics)
     drawn = entry_of(QUANTITY, name, statistics)
     if drawn:
         numbers[QUANTITY] = drawn

@@ -8,6 +8,7 @@ import sys
 import unittest
 
 import scree
+from measure_test import BALL
 from small_run import CASE, InFolder, make, write_box
 
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "post", "python", "examples")
@@ -74,6 +75,13 @@ class ExamplesTest(InFolder):
         self.assertIn("contacts a ball", self.example("own_force.py", self.path("engines")))  # each compares itself with a closed form
         self.assertEqual(len(self.example("own_controller.py", self.path("engines")).splitlines()), 4)
         self.assertEqual(len(self.example("two_engines.py", self.path("engines")).splitlines()), 10)
+
+    def test_measure(self):
+        with open(self.path("ball.toml"), "w", encoding="utf-8") as file:
+            file.write(BALL)
+        output = self.example("measure.py", "ball.toml", "centre_of_mass_z", "1 %", "5 min")
+        self.assertRegex(output, r"centre_of_mass_z = 0\.00[0-9]+ .*\(stiffness\) m")
+        self.assertIn("margin (no body has a margin", output)
 
     def test_the_page(self):
         with open(os.path.join(EXAMPLES, "..", "README.md"), encoding="utf-8") as file:

@@ -97,7 +97,7 @@ class NamesTest(unittest.TestCase):
         return {"Frame": ["frames"], "Frames": ["frames"], "Bodies": ["bodies"], "Contacts": ["contacts"], "Walls": [r"walls"], "Run": ["scree.open", "scree.solve"],
                 "Scene": ["scree.pack", "scree.open_scene"], "Shape": ["shapes"], "Shapes": ["scree.open_shapes", "scree.generate"],
                 "Statistics": ["scree.statistics"], "Material": ["materials"], "Mesh": ["mesh", "meshes"], "Wall": ["walls"], "Result": ["scree.call"],
-                "Region": ["scree.Box", "scree.region"]}.get(name, [])
+                "Region": ["scree.Box", "scree.region"], "Measurement": ["scree.measure"]}.get(name, [])
 
     def test_calls_are_typed(self):
         for name in scree.__all__:

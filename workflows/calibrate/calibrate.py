@@ -11,10 +11,6 @@ import csv
 import difflib
 import json
 import os
-import re
-import shlex
-import shutil
-import signal
 import subprocess
 import sys
 
@@ -29,9 +25,8 @@ except ImportError as missing:
 from settings import FEWEST, REPLICATED, plain, read  # noqa: E402
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from points_queue import PointsQueue, cannot_begin, invalid, tool_errors  # noqa: E402
 from run_record import unit_of  # noqa: E402
-
-RUNNER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "run")
 
 
 class Stop(Exception):
@@ -100,34 +95,15 @@ class Workflow:
     """Calls workflows/run for the runs of a case."""
 
     def __init__(self, runs, cores):
-        self.runs, self.cores = runs, cores
+        self.runs = runs
         self.called = set()   # cases of which Snakemake has seen all runs: it makes those anew whose case has changed since
-        self.env = dict(os.environ)
-        tool = shutil.which("scree-solver")
-        if tool and "SCREE_BIN" not in self.env:
-            self.env["SCREE_BIN"] = os.path.dirname(tool)   # built already; not again by each call
+        self.queue = PointsQueue(cores, runs.settings.words)
 
     def call(self, scene, files):
         """Makes the files; returns the exit code and what was printed."""
-        folder = scene.folder
-        os.makedirs(folder, exist_ok=True)
         its = {other.name: other.run for other in self.runs.settings.scenes if other.case == scene.case}
         points = {name: {"case": its[run["scene"]], **self.runs.keys_of(run)} for name, run in self.runs.all.items() if run["scene"] in its and "failed" not in run}
-        file = os.path.abspath(os.path.join(folder, "points.json"))
-        with open(file, "w", encoding="utf-8") as text:
-            json.dump(points, text, indent=1)
-        command = [RUNNER, scene.case, *files, "--out", folder, "--cores", str(self.cores), "--keep-going", "--config", f"points={file}", *self.runs.settings.words]
-        with open(f"{folder}.log", "a+", encoding="utf-8", errors="replace") as log:
-            begin = log.tell()
-            log.write(f"\n$ {shlex.join(command)}\n")
-            log.flush()
-            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=self.env)
-            before = {number: signal.signal(number, lambda received, _: process.send_signal(received)) for number in (signal.SIGTERM, signal.SIGINT)}
-            code = process.wait()
-            for number, action in before.items():
-                signal.signal(number, action)
-            log.seek(begin)
-            return code, log.read()
+        return self.queue.call(scene.case, scene.folder, points, files)
 
     def check(self, scene):
         """Are the keys those of the case, and are both bounds of each what it may be? scree-decomposer knows."""
@@ -135,8 +111,7 @@ class Workflow:
         code, text = self.call(scene, [f"{first}.toml"])
         case = os.path.join(scene.folder, f"{first}.toml")
         if code != 0 or not os.path.exists(case):
-            lines = re.findall(r"^(?:WorkflowError.*|workflows/run: .*|points: .*)$(?:\n(?!File).+)?", text, flags=re.M)
-            raise Stop(4 if code == 4 else 2, f"workflows/run {scene.case} cannot begin: " + (" ".join(" ".join(lines).split()) or f"exit {code}; see {scene.folder}.log"))
+            raise Stop(4 if code == 4 else 2, f"workflows/run {scene.case} cannot begin: " + (cannot_begin(text) or f"exit {code}; see {scene.folder}.log"))
         settings = self.runs.settings
         tries = [("set", text, text) for of, text in settings.fixed if of in (None, scene.name)]
         for key in settings.keys:
@@ -170,17 +145,13 @@ class Workflow:
             for name in wanted:
                 if os.path.exists(wanted[name]):
                     continue
-                record = os.path.join(mine[name].folder, f"{name}.failed.json")
-                failed = {}
-                if os.path.exists(record):
-                    with open(record, encoding="utf-8") as file:
-                        failed = json.load(file)
                 run = self.runs.content["runs"][name]
-                if failed.get("outcome") == "invalid":
-                    say(f"{name} became invalid ({self.runs.shown(run)}): {failed.get('message')}")
-                    self.runs.fail(name, failed.get("message", "invalid"))
+                message = invalid(mine[name].folder, name)
+                if message is not None:
+                    say(f"{name} became invalid ({self.runs.shown(run)}): {message}")
+                    self.runs.fail(name, message)
                     continue
-                errors = list(dict.fromkeys(re.findall(r"^scree-\w+: error: .*$", text, flags=re.M)))
+                errors = tool_errors(text)
                 if errors:
                     raise Stop(2, f"{name} ({self.runs.shown(run)}) cannot be made: {errors[0]}. Narrow the bounds of the keys, or change the case")
                 last = [line for line in text.splitlines() if line.startswith("workflows/run: ")]

@@ -11,6 +11,7 @@ from .engine import Engine, ScreeWarning
 from .errors import (InputError, InternalError, Interrupted, MachineError, MissingPackage, RunInvalid, ScreeError, UnknownName, UsageError)
 from .frames import Frame, Frames
 from .h5md import write_h5md
+from .measurement import Measurement, measure
 from .meshes import Mesh, rotate, rotation_matrix
 from .packings import Packing
 from .regions import Box, Cylinder, Region, Sphere, region
@@ -26,8 +27,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Bodies", "Box", "Case", "Contacts", "Cylinder", "Engine", "Frame", "Frames", "InputError", "InternalError", "Interrupted",
-    "MachineError", "Material", "Mesh", "MissingPackage", "Packing", "Progress", "Region", "Result", "Run", "RunInvalid", "Scene",
+    "MachineError", "Material", "Measurement", "Mesh", "MissingPackage", "Packing", "Progress", "Region", "Result", "Run", "RunInvalid", "Scene",
     "ScreeError", "ScreeWarning", "Shape", "Shapes", "Sphere", "Statistics", "Table", "UnknownName", "UsageError", "Wall", "Walls",
-    "call", "generate", "import_mesh", "open", "open_scene", "open_shapes", "pack", "region", "report", "rotate", "rotation_matrix",
+    "call", "generate", "import_mesh", "measure", "open", "open_scene", "open_shapes", "pack", "region", "report", "rotate", "rotation_matrix",
     "si", "solve", "statistics", "write_h5md",
 ]
