@@ -332,7 +332,7 @@ motion = { %s }
         time, way, rate, place, positions = program("driven", ranks, scene="driven.scene.h5", rate=0.5, until=0.1)
         assert time == last.time and abs(way - 0.5 * time) < 1e-9 and rate == 0.5, (time, last.time, way)
         assert np.abs(np.subtract(place, last.walls.position[last.walls.row("lid")])).max() < 1e-9
-        assert np.abs(np.subtract(positions, last.bodies.position)).max() < 1e-9
+        assert np.abs(np.subtract(positions, last.bodies.position)).max() < 1e-9, (ranks, np.abs(np.subtract(positions, last.bodies.position)).max())
         hashes.add(str(positions))
     assert len(hashes) == 1
 
