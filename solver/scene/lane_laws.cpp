@@ -42,7 +42,10 @@ void add_zones(const SolverScene& scene, LaneLaws& table) {
     const WallZone& zone = scene.zones()[n];
     const Wall& wall = scene.source().walls[static_cast<std::size_t>(zone.wall)];
     const bool is_plane = zone.kind == WallZone::Kind::plane, is_round = zone.kind == WallZone::Kind::cylinder;
-    const bool goes = (is_plane || (is_round && zone.radius > 0)) && !wall.surface.moves() && !scene.has_answering_walls();
+    // one that is moved from outside answers to nothing
+    const Drive* drive = scene.has_answering_walls() ? scene.drive(static_cast<std::size_t>(zone.wall)) : nullptr;
+    const bool answers = drive != nullptr && !drive->is_outer;
+    const bool goes = (is_plane || (is_round && zone.radius > 0)) && !wall.surface.moves() && !answers;
     table.row_of_zone.push_back(goes ? static_cast<std::int32_t>(table.zones.size()) : -1);
     if (goes) table.zones.push_back({static_cast<std::int32_t>(n), wall.material});
     table.has_cylinders = table.has_cylinders || (goes && is_round);
