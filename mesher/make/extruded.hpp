@@ -27,8 +27,8 @@ CrossSection lobes(int count, double radius, double spread, int steps);
 /// Length of the border of one lobe [m].
 double arc_of_lobe(int count, double radius, double spread);
 
-/// Area of the union with its gap filled [m^2]: count (spread^2 sin(2 t) / 2 + radius^2 t + s sqrt(radius^2 - s^2) + radius^2 asin(s / radius)) with
-/// t = pi / count and s = spread sin(t), the integral of half the squared distance of the border from the axis.
+/// Area of the union with its gap filled [m^2]: count (spread^2 sin(2 t) / 2 + radius^2 t + s sqrt(radius^2 - s^2) + radius^2 asin(s /
+/// radius)) with t = pi / count and s = spread sin(t), the integral of half the squared distance of the border from the axis.
 double area_of_lobes(int count, double radius, double spread);
 
 /// A disc with holes.

