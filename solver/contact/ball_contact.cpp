@@ -154,10 +154,13 @@ BallForce ball_force(const BallContact& c, double dt, double friction_dt, std::v
   }
   f.dissipative_force = (damped - push.push) * m.n + tangential;
   f.force = f.push + f.dissipative_force;
-  const Vec3 torque = ball_torque(across, radius_of(c.view.a), half);
-  f.torque = f.dissipative_torque = kRolling ? torque + moment : torque;
-  if (c.view.zone == nullptr)
-    result.torque_b = kRolling ? ball_torque(across, radius_of(c.view.b), half) - moment : ball_torque(across, radius_of(c.view.b), half);
+  f.torque = ball_torque(across, radius_of(c.view.a), half);
+  if (c.view.zone == nullptr) result.torque_b = ball_torque(across, radius_of(c.view.b), half);
+  if constexpr (kRolling) {
+    f.torque += moment;
+    if (c.view.zone == nullptr) result.torque_b -= moment;
+  }
+  f.dissipative_torque = f.torque;
   if (outputs != nullptr) outputs->assign(1, {m.n, damped, tangential, damped - push.push, slid});
   return result;
 }

@@ -68,20 +68,23 @@ void view_own_margins(const SolverScene& scene, PairView& view) {
 
 }  // namespace
 
-bool is_ball_contact(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone) {
-  const LaneLaws& laws = scene.ball_laws();
-  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  if (laws.kind == LaneLawKind::none || !(p.ball_radius[i] > 0)) return false;
+BallContactRows find_ball_contact(const LaneLaws& laws, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone) {
+  BallContactRows found;
+  const auto i = static_cast<std::size_t>(a);
+  if (laws.kind == LaneLawKind::none || !(p.ball_radius[i] > 0)) return found;
   std::int32_t other = 0;
   if (b >= 0) {
-    if (!(p.ball_radius[j] > 0)) return false;
+    const auto j = static_cast<std::size_t>(b);
+    if (!(p.ball_radius[j] > 0)) return found;
     other = p.material[j];
   } else {
-    const std::int32_t row = laws.row_of_zone[static_cast<std::size_t>(zone)];
-    if (row < 0) return false;
-    other = laws.zones[static_cast<std::size_t>(row)].material;
+    found.wall = laws.row_of_zone[static_cast<std::size_t>(zone)];
+    if (found.wall < 0) return found;
+    other = laws.zones[static_cast<std::size_t>(found.wall)].material;
   }
-  return laws.holds[laws.row(p.material[i], other)] != 0;
+  found.law = laws.row(p.material[i], other);
+  found.is_one = laws.holds[found.law] != 0;
+  return found;
 }
 
 PairView view_of(const SolverScene& scene, const ParticleSet& p, const std::vector<WallState>& walls, std::int32_t a, std::int32_t b,

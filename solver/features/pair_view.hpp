@@ -37,9 +37,19 @@ struct PairView {
   bool has_mesh() const { return geometry == PairGeometry::sphere_mesh || geometry == PairGeometry::two_meshes; }
 };
 
-/// Whether a pair is of two balls, or of a ball and a plane or cylinder, with a law that lanes have: by the scene and its bodies alone,
-/// never by the step. Its force is that of laws/ball-inl.hpp, and its springs are in world axes.
-bool is_ball_contact(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone);
+/// A ball contact as the tables of lanes know it.
+struct BallContactRows {
+  bool is_one = false;     ///< the pair is a ball contact; else the rest says nothing
+  std::int32_t wall = -1;  ///< row of LaneLaws::zones; -1: two balls
+  std::size_t law = 0;     ///< row of LaneLaws::laws
+};
+
+/// A pair of two balls, or of a ball and a plane or cylinder, with a law that lanes have, is a ball contact: by the scene and its bodies
+/// alone, never by the step. Its force is that of laws/ball-inl.hpp, and its springs are in world axes.
+BallContactRows find_ball_contact(const LaneLaws& laws, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone);
+inline bool is_ball_contact(const SolverScene& scene, const ParticleSet& p, std::int32_t a, std::int32_t b, std::int32_t zone) {
+  return find_ball_contact(scene.ball_laws(), p, a, b, zone).is_one;
+}
 
 /// See find_minima(): of two meshes [m].
 inline double sharing_of_vertices(const PairView& view) { return kSharingOfVertices * view.margin; }

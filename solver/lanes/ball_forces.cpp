@@ -197,7 +197,7 @@ HWY_INLINE LanesFound forces_in_lanes(const BallScene& scene, double dt, const B
       const auto [rolled, old_stiffness] = load_fours(springs.rolling, k);
       const RollingMoment rolls = rolling_spring(state, turned_by(mean_turn(m.spins, half_step), rolled), old_stiffness, step);
       store_fours(select(fits, rolls.spring, rolled), select(fits, rolls.stiffness, old_stiffness), k, springs.rolling);
-      store_rows(rolls.moment, zero, &out.moments[k].moment.x, sizeof(BallMoment) / sizeof(double));
+      store_rows(rolls.moment, zero, &out.moments[k].v.x, sizeof(PaddedVec3) / sizeof(double));
     }
     // those that are left keep what they have
     store_fours(select(fits, spring.force, before), select(fits, spring.stiffness, stiffness), k, springs.spring);

@@ -88,7 +88,7 @@ HWY_INLINE Numbers combined(Numbers of_a, Numbers of_b) {
 template <Of kOf>
 HWY_INLINE void load_quarters(const BallRow* rows, const std::int64_t* a, const std::int64_t* b, std::size_t first, Lane* column) {
   static_assert(sizeof(BallRow) == 16 * sizeof(double));
-  const auto at = [=](const std::int64_t* index, std::size_t lane) { return &rows[index[lane]].x.x + first; };
+  const auto at = [=](const std::int64_t* index, std::size_t lane) { return &rows[index[lane]].x.v.x + first; };
 #if HWY_TARGET == HWY_SCALAR
   for (std::size_t j = 0; j < 4; ++j) column[j] = combined<kOf>(Lane(at(a, 0)[j]), Lane(at(b, 0)[j]));
 #elif HWY_TARGET <= HWY_AVX3

@@ -18,22 +18,22 @@ inline constexpr std::size_t kBallPairs = 64;
 struct alignas(256) BallWall {
   Vec3 x;               ///< of the wall frame's origin [m]
   Quat q;               ///< with zeros of the sign that RelativePose gives them
-  Vec3 v, w;            ///< half a step before
+  Vec3 w;               ///< half a step before
   Vec3 pivot, pivot_v;  ///< see PairVelocities
   Vec3 point, direction;
   double radius = 0;  ///< of a cylinder [m]; 0: a plane
 };
 
+/// A vector as lanes load it: four numbers, of which the last is not used.
+struct alignas(32) PaddedVec3 {
+  Vec3 v;
+  double unused = 0;
+};
+
 /// What pairs read of a body, in one place: two lines of the cache.
 struct alignas(128) BallRow {
-  Vec3 x;
-  double radius;  ///< of the ball
-  Vec3 v;
-  double nothing;
-  Vec3 w;
-  double nothing_either;
-  Vec3 surface_spin;  ///< radius times w [m/s]
-  double nor_here;
+  PaddedVec3 x, v, w;
+  PaddedVec3 surface_spin;  ///< radius times w [m/s]
 };
 
 /// What pairs are of: A always a ball, B a ball or a wall.
@@ -81,16 +81,10 @@ struct alignas(32) BallSlot {
   Vec3 lost;     ///< what of the force is dissipative [N]
   double ratio;  ///< overlap over maximum overlap
 };
-/// The moment on A of rolling [N m], where the scene has any.
-struct alignas(32) BallMoment {
-  Vec3 moment;
-  double nothing;
-};
-
 /// Of some pairs.
 struct BallForces {
   BallSlot* slots = nullptr;                        ///< kBallPairs of them, as are moments
-  BallMoment* moments = nullptr;                    ///< null where the scene has none
+  PaddedVec3* moments = nullptr;                    ///< null where the scene has none
   alignas(64) std::array<double, kBallPairs> left;  ///< 1: the pair does not touch, or the general path is to compute it; what is here is
                                                     ///< nothing, and its springs are as they were
   alignas(64) std::array<double, kBallPairs> gap;   ///< of the surfaces, as find_ball_gaps() [m]

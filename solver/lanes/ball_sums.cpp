@@ -65,7 +65,7 @@ void sum_bodies(const BallSums& sums, const Vec3& gravity, std::size_t begin, st
       const auto reach = hn::Set(Four(), slot.half - radius);  // ball_torque()
       force.add_signed(&slot.force.x, sign);
       if constexpr (kRolls)
-        torque.add_scaled_and_signed(&slot.across.x, reach, &sums.moments[place].moment.x, sign);
+        torque.add_scaled_and_signed(&slot.across.x, reach, &sums.moments[place].v.x, sign);
       else
         torque.add_scaled(&slot.across.x, reach);
       lost.add_signed(&slot.lost.x, sign);

@@ -12,7 +12,7 @@ namespace scree {
 /// The pairs of each body.
 struct BallSums {
   const BallSlot* slots;
-  const BallMoment* moments;    ///< null where the scene has none
+  const PaddedVec3* moments;    ///< null where the scene has none
   std::size_t slot_count;       ///< of all pairs
   const std::int32_t* start;    ///< of each body, in `entries`
   const std::int32_t* count;    ///< of each body

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "solver/features/pair_view.hpp"
 #include "solver/lanes/ball_forces.hpp"
 
 namespace scree {
@@ -68,42 +69,6 @@ void BallBlock::part(std::size_t n) {
   if (forces.moments != nullptr) forces.moments[n] = {};
 }
 
-namespace {
-
-/// Where lanes find the law and the other side of a pair.
-struct InLanes {
-  bool goes = false;       ///< it is a ball contact
-  std::size_t law = 0;     ///< row of LaneLaws
-  std::size_t wall = 0;    ///< 0: two balls; else 1 more than the row of the wall
-  std::int64_t other = 0;  ///< row of the ball or of the wall
-};
-
-InLanes in_lanes(const BallScene& scene, const IdlePair& pair, std::int32_t zone) {
-  const ParticleSet& p = scene.p;
-  const LaneLaws& laws = scene.laws;
-  const auto a = static_cast<std::size_t>(pair.a);
-  InLanes found;
-  if (!(p.ball_radius[a] > 0)) return found;
-  std::int32_t material = 0;
-  if (pair.b >= 0) {
-    const auto b = static_cast<std::size_t>(pair.b);
-    if (!(p.ball_radius[b] > 0)) return found;
-    found.other = pair.b;
-    material = p.material[b];
-  } else {
-    const std::int32_t row = laws.row_of_zone[static_cast<std::size_t>(zone)];
-    if (row < 0) return found;
-    found.other = row;
-    found.wall = static_cast<std::size_t>(row) + 1;
-    material = laws.zones[static_cast<std::size_t>(row)].material;
-  }
-  found.law = laws.laws.size() == 1 ? 0 : laws.row(p.material[a], material);
-  found.goes = laws.holds[found.law] != 0;
-  return found;
-}
-
-}  // namespace
-
 BallBlock& BallBlocks::with_slots(std::int32_t n) {
   const auto at = static_cast<std::size_t>(n);
   BallBlock& b = *blocks_[at];
@@ -112,14 +77,14 @@ BallBlock& BallBlocks::with_slots(std::int32_t n) {
   return b;
 }
 
-/// in   wall   as in InLanes
-std::int32_t BallBlocks::block_with_room(std::size_t of, std::size_t wall) {
-  std::int32_t& last = last_[of][wall];
+/// in   wall   as in BallContactRows
+std::int32_t BallBlocks::block_with_room(std::size_t of, std::int32_t wall) {
+  std::int32_t& last = last_[of][static_cast<std::size_t>(wall + 1)];
   if (last >= 0 && blocks_[static_cast<std::size_t>(last)]->pairs.count < kBallPairs) return last;
   if (used_ == blocks_.size()) blocks_.push_back(std::make_unique<BallBlock>());
   BallBlock& block = *blocks_[used_];
   block.pairs.count = 0;
-  block.pairs.with_walls = wall > 0;
+  block.pairs.with_walls = wall >= 0;
   block.all_touch = true;
   last = static_cast<std::int32_t>(used_++);
   of_class_[of].push_back(last);
@@ -130,15 +95,15 @@ std::int32_t BallBlocks::block_with_room(std::size_t of, std::size_t wall) {
 
 /// in   pair   a ball contact, or any other, which is not taken
 bool BallBlocks::append(std::size_t of, std::int32_t k, const BallScene& scene, const BodyPair& pair) {
-  const InLanes found = in_lanes(scene, {pair.a, pair.b, 0}, pair.key.zone);
-  if (!found.goes || !are_of_balls(pair.state.springs, spring_count_)) return false;
+  const BallContactRows found = find_ball_contact(scene.laws, scene.p, pair.a, pair.b, pair.key.zone);
+  if (!found.is_one || !are_of_balls(pair.state.springs, spring_count_)) return false;
   const std::int32_t last = block_with_room(of, found.wall);
   BallBlock& block = *blocks_[static_cast<std::size_t>(last)];
   const std::size_t n = block.pairs.count++;
   load_springs(pair.state.springs, spring_count_, n, block.springs);
   block.springs.law[n] = static_cast<std::int64_t>(found.law);
   block.pairs.a[n] = pair.a;
-  block.pairs.b[n] = found.other;
+  block.pairs.b[n] = found.wall >= 0 ? found.wall : pair.b;
   block.index[n] = k;
   block.touches[n] = 1;
   place_[static_cast<std::size_t>(k)] = last * static_cast<std::int32_t>(kBallPairs) + static_cast<std::int32_t>(n);
@@ -166,7 +131,8 @@ void BallBlocks::fill(const BallScene& scene, const std::array<std::span<const s
       const bool touches = idle[at].way == kTouching || !pairs[at].state.springs.empty();
       if (touches && append(c, k, scene, pairs[at])) continue;
       others_[c].push_back(k);
-      if (!touches && in_lanes(scene, idle[at], idle[at].b < 0 ? pairs[at].key.zone : -1).goes) place_[at] = kWaits;
+      if (!touches && find_ball_contact(scene.laws, scene.p, idle[at].a, idle[at].b, idle[at].b < 0 ? pairs[at].key.zone : -1).is_one)
+        place_[at] = kWaits;
     }
     for (const std::int32_t n : of_class_[c]) complete(n, scene);
   }

@@ -84,11 +84,11 @@ class BallBlocks {
   void load_result(std::int32_t place, PairResult& result) const;
   /// What pairs in blocks do, by their places.
   const std::vector<BallSlot>& slots() const { return slots_; }
-  const std::vector<BallMoment>& moments() const { return moments_; }  ///< empty where the scene has none
+  const std::vector<PaddedVec3>& moments() const { return moments_; }  ///< empty where the scene has none
 
  private:
   BallBlock& with_slots(std::int32_t n);
-  std::int32_t block_with_room(std::size_t of, std::size_t wall);
+  std::int32_t block_with_room(std::size_t of, std::int32_t wall);
   bool append(std::size_t of, std::int32_t k, const BallScene& scene, const BodyPair& pair);
   void complete(std::int32_t n, const BallScene& scene);
   void give_back(std::size_t place, std::size_t k, std::vector<BodyPair>& pairs, std::vector<PairResult>& results,
@@ -99,7 +99,7 @@ class BallBlocks {
   std::vector<std::unique_ptr<BallBlock>> blocks_;  // more than are used
   std::size_t used_ = 0;
   std::vector<BallSlot> slots_;  // of all blocks, one after another
-  std::vector<BallMoment> moments_;
+  std::vector<PaddedVec3> moments_;
   std::array<std::vector<std::int32_t>, kPairClasses> of_class_, others_;
   std::array<std::vector<std::int32_t>, kPairClasses>
       last_;                         // of each wall row of balls and, first, of two balls: the block being filled, or -1

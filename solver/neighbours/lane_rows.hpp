@@ -36,14 +36,14 @@ template <class Fours>
 
 /// The result of a pair of balls, or of a ball and a wall without what it does to the wall.
 /// in   moment   null where the scene has none
-inline void load(const BallSlot& slot, const BallMoment* moment, double radius_a, double radius_b, PairResult& result) {
+inline void load(const BallSlot& slot, const PaddedVec3* moment, double radius_a, double radius_b, PairResult& result) {
   result.force_a = slot.force;
   result.elastic = slot.elastic;
   result.torque_a = ball_torque(slot.across, radius_a, slot.half);
   result.torque_b = ball_torque(slot.across, radius_b, slot.half);
   if (moment != nullptr) {
-    result.torque_a += moment->moment;
-    result.torque_b -= moment->moment;
+    result.torque_a += moment->v;
+    result.torque_b -= moment->v;
   }
   result.dissipative_force_a = slot.lost;
   result.dissipative_torque_a = result.torque_a;

@@ -254,7 +254,7 @@ void PairList::sum_onto_bodies(const Vec3& gravity, ParticleSet& p) const {
 /// go together.
 void PairList::sum_blocks(const Vec3& gravity, ParticleSet& p) const {
   const std::vector<BallSlot>& slots = blocks_.slots();
-  const std::vector<BallMoment>& moments = blocks_.moments();
+  const std::vector<PaddedVec3>& moments = blocks_.moments();
   const BallSums sums{slots.data(), moments.empty() ? nullptr : moments.data(), slots.size(), start_.data(), due_count_.data(),
                       due_.data()};
 #pragma omp parallel
@@ -279,7 +279,7 @@ void PairList::sum_with_others(std::size_t i, const BallSums& sums, const Vec3& 
     if (due[n] >= 0) {
       const BallSlot& slot = sums.slots[at];
       Vec3 of_pair = ball_torque(slot.across, p.ball_radius[i], slot.half);
-      if (sums.moments != nullptr) of_pair += sign * sums.moments[at].moment;
+      if (sums.moments != nullptr) of_pair += sign * sums.moments[at].v;
       force += sign * slot.force;
       torque += of_pair;
       dissipative_force += sign * slot.lost;

@@ -14,10 +14,9 @@ BallWall ball_wall(const WallZone& zone, const WallState& wall) {
   BallWall w;
   w.x = wall.position;
   w.q = Quat{} * wall.orientation;
-  w.v = wall.velocity_before;
   w.w = wall.angular_velocity_before;
   w.pivot = wall.pivot;
-  w.pivot_v = wall.pivot == wall.position ? w.v : wall.pivot_velocity_before;
+  w.pivot_v = wall.pivot == wall.position ? wall.velocity_before : wall.pivot_velocity_before;
   w.point = zone.point;
   w.direction = zone.direction;
   w.radius = zone.kind == WallZone::Kind::cylinder ? zone.radius : 0;
@@ -31,7 +30,7 @@ void collect_rows(const ParticleSet& p, std::size_t begin, std::size_t end, std:
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t n = first; n < last; ++n) {
     const auto i = static_cast<std::size_t>(n);
-    rows[i] = {p.x[i], 0, p.v[i], 0, p.w[i], 0, p.ball_radius[i] * p.w[i], 0};
+    rows[i] = {{p.x[i]}, {p.v[i]}, {p.w[i]}, {p.ball_radius[i] * p.w[i]}};
   }
 }
 

@@ -119,7 +119,7 @@ class BallEvaluation {
   BallSprings springs_;
   BallForces forces_;
   std::array<BallSlot, kBallPairs> slots_;
-  std::array<BallMoment, kBallPairs> moments_;
+  std::array<PaddedVec3, kBallPairs> moments_;
   std::vector<std::int32_t> left_, begun_;  // begun_: touch, and did not in the last step
   std::vector<std::int32_t> left_of_blocks_;
   double largest_overlap_ = 0;
