@@ -213,7 +213,7 @@ def made_is_dissipated(folder):
 
 def what_is_made_is_what_is_dissipated_as_steps_change_and_bodies_fall_asleep():
     fast = POPULATION.replace("velocity = [0.3, 0.2, -0.6]", "velocity = [0.9, 0.6, -1.8]")
-    pack("halved", heap(duration=0.24, checkpoint=0.12, time='step = 8e-4\nstep_control = "quantised"', more=fast))
+    pack("halved", heap(duration=0.32, checkpoint=0.16, time='step = 8e-4\nstep_control = "quantised"', more=fast))
     for ranks in (1, 2):
         run(ranks, "halved.scene.h5", "-o", f"halved{ranks}.run")
         made_is_dissipated(f"halved{ranks}.run")

@@ -251,6 +251,8 @@ class Impacts : public Effect, public PairObserver {
   }
   void start(RunState& s) override { add_entries(s, entries_, 0.5 * s.clock.dt, false, totals_); }
   void after_kick(RunState& s) override { add_entries(s, entries_, s.clock.dt, true, totals_); }
+  /// As for all that is dissipated (StepLevels::change).
+  void on_step_change(RunState& s, double difference) override { add_entries(s, entries_, difference, false, totals_); }
 
   EffectRecord record(const RunState& s) const override {
     ImpactTotals all = totals_;
