@@ -311,12 +311,7 @@ class PairEvaluation {
     }
     if (view.zone != nullptr && pass_.scene.has_answering_walls())
       motion.inverse_mass_b = pass_.scene.wall_mobility(static_cast<std::size_t>(view.zone->wall), view.a.x);
-    const bool needs_outputs = !pass_.observers.empty() && is_output_needed(view);
-    // Looking must not change anything: it works on a copy of the springs.
-    std::vector<FrictionSpring> copy;
-    if (pass_.is_read_only()) copy = pair.state.springs;
-    const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt,
-                                       pass_.is_read_only() ? copy : pair.state.springs, needs_outputs ? &outputs_ : nullptr);
+    const PairForce f = pass_.force_of(features_, law, motion, pass_.dt, pass_.friction_dt, springs_of(pair), outputs_of(view));
     result.active = true;
     result.contact_count = static_cast<std::int32_t>(features_.list.size());
     // torques about B's centre: T_B = (x_B - x_A) x F - T_A
@@ -334,18 +329,22 @@ class PairEvaluation {
     conclude(view, law, motion, f, a_to_world, deep, lists, pair, result);
   }
 
+  /// A pass that only looks must not change anything: it works on a copy of the springs.
+  std::vector<FrictionSpring>& springs_of(BodyPair& pair) {
+    if (!pass_.is_read_only()) return pair.state.springs;
+    copy_of_springs_ = pair.state.springs;
+    return copy_of_springs_;
+  }
+
   /// The same of a ball contact, whose frame of A has the axes of the world.
   [[gnu::noinline]] void apply_ball_law(const PairView& view, const PairVelocities& velocities, const PairLaw& law, const DeepEntry& deep,
                                         CandidateLists& lists, BodyPair& pair, PairResult& result) {
     const Mat3 a_to_world = matrix_of(view.a.q);
     PairMotion motion = motion_of(pass_.p, pair.a, pair.b, view, velocities, a_to_world);
     if (pass_.scene.law_choice().needs_radius) motion.radius = radius_of(view, law);
-    const bool needs_outputs = !pass_.observers.empty() && is_output_needed(view);
-    std::vector<FrictionSpring> copy;
-    if (pass_.is_read_only()) copy = pair.state.springs;
-    const BallForce of_ball = pass_.force_of_balls(
-        {view, velocities, features_.list.front(), law, motion.radius, motion.inverse_mass_a, motion.inverse_mass_b}, pass_.dt,
-        pass_.friction_dt, pass_.is_read_only() ? copy : pair.state.springs, needs_outputs ? &outputs_ : nullptr);
+    const BallForce of_ball =
+        pass_.force_of_balls({view, velocities, features_.list.front(), law, motion.radius, motion.inverse_mass_a, motion.inverse_mass_b},
+                             pass_.dt, pass_.friction_dt, springs_of(pair), outputs_of(view));
     set_result(view, of_ball, result);
     conclude(view, law, motion, of_ball.force, a_to_world, deep, lists, pair, result);
   }
@@ -362,9 +361,9 @@ class PairEvaluation {
     if (!pass_.observers.empty()) show(view, law, motion, f, a_to_world, lists, pair);
   }
 
-  [[gnu::noinline]] bool is_output_needed(const PairView& view) const {
-    return std::any_of(pass_.observers.begin(), pass_.observers.end(),
-                       [&](const PairObserver* o) { return o->needs_outputs() && o->observes(view); });
+  std::vector<ContactOutput>* outputs_of(const PairView& view) {
+    const auto needs = [&](const PairObserver* o) { return o->needs_outputs() && o->observes(view); };
+    return std::any_of(pass_.observers.begin(), pass_.observers.end(), needs) ? &outputs_ : nullptr;
   }
 
   [[gnu::noinline]] void show(const PairView& view, const PairLaw& law, const PairMotion& motion, const PairForce& force,
@@ -388,6 +387,7 @@ class PairEvaluation {
   CandidateLists lists_of_balls_;
   PairFeatures features_;
   std::vector<ContactOutput> outputs_;
+  std::vector<FrictionSpring> copy_of_springs_;
   SurfaceBeneath surface_;
   PairLaw fitted_;                // to the maximum overlap of a pair
   Vec3 shift_;                    // of A in the pair that is concluded (contact/overlap_limit.hpp), frame of A
