@@ -84,8 +84,9 @@ CommandResult describe_command(const DescribeOptions& options) {
   }
   std::size_t widest = 4;
   for (const std::string& name : names) widest = std::max(widest, name.size());
-  result.output = fmt::format("{:<{}}  {:>11} {:>11} {:>10} {:>10} {:>10} {:>10} {:>6} {:>6} {:>6} {:>6} {:>6}\n", "shape", widest,
-                              "volume m^3", "surface m^2", "d_V m", "L m", "I m", "S m", "spher.", "convex", "I/L", "S/I", "angul.");
+  result.output = fmt::format("{:<{}}  {:>11} {:>11} {:>10} {:>10} {:>10} {:>10} {:>10} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6}\n", "shape",
+                              widest, "volume m^3", "surface m^2", "d_V m", "L m", "I m", "S m", "sieve m", "d_V/sv", "spher.", "convex",
+                              "I/L", "S/I", "angul.");
   std::string csv = "shape";
   for (const DescriptorColumn& column : descriptor_columns()) {
     csv += fmt::format(",{}{}", column.name, *column.unit == '\0' ? "" : fmt::format(" [{}]", column.unit));
@@ -93,10 +94,11 @@ CommandResult describe_command(const DescribeOptions& options) {
   csv += "\n";
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Descriptors& d = all[i];
-    result.output +=
-        fmt::format("{:<{}}  {:>11.4g} {:>11.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>6.3f} {:>6.3f} {:>6.3f} {:>6.3f} {:>6.3f}\n",
-                    names[i], widest, d.volume, d.area, d.volume_diameter, d.lengths.x, d.lengths.y, d.lengths.z, d.sphericity, d.convexity,
-                    d.elongation, d.flatness, d.angularity);
+    result.output += fmt::format(
+        "{:<{}}  {:>11.4g} {:>11.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g} {:>6.3f} {:>6.3f} {:>6.3f} {:>6.3f} {:>6.3f} "
+        "{:>6.3f}\n",
+        names[i], widest, d.volume, d.area, d.volume_diameter, d.lengths.x, d.lengths.y, d.lengths.z, d.sieve_opening, d.sieve_ratio,
+        d.sphericity, d.convexity, d.elongation, d.flatness, d.angularity);
     csv += csv_cell(names[i]);
     for (const DescriptorColumn& column : descriptor_columns()) csv += fmt::format(",{}", column.value(d));
     csv += "\n";

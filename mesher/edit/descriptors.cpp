@@ -8,6 +8,7 @@
 
 #include "core/geometry/half_edges.hpp"
 #include "mesher/edit/convex_hull.hpp"
+#include "mesher/edit/sieve_opening.hpp"
 
 namespace scree {
 
@@ -48,7 +49,8 @@ Descriptors describe(const TriangleMesh& mesh) {
   d.volume_diameter = std::cbrt(6 * d.volume / std::numbers::pi);
   d.area_diameter = std::sqrt(d.area / std::numbers::pi);
   d.sphericity = d.area > 0 ? std::numbers::pi * d.volume_diameter * d.volume_diameter / d.area : 0;
-  d.hull_volume = mass_properties(convex_hull(mesh.vertices)).volume;
+  const TriangleMesh hull = convex_hull(mesh.vertices);
+  d.hull_volume = mass_properties(hull).volume;
   d.convexity = d.hull_volume > 0 ? d.volume / d.hull_volume : 0;
   Box3 box;
   for (const Vec3& p : mesh.vertices) box.add(rotate_inverse(mass.body_from_principal, p - mass.centre));
@@ -58,6 +60,8 @@ Descriptors describe(const TriangleMesh& mesh) {
   d.elongation = sides[1] / sides[0];
   d.flatness = sides[2] / sides[1];
   d.angularity = angularity_of(mesh);
+  d.sieve_opening = sieve_opening(hull.vertices);
+  d.sieve_ratio = d.volume_diameter / d.sieve_opening;
   d.principal_moments = mass.principal_moments;
   return d;
 }
@@ -77,6 +81,8 @@ const std::vector<DescriptorColumn>& descriptor_columns() {
                                                      {"elongation", "", [](D d) { return d.elongation; }},
                                                      {"flatness", "", [](D d) { return d.flatness; }},
                                                      {"angularity", "", [](D d) { return d.angularity; }},
+                                                     {"sieve_opening", "m", [](D d) { return d.sieve_opening; }},
+                                                     {"sieve_ratio", "", [](D d) { return d.sieve_ratio; }},
                                                      {"principal_moment_1", "m^5", [](D d) { return d.principal_moments.x; }},
                                                      {"principal_moment_2", "m^5", [](D d) { return d.principal_moments.y; }},
                                                      {"principal_moment_3", "m^5", [](D d) { return d.principal_moments.z; }}};

@@ -9,7 +9,7 @@
 
 namespace scree {
 
-/// All of a closed mesh at density 1. None but the lengths, volume, area and moments depends on scale.
+/// All of a closed mesh at density 1. None but the lengths, sieve opening, volume, area and moments depends on scale.
 struct Descriptors {
   double volume = 0;           ///< [m^3]
   double area = 0;             ///< [m^2]
@@ -22,6 +22,8 @@ struct Descriptors {
   double elongation = 0;       ///< I / L (Zingg)
   double flatness = 0;         ///< S / I (Zingg)
   double angularity = 0;       ///< see describe
+  double sieve_opening = 0;    ///< side of the smallest square opening that it passes [m], see sieve_opening.hpp
+  double sieve_ratio = 0;      ///< volume_diameter / sieve_opening: by which sieve openings become diameters of equal volume
   Vec3 principal_moments;      ///< ascending, density 1 [m^5]
 };
 

@@ -13,6 +13,7 @@
 #include "solver/effects/effects.hpp"
 #include "solver/effects/sleep/sleep.hpp"
 #include "solver/laws/restitution.hpp"
+#include "solver/run/inflow.hpp"
 #include "solver/run/run.hpp"
 
 namespace scree {
@@ -78,8 +79,6 @@ class Plan {
   void add_sleep();
   void add_fluid();
   void add_space();
-  double mean_mass(const Inlet& inlet) const;
-  double bodies_to_come(const Inlet& inlet) const;
   std::string text_of(const Inlet& inlet) const;
   void add_output();
   void add_numbers();
@@ -229,35 +228,10 @@ void Plan::add_fluid() {
   }
 }
 
-/// Mass of the mean body of an inlet [kg].
-double Plan::mean_mass(const Inlet& inlet) const {
-  double mass = 0, shares = 0;
-  for (const Inlet::Share& share : inlet.shares) {
-    const Shape& shape = source_.shapes[static_cast<std::size_t>(share.shape)];
-    double volume = 1;
-    if (inlet.size) {
-      constexpr int kSamples = 1000;
-      const SizeSampler sizes(*inlet.size);
-      volume = 0;
-      for (int n = 0; n < kSamples; ++n)
-        volume += std::pow(sizes.diameter((n + 0.5) / kSamples) / shape.equivalent_diameter(), 3) / kSamples;
-    }
-    mass += share.share * volume * source_.mass(share.shape, inlet.material, 1);
-    shares += share.share;
-  }
-  return mass / shares;
-}
-
-/// Bodies that an inlet is to let in during the run, about.
-double Plan::bodies_to_come(const Inlet& inlet) const {
-  const double owed = inlet.owed(settings_.duration), mean = mean_mass(inlet), number = inlet.rate.by_number ? owed : owed / mean;
-  return std::min({number, inlet.limit / mean, inlet.count >= 0 ? static_cast<double>(inlet.count) : 1e300});
-}
-
 std::string Plan::text_of(const Inlet& inlet) const {
-  const double number = bodies_to_come(inlet);
+  const double mean = mean_mass(source_, inlet), number = inflow_by(inlet, mean, settings_.duration);
   return fmt::format("'{}': about {:.0f} bodies, {} in all, at most {} at a time; looked at every {} steps; when full: {}", inlet.name,
-                     number, format_quantity(number * mean_mass(inlet), Dimension::mass),
+                     number, format_quantity(number * mean, Dimension::mass),
                      inlet.rate.by_number ? format_quantity(inlet.rate.largest(), Dimension::frequency)
                                           : format_quantity(inlet.rate.largest(), Dimension::mass) + "/s",
                      kExchangeSteps, word_of(inlet.when_full));
@@ -337,7 +311,7 @@ void Plan::add_numbers() {
                        sizeof(ParticleRecord) + 8 * sizeof(Vec3), sizeof(BodyPair) + sizeof(PairResult),
                        static_cast<double>(count_.shape_bytes) / 1e3, static_cast<double>(candidate_bytes) / 1e3, pairs);
   double most = static_cast<double>(count_.bodies);
-  for (const Inlet& inlet : source_.inlets) most += bodies_to_come(inlet);
+  for (const Inlet& inlet : source_.inlets) most += inflow_by(inlet, mean_mass(source_, inlet), settings_.duration);
   if (!source_.inlets.empty()) {
     text_ += fmt::format("                about {:.1f} MB for {:.0f} bodies at the end, pairs not counted{}\n",
                          most * static_cast<double>(sizeof(ParticleRecord) + 8 * sizeof(Vec3)) / 1e6, most,

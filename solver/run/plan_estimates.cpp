@@ -13,7 +13,11 @@
 #include "core/base/progress.hpp"
 #include "core/base/units.hpp"
 #include "core/storage/frame_file.hpp"
+#include "solver/phases.hpp"
+#include "solver/run/bed_sample.hpp"
+#include "solver/run/inflow.hpp"
 #include "solver/run/measures.hpp"
+#include "solver/run/plan_ranks.hpp"
 #include "solver/run/thread_choice.hpp"
 
 namespace scree {
@@ -27,10 +31,16 @@ constexpr double kRowsPerFrame = 10;  // of log.csv, see make_schedule
 /// Contacts a body has in a heap at rest: 4 to 6 neighbours, each shared by two; some corners and edges of meshes for each.
 constexpr double kContactsAtRest = 2.4;
 
+/// A step of a bed over one of the same bodies as they fall, of balls and of meshes, about, before a sample tells.
+constexpr double kBedOverFallOfBalls = 4, kBedOverFallOfMeshes = 25;
+/// How far off an estimate may be: walls and what stirs the bed are not in the sample, and a large bed fits no cache
+/// (tests/benchmarks/plan).
+constexpr double kSpread = 1.5;
+
 /// The first steps of the run.
 struct Pace {
   std::int64_t steps = 0;
-  double seconds = 0;  ///< of them
+  double seconds = 0;  ///< of them: processor time of the first thread of the slowest rank
   std::int64_t contacts = 0;
   double slowdown = 1;  ///< see CoreWatch
   double per_step() const { return steps > 0 ? seconds / static_cast<double>(steps) : 0; }
@@ -48,13 +58,16 @@ Pace pace_of(const mpi::Communicator& comm, Simulation& simulation, std::int64_t
   const std::int64_t warm_up = std::min(kWarmUp, whole_run / 2), most = std::min(kMaxSteps, whole_run - warm_up);
   run(warm_up);
   const Clock::time_point begin = Clock::now();
+  const double used_before = thread_seconds();
   CoreWatch cores;
-  while (pace.steps < most && pace.seconds < kMaxSeconds) {
+  double passed = 0;
+  while (pace.steps < most && passed < kMaxSeconds) {
     const std::int64_t steps = std::min(kBetweenLooks, most - pace.steps);
     run(steps);
     pace.steps += steps;
-    pace.seconds = comm.max(std::chrono::duration<double>(Clock::now() - begin).count());
+    passed = comm.max(std::chrono::duration<double>(Clock::now() - begin).count());
   }
+  pace.seconds = comm.max(thread_seconds() - used_before);
   cores.take_in();
   if (cores.seconds() > kWorthWatching) pace.slowdown = cores.slowdown();
   pace.contacts = contact_count(simulation.state());
@@ -69,11 +82,24 @@ double resident() {
   return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+BodiesToCut bodies_to_cut(Simulation& simulation) {
+  const RunState& s = simulation.state();
+  BodiesToCut bodies;
+  for (std::size_t i = 0; i < s.particles.owned; ++i) {
+    bodies.id.push_back(s.particles.id[i]);
+    bodies.x.push_back(s.particles.x[i]);
+    bodies.reach.push_back(s.particles.radius[i] + s.scene.contact_range() + 0.5 * simulation.lists().skin());
+    bodies.work.push_back(std::max(s.particles.work[i], 1e-12));  // not measured yet: as good as none
+  }
+  return bodies;
+}
+
 std::string bytes_text(double bytes) {
   if (bytes < 1e6) return fmt::format("{:.0f} kB", bytes / 1e3);
   return bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
+/// The numbers of a plan, and their text.
 class Estimates {
  public:
   Estimates(const mpi::Communicator& comm, const LoadedScene& loaded, const Simulation& simulation)
@@ -83,13 +109,31 @@ class Estimates {
       if (!bodies.fixed[b]) masses_.push_back(scene_.mass(b));
     }
     std::sort(masses_.begin(), masses_.end());
+    for (const Inlet& inlet : scene_.inlets) mean_masses_.push_back(mean_mass(scene_, inlet));
     steps_ = step_.step > 0 ? static_cast<std::int64_t>(std::ceil(settings_.duration / step_.step)) : 0;
   }
   std::int64_t steps() const { return steps_; }
 
-  std::string text(const Pace& pace, double memory) {
+  /// Whether most contacts are still to form, in a run that is long enough for a sample to be worth its time.
+  bool needs_sample(const Pace& pace) const {
+    constexpr double kLongRun = 20;  // [s]
+    return contacts_at_rest() > 2 * static_cast<double>(pace.contacts) && guess(pace) > kLongRun;
+  }
+  /// Processor time of a body and step, the mean over the run [s].
+  double time_of_body(const Pace& pace) const {
+    const double of_step =
+        bed_ ? time_as_bed(pace, bed_->resting) / static_cast<double>(std::max<std::int64_t>(steps_, 1)) : pace.per_step();
+    return of_step / std::max(1.0, bodies_at(0));
+  }
+  /// Processor time that a sample may take [s]: a tenth of what the run may take, and no more than a user waits for.
+  double sample_budget(const Pace& pace) const { return std::clamp(0.1 * guess(pace), 5.0, 20.0); }
+
+  std::string text(const Pace& pace, double memory, const std::optional<BedSample>& bed) {
+    bed_ = bed;
     if (pace.steps > 0) add_time(pace);
-    line("memory in all", fmt::format("{} now{}", bytes_text(memory), comm_.size() > 1 ? ", of all ranks together" : ""));
+    line("memory in all",
+         fmt::format("{} now{}{}", bytes_text(memory), comm_.size() > 1 ? ", of all ranks together" : "",
+                     bed_ ? fmt::format(", about {} in a bed", bytes_text(memory + bed_->memory * bodies_at(settings_.duration))) : ""));
     add_disk(pace);
     add_help();
     return text_;
@@ -98,18 +142,103 @@ class Estimates {
  private:
   void line(const std::string& what, const std::string& value) { text_ += fmt::format("  {:<13} {}\n", what, value); }
 
+  /// Time of the run as a bed [s], before a sample tells. Where no body is there yet, an inlet will bring them: long.
+  double guess(const Pace& pace) const {
+    if (masses_.empty()) return 1e300;
+    const bool balls = std::all_of(scene_.bodies.shape.begin(), scene_.bodies.shape.end(), [&](std::int32_t shape) {
+      return scene_.shapes[static_cast<std::size_t>(shape)].kind == ShapeKind::sphere;
+    });
+    return (balls ? kBedOverFallOfBalls : kBedOverFallOfMeshes) * pace.per_step() * static_cast<double>(steps_);
+  }
+
   /// Contacts of a heap of all bodies, where gravity may make one.
-  double contacts_at_rest() const { return length(settings_.gravity) > 0 ? kContactsAtRest * static_cast<double>(masses_.size()) : 0; }
+  double contacts_at_rest() const {
+    return length(settings_.gravity) > 0 ? (bed_ ? bed_->contacts : kContactsAtRest) * bodies_at(settings_.duration) : 0;
+  }
+
+  /// Bodies that move at a time, if none leaves.
+  double bodies_at(double time) const { return static_cast<double>(masses_.size()) + come_by(time); }
+
+  /// Bodies that inlets have let in by a time, about.
+  double come_by(double time) const {
+    double all = 0;
+    for (std::size_t i = 0; i < scene_.inlets.size(); ++i) all += inflow_by(scene_.inlets[i], mean_masses_[i], time);
+    return all;
+  }
+
+  /// How long what is there falls, and what comes in [s]: with the speed of the fastest impact.
+  double fall_time() const {
+    const double g = length(settings_.gravity);
+    return g > 0 ? settings_.impact_speed / g : 0;
+  }
+
+  /// Processor time of the run on all ranks [s].
+  /// in   falling, lying   of a body and step before it has contacts and in a bed [s]
+  double whole_time(const Pace& pace, double falling, double lying) const {
+    constexpr int kSlices = 400;
+    const double slice = settings_.duration / kSlices, steps = static_cast<double>(steps_) / kSlices;
+    // what falls rests after twice the longest fall, and its contacts form one after the other until then
+    const double rest = std::max(2 * fall_time(), 1e-300), first = static_cast<double>(masses_.size());
+    const double begun = std::min(1.0, static_cast<double>(pace.contacts) / std::max(bed_->contacts * first, 1.0));
+    double all = 0;
+    for (int k = 0; k < kSlices; ++k) {
+      const double time = (k + 0.5) * slice, lies = begun + (1 - begun) * std::min(1.0, time / rest);
+      const double bed = first * lies + come_by(std::max(0.0, time - rest)), fall = bodies_at(time) - bed;
+      all += steps * (bed * lying + fall * falling);
+    }
+    return all;
+  }
+
+  /// How much faster the cores in use are than the one of the sample, as far as the first steps tell.
+  double faster_than_one(const Pace& pace) const {
+    const double cores = comm_.size() * omp_get_max_threads(), falling = bed_->falling * static_cast<double>(masses_.size());
+    return cores > 1 && pace.per_step() > 0 ? std::clamp(falling / pace.per_step(), 1.0, cores) : 1;
+  }
+
+  /// Time of the run on one core [s].   in   lying   of a body and step in a bed [s]
+  double time_as_bed(const Pace& pace, double lying) const {
+    const double first = static_cast<double>(masses_.size());
+    return whole_time(pace, first > 0 ? pace.per_step() * faster_than_one(pace) / first : bed_->falling, lying);
+  }
 
   void add_time(const Pace& pace) {
+    if (bed_) return add_time_of_bed(pace);
     const double all = pace.per_step() * static_cast<double>(steps_);
     line("wall time", fmt::format("about {} at the pace of {} steps that were just made ({:.3g} us a step, {} contacts)",
                                   format_duration(all), pace.steps, 1e6 * pace.per_step(), pace.contacts));
     if (contacts_at_rest() > 2 * static_cast<double>(pace.contacts))
       line("",
            fmt::format("a heap of all bodies has about {:.0f} contacts, and steps take several times as long then", contacts_at_rest()));
-    if (pace.slowdown > kSlowedDown) line("", slowdown_text(pace.slowdown));
+    add_load(pace);
     add_cores();
+  }
+
+  /// From a sample of the bed that is still to form.
+  void add_time_of_bed(const Pace& pace) {
+    const double faster = faster_than_one(pace);
+    const double all = time_as_bed(pace, bed_->resting) / faster, bodies = bodies_at(settings_.duration);
+    line("wall time", fmt::format("about {} ({} to {}): {:.3g} us a step as now, {:.3g} us once {:.0f} bodies lie in a bed",
+                                  format_duration(all), format_duration(all / kSpread), format_duration(all * kSpread),
+                                  1e6 * pace.per_step(), 1e6 * bed_->resting * bodies / faster, bodies));
+    line("", fmt::format("a sample of {} of these bodies was settled in {:.1f} s: {:.3g} us a body and step in a bed, {:.3g} in free fall; "
+                         "{:.2f} contacts a body",
+                         bed_->bodies, bed_->seconds, 1e6 * bed_->resting, 1e6 * bed_->falling, bed_->contacts));
+    if (settings_.stop_at_rest || settings_.stop_when_empty)
+      line("", fmt::format("that is until {}; the run may end sooner ({})", format_quantity(settings_.duration, Dimension::time),
+                           settings_.stop_at_rest ? "time.stop_at_rest" : "time.stop_when_empty"));
+    if (settings_.sleep) line("", "bodies that sleep (time.sleep) take about a fiftieth of that");
+    if (!scene_.outlets.empty()) line("", "if no body leaves");
+    add_load(pace);
+    add_cores();
+  }
+
+  /// Times are those of cores that no other program uses.
+  void add_load(const Pace& pace) {
+    constexpr double kWorthTelling = 1.5;
+    if (pace.slowdown > kSlowedDown)
+      line("", slowdown_text(pace.slowdown));
+    else if (pace.slowdown > kWorthTelling)
+      line("", fmt::format("{:.1f} times as long while other programs use these cores as now", pace.slowdown));
   }
 
   /// What more or fewer cores would bring, of the bodies that there are; of an inlet more come.
@@ -198,14 +327,16 @@ class Estimates {
   const Scene& scene_;
   const Settings& settings_;
   const StepSize step_;
-  std::vector<double> masses_;  ///< of the bodies that move, ascending [kg]
+  std::optional<BedSample> bed_;
+  std::vector<double> mean_masses_;  ///< of the bodies of each inlet [kg]
+  std::vector<double> masses_;       ///< of the bodies that move, ascending [kg]
   std::int64_t steps_ = 0;
   std::string text_;
 };
 
 }  // namespace
 
-std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loaded, Simulation& simulation) {
+std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loaded, Simulation& simulation, int other_ranks) {
   Estimates estimates(comm, loaded, simulation);
   Pace pace;
   try {
@@ -214,7 +345,17 @@ std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loa
     return fmt::format("  wall time     none: the run ends in its first steps; {}\n", reason.what());
   }
   const double memory = comm.sum(resident());
-  return estimates.text(pace, memory);
+  std::optional<BedSample> bed;
+  if (pace.steps > 0 && estimates.needs_sample(pace))
+    bed = settle_sample(*loaded.prepared, simulation.state().clock.size.step, estimates.sample_budget(pace));
+  std::string text = estimates.text(pace, memory, bed);
+  const BodiesToCut bodies = other_ranks > 0 ? bodies_to_cut(simulation) : BodiesToCut{};
+  if (bodies.x.size() < static_cast<std::size_t>(other_ranks))
+    return text + fmt::format("  {:<13} more than the {} bodies of the scene at its start: no estimate\n",
+                              fmt::format("{} ranks", other_ranks), bodies.x.size());
+  if (other_ranks > 0)
+    text += text_of(step_on_ranks(bodies, estimates.time_of_body(pace), other_ranks), static_cast<double>(estimates.steps()));
+  return text;
 }
 
 }  // namespace scree

@@ -9,8 +9,10 @@
 namespace scree {
 
 /// Wall time, memory, disk, and what would make the run shorter. Advances the simulation by some hundred steps, for two seconds at most;
-/// writes nothing. Collective.
-/// in   simulation   started from the scene
-std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loaded, Simulation& simulation);
+/// where most contacts are still to form and the run is long, settles a sample of the bed (bed_sample.hpp), 20 s at most. Writes nothing.
+/// Collective.
+/// in   simulation    started from the scene
+/// in   other_ranks   of which the time is asked as well (plan_ranks.hpp), on one rank only; 0: none
+std::string estimates_text(const mpi::Communicator& comm, const LoadedScene& loaded, Simulation& simulation, int other_ranks = 0);
 
 }  // namespace scree

@@ -10,6 +10,7 @@
 #include "mesher/check/mesh_check.hpp"
 #include "mesher/edit/convex_hull.hpp"
 #include "mesher/edit/descriptors.hpp"
+#include "mesher/edit/sieve_opening.hpp"
 #include "mesher/make/extruded.hpp"
 #include "mesher/make/primitives.hpp"
 #include "mesher/make/random_rock.hpp"
@@ -84,6 +85,71 @@ TEST(Descriptors, of_a_fine_sphere_tend_to_one_and_zero) {
   EXPECT_NEAR(d.convexity, 1, 1e-12);
   EXPECT_NEAR(d.elongation, 1, 2e-3);
   EXPECT_LT(d.angularity, 0.02);
+}
+
+// ---- sieves
+
+/// Points of an ellipsoid, so many that widths are exact to 3e-4.
+std::vector<Vec3> points_of_ellipsoid(const Vec3& half_axes, const Quat& turned) {
+  std::vector<Vec3> points = test::icosphere(5).vertices;
+  for (Vec3& p : points) p = rotate(turned, Vec3{p.x * half_axes.x, p.y * half_axes.y, p.z * half_axes.z});
+  return points;
+}
+
+TEST(SieveOpening, of_ellipsoids_is_the_diagonal_of_their_middle_and_shortest_axes) {
+  const Quat turned = normalised(Quat{0.3, -0.5, 0.7, 0.2});
+  for (const Vec3& h : {Vec3{1, 1, 1}, Vec3{3, 1, 1}, Vec3{2, 1.5, 0.4}, Vec3{1, 1, 0.2}}) {
+    const double closed = std::sqrt(2 * (h.y * h.y + h.z * h.z)), found = sieve_opening(points_of_ellipsoid(h, turned));
+    EXPECT_NEAR(found / closed, 1, 1e-3) << h.x << " " << h.y << " " << h.z;
+  }
+}
+
+TEST(SieveOpening, of_a_tetrahedron_is_the_published_one) {
+  // a regular tetrahedron passes a square hole if and only if its diagonal is at least the edge (Itoh, Tanoue and Zamfirescu 2006)
+  TriangleMesh mesh = platonic_solid("tetrahedron");
+  for (Vec3& p : mesh.vertices) p = rotate(normalised(Quat{0.9, 0.1, 0.3, -0.2}), p) + Vec3{3, 2, 1};
+  EXPECT_NEAR(sieve_opening(mesh.vertices), std::sqrt(0.5), 1e-6);
+}
+
+TEST(SieveOpening, of_boxes_is_their_middle_side_or_the_diagonal_passage_of_a_plate) {
+  const auto opening = [](const Vec3& sides) {
+    TriangleMesh mesh = box_mesh(sides);
+    for (Vec3& p : mesh.vertices) p = rotate(normalised(Quat{0.4, 0.8, -0.1, 0.3}), p);
+    return sieve_opening(mesh.vertices);
+  };
+  EXPECT_NEAR(opening({1, 1, 1}), 1, 1e-6);
+  EXPECT_NEAR(opening({4, 2, 1}), 2, 2e-6);
+  EXPECT_NEAR(opening({4, 2, 0.5}), 2.5 / std::sqrt(2.0), 2e-6);  // across the corners of the opening: thinner than .414 of the middle side
+  EXPECT_NEAR(opening({3, 2, 0.1}), 2.1 / std::sqrt(2.0), 2e-6);
+}
+
+TEST(SieveOpening, no_pair_of_directions_of_a_fine_grid_is_better) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    RockForm form;
+    form.seed = seed;
+    const std::vector<Vec3> corners = convex_hull(random_rock(form).vertices).vertices;
+    const double found = sieve_opening(corners);
+    double least = 1e300;
+    const auto width = [&](const Vec3& u) {
+      double low = 1e300, high = -1e300;
+      for (const Vec3& p : corners) low = std::min(low, dot(p, u)), high = std::max(high, dot(p, u));
+      return high - low;
+    };
+    constexpr int kGrid = 40;
+    for (int i = 0; i < kGrid; ++i) {
+      for (int j = 0; j < 2 * kGrid; ++j) {
+        const double polar = 0.5 * kPi * (i + 0.5) / kGrid, azimuth = kPi * j / kGrid;
+        const Vec3 n{std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)};
+        const Vec3 e{std::cos(polar) * std::cos(azimuth), std::cos(polar) * std::sin(azimuth), -std::sin(polar)}, f = cross(n, e);
+        for (int k = 0; k < kGrid; ++k) {
+          const double a = 0.5 * kPi * k / kGrid;
+          least = std::min(least, std::max(width(std::cos(a) * e + std::sin(a) * f), width(std::cos(a) * f - std::sin(a) * e)));
+        }
+      }
+    }
+    EXPECT_LE(found, least * (1 + 1e-12));
+    EXPECT_GT(found, 0.97 * least);  // and it is one of its neighbours, not nonsense
+  }
 }
 
 TEST(ConvexHull, of_a_cube_with_points_inside_and_on_its_faces_is_the_cube) {
