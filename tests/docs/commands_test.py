@@ -20,7 +20,7 @@ GROUPS = {
     "workflows": ["docs/results/distance-study.md", "docs/results/cases.md", *(f"workflows/{name}/README.md" for name in (
         "beam", "boulders", "brazilian", "calibrate", "column", "conveyor", "crater", "crush", "dice", "distance-study", "drum", "error", "fluidised", "granite", "granuheap", "heated-bed", "heated-drum", "hopper", "impact", "mill", "peers", "press", "repose", "rockfall", "scaling", "screen", "shape-dial", "silo", "stability", "sticky", "triaxial", "unbroken", "validation", "work-precision"))],
     "tests": ["docs/develop/testing.md", "tests/sanitizers/README.md", "tests/validation/README.md", "tests/metamorphic/README.md", *(f"tests/benchmarks/{name}/README.md" for name in (
-        "broad_phase", "candidates", "distance", "leave_out", "peers", "steps"))],
+        "broad_phase", "candidates", "distance", "leave_out", "peers", "plan", "steps"))],
 }
 # a template of docs/results/distance-study.md, and a page whose commands need the changes that extending_test.py makes
 NOT_HERE = {"workflows/distance-study/page.md", "docs/develop/extending.md"}
