@@ -6,7 +6,8 @@ The scene has [heat]. SHARE: of the times of warm.toml; 1: all. Makes NAME.csv, 
 height at the end of each step of warm.toml, and NAME.energy.md, the energy of both codes. On ranks as couple.py: the bodies are on all, the air is on rank 0.
 
 In each window of air.toml: the flow, then the temperature of the air with the bodies as they are, then the steps of the bodies in air of this temperature.
-What they took leaves the air in the next window. Energies are counted from the temperature of the air at the start.
+What they took leaves the air in the next window. Energies are counted from the temperature of the air at the start. `outside` is the number of bodies above the
+box of the air, which exchange nothing with it.
 """
 import csv
 import os
@@ -51,7 +52,7 @@ def row_of(time, velocity, gas, position, temperature):
     low, high = np.percentile(temperature, [5, 95])
     outlet = gas.T.x.array[gas.flow.grid[:, :, -1]].mean()
     return {"time": time, "velocity": velocity, "inlet": float(gas.inlet.value), "outlet": outlet, "mean": temperature.mean(), "deviation": temperature.std(), "low": low, "high": high,
-            "top": np.sort(position[:, 2])[-20:].mean(), "taken": gas.to_bodies + gas.owed.sum(), "carried_in": gas.inflow, "carried_out": gas.outflow, "held": gas.held}
+            "top": np.sort(position[:, 2])[-20:].mean(), "outside": np.count_nonzero(position[:, 2] > gas.flow.high[2]), "taken": gas.to_bodies + gas.owed.sum(), "carried_in": gas.inflow, "carried_out": gas.outflow, "held": gas.held}
 
 
 def profile_of(time, gas, position, temperature):
